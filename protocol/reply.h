@@ -44,7 +44,10 @@ struct StatusReply {  // /status.reply
   double skipped_s = 0;
   bool recording = false;
   double captured_s = 0;
-  double full_scale_pa = 0;            // the sound pressure at 1 m that is a sample of 1
+  double full_scale_pa = 0;  // the sound pressure at 1 m that is a sample of 1
+  std::int32_t limited = 0;
+  std::int32_t coupled_objects = 0;
+  double psi = 1;
   std::optional<std::string> capture;  // the file; absent: nothing is being captured
 };
 struct VersionReply {  // /version.reply

@@ -367,6 +367,9 @@ protocol::StatusReply OscServer::status() const {
           .recording = parts_.recorder && parts_.recorder->records(),
           .captured_s = captured ? captured->seconds : 0,
           .full_scale_pa = parts_.session.rack().mixer().settings().full_scale_pa,
+          .limited = whole(mixer.limited.load()),
+          .coupled_objects = whole(mixer.coupled_voices.load()),
+          .psi = static_cast<double>(mixer.psi_over_truth.load()),
           .capture = captured ? std::optional(captured->path) : std::nullopt};
 }
 

@@ -82,6 +82,16 @@ void print_radiation(const modal::BankRadiation& radiation) {
   }
 }
 
+void print_nonlinear(const modal::NonlinearTerms& terms) {
+  std::printf("nonlinear  %zu modes bend each other's pitch, by %zu functions that leave out %s; it is %.3g mm thick\n",
+              terms.mode_count(), terms.function_count(), as_percent(terms.residual).c_str(), 1e3 * terms.thickness_m);
+  if (terms.coupled > 0) std::printf("           %u of them exchange energy when struck hard\n", terms.coupled);
+  if (const auto spread = modal::error_spread(terms.errors)) {
+    std::printf("           errors of a mode's own hardening, as estimated: median %s, largest %s\n",
+                as_percent(spread->median).c_str(), as_percent(spread->largest).c_str());
+  }
+}
+
 void print_head(const modal::Bank& bank) {
   if (bank.provenance.wall_elements > 0) {
     std::printf(
@@ -101,6 +111,7 @@ void print_head(const modal::Bank& bank) {
     std::printf("grain      E = %.3g %.3g %.3g Pa, nu = %.3g %.3g %.3g, G = %.3g %.3g %.3g Pa\n", e[0], e[1], e[2],
                 nu[0], nu[1], nu[2], g[0], g[1], g[2]);
   }
+  if (bank.nonlinear) print_nonlinear(*bank.nonlinear);
   if (bank.held) std::printf("held       by supports: no free body\n");
   if (const auto& m = bank.mass) {
     std::printf("mass       %.4g kg, inertia %.4g %.4g %.4g kg m2 about (%.4g %.4g %.4g) m\n", m->mass_kg,

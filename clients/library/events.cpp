@@ -19,12 +19,14 @@ Result<void> check_frame(const synth::Mixer& mixer, std::int64_t frame) {
   return fail(ErrorKind::bad_input, "frame lies more than an hour ahead");
 }
 
-// Neither allocates nor locks, unless it fails. A gain or pan goes to the mixer alone: Rack::push would lock to write
-// it into the object's description.
+// Plays a request, or says why there is none. Neither allocates nor locks, unless it fails. A gain or pan goes to the
+// mixer alone: Rack::push would lock to write it into the object's description.
 template <class Request>
-ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, const Request& request, ringdown_error* error) {
+ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, const Result<Request>& made, ringdown_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!mixer) return missing("mixer");
+    if (!made) return fail(made.error());
+    const Request& request = *made;
     if (auto good = protocol::check(request); !good) return good;
     if (auto good = check_frame(mixer->rack.mixer(), frame); !good) return good;
     mixer->events.clear();
@@ -42,10 +44,6 @@ ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, const Request& r
   });
 }
 
-ringdown_result refuse(const char* what, ringdown_error* error) {
-  return guarded(error, [&] { return missing(what); });
-}
-
 Pose pose_of(const double* position_m, const double* wxyz) {
   return {vector(position_m), {wxyz[0], wxyz[1], wxyz[2], wxyz[3]}};
 }
@@ -60,85 +58,171 @@ ringdown_contact default_contact() {
   return contact;
 }
 
+ringdown_bow default_bow() {
+  ringdown_bow bow{};
+  bow.size = sizeof bow;
+  bow.rosin = protocol::SetBow{}.touch.friction;
+  return bow;
+}
+
+ringdown_mallet default_mallet() {
+  const protocol::HitMallet hit;
+  ringdown_mallet mallet{};
+  mallet.size = sizeof mallet;
+  mallet.mass_kg = 0.02;
+  mallet.head = hit.touch.stiffness;
+  mallet.bounce = hit.touch.bounce;
+  return mallet;
+}
+
+ringdown_coupling default_coupling() {
+  const protocol::SetCoupling set;
+  ringdown_coupling coupling{};
+  coupling.size = sizeof coupling;
+  coupling.stiffness = set.touch.stiffness;
+  coupling.friction = set.touch.friction;
+  coupling.bounce = set.touch.bounce;
+  return coupling;
+}
+
+// Fills `size` bytes of a caller's struct, which may be older or newer than ours, with defaults.
+template <class Struct>
+void fill_in(Struct* given, std::size_t size, const Struct& ours) {
+  if (!given || size < sizeof given->size) return;
+  std::memset(given, 0, size);
+  std::memcpy(given, &ours, std::min(size, sizeof ours));
+  given->size = size;
+}
+
 }  // namespace
 
 ringdown_result ringdown_strike(ringdown_mixer* mixer, int64_t frame, uint32_t object, const double point_m[3],
                                 const double impulse_ns[3], double contact_time_s, ringdown_error* error) {
-  if (!point_m || !impulse_ns) return refuse("point_m or impulse_ns", error);
-  return play(mixer, frame, protocol::Strike{numbered(object), vector(point_m), vector(impulse_ns), contact_time_s},
-              error);
+  if (!point_m || !impulse_ns) return play<protocol::Strike>(mixer, frame, missing("point_m or impulse_ns"), error);
+  return play<protocol::Strike>(
+      mixer, frame, protocol::Strike{numbered(object), vector(point_m), vector(impulse_ns), contact_time_s}, error);
 }
 
 ringdown_result ringdown_strike_at(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t point,
                                    const double impulse_ns[3], double contact_time_s, ringdown_error* error) {
-  if (!impulse_ns) return refuse("impulse_ns", error);
-  return play(mixer, frame, protocol::StrikeVertex{numbered(object), point, vector(impulse_ns), contact_time_s}, error);
+  if (!impulse_ns) return play<protocol::StrikeVertex>(mixer, frame, missing("impulse_ns"), error);
+  return play<protocol::StrikeVertex>(
+      mixer, frame, protocol::StrikeVertex{numbered(object), point, vector(impulse_ns), contact_time_s}, error);
 }
 
 ringdown_result ringdown_click(ringdown_mixer* mixer, int64_t frame, uint32_t object, const double impulse_ns[3],
                                double contact_time_s, ringdown_error* error) {
-  if (!impulse_ns) return refuse("impulse_ns", error);
-  return play(mixer, frame, protocol::Click{numbered(object), vector(impulse_ns), contact_time_s}, error);
+  if (!impulse_ns) return play<protocol::Click>(mixer, frame, missing("impulse_ns"), error);
+  return play<protocol::Click>(mixer, frame, protocol::Click{numbered(object), vector(impulse_ns), contact_time_s},
+                               error);
 }
 
-void ringdown_contact_init(ringdown_contact* contact, size_t size) {
-  if (!contact || size < sizeof contact->size) return;
-  std::memset(contact, 0, size);
-  const ringdown_contact ours = default_contact();
-  std::memcpy(contact, &ours, std::min(size, sizeof ours));
-  contact->size = size;
-}
+void ringdown_contact_init(ringdown_contact* contact, size_t size) { fill_in(contact, size, default_contact()); }
 
 ringdown_result ringdown_touch(ringdown_mixer* mixer, int64_t frame, uint32_t object, const ringdown_contact* contact,
                                ringdown_error* error) {
-  if (!contact) return refuse("contact", error);
+  if (!contact) return play<protocol::SetContact>(mixer, frame, missing("contact"), error);
   const auto given = library::taken(contact, contact->size, default_contact());
-  if (!given) return library::tell(library::code_of(given.error().kind), given.error().message, error);
+  if (!given) return play<protocol::SetContact>(mixer, frame, fail(given.error()), error);
   protocol::SetContact request{numbered(object), vector(given->point_m), {}};
   request.contact = {.number = given->number,
                      .force_n = vector(given->force_n),
                      .slip_m_s = given->slip_m_s,
                      .roll_m_s = given->roll_m_s,
                      .texture = {given->roughness_m, given->correlation_m, given->spectral_slope}};
-  return play(mixer, frame, request, error);
+  return play<protocol::SetContact>(mixer, frame, request, error);
+}
+
+void ringdown_bow_init(ringdown_bow* bow, size_t size) { fill_in(bow, size, default_bow()); }
+
+ringdown_result ringdown_draw_bow(ringdown_mixer* mixer, int64_t frame, uint32_t object, const ringdown_bow* bow,
+                                  ringdown_error* error) {
+  if (!bow) return play<protocol::SetBow>(mixer, frame, missing("bow"), error);
+  const auto given = library::taken(bow, bow->size, default_bow());
+  if (!given) return play<protocol::SetBow>(mixer, frame, fail(given.error()), error);
+  protocol::SetBow request{numbered(object), vector(given->point_m)};
+  request.touch.number = given->number;
+  request.touch.direction = vector(given->direction);
+  request.touch.speed_m_s = given->speed_m_s;
+  request.touch.force_n = given->force_n;
+  request.touch.width_m = given->width_m;
+  request.touch.friction = given->rosin;
+  return play<protocol::SetBow>(mixer, frame, request, error);
+}
+
+void ringdown_mallet_init(ringdown_mallet* mallet, size_t size) { fill_in(mallet, size, default_mallet()); }
+
+ringdown_result ringdown_hit(ringdown_mixer* mixer, int64_t frame, uint32_t object, const ringdown_mallet* mallet,
+                             ringdown_error* error) {
+  if (!mallet) return play<protocol::HitMallet>(mixer, frame, missing("mallet"), error);
+  const auto given = library::taken(mallet, mallet->size, default_mallet());
+  if (!given) return play<protocol::HitMallet>(mixer, frame, fail(given.error()), error);
+  protocol::HitMallet request{numbered(object), vector(given->point_m), vector(given->velocity_m_s)};
+  request.touch.mass_kg = given->mass_kg;
+  request.touch.stiffness = given->head;
+  request.touch.bounce = given->bounce;
+  return play<protocol::HitMallet>(mixer, frame, request, error);
+}
+
+void ringdown_coupling_init(ringdown_coupling* coupling, size_t size) { fill_in(coupling, size, default_coupling()); }
+
+ringdown_result ringdown_couple(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                const ringdown_coupling* coupling, ringdown_error* error) {
+  if (!coupling) return play<protocol::SetCoupling>(mixer, frame, missing("coupling"), error);
+  const auto given = library::taken(coupling, coupling->size, default_coupling());
+  if (!given) return play<protocol::SetCoupling>(mixer, frame, fail(given.error()), error);
+  protocol::SetCoupling request{numbered(object), vector(given->point_m), numbered(given->other)};
+  request.touch.number = given->number;
+  request.touch.other_point_m = vector(given->other_point_m);
+  request.touch.direction = vector(given->direction);
+  request.touch.force_n = given->weight_n;
+  request.touch.gap_m = given->gap_m;
+  request.touch.stiffness = given->stiffness;
+  request.touch.friction = given->friction;
+  request.touch.bounce = given->bounce;
+  request.touch.mass_kg = given->mass_kg;
+  return play<protocol::SetCoupling>(mixer, frame, request, error);
 }
 
 ringdown_result ringdown_ring(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t first, uint32_t count,
                               double amplitude, ringdown_error* error) {
-  return play(mixer, frame, protocol::RingModes{numbered(object), first, count, amplitude}, error);
+  return play<protocol::RingModes>(mixer, frame, protocol::RingModes{numbered(object), first, count, amplitude}, error);
 }
 
 ringdown_result ringdown_gain(ringdown_mixer* mixer, int64_t frame, uint32_t object, double gain, double ramp_s,
                               ringdown_error* error) {
-  return play(mixer, frame, protocol::SetGain{numbered(object), gain, ramp_s}, error);
+  return play<protocol::SetGain>(mixer, frame, protocol::SetGain{numbered(object), gain, ramp_s}, error);
 }
 
 ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double pan, ringdown_error* error) {
-  return play(mixer, frame, protocol::SetPan{numbered(object), pan}, error);
+  return play<protocol::SetPan>(mixer, frame, protocol::SetPan{numbered(object), pan}, error);
 }
 
 ringdown_result ringdown_clear(ringdown_mixer* mixer, int64_t frame, uint32_t object, double ramp_s,
                                ringdown_error* error) {
-  return play(mixer, frame, protocol::ClearObject{numbered(object), ramp_s}, error);
+  return play<protocol::ClearObject>(mixer, frame, protocol::ClearObject{numbered(object), ramp_s}, error);
 }
 
 ringdown_result ringdown_pose(ringdown_mixer* mixer, int64_t frame, uint32_t object, const double position_m[3],
                               const double rotation_wxyz[4], ringdown_error* error) {
-  if (!position_m || !rotation_wxyz) return refuse("position_m or rotation_wxyz", error);
-  return play(mixer, frame, protocol::SetPose{numbered(object), pose_of(position_m, rotation_wxyz)}, error);
+  if (!position_m || !rotation_wxyz)
+    return play<protocol::SetPose>(mixer, frame, missing("position_m or rotation_wxyz"), error);
+  return play<protocol::SetPose>(mixer, frame, protocol::SetPose{numbered(object), pose_of(position_m, rotation_wxyz)},
+                                 error);
 }
 
 ringdown_result ringdown_listener(ringdown_mixer* mixer, int64_t frame, const double position_m[3],
                                   const double rotation_wxyz[4], ringdown_error* error) {
-  if (!position_m || !rotation_wxyz) return refuse("position_m or rotation_wxyz", error);
-  return play(mixer, frame, protocol::SetListener{pose_of(position_m, rotation_wxyz)}, error);
+  if (!position_m || !rotation_wxyz)
+    return play<protocol::SetListener>(mixer, frame, missing("position_m or rotation_wxyz"), error);
+  return play<protocol::SetListener>(mixer, frame, protocol::SetListener{pose_of(position_m, rotation_wxyz)}, error);
 }
 
 ringdown_result ringdown_listener_off(ringdown_mixer* mixer, int64_t frame, ringdown_error* error) {
-  return play(mixer, frame, protocol::ListenerOff{}, error);
+  return play<protocol::ListenerOff>(mixer, frame, protocol::ListenerOff{}, error);
 }
 
 ringdown_result ringdown_listener_air(ringdown_mixer* mixer, int64_t frame, double temperature_c,
                                       double humidity_percent, ringdown_error* error) {
-  return play(mixer, frame, protocol::SetListenerAir{temperature_c, humidity_percent}, error);
+  return play<protocol::SetListenerAir>(mixer, frame, protocol::SetListenerAir{temperature_c, humidity_percent}, error);
 }

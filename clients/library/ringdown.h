@@ -246,6 +246,59 @@ RINGDOWN_API void ringdown_contact_init(ringdown_contact* contact, size_t size);
 RINGDOWN_API ringdown_result ringdown_touch(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                             const ringdown_contact* contact, ringdown_error* error);
 
+/* What follows feels how the surface moves under it, sample by sample; at most 16 such contacts act at a time. Where
+ * there is no room a mallet becomes a strike, and a bow or a coupling is counted in `refused` of the status. */
+
+/* A bow: its hair sticks to the surface, slips, and feels how it moves. Call it again to change speed or force, which
+ * then move there in the time since the last call, 2 to 50 ms. A force of 0 lifts the bow. */
+typedef struct ringdown_bow {
+  size_t size;
+  uint32_t number;             /* which of the object's bows */
+  double point_m[3];           /* object frame */
+  double direction[3];         /* the way the hair moves, along the surface; any length but 0 */
+  double speed_m_s;            /* negative for the way back */
+  double force_n;              /* how hard it is pressed */
+  double width_m;              /* of the hair; default 0 */
+  double rosin;                /* coefficient of static friction; default 0.8 */
+} ringdown_bow;
+RINGDOWN_API void ringdown_bow_init(ringdown_bow* bow, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_draw_bow(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                               const ringdown_bow* bow, ringdown_error* error);
+
+/* A mallet that flies at the object: how long the blow lasts, and how often it hits, follows from mass, head and speed,
+ * and from what the object does. */
+typedef struct ringdown_mallet {
+  size_t size;
+  double point_m[3];           /* object frame */
+  double velocity_m_s[3];      /* not 0 */
+  double mass_kg;              /* shaft and hand included; default 0.02 */
+  double head;                 /* Hertz's stiffness [N / m^1.5]: 1e5 for yarn, 1e7 (default) for rubber, 1e9 for wood */
+  double bounce;               /* speed after a blow on a wall over that before, 0.01 ... 1; default 0.9 */
+} ringdown_mallet;
+RINGDOWN_API void ringdown_mallet_init(ringdown_mallet* mallet, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_hit(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                          const ringdown_mallet* mallet, ringdown_error* error);
+
+/* Another object that touches this one at a point of each, so that both rattle, buzz and ring together. The axes of
+ * the two are taken as parallel. A stiffness of 0 parts them. */
+typedef struct ringdown_coupling {
+  size_t size;
+  uint32_t number;             /* which of this object's couplings */
+  uint32_t other;              /* the other object */
+  double point_m[3];           /* where this object is touched, in its frame */
+  double other_point_m[3];     /* where the other is, in its own */
+  double direction[3];         /* the way in which the other pushes this object; any length but 0 */
+  double weight_n;             /* with which the other rests on this object; default 0: both are held where they are */
+  double gap_m;                /* between the two at rest; negative: pressed together so deep; default 0 */
+  double stiffness;            /* Hertz's [N / m^1.5]; default 1e8 */
+  double friction;             /* coefficient of static friction; default 0.3 */
+  double bounce;               /* speed after an impact over that before; default 0.6 */
+  double mass_kg;              /* of the other, where it rests by its weight; default 0: follows from the weight */
+} ringdown_coupling;
+RINGDOWN_API void ringdown_coupling_init(ringdown_coupling* coupling, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_couple(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                             const ringdown_coupling* coupling, ringdown_error* error);
+
 /* Sets `count` modes going, from mode `first` up, counted from the lowest frequency, each at `amplitude` of full
  * scale. */
 RINGDOWN_API ringdown_result ringdown_ring(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t first,

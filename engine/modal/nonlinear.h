@@ -14,7 +14,7 @@
 
 namespace ringdown::modal {
 
-inline constexpr std::size_t kMaxNonlinearModes = 300, kMaxNonlinearFunctions = 100, kMaxCoupled = 64;
+inline constexpr std::size_t kMaxNonlinearModes = 300, kMaxNonlinearFunctions = 100, kMaxCoupled = 300;
 
 struct NonlinearTerms {
   std::vector<std::uint32_t> modes;  // M numbers of modes in the bank, each once
@@ -22,7 +22,7 @@ struct NonlinearTerms {
   std::vector<float> curving;        // K x M: g                                          [s^-1]
   double thickness_m = 0;            // of the body; above 0
   double residual = 0;               // share of the modes' energy that K functions do not hold; 0 to 1
-  std::uint32_t coupled = 0;         // of the lowest modes exchange energy while they are loud; 0 to 64
+  std::uint32_t coupled = 0;         // of the lowest modes exchange energy while they are loud; 0 to kMaxCoupled
   std::vector<double> errors;        // M estimated relative errors of a mode's own hardening, or empty
 
   [[nodiscard]] std::size_t mode_count() const { return modes.size(); }

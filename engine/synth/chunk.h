@@ -10,6 +10,7 @@
 #include "engine/synth/mode_states.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -40,11 +41,13 @@ struct Chunk {
 // What sounds in a chunk, for status and for the choices of the next chunk.
 struct ChunkCounts {
   std::uint32_t voices = 0, modes = 0, muted_modes = 0;
-  std::size_t slow_modes = 0;  // of `modes`, those that take moments
-  double units = 0;            // of work (work_cost.h)
-  double enter_units = 0;      // of these, for muted modes that came back
-  double look_terms = 0;       // that were added up to find gains in directions
-  bool shed = false;           // something was left out for want of time
+  std::size_t slow_modes = 0;        // of `modes`, those that take moments
+  double units = 0;                  // of work (work_cost.h)
+  double enter_units = 0;            // of these, for muted modes that came back
+  double look_terms = 0;             // that were added up to find gains in directions
+  std::uint32_t coupled_voices = 0;  // whose modes exchange energy,
+  float psi_over_truth = 1;          // and of these the value farthest from 1
+  bool shed = false;                 // something was left out for want of time
 
   void add(const ChunkCounts& other) RINGDOWN_REALTIME {
     voices += other.voices;
@@ -54,7 +57,12 @@ struct ChunkCounts {
     units += other.units;
     enter_units += other.enter_units;
     look_terms += other.look_terms;
+    coupled_voices += other.coupled_voices;
+    note_psi(other.psi_over_truth);
     shed = shed || other.shed;
+  }
+  void note_psi(float value) RINGDOWN_REALTIME {
+    if (std::abs(value - 1) > std::abs(psi_over_truth - 1)) psi_over_truth = value;
   }
   void add(const ModeStates::Counts& states) RINGDOWN_REALTIME {
     modes += static_cast<std::uint32_t>(states.sounding);
@@ -75,6 +83,7 @@ struct Workspace {
   double units_before = 0;                     // of counts.units, those worked before rendering began
   double enter_units = 0;                      // of work that entering modes may still cost in this chunk
   std::size_t allowance = 0;                   // muted modes of the source that may enter
+  double coupled_units = 0;                    // of work that modes about to exchange energy may begin
   bool recovers = false;                       // there is time enough to bring back what was cut short
 };
 

@@ -54,6 +54,46 @@ double forces_of(const CoupledArrays& terms, const float* HWY_RESTRICT q, float*
   return energy;
 }
 
+// More modes than registers hold: y stays in the nearest memory, and four rows of H are added to it at a time.
+double forces_of_many(const CoupledArrays& terms, const float* HWY_RESTRICT q, float* HWY_RESTRICT gradient) {
+  const FloatTag tag;
+  constexpr std::size_t kLanes = hn::MaxLanes(FloatTag());
+  const std::size_t n = terms.stride;
+  alignas(64) float y[kMostCoupledStride];
+  for (std::size_t i = 0; i < n; ++i) gradient[i] = 0;
+  double energy = 0;
+  const float* HWY_RESTRICT row = terms.bending;
+  for (std::size_t k = 0; k < terms.functions; ++k) {
+    for (std::size_t i = 0; i < n; ++i) y[i] = 0;
+    for (std::size_t j = 0; j < n; j += 4, row += 4 * n) {
+      const auto q0 = hn::Set(tag, q[j]), q1 = hn::Set(tag, q[j + 1]);
+      const auto q2 = hn::Set(tag, q[j + 2]), q3 = hn::Set(tag, q[j + 3]);
+      for (std::size_t i = 0; i < n; i += kLanes) {
+        auto sum = hn::MulAdd(q0, hn::Load(tag, row + i), hn::Load(tag, y + i));
+        sum = hn::MulAdd(q1, hn::Load(tag, row + n + i), sum);
+        sum = hn::MulAdd(q2, hn::Load(tag, row + 2 * n + i), sum);
+        sum = hn::MulAdd(q3, hn::Load(tag, row + 3 * n + i), sum);
+        hn::Store(sum, tag, y + i);
+      }
+    }
+    const float* const curving = terms.curving + k * n;
+    auto quadratic = hn::Zero(tag), linear = hn::Zero(tag);
+    for (std::size_t i = 0; i < n; i += kLanes) {
+      quadratic = hn::MulAdd(hn::Load(tag, y + i), hn::Load(tag, q + i), quadratic);
+      linear = hn::MulAdd(hn::Load(tag, curving + i), hn::Load(tag, q + i), linear);
+    }
+    const float t = hn::GetLane(hn::SumOfLanes(tag, quadratic)), g = hn::GetLane(hn::SumOfLanes(tag, linear));
+    energy += static_cast<double>(t) * (0.5 * static_cast<double>(t) + static_cast<double>(g));
+    const auto by_bending = hn::Set(tag, 2 * (t + g)), by_curving = hn::Set(tag, t);
+    for (std::size_t i = 0; i < n; i += kLanes) {
+      auto sum = hn::MulAdd(by_bending, hn::Load(tag, y + i), hn::Load(tag, gradient + i));
+      sum = hn::MulAdd(by_curving, hn::Load(tag, curving + i), sum);
+      hn::Store(sum, tag, gradient + i);
+    }
+  }
+  return energy;
+}
+
 double coupled_forces_here(const CoupledArrays& terms, const float* q, float* gradient) {
   constexpr std::size_t kPerPadding = kCoupledPadding / hn::MaxLanes(FloatTag());
   switch (terms.stride / kCoupledPadding) {
@@ -63,8 +103,10 @@ double coupled_forces_here(const CoupledArrays& terms, const float* q, float* gr
       return forces_of<2 * kPerPadding>(terms, q, gradient);
     case 3:
       return forces_of<3 * kPerPadding>(terms, q, gradient);
-    default:
+    case 4:
       return forces_of<4 * kPerPadding>(terms, q, gradient);
+    default:
+      return forces_of_many(terms, q, gradient);
   }
 }
 

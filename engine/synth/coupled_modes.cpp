@@ -3,12 +3,15 @@
 #include "engine/modal/nonlinear.h"
 #include "engine/synth/glide.h"
 #include "engine/synth/mode_table.h"
+#include "engine/synth/work_cost.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace ringdown::synth {
 namespace {
+
+static_assert(modal::kMaxCoupled <= kMostCoupledStride);
 
 constexpr double kShiftOverEnergy = 20;  // C over the energy, at least
 constexpr double kPsiControl_per_s = 300;
@@ -26,11 +29,11 @@ void pad(const modal::NonlinearTerms& terms, std::size_t k, CoupledTable& table)
 }  // namespace
 
 std::shared_ptr<const CoupledTable> CoupledTable::of(const ModeTable& table, const modal::MaterialScale& material,
-                                                     const std::vector<double>& output_per_velocity) {
+                                                     const std::vector<double>& output_per_velocity, std::size_t most) {
   const modal::Bank& bank = table.bank();
   if (!bank.nonlinear || bank.nonlinear->coupled == 0) return nullptr;
-  const std::vector<GlidingMode> lowest = GlideMatrix::lowest(
-      table, material, output_per_velocity, std::min<std::size_t>(bank.nonlinear->coupled, kMaxCoupledModes));
+  const std::vector<GlidingMode> lowest =
+      GlideMatrix::lowest(table, material, output_per_velocity, std::min<std::size_t>(bank.nonlinear->coupled, most));
   if (lowest.empty()) return nullptr;
   std::vector<std::size_t> order;
   for (const GlidingMode& mode : lowest) order.push_back(mode.mode);
@@ -39,29 +42,28 @@ std::shared_ptr<const CoupledTable> CoupledTable::of(const ModeTable& table, con
   modal::rescale(terms, material);
 
   auto coupled = std::make_shared<CoupledTable>();
-  const std::size_t n = lowest.size(), functions = std::min(terms.function_count(), kMaxCoupledFunctions);
+  const std::size_t n = lowest.size(), wanted = terms.function_count();
+  const std::size_t functions = most > kMaxCoupledModes ? wanted : std::min(wanted, kMaxCoupledFunctions);
   const std::size_t stride = (n + kCoupledPadding - 1) / kCoupledPadding * kCoupledPadding;
   coupled->bending = aligned_zeros<float>(functions * stride * stride);
   coupled->curving = aligned_zeros<float>(functions * stride);
   coupled->arrays = {coupled->bending.get(), coupled->curving.get(), functions, stride};
   coupled->frame_s = 1 / table.sample_rate_hz();
+  coupled->units_per_frame = kCoupledPerTerm * static_cast<double>(functions * stride * stride);
   for (std::size_t k = 0; k < functions; ++k) pad(terms, k, *coupled);
   const ModeArrays modes = table.modes(nullptr, nullptr, 0);
-  std::vector<double> omega;
   for (std::size_t i = 0; i < n; ++i) {
     const GlidingMode& mode = lowest[terms.modes[i]];
     const std::size_t column = table.column(mode.playable);
     coupled->columns.push_back(static_cast<std::uint32_t>(column));
     coupled->pole_re.push_back(modes.pole_re[column]);
     coupled->pole_im.push_back(modes.pole_im[column]);
-    coupled->omega.push_back(mode.omega_rad_s);
     coupled->output.push_back(output_per_velocity[mode.playable] * mode.omega_rad_s);
-  }
-  const std::vector<double> b = modal::detuning(terms, coupled->omega);
-  for (std::size_t l = 0; l < n; ++l) {
-    double most = 0;
-    for (std::size_t m = 0; m < n; ++m) most = std::max(most, std::abs(b[m * n + l]) / coupled->omega[m]);
-    coupled->detuning.push_back(most / (coupled->output[l] * coupled->output[l]));
+    const auto& gliding = table.glide->columns;
+    const auto place = std::find(gliding.begin(), gliding.end(), column) - gliding.begin();
+    const bool glides = place < std::ssize(gliding);
+    coupled->gliding.push_back(glides ? static_cast<std::int32_t>(place) : -1);
+    coupled->detuning.push_back(glides ? double{table.glide->reach[static_cast<std::size_t>(place)]} : 0.0);
   }
   return coupled;
 }
@@ -107,6 +109,14 @@ double CoupledModes::amplitude() const RINGDOWN_REALTIME {
     sum += std::sqrt(re * re + im * im);
   }
   return sum;
+}
+
+void CoupledModes::add_squares(float* squares) const RINGDOWN_REALTIME {
+  for (std::size_t m = 0; m < modes_; ++m) {
+    const double re = table_.output.data()[m] * now_.data()[m], im = state_im(m);
+    const std::int32_t place = table_.gliding.data()[m];
+    if (place >= 0) squares[place] += static_cast<float>(re * re + im * im);
+  }
 }
 
 double CoupledModes::linear_energy() const RINGDOWN_REALTIME {
@@ -216,7 +226,7 @@ Coupling::Outcome Coupling::render(double* re, double* im, bool allowed, double*
                                    std::size_t frames) RINGDOWN_REALTIME {
   constexpr double kBegin = 0.004, kEnd = 0.001;  // relative detuning: 7 and 1.7 cents
   if (!modes_) return Outcome::nothing;
-  if (!allowed || !(modes_->strength(re, im) > (modes_->running() ? kEnd : kBegin)))
+  if (!allowed || !affordable || !(modes_->strength(re, im) > (modes_->running() ? kEnd : kBegin)))
     return give_back(re, im) ? Outcome::ended : Outcome::nothing;
   modes_->take(re, im);
   return modes_->render(out, frames) ? Outcome::rendered : Outcome::absurd;

@@ -26,21 +26,23 @@ namespace ringdown::synth {
 
 class ModeTable;
 
-inline constexpr std::size_t kMaxCoupledModes = 64, kMaxCoupledFunctions = 60;
+inline constexpr std::size_t kMaxCoupledModes = 64, kMaxCoupledFunctions = 60;  // in real time
 
 // What all voices of a table share.
 struct CoupledTable {
-  std::vector<std::uint32_t> columns;           // of the M modes
-  std::vector<double> pole_re, pole_im, omega;  // M: per frame; [rad/s]
-  std::vector<double> output;                   // M: output per displacement
-  std::vector<double> detuning;                 // M: how far |z|^2 = 1 of the mode detunes any other, relative
+  std::vector<std::uint32_t> columns;    // of the M modes
+  std::vector<double> pole_re, pole_im;  // M: per frame
+  std::vector<double> output;            // M: output per displacement
+  std::vector<double> detuning;          // M: the most that |z|^2 = 1 of the mode detunes any, relative (GlideMatrix)
+  std::vector<std::int32_t> gliding;     // M: which of the table's gliding modes it is, or -1
   AlignedArray<float> bending, curving;
   CoupledArrays arrays;
   double frame_s = 0;
+  double units_per_frame = 0;  // of work (work_cost.h)
 
-  // Nothing where the bank asks for none (modal::NonlinearTerms::coupled). [worker]
+  // At most `most` modes, the lowest; nothing where the bank asks for none (modal::NonlinearTerms::coupled). [worker]
   static std::shared_ptr<const CoupledTable> of(const ModeTable& table, const modal::MaterialScale& material,
-                                                const std::vector<double>& output_per_velocity);
+                                                const std::vector<double>& output_per_velocity, std::size_t most);
 };
 
 class CoupledModes {
@@ -63,9 +65,12 @@ class CoupledModes {
 
   // The sum of its modes' amplitudes at the output.
   [[nodiscard]] double amplitude() const RINGDOWN_REALTIME;
+  // Adds |z|^2 of its modes to those of the table's gliding modes.
+  void add_squares(float* squares) const RINGDOWN_REALTIME;
   // The energy of its modes [J], that of psi included; and psi over its true value at the last sample.
   [[nodiscard]] double energy_j() const RINGDOWN_REALTIME;
   [[nodiscard]] double psi_over_truth() const RINGDOWN_REALTIME { return psi_over_truth_; }
+  [[nodiscard]] double units_per_frame() const RINGDOWN_REALTIME { return table_.units_per_frame; }
 
  private:
   [[nodiscard]] double state_im(std::size_t m) const RINGDOWN_REALTIME;
@@ -90,6 +95,16 @@ class Coupling {
   [[nodiscard]] bool possible() const RINGDOWN_REALTIME { return modes_ != nullptr; }
   [[nodiscard]] bool running() const RINGDOWN_REALTIME { return modes_ && modes_->running(); }
   [[nodiscard]] double amplitude() const RINGDOWN_REALTIME { return running() ? modes_->amplitude() : 0.0; }
+  void add_squares(float* squares) const RINGDOWN_REALTIME {
+    if (running()) modes_->add_squares(squares);
+  }
+  [[nodiscard]] double psi_over_truth() const RINGDOWN_REALTIME { return running() ? modes_->psi_over_truth() : 1.0; }
+  // The work of `frames` samples while it runs (work_cost.h).
+  [[nodiscard]] double units(std::size_t frames) const RINGDOWN_REALTIME {
+    return modes_ ? modes_->units_per_frame() * static_cast<double>(frames) : 0.0;
+  }
+  // Whether there is time for it: it ends, or does not begin, where there is none.
+  bool affordable = true;
 
   // Takes over what rings in the states while that is loud enough and `allowed`, and adds its sound to `out`; else
   // gives it back, and says `ended` when it did.

@@ -115,7 +115,13 @@ bool Exciters::start_pulse(const Event& strike, double sample_rate_hz, Voice* vo
   exciter->impulse = strike;
   exciter->impulse.contact_time_s = 0;
   exciter->pulse = HalfSine(frames);
-  if (fit(*exciter, voice, slots)) return true;
+  if (fit(*exciter, voice, slots)) {
+    const double limit = voice->blow_limit(exciter->amplitudes.get());
+    if (limit == 1) return true;
+    for (std::size_t c = 0; c < voice->table().columns(); ++c) exciter->amplitudes.get()[c] *= limit;
+    count(counters_.limited);
+    return true;
+  }
   give_back(*exciter);
   return false;
 }

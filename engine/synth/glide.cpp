@@ -17,13 +17,22 @@ constexpr float kGrowth = 1.05F;              // of the sound, from which all mo
 constexpr float kFastChange = 6e-4F;          // relative, in one call: a cent
 constexpr double kLeastX = -0.5, kMostX = 3;  // pitches from 0.7 to 2 times their own
 
-// x from x0: as glide.h derives it.
-double at_energy(double x0) RINGDOWN_REALTIME {
-  if (x0 <= 0) return std::max(x0, kLeastX);
-  return std::min(0.75 * (std::sqrt(1 + 8.0 / 3 * x0) - 1), kMostX);
+// How far the surface moves where it moves most, for a displacement of 1 of a mode [kg^-1/2].
+double largest_shape(const modal::Bank& bank, std::size_t mode) {
+  double most = 0;
+  for (std::size_t p = 0; p < bank.point_count(); ++p) {
+    const auto [x, y, z] = bank.shape(mode, p);
+    most = std::max(most, std::hypot(double{x}, double{y}, double{z}));
+  }
+  return most;
 }
 
 }  // namespace
+
+double stiffened(double x0) RINGDOWN_REALTIME {
+  if (x0 <= 0) return std::max(x0, kLeastX);
+  return 0.75 * (std::sqrt(1 + 8.0 / 3 * x0) - 1);
+}
 
 std::vector<GlidingMode> GlideMatrix::lowest(const ModeTable& table, const modal::MaterialScale& material,
                                              const std::vector<double>& output_per_velocity, std::size_t most) {
@@ -61,10 +70,13 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
   auto matrix = std::make_shared<GlideMatrix>();
   matrix->relative.resize(n * n);
   matrix->reach.assign(n, 0);
+  const double per_thickness = modal::shape_factor(material) / terms.thickness_m;
   for (std::size_t l = 0; l < n; ++l) {
     const std::size_t playable = gliding[terms.modes[l]].playable;
     matrix->columns.push_back(static_cast<std::uint32_t>(table.column(playable)));
     const double displacement = 1 / (omega[l] * output_per_velocity[playable]);
+    const double bend = largest_shape(bank, gliding[terms.modes[l]].mode) * displacement * per_thickness;
+    matrix->bend.push_back(terms.thickness_m > 0 ? static_cast<float>(bend * bend) : 0.0F);
     for (std::size_t m = 0; m < n; ++m) {
       const double x = 2 * b[m * n + l] * displacement * displacement / omega[m];
       matrix->relative[m * n + l] = static_cast<float>(x);
@@ -154,7 +166,7 @@ void Glide::look_at_group(std::size_t which, bool anew) RINGDOWN_REALTIME {
     }
     for (; l < n; ++l) sums[0] += row[l] * squares[l];
     const float x0 = ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
-    const double omega = own_im[c], x = at_energy(static_cast<double>(x0));
+    const double omega = own_im[c], x = std::min(stiffened(static_cast<double>(x0)), kMostX);
     const double delta = std::min(omega * (std::sqrt(1 + x) - 1), 0.999 * std::numbers::pi - omega);
     if (!anew && std::abs(delta - delta_.data()[c]) < kSamePitch * omega) continue;
     move(c, delta);

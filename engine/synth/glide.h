@@ -43,6 +43,7 @@ struct GlideMatrix {
   std::vector<std::uint32_t> columns;  // of the n gliding modes
   std::vector<float> relative;         // n x n: x0 of mode m for a state z_l of 1, row m after row
   std::vector<float> reach;            // n: the largest of them in column l
+  std::vector<float> bend;             // n: (largest deflection / thickness)^2 at |z| = 1; 0 where it is not known
 
   // Nothing where the bank has no terms or none of their modes is played. `output_per_velocity` has one number for each
   // playable mode of the table. [worker]
@@ -53,6 +54,9 @@ struct GlideMatrix {
   static std::vector<GlidingMode> lowest(const ModeTable& table, const modal::MaterialScale& material,
                                          const std::vector<double>& output_per_velocity, std::size_t most);
 };
+
+// x from x0, as above, at least -1/2.
+double stiffened(double x0) RINGDOWN_REALTIME;
 
 class Glide {
  public:

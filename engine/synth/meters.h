@@ -20,10 +20,13 @@ struct MixerCounters {
   std::atomic<std::uint64_t> strikes{0};         // played
   std::atomic<std::uint64_t> late{0};            // events that came after their frame
   std::atomic<std::uint64_t> refused{0};         // strikes on what does not exist, and values that are not numbers
+  std::atomic<std::uint64_t> limited{0};         // strikes made weaker, on thin objects (blow_limit.h)
   std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a sensible number
   std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
   std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
   std::atomic<std::uint32_t> muted_modes{0};     // left out in the last block for want of time
+  std::atomic<std::uint32_t> coupled_voices{0};  // whose modes exchanged energy in the last block
+  std::atomic<float> psi_over_truth{1};          // of these, the one farthest from 1 (coupled_modes.h)
   std::atomic<std::uint64_t> shed{0};            // chunks in which something was left out or waited for want of time
   std::atomic<float> peak{0};                    // largest |sample| of the last block
   std::atomic<float> peak_since{0};              // the same since Meters::take_peak()

@@ -114,6 +114,8 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   counters.ringing_voices.store(counts.voices, std::memory_order_relaxed);
   counters.ringing_modes.store(counts.modes, std::memory_order_relaxed);
   counters.muted_modes.store(counts.muted_modes, std::memory_order_relaxed);
+  counters.coupled_voices.store(counts.coupled_voices, std::memory_order_relaxed);
+  counters.psi_over_truth.store(counts.psi_over_truth, std::memory_order_relaxed);
   counters.frames.store(now_, std::memory_order_release);
 }
 

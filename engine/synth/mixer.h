@@ -64,6 +64,10 @@ struct MixerSettings {
   // The head that the mix is rendered for: left and right are then its ears (binaural.h). Null: stereo.
   HeadLoader head = {};
 
+  // How many modes of a voice may exchange energy, where its bank wants as many: the 64 lowest by default, 300 where
+  // there is no hurry (coupled_modes.h). Fixed once an object has a voice.
+  std::size_t most_coupled = 64;
+
   // Threads that render big scenes, the audio thread among them. With more than one, rounding depends on which thread
   // renders what.
   std::size_t threads = 1;
@@ -106,7 +110,8 @@ class Mixer {
                                                      const modal::MaterialScale& material,
                                                      const modal::Dampers& dampers = {},
                                                      modal::ModeRange modes = {}) const {
-    return voices_.table_for(map, material, dampers, modes, sample_rate_hz(), settings_.full_scale_pa);
+    return voices_.table_for(map, material, dampers, modes, sample_rate_hz(),
+                             {settings_.full_scale_pa, settings_.most_coupled});
   }
 
   enum class Install {

@@ -1,5 +1,6 @@
 #include "engine/synth/mode_states.h"
 
+#include "engine/synth/blow_limit.h"
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -69,14 +70,14 @@ Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, do
 }  // namespace
 
 ModeStates::ModeStates(const ModeTable& table)
-    : gains(table),
+    : coupling(table),
+      gains(table),
       table_(table),
       states_(table),
       sounding_(table.groups()),
       fade_(table),
       late_(table),
       muting_(table),
-      coupling_(table),
       is_(table.groups()) {
   states_.let_glide();
   slow_.list = sounding_.data();
@@ -107,10 +108,22 @@ void ModeStates::add(const double* amplitudes, double gain, const ModeFactors* e
   wake();
 }
 
+double ModeStates::blow_limit(const double* amplitudes) const RINGDOWN_REALTIME {
+  if (!table_.glide) return 1;
+  std::array<float, kMaxGlidingModes> squares{};
+  const std::vector<std::uint32_t>& columns = table_.glide->columns;
+  for (std::size_t m = 0; m < columns.size(); ++m) {
+    const double re = states_.re()[columns.data()[m]], im = states_.im()[columns.data()[m]];
+    squares.data()[m] = static_cast<float>(re * re + im * im);
+  }
+  coupling.add_squares(squares.data());
+  return synth::blow_limit(*table_.glide, squares.data(), amplitudes);
+}
+
 void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
   assert(&table_ == &other.table_);
   other.unmute();
-  if (other.coupling_.give_back(other.states_.re(), other.states_.im())) other.wake();
+  if (other.coupling.give_back(other.states_.re(), other.states_.im())) other.wake();
   if (selective()) {
     return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add(other.states_, gain, group, each); });
   }
@@ -141,8 +154,8 @@ void ModeStates::add_to_groups(const Add& add_to) RINGDOWN_REALTIME {
 bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
   unmute();
   other.unmute();
-  if (coupling_.give_back(states_.re(), states_.im())) wake();
-  if (other.coupling_.give_back(other.states_.re(), other.states_.im())) other.wake();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
+  if (other.coupling.give_back(other.states_.re(), other.states_.im())) other.wake();
   bool left = states_.move_from(other.states_);
   left = fade_.move_from(other.fade_) || left;
   if (other.slow_.count + other.fast_.count > 0) wake();
@@ -151,13 +164,13 @@ bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
 
 void ModeStates::fade_out(std::size_t frames) RINGDOWN_REALTIME {
   unmute();
-  if (coupling_.give_back(states_.re(), states_.im())) wake();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
   fade_.begin(states_, frames);
   rest();
 }
 
 bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
-  const Coupling::Outcome coupled = couple(coupling_, states_, selective(), out, frames);
+  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames);
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(false);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
@@ -173,7 +186,7 @@ bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_
 
 bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                                 double floor) RINGDOWN_REALTIME {
-  const Coupling::Outcome coupled = couple(coupling_, states_, selective(), out, frames);
+  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames);
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(true);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
@@ -264,7 +277,7 @@ void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_
 
 void ModeStates::mute_all(std::size_t frames) RINGDOWN_REALTIME {
   settle();
-  if (coupling_.give_back(states_.re(), states_.im())) wake();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
   cut_short_ = true;
   for (std::size_t i = 0; i < slow_.count; ++i) muting_.mute(states_, slow_.list[i]);
   slow_.count = 0;
@@ -289,13 +302,13 @@ void ModeStates::count_levels(LevelHistogram& histogram, Level gain, double floo
 
 void ModeStates::skip(Frame frames) RINGDOWN_REALTIME {
   unmute();
-  if (coupling_.give_back(states_.re(), states_.im())) wake();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
   if (frames > 0) states_.skip(static_cast<std::uint64_t>(frames));
 }
 
 void ModeStates::rest() RINGDOWN_REALTIME {
   unmute();
-  if (coupling_.give_back(states_.re(), states_.im())) wake();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
   threshold_ = applied_ = kNoThreshold;
   slow_.count = fast_.count = 0;
 }
@@ -340,7 +353,7 @@ void ModeStates::mark() RINGDOWN_REALTIME {
 }
 
 void ModeStates::silence() RINGDOWN_REALTIME {
-  if (coupling_.give_back(states_.re(), states_.im())) wake();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
   states_.clear();
   fade_.clear();
   late_.clear();
@@ -364,7 +377,7 @@ double ModeStates::peak_level(Frame rested) const RINGDOWN_REALTIME {
   for (const GroupList* groups : {&muting_.muted, &muting_.leaving, &muting_.entering}) {
     for (const std::uint32_t group : *groups) add(group, muting_.frames_behind(group));
   }
-  sum += coupling_.amplitude();
+  sum += coupling.amplitude();
   if (fade_.running()) sum += fade_.level() * fade_.states().amplitude();
   return sum;
 }

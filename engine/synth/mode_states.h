@@ -41,6 +41,8 @@ class ModeStates {
   // Adds a strike's amplitudes (ModeTable::strike), times `gain`, at the current frame; they sound from the next
   // rendered frame on. With `each`, every mode is multiplied by a gain of its own as well.
   void add(const double* amplitudes, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  // How much of a strike's amplitudes is to be added (blow_limit.h); 1 for all but thin objects struck very hard.
+  [[nodiscard]] double blow_limit(const double* amplitudes) const RINGDOWN_REALTIME;
   // Adds what rings in `other`, of the same table, times `gain` and `each`. What fades out is left alone.
   void add(ModeStates& other, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
   // Takes over from `other`, of the same bank, the modes that are in this table too: phase and amplitude continue;
@@ -61,8 +63,11 @@ class ModeStates {
   bool render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                       double floor) RINGDOWN_REALTIME;
   [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME {
-    return fast_.count > 0 || fade_.running() || coupling_.possible();
+    return fast_.count > 0 || fade_.running() || coupling.possible();
   }
+
+  // Its modes that exchange energy, if its bank has any.
+  Coupling coupling;
 
   // How the modes are heard, which changes nothing of what they do: by gains of their own, and in a time that runs
   // `rate` times as fast, which bends by `bend` (Hearing). hear() is called before every function that renders, with
@@ -90,8 +95,6 @@ class ModeStates {
     threshold_ = threshold;
     return threshold_ > applied_;
   }
-  // Whether modes above the threshold are muted, because there was no time for them.
-  [[nodiscard]] bool cut_short() const RINGDOWN_REALTIME { return cut_short_; }
   // Mutes what lies below the threshold, by a ramp over the next chunk or `at_once`; brings back what lies well above,
   // at most `allowance` modes, which is lowered by what came back.
   void apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_REALTIME;
@@ -109,17 +112,18 @@ class ModeStates {
 
   // False once everything has died away below the floor; rendering would then add nothing.
   [[nodiscard]] bool ringing() const RINGDOWN_REALTIME {
-    return slow_.count + fast_.count + muting_.groups() > 0 || fade_.running() || coupling_.running();
+    return slow_.count + fast_.count + muting_.groups() > 0 || fade_.running() || coupling.running();
   }
   struct Counts {
     std::size_t sounding = 0, muted = 0;  // modes
     std::size_t slow = 0;                 // of the sounding ones, those that take moments
     bool fading = false;                  // something fades out (fade_out())
+    bool cut_short = false;               // modes above the threshold are muted, because there was no time for them
   };
   [[nodiscard]] Counts counts() const RINGDOWN_REALTIME {
     const std::size_t slow = std::min(kModePadding * slow_.count, table_.slow_modes());
     const std::size_t fast = std::min(kModePadding * fast_.count, table_.playable_modes() - table_.slow_modes());
-    return {slow + fast, kModePadding * muting_.groups(), kModePadding * slow_.count, fade_.running()};
+    return {slow + fast, kModePadding * muting_.groups(), kModePadding * slow_.count, fade_.running(), cut_short_};
   }
 
   // What no sample of what rings exceeds: the sum of the modes' amplitudes, muted and fading ones included. The states
@@ -147,7 +151,6 @@ class ModeStates {
   FadeOut fade_;
   LateStrikes late_;
   Muting muting_;
-  Coupling coupling_;
   Level threshold_ = kNoThreshold, applied_ = kNoThreshold;
   bool cut_short_ = false;
   enum class Is : std::uint8_t { resting, sounding, muted };

@@ -81,15 +81,16 @@ std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const m
 }  // namespace
 
 ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
-                     double sample_rate_hz, modal::Dampers dampers, modal::ModeRange modes, double full_scale_pa)
+                     double sample_rate_hz, modal::Dampers dampers, modal::ModeRange modes,
+                     const TableSettings& settings)
     : map_(std::move(map)),
       material_(material),
       dampers_(std::move(dampers)),
       modes_(modes),
       sample_rate_hz_(sample_rate_hz),
-      full_scale_pa_(full_scale_pa),
+      settings_(settings),
       per_size_(1 / material.size),
-      click_(click_of(bank(), material, full_scale_pa)),
+      click_(click_of(bank(), material, settings.full_scale_pa)),
       column_of_(bank().mode_count(), -1) {
   const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, dampers_, modes_, sample_rate_hz);
   slow_modes_ = static_cast<std::size_t>(
@@ -113,7 +114,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
     const std::size_t skipped = mode_of_.size() < slow_modes_ ? 0 : kModePadding * slow_groups_ - slow_modes_;
     column_.push_back(static_cast<std::uint32_t>(mode_of_.size() + skipped));
     const double pressure_pa = map_->loudness().pressure_pa(bank(), mode.mode, material, mode.damped.frequency_hz);
-    weight_.push_back(bank().gain * pressure_pa / full_scale_pa * modal::shape_factor(material));
+    weight_.push_back(bank().gain * pressure_pa / settings.full_scale_pa * modal::shape_factor(material));
     add_mode(mode.mode, mode.damped, mode.s);
   }
   if (slow_modes_ > 0)
@@ -122,7 +123,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   std::vector<double> output_per_velocity = weight_;
   for (double& output : output_per_velocity) output /= modal::shape_factor(material);
   glide = GlideMatrix::of(*this, material, output_per_velocity);
-  coupled = CoupledTable::of(*this, material, output_per_velocity);
+  coupled = CoupledTable::of(*this, material, output_per_velocity, settings.most_coupled);
 }
 
 // Fills in the last column.

@@ -30,18 +30,23 @@ namespace ringdown::synth {
 struct GlideMatrix;
 struct CoupledTable;
 
+// What all tables of a mixer have in common.
+struct TableSettings {
+  double full_scale_pa = modal::kFullScale_pa;  // a pressure of this at 1 m becomes an amplitude of 1
+  std::size_t most_coupled = 64;                // modes of a voice that may exchange energy (coupled_modes.h)
+};
+
 class ModeTable {
   friend class TouchGroup;
 
  public:
-  // `dampers` are what lies on the object, `modes` those that it has; a pressure of `full_scale_pa` at 1 m becomes an
-  // amplitude of 1. [worker]
+  // `dampers` are what lies on the object, `modes` those that it has. [worker]
   ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz,
-            modal::Dampers dampers = {}, modal::ModeRange modes = {}, double full_scale_pa = modal::kFullScale_pa);
+            modal::Dampers dampers = {}, modal::ModeRange modes = {}, const TableSettings& settings = {});
 
   // The same choice of modes, in the same material and under the same dampers, at another sample rate. [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> at_rate(double sample_rate_hz) const {
-    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, dampers_, modes_, full_scale_pa_);
+    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, dampers_, modes_, settings_);
   }
   [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
 
@@ -116,7 +121,8 @@ class ModeTable {
   modal::MaterialScale material_;
   modal::Dampers dampers_;
   modal::ModeRange modes_;
-  double sample_rate_hz_, full_scale_pa_;
+  double sample_rate_hz_;
+  TableSettings settings_;
   double per_size_;  // from points of the object to those of its bank
   std::optional<ClickShape> click_;
   std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i

@@ -53,6 +53,10 @@ void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME 
   placed_ = placement.heard(chunk) && placement.begin_chunk(chunk, voices, strip);
   if (placed_) workspace.counts.look_terms += placement.look_terms();
   apply_threshold(chunk, workspace);
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+    if (voice.coupling.possible())
+      voice.coupling.affordable = chunk.shedding->may_couple(voice.coupling, chunk, workspace);
+  });
   const bool by_moments = placed_ ? !is_cleared() : (chunk.moments || !strip.heard(chunk.wanted)) && only_struck(chunk);
   if (by_moments) {
     render_by_moments(chunk, workspace);
@@ -66,6 +70,10 @@ void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME 
     ++workspace.counts.voices;
     workspace.counts.add(counts);
     chunk.shedding->worked(render_units(counts.sounding, chunk.frames, by_moments || chunk.moments), workspace);
+    if (!voice.coupling.running()) return;
+    ++workspace.counts.coupled_voices;
+    workspace.counts.note_psi(static_cast<float>(voice.coupling.psi_over_truth()));
+    chunk.shedding->worked(voice.coupling.units(chunk.frames), workspace);
   });
 }
 
@@ -101,7 +109,7 @@ void Object::play(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME {
   if (event.type == EventType::contact) return Exciters::update_contact(event, voices.current(), exciters);
   if (!is_strike(event) && !(std::abs(event.value) <= kMaxEventValue)) return count(chunk.counters->refused);
   if (excites(event)) {
-    const bool struck = voices.current() && voices.current()->strike(event);
+    const bool struck = voices.current() && voices.current()->strike(event, chunk.counters);
     return count(struck ? chunk.counters->strikes : chunk.counters->refused);
   }
   // Written so that a ramp that is not a number becomes the shortest.
@@ -183,7 +191,7 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
       play(event->event, chunk);
       continue;
     }
-    const bool played = voice && voice->strike_late(event->event, chunk.frames - at);
+    const bool played = voice && voice->strike_late(event->event, chunk.frames - at, chunk.counters);
     count(played ? chunk.counters->strikes : chunk.counters->refused);
     struck = struck || played;
   }

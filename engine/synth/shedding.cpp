@@ -31,6 +31,8 @@ constexpr Level kNoThreshold = ModeStates::kNoThreshold;
 // Shares of what the budget can afford in a chunk:
 constexpr double kTight = 0.75;             // from here on levels are surveyed
 constexpr double kEventsShare = 0.3;        // more events wait
+constexpr double kForget = 1.001;           // what was learnt of modes that exchange energy grows by, each chunk
+constexpr double kCoupledShare = 0.7;       // is all that is done when modes begin to exchange energy
 constexpr double kSurveyShare = 0.06;       // for the survey of a chunk
 constexpr double kRecoverShare = 0.05;      // is to be left before what was cut short comes back out of turn
 constexpr double kUnprovenShare = 0.05;     // may enter before anything was rendered
@@ -100,6 +102,7 @@ void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
     workspace.enter_units = std::max(budget_.affordable() - planned_units_, 0.0) / static_cast<double>(threads_);
     workspace.allowance = std::numeric_limits<std::size_t>::max();
     workspace.recovers = true;
+    workspace.coupled_units = 0;
   }
   budget_.begin_rendering();
 }
@@ -180,6 +183,17 @@ bool Shedding::may_render(const Source& source, const Chunk& chunk, Workspace& w
   return looking + share * render_units(counts.sounding, chunk.frames, chunk.moments) <= left;
 }
 
+bool Shedding::may_couple(const Coupling& coupling, const Chunk& chunk, Workspace& workspace) const RINGDOWN_REALTIME {
+  if (!budget_.limited()) return true;
+  if (threshold_ != kNoThreshold) return false;
+  if (coupling.running()) return last_.units <= budget_.affordable();
+  const double units = coupling.units(chunk.frames);
+  const double affordable = std::min(budget_.affordable(), coupled_affordable_ * static_cast<double>(chunk.frames));
+  if (last_.units + workspace.coupled_units + units > kCoupledShare * affordable) return false;
+  workspace.coupled_units += units;
+  return true;
+}
+
 std::size_t Shedding::modes_that_may_enter(double units, const Chunk& chunk) const RINGDOWN_REALTIME {
   return static_cast<std::size_t>(std::max(units, 0.0) /
                                   (kEnterPerMode + render_units(1, chunk.frames, chunk.moments)));
@@ -188,9 +202,9 @@ std::size_t Shedding::modes_that_may_enter(double units, const Chunk& chunk) con
 void Shedding::apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const RINGDOWN_REALTIME {
   const bool rose =
       states.set_threshold(workspace.threshold == kNoThreshold ? kNoThreshold : workspace.threshold - gain);
-  const bool brings_back = look_again || (workspace.recovers && states.cut_short());
-  if (!brings_back && !rose) return;
   const ModeStates::Counts before = states.counts();
+  const bool brings_back = look_again || (workspace.recovers && before.cut_short);
+  if (!brings_back && !rose) return;
   std::size_t allowance = brings_back ? workspace.allowance : 0;
   const std::size_t allowed = allowance;
   states.apply_threshold(allowance, workspace.at_once);
@@ -217,6 +231,8 @@ void Shedding::end_chunk(const ChunkCounts& counts, const Chunk& chunk, bool eve
   tight_ = counts.shed || threshold_ != kNoThreshold || units > kTight * affordable;
   little_ = units < kLittle * affordable && counts.muted_modes == 0;
   budget_.end_chunk(units);
+  const double learnt = budget_.affordable() / static_cast<double>(chunk.frames);
+  coupled_affordable_ = counts.coupled_voices > 0 ? learnt : kForget * coupled_affordable_;
 }
 
 }  // namespace ringdown::synth

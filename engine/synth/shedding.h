@@ -13,11 +13,13 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/chunk.h"
+#include "engine/synth/coupled_modes.h"
 #include "engine/synth/level_histogram.h"
 #include "engine/synth/source.h"
 #include "engine/synth/time_budget.h"
 
 #include <cstddef>
+#include <limits>
 #include <span>
 
 namespace ringdown::synth {
@@ -52,6 +54,10 @@ class Shedding {
   [[nodiscard]] bool may_play(double units, Workspace& workspace) const RINGDOWN_REALTIME;
   // May a source be rendered? Sets the threshold for it.
   [[nodiscard]] bool may_render(const Source& source, const Chunk& chunk, Workspace& workspace) const RINGDOWN_REALTIME;
+  // May modes that exchange energy do so, or go on to? Once they have been stopped they begin again when there is
+  // plenty of time.
+  [[nodiscard]] bool may_couple(const Coupling& coupling, const Chunk& chunk,
+                                Workspace& workspace) const RINGDOWN_REALTIME;
   // Mutes modes of a source and brings others back; their sound is `gain` above their states.
   void apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const RINGDOWN_REALTIME;
   void worked(double units, Workspace& workspace) const RINGDOWN_REALTIME {
@@ -71,9 +77,11 @@ class Shedding {
   Level threshold_ = ModeStates::kNoThreshold;
   std::size_t since_lowered_ = 0;  // frames
   bool active_ = false, tight_ = false, shed_ = false;
-  bool little_ = true;          // in the last chunk there was little to do
-  bool at_once_ = false;        // there is no time for ramps
-  ChunkCounts last_;            // of the last chunk
+  bool little_ = true;    // in the last chunk there was little to do
+  bool at_once_ = false;  // there is no time for ramps
+  ChunkCounts last_;      // of the last chunk
+  // What was affordable when modes exchanged energy last [units/frame].
+  double coupled_affordable_ = std::numeric_limits<double>::max();
   double event_units_ = 0;      // accepted in this chunk
   double event_average_ = 0;    // the same, on average
   double overhead_ = 0;         // units that were neither events nor rendering, on average

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ringdown::synth {
 namespace {
@@ -38,7 +39,9 @@ void lean(TouchPort& port, const double* force_n, std::size_t frames, std::size_
 TouchGroup::TouchGroup() : taps_(aligned_zeros<double>(kFreedoms * (kFreedoms + 1) / 2 * kTapRow)) {}
 
 void TouchGroup::set(std::span<TouchSlot* const> touches) RINGDOWN_REALTIME {
-  if (std::ranges::equal(touches, this->touches())) return;
+  bool fresh = false;
+  for (TouchSlot* touch : touches) fresh = std::exchange(touch->fresh, false) || fresh;
+  if (!fresh && std::ranges::equal(touches, this->touches())) return;
   std::ranges::copy(touches, touches_.begin());
   touch_count_ = touches.size();
   stale_ = true;

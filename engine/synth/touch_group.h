@@ -59,6 +59,7 @@ struct TouchSlot {
   bool used = false;   // accepted, and not over
   bool open = false;   // its event has happened
   bool stale = false;  // its ports are to be found anew
+  bool fresh = false;  // accepted since the group was set: other objects than before may touch here
   Event event;         // the last one
   std::array<Side, 2> sides;
   RigidMass rigid;

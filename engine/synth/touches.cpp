@@ -43,7 +43,7 @@ Touches::Answer Touches::accept(const Event& event, Object& object, Object* othe
   if (tight || !can_touch(&object) || (two && (!can_touch(other) || other == &object))) return Answer::one_way;
   const auto slot = std::ranges::find_if(slots_, [](const TouchSlot& one) RINGDOWN_REALTIME { return !one.used; });
   if (slot == slots_.end()) return Answer::one_way;
-  slot->used = slot->stale = true;
+  slot->used = slot->stale = slot->fresh = true;
   slot->open = false;
   slot->event = event;
   slot->sides[0].object = &object;

@@ -1,14 +1,20 @@
 #include "engine/synth/voice.h"
 
+#include "engine/synth/meters.h"
+
 #include <limits>
 #include <utility>
 
 namespace ringdown::synth {
 namespace {
 
-// An absurd strike becomes not-a-number, because modes that die within the chunk would hide a merely huge one.
-double gain_for(double energy) RINGDOWN_REALTIME {
-  return energy <= kAbsurdEnergy ? 1.0 : std::numeric_limits<double>::quiet_NaN();
+// What a strike's amplitudes are multiplied by. An absurd strike becomes not-a-number, because modes that die within
+// the chunk would hide a merely huge one.
+double gain_for(double energy, const Voice& voice, MixerCounters* counters) RINGDOWN_REALTIME {
+  if (!(energy <= kAbsurdEnergy)) return std::numeric_limits<double>::quiet_NaN();
+  const double limit = voice.blow_limit(voice.amplitudes());
+  if (limit < 1 && counters) count(counters->limited);
+  return limit;
 }
 
 }  // namespace
@@ -28,15 +34,15 @@ std::unique_ptr<Voice> Voice::with_table(std::shared_ptr<ModeTable> table) {
   return voice;
 }
 
-bool Voice::strike(const Event& event) RINGDOWN_REALTIME {
+bool Voice::strike(const Event& event, MixerCounters* counters) RINGDOWN_REALTIME {
   const std::optional<double> energy = find_amplitudes(event);
-  if (energy) add(amplitudes(), gain_for(*energy));
+  if (energy) add(amplitudes(), gain_for(*energy, *this, counters));
   return energy.has_value();
 }
 
-bool Voice::strike_late(const Event& event, std::size_t frames_left) RINGDOWN_REALTIME {
+bool Voice::strike_late(const Event& event, std::size_t frames_left, MixerCounters* counters) RINGDOWN_REALTIME {
   const std::optional<double> energy = find_amplitudes(event);
-  if (energy) add_late(amplitudes(), gain_for(*energy), frames_left);
+  if (energy) add_late(amplitudes(), gain_for(*energy, *this, counters), frames_left);
   return energy.has_value();
 }
 

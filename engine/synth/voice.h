@@ -15,6 +15,8 @@
 
 namespace ringdown::synth {
 
+struct MixerCounters;
+
 class Voice : public ModeStates {
  public:
   // A voice of a table that it may share with other voices, or of a table of its own. [worker]
@@ -22,9 +24,10 @@ class Voice : public ModeStates {
   Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz);
 
   // Adds a strike (or EventType::ring) at the current frame; the second form adds it as a late strike, `frames_left`
-  // before the end of the chunk. False when the vertex does not exist. [audio]
-  bool strike(const Event& event) RINGDOWN_REALTIME;
-  bool strike_late(const Event& event, std::size_t frames_left) RINGDOWN_REALTIME;
+  // before the end of the chunk. Counts in `counters` when it was limited (blow_limit.h). False when the vertex does
+  // not exist. [audio]
+  bool strike(const Event& event, MixerCounters* counters = nullptr) RINGDOWN_REALTIME;
+  bool strike_late(const Event& event, std::size_t frames_left, MixerCounters* counters = nullptr) RINGDOWN_REALTIME;
 
   // Finds the amplitude that a strike gives each mode, for amplitudes(), and returns the sum of their squares; nullopt
   // when the vertex does not exist. [audio]

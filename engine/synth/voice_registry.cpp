@@ -9,11 +9,11 @@ namespace ringdown::synth {
 std::shared_ptr<ModeTable> VoiceRegistry::table_for(const std::shared_ptr<const modal::StrikeMap>& map,
                                                     const modal::MaterialScale& material, const modal::Dampers& dampers,
                                                     modal::ModeRange modes, double sample_rate_hz,
-                                                    double full_scale_pa) const {
+                                                    const TableSettings& settings) const {
   for (const SharedTable& shared : tables_) {
     if (auto table = shared.table.lock(); table && table->is_of(map, material, dampers, modes)) return table;
   }
-  return std::make_shared<ModeTable>(map, material, sample_rate_hz, dampers, modes, full_scale_pa);
+  return std::make_shared<ModeTable>(map, material, sample_rate_hz, dampers, modes, settings);
 }
 
 VoiceRegistry::SharedTable* VoiceRegistry::find(const std::shared_ptr<ModeTable>& table) {

@@ -26,7 +26,7 @@ class VoiceRegistry {
   [[nodiscard]] std::shared_ptr<ModeTable> table_for(const std::shared_ptr<const modal::StrikeMap>& map,
                                                      const modal::MaterialScale& material,
                                                      const modal::Dampers& dampers, modal::ModeRange modes,
-                                                     double sample_rate_hz, double full_scale_pa) const;
+                                                     double sample_rate_hz, const TableSettings& settings) const;
 
   // Groups that are made from now on render so many ambisonic channels. [worker]
   void set_ambisonic_channels(std::size_t count) { ambisonic_channels_ = count; }

@@ -14,6 +14,7 @@ inline constexpr double kJoinPerMode = 1.5;         // sharing states, and no lo
 inline constexpr double kDrivePerMode = 6;          // a force that lasts for a chunk
 inline constexpr double kTouchPerMode = 9;          // of an object that is touched, for a chunk of steps,
 inline constexpr double kTouchPerContact = 20000;   // and of each two-way contact
+inline constexpr double kCoupledPerTerm = 0.005;    // modes that exchange energy: a frame of one number of H
 inline constexpr double kEnterPerMode = 1.5;        // bringing a muted mode back, beside rendering it
 inline constexpr double kLookPerMode = 0.3;         // finding how loud a mode is,
 inline constexpr double kLookPerMuted = 0.05;       // and a muted one

@@ -1,5 +1,7 @@
 #include "server/session/midi_player.h"
 
+#include "protocol/request.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,37 +11,56 @@ namespace {
 using synth::Event;
 using synth::EventType;
 
-constexpr std::uint8_t kNoteOff = 0x80, kNoteOn = 0x90, kControl = 0xb0;
+constexpr std::uint8_t kNoteOff = 0x80, kNoteOn = 0x90, kKeyPressure = 0xa0, kControl = 0xb0, kChannelPressure = 0xd0;
+constexpr std::uint8_t kExpression = 11, kSlide = 74;
 constexpr std::uint8_t kSustainPedal = 64, kSoftPedal = 67, kAllSoundOff = 120, kAllNotesOff = 123;
 constexpr double kMaxContact_s = 0.1;
+constexpr float kFirstPressure = 0.5F;  // of a bow, before any message
+
+float share_of(std::uint8_t value) RINGDOWN_REALTIME { return static_cast<float>(value) / 127.0F; }
 
 }  // namespace
 
 void MidiPlayer::play(std::span<const std::uint8_t> message, synth::Frame frame, const NoteTable& table,
                       synth::Mixer& mixer, SpscRing<Event>& played) RINGDOWN_REALTIME {
-  if (message.size() < 3) return;
+  if (message.size() < 2) return;
   const Stage stage{frame, table, mixer, played};
   const std::uint8_t* const bytes = message.data();
-  const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0);
+  const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0), channel = static_cast<std::uint8_t>(bytes[0] & 0x0f);
+  if (kind == kChannelPressure) {
+    const float share = share_of(bytes[1] & 0x7f);
+    return change_bows(channel, stage, [share](Bow& bow) RINGDOWN_REALTIME { bow.force = share; });
+  }
+  if (message.size() < 3) return;
   const auto first = static_cast<std::uint8_t>(bytes[1] & 0x7f), second = static_cast<std::uint8_t>(bytes[2] & 0x7f);
   if (kind == kNoteOn && second > 0) {
-    press(first, second, stage);
+    press(first, second, channel, stage);
   } else if (kind == kNoteOn || kind == kNoteOff) {
     release(first, stage);
   } else if (kind == kControl && first == kAllSoundOff) {
     damp_all(0, stage);
   } else if (kind == kControl && first == kAllNotesOff) {
     for (std::size_t note = 0; note < kNotes; ++note) release(note, stage);
+  } else if (kind == kKeyPressure && bows_[first].drawn) {
+    bows_[first].force = share_of(second);
+    draw(first, stage);
+  } else if (kind == kControl && (first == kExpression || first == kSlide)) {
+    change_bows(channel, stage, [second](Bow& bow) RINGDOWN_REALTIME { bow.speed = share_of(second); });
   } else if (kind == kControl) {
     move_pedal(first, second >= 64, stage);
   }
 }
 
-void MidiPlayer::press(std::size_t note, std::uint8_t velocity, const Stage& stage) RINGDOWN_REALTIME {
+void MidiPlayer::press(std::size_t note, std::uint8_t velocity, std::uint8_t channel,
+                       const Stage& stage) RINGDOWN_REALTIME {
   down_[note] = true;
   sustained_[note] = false;
   const auto& strike = stage.table.notes.data()[note];
   if (!strike) return;
+  if (strike->bow) {
+    bows_[note] = {channel, share_of(velocity), kFirstPressure, true};
+    return draw(note, stage);
+  }
   const double share = (velocity / 127.0) * (velocity / 127.0);
   const double contact_time_s = strike->contact_time_s * std::pow(share, -0.2);
   push({.object = strike->object,
@@ -53,6 +74,7 @@ void MidiPlayer::press(std::size_t note, std::uint8_t velocity, const Stage& sta
 void MidiPlayer::release(std::size_t note, const Stage& stage) RINGDOWN_REALTIME {
   if (!down_[note]) return;
   down_[note] = false;
+  lift(note, stage);
   if (damping_) return damp(note, stage.table.damp_s, stage);
   if (!stage.table.release_s) return;
   if (sustain_) {
@@ -96,6 +118,35 @@ void MidiPlayer::damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME
   for (std::size_t note = 0; note < kNotes; ++note) {
     const auto& strike = stage.table.notes.data()[note];
     if (strike) push({.object = strike->object, .type = EventType::clear, .ramp_s = within_s}, stage);
+  }
+}
+
+// Sets the note's bow to its speed and force.
+void MidiPlayer::draw(std::size_t note, const Stage& stage) RINGDOWN_REALTIME {
+  const auto& strike = stage.table.notes.data()[note];
+  if (!strike || !strike->bow) return;
+  const Bow& bow = bows_[note];
+  Event event{.object = strike->object, .type = EventType::touch, .point_m = strike->point_m};
+  event.touch = protocol::SetBow{}.touch;
+  event.touch.number = static_cast<std::uint32_t>(note);
+  event.touch.direction = strike->bow->direction;
+  event.touch.speed_m_s = static_cast<double>(bow.speed) * strike->bow->speed_m_s;
+  event.touch.force_n = bow.drawn ? static_cast<double>(bow.force) * strike->bow->force_n : 0.0;
+  push(event, stage);
+}
+
+void MidiPlayer::lift(std::size_t note, const Stage& stage) RINGDOWN_REALTIME {
+  if (!bows_[note].drawn) return;
+  bows_[note].drawn = false;
+  draw(note, stage);
+}
+
+template <class Change>
+void MidiPlayer::change_bows(std::uint8_t channel, const Stage& stage, const Change& change) RINGDOWN_REALTIME {
+  for (std::size_t note = 0; note < kNotes; ++note) {
+    if (!bows_[note].drawn || bows_[note].channel != channel) continue;
+    change(bows_[note]);
+    draw(note, stage);
   }
 }
 

@@ -3,6 +3,10 @@
 // The keyboard's state: which notes are down, which are kept by the sustain pedal. A note's velocity v, 1 to 127, gives
 // the share (v / 127)^2 of its full impulse J, so that the lowest is 84 dB below the highest; the blow lasts
 // (J_full / J)^(1/5) times as long as at full velocity, by Hertz's law of contact: soft blows are duller.
+//
+// A bowed note draws its bow while its key is down: at v / 127 of its full speed, and at kFirstPressure of its full
+// force until the key's or the channel's pressure says otherwise. Controllers 74 and 11 set the speed of what is bowed
+// on their channel, so that an MPE keyboard, with a channel for each note, bows each by itself.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -11,6 +15,7 @@
 #include "engine/synth/mixer.h"
 #include "server/session/note_map.h"
 
+#include <array>
 #include <atomic>
 #include <bitset>
 #include <cstdint>
@@ -36,15 +41,25 @@ class MidiPlayer {
     synth::Mixer& mixer;
     SpscRing<synth::Event>& played;
   };
-  void press(std::size_t note, std::uint8_t velocity, const Stage& stage) RINGDOWN_REALTIME;
+  void press(std::size_t note, std::uint8_t velocity, std::uint8_t channel, const Stage& stage) RINGDOWN_REALTIME;
   void release(std::size_t note, const Stage& stage) RINGDOWN_REALTIME;
   void move_pedal(std::uint8_t pedal, bool down, const Stage& stage) RINGDOWN_REALTIME;
   void damp(std::size_t note, double within_s, const Stage& stage) RINGDOWN_REALTIME;
   void damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME;
   [[nodiscard]] bool kept(synth::ObjectNumber object, const NoteTable& table) const RINGDOWN_REALTIME;
+  void draw(std::size_t note, const Stage& stage) RINGDOWN_REALTIME;
+  void lift(std::size_t note, const Stage& stage) RINGDOWN_REALTIME;
+  template <class Change>
+  void change_bows(std::uint8_t channel, const Stage& stage, const Change& change) RINGDOWN_REALTIME;
   void push(const synth::Event& event, const Stage& stage) RINGDOWN_REALTIME;
 
   NoteSet down_, sustained_;  // keys that are down; released keys that the pedal sustains
+  struct Bow {
+    std::uint8_t channel = 0;
+    float speed = 0, force = 0;  // shares of the full ones
+    bool drawn = false;
+  };
+  std::array<Bow, kNotes> bows_;
   bool sustain_ = false, damping_ = false;
   std::atomic<std::uint64_t> dropped_ = 0;
 };

@@ -60,6 +60,13 @@ NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSna
     strike.point_m = entry.point_m.value_or(strike.point_m);
     strike.impulse_ns = entry.impulse_ns.value_or(strike.impulse_ns);
     strike.contact_time_s = entry.contact_time_s.value_or(strike.contact_time_s);
+    if (entry.is_bowed()) {
+      const Vec3 way = entry.bow_direction.value_or(strike.impulse_ns);
+      const double size = length(way);
+      strike.bow = {.direction = size > 0 ? (1 / size) * way : Vec3{0, 0, 1},
+                    .speed_m_s = entry.bow_speed_m_s.value_or(kDefaultBow_m_s),
+                    .force_n = entry.bow_force_n.value_or(kDefaultBow_n)};
+    }
     table.notes[entry.note] = strike;
   }
   return table;

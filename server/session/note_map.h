@@ -23,6 +23,12 @@ struct NoteTable {
     Vec3 point_m;
     Vec3 impulse_ns;            // at full velocity
     double contact_time_s = 0;  // at full velocity
+    struct Bow {                // in place of a blow
+      Vec3 direction;           // of length 1
+      double speed_m_s = 0;     // at full velocity
+      double force_n = 0;       // at full pressure
+    };
+    std::optional<Bow> bow;
   };
   std::array<std::optional<Strike>, kNotes> notes;
   std::optional<double> release_s;
@@ -33,6 +39,7 @@ struct NoteTable {
 // the direction in which the first of these modes moves there, with an impulse of kDefaultVelocity_m_s times its mass.
 NoteTable::Strike best_strike(const ObjectState& object);
 inline constexpr double kDefaultVelocity_m_s = 0.1;
+inline constexpr double kDefaultBow_m_s = 0.4, kDefaultBow_n = 2;
 
 // Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note the next object, and so
 // on. Values that the map does not name are those of best_strike().

@@ -11,6 +11,7 @@ namespace ringdown::session {
 namespace {
 
 constexpr Range kPoint_m{-1e4, 1e4}, kImpulse_ns{-1e4, 1e4}, kContactTime_s{0, 0.1}, kDamping_s{0.005, 60};
+constexpr Range kBowSpeed_m_s{-10, 10}, kBowForce_n{0, 1000}, kDirection{-1e4, 1e4};
 
 template <class Value, class Read>
 void optional(TomlTable& table, std::string_view key, std::optional<Value>& target, Read read) {
@@ -31,6 +32,16 @@ NoteMap::Entry read_entry(TomlTable& table) {
   optional(table, "impulse_ns", entry.impulse_ns, [&](Vec3& j) { table.vector("impulse_ns", j, kImpulse_ns); });
   optional(table, "contact_time_s", entry.contact_time_s,
            [&](double& time) { table.number("contact_time_s", time, kContactTime_s); });
+  optional(table, "bow_speed_m_s", entry.bow_speed_m_s,
+           [&](double& speed) { table.number("bow_speed_m_s", speed, kBowSpeed_m_s); });
+  optional(table, "bow_force_n", entry.bow_force_n,
+           [&](double& force) { table.number("bow_force_n", force, kBowForce_n); });
+  optional(table, "bow_direction", entry.bow_direction, [&](Vec3& way) {
+    table.vector("bow_direction", way, kDirection);
+    if (length(way) == 0) table.complain("bow_direction", "must not be 0 0 0; it is the way in which the hair moves");
+  });
+  if (entry.is_bowed() && (entry.impulse_ns || entry.contact_time_s))
+    table.complain("note", "this note is struck and bowed; leave out either impulse_ns and contact_time_s or the bow");
   return entry;
 }
 

@@ -23,6 +23,10 @@ struct NoteMap {
     std::optional<Vec3> point_m;     // object frame
     std::optional<Vec3> impulse_ns;  // at full velocity
     std::optional<double> contact_time_s;
+    std::optional<double> bow_speed_m_s;  // at full velocity; the note is bowed while its key is down
+    std::optional<double> bow_force_n;    // at full pressure
+    std::optional<Vec3> bow_direction;    // the way the hair moves; of any length but 0
+    [[nodiscard]] bool is_bowed() const { return bow_speed_m_s || bow_force_n || bow_direction; }
   };
   std::vector<Entry> notes;
   std::optional<double> release_s;  // a released note is damped within this time; nullopt: it rings on

@@ -141,7 +141,7 @@ TEST(BakeProgram, ASecondBakeComesFromTheCacheAndIsTheSameFile) {
   EXPECT_FALSE(solved(bar("half.glb", "--scale 0.5"))) << "a smaller one has no modes that were not found";
   EXPECT_TRUE(solved(bar("twice.glb", "--scale 2 --band 20 4200"))) << "a larger one has";
   EXPECT_FALSE(solved(bar("twice-low.glb", "--scale 2 --band 20 4000")));
-  EXPECT_FALSE(solved(bar("stiffer.glb", "--set-material youngs_modulus_pa=14e9"))) << "a factor on its modes";
+  EXPECT_FALSE(solved(bar("denser.glb", "--set-material density_kg_m3=900"))) << "a factor on its modes";
   EXPECT_FALSE(solved(bar("smaller.glb", "--unit 0.0005 --mesh-size 0.009 --points 40"))) << "the same shape";
   EXPECT_TRUE(solved(bar("steel.glb", "-m steel"))) << "another Poisson's ratio";
   EXPECT_TRUE(solved(bar("longer.glb", "--set length=341")));

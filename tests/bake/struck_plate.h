@@ -30,21 +30,21 @@ struct Plate {
   double curving = 0;              // how large g is, as if the plate were a shell
 };
 
-inline Plate steel_plate() {
+inline Plate steel_plate(int modes = kModes, int functions = kFunctions) {
   const fem::Elastic steel{200e9, 0.3, 7850};
-  const ringdown::test::PlateTerms terms = ringdown::test::von_karman_square(kSide_m, kThickness_m, steel, kModes);
+  const ringdown::test::PlateTerms terms = ringdown::test::von_karman_square(kSide_m, kThickness_m, steel, modes);
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(terms.pairs, Eigen::ComputeThinU);
-  const Eigen::MatrixXd products = svd.matrixU().leftCols(kFunctions).transpose() * terms.pairs;
-  Plate plate{.omega = terms.lambda.cwiseSqrt(), .h = {}, .shape = Eigen::VectorXd(kModes)};
-  for (int k = 0; k < kFunctions; ++k) {
-    Eigen::MatrixXd h(kModes, kModes);
-    for (int i = 0, at = 0; i < kModes; ++i) {
+  const Eigen::MatrixXd products = svd.matrixU().leftCols(functions).transpose() * terms.pairs;
+  Plate plate{.omega = terms.lambda.cwiseSqrt(), .h = {}, .shape = Eigen::VectorXd(modes)};
+  for (int k = 0; k < functions; ++k) {
+    Eigen::MatrixXd h(modes, modes);
+    for (int i = 0, at = 0; i < modes; ++i) {
       for (int j = 0; j <= i; ++j, ++at) h(i, j) = h(j, i) = products(k, at);
     }
     plate.h.push_back(h);
   }
   // A point is as good as another: numbers near those of the corner of such a plate, of both signs.
-  for (int m = 0; m < kModes; ++m) plate.shape[m] = 4.0 * std::cos(1.0 + 2.3 * m) / (1 + 0.1 * m);
+  for (int m = 0; m < modes; ++m) plate.shape[m] = 4.0 * std::cos(1.0 + 2.3 * m) / (1 + 0.1 * m);
   return plate;
 }
 
@@ -54,7 +54,8 @@ inline std::shared_ptr<const modal::StrikeMap> map_of(const Plate& plate, bool n
   modal::Bank bank;
   bank.name = "plate";
   bank.positions = {{0, 0, 0}};
-  for (int m = 0; m < kModes; ++m) {
+  const auto modes = static_cast<int>(plate.omega.size());
+  for (int m = 0; m < modes; ++m) {
     const double damped = std::sqrt(plate.omega[m] * plate.omega[m] - decay_per_s * decay_per_s);
     bank.frequency_hz.push_back(damped / (2 * std::numbers::pi));
     bank.decay_per_s.push_back(decay_per_s);
@@ -62,9 +63,9 @@ inline std::shared_ptr<const modal::StrikeMap> map_of(const Plate& plate, bool n
   }
   if (nonlinear) {
     modal::NonlinearTerms terms{.thickness_m = kThickness_m, .coupled = static_cast<std::uint32_t>(coupled)};
-    for (int m = 0; m < kModes; ++m) terms.modes.push_back(static_cast<std::uint32_t>(m));
+    for (int m = 0; m < modes; ++m) terms.modes.push_back(static_cast<std::uint32_t>(m));
     for (const Eigen::MatrixXd& h : plate.h) {
-      for (int i = 0; i < kModes; ++i) {
+      for (int i = 0; i < modes; ++i) {
         terms.curving.push_back(
             static_cast<float>(plate.curving * plate.omega[i] * std::sin(1 + i + terms.curving.size())));
         for (int j = 0; j <= i; ++j) terms.bending.push_back(static_cast<float>(h(i, j)));
@@ -76,11 +77,13 @@ inline std::shared_ptr<const modal::StrikeMap> map_of(const Plate& plate, bool n
 }
 
 // q'' + 2 d q' + omega^2 q + sum over k of 2 t_k H^k q = 0, after a blow: each mode's velocity at the mixer's rate. The
-// largest deflection of the struck point goes to `peak_m`.
-inline std::vector<Samples> integrated(const Plate& plate, double impulse_ns, double& peak_m) {
-  constexpr int kSteps = 6;
-  const double dt = 1 / (kRate_hz * kSteps), keep = std::exp(-2 * kDecay_per_s * dt);
-  Eigen::VectorXd q = Eigen::VectorXd::Zero(kModes), v = impulse_ns * plate.shape;
+// largest deflection of the struck point goes to `peak_m`, and the sum of omega^2 q, which is heard, to `heard`; each
+// sample takes so many steps.
+inline std::vector<Samples> integrated(const Plate& plate, double impulse_ns, double& peak_m, int steps = 6,
+                                       Samples* heard = nullptr) {
+  const double dt = 1 / (kRate_hz * steps), keep = std::exp(-2 * kDecay_per_s * dt);
+  const Eigen::Index modes = plate.omega.size();
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(modes), v = impulse_ns * plate.shape;
   const auto force = [&] {
     Eigen::VectorXd f = -plate.omega.cwiseAbs2().cwiseProduct(q);
     for (const Eigen::MatrixXd& h : plate.h) {
@@ -89,12 +92,13 @@ inline std::vector<Samples> integrated(const Plate& plate, double impulse_ns, do
     }
     return f;
   };
-  std::vector<Samples> velocities(kModes);
+  std::vector<Samples> velocities(static_cast<std::size_t>(modes));
   peak_m = 0;
   Eigen::VectorXd f = force();
-  for (int n = 0; n < static_cast<int>(kSeconds * kRate_hz) * kSteps; ++n) {
-    if (n % kSteps == 0) {
-      for (int m = 0; m < kModes; ++m) velocities[m].push_back(v[m]);
+  for (int n = 0; n < static_cast<int>(kSeconds * kRate_hz) * steps; ++n) {
+    if (n % steps == 0) {
+      for (Eigen::Index m = 0; m < modes; ++m) velocities[static_cast<std::size_t>(m)].push_back(v[m]);
+      if (heard) heard->push_back(plate.omega.cwiseAbs2().dot(q));
     }
     v += 0.5 * dt * f;  // velocity Verlet
     q += dt * v;

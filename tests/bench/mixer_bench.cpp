@@ -35,6 +35,7 @@ constexpr std::array kParts = {Part{"throughput", bench::measure_throughput},
                                Part{"directions", bench::measure_directions},
                                Part{"fields", bench::measure_fields},
                                Part{"two-way", bench::measure_two_way},
+                               Part{"nonlinear", bench::measure_nonlinear},
                                Part{"library", bench::measure_library},
                                Part{"threads", bench::measure_threads},
                                Part{"budget", bench::measure_budget}};
@@ -52,7 +53,7 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", settings.quick, "under a minute: fewer and shorter repeats, the same promises");
   app.add_option("--only", only,
                  "parts: throughput accuracy silence strike storm decay tail instances directions fields two-way "
-                 "library threads budget");
+                 "nonlinear library threads budget");
   CLI11_PARSE(app, argc, argv);
 
   const std::string machine = bench::this_machine(synth::kernel_target());

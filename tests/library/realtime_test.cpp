@@ -16,6 +16,15 @@ TEST(LibraryOnTheAudioThread, NeitherEventsNorBlocksAllocateLockOrCallTheSystem)
   ringdown_contact contact;
   ringdown_contact_init(&contact, sizeof contact);
   contact.point_m[2] = 0.1, contact.force_n[2] = 1, contact.slip_m_s = 0.3;
+  ringdown_bow bow;
+  ringdown_bow_init(&bow, sizeof bow);
+  bow.point_m[2] = 0.1, bow.direction[0] = 1, bow.speed_m_s = 0.2, bow.force_n = 0.5;
+  ringdown_mallet mallet;
+  ringdown_mallet_init(&mallet, sizeof mallet);
+  mallet.point_m[2] = 0.1, mallet.velocity_m_s[2] = -1;
+  ringdown_coupling coupling;
+  ringdown_coupling_init(&coupling, sizeof coupling);
+  coupling.direction[2] = 1, coupling.weight_n = 1;
   bool good = true;
   ringdown_error error;
   const RealtimeScope watch;
@@ -26,6 +35,10 @@ TEST(LibraryOnTheAudioThread, NeitherEventsNorBlocksAllocateLockOrCallTheSystem)
     good = good && ringdown_strike_at(mixer.get(), frame, object, 3, impulse.data(), 0, &error) == 0;
     good = good && ringdown_click(mixer.get(), frame, object, impulse.data(), 0.001, &error) == 0;
     good = good && ringdown_touch(mixer.get(), frame, object, &contact, &error) == 0;
+    if (block % 20 == 0) good = good && ringdown_draw_bow(mixer.get(), frame, object, &bow, &error) == 0;
+    if (block % 20 == 7) good = good && ringdown_hit(mixer.get(), frame, object, &mallet, &error) == 0;
+    coupling.other = (object + 1) % 4;
+    if (block % 20 == 14) good = good && ringdown_couple(mixer.get(), frame, object, &coupling, &error) == 0;
     good = good && ringdown_ring(mixer.get(), frame, object, 0, 2, 0.01, &error) == 0;
     good = good && ringdown_gain(mixer.get(), frame, object, 0.5, 0.01, &error) == 0;
     good = good && ringdown_pan(mixer.get(), frame, object, -0.5, &error) == 0;

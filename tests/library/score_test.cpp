@@ -40,6 +40,7 @@ class Composer {
 
   protocol::Request request() {
     const ObjectRef object{.name = {}, .number = static_cast<std::uint32_t>(random_() % kObjects)};
+    if (random_() % 50 == 0) return two_way(object);
     switch (random_() % 12) {
       case 0:
         return protocol::StrikeVertex{object, static_cast<std::uint32_t>(random_() % 10), vector(0.02), 0.001};
@@ -61,6 +62,28 @@ class Composer {
         return protocol::ClearObject{object, number(0, 0.05)};
       default:
         return protocol::Strike{object, vector(0.15), vector(0.02), number(0, 0.002)};
+    }
+  }
+
+  protocol::Request two_way(const ObjectRef& object) {
+    const Vec3 way{0, number(-1, 1), 1};
+    switch (random_() % 3) {
+      case 0: {
+        protocol::SetBow bow{object, vector(0.15)};
+        bow.touch.direction = way, bow.touch.speed_m_s = number(-1, 1), bow.touch.force_n = number(0, 2);
+        return bow;
+      }
+      case 1: {
+        protocol::HitMallet hit{object, vector(0.15), vector(2)};
+        hit.touch.mass_kg = number(0.01, 0.1);
+        return hit;
+      }
+      default: {
+        protocol::SetCoupling set{object, vector(0.15), {.name = {}, .number = (*object.number + 1) % kObjects}};
+        set.touch.other_point_m = vector(0.15), set.touch.direction = way, set.touch.force_n = 1;
+        if (random_() % 2 == 0) set.touch.stiffness = 0;
+        return set;
+      }
     }
   }
 
@@ -102,6 +125,32 @@ struct Player {
     std::ranges::copy(xyz(s.contact.force_n), contact.force_n);
     contact.slip_m_s = s.contact.slip_m_s;
     return ringdown_touch(mixer, frame, *s.object.number, &contact, &error);
+  }
+  ringdown_result operator()(const protocol::SetBow& s) {
+    ringdown_bow bow;
+    ringdown_bow_init(&bow, sizeof bow);
+    std::ranges::copy(xyz(s.point_m), bow.point_m);
+    std::ranges::copy(xyz(s.touch.direction), bow.direction);
+    bow.speed_m_s = s.touch.speed_m_s, bow.force_n = s.touch.force_n;
+    return ringdown_draw_bow(mixer, frame, *s.object.number, &bow, &error);
+  }
+  ringdown_result operator()(const protocol::HitMallet& s) {
+    ringdown_mallet mallet;
+    ringdown_mallet_init(&mallet, sizeof mallet);
+    std::ranges::copy(xyz(s.point_m), mallet.point_m);
+    std::ranges::copy(xyz(s.velocity_m_s), mallet.velocity_m_s);
+    mallet.mass_kg = s.touch.mass_kg;
+    return ringdown_hit(mixer, frame, *s.object.number, &mallet, &error);
+  }
+  ringdown_result operator()(const protocol::SetCoupling& s) {
+    ringdown_coupling coupling;
+    ringdown_coupling_init(&coupling, sizeof coupling);
+    coupling.other = *s.other.number;
+    std::ranges::copy(xyz(s.point_m), coupling.point_m);
+    std::ranges::copy(xyz(s.touch.other_point_m), coupling.other_point_m);
+    std::ranges::copy(xyz(s.touch.direction), coupling.direction);
+    coupling.weight_n = s.touch.force_n, coupling.stiffness = s.touch.stiffness;
+    return ringdown_couple(mixer, frame, *s.object.number, &coupling, &error);
   }
   ringdown_result operator()(const protocol::ClearObject& s) {
     return ringdown_clear(mixer, frame, *s.object.number, s.ramp_s, &error);

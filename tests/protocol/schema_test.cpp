@@ -106,12 +106,12 @@ TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
 }
 
 TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
-  const StatusReply status{4,     1,  220, 6,  48000, 256, 0.25, 0.5,  7,   8,  9,         10,
-                           0.375, 11, 12,  13, 14,    0.5, 2.5,  true, 1.5, 20, "take.wav"};
+  const StatusReply status{4,  1,  220, 6,  48000, 256, 0.25, 0.5, 7,  8, 9, 10,  0.375,
+                           11, 12, 13,  14, 0.5,   2.5, true, 1.5, 20, 3, 1, 0.5, "take.wav"};
   const wire::Message message = format(Reply(status));
   EXPECT_EQ(message, (wire::Message{"/status.reply",
-                                    {4,      1,  220, 6,  48000.f, 256,  0.25f, 0.5f, 7,    8,    9,         10,
-                                     0.375f, 11, 12,  13, 14,      0.5f, 2.5f,  1,    1.5f, 20.f, "take.wav"}}));
+                                    {4,  1,  220, 6,  48000.f, 256,  0.25f, 0.5f, 7,    8, 9, 10,   0.375f,
+                                     11, 12, 13,  14, 0.5f,    2.5f, 1,     1.5f, 20.f, 3, 1, 0.5f, "take.wav"}}));
   for (const Reply& reply :
        {Reply(Done{"/load", 3}),
         Reply(Done{"/quit", std::nullopt}),

@@ -242,6 +242,12 @@ class MixerTest(unittest.TestCase):
         self.mixer.strike_at(self.glass, 3, (0, 0, 0.01))
         self.mixer.click(self.glass, (0, 0, 0.01))
         self.mixer.touch(self.glass, self.bank.points_m[7], (0, 0, -1), 0.3, roughness_m=1e-5)
+        point = self.bank.points_m[7]
+        self.mixer.bow(self.glass, point, (1, 0, 0), 0.2, 0.5, width_m=0.002)
+        self.mixer.mallet(self.glass, point, (0, 0, -1), mass_kg=0.05)
+        self.mixer.couple(self.glass, point, self.mixer.add(self.bank), point, (0, 0, 1), weight_n=1)
+        with self.assertRaises(ringdown.Error):
+            self.mixer.couple(self.glass, point, self.glass, point, (0, 0, 1))
         self.mixer.air(30, 20)
         self.mixer.solo(self.glass)
         self.assertGreater(np.abs(self.mixer.render(4800)).max(), 0)

@@ -174,5 +174,47 @@ TEST_F(MidiPlayerTest, NotesThatTheMixerCannotTakeAreCounted) {
   EXPECT_EQ(player_.dropped(), 1u);
 }
 
+// Bowed at the middle of a mode of 1 kHz, the note sounds as long as its key is down.
+TEST_F(MidiPlayerTest, ABowedNoteSoundsWhileItsKeyIsDownAndFollowsPressureAndSlideOnItsChannel) {
+  constexpr std::uint8_t kPressure = 0xd0, kKeyPressure = 0xa0, kSlide = 74;
+  table_.notes[60]->bow = {.direction = {0, 0, 1}, .speed_m_s = 0.5, .force_n = 4};
+  const auto touches = [&] {
+    std::vector<synth::Touch> all;
+    for (; const synth::Event* event = played_.front(); played_.pop()) {
+      if (event->type == synth::EventType::touch) all.push_back(event->touch);
+    }
+    return all;
+  };
+  play(kOn | 3, 60, 127);
+  auto told = touches();
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].kind, synth::Touch::Kind::bow);
+  EXPECT_NEAR(told[0].speed_m_s, 0.5, 1e-6);
+  EXPECT_NEAR(told[0].force_n, 2, 1e-6);
+  hear(24000);
+  EXPECT_GT(hear(4800), 1e-3) << "it is driven still";
+  EXPECT_EQ(mixer_.counters().refused.load(), 0u);
+
+  play(kPressure | 4, 20, 0), play(kControl | 4, kSlide, 20);
+  EXPECT_TRUE(touches().empty()) << "another channel";
+  play(kPressure | 3, 127, 0), play(kControl | 3, kSlide, 64), play(kKeyPressure | 3, 60, 0);
+  told = touches();
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_NEAR(told[0].force_n, 4, 1e-6);
+  EXPECT_NEAR(told[1].speed_m_s, 0.5 * 64 / 127, 1e-6);
+  EXPECT_EQ(told[2].force_n, 0) << "lifted, the key still down";
+  play(kPressure | 3, 60, 0);
+  EXPECT_EQ(touches().size(), 1u);
+
+  play(kOff | 3, 60, 0);
+  told = touches();
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].force_n, 0);
+  hear(48000);
+  EXPECT_LT(hear(4800), 1e-4) << "it has died away";
+  play(kPressure | 3, 127, 0);
+  EXPECT_TRUE(touches().empty());
+}
+
 }  // namespace
 }  // namespace ringdown::session

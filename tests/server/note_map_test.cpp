@@ -57,6 +57,22 @@ TEST_F(NoteMapTest, ANoteStrikesWhatTheMapSays) {
   EXPECT_FALSE(table.notes[60]) << "with a map, only the map";
 }
 
+TEST_F(NoteMapTest, ANoteIsBowedWhenTheMapNamesABow) {
+  const auto map = read(
+      "[[note]]\nnote = 40\nobject = 'bar'\nbow_speed_m_s = 0.3\nbow_force_n = 1\nbow_direction = [0, 3, 4]\n"
+      "[[note]]\nnote = 41\nobject = 'bar'\nbow_force_n = 5\n[[note]]\nnote = 42\nobject = 'bar'\n");
+  ASSERT_TRUE(map) << map.error().message;
+  const NoteTable table = resolve(*map, {snapshot("bar", 7)});
+  ASSERT_TRUE(table.notes[40] && table.notes[40]->bow && table.notes[41] && table.notes[41]->bow && table.notes[42]);
+  EXPECT_EQ(table.notes[40]->bow->speed_m_s, 0.3);
+  EXPECT_EQ(table.notes[40]->bow->force_n, 1);
+  EXPECT_NEAR(table.notes[40]->bow->direction.y, 0.6, 1e-12);
+  EXPECT_NEAR(table.notes[40]->bow->direction.z, 0.8, 1e-12);
+  EXPECT_EQ(table.notes[41]->bow->speed_m_s, kDefaultBow_m_s);
+  EXPECT_NEAR(std::abs(table.notes[41]->bow->direction.z), 1, 1e-12) << "as it moves most";
+  EXPECT_FALSE(table.notes[42]->bow);
+}
+
 TEST_F(NoteMapTest, EveryFaultOfANoteMapIsASentenceWithItsLine) {
   const auto begins = [&](const std::string& text, const std::string& line, const std::string& word) {
     const std::string sentence = refusal(text);
@@ -70,6 +86,9 @@ TEST_F(NoteMapTest, EveryFaultOfANoteMapIsASentenceWithItsLine) {
   begins("[[note]]\nnote = 1\nobject = 'a'\n[[note]]\nnote = 1\nobject = 'b'\n", "5", "note");
   begins("[[note]]\nnote = 1\nobject = 'a'\ncontact_time_s = 0.2\n", "4", "contact_time_s");
   begins("[[note]]\nnote = 1\nobject = 'a'\nimpulse_ns = [0, 1]\n", "4", "impulse_ns");
+  begins("[[note]]\nnote = 1\nobject = 'a'\nbow_direction = [0, 0, 0]\n", "4", "bow_direction");
+  begins("[[note]]\nnote = 1\nobject = 'a'\nbow_force_n = -1\n", "4", "bow_force_n");
+  begins("[[note]]\nnote = 1\nobject = 'a'\nbow_force_n = 1\ncontact_time_s = 0.001\n", "2", "bow");
   begins("relaese_s = 1\n", "1", "relaese_s");
   begins("release_s = 0\n", "1", "release_s");
 }

@@ -113,6 +113,47 @@ class Mixer:
         spectral_slope: float = -2.4,
         frame: Optional[int] = None,
     ) -> None: ...
+    def bow(
+        self,
+        object: int,
+        point_m: Numbers,
+        direction: Numbers,
+        speed_m_s: float,
+        force_n: float,
+        *,
+        width_m: float = 0.0,
+        rosin: float = 0.8,
+        number: int = 0,
+        frame: Optional[int] = None,
+    ) -> None: ...
+    def mallet(
+        self,
+        object: int,
+        point_m: Numbers,
+        velocity_m_s: Numbers,
+        mass_kg: float = 0.02,
+        head: float = 1e7,
+        bounce: float = 0.9,
+        *,
+        frame: Optional[int] = None,
+    ) -> None: ...
+    def couple(
+        self,
+        object: int,
+        point_m: Numbers,
+        other: int,
+        other_point_m: Numbers,
+        direction: Numbers,
+        *,
+        weight_n: float = 0.0,
+        gap_m: float = 0.0,
+        stiffness: float = 1e8,
+        friction: float = 0.3,
+        bounce: float = 0.6,
+        mass_kg: float = 0.0,
+        number: int = 0,
+        frame: Optional[int] = None,
+    ) -> None: ...
     def ring(
         self, object: int, first: int = 0, count: int = 1, amplitude: float = 0.1, frame: Optional[int] = None
     ) -> None: ...

@@ -271,6 +271,59 @@ void add_blows(Class& mixer) {
           "Something slides or rolls on the object. Send it 30 to 200 times a second while the contact lasts; it ends"
           " with a force of 0 0 0, or 0.1 s after the last.")
       .def(
+          "bow",
+          [](Mixer& self, Object object, const Vector& point_m, const Vector& direction, double speed_m_s,
+             double force_n, double width_m, double rosin, std::uint32_t number, const FrameOrNow& frame) {
+            ringdown_bow bow;
+            ringdown_bow_init(&bow, sizeof bow);
+            bow.number = number;
+            std::memcpy(bow.point_m, point_m.data(), sizeof bow.point_m);
+            std::memcpy(bow.direction, direction.data(), sizeof bow.direction);
+            bow.speed_m_s = speed_m_s, bow.force_n = force_n, bow.width_m = width_m, bow.rosin = rosin;
+            call(ringdown_draw_bow, self.handle, at(self, frame), object, &bow);
+          },
+          py::arg("object"), py::arg("point_m"), py::arg("direction"), py::arg("speed_m_s"), py::arg("force_n"),
+          py::kw_only(), py::arg("width_m") = 0.0, py::arg("rosin") = 0.8, py::arg("number") = 0,
+          py::arg("frame") = py::none(),
+          "Bows the object: the hair moves along `direction`, sticks, slips, and feels how the surface moves. Call it"
+          " again to change speed or force; a force of 0 lifts the bow.")
+      .def(
+          "mallet",
+          [](Mixer& self, Object object, const Vector& point_m, const Vector& velocity_m_s, double mass_kg, double head,
+             double bounce, const FrameOrNow& frame) {
+            ringdown_mallet mallet;
+            ringdown_mallet_init(&mallet, sizeof mallet);
+            std::memcpy(mallet.point_m, point_m.data(), sizeof mallet.point_m);
+            std::memcpy(mallet.velocity_m_s, velocity_m_s.data(), sizeof mallet.velocity_m_s);
+            mallet.mass_kg = mass_kg, mallet.head = head, mallet.bounce = bounce;
+            call(ringdown_hit, self.handle, at(self, frame), object, &mallet);
+          },
+          py::arg("object"), py::arg("point_m"), py::arg("velocity_m_s"), py::arg("mass_kg") = 0.02,
+          py::arg("head") = 1e7, py::arg("bounce") = 0.9, py::kw_only(), py::arg("frame") = py::none(),
+          "A mallet flies at the object and feels it. `head` is Hertz's stiffness [N / m^1.5]: some 1e5 for yarn, 1e7"
+          " for rubber, 1e9 for wood, 1e10 for steel.")
+      .def(
+          "couple",
+          [](Mixer& self, Object object, const Vector& point_m, Object other, const Vector& other_point_m,
+             const Vector& direction, double weight_n, double gap_m, double stiffness, double friction, double bounce,
+             double mass_kg, std::uint32_t number, const FrameOrNow& frame) {
+            ringdown_coupling coupling;
+            ringdown_coupling_init(&coupling, sizeof coupling);
+            coupling.number = number, coupling.other = other;
+            std::memcpy(coupling.point_m, point_m.data(), sizeof coupling.point_m);
+            std::memcpy(coupling.other_point_m, other_point_m.data(), sizeof coupling.other_point_m);
+            std::memcpy(coupling.direction, direction.data(), sizeof coupling.direction);
+            coupling.weight_n = weight_n, coupling.gap_m = gap_m, coupling.stiffness = stiffness;
+            coupling.friction = friction, coupling.bounce = bounce, coupling.mass_kg = mass_kg;
+            call(ringdown_couple, self.handle, at(self, frame), object, &coupling);
+          },
+          py::arg("object"), py::arg("point_m"), py::arg("other"), py::arg("other_point_m"), py::arg("direction"),
+          py::kw_only(), py::arg("weight_n") = 0.0, py::arg("gap_m") = 0.0, py::arg("stiffness") = 1e8,
+          py::arg("friction") = 0.3, py::arg("bounce") = 0.6, py::arg("mass_kg") = 0.0, py::arg("number") = 0,
+          py::arg("frame") = py::none(),
+          "Lets another object touch this one at a point of each, so that both rattle, buzz and ring together:"
+          " `direction` is the way in which the other pushes this one. A stiffness of 0 parts them.")
+      .def(
           "ring",
           [](Mixer& self, Object object, std::uint32_t first, std::uint32_t count, double amplitude,
              const FrameOrNow& frame) {

@@ -39,6 +39,10 @@ void measure_fields(const Settings& settings, const Sink& sink);
 // 16 two-way contacts of 200 + 200 modes, touching and apart, and the same modes ringing freely.
 void measure_two_way(const Settings& settings, const Sink& sink);
 
+// 10,000 modes in 100 objects whose pitches glide, and the same without nonlinear terms; one object whose modes
+// exchange energy.
+void measure_nonlinear(const Settings& settings, const Sink& sink);
+
 // The same mixer behind the C library, blocks of 64 with a strike in each.
 void measure_library(const Settings& settings, const Sink& sink);
 

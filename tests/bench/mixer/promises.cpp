@@ -123,6 +123,14 @@ std::vector<Promise> promises(const Rows& rows) {
   list.push_back(most("16 two-way contacts of 200 + 200 modes with friction: share of a core",
                       find(rows, "two-way", is("touching")), &Row::ratio, 0.3, ""));
   list.push_back(above_free(rows));
+  list.push_back(most("10000 modes in 100 objects that glide: block time over linear",
+                      find(rows, "nonlinear", is("gliding")), &Row::ratio, 1.03, ""));
+  list.push_back(most("10000 modes in 100 objects with nonlinear terms, calm: block time over linear",
+                      find(rows, "nonlinear", is("calm")), &Row::ratio, 1.03, ""));
+  list.push_back(most("50 modes that exchange energy by 30 functions: share of a core",
+                      find(rows, "nonlinear", is("M 50, K 30")), &Row::ratio, 0.3, ""));
+  list.push_back(most("64 modes that exchange energy by 50 functions: share of a core",
+                      find(rows, "nonlinear", is("M 64, K 50")), &Row::ratio, 0.5, ""));
   list.push_back(most("10000 modes in 100 objects behind libringdown: block time over the mixer's",
                       find(rows, "library", is("libringdown")), &Row::ratio, 1.05, ""));
   const auto two_threads = [](const Row& row) { return row.who == "2 threads" && row.objects == 100; };

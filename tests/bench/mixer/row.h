@@ -16,8 +16,9 @@ inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // no
 inline constexpr double kRate = 48000;                                     // [Hz] of everything measured
 
 struct Row {
-  std::string part;  // throughput accuracy silence strike storm decay tail instances directions fields two-way library
-                     // threads budget
+  std::string part;          // throughput accuracy silence strike storm decay tail instances directions fields two-way
+                             // nonlinear library
+                             // threads budget
   std::string who = "ours";  // or a peer, a kernel, a state
   std::size_t modes = 0, objects = 0, block = 0;
   std::string status = "ok";      // "not installed", "failed: ..."
@@ -28,8 +29,8 @@ struct Row {
   double bytes_per_mode = kNone;
   double ratio = kNone;     // throughput: ours in one object over this; tail: this over loud;
                             // instances: this over shared; directions: standing over this; fields: this over stereo;
-                            // two-way: share of a core; library: this over the mixer by itself;
-                            // threads: 1 thread over this; budget: this over moments
+                            // two-way: share of a core; nonlinear: this over linear, or share of a core; library: this
+                            // over the mixer by itself; threads: 1 thread over this; budget: this over moments
   double error_db = kNone;  // of the sum, relative to the closed form in extended precision
 
   [[nodiscard]] bool ok() const { return status == "ok"; }

@@ -45,6 +45,7 @@ class Stage {
   [[nodiscard]] const std::vector<float>& left() const { return left_; }
   [[nodiscard]] synth::Frame frame() const { return mixer_.counters().frames.load(); }  // the next block's first
   [[nodiscard]] std::size_t ringing_modes() const { return mixer_.counters().ringing_modes.load(); }
+  [[nodiscard]] std::size_t coupled_voices() const { return mixer_.counters().coupled_voices.load(); }
   [[nodiscard]] std::size_t strikes() const { return mixer_.counters().strikes.load(); }
   [[nodiscard]] std::size_t lost() const { return lost_; }  // events for which there was no room
 
