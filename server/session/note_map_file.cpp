@@ -38,7 +38,8 @@ NoteMap::Entry read_entry(TomlTable& table) {
            [&](double& force) { table.number("bow_force_n", force, kBowForce_n); });
   optional(table, "bow_direction", entry.bow_direction, [&](Vec3& way) {
     table.vector("bow_direction", way, kDirection);
-    if (length(way) == 0) table.complain("bow_direction", "must not be 0 0 0; it is the way in which the hair moves");
+    if (length(way) == 0)
+      table.complain("bow_direction", "bow_direction must not be 0 0 0; it is the way in which the hair moves");
   });
   if (entry.is_bowed() && (entry.impulse_ns || entry.contact_time_s))
     table.complain("note", "this note is struck and bowed; leave out either impulse_ns and contact_time_s or the bow");
