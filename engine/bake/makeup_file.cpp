@@ -79,8 +79,11 @@ void read_makeup(TomlTable& file, Makeup& makeup) {
   makeup.grain = read_grain(file);
   for (TomlTable& table : file.tables("part")) {
     Part& part = makeup.parts.emplace_back();
-    table.require({"group", "material"});
+    table.require({"material"});
     table.text("group", part.group);
+    table.text("surface", part.surface);
+    if (part.group.empty() == part.surface.empty())
+      table.complain("group", "say what the part is: give one of group and surface");
     table.text("material", part.material.name);
     part.grain = read_grain(table);
   }

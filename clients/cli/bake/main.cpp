@@ -221,7 +221,8 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
                                              .geometry = recipe->geometry,
                                              .material = arguments.materials / (recipe->material + ".toml"),
                                              .options = arguments.shaping,
-                                             .part_materials = bake::part_materials(*recipe, arguments.materials)})
+                                             .part_materials = bake::part_materials(*recipe, arguments.materials),
+                                             .part_surfaces = bake::part_surfaces(*recipe)})
                                .value_or("");
   if (arguments.update && !hash.empty() && modal::read_input_hash(output) == hash) {
     if (!arguments.quiet) std::printf("%s: unchanged\n", recipe->name.c_str());
