@@ -15,9 +15,9 @@ namespace ringdown {
 namespace {
 
 // Finnish spruce tonewood, 212 x 108 x 4.5 mm, the grain along its length, growth rings upright, clamped at one end:
-// size, density and the six lowest frequencies measured by M. Ducceschi, S. Duran, H. Tahvanainen and L. Ausiello of
-// the NEMUS project, in src/InverseModelling.m of github.com/Nemus-Project/magpie-matlab at 0b52982. They took other
-// boards of the kind down and up again: their frequencies then moved by up to 2.5 %.
+// size, density and the six lowest frequencies as the NEMUS project (University of Bologna) measured them, in
+// src/InverseModelling.m of github.com/Nemus-Project/magpie-matlab at 0b529823. Another board of theirs, measured three
+// times, scattered by up to 2.5 %.
 constexpr std::array kMeasuredHz = {87.0, 160.0, 540.0, 616.0, 651.0, 1061.0};
 constexpr std::array kTwists = {false, true, false, false, true, false};
 // Fitted by us: E along the grain to the first frequency, G to the second, E across to the fourth. The third, fifth and
