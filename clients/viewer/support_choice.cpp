@@ -16,6 +16,7 @@ namespace {
 constexpr double kFlatCosine = 0.9962;     // 5 degrees
 constexpr double kFlat = 2e-3;             // of the body's diagonal, off the first triangle's plane
 constexpr double kOnPlane = 1e-5;          // of the diagonal: points are kept as floats
+constexpr double kRound = 3e-7;            // of the diagonal: less than a bake takes as lying on a plane
 constexpr double kAlongAxis = 1e-4;        // a normal so near to an axis is taken as that axis
 constexpr double kMargin = 1e-3;           // of the diagonal, around a box
 constexpr const char* kStiffness = "1e8";  // N/m for each m2: a start, for people to change
@@ -24,8 +25,11 @@ Vec3 unit_of(Vec3 v) { return 1 / length(v) * v; }
 
 Vec3 area_vector(const SupportChoice::Triangle& t) { return 0.5 * cross(t[1] - t[0], t[2] - t[0]); }
 
-// What is smaller than `least` becomes 0.
-double cleaned(double value, double least) { return std::abs(value) < least ? 0 : value; }
+// To a multiple of a power of ten, at most `most` wide.
+double rounded(double value, double most) {
+  const double step = std::pow(10.0, std::floor(std::log10(most)));
+  return step * std::round(value / step) + 0.0;  // no negative zero
+}
 
 std::string numbers_text(std::initializer_list<double> values, const char* format) {
   std::string text;
@@ -150,9 +154,9 @@ std::string SupportChoice::plane() const {
   for (std::size_t t = 0; t < bank_->bank.triangles.size(); ++t) {
     if (on_plane(triangle(t)) != std::ranges::binary_search(chosen_, t)) return "";
   }
-  const double least = 1e-6 * diagonal;
-  return "plane = " + numbers_text({cleaned(middle.x, least), cleaned(middle.y, least), cleaned(middle.z, least),
-                                    cleaned(normal.x, 1e-9), cleaned(normal.y, 1e-9), cleaned(normal.z, 1e-9)},
+  const double most = kRound * diagonal;
+  return "plane = " + numbers_text({rounded(middle.x, most), rounded(middle.y, most), rounded(middle.z, most),
+                                    rounded(normal.x, 1e-8), rounded(normal.y, 1e-8), rounded(normal.z, 1e-8)},
                                    "%.8g");
 }
 
