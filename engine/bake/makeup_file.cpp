@@ -96,4 +96,13 @@ void read_makeup(TomlTable& file, Makeup& makeup) {
   }
 }
 
+Result<Support> parse_support(const std::string& text) {
+  Result<TomlTable> file = TomlTable::parse("support = { " + text + " }", "--support");
+  if (!file) return fail(file.error());
+  Support support;
+  if (auto table = file->table("support")) support = read_support(*table);
+  if (auto good = file->finish(); !good) return fail(good.error());
+  return support;
+}
+
 }  // namespace ringdown::bake
