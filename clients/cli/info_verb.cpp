@@ -111,6 +111,11 @@ void print_head(const modal::Bank& bank) {
     std::printf("grain      E = %.3g %.3g %.3g Pa, nu = %.3g %.3g %.3g, G = %.3g %.3g %.3g Pa\n", e[0], e[1], e[2],
                 nu[0], nu[1], nu[2], g[0], g[1], g[2]);
   }
+  if (!bank.provenance.parts.empty()) {
+    std::string parts;
+    for (const std::string& part : bank.provenance.parts) parts += (parts.empty() ? "" : ", ") + part;
+    std::printf("parts      of %s; the rest of its material\n", parts.c_str());
+  }
   if (bank.nonlinear) print_nonlinear(*bank.nonlinear);
   if (bank.held) std::printf("held       by supports: no free body\n");
   if (const auto& m = bank.mass) {

@@ -2,6 +2,7 @@
 
 #include "engine/base/folders.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <system_error>
 
@@ -51,7 +52,7 @@ Source find_source(std::size_t choice, const std::string& file, const std::files
   if ((choice == 0 || choice >= kChoices) && !file.empty()) return {file, file};
   const std::string_view preset = kPresets[choice >= kFirstPreset && choice < kChoices ? choice - kFirstPreset : 0];
   const std::filesystem::path presets = presets_near(binary);
-  const bool map = preset == kNoteMapPreset;
+  const bool map = std::find(kNoteMapPresets.begin(), kNoteMapPresets.end(), preset) != kNoteMapPresets.end();
   return {std::string(preset), presets / (map ? "notes" : "banks") / (std::string(preset) + (map ? ".toml" : ".glb"))};
 }
 

@@ -54,7 +54,7 @@ inline constexpr std::array<std::string_view, 41> kPresets = {"vibraphone-key",
                                                               "music-box-comb",
                                                               "kalimba",
                                                               "thunder-sheet"};
-inline constexpr std::string_view kNoteMapPreset = "vibraphone";  // the one that is a note map
+inline constexpr std::array<std::string_view, 3> kNoteMapPresets = {"vibraphone", "music-box-comb", "kalimba"};
 inline constexpr std::size_t kChoices = kFirstPreset + kPresets.size();
 
 // A choice as people see it: "file", "own 3", "mug".

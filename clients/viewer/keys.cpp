@@ -58,6 +58,9 @@ constexpr std::array kBindings = {
             "Test force: strike what is under the mouse, or in the middle"},
     Binding{Pane::scene, "H", Action::new_box, once, "Drop a new box"},
     Binding{Pane::scene, "J", Action::new_sphere, once, "Drop a new sphere"},
+    Binding{Pane::scene, "F", Action::choose_support, once,
+            "Choose the flat surface under the mouse, or in the middle, as a support; or give it up"},
+    Binding{Pane::scene, "ctrl+C", Action::copy_support, once, "Copy the chosen support as text of an object file"},
     Binding{Pane::scene, "Q", Action::clear_sound, once, "Clear: fade all that rings"},
     Binding{Pane::scene, "ctrl+delete", Action::clear_scene, once, "Remove all bodies"},
 

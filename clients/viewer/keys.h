@@ -72,6 +72,8 @@ enum class Action : std::uint8_t {
   new_sphere,
   clear_scene,
   vibrate,
+  choose_support,
+  copy_support,
   pause,
   restart,
 };

@@ -412,6 +412,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   bank.held = !options.makeup.supports.empty();
   bank.mass = units.mass(modes->mass);
   bank.provenance = provenance(options, *modes);
+  for (const Part& part : options.makeup.parts) bank.provenance.parts.push_back(part.material.name);
   const Reduced reduced = audition(bank, task, corner_bank(task, heard, *modes, air));
   std::vector<HeardMode> kept;
   for (const std::size_t m : reduced.kept) kept.push_back(heard[m]);

@@ -36,7 +36,26 @@ std::string family_of(const ObjectRecipe& recipe) {
   ContentHasher hasher;
   hasher.text(*geometry);
   for (const auto& [name, value] : recipe.meshing.parameters) hasher.text(name).value(value);
+  for (const std::filesystem::path& part : part_surfaces(recipe)) {
+    const Result<std::string> surface = read_whole_file(part, kMaxGeometry);
+    if (!surface) return "";
+    hasher.text(*surface);
+  }
   return hasher.hash().text();
+}
+
+// The slowest of the body's materials, alike in all directions: its waves are the shortest. For plans.
+modal::Material slowest_stand_in(const Makeup& makeup, const modal::Material& material) {
+  const auto alike = [](const modal::Material& one, const std::optional<Grain>& grain) {
+    return grain ? isotropic_stand_in(one) : one;
+  };
+  const auto speed = [](const modal::Material& one) { return one.youngs_modulus_pa / one.density_kg_m3; };
+  modal::Material slowest = alike(material, makeup.grain);
+  for (const Part& part : makeup.parts) {
+    modal::Material own = alike(part.material, part.grain);
+    if (speed(own) < speed(slowest)) slowest = std::move(own);
+  }
+  return slowest;
 }
 
 double mean_longest_edge(const mesh::TetMesh& mesh) {
@@ -67,7 +86,7 @@ class Baker {
   Baker(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress)
       : recipe_(recipe),
         material_(material),
-        stand_in_(recipe.options.makeup.grain ? isotropic_stand_in(material) : material),
+        stand_in_(slowest_stand_in(recipe.options.makeup, material)),
         progress_(progress),
         reader_(recipe.geometry, recipe.options.cache) {
     if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);

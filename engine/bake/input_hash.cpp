@@ -85,6 +85,11 @@ std::optional<std::string> input_hash(const BankInputs& inputs) {
   if (inputs.object != inputs.geometry) files->push_back(inputs.object);
   files->push_back(inputs.material);
   files->insert(files->end(), inputs.part_materials.begin(), inputs.part_materials.end());
+  for (const fs::path& surface : inputs.part_surfaces) {
+    const std::optional<Files> own = files_of_geometry(surface);
+    if (!own) return std::nullopt;
+    files->insert(files->end(), own->begin(), own->end());
+  }
   ContentHasher hasher;
   hasher.value(kFormat).text(RINGDOWN_VERSION).text(inputs.object.filename().string());
   for (const fs::path& file : *files) {

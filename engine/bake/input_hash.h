@@ -20,6 +20,7 @@ struct BankInputs {
   std::filesystem::path material;
   std::vector<std::string> options;                        // that can change the bank, as words
   std::vector<std::filesystem::path> part_materials = {};  // of parts in a material of their own
+  std::vector<std::filesystem::path> part_surfaces = {};   // that parts lie in
 };
 
 // Nothing when the files do not tell all: one cannot be read, or a .geo asks its surroundings (GetEnv, SystemCall, Rand

@@ -52,9 +52,11 @@ struct GluedMass {
   double mass_kg = 0;  // spread over the place; it has no stiffness
 };
 
-// The elements of a group of the mesh, in a material of their own.
+// The elements of a group of the mesh, in a material of their own. A closed surface inside the body's makes a group of
+// what it encloses (mesh/parted_surface.h).
 struct Part {
   std::string group;
+  std::string surface;       // its file as the object's says it; empty: the mesh has the group
   modal::Material material;  // its name at first; bake_object() looks it up
   std::optional<Grain> grain;
 };

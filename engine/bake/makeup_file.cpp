@@ -79,8 +79,11 @@ void read_makeup(TomlTable& file, Makeup& makeup) {
   makeup.grain = read_grain(file);
   for (TomlTable& table : file.tables("part")) {
     Part& part = makeup.parts.emplace_back();
-    table.require({"group", "material"});
+    table.require({"material"});
     table.text("group", part.group);
+    table.text("surface", part.surface);
+    if (part.group.empty() == part.surface.empty())
+      table.complain("group", "say what the part is: give one of group and surface");
     table.text("material", part.material.name);
     part.grain = read_grain(table);
   }
@@ -91,6 +94,15 @@ void read_makeup(TomlTable& file, Makeup& makeup) {
     table.number("mass_kg", mass.mass_kg, kMass_kg);
     read_place(table, mass.place);
   }
+}
+
+Result<Support> parse_support(const std::string& text) {
+  Result<TomlTable> file = TomlTable::parse("support = { " + text + " }", "--support");
+  if (!file) return fail(file.error());
+  Support support;
+  if (auto table = file->table("support")) support = read_support(*table);
+  if (auto good = file->finish(); !good) return fail(good.error());
+  return support;
 }
 
 }  // namespace ringdown::bake

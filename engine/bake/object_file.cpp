@@ -63,6 +63,18 @@ void read_options(TomlTable& file, BakeOptions& options) {
   options.band_high_hz = band[1];
 }
 
+// Surfaces of parts become groups, named as they are seen from the geometry's folder, where they must lie.
+void read_part_surfaces(TomlTable& file, const std::filesystem::path& folder, ObjectRecipe& recipe) {
+  for (Part& part : recipe.options.makeup.parts) {
+    if (part.surface.empty()) continue;
+    const std::filesystem::path geometry_folder = recipe.geometry.parent_path().lexically_normal();
+    part.group = (folder / part.surface).lexically_normal().lexically_relative(geometry_folder).generic_string();
+    if (part.group.empty() || part.group.starts_with(".."))
+      return file.complain("part", "the surface " + part.surface + " must lie in the folder of the geometry");
+    recipe.meshing.parts.push_back(part.group);
+  }
+}
+
 Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::path& path) {
   if (!file) return fail(file.error());
   ObjectRecipe recipe;
@@ -84,6 +96,7 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   file->named_numbers("parameters", recipe.meshing.parameters);
   read_options(*file, recipe.options);
   read_makeup(*file, recipe.options.makeup);
+  read_part_surfaces(*file, path.parent_path(), recipe);
   recipe.meshing.order = fem::order_of(recipe.options.element);
   file->fraction("error", recipe.error, kError);
   file->fraction("shape_error", recipe.options.shape_error, kShapeError);
@@ -98,6 +111,12 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
 std::vector<std::filesystem::path> part_materials(const ObjectRecipe& recipe, const std::filesystem::path& materials) {
   std::vector<std::filesystem::path> files;
   for (const Part& part : recipe.options.makeup.parts) files.push_back(materials / (part.material.name + ".toml"));
+  return files;
+}
+
+std::vector<std::filesystem::path> part_surfaces(const ObjectRecipe& recipe) {
+  std::vector<std::filesystem::path> files;
+  for (const std::string& part : recipe.meshing.parts) files.push_back(recipe.geometry.parent_path() / part);
   return files;
 }
 

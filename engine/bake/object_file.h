@@ -85,6 +85,9 @@ inline constexpr Range kError{1e-7, 0.5}, kShapeError{1e-3, 0.5};  // that may b
 // The files of the materials that the recipe's parts have.
 std::vector<std::filesystem::path> part_materials(const ObjectRecipe& recipe, const std::filesystem::path& materials);
 
+// The files of the surfaces that part it.
+std::vector<std::filesystem::path> part_surfaces(const ObjectRecipe& recipe);
+
 Result<ObjectRecipe> read_object(const std::filesystem::path& path);
 
 // Reads an object from memory; `path` is where the text would stand.

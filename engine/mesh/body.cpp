@@ -154,7 +154,7 @@ std::string text_of(Making making) {
 }
 
 std::string packed(Question question, const GmshOptions& options) {
-  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, parameters] = options;
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, parameters, parts] = options;
   ByteWriter out;
   out.put(question)
       .put(std::int32_t{unit_m.has_value()})
@@ -169,6 +169,7 @@ std::string packed(Question question, const GmshOptions& options) {
     put(out, name);
     out.put(value);
   }
+  put(out, parts);
   return out.bytes();
 }
 
@@ -189,7 +190,7 @@ bool unpack_question(std::string_view bytes, Question& question, GmshOptions& op
     std::string name;
     if (!get(in, name) || !in.get(options.parameters[name])) return false;
   }
-  return in.finished();
+  return get(in, options.parts) && in.finished();
 }
 
 std::string packed(const Body& body) {

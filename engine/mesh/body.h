@@ -27,6 +27,9 @@ struct GmshOptions {
   bool force_coarse = false;                 // of a surface: walls may be thinner than a cell (stuffed_body.h)
   bool cavities = false;                     // of a surface: CavityRule::kInside in place of kWoundTheOtherWay
   std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
+  // Of a surface: files of closed surfaces inside it, in its unit, named from its folder. The elements inside each
+  // are a group of that name (parted_surface.h).
+  std::vector<std::string> parts;
 };
 
 enum class Making : std::int32_t { kRead, kMeshed, kFilled, kStuffed, kRefilled };

@@ -4,6 +4,7 @@
 #include "engine/mesh/file_kinds.h"
 #include "engine/mesh/fill.h"
 #include "engine/mesh/gmsh_reader.h"
+#include "engine/mesh/parted_surface.h"
 #include "engine/mesh/stuffed_body.h"
 #include "engine/mesh/surface_distance.h"
 #include "engine/mesh/surface_file.h"
@@ -37,6 +38,14 @@ std::string note_of_loss(const CheckedMesh& checked) {
   std::snprintf(text, sizeof text, "its mesh has %s volume than the geometry, as if its skin lay %.2g mm too far %s",
                 gap_m > 0 ? "less" : "more", 1000 * std::abs(gap_m), gap_m > 0 ? "inside" : "outside");
   return text;
+}
+
+Result<void> check_takes_parts(const std::filesystem::path& path, const GmshOptions& options) {
+  if (options.parts.empty()) return {};
+  return fail(ErrorKind::bad_input,
+              path.string() +
+                  " is not a surface, so that its parts cannot be surfaces inside it; name groups "
+                  "of the geometry or mesh: group = \"...\"");
 }
 
 }  // namespace
@@ -83,6 +92,7 @@ Result<Sketch> BodyMaker::sketch(const GmshOptions& options) {
 
 Result<Body> BodyMaker::make(const GmshOptions& options, const Progress& progress) {
   if (is_surface_file(path_)) return make_of_surface(options, progress);
+  if (auto good = check_takes_parts(path_, options); !good) return fail(good.error());
   if (is_tet_file(path_)) return make_of_tetrahedra(options);
   const Making making = is_geometry_file(path_) ? Making::kMeshed : Making::kRead;
   return read_with_gmsh(path_, options).map([making](CheckedMesh mesh) {
@@ -116,6 +126,7 @@ Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progre
   if (auto few = check_element_count(path_, {found.volume_m3, found.area_m2, found.diagonal_m}, options.mesh_size_m);
       !few)
     return fail(few.error());
+  if (!options.parts.empty()) return make_of_parts(**prepared, options);
   if (left.sound()) {
     Result<Filled> filled = fill(mesh, {options.mesh_size_m, options.order, wall_thickness(mesh)}, path_.string());
     if (filled) {
@@ -135,6 +146,38 @@ Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progre
       make_stuffed(mesh, {options.mesh_size_m, options.order, 0}, options.force_coarse, path_.string(), progress);
   if (stuffed) stuffed->notes.insert(stuffed->notes.begin(), body.notes.begin(), body.notes.end());
   return stuffed;
+}
+
+Result<Body> BodyMaker::make_of_parts(const PreparedSurface& surface, const GmshOptions& options) const {
+  const auto refuse = [](const std::string& file, const std::string& why) {
+    return fail(ErrorKind::bad_input, file + ": " + why + "; a body with surfaces inside needs sound ones");
+  };
+  if (!surface.left.sound()) return refuse(path_.string(), describe(surface.left.findings.front()));
+  Body body{.mesh = {}, .making = Making::kFilled, .notes = notes_of(surface)};
+  std::vector<NamedSurface> inner;
+  for (const std::string& part : options.parts) {
+    const std::filesystem::path file = path_.parent_path() / part;
+    if (!is_surface_file(file)) return refuse(part, "this is not a file of a surface");
+    Result<TriangleMesh> read = read_surface(file);
+    if (!read) return fail(read.error());
+    read->nodes *= options.unit_m.value_or(1);
+    PreparedSurface own = prepare(*read);
+    if (!own.left.sound()) return refuse(part, describe(own.left.findings.front()));
+    for (const std::string& note : notes_of(own)) body.notes.push_back(part + ": " + note);
+    inner.push_back({part, std::move(own.mesh)});
+  }
+  const Result<PartedSurface> parted = mesh::part(surface.mesh, inner, path_.filename().string());
+  if (!parted) return fail(parted.error());
+  Result<Filled> filled =
+      fill_parts(*parted, {options.mesh_size_m, options.order, wall_thickness(parted->mesh)}, path_.string());
+  if (!filled)
+    return fail(filled.error().kind, "cannot mesh " + path_.string() + " with its parts: " + filled.error().message +
+                                         "; name a smaller mesh size, or thicken what lies between the surfaces");
+  if (!filled->note.empty()) body.notes.push_back(filled->note);
+  body.mesh = std::move(filled->mesh);
+  body.mesh.gaps_m = surface_gaps(body.mesh.mesh, surface.rough.value_or(surface.mesh),
+                                  kReach * surface.found.diagonal_m, surface.rough.has_value());
+  return body;
 }
 
 }  // namespace ringdown::mesh

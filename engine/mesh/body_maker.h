@@ -29,6 +29,7 @@ class BodyMaker {
  private:
   [[nodiscard]] Result<Body> make_of_tetrahedra(const GmshOptions& options) const;
   Result<Body> make_of_surface(const GmshOptions& options, const Progress& progress);
+  Result<Body> make_of_parts(const PreparedSurface& surface, const GmshOptions& options) const;
 
   std::filesystem::path path_;
   std::optional<PreparedSurface> surface_;

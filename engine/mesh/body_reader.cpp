@@ -163,8 +163,9 @@ bool has_companions(const std::filesystem::path& path) {
 }
 
 // Every option by name: a new one that is not in the key does not compile.
-ContentHash key_of(const std::filesystem::path& path, const std::string& text, const GmshOptions& options) {
-  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, parameters] = options;
+ContentHash key_of(const std::filesystem::path& path, const std::string& text, const GmshOptions& options,
+                   const std::vector<std::string>& part_texts) {
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, parameters, parts] = options;
   ContentHasher hasher;
   hasher.value(kFormat).text(GMSH_API_VERSION).text(path.extension().string()).text(text);
   hasher.value(unit_m.value_or(0))
@@ -174,6 +175,7 @@ ContentHash key_of(const std::filesystem::path& path, const std::string& text, c
       .value(force_coarse)
       .value(cavities);
   for (const auto& [name, value] : parameters) hasher.text(name).value(value);
+  for (std::size_t p = 0; p < parts.size(); ++p) hasher.text(parts[p]).text(part_texts[p]);
   return hasher.hash();
 }
 
@@ -182,16 +184,27 @@ bool stands_alone(const std::filesystem::path& path, const std::string& text) {
   return !has_companions(path) && !(is_program(path) && looks_elsewhere(text));
 }
 
+// The content of a file and of its parts' surfaces says all; none where it does not, or cannot be read.
+std::optional<ContentHash> key_of(const std::filesystem::path& path, const GmshOptions& options) {
+  const Result<std::string> text = read_whole_file(path, kMaxFileBytes);
+  if (!text || !stands_alone(path, *text)) return std::nullopt;
+  std::vector<std::string> part_texts;
+  for (const std::string& part : options.parts) {
+    const std::filesystem::path file = path.parent_path() / part;
+    Result<std::string> own = read_whole_file(file, kMaxFileBytes);
+    if (!own || !stands_alone(file, *own)) return std::nullopt;
+    part_texts.push_back(std::move(*own));
+  }
+  return key_of(path, *text, options, part_texts);
+}
+
 }  // namespace
 
 template <class Answer>
 Result<Answer> BodyReader::through_cache(std::string_view kind, Question question, const GmshOptions& options,
                                          const Progress& progress) {
   std::optional<ContentHash> key;
-  if (!cache_.empty()) {
-    const Result<std::string> text = read_whole_file(path_, kMaxFileBytes);
-    if (text && stands_alone(path_, *text)) key = key_of(path_, *text, options);
-  }
+  if (!cache_.empty()) key = key_of(path_, options);
   Answer answer;
   if (key) {
     if (const auto kept = ContentCache(cache_).find(kind, *key); kept && unpack(*kept, answer)) return answer;

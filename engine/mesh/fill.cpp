@@ -37,33 +37,43 @@ constexpr int kMaxTries = 4;
 constexpr double kVolumeSlip = 0.03;
 constexpr double kVolumeToCurve = 0.15;  // that flat triangles may lose, and curved ones win back
 
-// The body of one outer shell and its cavities: shells as gmsh's surfaces, in units of `unit_m`.
+// Shells as gmsh's surfaces, in units of `unit_m`, and what is meshed between them.
 class GmshBody {
  public:
   GmshBody(const TriangleMesh& surface, const Shells& shells, double unit_m)
       : surface_(surface), shells_(shells), unit_m_(unit_m) {}
 
-  Result<TetMesh> mesh(int outer, double size_m) {
+  // The regions directly inside these shells, which share their nodes; elements in the order of the regions. `counts`
+  // gets the number of each region's elements.
+  Result<TetMesh> mesh(const std::vector<int>& regions, double size_m, std::vector<Eigen::Index>& counts) {
     const GmshSession session;
     try {
       gmsh::model::add("body");
-      std::vector<int> loops;
-      for (int s = 0; s < shells_.count; ++s) {
-        const bool cavity = shells_.parent[static_cast<std::size_t>(s)] == outer;
-        if (s != outer && !cavity) continue;
+      std::vector<int> loop_of(static_cast<std::size_t>(shells_.count), 0);
+      const auto loop = [&](int s) {
+        int& tag = loop_of[static_cast<std::size_t>(s)];
+        if (tag > 0) return tag;
         add_shell(s);
-        loops.push_back(gmsh::model::geo::addSurfaceLoop({s + 1}));
-        if (s == outer) std::swap(loops.front(), loops.back());
+        return tag = gmsh::model::geo::addSurfaceLoop({s + 1});
+      };
+      std::vector<int> volumes;
+      for (const int region : regions) {
+        std::vector<int> loops;
+        for (int s = 0; s < shells_.count; ++s) {
+          if (s != region && shells_.parent[static_cast<std::size_t>(s)] != region) continue;
+          loops.push_back(loop(s));
+          if (s == region) std::swap(loops.front(), loops.back());  // the outer one first
+        }
+        volumes.push_back(gmsh::model::geo::addVolume(loops));
       }
-      gmsh::model::geo::addVolume(loops);
       gmsh::model::geo::synchronize();
       if (size_m > 0) gmsh::option::setNumber("Mesh.MeshSizeMax", size_m / unit_m_);
       gmsh::model::mesh::generate(3);
+      if (const auto error = session.first_error()) return fail(ErrorKind::bad_input, *error);
+      return take(volumes, counts);
     } catch (...) {
       return fail(ErrorKind::bad_input, session.first_error().value_or("gmsh gave no reason"));
     }
-    if (const auto error = session.first_error()) return fail(ErrorKind::bad_input, *error);
-    return take();
   }
 
  private:
@@ -88,18 +98,24 @@ class GmshBody {
     gmsh::model::mesh::addElementsByType(shell + 1, kTriangle, {}, corners);
   }
 
-  [[nodiscard]] Result<TetMesh> take() const {
+  [[nodiscard]] Result<TetMesh> take(const std::vector<int>& volumes, std::vector<Eigen::Index>& counts) const {
     constexpr int kTetrahedron = 4;
-    std::vector<std::size_t> node_tags, element_tags, corners;
+    std::vector<std::size_t> node_tags, corners;
     std::vector<double> coordinates, parametric;
     gmsh::model::mesh::getNodes(node_tags, coordinates, parametric);
-    gmsh::model::mesh::getElementsByType(kTetrahedron, element_tags, corners);
-    if (element_tags.empty()) return fail(ErrorKind::bad_input, "gmsh made no tetrahedra");
+    counts.clear();
+    for (const int volume : volumes) {
+      std::vector<std::size_t> element_tags, own;
+      gmsh::model::mesh::getElementsByType(kTetrahedron, element_tags, own, volume);
+      if (element_tags.empty()) return fail(ErrorKind::bad_input, "gmsh made no tetrahedra");
+      counts.push_back(static_cast<Eigen::Index>(element_tags.size()));
+      corners.insert(corners.end(), own.begin(), own.end());
+    }
     TetMesh mesh;
     mesh.nodes = unit_m_ * Eigen::Map<const Points>(coordinates.data(), static_cast<Eigen::Index>(node_tags.size()), 3);
     std::unordered_map<std::size_t, std::int32_t> number;
     for (std::size_t i = 0; i < node_tags.size(); ++i) number.emplace(node_tags[i], static_cast<std::int32_t>(i));
-    mesh.elements.resize(static_cast<Eigen::Index>(element_tags.size()), 4);
+    mesh.elements.resize(static_cast<Eigen::Index>(corners.size() / 4), 4);
     for (std::size_t k = 0; k < corners.size(); ++k) {
       mesh.elements(static_cast<Eigen::Index>(k / 4), static_cast<Eigen::Index>(k % 4)) = number.at(corners[k]);
     }
@@ -127,9 +143,10 @@ Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, double size_m, co
   const Shells shells = shells_of(surface);
   GmshBody body(surface, shells, diagonal_of(surface));
   TetMesh whole{Points(0, 3), Indices(0, 4)};
+  std::vector<Eigen::Index> counts;
   for (int s = 0; s < shells.count; ++s) {
     if (shells.depth[static_cast<std::size_t>(s)] % 2 == 1) continue;
-    const Result<TetMesh> part = body.mesh(s, size_m);
+    const Result<TetMesh> part = body.mesh({s}, size_m, counts);
     if (!part) return fail(part.error());
     append(whole, *part);
   }
@@ -141,7 +158,26 @@ Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, double size_m, co
   return checked;
 }
 
-// Nodes of a higher order between the corners of outer faces are put on the surface.
+// The nodes of outer faces, and of those between groups of elements.
+std::vector<std::int32_t> nodes_of_skins(const TetMesh& mesh, const MeshGroups& groups) {
+  if (groups.volumes.empty()) return boundary_of(mesh).nodes;
+  std::vector<std::int32_t> nodes;
+  for (std::int32_t group = -1; group < static_cast<std::int32_t>(groups.volumes.size()); ++group) {
+    std::vector<Eigen::Index> own;
+    for (std::size_t e = 0; e < groups.volume_of.size(); ++e) {
+      if (groups.volume_of[e] == group) own.push_back(static_cast<Eigen::Index>(e));
+    }
+    if (own.empty()) continue;
+    const TetMesh part{mesh.nodes, mesh.elements(own, Eigen::all)};
+    const std::vector<std::int32_t> skin = boundary_of(part).nodes;
+    nodes.insert(nodes.end(), skin.begin(), skin.end());
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+// Nodes of a higher order between the corners of outer faces, and of faces between groups, are put on the surface.
 Result<CheckedMesh> curved(const CheckedMesh& straight, const TriangleMesh& onto, const FillOptions& options,
                            const std::string& name) {
   TetMesh mesh = to_order(straight.mesh, options.order);
@@ -150,12 +186,14 @@ Result<CheckedMesh> curved(const CheckedMesh& straight, const TriangleMesh& onto
       std::max(2 * kMaxDeviation * options.wall_m, (options.wall_m > 0 ? 0.1 : 0.25) * options.size_m);
   std::vector<bool> corner(static_cast<std::size_t>(mesh.nodes.rows()), false);
   for (const std::int32_t n : mesh.elements.leftCols(4).reshaped()) corner[static_cast<std::size_t>(n)] = true;
-  for (const std::int32_t n : boundary_of(mesh).nodes) {
+  for (const std::int32_t n : nodes_of_skins(mesh, straight.groups)) {
     if (corner[static_cast<std::size_t>(n)]) continue;
     const Eigen::RowVector3d at = mesh.nodes.row(n), to = surface.nearest(at);
     if ((to - at).norm() <= farthest) mesh.nodes.row(n) = to;
   }
-  return check_mesh(std::move(mesh), name);
+  Result<CheckedMesh> checked = check_mesh(std::move(mesh), name);
+  if (checked) checked->groups = straight.groups;
+  return checked;
 }
 
 double area_of(const TriangleMesh& surface) {
@@ -241,7 +279,94 @@ Result<Filled> fill_sized(const TriangleMesh& surface, const FillOptions& option
   return Filled{std::move(*mesh), ""};
 }
 
+// The volumes of parts, and last that of what is in none; of a mesh and of the regions between shells.
+std::vector<double> part_volumes(const CheckedMesh& mesh) {
+  std::vector<double> volumes(mesh.groups.volumes.size() + 1, 0);
+  for (std::size_t p = 0; p < volumes.size(); ++p) {
+    const std::int32_t group = p + 1 < volumes.size() ? static_cast<std::int32_t>(p) : -1;
+    std::vector<Eigen::Index> own;
+    for (std::size_t e = 0; e < mesh.groups.volume_of.size(); ++e) {
+      if (mesh.groups.volume_of[e] == group) own.push_back(static_cast<Eigen::Index>(e));
+    }
+    volumes[p] = volume_of(TetMesh{mesh.mesh.nodes, mesh.mesh.elements(own, Eigen::all)});
+  }
+  return volumes;
+}
+
+std::vector<double> part_volumes(const std::vector<Region>& regions, std::size_t parts) {
+  std::vector<double> volumes(parts + 1, 0);
+  for (const Region& region : regions) {
+    if (region.filled) volumes[region.part < 0 ? parts : static_cast<std::size_t>(region.part)] += region.volume_m3;
+  }
+  return volumes;
+}
+
+Result<void> check_parts(const CheckedMesh& mesh, const std::vector<double>& wanted, double slip) {
+  const std::vector<double> found = part_volumes(mesh);
+  for (std::size_t p = 0; p < wanted.size(); ++p) {
+    if (std::abs(found[p] - wanted[p]) <= slip * wanted[p]) continue;
+    const std::string what = p < mesh.groups.volumes.size() ? mesh.groups.volumes[p] : "what is around its parts";
+    return fail(ErrorKind::bad_input, "the volume of " + what + " comes out wrong");
+  }
+  return {};
+}
+
+// `surface` is that of `parted` in other triangles.
+Result<CheckedMesh> fill_regions(const TriangleMesh& surface, const PartedSurface& parted, double size_m,
+                                 const std::string& name) {
+  const Shells shells = shells_of(surface);
+  const std::vector<Region> regions = regions_of(shells, sources_of(shells, surface, parted));
+  std::vector<int> filled;
+  for (int s = 0; s < shells.count; ++s) {
+    if (regions[static_cast<std::size_t>(s)].filled) filled.push_back(s);
+  }
+  std::vector<Eigen::Index> counts;
+  Result<TetMesh> mesh = GmshBody(surface, shells, diagonal_of(surface)).mesh(filled, size_m, counts);
+  if (!mesh) return fail(mesh.error());
+  MeshGroups groups{.volumes = parted.names, .volume_of = {}, .surfaces = {}};
+  for (std::size_t r = 0; r < filled.size(); ++r)
+    groups.volume_of.insert(groups.volume_of.end(), static_cast<std::size_t>(counts[r]),
+                            regions[static_cast<std::size_t>(filled[r])].part);
+  Result<CheckedMesh> checked = check_mesh(std::move(*mesh), name);
+  if (!checked) return checked;
+  if (checked->duplicates > 0) return fail(ErrorKind::bad_input, "gmsh made elements twice");
+  checked->groups = std::move(groups);
+  if (auto good = check_parts(*checked, part_volumes(regions, parted.names.size()), 1e-3); !good)
+    return fail(good.error());
+  return checked;
+}
+
+Result<CheckedMesh> fill_parts_sized(const PartedSurface& parted, const FillOptions& options, const std::string& name) {
+  const Result<Sized> triangles = sized(parted.mesh, options);
+  if (!triangles) return fail(triangles.error());
+  Result<CheckedMesh> mesh = fill_regions(triangles->surface, parted, triangles->size_m, name);
+  if (!mesh) return mesh;
+  if (options.order > 1) mesh = curved(*mesh, parted.mesh, options, name);
+  if (!mesh) return mesh;
+  const Shells shells = shells_of(parted.mesh);
+  const std::vector<Region> regions = regions_of(shells, sources_of(shells, parted.mesh, parted));
+  if (auto good = check_parts(*mesh, part_volumes(regions, parted.names.size()), kVolumeSlip); !good)
+    return fail(good.error());
+  return mesh;
+}
+
 }  // namespace
+
+Result<Filled> fill_parts(const PartedSurface& parted, const FillOptions& options, const std::string& name) {
+  std::string why;
+  FillOptions finer = options;
+  for (int attempt = 0; options.size_m > 0 && attempt < 2; ++attempt, finer.size_m *= kFiner) {
+    Result<CheckedMesh> mesh = fill_parts_sized(parted, finer, name);
+    if (mesh) return Filled{std::move(*mesh), ""};
+    why = mesh.error().message;
+  }
+  if (options.size_m > 0 &&
+      static_cast<double>(parted.mesh.triangles.rows()) > most_own_triangles(parted.mesh, options.size_m))
+    return fail(ErrorKind::bad_input, why + ", and its own are far more than that size asks for");
+  Result<CheckedMesh> mesh = fill_regions(parted.mesh, parted, options.size_m, name);
+  if (!mesh) return fail(mesh.error());
+  return Filled{std::move(*mesh), why.empty() ? "" : "filled with the triangles it has, because " + why};
+}
 
 Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {
   std::string why;

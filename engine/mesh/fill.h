@@ -3,6 +3,7 @@
 
 #include "engine/base/result.h"
 #include "engine/mesh/mesh_check.h"
+#include "engine/mesh/parted_surface.h"
 #include "engine/mesh/triangle_mesh.h"
 
 #include <string>
@@ -26,5 +27,10 @@ struct Filled {
 // triangles serve, if they are few enough. `name` stands in the sentence. Fails when gmsh does, when what comes out is
 // no mesh (check_mesh) or has another volume.
 Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, const std::string& name);
+
+// All of a body with its parts, which share the nodes of the surfaces between them. Each part is a group of elements
+// with the name of its surface (MeshGroups::volumes). Curved elements follow the surfaces between parts, too. Fails as
+// fill() does, and when a part comes out with another volume.
+Result<Filled> fill_parts(const PartedSurface& surface, const FillOptions& options, const std::string& name);
 
 }  // namespace ringdown::mesh

@@ -80,6 +80,7 @@ struct Provenance {
   std::int64_t dropped_modes = 0;  // of the band, as inaudible or unimportant (engine/bake/audibility.h)
   double floor_db = 0;             // how far below the loudest mode one was dropped as inaudible; 0: none was for that
   double loss_db = 0;              // energy they held over that of all, for the worst strike; with dropped_modes > 0
+  std::vector<std::string> parts;  // materials of its parts, beside its own
   double peak_pa = 0;  // pressure at 1 m at which a blow of kPeakBlow_ns peaks; of recorded banks only, else 0
 };
 

@@ -13,10 +13,15 @@
 namespace ringdown::modal {
 namespace {
 
+constexpr std::size_t kMaxParts = 1000;  // that are read
+
 Provenance read_provenance(const Field& extras) {
   const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
   const auto count = [&extras](const char* key) { return static_cast<std::int64_t>(extras[key].index().value_or(0)); };
   const Field dropped = extras["dropped"];
+  std::vector<std::string> parts;
+  for (std::size_t p = 0; p < std::min(extras["parts"].size(), kMaxParts); ++p)
+    parts.push_back(extras["parts"][p].text_or(""));
   return {.body = extras["body"].text_or(""),
           .wall_elements = number("wallElements"),
           .element = extras["element"].text_or(""),
@@ -29,6 +34,7 @@ Provenance read_provenance(const Field& extras) {
           .dropped_modes = static_cast<std::int64_t>(dropped["count"].index().value_or(0)),
           .floor_db = dropped["floor"].number().value_or(0.0),
           .loss_db = dropped["loss"].number().value_or(0.0),
+          .parts = std::move(parts),
           .peak_pa = number("peakPressure")};
 }
 
@@ -111,6 +117,7 @@ Json provenance_json(const Provenance& provenance) {
                {"largestResidual", provenance.largest_residual}};
   if (provenance.peak_pa > 0) json["peakPressure"] = provenance.peak_pa;
   if (!provenance.body.empty()) json["body"] = provenance.body;
+  if (!provenance.parts.empty()) json["parts"] = provenance.parts;
   if (provenance.wall_elements > 0) json["wallElements"] = provenance.wall_elements;
   if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
   if (provenance.dropped_modes > 0) {

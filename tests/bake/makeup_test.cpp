@@ -1,6 +1,7 @@
 // Grain, parts and supports from an object file to a bank.
 #include "engine/bake/bake_object.h"
 #include "engine/bake/fitted_makeup.h"
+#include "engine/bake/makeup_file.h"
 #include "engine/mesh/body.h"
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/gmsh_reader.h"
@@ -102,6 +103,19 @@ box = [0, 0, 0, 1, 1, 1]
   EXPECT_NE(complaint("[[support]]\nkind = \"clamped\"\ngroup = \"a\"\nstiffness = 1\n").find("belongs to springs"),
             std::string::npos);
   EXPECT_NE(complaint("[[support]]\nkind = \"clamped\"\nbox = [1, 2]\n").find("six numbers"), std::string::npos);
+}
+
+TEST(Makeup, ACommandLineSaysASupportInOneLine) {
+  const auto support = bake::parse_support("kind = \"springs\", plane = [0, 0, 0, 1, 0, 0], stiffness = 1e8");
+  ASSERT_TRUE(support) << support.error().message;
+  EXPECT_EQ(support->stiffness_along_n_m3, 1e8);
+  EXPECT_EQ((*support->place.plane)[1].x, 1);
+  for (const char* wrong : {"", "kind = \"clamped\"", "kind = \"glued\", group = \"a\"",
+                            "kind = \"clamped\", group = \"a\", x = 1", "kind = \"clamped\" }"}) {
+    const auto refused = bake::parse_support(wrong);
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().message.find("--support"), 0u) << refused.error().message;
+  }
 }
 
 TEST(Makeup, ACantileverIsHeldHasNoRigidMotionAndScalesWithItsPlace) {

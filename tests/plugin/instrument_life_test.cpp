@@ -1,4 +1,6 @@
 // The instrument through a session: files, threads, the audio thread's rules, and the daemon's note maps.
+#include "engine/modal/bank_file.h"
+#include "engine/modal/surface_index.h"
 #include "server/session/midi_player.h"
 #include "server/session/session.h"
 #include "tests/plugin/instrument_fixture.h"
@@ -8,7 +10,9 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <thread>
 
 namespace ringdown::plugin {
@@ -186,6 +190,35 @@ TEST_F(InstrumentTest, ANoteMapSoundsAsInTheDaemon) {
   Samples difference(sound.size());
   std::transform(sound.begin(), sound.end(), expected.begin(), difference.begin(), std::minus<>());
   EXPECT_LT(20 * std::log10(test::peak(difference)), -120);
+}
+
+// Where a map strikes its bank, the loudest mode up to a twelfth above the note has the note's pitch.
+TEST(NoteMaps, EveryPresetMapStrikesEachNoteInTune) {
+  for (const auto& entry : std::filesystem::directory_iterator(RINGDOWN_SOURCE_DIR "/presets/notes")) {
+    const auto map = session::read_note_map(entry.path());
+    ASSERT_TRUE(map) << map.error().message;
+    std::map<std::string, modal::Bank> banks;
+    for (const auto& note : map->notes) {
+      const auto file = entry.path().parent_path() / map->banks / (note.object + ".glb");
+      if (!banks.contains(note.object)) banks[note.object] = modal::read_bank(file).value();
+      const modal::Bank& bank = banks.at(note.object);
+      ASSERT_TRUE(note.point_m && note.impulse_ns);
+      const modal::SurfacePoint at = modal::SurfaceIndex(bank).nearest(*note.point_m);
+      EXPECT_LT(at.distance_m, 1e-3) << entry.path() << " " << note.note;
+      const double pitch_hz = 440 * std::exp2((static_cast<double>(note.note) - 69) / 12);
+      double most = 0, loudest_hz = 0;
+      for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+        if (bank.frequency_hz[m] > 3 * pitch_hz) continue;
+        double given = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+          const auto& shape = bank.shape(m, at.points[i]);
+          given += at.weights[i] * dot({shape[0], shape[1], shape[2]}, *note.impulse_ns);
+        }
+        if (std::abs(given) > most) most = std::abs(given), loudest_hz = bank.frequency_hz[m];
+      }
+      EXPECT_LT(std::abs(1200 * std::log2(loudest_hz / pitch_hz)), 10) << entry.path() << " " << note.note;
+    }
+  }
 }
 
 }  // namespace

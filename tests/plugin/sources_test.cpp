@@ -31,6 +31,15 @@ TEST(Sources, EveryChoiceHasItsFile) {
   EXPECT_LE(kChoices, 128u) << "the parameter's range, which cannot grow";
 }
 
+TEST(Sources, InstrumentsOfManyNotesAreNoteMaps) {
+  for (const char* name : {"vibraphone", "kalimba", "music-box-comb"}) {
+    const auto at = std::find(kPresets.begin(), kPresets.end(), name) - kPresets.begin();
+    EXPECT_TRUE(
+        is_note_map(find_source(kFirstPreset + static_cast<std::size_t>(at), "", RINGDOWN_BIN_DIR "/plugin.so")))
+        << name;
+  }
+}
+
 // Sessions hold these numbers.
 TEST(Sources, ChoicesKeepTheirNumbers) {
   EXPECT_EQ(choice_name(0), "file");

@@ -84,6 +84,29 @@ TEST(Window, AClickHeldLongerStrikesHarder) {
   EXPECT_NEAR(length(strikes()[1].impulse_ns), 8 * studio.app().commands().choice().impulse_ns, 1e-6);
 }
 
+TEST(Window, ControlAndAClickChooseASupportWhichIsCopiedAsText) {
+  OPEN_STUDIO(studio);
+  const Target target = nearest_point(studio);
+  const SupportChoice& support = studio.app().scene_view().support();
+  studio.act({"mousemove", std::to_string(std::lround(target.pixel.x)), std::to_string(std::lround(target.pixel.y))});
+  studio.act({"keydown", "ctrl"});
+  studio.hold({"click", "1"});
+  EXPECT_TRUE(studio.until([&] { return !support.empty(); }));
+  EXPECT_EQ(support.object(), "bell");
+  EXPECT_EQ(support.text().find("[[support]]"), 0u);
+  const double flat_m2 = support.area_m2();
+  // A rectangle around it adds what faces the camera there.
+  studio.act({"mousemove_relative", "--", "-40", "-40"});
+  studio.act({"mousedown", "1"});
+  for (int i = 0; i < 4; ++i) studio.act({"mousemove_relative", "--", "20", "20"});
+  studio.act({"mouseup", "1"});
+  EXPECT_TRUE(studio.until([&] { return support.area_m2() > flat_m2; }));
+  studio.hold({"key", "c"});
+  studio.act({"keyup", "ctrl"});
+  EXPECT_TRUE(studio.until([&] { return ImGui::GetClipboardText() == support.text(); })) << ImGui::GetClipboardText();
+  EXPECT_TRUE(studio.relay().asked<protocol::Strike>().empty()) << "a choice is no strike";
+}
+
 TEST(Window, DraggingTurnsTheWheelZoomsAndShiftPushes) {
   OPEN_STUDIO(studio);
   App& app = studio.app();

@@ -67,7 +67,8 @@ void look_at(Job& job, const FolderBake& request) {
                                       .geometry = recipe.geometry,
                                       .material = request.materials / (recipe.material + ".toml"),
                                       .options = request.hashed,
-                                      .part_materials = bake::part_materials(recipe, request.materials)});
+                                      .part_materials = bake::part_materials(recipe, request.materials),
+                                      .part_surfaces = bake::part_surfaces(recipe)});
   if (hash && modal::read_input_hash(job.file.output) == hash) job.state = State::unchanged;
 }
 

@@ -10,6 +10,7 @@
 #include "clients/cli/bake/scene_bake.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/input_hash.h"
+#include "engine/bake/makeup_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
@@ -42,6 +43,7 @@ struct Arguments {
   std::optional<double> floor_db;
   std::optional<int> processes;
   std::vector<double> band_hz, air;
+  std::vector<std::string> supports;  // each a [[support]] in one line
   std::map<std::string, double> parameters, figures;
   std::vector<std::string> shaping;  // the given options that can change a bank
   cli::FolderBake folder;
@@ -85,6 +87,10 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
       ->check(manual::between(bake::kScale.low, bake::kScale.high));
   app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
       ->type_name("NAME=NUMBER");
+  app.add_option("--support", arguments.supports,
+                 "a [[support]] beside those of the object file, in one line; lengths in metres before --scale")
+      ->type_name("TEXT")
+      ->allow_extra_args(false);
   const auto check_shape_error = [](const std::string& text) {
     const Result<void> good = parse_fraction(text).and_then([](double e) { return check_range(e, bake::kShapeError); });
     return good ? std::string() : good.error().message;
@@ -180,6 +186,11 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.force_coarse) recipe.meshing.force_coarse = true;
   if (arguments.scale) recipe.scale = *arguments.scale;
   recipe.figures = arguments.figures;
+  for (const std::string& text : arguments.supports) {
+    const Result<bake::Support> support = bake::parse_support(text);
+    if (!support) return fail(support.error());
+    recipe.options.makeup.supports.push_back(*support);
+  }
   if (arguments.points) recipe.options.points = *arguments.points;
   if (arguments.shape_error) recipe.options.shape_error = parse_fraction(*arguments.shape_error).value();
   if (arguments.keep) recipe.options.keep_modes = *arguments.keep;
@@ -221,7 +232,8 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
                                              .geometry = recipe->geometry,
                                              .material = arguments.materials / (recipe->material + ".toml"),
                                              .options = arguments.shaping,
-                                             .part_materials = bake::part_materials(*recipe, arguments.materials)})
+                                             .part_materials = bake::part_materials(*recipe, arguments.materials),
+                                             .part_surfaces = bake::part_surfaces(*recipe)})
                                .value_or("");
   if (arguments.update && !hash.empty() && modal::read_input_hash(output) == hash) {
     if (!arguments.quiet) std::printf("%s: unchanged\n", recipe->name.c_str());

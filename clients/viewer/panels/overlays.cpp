@@ -105,7 +105,8 @@ bool draw_help(const Skin& skin) {
   if (ImGui::Begin("Keys", &open, kFlags)) {
     ImGui::TextWrapped(
         "Mouse in the scene: drag to look, wheel to come closer, click a surface to strike it there (held longer, "
-        "harder), shift and drag to push a body. Letters that two panes share are the focused pane's.");
+        "harder), shift and drag to push a body, ctrl and click or drag to choose a support. Letters that two panes "
+        "share are the focused pane's.");
     ImGui::Separator();
     if (ImGui::BeginTable("keys", 3, ImGuiTableFlags_SizingStretchSame)) {
       const auto is_sign = [](const Binding& binding) { return binding.key.size() == 1; };

@@ -1,8 +1,11 @@
 #include "clients/viewer/panels/scene_view.h"
 
+#include "clients/viewer/panels/support_panel.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace ringdown::viewer {
@@ -45,9 +48,11 @@ void SceneView::draw(const Skin& skin, Model& model, Commands& commands, bool st
   hovered_ = ImGui::IsItemHovered();
   ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)), origin_,
                                        {origin_.x + size_.x, origin_.y + size_.y}, {0, 1}, {1, 0});
-  handle_mouse(commands, strength_by_time, now_s);
+  handle_mouse(model, commands, strength_by_time, now_s);
+  mark_support(skin, support_, [this](Vec3 point_m) { return place_of(support_.object(), point_m); });
   draw_press(skin, strength_by_time, now_s);
   if (!hovered_) draw_middle(skin);
+  draw_support(skin, origin_, size_, support_);
 }
 
 std::optional<Hit> SceneView::hit_at(ImVec2 at) const {
@@ -56,20 +61,20 @@ std::optional<Hit> SceneView::hit_at(ImVec2 at) const {
   return pick(ray, stage_.contents().picked);
 }
 
-void SceneView::handle_mouse(Commands& commands, bool strength_by_time, double now_s) {
+void SceneView::handle_mouse(const Model& model, Commands& commands, bool strength_by_time, double now_s) {
   const ImGuiIO& io = ImGui::GetIO();
   if (hovered_ && io.MouseWheel != 0) {
     const auto ahead = hit_at({origin_.x + size_.x / 2, origin_.y + size_.y / 2});
     const float away = glm::length(stage_.contents().frame.interest.centre - camera_.position_m);
     camera_.zoom(io.MouseWheel, ahead ? ahead->distance_m : away);
   }
-  if (ImGui::IsItemActivated()) press_ = Press{io.MousePos, now_s, hit_at(io.MousePos), io.KeyShift};
+  if (ImGui::IsItemActivated()) press_ = Press{io.MousePos, now_s, hit_at(io.MousePos), io.KeyShift, io.KeyCtrl};
   if (!press_) return;
-  if (!ImGui::IsItemActive()) return release(commands, strength_by_time, now_s);
+  if (!ImGui::IsItemActive()) return release(model, commands, strength_by_time, now_s);
   const float way = std::hypot(io.MousePos.x - press_->at.x, io.MousePos.y - press_->at.y);
   press_->dragged = press_->dragged || way > kClick_px;
-  const bool pushes = press_->pushes && press_->hit;
-  if (press_->dragged && !pushes) camera_.look(io.MouseDelta.x, io.MouseDelta.y, static_cast<int>(size_.y));
+  const bool looks = !press_->chooses && !(press_->pushes && press_->hit);
+  if (press_->dragged && looks) camera_.look(io.MouseDelta.x, io.MouseDelta.y, static_cast<int>(size_.y));
 }
 
 // The way of the mouse since the press, in metres, in the plane of the picture through the point that was hit.
@@ -90,10 +95,50 @@ void SceneView::strike(const Hit& hit, Commands& commands, double factor) {
                   factor * commands.choice().impulse_ns);
 }
 
-void SceneView::release(Commands& commands, bool strength_by_time, double now_s) {
+std::optional<ImVec2> SceneView::place_of(const std::string& object, Vec3 point_m) const {
+  const auto& [frame, items, picked] = stage_.contents();
+  const auto item = std::ranges::find(items, object, &StageItem::object);
+  if (item == items.end()) return std::nullopt;
+  const DrawnBody& body = frame.bodies[static_cast<std::size_t>(item - items.begin())];
+  const glm::vec3 local = body.size * glm::vec3(point_m.x, point_m.y, point_m.z);
+  const auto at =
+      camera_.project(glm::vec3(body.pose * glm::vec4(local, 1)), static_cast<int>(size_.x), static_cast<int>(size_.y));
+  if (!at) return std::nullopt;
+  return ImVec2{origin_.x + at->x, origin_.y + at->y};
+}
+
+void SceneView::choose(const Hit& hit, const Model& model) {
+  const auto& items = stage_.contents().items;
+  const KnownObject* object = hit.id < items.size() ? model.object(items[hit.id].object) : nullptr;
+  if (object) support_.toggle_flat(object->name, object->bank, from_glm(hit.object_point_m));
+}
+
+// All triangles of an object that face the camera and lie between the press and `to`: of the object that was pressed,
+// else of the one chosen before.
+void SceneView::choose_between(const Press& press, ImVec2 to, const Model& model) {
+  const auto& items = stage_.contents().items;
+  const bool pressed = press.hit && press.hit->id < items.size();
+  const KnownObject* object = model.object(pressed ? items[press.hit->id].object : support_.object());
+  if (!object) return;
+  const ImVec2 low{std::min(press.at.x, to.x), std::min(press.at.y, to.y)};
+  const ImVec2 high{std::max(press.at.x, to.x), std::max(press.at.y, to.y)};
+  support_.add(object->name, object->bank, [&](const SupportChoice::Triangle& triangle) {
+    std::array<ImVec2, 3> at{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto corner = place_of(object->name, triangle[i]);
+      if (!corner || corner->x < low.x || corner->x > high.x || corner->y < low.y || corner->y > high.y) return false;
+      at[i] = *corner;
+    }
+    return faces_camera(at);
+  });
+}
+
+void SceneView::release(const Model& model, Commands& commands, bool strength_by_time, double now_s) {
   const Press press = *press_;
   press_.reset();
+  if (press.chooses && press.dragged) return choose_between(press, ImGui::GetIO().MousePos, model);
   if (!press.hit) return;
+  if (press.chooses) return choose(*press.hit, model);
   if (!press.dragged) {
     return strike(*press.hit, commands, strength_by_time ? strength_of_click(now_s - press.since_s) : 1);
   }
@@ -105,8 +150,12 @@ void SceneView::release(Commands& commands, bool strength_by_time, double now_s)
 }
 
 void SceneView::draw_press(const Skin& skin, bool strength_by_time, double now_s) const {
-  if (!press_ || !press_->hit) return;
   ImDrawList* list = ImGui::GetWindowDrawList();
+  if (press_ && press_->chooses) {
+    if (press_->dragged) list->AddRect(press_->at, ImGui::GetIO().MousePos, skin.warning, 0, 0, 2);
+    return;
+  }
+  if (!press_ || !press_->hit) return;
   if (press_->pushes && press_->dragged) {
     list->AddLine(press_->at, ImGui::GetIO().MousePos, skin.warning, 3);
     list->AddCircleFilled(ImGui::GetIO().MousePos, 6, skin.warning);
@@ -129,9 +178,14 @@ bool SceneView::perform(Action action, Model& model, Commands& commands) {
     camera_ = stage_.home(model, size_.x / size_.y);
     return true;
   }
-  if (action != Action::test_force) return false;
+  if (action == Action::copy_support) {
+    copy_support(support_);
+    return true;
+  }
+  if (action != Action::test_force && action != Action::choose_support) return false;
   const ImVec2 middle{origin_.x + size_.x / 2, origin_.y + size_.y / 2};
-  if (const auto hit = hit_at(hovered_ ? ImGui::GetIO().MousePos : middle)) strike(*hit, commands, 1);
+  const auto hit = hit_at(hovered_ ? ImGui::GetIO().MousePos : middle);
+  if (hit) action == Action::test_force ? strike(*hit, commands, 1) : choose(*hit, model);
   return true;
 }
 

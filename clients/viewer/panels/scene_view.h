@@ -1,13 +1,15 @@
 // The scene pane: the picture, the camera, and the mouse. [UI]
 //
 // Dragging turns the camera, the wheel moves it forward. A click on a surface strikes it there: harder the longer the
-// button is held, or with the slider's impulse. Shift and drag pushes a body in the direction of the drag.
+// button is held, or with the slider's impulse. Shift and drag pushes a body in the direction of the drag. Control and
+// a click choose the flat piece of a surface as a support, control and a drag all that faces the camera in a rectangle.
 #pragma once
 
 #include "clients/viewer/commands.h"
 #include "clients/viewer/panels/skin.h"
 #include "clients/viewer/render/scene_renderer.h"
 #include "clients/viewer/stage.h"
+#include "clients/viewer/support_choice.h"
 
 #include <optional>
 #include <string>
@@ -32,6 +34,7 @@ class SceneView {
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
   [[nodiscard]] const Stage& stage() const { return stage_; }
+  [[nodiscard]] const SupportChoice& support() const { return support_; }
   [[nodiscard]] ImVec2 origin() const { return origin_; }  // of the picture in the window, in pixels
   [[nodiscard]] ImVec2 size() const { return size_; }
 
@@ -44,14 +47,18 @@ class SceneView {
     ImVec2 at;
     double since_s;
     std::optional<Hit> hit;
-    bool pushes = false, dragged = false;
+    bool pushes = false, chooses = false, dragged = false;
   };
   void follow_scene(const Model& model, float aspect);
-  void handle_mouse(Commands& commands, bool strength_by_time, double now_s);
-  void release(Commands& commands, bool strength_by_time, double now_s);
+  void handle_mouse(const Model& model, Commands& commands, bool strength_by_time, double now_s);
+  void release(const Model& model, Commands& commands, bool strength_by_time, double now_s);
   void draw_press(const Skin& skin, bool strength_by_time, double now_s) const;
   void draw_middle(const Skin& skin) const;
   void strike(const Hit& hit, Commands& commands, double factor);
+  void choose(const Hit& hit, const Model& model);
+  void choose_between(const Press& press, ImVec2 to, const Model& model);
+  // Where a point of an object's frame is in the window; nothing when it is behind the camera or not drawn.
+  [[nodiscard]] std::optional<ImVec2> place_of(const std::string& object, Vec3 point_m) const;
   [[nodiscard]] std::optional<Hit> hit_at(ImVec2 at) const;
   [[nodiscard]] glm::vec3 push_of(const Press& press, ImVec2 to) const;
 
@@ -63,6 +70,7 @@ class SceneView {
   bool hovered_ = false;
   double detail_ = 1;
   std::optional<Press> press_;
+  SupportChoice support_;
 };
 
 }  // namespace ringdown::viewer
