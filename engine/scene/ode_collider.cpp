@@ -8,6 +8,12 @@
 #include <cmath>
 
 namespace ringdown::scene {
+namespace {
+
+// The largest share of its kinetic energy that a body pays at a time.
+constexpr double kMostPaid = 0.9;
+
+}  // namespace
 
 void BodyDeleter::operator()(dxBody* body) const { dBodyDestroy(body); }
 
@@ -27,6 +33,7 @@ Motion Collider::motion() const {
 }
 
 void Collider::move(const Motion& motion) {
+  lifted_j = 0;
   const Rotation r = normalized(motion.rotation);
   const dQuaternion q = {r.w, r.x, r.y, r.z};
   dBodySetPosition(body.get(), motion.position_m.x, motion.position_m.y, motion.position_m.z);
@@ -145,12 +152,15 @@ void Collider::shift(Vec3 way_m, Vec3 turn_rad) {
   dBodySetAngularVel(body.get(), spin.x, spin.y, spin.z);
 }
 
-void Collider::slow_down(double energy_j) {
+void Collider::pay_for_lifts() {
+  if (lifted_j <= 0) return;
   const Motion now = motion();
   const Vec3 spin = transpose(to_matrix(now.rotation)) * now.spin_rad_s;
   const double kinetic_j = 0.5 * (mass_kg * dot(now.velocity_m_s, now.velocity_m_s) + dot(spin, inertia * spin));
-  if (!(2 * energy_j < kinetic_j)) return;
-  const double share = std::sqrt(1 - energy_j / kinetic_j);
+  const double paid_j = std::min(lifted_j, kMostPaid * kinetic_j);
+  if (!(paid_j > 0)) return;
+  lifted_j -= paid_j;
+  const double share = std::sqrt(1 - paid_j / kinetic_j);
   const Vec3 v = share * now.velocity_m_s, w = share * now.spin_rad_s;
   dBodySetLinearVel(body.get(), v.x, v.y, v.z);
   dBodySetAngularVel(body.get(), w.x, w.y, w.z);

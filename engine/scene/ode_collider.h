@@ -58,6 +58,7 @@ struct Collider {
   bool was_awake = false;                // before the step
   IslandState island;
   Stillness stillness;
+  double lifted_j = 0;                        // energy owed for height that overlap.h has given the body
   std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
   OdeShape shape;
   std::unique_ptr<dxJoint, JointDeleter> support;  // a joint that holds nothing; see let_sleep()
@@ -90,9 +91,9 @@ struct Collider {
   // Moves and turns the body. The spin turns with it, so that kinetic energy stays the same.
   void shift(Vec3 way_m, Vec3 turn_rad);
 
-  // Takes kinetic energy from the body: velocity and spin shrink in proportion. Does nothing if that is more than half
-  // of what it has, because a body at rest has none to give.
-  void slow_down(double energy_j);
+  // Takes kinetic energy from the body for `lifted_j`, at most nine tenths of what it has: velocity and spin shrink in
+  // proportion.
+  void pay_for_lifts();
 
   // Everything about a body that a step changes.
   struct State {

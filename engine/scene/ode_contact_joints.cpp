@@ -331,6 +331,7 @@ void ContactJoints::move_bodies_apart() {
       const Contact& made = made_[k];
       if (!pushed_by_ode(*made.body, *made.other)) ask(*made.body, *made.other, points_[k]);
     }
+    partings_.limit(overlaps_, part_s_);
     move_apart(overlaps_, {kContactLayer_m, dWorldGetERP(world_)}, gravity_m_s2_);
   }
   further_.clear();

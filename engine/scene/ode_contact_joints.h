@@ -15,6 +15,7 @@
 #include "engine/scene/overlap.h"
 #include "engine/scene/rolling.h"
 #include "engine/scene/ode_surface_pairs.h"
+#include "engine/scene/parting.h"
 
 #include <cstddef>
 #include <memory>
@@ -121,6 +122,7 @@ class ContactJoints {
   bool lands_aslant_ = false, solver_pushes_ = false;
   std::size_t part_begin_ = 0, motions_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
   SurfacePairs pairs_;
+  Partings partings_;
   ContactLoads loads_;  // of the part before
 };
 

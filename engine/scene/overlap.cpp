@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -20,6 +21,10 @@ constexpr int kSweeps = 10;
 
 // Smaller ways are rounding errors of the solver.
 constexpr double kLeast_m = 1e-9;
+
+// The most height that a body owes energy for. Trembling lifts bodies by hundredths of a millimetre; what has been
+// moved out of a deep overlap should fall freely soon.
+constexpr double kMostOwed_m = 2e-4;
 
 struct Shift {
   Vec3 way_m, turn_rad;
@@ -134,8 +139,9 @@ void move_apart(std::span<const Overlap> overlaps, const Correction& correction,
   for (auto& [collider, shift] : shifts) {
     if (!collider->movable()) continue;
     collider->shift(shift.way_m, shift.turn_rad);
+    const double weight_n = collider->mass_kg * std::abs(collider->gravity_factor) * length(gravity_m_s2);
     const double gained_j = -collider->mass_kg * collider->gravity_factor * dot(gravity_m_s2, shift.way_m);
-    if (gained_j > 0) collider->slow_down(gained_j);
+    collider->lifted_j = std::clamp(collider->lifted_j + gained_j, 0.0, kMostOwed_m * weight_n);
   }
 }
 

@@ -1,6 +1,6 @@
 // Moves overlapping bodies apart at the end of a part of a step. The way out of an overlap is no motion: it gives no
-// velocity, so that a body that is moved out of another rests meanwhile. What a body gains in height it loses in
-// kinetic energy, as far as it has any. Callers hold OdeLock.
+// velocity, so that a body that is moved out of another rests meanwhile. What a body gains in height it owes
+// in kinetic energy (Collider::pay_for_lifts), or it would tremble for ever, lifted and falling. Callers hold OdeLock.
 #pragma once
 
 #include "engine/scene/ode_collider.h"

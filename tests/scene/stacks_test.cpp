@@ -1,5 +1,5 @@
-// Stacks of real bodies as hulls and as meshes, dropped by some millimetres, come to rest within a second; meshes that
-// begin tilted into each other take up to four. RINGDOWN_STRESS=long tries more of them.
+// Stacks of real bodies as hulls and as meshes, dropped by some millimetres or begun in each other, come to rest within
+// a second. RINGDOWN_STRESS=long tries more of them.
 #include "engine/modal/bank_file.h"
 #include "engine/scene/rotation.h"
 #include "tests/scene/box_bank.h"
@@ -24,7 +24,7 @@ struct Stack {
   double lowest_m, pitch_m;  // of the objects' origins
   double tilt_degrees;       // of each, in a random direction
   double fastest_m_s;        // that any of them may ever be
-  double within_s = 1;       // they have come to rest
+  double within_s = 1;       // of the start they have come to rest
 };
 
 struct Course {
@@ -96,14 +96,17 @@ TEST(Stacks, HullsOfGlassesTumblersCoinsAndCrossedKnivesComeToRestWithinASecond)
   expect_rest({"knife", ShapeType::convex, 3, 0.0035, 0.006, 0, 0.5});
 }
 
-// These starts are found from forty: the solver makes such knives walk by half a millimetre a second.
+// The worst of some hundred starts, found before trembling knives paid for being lifted: they walked by half a
+// millimetre a second.
 TEST(Stacks, CrossedKnivesThatTrembleInPlaceFallAsleep) {
   const Stack knives{"knife", ShapeType::convex, 3, 0.0035, 0.006, 0, 0.5, 1.5};
-  for (const unsigned seed : {13u, 21u, 24u}) EXPECT_LT(play(knives, 0.002, seed).rested_s, 1.0) << "seed " << seed;
+  for (const unsigned seed : {13u, 21u, 24u, 28u, 76u}) {
+    EXPECT_LT(play(knives, 0.002, seed).rested_s, 1.0) << "seed " << seed;
+  }
 }
 
-TEST(Stacks, MeshesOfBowlsTiltedIntoEachOtherPartWithoutAJumpWithinFourSeconds) {
-  expect_rest({"porcelain-bowl", ShapeType::trimesh, 2, 0.001, 0.0115, 5, 0.5, 4});
+TEST(Stacks, MeshesOfBowlsTiltedIntoEachOtherComeToRestWithinASecondWithoutAJump) {
+  expect_rest({"porcelain-bowl", ShapeType::trimesh, 2, 0.001, 0.0115, 5, 0.5});
 }
 
 TEST(Stacks, MeshesOfNestedBowlsKnivesAndBricksComeToRestWithinASecond) {
