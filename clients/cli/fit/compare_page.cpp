@@ -143,7 +143,7 @@ std::string decays(const ComparedSound& s) {
     }
     const double hz = recorded.centre_hz[first + 1];
     picture.label(1 - kLabel_db * static_cast<double>(octave) / kSpan_db,
-                  print(hz < 950 ? "%.0f Hz" : "%.0f kHz", hz < 950 ? hz : hz / 1000), kOctaveColours[octave]);
+                  print(hz < 950 ? "%.0f Hz" : "%.1f kHz", hz < 950 ? hz : hz / 1000), kOctaveColours[octave]);
   }
   return picture.svg();
 }
