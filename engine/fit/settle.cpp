@@ -193,7 +193,9 @@ Kept keep(std::span<const double> recording, double sample_rate_hz, std::size_t 
     remember(kept);
     if (nearest < kNearBeside_db) break;
   }
-  best.distance_db = distance_db(recorded.powers, powers_of(best), recorded.noise);
+  const BandPowers powers = powers_of(best);
+  best.distance_db = distance_db(recorded.powers, powers, recorded.noise);
+  best.sure_db = recorded.off_db(powers);
   return best;
 }
 

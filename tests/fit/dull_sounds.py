@@ -276,9 +276,9 @@ def main():
     onset, faults, all_found = int(ONSET * RATE), 0, []
     table = "--table" in sys.argv
     if table:
-        print("| sound | modes | explained | distance [dB] | of the sound itself [dB] | in the sound's cells [dB] | level of the bank [dB] "
-              "| another strike point [dB] | as it is [dB] | the sound itself there [dB] |")
-        print("|---|---|---|---|---|---|---|---|---|---|")
+        columns = ("sound", "modes", "explained", "distance [dB]", "of the sound itself [dB]", "in the sound's cells [dB]",
+                   "level of the bank [dB]", "another strike point [dB]", "as it is [dB]", "the sound itself there [dB]")
+        print("| " + " | ".join(columns) + " |\n" + "|---" * len(columns) + "|")
     for name, thing in THINGS.items():
         found, ran = measure(program, name, {**thing, "seed": thing["seed"] + seed, "noise": seed}, folder, options, onset)
         limits = (5, 5, 9) if seed else thing["limits"]
@@ -287,18 +287,22 @@ def main():
         faults += not good
         all_found.append(found)
         words = ran.stdout.split(":", 1)[1].split()
+        numbers = [f"{found[key]:.2f}" for key in ("off", "best", "own", "shift", "predicted", "as_is", "best_as_is")]
         if table:
-            print(f'| {name} | {words[0]} | {words[3]} % | {found["off"]:.1f} | {found["best"]:.1f} | {found["own"]:.1f} | {-found["shift"]:+.1f} '
-                  f'| {found["predicted"]:.1f} | {found["as_is"]:.1f} | {found["best_as_is"]:.1f} |')
+            cells_of_row = [name, words[0], words[3] + " %"]
+            cells_of_row += [f"{found[key]:.1f}" for key in ("off", "best", "own")] + [f'{-found["shift"]:+.1f}']
+            cells_of_row += [f"{found[key]:.1f}" for key in ("predicted", "as_is", "best_as_is")]
+            print("| " + " | ".join(cells_of_row) + " |")
         else:
             said = ", warned" if "warning" in ran.stderr else ""
             fault = "" if good else "  ABOVE ITS LIMIT"
-            print(f'{name:16} {words[0]:>3} modes explain {words[3]} %, distance {found["off"]:.2f} dB (the sound itself {found["best"]:.2f}), '
-                  f'in its cells {found["own"]:.2f} dB, bank {-found["shift"]:+.2f} dB, another strike point {found["predicted"]:.2f} dB, '
-                  f'as it is {found["as_is"]:.2f} (the sound itself {found["best_as_is"]:.2f}){said}{fault}', flush=True)
+            print("{:16} {:>3} modes explain {} %, distance {} dB (the sound itself {}), in its cells {} dB, gain wanted {} dB, "
+                  "another strike point {} dB, as it is {} (the sound itself {}){}{}"
+                  .format(name, words[0], words[3], *numbers, said, fault), flush=True)
     off, own = ([found[key] for found in all_found] for key in ("off", "own"))
     if not table:
-        print(f"median {np.median(off):.2f} dB, in the sounds' cells {np.median(own):.2f} dB; worst {max(off):.2f} and {max(own):.2f} dB")
+        print(f"median {np.median(off):.2f} dB, in the sounds' cells {np.median(own):.2f} dB; "
+              f"worst {max(off):.2f} and {max(own):.2f} dB")
     faults += max(off) > 5 or max(own) > 5 or np.median(own) > 2.5  # what is promised of such a set
     sys.exit(1 if faults else 0)
 

@@ -150,8 +150,7 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
          arguments.input.string() + " has no mode that stands out of its noise; --from says where a blow is"});
   }
   cli::print_fit(arguments.input.string(), *found);
-  if (is_of_recording)
-    cli::print_burst(arguments.input.string(), *found, kept.burst, kept.noise.size(), kept.distance_db);
+  if (is_of_recording) cli::print_kept(arguments.input.string(), *found, kept);
   const Result<modal::Bank> bank = bank_of(*found, kept, arguments);
   if (!bank) return complain(bank.error());
   if (!arguments.output.empty()) {
