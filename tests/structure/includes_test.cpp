@@ -62,7 +62,7 @@ const std::vector<FolderRule> kFolderRules = {
     {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
     {"clients/cli/fit/",
      {"engine/base/", "engine/modal/", "engine/fit/", "engine/synth/mode_table.h", "server/session/offline.h",
-      "protocol/", "packaging/manual/", "clients/cli/"}},
+      "engine/mesh/file_kinds.h", "protocol/", "packaging/manual/", "clients/cli/"}},
     {"clients/cli/bake/",
      {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "engine/scene/gltf_silent.h",
       "protocol/", "packaging/manual/", "clients/cli/"}},
