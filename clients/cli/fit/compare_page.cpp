@@ -2,6 +2,7 @@
 
 #include "engine/fit/band_powers.h"
 #include "engine/fit/burst.h"
+#include "engine/fit/comparison.h"
 #include "engine/modal/damping.h"
 
 #include <algorithm>
@@ -193,9 +194,14 @@ double Comparison::decay_error() const {
 
 double Comparison::matched_part() const {
   const auto energy = [](const fit::Mode& mode) { return mode.amplitude * mode.amplitude / mode.decay_per_s; };
+  const auto is_matched = [&](const fit::Mode& mode) {
+    return std::ranges::any_of(calibration.matches, [&](const fit::Match& match) {
+      const double cents = 1200 * std::log2(mode.frequency_hz / heard[match.recorded].frequency_hz);
+      return std::abs(cents) < fit::kCompanion_cents;
+    });
+  };
   double all = 0, matched = 0;
-  for (const fit::Mode& mode : heard) all += energy(mode);
-  for (const fit::Match& match : calibration.matches) matched += energy(heard[match.recorded]);
+  for (const fit::Mode& mode : heard) all += energy(mode), matched += is_matched(mode) ? energy(mode) : 0;
   return all > 0 ? matched / all : 0;
 }
 
