@@ -219,6 +219,13 @@ const char* judged(const Comparison& c) {
   return "poor";
 }
 
+// True when what was fitted is hardly a matter of one material's samples.
+bool is_far_from_material(const Comparison& c) {
+  constexpr double kMostStiffness = 1.25, kMostNu = 0.15;
+  return std::abs(std::log(c.stiffness())) > std::log(kMostStiffness) ||
+         std::abs(c.poisson_ratio - c.given_poisson_ratio) > kMostNu;
+}
+
 }  // namespace
 
 std::string verdict(const Comparison& c) {
@@ -239,6 +246,11 @@ std::string verdict(const Comparison& c) {
   if (aside > 0) {
     text += print("             %zu of the %zu decay otherwise, as in a room or a hand, and are left out of that\n",
                   aside, matches);
+  }
+  if (is_far_from_material(c)) {
+    text += print(
+        "note         E/rho and nu are far from those of %s: a wall thicker or thinner than drawn does that, too\n",
+        c.material.c_str());
   }
   for (const ComparedSound& s : c.sounds) text += print("distance     %.1f dB: ", s.distance_db) + s.name + "\n";
   return text;
