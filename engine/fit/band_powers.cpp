@@ -62,6 +62,25 @@ class CellSpectrum {
   std::vector<std::complex<double>> spectrum_;
 };
 
+struct ComparedCell {
+  double recorded_db, model, noise;
+  [[nodiscard]] double off_db(double gain) const { return recorded_db - power_db(gain * model + noise); }
+  // Of the model's level over the gain.
+  [[nodiscard]] double slope(double gain) const { return model > 0 ? gain * model / (gain * model + noise) : 0; }
+};
+
+std::vector<ComparedCell> compared(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise,
+                                   const std::vector<bool>& cells) {
+  std::vector<ComparedCell> all;
+  for (std::size_t b = 0; b < recorded.bands(); ++b) {
+    for (std::size_t c = 0; c < std::min(recorded.cells, model.cells); ++c) {
+      if (!cells[b * recorded.cells + c]) continue;
+      all.push_back({power_db(recorded.power(b, c)), model.power(b, c), noise[b]});
+    }
+  }
+  return all;
+}
+
 std::size_t samples_of_cell(double rate) { return static_cast<std::size_t>(kCell_s * rate); }
 
 }  // namespace
@@ -118,35 +137,57 @@ std::vector<double> band_noise(std::span<const double> samples, double sample_ra
 std::vector<bool> heard_cells(const BandPowers& powers, std::span<const double> noise) {
   std::vector<bool> heard(powers.values.size());
   for (std::size_t b = 0; b < powers.bands(); ++b) {
-    const auto stands = [&](std::size_t c) {
-      return c < powers.cells && powers.power(b, c) > kCellOverNoise * noise[b] && powers.power(b, c) > 0;
-    };
     for (std::size_t c = 0; c < powers.cells; ++c) {
-      heard[b * powers.cells + c] = stands(c) && (c == 0 || stands(c - 1) || stands(c + 1));
+      heard[b * powers.cells + c] = powers.power(b, c) > kCellOverNoise * noise[b] && powers.power(b, c) > 0;
     }
   }
   return heard;
 }
 
-double distance_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise) {
-  const std::vector<bool> heard = heard_cells(recorded, noise);
-  const auto off = [&](std::size_t b, std::size_t c, double gain) {
-    return power_db(recorded.power(b, c)) - power_db(gain * model.power(b, c) + noise[b]);
-  };
-  std::size_t count = 0;
-  double sum = 0, squares = 0;
-  for (const bool square : {false, true}) {
-    const double gain = square ? std::pow(10, sum / static_cast<double>(count) / 10) : 1;
-    for (std::size_t b = 0; b < recorded.bands(); ++b) {
-      for (std::size_t c = 0; c < std::min(recorded.cells, model.cells); ++c) {
-        if (!heard[b * recorded.cells + c]) continue;
-        if (square) squares += std::pow(off(b, c, gain), 2);
-        if (!square) sum += off(b, c, 1), ++count;
-      }
+std::vector<bool> sure_cells(const BandPowers& powers, std::span<const double> noise) {
+  const std::vector<bool> heard = heard_cells(powers, noise);
+  std::vector<bool> sure(heard.size());
+  for (std::size_t b = 0; b < powers.bands(); ++b) {
+    const std::size_t row = b * powers.cells;
+    for (std::size_t c = 0; c < powers.cells; ++c) {
+      const bool beside = c == 0 || heard[row + c - 1] || (c + 1 < powers.cells && heard[row + c + 1]);
+      sure[row + c] = heard[row + c] && beside;
     }
-    if (count == 0) return NAN;
   }
-  return std::sqrt(squares / static_cast<double>(count));
+  return sure;
+}
+
+// Gauss and Newton's steps to the gain, from that which makes the mean of the differences 0.
+double distance_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise) {
+  constexpr int kSteps = 8;
+  constexpr double kMostStep_db = 6;
+  const std::vector<ComparedCell> cells = compared(recorded, model, noise, heard_cells(recorded, noise));
+  if (cells.empty()) return NAN;
+  const auto count = static_cast<double>(cells.size());
+  double gain_db = 0, nearest = INFINITY;
+  for (int step = 0; step <= kSteps; ++step) {
+    const double gain = std::pow(10, gain_db / 10);
+    double squares = 0, sum = 0, along = 0, slopes = 0;
+    for (const ComparedCell& cell : cells) {
+      const double off = cell.off_db(gain), slope = cell.slope(gain);
+      squares += off * off, sum += off, along += slope * off, slopes += slope * slope;
+    }
+    nearest = std::min(nearest, std::sqrt(squares / count));
+    if (step == 0) {
+      gain_db = sum / count;
+    } else if (slopes > 0) {
+      gain_db += std::clamp(along / slopes, -kMostStep_db, kMostStep_db);
+    }
+  }
+  return nearest;
+}
+
+double distance_as_played_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise,
+                             const std::vector<bool>& cells) {
+  double squares = 0;
+  const std::vector<ComparedCell> all = compared(recorded, model, noise, cells);
+  for (const ComparedCell& cell : all) squares += std::pow(cell.off_db(1), 2);
+  return all.empty() ? NAN : std::sqrt(squares / static_cast<double>(all.size()));
 }
 
 }  // namespace ringdown::fit

@@ -42,12 +42,20 @@ std::vector<double> band_noise(std::span<const double> samples, double sample_ra
 
 inline constexpr double kCellOverNoise = 4;  // power over the noise: 6 dB
 
-// For each cell whether it is heard: it and a neighbour in time stand kCellOverNoise over the noise, or it is the
-// first. By chance alone one cell of noise in fifty does, but hardly two together.
+// For each cell whether it is heard: it stands kCellOverNoise over the noise.
 std::vector<bool> heard_cells(const BandPowers& powers, std::span<const double> noise);
 
-// Root mean square of the differences of level over all cells of `recorded` that are heard, after one shift of
-// `model`'s level that makes their mean 0 [dB]. The noise is added to the model. NAN without such a cell.
+// The same, but only where a neighbour in time is heard, too, or the cell is the first. By chance alone one cell of
+// noise in fifty is heard, but hardly two together: what a fit should follow.
+std::vector<bool> sure_cells(const BandPowers& powers, std::span<const double> noise);
+
+// How far a model lies from a recording [dB]: the root mean square of the differences of level over all cells that are
+// heard in the recording, after the one gain of the model that makes it least. The noise is added to the model. NAN
+// without such a cell.
 double distance_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise);
+
+// The same over other cells of `recorded`, the model as loud as it is.
+double distance_as_played_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise,
+                             const std::vector<bool>& cells);
 
 }  // namespace ringdown::fit

@@ -39,9 +39,9 @@ class Draw {
 struct Target {
   BandPowers recorded, modes;
   std::vector<double> noise;
-  std::vector<bool> heard;
+  std::vector<bool> sure;
   std::size_t cells = 0;  // that matter
-  [[nodiscard]] bool counts(std::size_t b, std::size_t c) const { return heard[b * recorded.cells + c]; }
+  [[nodiscard]] bool counts(std::size_t b, std::size_t c) const { return sure[b * recorded.cells + c]; }
 };
 
 // Sum over the cells of a band of the squared difference of levels, with a burst of this power and these cells' shares.
@@ -201,7 +201,7 @@ Burst fit_burst(std::span<const double> recording, double sample_rate_hz, std::s
   Target target{.recorded = band_powers(recording, sample_rate_hz, onset),
                 .noise = band_noise(recording, sample_rate_hz, onset)};
   const std::vector<double> of_modes = played_from(played, sample_rate_hz, onset, recording.size());
-  target.heard = heard_cells(target.recorded, target.noise);
+  target.sure = sure_cells(target.recorded, target.noise);
   target.modes = band_powers(of_modes, sample_rate_hz, onset);
   target.cells = std::min(target.recorded.cells, static_cast<std::size_t>(kMostCells));
   Burst burst{.centre_hz = target.recorded.centre_hz,

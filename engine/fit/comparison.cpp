@@ -75,38 +75,66 @@ double mean_square_cents(const std::vector<double>& heard, const std::vector<dou
          kOfBaked * other / static_cast<double>(std::max<std::size_t>(count, 1));
 }
 
+double energy_of(const Mode& mode) { return mode.amplitude * mode.amplitude / mode.decay_per_s; }
+
+// What a room or the end of a fit adds beside a mode: near it, shorter, and much weaker.
+bool is_companion(const Mode& mode, std::span<const Mode> recording) {
+  constexpr double kShorter = 1.5, kStronger = 10;
+  return std::ranges::any_of(recording, [&](const Mode& other) {
+    return std::abs(cents_between(mode.frequency_hz, other.frequency_hz)) < kCompanion_cents &&
+           mode.decay_per_s > kShorter * other.decay_per_s && energy_of(other) > kStronger * energy_of(mode);
+  });
+}
+
+// One mode of the thing, and the recordings that have it.
+struct Merged {
+  Mode mode;
+  double weight;
+  std::vector<std::size_t> recordings;
+
+  [[nodiscard]] bool takes(const Mode& other, std::size_t recording) const {
+    return std::abs(cents_between(other.frequency_hz, mode.frequency_hz)) < kSame_cents &&
+           std::abs(std::log(other.decay_per_s / mode.decay_per_s)) < std::log(kMostDecay_ratio) &&
+           std::ranges::find(recordings, recording) == recordings.end();
+  }
+  void take(const Mode& other, double other_weight, std::size_t recording) {
+    const double part = other_weight / (other_weight + weight);
+    mode.frequency_hz += part * (other.frequency_hz - mode.frequency_hz);
+    mode.decay_per_s += part * (other.decay_per_s - mode.decay_per_s);
+    mode.amplitude = std::max(mode.amplitude, other.amplitude);
+    mode.decay_error_per_s = std::min(mode.decay_error_per_s, other.decay_error_per_s);
+    mode.frequency_error_hz = std::min(mode.frequency_error_hz, other.frequency_error_hz);
+    weight += other_weight;
+    recordings.push_back(recording);
+  }
+};
+
 }  // namespace
 
 std::vector<Mode> merge(std::span<const std::vector<Mode>> recordings) {
-  std::vector<Mode> all;
-  for (const std::vector<Mode>& modes : recordings) {
+  std::vector<Merged> merged;
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
     double loudest = 0;
-    for (const Mode& mode : modes) loudest = std::max(loudest, mode.amplitude);
-    for (const Mode& mode : modes) {
-      if (mode.amplitude > loudest * std::pow(10, -kFaint_db / 20)) all.push_back(mode);
+    for (const Mode& mode : recordings[r]) loudest = std::max(loudest, mode.amplitude);
+    for (const Mode& mode : recordings[r]) {
+      if (mode.amplitude < loudest * std::pow(10, -kFaint_db / 20) || is_companion(mode, recordings[r])) continue;
+      const double weight = 1 / std::max(std::pow(mode.decay_error_per_s / mode.decay_per_s, 2), 1e-8);
+      Merged* nearest = nullptr;
+      for (Merged& m : merged) {
+        const auto off = [&](const Merged& x) { return std::abs(x.mode.frequency_hz - mode.frequency_hz); };
+        if (m.takes(mode, r) && (!nearest || off(m) < off(*nearest))) nearest = &m;
+      }
+      if (nearest) {
+        nearest->take(mode, weight, r);
+      } else {
+        merged.push_back({mode, weight, {r}});
+      }
     }
   }
-  std::ranges::sort(all, {}, &Mode::frequency_hz);
-  std::vector<Mode> merged;
-  std::vector<double> weights;
-  for (const Mode& mode : all) {
-    const double weight = 1 / std::max(std::pow(mode.decay_error_per_s / mode.decay_per_s, 2), 1e-8);
-    Mode* last = merged.empty() ? nullptr : &merged.back();
-    const bool same = last && cents_between(mode.frequency_hz, last->frequency_hz) < kSame_cents &&
-                      std::abs(std::log(mode.decay_per_s / last->decay_per_s)) < std::log(kMostDecay_ratio);
-    if (!same) {
-      merged.push_back(mode), weights.push_back(weight);
-      continue;
-    }
-    const double part = weight / (weight + weights.back());
-    last->frequency_hz += part * (mode.frequency_hz - last->frequency_hz);
-    last->decay_per_s += part * (mode.decay_per_s - last->decay_per_s);
-    last->amplitude = std::max(last->amplitude, mode.amplitude);
-    last->decay_error_per_s = std::min(last->decay_error_per_s, mode.decay_error_per_s);
-    last->frequency_error_hz = std::min(last->frequency_error_hz, mode.frequency_error_hz);
-    weights.back() += weight;
-  }
-  return merged;
+  std::vector<Mode> modes;
+  for (const Merged& m : merged) modes.push_back(m.mode);
+  std::ranges::sort(modes, {}, &Mode::frequency_hz);
+  return modes;
 }
 
 NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options) {

@@ -15,12 +15,14 @@
 
 namespace ringdown::fit {
 
-// The modes of several recordings of one thing, by frequency: those that lie within some cents of each other are one,
-// with the mean of their frequencies and decays, weighted by their errors. Modes more than kFaint_db below the loudest
-// of their recording are left out.
+// The modes of several recordings of one thing, by frequency: of different recordings, those within some cents are one,
+// with the mean of their frequencies and decays, weighted by their errors, and the largest amplitude. Modes more than
+// kFaint_db below the loudest of their recording are left out, and so are a mode's companions: what a room adds beside
+// it, within kCompanion_cents, much weaker and shorter.
 std::vector<Mode> merge(std::span<const std::vector<Mode>> recordings);
 
 inline constexpr double kFaint_db = 40;
+inline constexpr double kCompanion_cents = 60;
 
 struct NuBank {
   double poisson_ratio;

@@ -17,7 +17,7 @@ constexpr double kDecays_per_s[] = {25, 50, 100, 180, 320, 560, 1000, 1600};
 constexpr double kFastestAtom_per_s = 2000;
 constexpr double kAtomCycles = 0.5;    // frequency over decay, at least: below, it is a thud without pitch
 constexpr double kAtomOverNoise = 30;  // energy of an atom over that of noise on one of its two coordinates
-constexpr double kLeastPart = 0.02;    // of what is left: an atom that explains less is noise of the sound itself
+constexpr double kLeastPart = 0.01;    // of what is left: an atom that explains less is noise of the sound itself
 constexpr int kSteps = 12;
 
 struct Atom {

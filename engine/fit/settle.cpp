@@ -18,7 +18,9 @@ namespace ringdown::fit {
 namespace {
 
 constexpr int kSettleRounds = 12;
-constexpr double kNear_db = 2;  // of a mode's cells: nearer ones stay as they are
+constexpr double kNear_db = 2;        // of a mode's cells: nearer ones stay as they are
+constexpr double kNearBeside_db = 1;  // of all cells, beside the burst: then it is near enough
+constexpr int kKeepRounds = 2;
 constexpr double kHalf = 0.5;
 constexpr double kMostLevel_db = 6;           // in a round
 constexpr double kMostDecay = 1.5;            // a factor
@@ -50,7 +52,13 @@ struct Line {
 struct Recorded {
   BandPowers powers;
   std::vector<double> noise;
-  std::vector<bool> heard;
+  std::vector<bool> sure;
+
+  Recorded(std::span<const double> samples, double rate, std::size_t onset, std::vector<double> noise_of_bands)
+      : powers(band_powers(samples, rate, onset)), noise(std::move(noise_of_bands)), sure(sure_cells(powers, noise)) {}
+  [[nodiscard]] double off_db(const BandPowers& model) const {
+    return distance_as_played_db(powers, model, noise, sure);
+  }
 };
 
 void settle_mode(const Recorded& recorded, const BandPowers& model, Mode& mode) {
@@ -58,10 +66,10 @@ void settle_mode(const Recorded& recorded, const BandPowers& model, Mode& mode) 
   Line line;
   const double noise = recorded.noise[b];
   for (std::size_t c = 0; c < std::min(recorded.powers.cells, model.cells); ++c) {
-    const bool heard = recorded.heard[b * recorded.powers.cells + c];
+    const bool sure = recorded.sure[b * recorded.powers.cells + c];
     const double own = 0.5 * mode.amplitude * mode.amplitude * decayed_power(mode.decay_per_s, c);
     const double played = model.power(b, c) + noise, wanted = recorded.powers.power(b, c);
-    if (own < 0.01 * played || (!heard && played < kCellOverNoise * noise)) continue;
+    if (own < 0.01 * played || (!sure && played < kCellOverNoise * noise)) continue;
     const double t = kCell_s * (static_cast<double>(c) + 0.5);
     line.add(std::min(own / played, 1.0), t, power_db(std::max(wanted, noise)) - power_db(played));
   }
@@ -88,7 +96,7 @@ void turn_signs(const Recorded& recorded, double rate, std::size_t onset, std::s
     const std::vector<double> own = played_from({&modes[m], 1}, rate, onset, samples);
     std::vector<double> turned = sum;
     for (std::size_t n = onset; n < samples; ++n) turned[n] -= 2 * own[n];
-    const double distance = distance_db(recorded.powers, band_powers(turned, rate, onset), recorded.noise);
+    const double distance = recorded.off_db(band_powers(turned, rate, onset));
     if (!(distance < nearest - kGain_db)) continue;
     nearest = distance, sum = std::move(turned);
     modes[m].phase_rad = modes[m].phase_rad == 0 ? std::numbers::pi : 0;
@@ -99,13 +107,13 @@ void turn_signs(const Recorded& recorded, double rate, std::size_t onset, std::s
 // the sum comes nearer. Only its beginning is looked at: there short modes are.
 void vary(std::span<const double> recording, double rate, std::size_t onset, std::span<const double> beside,
           std::vector<Mode>& modes) {
-  constexpr double kLook_s = 0.5, kShort_per_s = 12, kWorth_db = 0.01;
-  constexpr std::size_t kMostVaried = 40;
-  constexpr int kSweeps = 2;
+  constexpr double kLook_s = 0.5, kShort_per_s = 12, kGain_db = 0.01;
+  constexpr std::size_t kMostVaried = 60;
+  constexpr int kSweeps = 3;
   constexpr std::array<std::array<double, 2>, 7> kTries = {
       {{0, 1}, {0.7, 1}, {1.4, 1}, {1, 1.4}, {1, 0.7}, {-1, 1}, {0.8, 1.8}}};  // of amplitude and decay
   const std::size_t samples = std::min(recording.size(), onset + static_cast<std::size_t>(kLook_s * rate));
-  Recorded recorded{band_powers(recording.first(samples), rate, onset), band_noise(recording, rate, onset)};
+  const Recorded recorded(recording.first(samples), rate, onset, band_noise(recording, rate, onset));
   std::vector<std::size_t> order;
   for (std::size_t m = 0; m < modes.size(); ++m) {
     if (modes[m].decay_per_s > kShort_per_s) order.push_back(m);
@@ -114,11 +122,9 @@ void vary(std::span<const double> recording, double rate, std::size_t onset, std
   order.resize(std::min(order.size(), kMostVaried));
   std::vector<double> sum = played_from(modes, rate, onset, samples);
   for (std::size_t n = 0; n < samples && n < beside.size(); ++n) sum[n] += beside[n];
-  const auto off = [&](const std::vector<double>& sound) {
-    return distance_db(recorded.powers, band_powers(sound, rate, onset), recorded.noise);
-  };
+  const auto off = [&](const std::vector<double>& sound) { return recorded.off_db(band_powers(sound, rate, onset)); };
   double nearest = off(sum);
-  for (int sweep = 0; sweep < kSweeps && nearest > kNear_db; ++sweep) {
+  for (int sweep = 0; sweep < kSweeps && nearest > kNearBeside_db; ++sweep) {
     for (const std::size_t m : order) {
       const std::vector<double> own = played_from({&modes[m], 1}, rate, onset, samples);
       std::optional<Mode> better;
@@ -132,7 +138,7 @@ void vary(std::span<const double> recording, double rate, std::size_t onset, std
         const std::vector<double> next = played_from({&other, 1}, rate, onset, samples);
         for (std::size_t n = onset; n < samples; ++n) changed[n] += next[n] - own[n];
         const double distance = off(changed);
-        if (distance < nearest - kWorth_db) nearest = distance, better = other, best_sum = std::move(changed);
+        if (distance < nearest - kGain_db) nearest = distance, better = other, best_sum = std::move(changed);
       }
       if (better) modes[m] = *better, sum = std::move(best_sum);
     }
@@ -144,14 +150,13 @@ void vary(std::span<const double> recording, double rate, std::size_t onset, std
 
 std::vector<Mode> settle(std::span<const double> recording, double sample_rate_hz, std::size_t onset,
                          std::span<const Mode> modes) {
-  Recorded recorded{band_powers(recording, sample_rate_hz, onset), band_noise(recording, sample_rate_hz, onset)};
-  recorded.heard = heard_cells(recorded.powers, recorded.noise);
+  const Recorded recorded(recording, sample_rate_hz, onset, band_noise(recording, sample_rate_hz, onset));
   std::vector<Mode> played = as_played(modes), best = played;
   double nearest = INFINITY;
   for (int round = 0; round < kSettleRounds && recorded.powers.bands() > 0; ++round) {
     const BandPowers model =
         band_powers(played_from(played, sample_rate_hz, onset, recording.size()), sample_rate_hz, onset);
-    const double distance = distance_db(recorded.powers, model, recorded.noise);
+    const double distance = recorded.off_db(model);
     if (!std::isfinite(distance)) return played;
     if (distance < nearest) nearest = distance, best = played;
     for (Mode& mode : played) settle_mode(recorded, model, mode);
@@ -162,22 +167,36 @@ std::vector<Mode> settle(std::span<const double> recording, double sample_rate_h
 
 Kept keep(std::span<const double> recording, double sample_rate_hz, std::size_t onset, std::span<const Mode> modes,
           bool with_burst) {
-  Kept kept{.modes = settle(recording, sample_rate_hz, onset, modes)};
-  if (with_burst) {
+  const Recorded recorded(recording, sample_rate_hz, onset, band_noise(recording, sample_rate_hz, onset));
+  const auto sound_of = [&](std::span<const Mode> some) {
+    return played_from(some, sample_rate_hz, onset, recording.size());
+  };
+  const auto powers_of = [&](const Kept& all) {
+    std::vector<double> model = sound_of(all.modes);
+    const std::vector<double> noise = sound_of(all.noise);
+    for (std::size_t n = 0; n < model.size(); ++n) model[n] += noise[n];
+    return band_powers(model, sample_rate_hz, onset);
+  };
+  Kept kept{.modes = settle(recording, sample_rate_hz, onset, modes)}, best = kept;
+  double nearest = INFINITY;
+  const auto remember = [&](const Kept& all) {
+    const double off = recorded.off_db(powers_of(all));
+    if (off < nearest) nearest = off, best = all;
+  };
+  for (int round = 0; with_burst && round <= kKeepRounds; ++round) {
+    if (round > 0) {
+      vary(recording, sample_rate_hz, onset, sound_of(kept.noise), kept.modes);
+      remember(kept);
+    }
     kept.burst = fit_burst(recording, sample_rate_hz, onset, kept.modes);
     kept.noise = burst_modes(kept.burst);
-    vary(recording, sample_rate_hz, onset, played_from(kept.noise, sample_rate_hz, onset, recording.size()),
-         kept.modes);
-    kept.burst = fit_burst(recording, sample_rate_hz, onset, kept.modes);
-    kept.noise = burst_modes(kept.burst);
+    remember(kept);
+    if (nearest < kNearBeside_db) break;
   }
-  std::vector<double> model = played_from(kept.modes, sample_rate_hz, onset, recording.size());
-  const std::vector<double> noise = played_from(kept.noise, sample_rate_hz, onset, recording.size());
-  for (std::size_t n = 0; n < model.size(); ++n) model[n] += noise[n];
-  kept.distance_db =
-      distance_db(band_powers(recording, sample_rate_hz, onset), band_powers(model, sample_rate_hz, onset),
-                  band_noise(recording, sample_rate_hz, onset));
-  return kept;
+  const BandPowers powers = powers_of(best);
+  best.distance_db = distance_db(recorded.powers, powers, recorded.noise);
+  best.sure_db = recorded.off_db(powers);
+  return best;
 }
 
 }  // namespace ringdown::fit

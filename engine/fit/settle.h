@@ -27,6 +27,7 @@ struct Kept {
   Burst burst;
   std::vector<Mode> noise;   // the burst's modes
   double distance_db = NAN;  // of all that from the recording (band_powers.h)
+  double sure_db = NAN;      // the same as loud as it is played, in sure cells alone: without single cells of noise
 };
 
 // As settle(), then a burst unless there should be none, and short modes once more beside it. A second or two.

@@ -1,4 +1,5 @@
 // A bank's damping found again from a sound, and a recording's bank that sounds like it.
+#include "engine/fit/comparison.h"
 #include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank_file.h"
 #include "tests/fit/recording.h"
@@ -34,6 +35,30 @@ std::vector<double> other_damping(const modal::Bank& bank, double alpha, double 
   auto samples = struck(tones, seconds, 0.05);
   add_noise(samples, 1e-3 * rms(samples));
   return samples;
+}
+
+TEST(Merge, TheSameModeOfTwoRecordingsIsOneAndAPairOfOneRecordingIsTwo) {
+  const auto mode = [](double hz, double decay, double amplitude) {
+    return Mode{.frequency_hz = hz, .decay_per_s = decay, .amplitude = amplitude, .decay_error_per_s = 0.01 * decay};
+  };
+  const std::vector<std::vector<Mode>> recordings = {{mode(1000.0, 4, 0.5), mode(1001.0, 4.2, 0.3)},
+                                                     {mode(1000.1, 4.1, 0.1), mode(1000.9, 4.1, 0.4)},
+                                                     {mode(1000.95, 4.1, 0.4)}};
+  const std::vector<Mode> merged = merge(recordings);
+  ASSERT_EQ(merged.size(), 2u);
+  EXPECT_NEAR(merged[0].frequency_hz, 1000.05, 0.02);
+  EXPECT_NEAR(merged[1].frequency_hz, 1000.95, 0.02);
+  EXPECT_EQ(merged[0].amplitude, 0.5);
+}
+
+TEST(Merge, WhatARoomAddsBesideAModeIsLeftOut) {
+  const std::vector<std::vector<Mode>> recordings = {{{.frequency_hz = 1042.8, .decay_per_s = 20, .amplitude = 0.1},
+                                                      {.frequency_hz = 1045.7, .decay_per_s = 4.6, .amplitude = 0.2},
+                                                      {.frequency_hz = 1060, .decay_per_s = 5, .amplitude = 0.02},
+                                                      {.frequency_hz = 1500, .decay_per_s = 20, .amplitude = 0.1}}};
+  const std::vector<Mode> merged = merge(recordings);
+  ASSERT_EQ(merged.size(), 3u) << "weak, but no shorter; or far away: modes of their own";
+  EXPECT_EQ(merged[0].frequency_hz, 1045.7);
 }
 
 TEST(Calibrate, CalibrationFindsAlphaAndBetaOfADetunedRecording) {

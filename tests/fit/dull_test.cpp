@@ -57,6 +57,38 @@ TEST(Distance, TheLevelDoesNotCountAndTheSpectrumDoes) {
   EXPECT_LT(tilted, 12);
 }
 
+TEST(Distance, EveryCellAboveTheNoiseCountsAndNoOther) {
+  // One band, ten cells of noise 1, then cells of a sound: two that stand out alone and one that does not.
+  const std::vector<double> noise = {1};
+  BandPowers recorded{.centre_hz = {1000}, .cells = 6, .values = {1, 8, 1, 3.9, 1, 8}};
+  const BandPowers silent{.centre_hz = {1000}, .cells = 6, .values = std::vector<double>(6, 0)};
+  EXPECT_EQ(heard_cells(recorded, noise), (std::vector<bool>{false, true, false, false, false, true}));
+  EXPECT_EQ(sure_cells(recorded, noise), std::vector<bool>(6, false)) << "no two together";
+  EXPECT_NEAR(distance_db(recorded, silent, noise), 9.03, 0.01) << "the noise alone: no gain helps";
+  BandPowers model = silent;
+  for (const std::size_t c : {std::size_t{1}, std::size_t{5}}) model.values[c] = 7e3;
+  EXPECT_NEAR(distance_db(recorded, model, noise), 0, 0.02) << "whatever its level is";
+  EXPECT_NEAR(distance_as_played_db(recorded, model, noise, heard_cells(recorded, noise)), 29.4, 0.1);
+  model.values[5] *= 4;
+  EXPECT_NEAR(distance_db(recorded, model, noise), 3, 0.5) << "6 dB between two cells: 3 to either side";
+}
+
+TEST(Distance, TheGainIsTheOneThatBringsItNearest) {
+  auto recorded = struck({{500, 8, 0.3}, {4000, 30, 0.1}}, 1, 0.2);
+  add_noise(recorded, 1e-3);
+  const auto model = struck({{500, 9, 0.2}, {4000, 25, 0.1}}, 1, 0.2);
+  const BandPowers of_recorded = band_powers(recorded, kRate, kOnset), of_model = band_powers(model, kRate, kOnset);
+  const std::vector<double> noise = band_noise(recorded, kRate, kOnset);
+  const auto heard = heard_cells(of_recorded, noise);
+  double nearest = INFINITY;
+  for (double gain_db = -20; gain_db < 20; gain_db += 0.05) {
+    BandPowers scaled = of_model;
+    for (double& power : scaled.values) power *= std::pow(10, gain_db / 10);
+    nearest = std::min(nearest, distance_as_played_db(of_recorded, scaled, noise, heard));
+  }
+  EXPECT_NEAR(distance_db(of_recorded, of_model, noise), nearest, 0.01);
+}
+
 TEST(Pursuit, ModesThatDieWithinFiveToTwentyMillisecondsAreFound) {
   const std::vector<Tone> tones = {
       {700, t60_decay(0.02), 0.5, 0.4}, {1900, t60_decay(0.01), 0.5, 1}, {5200, t60_decay(0.005), 0.4, 2}};

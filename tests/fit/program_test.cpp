@@ -55,6 +55,23 @@ TEST(FitProgram, ARecordingBecomesABankAndSounds) {
   EXPECT_LT(rms(read_left(folder / "rest.wav")), 1.5e-4);
 }
 
+TEST(FitProgram, WhatIsWrittenOfADullBlowHasItsEnergyOnce) {
+  const TemporaryFolder folder;
+  auto samples = struck({{310, 200, 0.4, 1.1}, {790, 330, 0.3, 2.3}, {815, 300, 0.3, 4}}, 0.6, 0.2);
+  std::vector<double> click(samples.size());
+  add_noise(click, 0.05, 9);
+  for (std::size_t n = 0; n < click.size(); ++n) {
+    const double t = static_cast<double>(n) / kRate - 0.2;
+    samples[n] += t < 0 ? 0 : click[n] * std::exp(-150 * t);
+  }
+  const double energy = rms(samples);
+  add_noise(samples, 1e-4);
+  write(folder / "pad.wav", {samples}, 48000, SF_FORMAT_WAV | SF_FORMAT_FLOAT);
+  const Outcome ran = fit({folder / "pad.wav", "--resynth", folder / "again.wav"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_NEAR(20 * std::log10(rms(read_left(folder / "again.wav")) / energy), 0, 0.7);
+}
+
 TEST(FitProgram, ChannelsAreMixedOrChosen) {
   const TemporaryFolder folder;
   write(folder / "two.wav", {struck({{500, 5, 0.4}}, 1), struck({{900, 5, 0.4}}, 1)}, 44100,

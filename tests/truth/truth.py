@@ -49,18 +49,29 @@ def text(value):
     return '"' + value.replace('"', "'") + '"'
 
 
+def of_cubic(c11, c12, c44):
+    """The nine figures of a cubic crystal along its axes, from its three stiffnesses [Pa]."""
+    modulus, ratio = (c11 - c12) * (c11 + 2 * c12) / (c11 + c12), c12 / (c11 + c12)
+    figures = {f"youngs_modulus_{axis}_pa": modulus for axis in "123"}
+    figures.update({f"poisson_ratio_{pair}": ratio for pair in ("12", "13", "23")})
+    figures.update({f"shear_modulus_{pair}_pa": c44 for pair in ("12", "13", "23")})
+    return figures
+
+
 def write_object(thing, folder):
     """The object file and the material of a thing."""
     materials = folder / "materials"
     materials.mkdir(parents=True, exist_ok=True)
     material = thing["material"]
+    crystal = of_cubic(*material["cubic_pa"]) if "cubic_pa" in material else {}
     figures = {
-        "youngs_modulus_pa": material["e_pa"],
-        "poisson_ratio": material["nu"],
+        "youngs_modulus_pa": crystal["youngs_modulus_1_pa"] if crystal else material["e_pa"],
+        "poisson_ratio": crystal["poisson_ratio_12"] if crystal else material["nu"],
         "density_kg_m3": material["rho_kg_m3"],
         "alpha_per_s": 0.0,
         "beta_s": 0.0,
     }
+    figures.update({f"orthotropic.{key}": value for key, value in crystal.items()})
     lines = [f'name = "{thing["name"]}"', f'description = {text(thing["what"])}']
     for key, value in figures.items():
         lines += ["", f"[{key}]", f"value = {value!r}", f'source = {text(material["source"])}']
@@ -80,6 +91,8 @@ def write_object(thing, folder):
         "[parameters]",
     ]
     lines += [f"{key} = {value!r}" for key, value in thing["parameters"].items()]
+    if crystal:
+        lines += ["[grain]", "along = [1, 0, 0]", "radial = [0, 1, 0]"]
     path = folder / f'{thing["name"]}.toml'
     path.write_text("\n".join(lines) + "\n")
     return path, materials
@@ -150,8 +163,8 @@ def draw(results, picture):
     axes.set_yticks(range(len(results)), [f'{thing["what"]}' for thing, *_ in results], fontsize=7)
     axes.invert_yaxis()
     axes.set_xscale("symlog", linthresh=1)
-    axes.set_xticks([-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100],
-                    ["-100", "-30", "-10", "-3", "-1", "0", "1", "3", "10", "30", "100"])
+    ticks = [-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100, 300]
+    axes.set_xticks(ticks, [str(tick) for tick in ticks])
     axes.grid(axis="x", lw=0.4)
     axes.set_xlabel("Ringdown over the published frequency [cents]")
     for kind in KINDS:

@@ -2,6 +2,7 @@
 
 #include "engine/fit/band_powers.h"
 #include "engine/fit/burst.h"
+#include "engine/fit/comparison.h"
 #include "engine/modal/damping.h"
 
 #include <algorithm>
@@ -64,6 +65,10 @@ struct Picture {
         print("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/>", x(0), x(1), y(part), y(part));
     body += print("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%s</text>", kLeft - 4, y(part) + 4, label.c_str());
   }
+  void label(double part, const std::string& text, const char* colour) {
+    body += print("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" fill=\"%s\">%s</text>", x(1) - 4, y(part) + 12,
+                  colour, text.c_str());
+  }
   [[nodiscard]] std::string svg() const {
     return print("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" xmlns=\"http://www.w3.org/2000/svg\">", kWidth, kHeight,
                  kWidth) +
@@ -106,32 +111,40 @@ std::string spectra(const ComparedSound& s) {
   return picture.svg();
 }
 
-// Levels of octaves over time.
+constexpr std::array<const char*, 4> kOctaveColours = {"#56B4E9", "#009E73", "#E69F00", "#CC79A7"};
+
+// Levels of every other octave over time. The recording's noise is added to what is baked, as in the distance.
 std::string decays(const ComparedSound& s) {
-  constexpr double kSpan_db = 70;
+  constexpr double kSpan_db = 70, kLabel_db = 5;
+  constexpr std::size_t kFirst = 2, kStep = 6, kOctave = 3;  // bands
   const double rate = s.sound.sample_rate_hz;
   const auto part = from_onset(s, kMostDecay_s);
   const auto recorded = fit::band_powers(part, rate, 0);
   const auto baked = fit::band_powers(fit::synthesise(s.baked, rate, part.size()), rate, 0);
+  const auto noise = fit::band_noise(s.sound.samples, rate, static_cast<std::size_t>(s.found.onset_s * rate));
   const double length = std::max(fit::kCell_s * static_cast<double>(recorded.cells), fit::kCell_s);
   const double loudest = recorded.values.empty() ? 0 : fit::power_db(*std::ranges::max_element(recorded.values));
   Picture picture;
   const double step = length > 0.6 ? 0.2 : 0.05;
   for (double t = 0; t < length; t += step) picture.mark_x(t / length, print("%.2f s", t));
   for (int db = 0; db < kSpan_db; db += 20) picture.mark_y(1 - (db + 5) / kSpan_db, print("%d", -db));
-  for (std::size_t first = 2; first + 3 <= recorded.bands(); first += 6) {  // every other octave
-    for (const auto& [powers, style] :
-         {std::pair(&recorded, std::string("stroke=\"") + kRecorded + "\""),
-          std::pair(&baked, std::string("stroke=\"") + kBaked + "\" stroke-dasharray=\"4 2\"")}) {
+  for (std::size_t octave = 0; octave < kOctaveColours.size(); ++octave) {
+    const std::size_t first = kFirst + octave * kStep;
+    if (first + kOctave > recorded.bands()) break;
+    const std::string colour = print("stroke=\"%s\"", kOctaveColours[octave]);
+    for (const auto& [powers, is_baked] : {std::pair(&recorded, false), std::pair(&baked, true)}) {
       std::vector<std::array<double, 2>> points;
       for (std::size_t c = 0; c < powers->cells; ++c) {
         double sum = 0;
-        for (std::size_t b = first; b < first + 3; ++b) sum += powers->power(b, c);
+        for (std::size_t b = first; b < first + kOctave; ++b) sum += powers->power(b, c) + (is_baked ? noise[b] : 0);
         const double level = 1 - (loudest + 5 - fit::power_db(sum)) / kSpan_db;
         points.push_back({fit::kCell_s * (static_cast<double>(c) + 0.5) / length, level});
       }
-      picture.line(points, style);
+      picture.line(points, colour + (is_baked ? " stroke-width=\"1.8\" stroke-dasharray=\"5 3\"" : ""));
     }
+    const double hz = recorded.centre_hz[first + 1];
+    picture.label(1 - kLabel_db * static_cast<double>(octave) / kSpan_db,
+                  print(hz < 950 ? "%.0f Hz" : "%.1f kHz", hz < 950 ? hz : hz / 1000), kOctaveColours[octave]);
   }
   return picture.svg();
 }
@@ -171,17 +184,58 @@ double Comparison::worst_cents() const {
 double Comparison::decay_error() const {
   double sum = 0;
   for (const fit::Match& match : calibration.matches) {
+    if (!match.used) continue;
     const fit::Mode& mode = heard[match.recorded];
     const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
     sum += std::abs(std::log(mode.decay_per_s / modal::damp(lambda, calibration.damping).decay_per_s));
   }
-  return std::expm1(sum / static_cast<double>(std::max<std::size_t>(calibration.matches.size(), 1)));
+  return std::expm1(sum / static_cast<double>(std::max<std::size_t>(calibration.used(), 1)));
 }
 
+double Comparison::matched_part() const {
+  const auto energy = [](const fit::Mode& mode) { return mode.amplitude * mode.amplitude / mode.decay_per_s; };
+  const auto is_matched = [&](const fit::Mode& mode) {
+    return std::ranges::any_of(calibration.matches, [&](const fit::Match& match) {
+      const double cents = 1200 * std::log2(mode.frequency_hz / heard[match.recorded].frequency_hz);
+      return std::abs(cents) < fit::kCompanion_cents;
+    });
+  };
+  double all = 0, matched = 0;
+  for (const fit::Mode& mode : heard) all += energy(mode), matched += is_matched(mode) ? energy(mode) : 0;
+  return all > 0 ? matched / all : 0;
+}
+
+namespace {
+
+const char* judged(const Comparison& c) {
+  struct Mark {
+    double cents, part;
+    const char* word;
+  };
+  constexpr std::array<Mark, 2> kMarks = {{{5, 0.9, "good"}, {15, 0.6, "fair"}}};
+  for (const Mark& mark : kMarks) {
+    if (c.mean_cents() <= mark.cents && c.matched_part() >= mark.part) return mark.word;
+  }
+  return "poor";
+}
+
+// True when what was fitted is hardly a matter of one material's samples.
+bool is_far_from_material(const Comparison& c) {
+  constexpr double kMostStiffness = 1.25, kMostNu = 0.15;
+  return std::abs(std::log(c.stiffness())) > std::log(kMostStiffness) ||
+         std::abs(c.poisson_ratio - c.given_poisson_ratio) > kMostNu;
+}
+
+}  // namespace
+
 std::string verdict(const Comparison& c) {
+  const std::size_t matches = c.calibration.matches.size(), aside = matches - c.calibration.used();
   std::string text =
-      print("%s: %zu of the %zu modes heard match one of the bank's %zu\n", c.name.c_str(),
-            c.calibration.matches.size(), c.heard.size(), c.bank.mode_count()) +
+      print(
+          "verdict      %s: the modes that match have %.0f %% of the energy heard, and are %.1f cents off on average\n",
+          judged(c), 100 * c.matched_part(), c.mean_cents()) +
+      print("%s: %zu of the %zu modes heard match one of the bank's %zu\n", c.name.c_str(), matches, c.heard.size(),
+            c.bank.mode_count()) +
       print("frequencies  %.1f cents off on average, %.1f at most, after E/rho and nu\n", c.mean_cents(),
             c.worst_cents()) +
       print("E/rho        %.4f times that of %s\n", c.stiffness(), c.material.c_str()) +
@@ -189,6 +243,15 @@ std::string verdict(const Comparison& c) {
                  : print("nu           %.3f as the material says: the recordings do not tell\n", c.poisson_ratio)) +
       print("damping      alpha = %.4g 1/s, beta = %.4g s; decays %.0f %% off on average\n",
             c.calibration.damping.alpha_per_s, c.calibration.damping.beta_s, 100 * c.decay_error());
+  if (aside > 0) {
+    text += print("             %zu of the %zu decay otherwise, as in a room or a hand, and are left out of that\n",
+                  aside, matches);
+  }
+  if (is_far_from_material(c)) {
+    text += print(
+        "note         E/rho and nu are far from those of %s: a wall thicker or thinner than drawn does that, too\n",
+        c.material.c_str());
+  }
   for (const ComparedSound& s : c.sounds) text += print("distance     %.1f dB: ", s.distance_db) + s.name + "\n";
   return text;
 }
@@ -205,7 +268,8 @@ std::string compare_page(const Comparison& c) {
   for (const ComparedSound& s : c.sounds) {
     text += "<h2>" + escaped(s.name) +
             print("</h2>\n<p>Distance %.1f dB, in thirds of an octave by 10 ms. Spectrum [dB]:</p>\n", s.distance_db) +
-            spectra(s) + "<p>Decay of every other octave, from 125 Hz [dB]:</p>\n" + decays(s);
+            spectra(s) + "<p>Decay of every other octave [dB]; dashed: baked, beside the recording's noise:</p>\n" +
+            decays(s);
   }
   return text + "<h2>Modes</h2>\n" + rows(c) + "</body></html>\n";
 }

@@ -33,7 +33,9 @@ struct Comparison {
   [[nodiscard]] double stiffness() const;   // E/rho over that of the material
   [[nodiscard]] double mean_cents() const;  // of the matches, after E/rho and nu
   [[nodiscard]] double worst_cents() const;
-  [[nodiscard]] double decay_error() const;  // the mean factor by which decays are off, less 1
+  [[nodiscard]] double decay_error() const;  // the mean factor by which decays are off that fit the damping, less 1
+  // Of the energy of all modes heard: that of those that match, and of what is heard within kCompanion_cents of them.
+  [[nodiscard]] double matched_part() const;
 };
 
 // The comparison's result in a few lines of text; the page shows the same at length.

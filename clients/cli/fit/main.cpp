@@ -95,14 +95,21 @@ fit::Kept keep(const fit::Fit& found, const cli::Sound& sound, const Arguments& 
   return fit::keep(part, sound.sample_rate_hz, sample_at(found.onset_s, sound), found.modes, !arguments.without_burst);
 }
 
-Result<void> write_sounds(const fit::Fit& found, const fit::Kept& kept, const cli::Sound& sound,
-                          const Arguments& arguments, const std::stop_token& stop) {
+// What the modes explain, in their own phases, and a burst that was fitted beside just these: the bank's own is fitted
+// beside modes in other phases, and would count twice what they lack.
+Result<void> write_sounds(const fit::Fit& found, const cli::Sound& sound, const Arguments& arguments,
+                          const std::stop_token& stop) {
   if (arguments.resynth.empty() && arguments.residual.empty()) return {};
   const std::size_t onset = sample_at(found.onset_s, sound), count = sound.samples.size();
   std::vector<double> samples = fit::played_from(found.modes, sound.sample_rate_hz, onset, count);
   if (!arguments.resynth.empty()) {
-    std::vector<double> all = fit::played_from(kept.noise, sound.sample_rate_hz, onset, count);
-    for (std::size_t n = 0; n < count; ++n) all[n] += samples[n];
+    std::vector<double> all = samples;
+    if (!arguments.without_burst && arguments.damping_of.empty()) {
+      const auto part = std::span(sound.samples).first(sample_at(found.end_s, sound));
+      const auto noise = fit::burst_modes(fit::fit_burst(part, sound.sample_rate_hz, onset, found.modes));
+      const std::vector<double> burst = fit::played_from(noise, sound.sample_rate_hz, onset, count);
+      for (std::size_t n = 0; n < count; ++n) all[n] += burst[n];
+    }
     if (auto written = cli::write_sound(all, sound.sample_rate_hz, arguments.resynth, stop); !written) return written;
   }
   if (arguments.residual.empty()) return {};
@@ -143,15 +150,14 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
          arguments.input.string() + " has no mode that stands out of its noise; --from says where a blow is"});
   }
   cli::print_fit(arguments.input.string(), *found);
-  if (is_of_recording)
-    cli::print_burst(arguments.input.string(), *found, kept.burst, kept.noise.size(), kept.distance_db);
+  if (is_of_recording) cli::print_kept(arguments.input.string(), *found, kept);
   const Result<modal::Bank> bank = bank_of(*found, kept, arguments);
   if (!bank) return complain(bank.error());
   if (!arguments.output.empty()) {
     const auto written = modal::write_bank(*bank, arguments.output);
     if (!written) return complain(written.error());
   }
-  const auto written = write_sounds(*found, kept, *sound, arguments, stop);
+  const auto written = write_sounds(*found, *sound, arguments, stop);
   return written ? ExitCode::ok : complain(written.error());
 }
 

@@ -35,9 +35,10 @@ void print_fit(const std::string& name, const fit::Fit& fit) {
   }
 }
 
-void print_burst(const std::string& name, const fit::Fit& fit, const fit::Burst& burst, std::size_t modes,
-                 double distance_db) {
+void print_kept(const std::string& name, const fit::Fit& fit, const fit::Kept& kept) {
   constexpr double kLittle = 0.5;
+  const fit::Burst& burst = kept.burst;
+  const std::size_t modes = kept.noise.size();
   std::printf("\n");
   if (modes > 0) {
     double shortest = INFINITY, longest = 0;
@@ -49,9 +50,11 @@ void print_burst(const std::string& name, const fit::Fit& fit, const fit::Burst&
     std::printf("burst      of noise, %zu numbers, T60 %.3g to %.3g s; the bank plays it as %zu short modes\n",
                 burst.numbers(), shortest, longest, modes);
   }
-  if (std::isfinite(distance_db)) {
-    std::printf("distance   %.1f dB: what the bank plays, from the recording, in thirds of an octave by 10 ms\n",
-                distance_db);
+  if (std::isfinite(kept.distance_db)) {
+    std::printf("distance   %.1f dB: what the bank plays, from the recording, in thirds of an octave by 10 ms",
+                kept.distance_db);
+    if (std::isfinite(kept.sure_db)) std::printf("; %.1f dB without lone cells", kept.sure_db);
+    std::printf("\n");
   }
   if (fit.of_blow < kLittle) {
     std::fflush(stdout);

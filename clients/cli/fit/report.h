@@ -1,9 +1,9 @@
 // What `ringdown fit` prints. [any]
 #pragma once
 
-#include "engine/fit/burst.h"
 #include "engine/fit/modes.h"
 #include "engine/fit/recorded_bank.h"
+#include "engine/fit/settle.h"
 #include "engine/modal/bank.h"
 
 #include <string>
@@ -13,10 +13,9 @@ namespace ringdown::cli {
 // Prints one paragraph about the recording and a row for each mode.
 void print_fit(const std::string& name, const fit::Fit& fit);
 
-// Prints what the burst is, drawn as so many modes, and how far all that is kept lies from the recording; and on stderr
+// Prints what the burst is and how far all that is kept lies from the recording; and on stderr
 // a warning when the modes explain little of it.
-void print_burst(const std::string& name, const fit::Fit& fit, const fit::Burst& burst, std::size_t modes,
-                 double distance_db);
+void print_kept(const std::string& name, const fit::Fit& fit, const fit::Kept& kept);
 
 // Prints a row for each matched mode and the fitted damping.
 void print_calibration(const fit::Fit& fit, const modal::Bank& bank, const fit::Calibration& calibration);
