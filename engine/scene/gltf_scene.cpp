@@ -89,7 +89,8 @@ class GltfSceneReader {
     }
     for (const GltfNode& node : nodes()) {
       if (!node.in_scene) continue;
-      if (physics_of(node)["trigger"].present()) note("triggers have no effect");
+      if (physics_of(node)["trigger"].present())
+        note("triggers have no effect: nothing collides with them, and what enters them is not reported");
       if (node.field["extensions"]["EXT_mesh_gpu_instancing"].present())
         note("instances by EXT_mesh_gpu_instancing are not played");
     }
@@ -257,6 +258,7 @@ class GltfSceneReader {
     made.surface = body.colliders[0].surface;
     made.filter = body.colliders[0].filter;
     made.fixed = !body.moves;
+    made.two_way = is_two_way(body.node);
     if (body.model_node) add_object(*body.model_node, made);
     if (body.moves) add_motion(body, frame, made);
     if (auto path = animations_.path_of(frame_node(body))) {
@@ -270,9 +272,18 @@ class GltfSceneReader {
     scene_.bodies.push_back(std::move(made));
   }
 
+  // Our own extra of a body's node, which no draft has: "ringdown": {"contact": "two-way"}.
+  bool is_two_way(std::size_t node) {
+    const Field contact = nodes()[node].field["extras"]["ringdown"]["contact"];
+    const std::string way = contact.text_or("");
+    if (contact.present() && way != "one-way" && way != "two-way")
+      document_.refuse(contact.wrong("one-way or two-way"));
+    return way == "two-way";
+  }
+
   void add_plane(const GatheredBody& body, const PlacedCollider& collider) {
     if (body.moves) return note("an infinite plane cannot move, and is left out");
-    StaticDescription plane = place_plane(nodes()[collider.node].world);
+    StaticDescription plane = place_plane(collider.geometry, nodes()[collider.node].world);
     plane.name = nodes()[collider.node].name;
     for (int k = 2; std::ranges::count(scene_.statics, plane.name, &StaticDescription::name) > 0; ++k)
       plane.name = nodes()[collider.node].name + "-" + std::to_string(k);
