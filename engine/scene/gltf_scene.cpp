@@ -56,6 +56,16 @@ struct GatheredBody {
 Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysicsExtension]; }
 Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudioExtension]; }
 
+// Whether two surfaces act alike in all that a file says of them.
+bool same(const FrictionSurface& a, const FrictionSurface& b) {
+  const auto all = [](const FrictionSurface& s) {
+    return std::tie(s.friction, s.sliding_friction, s.restitution, s.friction_combine, s.restitution_combine,
+                    s.young_pa, s.poisson, s.waviness, s.texture.roughness_m, s.texture.correlation_m,
+                    s.texture.spectral_slope, s.texture.shortest_m);
+  };
+  return all(a) == all(b) && (a.relief == nullptr) == (b.relief == nullptr);
+}
+
 class GltfSceneReader {
  public:
   GltfSceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside)
@@ -86,6 +96,18 @@ class GltfSceneReader {
     for (const std::string& name : document_.texts(required)) {
       if (std::ranges::find(kKnown, name) == kKnown.end())
         note("the file requires the extension " + quote(name) + ", which scenes do not use");
+    }
+    if (document_.root()["extensions"]["KHR_interactivity"].present())
+      note("behaviour graphs of KHR_interactivity are not run");
+    if (document_.root()["extensions"]["KHR_audio_emitter"].present())
+      note("audio emitters are not played; modal models sound from their own nodes");
+    const Field animations = document_.root()["animations"];
+    for (std::size_t k = 0; k < animations.size(); ++k) {
+      const Field channels = animations[k]["channels"];
+      for (std::size_t c = 0; c < channels.size(); ++c) {
+        if (channels[c]["target"]["extensions"]["KHR_animation_pointer"].present())
+          note("animations by KHR_animation_pointer are not played");
+      }
     }
     for (const GltfNode& node : nodes()) {
       if (!node.in_scene) continue;
@@ -245,9 +267,8 @@ class GltfSceneReader {
     }
     for (const PlacedCollider& other : body.colliders) {
       const PlacedCollider& first = body.colliders[0];
-      const bool same = other.filter == first.filter && other.surface.friction == first.surface.friction &&
-                        other.surface.restitution == first.surface.restitution;
-      if (!same) note("colliders of one body have one material and one filter: those of the first");
+      if (!(other.filter == first.filter && same(other.surface, first.surface)))
+        note("colliders of one body have one material, one acoustic surface and one filter: those of the first");
     }
     for (const Shape& shape : shapes) points_ += shape.mesh ? shape.mesh->points_m.size() : 0;
     if (points_ > kMaxScenePoints)

@@ -309,46 +309,6 @@ TEST(GltfScene, JoinedBodiesPassThroughEachOtherUnlessTheyMayCollide) {
   EXPECT_TRUE(scene(R"(, "enableCollision": true)").joints.at(0).collides);
 }
 
-TEST(GltfScene, WhatIsNotPlayedIsNamedOnce) {
-  const GltfScene read = good(document(
-      node(R"("trigger": {"geometry": {"shape": 0}})") + "," + node(R"("trigger": {"geometry": {"shape": 0}})"), kBall,
-      "", R"(, "extensionsRequired": ["EXT_unheard_of"])"));
-  ASSERT_EQ(read.notes.size(), 2);
-  EXPECT_NE(read.notes[0].find("EXT_unheard_of"), std::string::npos);
-  EXPECT_EQ(read.notes[1], "triggers have no effect: nothing collides with them, and what enters them is not reported");
-}
-
-TEST(GltfScene, BodiesFallThroughTriggers) {
-  const GltfScene read =
-      good(document(node(R"("motion": {"mass": 2}, )" + kCollider0, R"(, "translation": [0, 3, 0])") + "," +
-                        node(R"("trigger": {"geometry": {"shape": 0}})", R"(, "translation": [0, 1, 0])"),
-                    kBall));
-  ASSERT_EQ(read.scene.bodies.size(), 1);
-  World world = silent_world(read.scene);
-  run(world, 1);
-  expect_near(world.bodies()[0].position_m, {0, 0, 3 - 0.5 * kG}, 1e-9);
-}
-
-// One ball falls on a double-sided plane, and one that is drawn upwards meets it from below, at 6 m/s.
-TEST(GltfScene, DoubleSidedPlanesHoldBodiesOnBothSides) {
-  for (const std::string ends : {"", R"("sizeX": 4, "sizeZ": 3, )"}) {
-    for (const std::string scale : {"", R"(, "scale": [3, 50, 3])"}) {
-      const std::string ball = R"("motion": {"mass": 2, "linearVelocity": [0, )", rest = R"(}, )" + kCollider0;
-      const GltfScene read =
-          good(document(node(ball + R"(-6, 0])" + rest, R"(, "translation": [0, 2, 0])") + "," +
-                            node(ball + R"(6, 0], "gravityFactor": -1)" + rest, R"(, "translation": [0.5, -2, 0])") +
-                            "," + node(kCollider1, scale),
-                        kBall + R"(, {"type": "plane", "plane": {)" + ends + R"("doubleSided": true}})"));
-      EXPECT_EQ(read.notes.size(), ends.empty() ? 1 : 0);
-      World world = silent_world(read.scene);
-      run(world, 4);
-      const std::vector<BodyState> ended = world.bodies();
-      EXPECT_NEAR(ended[0].position_m.z, 0.101, 1e-3) << ends << scale;  // the sheet is 2 mm thick
-      EXPECT_NEAR(ended[1].position_m.z, -0.101, 1e-3) << ends << scale;
-    }
-  }
-}
-
 TEST(GltfScene, EveryInstanceOfAModelIsAnObjectOfItsOwn) {
   const auto instance = [](const std::string& audio, const std::string& more) {
     return R"({"name": "my bell", "extensions": {"KHR_audio_rigid_bodies": {)" + audio +
