@@ -3,7 +3,6 @@
 10,000 events. The command reads the score as OSC, which strike.py writes.
 """
 
-import os
 import random
 import struct
 import subprocess
