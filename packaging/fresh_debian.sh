@@ -73,6 +73,16 @@ assert ringdown.render_scene(presets + "scenes/coin.toml", 0.1).shape == (4800, 
 print("import ringdown", ringdown.__version__)'
 }
 
+# The plug-in, before LV2's own tools; every module finds what it links.
+try_plugin() {
+  install_package ringdown-plugin
+  inside sh -c 'DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true lilv-utils' >"$cache/install.log" 2>&1 ||
+    { cat "$cache/install.log"; return 1; }
+  inside sh -c 'test "$(lv2ls | wc -l)" -eq 1 && lv2info "$(lv2ls)" | grep -q "wine-glass"'
+  inside sh -c 'for file in /usr/lib/clap/ringdown.clap /usr/lib/vst3/ringdown.vst3/Contents/*/ringdown.so /usr/lib/lv2/ringdown.lv2/ringdown.so; do
+    ! ldd "$file" | grep "not found" || exit 1; done'
+}
+
 try_packages() {  # try_packages FOLDER
   mount --bind "$cache/$suite" "$root/var/cache/apt/archives"
   mkdir "$root/packages"
@@ -93,9 +103,10 @@ try_packages() {  # try_packages FOLDER
   install_package ringdown-viewer
   inside ringdown-viewer --keys >/dev/null
   try_library
-  inside apt-get purge -y -qq ringdown ringdown-bake ringdown-viewer python3-ringdown libringdown >/dev/null 2>&1
+  try_plugin
+  inside apt-get purge -y -qq ringdown ringdown-bake ringdown-viewer ringdown-plugin python3-ringdown libringdown >/dev/null 2>&1
   local left
-  for left in usr/share/ringdown usr/include/ringdown.h usr/lib/python3/dist-packages/ringdown; do
+  for left in usr/share/ringdown usr/include/ringdown.h usr/lib/python3/dist-packages/ringdown usr/lib/lv2/ringdown.lv2; do
     [ ! -e "$root/$left" ] || { echo "purging leaves /$left behind"; return 1; }
   done
   echo "$suite: installed, played and removed"

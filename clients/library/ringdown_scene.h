@@ -48,6 +48,14 @@ RINGDOWN_API ringdown_result ringdown_scene_clear(ringdown_scene* scene, ringdow
 RINGDOWN_API double ringdown_scene_duration_s(const ringdown_scene* scene); /* as its file says; 0: for ever. [any] */
 RINGDOWN_API size_t ringdown_scene_bodies(const ringdown_scene* scene);     /* [any] */
 
+/* The number of an object or of a body by the name that the scene file gives it. Names are unique among objects, and
+ * among bodies; a body that has not yet entered the scene is found as well. A glTF scene names both after their nodes.
+ * RINGDOWN_BAD_INPUT, and the number stays as it was, if there is none. [worker] */
+RINGDOWN_API ringdown_result ringdown_scene_find_object(ringdown_scene* scene, const char* name, uint32_t* object,
+                                                        ringdown_error* error);
+RINGDOWN_API ringdown_result ringdown_scene_find_body(ringdown_scene* scene, const char* name, uint32_t* body,
+                                                      ringdown_error* error);
+
 /* Where the bodies are now: fills up to `room` places and returns how many bodies there are. [any but audio] */
 typedef struct ringdown_body {
   uint32_t number;

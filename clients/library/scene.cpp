@@ -3,11 +3,15 @@
 #include "clients/library/ringdown_scene.h"
 
 #include "clients/library/handles.h"
+#include "engine/base/quote.h"
 #include "protocol/schema.h"
 #include "server/session/scene_player.h"
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <string_view>
 
 using namespace ringdown;
 using library::guarded, library::missing;
@@ -93,6 +97,36 @@ ringdown_result ringdown_scene_push(ringdown_scene* scene, uint32_t body, const 
 
 ringdown_result ringdown_scene_clear(ringdown_scene* scene, ringdown_error* error) {
   return on_scene(scene, error, [](session::ScenePlayer& player) { return player.clear(); });
+}
+
+ringdown_result ringdown_scene_find_object(ringdown_scene* scene, const char* name, uint32_t* object,
+                                           ringdown_error* error) {
+  return on_scene(scene, error, [&](session::ScenePlayer& player) -> Result<void> {
+    if (!name) return missing("name");
+    if (!object) return missing("object");
+    const auto description = player.description();
+    const auto named = [&](const auto& known) { return known.name == name; };
+    if (!description || std::ranges::none_of(description->objects, named))
+      return fail(ErrorKind::bad_input, "the scene has no object " + quote(name) + "; see its file for the names");
+    const auto found = scene->mixer->rack.find({.name = name, .number = {}});
+    if (!found) return fail(found.error());
+    *object = (*found)->number;
+    return {};
+  });
+}
+
+ringdown_result ringdown_scene_find_body(ringdown_scene* scene, const char* name, uint32_t* body,
+                                         ringdown_error* error) {
+  return on_scene(scene, error, [&](session::ScenePlayer& player) -> Result<void> {
+    if (!name) return missing("name");
+    if (!body) return missing("body");
+    const auto poses = player.poses();
+    const auto found = std::ranges::find(poses.bodies, std::string_view(name), &scene::BodyState::name);
+    if (found == poses.bodies.end())
+      return fail(ErrorKind::bad_input, "the scene has no body " + quote(name) + "; see its file for the names");
+    *body = found->id;
+    return {};
+  });
 }
 
 double ringdown_scene_duration_s(const ringdown_scene* scene) { return scene ? scene->player.duration_s() : 0; }

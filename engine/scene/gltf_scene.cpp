@@ -56,6 +56,16 @@ struct GatheredBody {
 Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysicsExtension]; }
 Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudioExtension]; }
 
+// Whether two surfaces act alike in all that a file says of them.
+bool same(const FrictionSurface& a, const FrictionSurface& b) {
+  const auto all = [](const FrictionSurface& s) {
+    return std::tie(s.friction, s.sliding_friction, s.restitution, s.friction_combine, s.restitution_combine,
+                    s.young_pa, s.poisson, s.waviness, s.texture.roughness_m, s.texture.correlation_m,
+                    s.texture.spectral_slope, s.texture.shortest_m);
+  };
+  return all(a) == all(b) && (a.relief == nullptr) == (b.relief == nullptr);
+}
+
 class GltfSceneReader {
  public:
   GltfSceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside)
@@ -87,9 +97,22 @@ class GltfSceneReader {
       if (std::ranges::find(kKnown, name) == kKnown.end())
         note("the file requires the extension " + quote(name) + ", which scenes do not use");
     }
+    if (document_.root()["extensions"]["KHR_interactivity"].present())
+      note("behaviour graphs of KHR_interactivity are not run");
+    if (document_.root()["extensions"]["KHR_audio_emitter"].present())
+      note("audio emitters are not played; modal models sound from their own nodes");
+    const Field animations = document_.root()["animations"];
+    for (std::size_t k = 0; k < animations.size(); ++k) {
+      const Field channels = animations[k]["channels"];
+      for (std::size_t c = 0; c < channels.size(); ++c) {
+        if (channels[c]["target"]["extensions"]["KHR_animation_pointer"].present())
+          note("animations by KHR_animation_pointer are not played");
+      }
+    }
     for (const GltfNode& node : nodes()) {
       if (!node.in_scene) continue;
-      if (physics_of(node)["trigger"].present()) note("triggers have no effect");
+      if (physics_of(node)["trigger"].present())
+        note("triggers have no effect: nothing collides with them, and what enters them is not reported");
       if (node.field["extensions"]["EXT_mesh_gpu_instancing"].present())
         note("instances by EXT_mesh_gpu_instancing are not played");
     }
@@ -244,9 +267,8 @@ class GltfSceneReader {
     }
     for (const PlacedCollider& other : body.colliders) {
       const PlacedCollider& first = body.colliders[0];
-      const bool same = other.filter == first.filter && other.surface.friction == first.surface.friction &&
-                        other.surface.restitution == first.surface.restitution;
-      if (!same) note("colliders of one body have one material and one filter: those of the first");
+      if (!(other.filter == first.filter && same(other.surface, first.surface)))
+        note("colliders of one body have one material, one acoustic surface and one filter: those of the first");
     }
     for (const Shape& shape : shapes) points_ += shape.mesh ? shape.mesh->points_m.size() : 0;
     if (points_ > kMaxScenePoints)
@@ -257,6 +279,7 @@ class GltfSceneReader {
     made.surface = body.colliders[0].surface;
     made.filter = body.colliders[0].filter;
     made.fixed = !body.moves;
+    made.two_way = is_two_way(body.node);
     if (body.model_node) add_object(*body.model_node, made);
     if (body.moves) add_motion(body, frame, made);
     if (auto path = animations_.path_of(frame_node(body))) {
@@ -270,9 +293,18 @@ class GltfSceneReader {
     scene_.bodies.push_back(std::move(made));
   }
 
+  // Our own extra of a body's node, which no draft has: "ringdown": {"contact": "two-way"}.
+  bool is_two_way(std::size_t node) {
+    const Field contact = nodes()[node].field["extras"]["ringdown"]["contact"];
+    const std::string way = contact.text_or("");
+    if (contact.present() && way != "one-way" && way != "two-way")
+      document_.refuse(contact.wrong("one-way or two-way"));
+    return way == "two-way";
+  }
+
   void add_plane(const GatheredBody& body, const PlacedCollider& collider) {
     if (body.moves) return note("an infinite plane cannot move, and is left out");
-    StaticDescription plane = place_plane(nodes()[collider.node].world);
+    StaticDescription plane = place_plane(collider.geometry, nodes()[collider.node].world);
     plane.name = nodes()[collider.node].name;
     for (int k = 2; std::ranges::count(scene_.statics, plane.name, &StaticDescription::name) > 0; ++k)
       plane.name = nodes()[collider.node].name + "-" + std::to_string(k);

@@ -17,6 +17,7 @@ constexpr int kBallAround = 12;  // of a ball's circles of latitude
 constexpr int kBallRings = 4;    // of half a ball, besides its pole
 constexpr double kThinnest_m = 1e-4;
 constexpr double kPlaneThickness = 0.1;  // of a finite plane, as a share of its shorter side
+constexpr double kSheet_m = 2e-3;        // the thickness of a double-sided plane
 
 // A circle of corners about the y axis.
 void add_ring(ShapeMesh& mesh, double radius_m, double y_m, int corners) {
@@ -217,11 +218,12 @@ std::optional<GltfGeometry> implicit(GltfDocument& document, const Field& shape)
     return geometry;
   }
   if (type == "plane") {
-    if (document.flag(own["doubleSided"], false))
-      document.notes.add("planes are solid below: doubleSided has no effect");
     geometry.kind = GltfGeometry::plane;
+    geometry.double_sided = document.flag(own["doubleSided"], false);
     const bool ends = own["sizeX"].present() || own["sizeZ"].present();
     if (ends) geometry.size_m = {size(document, own["sizeX"], 1000), 0, size(document, own["sizeZ"], 1000)};
+    if (geometry.double_sided && !ends)
+      document.notes.add("a double-sided plane without ends is a sheet of 1000 m by 1000 m");
     return geometry;
   }
   if (type != "cylinder" && type != "capsule") {
@@ -324,12 +326,22 @@ std::optional<Shape> place(const GltfGeometry& geometry, const Affine& map) {
       break;
   }
   if (geometry.size_m == Vec3{}) return {};
+  if (geometry.double_sided) {
+    const double sheet_m = kSheet_m / std::max(parts.scale.y, 1e-9);  // whatever the node's scale
+    return place({.size_m = {geometry.size_m.x, sheet_m, geometry.size_m.z}}, map);
+  }
   const double thick_m = std::max(kPlaneThickness * std::min(geometry.size_m.x, geometry.size_m.z), kThinnest_m);
   GltfGeometry slab{.size_m = {geometry.size_m.x, thick_m, geometry.size_m.z}};
   return place(slab, map * Affine{.shift_m = {0, -0.5 * thick_m, 0}});
 }
 
-StaticDescription place_plane(const Affine& map) {
+StaticDescription place_plane(const GltfGeometry& geometry, const Affine& map) {
+  if (geometry.double_sided) {
+    return {.type = StaticType::box,
+            .size_m = {range::kSize_m.high, kSheet_m, range::kSize_m.high},
+            .position_m = map.shift_m,
+            .rotation = parts_of(map.linear).rotation};
+  }
   const auto column = [&map](int k) { return Vec3{map.linear[0][k], map.linear[1][k], map.linear[2][k]}; };
   const Vec3 across = cross(column(2), column(0));
   const double up = dot(across, column(1)) < 0 ? -1 : 1;

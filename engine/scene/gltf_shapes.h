@@ -23,6 +23,7 @@ struct GltfGeometry {
   Kind kind = box;
   Vec3 size_m;                              // box; plane: of its x and z, 0 where it has no end
   double radius_m = 0;                      // sphere
+  bool double_sided = false;                // plane: a sheet 2 mm thick, its middle in the plane; else solid below
   std::shared_ptr<const ShapeMesh> points;  // hull, mesh
 };
 
@@ -40,8 +41,8 @@ std::optional<GltfGeometry> read_geometry(GltfDocument& document, const modal::F
 // a scale of 0 disables the shape.
 std::optional<Shape> place(const GltfGeometry& geometry, const Affine& map);
 
-// An infinite plane as a static, its node lying by `map` in the world.
-StaticDescription place_plane(const Affine& map);
+// An infinite plane as a static, its node lying by `map` in the world: a half-space, or a sheet where it has two sides.
+StaticDescription place_plane(const GltfGeometry& geometry, const Affine& map);
 
 // The meshes of these nodes themselves as one, each node's points moved by its place in the world and then by `map`;
 // corners in one place are joined.

@@ -186,6 +186,7 @@ class GlbScene {
     Json node = {{"name", body.name},
                  {"translation", json_of(to_file(body.position_m))},
                  {"rotation", json_of(to_file(normalized(body.rotation)))}};
+    if (body.two_way) node["extras"]["ringdown"]["contact"] = "two-way";
     Json& physics = node["extensions"][kPhysicsExtension] = Json::object();
     if (sounds) {
       node["mesh"] = played_model_of_[number];

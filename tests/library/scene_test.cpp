@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 namespace ringdown::test {
 namespace {
@@ -47,6 +50,22 @@ TEST(LibraryScene, GivesTheSamplesOfRingdownRender) {
     for (const double part : body.rotation_wxyz) square += part * part;
     EXPECT_NEAR(square, 1, 1e-9);
   }
+  // Names of the file find what they name, and nothing else.
+  std::uint32_t object = 77, body = 77;
+  ASSERT_EQ(ringdown_scene_find_object(scene, "block-2", &object, &error), RINGDOWN_OK) << error.sentence;
+  ringdown_bank* bank = nullptr;
+  std::uint32_t again = 78;  // an object of that name keeps its number
+  ASSERT_EQ(ringdown_bank_open(RINGDOWN_SOURCE_DIR "/presets/banks/block.glb", &bank, &error), RINGDOWN_OK);
+  ASSERT_EQ(ringdown_add(mixer, "block-2", bank, &again, &error), RINGDOWN_OK) << error.sentence;
+  ringdown_bank_release(bank);
+  EXPECT_EQ(object, again);
+  ASSERT_EQ(ringdown_scene_find_body(scene, "block-2", &body, &error), RINGDOWN_OK) << error.sentence;
+  EXPECT_TRUE(std::ranges::any_of(bodies, [&](const ringdown_body& known) { return known.number == body; }));
+  EXPECT_EQ(ringdown_scene_find_object(scene, "nothing", &object, &error), RINGDOWN_BAD_INPUT);
+  EXPECT_NE(std::string(error.sentence).find("'nothing'"), std::string::npos) << error.sentence;
+  EXPECT_EQ(ringdown_scene_find_body(scene, nullptr, &body, &error), RINGDOWN_BAD_INPUT);
+  EXPECT_EQ(ringdown_scene_find_body(nullptr, "block-2", &body, &error), RINGDOWN_BAD_INPUT);
+
   const double blow[3] = {0, 0, 0.1}, nowhere[3] = {0, 0, 1.0 / 0.0};
   EXPECT_EQ(ringdown_scene_push(scene, bodies[2].number, blow, &error), RINGDOWN_OK) << error.sentence;
   EXPECT_EQ(ringdown_scene_push(scene, bodies.back().number, nowhere, &error), RINGDOWN_BAD_INPUT);

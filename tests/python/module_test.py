@@ -305,6 +305,11 @@ class SceneTest(unittest.TestCase):
             scene.advance(frame)
             mixer.render(512)
         self.assertGreater(np.abs(scene.poses()[1] - before).max(), 0.01)
+        self.assertIn(scene.find_body("block-2"), numbers)
+        mixer.strike(scene.find_object("block-2"), [0, 0, 0], [0, 0, 0.01])
+        for find in (scene.find_body, scene.find_object):
+            with self.assertRaisesRegex(ringdown.Error, "nothing"):
+                find("nothing")
         del mixer
         gc.collect()
         self.assertIsNotNone(mixer_there())

@@ -1,9 +1,8 @@
 """A score of many events in 100 objects, and a scene: the samples of `ringdown render`, bit for bit.
 
-1,000 events; RINGDOWN_STRESS=long: 10,000. The command reads the score as OSC, which strike.py writes.
+10,000 events. The command reads the score as OSC, which strike.py writes.
 """
 
-import os
 import random
 import struct
 import subprocess
@@ -18,7 +17,7 @@ import ringdown
 import strike
 
 OBJECTS, SECONDS, RATE_HZ = 100, 2, 48000
-EVENTS = 10000 if os.environ.get("RINGDOWN_STRESS") == "long" else 1000
+EVENTS = 10000
 NAMES = ("coin", "block", "glass-slat", "wrench", "spoon")
 
 

@@ -309,15 +309,6 @@ TEST(GltfScene, JoinedBodiesPassThroughEachOtherUnlessTheyMayCollide) {
   EXPECT_TRUE(scene(R"(, "enableCollision": true)").joints.at(0).collides);
 }
 
-TEST(GltfScene, WhatIsNotPlayedIsNamedOnce) {
-  const GltfScene read = good(document(
-      node(R"("trigger": {"geometry": {"shape": 0}})") + "," + node(R"("trigger": {"geometry": {"shape": 0}})"), kBall,
-      "", R"(, "extensionsRequired": ["EXT_unheard_of"])"));
-  ASSERT_EQ(read.notes.size(), 2);
-  EXPECT_NE(read.notes[0].find("EXT_unheard_of"), std::string::npos);
-  EXPECT_EQ(read.notes[1], "triggers have no effect");
-}
-
 TEST(GltfScene, EveryInstanceOfAModelIsAnObjectOfItsOwn) {
   const auto instance = [](const std::string& audio, const std::string& more) {
     return R"({"name": "my bell", "extensions": {"KHR_audio_rigid_bodies": {)" + audio +

@@ -94,6 +94,32 @@ TEST(GltfWriter, OtherProgramsFindEveryFinish) {
   EXPECT_EQ(found->surface.texture.shortest_m, 2e-6);
 }
 
+// Whether impacts feel vibrations stays in the file when another program has changed it.
+TEST(GltfWriter, TwoWayContactsSurviveAnotherProgram) {
+  auto [scene, banks, bytes] = exported(kPresets / "scenes/demo.toml");
+  scene.bodies[1].two_way = true;
+  const std::vector<std::byte> written = to_glb(scene, banks).value();
+  for (const auto& again : {read(written), read_by_others(written)}) {
+    ASSERT_TRUE(again) << again.error().message;
+    ASSERT_EQ(again->scene.bodies.size(), scene.bodies.size());
+    for (const BodyDescription& body : again->scene.bodies) EXPECT_EQ(body.two_way, body.name == scene.bodies[1].name);
+  }
+}
+
+TEST(GltfWriter, AnUnknownWayOfContactIsRefusedInOneSentence) {
+  auto [scene, banks, bytes] = exported(kPresets / "scenes/demo.toml");
+  scene.bodies[1].two_way = true;
+  std::vector<std::byte> written = to_glb(scene, banks).value();
+  std::string text(reinterpret_cast<const char*>(written.data()), written.size());
+  const std::string mark = "\"contact\":\"two-way\"";
+  const std::size_t at = text.find(mark);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, mark.size(), "\"contact\":\"two-wax\"");
+  const auto again = read(std::as_bytes(std::span(text)));
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.error().message.find("one-way or two-way"), std::string::npos) << again.error().message;
+}
+
 TEST(GltfWriter, OtherProgramsFindEveryBodyInItsPlace) {
   auto [scene, banks, bytes] = exported(kPresets / "scenes/demo.toml");
   const auto plain = read_by_others(bytes);

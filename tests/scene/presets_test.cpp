@@ -1,5 +1,7 @@
 // Every scene in presets/scenes plays: it reads, builds, its objects are heard, and it goes the same way each time.
 #include "engine/modal/bank_file.h"
+#include "engine/scene/gltf_scene.h"
+#include "engine/scene/gltf_writer.h"
 #include "engine/scene/scene_file.h"
 #include "tests/scene/box_bank.h"
 
@@ -91,6 +93,33 @@ TEST_P(PresetScene, TwoWorldsOfAPresetSceneAgreeBitForBit) {
   for (std::size_t i = 0; i < ended.size(); ++i) {
     EXPECT_TRUE(ended[i].center_m == also[i].center_m && ended[i].rotation == also[i].rotation) << ended[i].name;
   }
+}
+
+// What `ringdown scene export` writes is read again, with the banks inside it, and plays the events of the scene.
+TEST_P(PresetScene, ExportedPresetScenesPlayTheSameEvents) {
+  std::vector<modal::Bank> banks;
+  for (const ObjectDescription& object : scene_.objects) banks.push_back(modal::read_bank(object.bank).value());
+  const auto bytes = to_glb(scene_, banks);
+  ASSERT_TRUE(bytes) << bytes.error().message;
+  const auto read = parse_gltf_scene(*bytes, "scene.glb", {});
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(read->notes.empty());
+  std::vector<SoundingObject> objects;
+  for (const ObjectDescription& object : read->scene.objects) {
+    auto bank = modal::parse_bank(*bytes, object.bank.string());
+    ASSERT_TRUE(bank) << bank.error().message;
+    objects.push_back(test::sounding(object.name, static_cast<std::uint32_t>(objects.size()), std::move(*bank)));
+  }
+  auto before = build(), after = World::create(read->scene, objects, 48000);
+  ASSERT_TRUE(before && after);
+  std::size_t events = 0;
+  constexpr double kMaxTime_s = 4;
+  while (before->time_s() < std::min(scene_.duration_s, kMaxTime_s)) {
+    const StepReport first = before->step(), second = after->step();
+    ASSERT_TRUE(std::ranges::equal(first.events, second.events, test::same_bits)) << "at " << before->time_s() << " s";
+    events += first.events.size();
+  }
+  EXPECT_GT(events, 0u);
 }
 
 TEST(PresetScenes, PresetScenesLastFromSixToTwelveSeconds) {

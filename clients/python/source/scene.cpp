@@ -75,6 +75,22 @@ PYBIND11_MODULE(_scene, module) {
           py::arg("body"), py::arg("impulse_ns"), "An impulse [N s], in the scene's axes, at a body's centre of mass.")
       .def(
           "clear", [](Scene& self) { call(ringdown_scene_clear, self.get()); }, "Removes all bodies.")
+      .def(
+          "find_object",
+          [](Scene& self, const std::string& name) {
+            std::uint32_t number = 0;
+            call(ringdown_scene_find_object, self.get(), c_string(name), &number);
+            return number;
+          },
+          py::arg("name"), "The number of an object of the scene, as Mixer.strike() takes it, by its name in the file.")
+      .def(
+          "find_body",
+          [](Scene& self, const std::string& name) {
+            std::uint32_t number = 0;
+            call(ringdown_scene_find_body, self.get(), c_string(name), &number);
+            return number;
+          },
+          py::arg("name"), "The number of a body, as push() and poses() have it, by its name in the file.")
       .def("poses", &poses_of,
            "Where the bodies are: their N numbers, N x 3 positions [m] and N x 4 quaternions w x y z.")
       .def_property_readonly(
