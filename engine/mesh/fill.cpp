@@ -131,33 +131,6 @@ double volume_of(const Shells& shells) {
   return std::accumulate(shells.volume_m3.begin(), shells.volume_m3.end(), 0.0);
 }
 
-void append(TetMesh& mesh, const TetMesh& part) {
-  const auto nodes = mesh.nodes.rows(), elements = mesh.elements.rows();
-  mesh.nodes.conservativeResize(nodes + part.nodes.rows(), 3);
-  mesh.nodes.bottomRows(part.nodes.rows()) = part.nodes;
-  mesh.elements.conservativeResize(elements + part.elements.rows(), 4);
-  mesh.elements.bottomRows(part.elements.rows()) = part.elements.array() + static_cast<std::int32_t>(nodes);
-}
-
-Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, double size_m, const std::string& name) {
-  const Shells shells = shells_of(surface);
-  GmshBody body(surface, shells, diagonal_of(surface));
-  TetMesh whole{Points(0, 3), Indices(0, 4)};
-  std::vector<Eigen::Index> counts;
-  for (int s = 0; s < shells.count; ++s) {
-    if (shells.depth[static_cast<std::size_t>(s)] % 2 == 1) continue;
-    const Result<TetMesh> part = body.mesh({s}, size_m, counts);
-    if (!part) return fail(part.error());
-    append(whole, *part);
-  }
-  Result<CheckedMesh> checked = check_mesh(std::move(whole), name);
-  if (!checked) return checked;
-  const double volume = volume_of(shells);
-  if (std::abs(volume_of(checked->mesh) - volume) > 1e-3 * volume)
-    return fail(ErrorKind::bad_input, "gmsh filled another volume");
-  return checked;
-}
-
 // The nodes of outer faces, and of those between groups of elements.
 std::vector<std::int32_t> nodes_of_skins(const TetMesh& mesh, const MeshGroups& groups) {
   if (groups.volumes.empty()) return boundary_of(mesh).nodes;
@@ -266,19 +239,6 @@ double most_own_triangles(const TriangleMesh& surface, double size_m) {
   return kAlways + kTimes * area_of(surface) / (std::sqrt(3) / 4 * size_m * size_m);
 }
 
-Result<Filled> fill_sized(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {
-  const Result<Sized> triangles = sized(surface, options);
-  if (!triangles) return fail(triangles.error());
-  Result<CheckedMesh> mesh = fill_as_it_is(triangles->surface, triangles->size_m, name);
-  if (!mesh) return fail(mesh.error());
-  if (options.order > 1) mesh = curved(*mesh, surface, options, name);
-  if (!mesh) return fail(mesh.error());
-  const double volume = volume_of(shells_of(surface));
-  if (std::abs(volume_of(mesh->mesh) - volume) > kVolumeSlip * volume)
-    return fail(ErrorKind::bad_input, "its volume comes out wrong");
-  return Filled{std::move(*mesh), ""};
-}
-
 // The volumes of parts, and last that of what is in none; of a mesh and of the regions between shells.
 std::vector<double> part_volumes(const CheckedMesh& mesh) {
   std::vector<double> volumes(mesh.groups.volumes.size() + 1, 0);
@@ -305,6 +265,7 @@ Result<void> check_parts(const CheckedMesh& mesh, const std::vector<double>& wan
   const std::vector<double> found = part_volumes(mesh);
   for (std::size_t p = 0; p < wanted.size(); ++p) {
     if (std::abs(found[p] - wanted[p]) <= slip * wanted[p]) continue;
+    if (wanted.size() == 1) return fail(ErrorKind::bad_input, "its volume comes out wrong");
     const std::string what = p < mesh.groups.volumes.size() ? mesh.groups.volumes[p] : "what is around its parts";
     return fail(ErrorKind::bad_input, "the volume of " + what + " comes out wrong");
   }
@@ -312,8 +273,8 @@ Result<void> check_parts(const CheckedMesh& mesh, const std::vector<double>& wan
 }
 
 // `surface` is that of `parted` in other triangles.
-Result<CheckedMesh> fill_regions(const TriangleMesh& surface, const PartedSurface& parted, double size_m,
-                                 const std::string& name) {
+Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, const PartedSurface& parted, double size_m,
+                                  const std::string& name) {
   const Shells shells = shells_of(surface);
   const std::vector<Region> regions = regions_of(shells, sources_of(shells, surface, parted));
   std::vector<int> filled;
@@ -336,10 +297,10 @@ Result<CheckedMesh> fill_regions(const TriangleMesh& surface, const PartedSurfac
   return checked;
 }
 
-Result<CheckedMesh> fill_parts_sized(const PartedSurface& parted, const FillOptions& options, const std::string& name) {
+Result<CheckedMesh> fill_sized(const PartedSurface& parted, const FillOptions& options, const std::string& name) {
   const Result<Sized> triangles = sized(parted.mesh, options);
   if (!triangles) return fail(triangles.error());
-  Result<CheckedMesh> mesh = fill_regions(triangles->surface, parted, triangles->size_m, name);
+  Result<CheckedMesh> mesh = fill_as_it_is(triangles->surface, parted, triangles->size_m, name);
   if (!mesh) return mesh;
   if (options.order > 1) mesh = curved(*mesh, parted.mesh, options, name);
   if (!mesh) return mesh;
@@ -356,31 +317,23 @@ Result<Filled> fill_parts(const PartedSurface& parted, const FillOptions& option
   std::string why;
   FillOptions finer = options;
   for (int attempt = 0; options.size_m > 0 && attempt < 2; ++attempt, finer.size_m *= kFiner) {
-    Result<CheckedMesh> mesh = fill_parts_sized(parted, finer, name);
+    Result<CheckedMesh> mesh = fill_sized(parted, finer, name);
     if (mesh) return Filled{std::move(*mesh), ""};
     why = mesh.error().message;
   }
   if (options.size_m > 0 &&
       static_cast<double>(parted.mesh.triangles.rows()) > most_own_triangles(parted.mesh, options.size_m))
     return fail(ErrorKind::bad_input, why + ", and its own are far more than that size asks for");
-  Result<CheckedMesh> mesh = fill_regions(parted.mesh, parted, options.size_m, name);
+  Result<CheckedMesh> mesh = fill_as_it_is(parted.mesh, parted, options.size_m, name);
   if (!mesh) return fail(mesh.error());
   return Filled{std::move(*mesh), why.empty() ? "" : "filled with the triangles it has, because " + why};
 }
 
 Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {
-  std::string why;
-  FillOptions finer = options;
-  for (int attempt = 0; options.size_m > 0 && attempt < 2; ++attempt, finer.size_m *= kFiner) {
-    Result<Filled> filled = fill_sized(surface, finer, name);
-    if (filled) return filled;
-    why = filled.error().message;
-  }
-  if (options.size_m > 0 && static_cast<double>(surface.triangles.rows()) > most_own_triangles(surface, options.size_m))
-    return fail(ErrorKind::bad_input, why + ", and its own are far more than that size asks for");
-  Result<CheckedMesh> mesh = fill_as_it_is(surface, options.size_m, name);
-  if (!mesh) return fail(mesh.error());
-  return Filled{std::move(*mesh), why.empty() ? "" : "filled with the triangles it has, because " + why};
+  const std::vector<std::int32_t> own(static_cast<std::size_t>(surface.triangles.rows()), -1);
+  Result<Filled> filled = fill_parts({surface, own, {}}, options, name);
+  if (filled) filled->mesh.groups = {};
+  return filled;
 }
 
 }  // namespace ringdown::mesh

@@ -15,7 +15,7 @@
 #include "engine/scene/overlap.h"
 #include "engine/scene/rolling.h"
 #include "engine/scene/ode_surface_pairs.h"
-#include "engine/scene/parting.h"
+#include "engine/scene/ode_parting.h"
 
 #include <cstddef>
 #include <memory>

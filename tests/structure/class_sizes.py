@@ -36,6 +36,8 @@ except ModuleNotFoundError:
 kMaxSize = 30
 kMaxOfPlainData = 36  # functions that take a struct of at most one method: what a folder works on
 kMaxFiles = 2
+# Where a C function leaves its refusal: every one that can fail takes it, which says nothing about the class.
+kRefusals = {"ringdown_error"}
 
 kFolders = ("engine", "server", "protocol", "clients", "packaging")
 kClasses = {CursorKind.CLASS_DECL, CursorKind.STRUCT_DECL, CursorKind.CLASS_TEMPLATE}
@@ -195,6 +197,8 @@ def main():
         print(f"{size:4} {methods:7} {functions:9} {len(files):5}  {name}  {place}")
     wrong = []
     for name, place, methods, functions, size, files in rows:
+        if name in kRefusals:
+            continue
         most = kMaxSize if methods > 1 else kMaxOfPlainData
         if size > most:
             wrong.append(f"{place}: {name} has {methods} methods and {functions} functions that take it; "

@@ -1,4 +1,4 @@
-#include "engine/scene/parting.h"
+#include "engine/scene/ode_parting.h"
 
 #include <ode/ode.h>
 
