@@ -151,10 +151,10 @@ std::vector<std::int32_t> nodes_of_skins(const TetMesh& mesh, const MeshGroups& 
 }
 
 // Nodes of a higher order between the corners of outer faces, and of faces between groups, are put on the surface.
-Result<CheckedMesh> curved(const CheckedMesh& straight, const TriangleMesh& onto, const FillOptions& options,
+Result<CheckedMesh> curved(const CheckedMesh& straight, const PartedSurface& onto, const FillOptions& options,
                            const std::string& name) {
   TetMesh mesh = to_order(straight.mesh, options.order);
-  const SurfaceRays surface(onto);
+  const SurfaceRays surface(onto.mesh);
   const double farthest =
       std::max(2 * kMaxDeviation * options.wall_m, (options.wall_m > 0 ? 0.1 : 0.25) * options.size_m);
   std::vector<bool> corner(static_cast<std::size_t>(mesh.nodes.rows()), false);
@@ -203,7 +203,8 @@ double share_that_leaves(const Remeshed& remeshed, double wall_m) {
 
 // The surface in triangles of the wanted size where it is flat, and of smaller ones where it bends or, the second time,
 // where those would leave it.
-Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
+Result<Sized> sized(const PartedSurface& parted, const FillOptions& options) {
+  const TriangleMesh& surface = parted.mesh;
   const double area = area_of(surface);
   const auto edge_of = [area](double triangles) { return std::sqrt(area / (std::sqrt(3) / 4 * triangles)); };
   EdgeLengths lengths{.longest_m = kEdgePerSize * options.size_m,
@@ -234,9 +235,9 @@ Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
 }
 
 // The surface's own triangles serve in place of those of the wanted size when they are no more than this.
-double most_own_triangles(const TriangleMesh& surface, double size_m) {
+double most_own_triangles(const PartedSurface& parted, double size_m) {
   constexpr double kTimes = 4, kAlways = 2000;
-  return kAlways + kTimes * area_of(surface) / (std::sqrt(3) / 4 * size_m * size_m);
+  return kAlways + kTimes * area_of(parted.mesh) / (std::sqrt(3) / 4 * size_m * size_m);
 }
 
 // The volumes of parts, and last that of what is in none; of a mesh and of the regions between shells.
@@ -298,11 +299,11 @@ Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, const PartedSurfa
 }
 
 Result<CheckedMesh> fill_sized(const PartedSurface& parted, const FillOptions& options, const std::string& name) {
-  const Result<Sized> triangles = sized(parted.mesh, options);
+  const Result<Sized> triangles = sized(parted, options);
   if (!triangles) return fail(triangles.error());
   Result<CheckedMesh> mesh = fill_as_it_is(triangles->surface, parted, triangles->size_m, name);
   if (!mesh) return mesh;
-  if (options.order > 1) mesh = curved(*mesh, parted.mesh, options, name);
+  if (options.order > 1) mesh = curved(*mesh, parted, options, name);
   if (!mesh) return mesh;
   const Shells shells = shells_of(parted.mesh);
   const std::vector<Region> regions = regions_of(shells, sources_of(shells, parted.mesh, parted));
@@ -322,7 +323,7 @@ Result<Filled> fill_parts(const PartedSurface& parted, const FillOptions& option
     why = mesh.error().message;
   }
   if (options.size_m > 0 &&
-      static_cast<double>(parted.mesh.triangles.rows()) > most_own_triangles(parted.mesh, options.size_m))
+      static_cast<double>(parted.mesh.triangles.rows()) > most_own_triangles(parted, options.size_m))
     return fail(ErrorKind::bad_input, why + ", and its own are far more than that size asks for");
   Result<CheckedMesh> mesh = fill_as_it_is(parted.mesh, parted, options.size_m, name);
   if (!mesh) return fail(mesh.error());
