@@ -14,12 +14,10 @@ using Row = std::array<float, kMaxGlidingModes>;
 
 // x0 of every mode for these |z|^2.
 void detune(const GlideMatrix& matrix, const float* squares, Row& x0) RINGDOWN_REALTIME {
-  const std::size_t n = matrix.columns.size();
-  for (std::size_t m = 0; m < n; ++m) {
-    const float* const row = matrix.relative.data() + m * n;
-    float sum = 0;
-    for (std::size_t l = 0; l < n; ++l) sum += row[l] * squares[l];
-    x0.data()[m] = sum;
+  for (std::size_t first = 0; first < matrix.columns.size(); first += kModePadding) {
+    const std::array<float, kModePadding> some = matrix.detuned(first / kModePadding, squares);
+    const std::size_t count = std::min(kModePadding, matrix.columns.size() - first);
+    std::copy_n(some.data(), count, x0.data() + first);
   }
 }
 

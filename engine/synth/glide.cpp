@@ -12,10 +12,12 @@ namespace ringdown::synth {
 namespace {
 
 constexpr double kPerBand = std::numbers::pi / static_cast<double>(kChunkFrames);
-constexpr double kSamePitch = 2e-5;           // relative: 0.035 cents, below which a mode is left where it is
-constexpr float kGrowth = 1.05F;              // of the sound, from which all modes are looked at
-constexpr float kFastChange = 6e-4F;          // relative, in one call: a cent
-constexpr double kLeastX = -0.5, kMostX = 3;  // pitches from 0.7 to 2 times their own
+constexpr double kSamePitch = 6e-5;                   // relative: 0.1 cents, below which a mode is left where it is
+constexpr float kGrowth = 1.05F;                      // of the sound, from which all modes are looked at
+constexpr float kFastChange = 1.2e-3F;                // relative, two cents, in which all modes are looked at once
+constexpr float kSlowChange = 6e-5F;                  // the same, that may pass without a look
+constexpr float kMostCalls = 8, kMostCalmCalls = 64;  // from look to look
+constexpr double kLeastX = -0.5, kMostX = 3;          // pitches from 0.7 to 2 times their own
 
 // How far the surface moves where it moves most, for a displacement of 1 of a mode [kg^-1/2].
 double largest_shape(const modal::Bank& bank, std::size_t mode) {
@@ -68,7 +70,7 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
   const std::vector<double> b = modal::detuning(terms, omega);
 
   auto matrix = std::make_shared<GlideMatrix>();
-  matrix->relative.resize(n * n);
+  matrix->relative.resize((n + kModePadding - 1) / kModePadding * kModePadding * n);
   matrix->reach.assign(n, 0);
   const double per_thickness = modal::shape_factor(material) / terms.thickness_m;
   for (std::size_t l = 0; l < n; ++l) {
@@ -79,18 +81,27 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
     matrix->bend.push_back(terms.thickness_m > 0 ? static_cast<float>(bend * bend) : 0.0F);
     for (std::size_t m = 0; m < n; ++m) {
       const double x = 2 * b[m * n + l] * displacement * displacement / omega[m];
-      matrix->relative[m * n + l] = static_cast<float>(x);
+      matrix->relative[(m / kModePadding * n + l) * kModePadding + m % kModePadding] = static_cast<float>(x);
       matrix->reach[l] = std::max(matrix->reach[l], static_cast<float>(std::abs(0.5 * x)));
     }
   }
   return matrix;
 }
 
+std::array<float, kModePadding> GlideMatrix::detuned(std::size_t block, const float* squares) const RINGDOWN_REALTIME {
+  const std::size_t n = columns.size();
+  const float* at = relative.data() + block * n * kModePadding;
+  float x0[kModePadding] = {};
+  for (std::size_t l = 0; l < n; ++l, at += kModePadding) {
+    for (std::size_t i = 0; i < kModePadding; ++i) x0[i] += at[i] * squares[l];
+  }
+  return std::to_array(x0);
+}
+
 Glide::Glide(const ModeTable& table)
     : table_(table),
       matrix_(*table.glide),
       columns_(table.columns()),
-      mode_of_(columns_, -1),
       squares_(matrix_.columns.size()),
       delta_(columns_),
       rows_(aligned_zeros<double>(kRows * columns_)),
@@ -98,12 +109,6 @@ Glide::Glide(const ModeTable& table)
       runs_(aligned_zeros<float>(columns_ * 2 * kRun)),
       weights_(aligned_zeros<float>(columns_ * 2 * kMoments)),
       band_(columns_) {
-  for (std::size_t m = 0; m < matrix_.columns.size(); ++m) {
-    mode_of_[matrix_.columns[m]] = static_cast<std::int32_t>(m);
-    groups_.push_back(matrix_.columns[m] / static_cast<std::uint32_t>(kModePadding));
-  }
-  std::sort(groups_.begin(), groups_.end());
-  groups_.erase(std::unique(groups_.begin(), groups_.end()), groups_.end());
   const ModeArrays modes = table.modes(nullptr, nullptr, kChunkFrames);
   const auto [log_re, log_im] = table.exponents();
   std::copy_n(modes.pole_re, columns_, row(pole_re));
@@ -121,59 +126,64 @@ Glide::Glide(const ModeTable& table)
 }
 
 void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_REALTIME {
+  if (wait_ > 0 && (!active_ || moments == moments_)) {
+    --wait_;
+    return;
+  }
   const std::size_t n = squares_.size();
   const std::uint32_t* const columns = matrix_.columns.data();
   const float* const reach = matrix_.reach.data();
   float* const squares = squares_.data();
-  float total = 0;
+  float sums[4] = {};
   for (std::size_t l = 0; l < n; ++l) {
     const std::uint32_t c = columns[l];
     squares[l] = static_cast<float>(re[c] * re[c] + im[c] * im[c]);
-    total += reach[l] * squares[l];
+    sums[l % 4] += reach[l] * squares[l];
   }
+  const float total = (sums[0] + sums[1]) + (sums[2] + sums[3]);
   const bool begins = !active_;
-  if (begins && !(total > kLeastDetuning)) return;
-  if (!begins && !(total > 0.5F * kLeastDetuning)) {
-    active_ = false;
-    return;
-  }
-  const bool anew = begins || moments != moments_;
+  active_ = total > (begins ? 1.0F : 0.5F) * kLeastDetuning;
   const float change = std::abs(total - total_);
-  const bool all = anew || total > kGrowth * total_;
-  active_ = true, moments_ = moments, total_ = total;
-  const std::size_t most = groups_.size();
-  const auto share = static_cast<std::size_t>(static_cast<float>(most) * std::min(change / kFastChange, 1.0F));
-  const std::size_t count = all ? most : std::min(most, 1 + share);
+  const bool anew = begins || moments != moments_, all = anew || total > kGrowth * total_;
+  const float calls = 1.0F + static_cast<float>(waited_);
+  const float until_slow_change = kSlowChange * calls / std::max(change, 1e-9F);
+  const float next = std::clamp(until_slow_change, 1.0F, active_ ? kMostCalls : kMostCalmCalls);
+  wait_ = waited_ = active_ && all ? 0 : static_cast<std::uint32_t>(next) - 1;
+  total_ = total;
+  if (!active_) return;
+  moments_ = moments;
+  const std::size_t most = (n + kModePadding - 1) / kModePadding;
+  due_ = all || wait_ > 0 ? due_ : due_ + static_cast<float>(most) * std::min(change / kFastChange, 1.0F);
+  const std::size_t count = all ? most : wait_ > 0 ? 1 : std::min(most, static_cast<std::size_t>(due_));
+  due_ -= std::min(due_, static_cast<float>(count));
   for (std::size_t i = 0; i < count; ++i) {
     if (next_ >= most) next_ = 0;
-    look_at_group(next_++, anew);
+    look_at_block(next_++, anew);
   }
 }
 
-void Glide::look_at_group(std::size_t which, bool anew) RINGDOWN_REALTIME {
-  const std::size_t n = squares_.size(), first = std::size_t{groups_.data()[which]} * kModePadding;
+void Glide::look_at_block(std::size_t block, bool anew) RINGDOWN_REALTIME {
+  const std::array<float, kModePadding> x0 = matrix_.detuned(block, squares_.data());
+  const std::size_t first = block * kModePadding, end = std::min(first + kModePadding, squares_.size());
   const double* const own_im = table_.exponents().second;
-  bool moved = false;
-  for (std::size_t c = first; c < first + kModePadding; ++c) {
-    const std::int32_t m = mode_of_.data()[c];
-    if (m < 0) continue;
-    const float* const row = matrix_.relative.data() + static_cast<std::size_t>(m) * n;
-    const float* const squares = squares_.data();
-    float sums[8] = {};
-    std::size_t l = 0;
-    for (; l + 8 <= n; l += 8) {
-      for (std::size_t i = 0; i < 8; ++i) sums[i] += row[l + i] * squares[l + i];
-    }
-    for (; l < n; ++l) sums[0] += row[l] * squares[l];
-    const float x0 = ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
-    const double omega = own_im[c], x = std::min(stiffened(static_cast<double>(x0)), kMostX);
+  std::size_t group = columns_;  // none
+  for (std::size_t m = first; m < end; ++m) {
+    const std::size_t c = matrix_.columns.data()[m];
+    const double omega = own_im[c], x = std::min(stiffened(static_cast<double>(x0.data()[m - first])), kMostX);
     const double delta = std::min(omega * (std::sqrt(1 + x) - 1), 0.999 * std::numbers::pi - omega);
     if (!anew && std::abs(delta - delta_.data()[c]) < kSamePitch * omega) continue;
     move(c, delta);
-    moved = true;
+    if (c / kModePadding == group) continue;
+    if (group != columns_) share_band(group);
+    group = c / kModePadding;
   }
-  if (!moved || !moments_ || first >= table_.slow_groups() * kModePadding) return;
-  // The kernel takes a group to lie in one band when its first and last modes do.
+  if (group != columns_) share_band(group);
+}
+
+// The kernel takes a group to lie in one band when its first and last modes do.
+void Glide::share_band(std::size_t group) RINGDOWN_REALTIME {
+  if (!moments_ || group >= table_.slow_groups()) return;
+  const std::size_t first = group * kModePadding;
   const std::uint16_t* const band = band_.data() + first;
   if (band[0] != band[kModePadding - 1]) return;
   if (std::all_of(band, band + kModePadding, [&](std::uint16_t b) RINGDOWN_REALTIME { return b == band[0]; })) return;

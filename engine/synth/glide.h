@@ -19,6 +19,7 @@
 #include "engine/synth/mode_kernel.h"
 #include "engine/synth/moments.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -41,9 +42,12 @@ struct GlidingMode {
 // What detunes what, in terms of a table's columns.
 struct GlideMatrix {
   std::vector<std::uint32_t> columns;  // of the n gliding modes
-  std::vector<float> relative;         // n x n: x0 of mode m for a state z_l of 1, row m after row
-  std::vector<float> reach;            // n: the largest of them in column l
-  std::vector<float> bend;             // n: (largest deflection / thickness)^2 at |z| = 1; 0 where it is not known
+  std::vector<float> relative;  // x0 of mode m for a state z_l of 1, by blocks of kModePadding m: first their l = 0
+  std::vector<float> reach;     // n: the largest of them in column l
+  std::vector<float> bend;      // n: (largest deflection / thickness)^2 at |z| = 1; 0 where it is not known
+
+  // x0 of the gliding modes from kModePadding * `block` on, of which there may be fewer, for these n squares |z|^2.
+  std::array<float, kModePadding> detuned(std::size_t block, const float* squares) const RINGDOWN_REALTIME;
 
   // Nothing where the bank has no terms or none of their modes is played. `output_per_velocity` has one number for each
   // playable mode of the table. [worker]
@@ -66,8 +70,11 @@ class Glide {
   // From here on: [audio]
 
   // Looks at the states before a call renders `moments` or tables, and finds the pitches anew where they have changed.
-  // When the sound grows all modes are looked at, else a few groups at a time, more while pitches move fast.
+  // When the sound grows all modes are looked at, else a few groups at a time, more while pitches move fast; where they
+  // hardly move, few calls look.
   void follow(const double* re, const double* im, bool moments) RINGDOWN_REALTIME;
+  // The states have been added to: the next call looks.
+  void excite() RINGDOWN_REALTIME { wait_ = 0; }
 
   [[nodiscard]] bool active() const RINGDOWN_REALTIME { return active_; }
   // Gives a kernel the moved poles and tables for a call of `frames`. While active().
@@ -80,22 +87,23 @@ class Glide {
  private:
   enum Row { pole_re, pole_im, full_re, full_im, exponent_re, exponent_im, kRows };
   [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
-  void look_at_group(std::size_t which, bool anew) RINGDOWN_REALTIME;
+  void look_at_block(std::size_t block, bool anew) RINGDOWN_REALTIME;
+  void share_band(std::size_t group) RINGDOWN_REALTIME;
   void move(std::size_t column, double delta) RINGDOWN_REALTIME;
   void weigh(std::size_t column, std::uint16_t band) RINGDOWN_REALTIME;
 
   const ModeTable& table_;
   const GlideMatrix& matrix_;
   std::size_t columns_;
-  std::vector<std::uint32_t> groups_;  // with gliding modes
-  std::vector<std::int32_t> mode_of_;  // of each column: its row of the matrix, or -1
-  std::vector<float> squares_;         // |z|^2 of the gliding modes
-  std::vector<double> delta_;          // of each column [rad/frame]
-  AlignedArray<double> rows_;          // kRows x columns
+  std::vector<float> squares_;  // |z|^2 of the gliding modes
+  std::vector<double> delta_;   // of each column [rad/frame]
+  AlignedArray<double> rows_;   // kRows x columns
   AlignedArray<float> strides_, runs_, weights_;
   std::vector<std::uint16_t> band_;
-  float total_ = 0;
-  std::size_t next_ = 0;  // in groups_
+  float due_ = 0;                        // looks at blocks
+  float total_ = 0;                      // at the last look
+  std::uint32_t wait_ = 0, waited_ = 0;  // calls until the next look, and from the last one to it
+  std::size_t next_ = 0;                 // in groups_
   bool active_ = false, moments_ = false;
 };
 

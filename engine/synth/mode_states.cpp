@@ -315,6 +315,7 @@ void ModeStates::rest() RINGDOWN_REALTIME {
 
 void ModeStates::wake() RINGDOWN_REALTIME {
   unmute();
+  states_.excited();
   slow_.count = table_.slow_groups();
   fast_.count = table_.groups() - slow_.count;
   std::iota(slow_.list, slow_.list + table_.groups(), 0);

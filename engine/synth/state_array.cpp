@@ -8,6 +8,7 @@ namespace ringdown::synth {
 
 void StateArray::add_strike(const double* amplitudes, double gain, std::size_t first, std::size_t end,
                             const ModeFactors* each) RINGDOWN_REALTIME {
+  excited();
   double *const re = this->re(), *const im = this->im();
   if (each == nullptr) {
     for (std::size_t i = first; i < end; ++i) im[i] -= gain * amplitudes[i];
@@ -31,6 +32,7 @@ void StateArray::add_strike(const double* amplitudes, double gain, std::uint32_t
 
 void StateArray::add(const StateArray& other, double gain, std::size_t first, std::size_t end,
                      const ModeFactors* each) RINGDOWN_REALTIME {
+  excited();
   double *const re = this->re(), *const im = this->im();
   const double *const from_re = other.re(), *const from_im = other.im();
   if (each == nullptr) {
@@ -56,6 +58,7 @@ void StateArray::add(const StateArray& other, double gain, std::uint32_t group,
 }
 
 bool StateArray::move_from(StateArray& other) RINGDOWN_REALTIME {
+  excited();
   bool left = false;
   for (const auto& [mine, theirs] : {std::pair{re(), other.re()}, std::pair{im(), other.im()}}) {
     for (std::size_t i = 0; i < table_.playable_modes(); ++i) {

@@ -55,6 +55,10 @@ class StateArray {
   void follow(bool moments) RINGDOWN_REALTIME {
     if (glide_) glide_->follow(re(), im(), moments);
   }
+  // After states have been written by others than this array.
+  void excited() RINGDOWN_REALTIME {
+    if (glide_) glide_->excite();
+  }
   // By what gains the modes are heard in kernels; null: each by 1. It outlives the array.
   void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { hearing_ = hearing; }
 
