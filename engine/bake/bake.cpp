@@ -324,12 +324,13 @@ void add_nonlinear(const Task& task, const BodyModes& modes, const std::vector<H
   baked.report.carried_share = terms.carried_share;
 }
 
-modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes) {
+modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes, const LeftOut& left_out) {
   return {.generator = "Ringdown " RINGDOWN_VERSION,
           .element = element_text(options.element),
           .unknowns = modes.unknowns,
           .rigid_modes = modes.rigid,
-          .counted_modes = modes.rigid + modes.lambda.size(),  // a solve that found fewer than it counted has failed
+          // A solve that found fewer than it counted has failed. Its top allows for the strongest damping.
+          .counted_modes = modes.rigid + modes.lambda.size() - left_out.above_band,
           .band_low_hz = options.band_low_hz,
           .band_high_hz = options.band_high_hz,
           .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};
@@ -411,7 +412,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   if (!options.makeup.grain) bank.material->orthotropy.reset();
   bank.held = !options.makeup.supports.empty();
   bank.mass = units.mass(modes->mass);
-  bank.provenance = provenance(options, *modes);
+  bank.provenance = provenance(options, *modes, left_out);
   for (const Part& part : options.makeup.parts) bank.provenance.parts.push_back(part.material.name);
   const Reduced reduced = audition(bank, task, corner_bank(task, heard, *modes, air));
   std::vector<HeardMode> kept;

@@ -32,7 +32,9 @@ std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& un
       ++left_out.over_damped;
     } else if (mode.mode.frequency_hz < band.low_hz) {
       ++left_out.below_band;
-    } else if (mode.mode.frequency_hz <= band.high_hz) {
+    } else if (mode.mode.frequency_hz > band.high_hz) {
+      ++left_out.above_band;
+    } else {
       heard.push_back(std::move(mode));
     }
   }

@@ -31,7 +31,7 @@ struct Band {
 };
 
 struct LeftOut {
-  int below_band = 0, over_damped = 0;
+  int below_band = 0, above_band = 0, over_damped = 0;
 };
 
 // Returns the decay rates [1/s] of mode `number` of BodyModes, whose eigenvalue is lambda [rad^2/s^2]; the air takes
