@@ -17,6 +17,8 @@ constexpr std::uint8_t kSustainPedal = 64, kSoftPedal = 67, kAllSoundOff = 120, 
 constexpr double kMaxContact_s = 0.1;
 constexpr float kFirstPressure = 0.5F;  // of a bow, before any message
 
+const synth::Touch kBow = protocol::SetBow{}.touch;  // with the rosin of a bow whose message names none
+
 float share_of(std::uint8_t value) RINGDOWN_REALTIME { return static_cast<float>(value) / 127.0F; }
 
 }  // namespace
@@ -127,7 +129,7 @@ void MidiPlayer::draw(std::size_t note, const Stage& stage) RINGDOWN_REALTIME {
   if (!strike || !strike->bow) return;
   const Bow& bow = bows_[note];
   Event event{.object = strike->object, .type = EventType::touch, .point_m = strike->point_m};
-  event.touch = protocol::SetBow{}.touch;
+  event.touch = kBow;
   event.touch.number = static_cast<std::uint32_t>(note);
   event.touch.direction = strike->bow->direction;
   event.touch.speed_m_s = static_cast<double>(bow.speed) * strike->bow->speed_m_s;

@@ -26,7 +26,10 @@ namespace fs = std::filesystem;
 
 class LosingNothing : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(modal::write_bank(single_mode_bank(300, 5), folder_ / "bell.glb")); }
+  void SetUp() override {
+    std::signal(SIGHUP, SIG_DFL);  // under nohup it is ignored, and a daemon goes on ignoring it
+    ASSERT_TRUE(modal::write_bank(single_mode_bank(300, 5), folder_ / "bell.glb"));
+  }
 
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
   [[nodiscard]] std::string bell() const { return "bell=" + path("bell.glb"); }
