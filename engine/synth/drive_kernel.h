@@ -31,7 +31,7 @@ struct PortForce {
                *kick_im = nullptr;  // what a force of 1 N adds to each mode in a step, 64-byte aligned
   const double* samples = nullptr;  // the force in each step [N]
 };
-inline constexpr std::size_t kMaxPortForces = 16;  // on one object
+inline constexpr std::size_t kMaxPortForces = 24;  // on one object
 
 // As drive_modes(), but every frame is `substeps` steps, whose poles `modes` has, and `ports` push as well. `forces`
 // act at the beginning of each frame, and `out` gets a sample for each frame. [audio]
@@ -41,7 +41,7 @@ double drive_touched(const ModeArrays& modes, std::size_t columns, std::span<con
 
 // out[k][n] = sum over modes of weights[k] Re(z p^n) for n = 0 ... count - 1 <= kChunkFrames: how the surface moves at
 // a few places when nothing pushes. The states stay as they are. [audio]
-inline constexpr std::size_t kMaxPlaces = 16;
+inline constexpr std::size_t kMaxPlaces = 24;
 void free_motion(const ModeArrays& modes, std::size_t columns, std::span<const double* const> weights,
                  std::span<double* const> out, std::size_t count) RINGDOWN_REALTIME;
 

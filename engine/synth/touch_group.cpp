@@ -127,8 +127,11 @@ void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REA
   touch.rigid.speed_m_s = how.kind == Touch::Kind::mallet ? -how.speed_m_s : 0;
 }
 
-// How the freedoms change in a segment if nothing pushes: first along the normals, then along the surfaces.
-void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, bool along) RINGDOWN_REALTIME {
+// How the freedoms change in a segment if nothing pushes, in some of their directions. Those along the surface come
+// alone after the normal ones, or with them.
+void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk,
+                             Directions which) RINGDOWN_REALTIME {
+  const bool along = which == Directions::along;
   const std::size_t steps = frames * substeps_;
   for (std::size_t i = 0; i < network_.freedoms() && !along; ++i) std::fill_n(row_of(approach_, i), steps + 1, 0.0);
   for (std::size_t b = 0; b < body_count_; ++b) {
@@ -142,7 +145,8 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
     for (const TouchSlot* touch : touches()) {
       for (const TouchSlot::Side& side : touch->sides) {
         if (side.object != body.object || !touch->open) continue;
-        const std::size_t normals = touch->contact.impact ? 1 : 0, end = along ? touch->contact.freedoms() : normals;
+        const std::size_t normals = touch->contact.impact ? 1 : 0,
+                          end = which == Directions::normal ? normals : touch->contact.freedoms();
         for (std::size_t k = along ? normals : 0; k < end && count < kMaxPlaces; ++k, ++count) {
           weights[count] = side.ports[k].weight.get(), freedoms[count] = touch->first + k,
           out[count] = room[count].data();
@@ -259,9 +263,12 @@ void TouchGroup::move_masses(std::size_t steps) RINGDOWN_REALTIME {
 void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
                                 Workspace& workspace) RINGDOWN_REALTIME {
   const std::size_t frames = end - begin, steps = frames * substeps_;
-  move_freely(begin, frames, chunk, false);
-  if (!stays_apart(steps)) {
-    move_freely(begin, frames, chunk, true);
+  // What touched will mostly touch again: in all directions at once the modes are gone through once.
+  const bool at_once = touched_;
+  move_freely(begin, frames, chunk, at_once ? Directions::all : Directions::normal);
+  touched_ = !stays_apart(steps);
+  if (touched_) {
+    if (!at_once) move_freely(begin, frames, chunk, Directions::along);
     find_forces(chunk.begin + static_cast<Frame>(begin), steps);
   }
   double columns = 0;

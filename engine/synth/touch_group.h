@@ -99,6 +99,7 @@ class TouchGroup final : public Source {
     std::size_t exciting_count = 0;
   };
   static constexpr std::size_t kFreedoms = contact::kMaxFreedoms;
+  static_assert(kMaxPlaces >= kFreedoms && kMaxPortForces >= kFreedoms, "all of them may act on one object");
 
   [[nodiscard]] std::span<TouchSlot* const> touches() const RINGDOWN_REALTIME {
     return {touches_.data(), touch_count_};
@@ -117,7 +118,8 @@ class TouchGroup final : public Source {
   [[nodiscard]] Body& body_of(const Object& object) RINGDOWN_REALTIME;
   void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   [[nodiscard]] bool stays_apart(std::size_t steps) RINGDOWN_REALTIME;
-  void move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, bool along) RINGDOWN_REALTIME;
+  enum class Directions { all, normal, along };  // along the surface
+  void move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, Directions which) RINGDOWN_REALTIME;
   void move_masses(std::size_t steps) RINGDOWN_REALTIME;
   void find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME;
   void close_finished(Frame now) RINGDOWN_REALTIME;
@@ -136,6 +138,7 @@ class TouchGroup final : public Source {
   AlignedArray<double> approach_ = aligned_zeros<double>(kFreedoms * kTapRow);  // of each freedom, at each step
   AlignedArray<double> forces_ = aligned_zeros<double>(kFreedoms * kTapRow);
   std::array<bool, kFreedoms> pushes_{};  // not all forces of the segment are 0
+  bool touched_ = false;                  // something did in the last segment
 };
 
 }  // namespace ringdown::synth

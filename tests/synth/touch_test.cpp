@@ -192,6 +192,33 @@ TEST(Touches, WhatLiesByItsWeightComesToRest) {
   EXPECT_LT(level(5 * 48000), 0.05 * level(2400));
 }
 
+// Eight alike that touch an object in one place move alike, but for the order in which their laws are made straight:
+// each of the 24 directions is felt by all.
+TEST(Touches, WhatTouchesLastIsFeltLikeWhatTouchesFirst) {
+  const Map bar = map_of(bar_bank(8)), other = map_of(random_bank(4, 50, 40));
+  const auto heard = [&](ObjectNumber number) {
+    Player player;
+    player.install(0, bar);
+    for (ObjectNumber n = 1; n <= 8; ++n) player.install(n, other);
+    for (ObjectNumber n = 0; n <= 8; ++n) EXPECT_TRUE(player.mixer.silence(n, n != number));
+    Touch couple{.kind = Touch::Kind::couple, .direction = kUpward, .friction = 0.3, .stiffness = 1e8, .bounce = 0.8};
+    couple.gap_m = -1e-6;
+    couple.other_point_m = {1, 0, 0};
+    for (ObjectNumber n = 1; n <= 8; ++n) {
+      couple.other = n;
+      couple.number = n;
+      player.push(touch_at(0, 0, kBarEnd, couple));
+    }
+    player.push(strike_at(480, 0, {0, 0, -0.02}, 0, {0, 0, 0}));
+    player.render(9600);
+    EXPECT_EQ(player.mixer.counters().refused, 0u);
+    return Samples(player.left.begin(), player.left.end());
+  };
+  const Samples first = heard(1), last = heard(8);
+  EXPECT_GT(*std::ranges::max_element(first), 1e-4);
+  EXPECT_LT(off_by_db(first, last), -40);
+}
+
 // More mallets than there are places for: the others strike one-way, and none is lost.
 TEST(Touches, MalletsBeyondTheLastPlaceStrikeOneWay) {
   const Map map = map_of(bar_bank(8));
