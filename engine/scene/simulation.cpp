@@ -29,7 +29,7 @@
 //    without it (fixed_contacts.h). If the exact solver warns that it failed, the bodies are restored and the iterative
 //    one is used (State::solve).
 // 4. If an island has gained energy in the part, its bodies are restored and the part is repeated with less restitution
-//    for that island (State::do_part).
+//    for that island (State::do_part). What the solver has added besides is taken from the island's velocities.
 namespace ringdown::scene {
 namespace {
 
@@ -175,6 +175,7 @@ void Simulation::State::do_part(double found_s, double length_s) {
     contacts.undo_part();
     find_and_solve();
   }
+  islands.take_gains(contacts.part_points(), part_s, gravity_m_s2, kGain);
   for (Collider* member : islands.members()) member->elasticity = 1;
   contacts.move_bodies_apart();
   pay_for_lifts();
