@@ -125,6 +125,7 @@ struct Simulation::State {
   bool exact = false;                                         // whether the part was solved exactly
   std::vector<MovedBody> moved;
   bool asleep = false;
+  const std::atomic<int>* given_up = nullptr;  // Simulation::step()
 };
 
 Simulation::State::State(const SceneDescription& scene)
@@ -236,6 +237,7 @@ void Simulation::State::find_contacts() {
 }
 
 void Simulation::State::collide(dxGeom* one, dxGeom* two) {
+  if (given_up && *given_up > 0) return;
   const BodyId a = static_cast<const Collider*>(dGeomGetData(one))->id;
   const BodyId b = static_cast<const Collider*>(dGeomGetData(two))->id;
   if (filter.may_touch(a, b)) contacts.collide(one, two, islands);
@@ -464,9 +466,10 @@ void Simulation::drive(BodyId id, const Motion& motion) {
   }
 }
 
-std::span<const ContactPoint> Simulation::step() {
+std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up) {
   const OdeLock lock;
   State& state = *state_;
+  state.given_up = given_up;
   state.contacts.begin_step();
   state.driven_s = 0;
   for (Collider* collider : state.in_order) collider->was_awake = collider->awake();
