@@ -315,6 +315,7 @@ Result<void> Daemon::play(wire::OscSocket socket) {
 
 Result<void> Daemon::finish() {
   spdlog::info("stopping");
+  session_.scene().give_up();
   service_.reset();
   driver_.reset();
   return write_results();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 // Every contact point has a row for its normal and, with friction, two rows across it. A row is a direction J in the
 // space of the body's velocities and spins. The impulses p of all rows change the rows' speeds by A p, with
@@ -177,6 +178,28 @@ void bound(System& system, int row, double most_ns) {
 
 }  // namespace
 
+double FrictionBound::meet(double asked) {
+  const double lacks = asked - bound_;
+  if (!std::exchange(begun_, true) || lacks == 0) {
+    bound_ = asked;
+    return std::abs(lacks);
+  }
+  const bool too_low = lacks > 0;
+  std::optional<Tried>&same = too_low ? low_ : high_, &opposite = too_low ? high_ : low_;
+  double next = asked;
+  if (opposite) {
+    if (was_too_low_ == too_low) opposite->lacks *= 0.5;
+    next = bound_ + lacks * (opposite->bound - bound_) / (lacks - opposite->lacks);
+  } else if (same) {
+    const double slope = (lacks - same->lacks) / (bound_ - same->bound);
+    if (slope < 0) next = bound_ - lacks / slope;
+  }
+  same = {bound_, lacks};
+  was_too_low_ = too_low;
+  bound_ = std::max(next, 0.0);
+  return std::abs(lacks);
+}
+
 Vec3 any_across(Vec3 normal) {
   if (std::abs(normal.z) > M_SQRT1_2) {
     const double scale = 1 / std::hypot(normal.y, normal.z);
@@ -206,14 +229,15 @@ bool solve_fixed_contacts(const FreeBody& body, std::span<const FixedContact> co
     system.add(body, contact, contact.along, 0);
     system.add(body, contact, cross(contact.normal, contact.along), 0);
   }
-  const auto bound_all = [&] {  // returns the largest bound, and by how much bounds have changed
+  std::array<FrictionBound, kMaxFixedContacts> bounds;
+  const auto bound_all = [&] {  // returns whether the bounds agreed with the impulses
     double largest_ns = 0, change_ns = 0;
     for (int k = 0; k < count; ++k) {
       if (friction_row[k] == 0) continue;
-      const double most_ns = contacts[k].friction * std::max(system.row(k).impulse, 0.0);
-      largest_ns = std::max(largest_ns, most_ns);
-      change_ns = std::max(change_ns, std::abs(most_ns - system.row(friction_row[k]).high));
-      bound(system, friction_row[k], most_ns);
+      const double asked_ns = contacts[k].friction * std::max(system.row(k).impulse, 0.0);
+      largest_ns = std::max(largest_ns, asked_ns);
+      change_ns = std::max(change_ns, bounds[k].meet(asked_ns));
+      bound(system, friction_row[k], bounds[k].value());
     }
     return change_ns <= kFrictionAgrees * largest_ns;
   };

@@ -6,6 +6,7 @@
 #include "engine/scene/rotation.h"
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 namespace ringdown::scene {
@@ -13,9 +14,29 @@ namespace ringdown::scene {
 // The most contact points that solve_fixed_contacts() takes.
 inline constexpr std::size_t kMaxFixedContacts = 8;
 
-// How often friction is bounded anew by the last solution's impulses, and the relative change at which that ends.
-inline constexpr int kMaxFrictionRounds = 12;
-inline constexpr double kFrictionAgrees = 2e-3;
+// How often friction is bounded anew by the last solution's impulses, and the relative difference at which that ends.
+inline constexpr int kMaxFrictionRounds = 20;
+inline constexpr double kFrictionAgrees = 2e-4;
+
+// The bound of a contact's friction, which should be the coefficient times the normal impulse that it leads to. More
+// friction may make that impulse so much smaller that a bound taken from the last solution swings for ever; so once
+// one bound was too low and another too high, the next one is found between them, by the Illinois method.
+class FrictionBound {
+ public:
+  [[nodiscard]] double value() const { return bound_; }
+
+  // Chooses the next bound. `asked` is what the solution with the present bound asks for, or, at first, one with
+  // another bound. Returns by how much it differs from the present one.
+  double meet(double asked);
+
+ private:
+  struct Tried {
+    double bound, lacks;
+  };
+  double bound_ = 0;
+  bool begun_ = false, was_too_low_ = false;  // `was`: the bound before
+  std::optional<Tried> low_, high_;
+};
 
 struct FixedContact {
   Vec3 arm_m;             // from the body's centre of mass to the point

@@ -49,10 +49,13 @@ class Islands {
     bool last = false;     // whether the part can be repeated only once more
   };
 
-  // Whether an island with contacts has gained energy, beyond the work of gravity and of pushes. Lowers the elasticity
+  // Whether an island that bounces has gained energy, beyond the work of gravity and of pushes. Lowers the elasticity
   // of the bodies of such islands: by as much as should do, or to 0 if it is the last time. `points` are those passed
   // to unite(), in that order.
   bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, const Check& check);
+
+  // Takes what islands that bounce have gained nevertheless, the work of pushes included, from their velocities.
+  void take_gains(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance);
 
  private:
   struct Link {
@@ -60,6 +63,8 @@ class Islands {
     double pushed_m_s;
     bool bounces;
   };
+  void weigh(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2);
+  [[nodiscard]] static bool gains(const IslandState& island, double tolerance);
   void enter(Collider& body);
   void merge(Collider& body, Collider& other);
 

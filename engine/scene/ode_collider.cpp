@@ -160,8 +160,12 @@ void Collider::pay_for_lifts() {
   const double paid_j = std::min(lifted_j, kMostPaid * kinetic_j);
   if (!(paid_j > 0)) return;
   lifted_j -= paid_j;
-  const double share = std::sqrt(1 - paid_j / kinetic_j);
-  const Vec3 v = share * now.velocity_m_s, w = share * now.spin_rad_s;
+  slow(std::sqrt(1 - paid_j / kinetic_j), {});
+}
+
+void Collider::slow(double share, Vec3 mean_m_s) {
+  const Motion now = motion();
+  const Vec3 v = mean_m_s + share * (now.velocity_m_s - mean_m_s), w = share * now.spin_rad_s;
   dBodySetLinearVel(body.get(), v.x, v.y, v.z);
   dBodySetAngularVel(body.get(), w.x, w.y, w.z);
 }

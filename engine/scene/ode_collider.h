@@ -31,11 +31,16 @@ struct IslandState {
   Vec3 velocity_m_s;           // before the part
   bool exempt = false;         // from the energy check
   bool has_others = false;     // whether the body touches one that can move
+  bool held = false;           // whether it touches one that cannot
   bool solved = false;         // whether the body's contacts have been solved without ODE
   // Of the island, kept at its root:
-  bool any_exempt = false, any_moves = false;
+  bool any_moves = false;
   std::size_t contacts = 0;
-  double total_before_j = 0, gained_j = 0, bounced_j = 0;
+  // What Islands::weigh() finds:
+  bool any_exempt = false, any_held = false;
+  double total_before_j = 0, total_j = 0, gained_j = 0, bounced_j = 0;
+  double mass_kg = 0;
+  Vec3 momentum_ns;
 };
 
 // The first three components of an ODE vector.
@@ -90,6 +95,9 @@ struct Collider {
 
   // Moves and turns the body. The spin turns with it, so that kinetic energy stays the same.
   void shift(Vec3 way_m, Vec3 turn_rad);
+
+  // Leaves a share of its spin, and of its velocity beside `mean_m_s`.
+  void slow(double share, Vec3 mean_m_s);
 
   // Takes kinetic energy from the body for `lifted_j`, at most nine tenths of what it has: velocity and spin shrink in
   // proportion.

@@ -100,7 +100,7 @@ void ContactJoints::begin_part(double found_s, double part_s) {
   part_s_ = part_s;
   part_begin_ = points_.size();
   motions_begin_ = motions_.size();
-  bounds_n_.clear();
+  bounds_.clear();
   lands_aslant_ = false;
   solver_pushes_ = false;
   dropped_before_ = dropped_;
@@ -287,18 +287,17 @@ void ContactJoints::join(std::size_t point, std::optional<double> bound_n) {
 
 double ContactJoints::bound_friction() {
   const std::size_t count = points_.size() - part_begin_;
-  const bool first = bounds_n_.size() != count;
-  if (first) bounds_n_.assign(count, 0);
+  const bool first = bounds_.size() != count;
+  if (first) bounds_.assign(count, {});
   double largest = 0, change = 0;
   dJointGroupEmpty(joints_.get());
   for (std::size_t k = 0; k < count; ++k) {
     const ContactPoint& point = points_[part_begin_ + k];
     if (made_[part_begin_ + k].solved()) continue;
-    const double bound = made_[part_begin_ + k].friction * std::max(dot(point.impulse_ns, point.normal), 0.0) / part_s_;
-    largest = std::max(largest, bound);
-    change = std::max(change, std::abs(bound - bounds_n_[k]));
-    bounds_n_[k] = bound;
-    join(part_begin_ + k, bound);
+    const double asked = made_[part_begin_ + k].friction * std::max(dot(point.impulse_ns, point.normal), 0.0) / part_s_;
+    largest = std::max(largest, asked);
+    change = std::max(change, bounds_[k].meet(asked));
+    join(part_begin_ + k, bounds_[k].value());
   }
   return first ? 1 : change / std::max(largest, 1e-30);
 }
@@ -339,7 +338,7 @@ void ContactJoints::move_bodies_apart() {
 
 void ContactJoints::undo_part() {
   dJointGroupEmpty(joints_.get());
-  bounds_n_.clear();
+  bounds_.clear();
   lands_aslant_ = false;
   solver_pushes_ = false;
   further_.clear();

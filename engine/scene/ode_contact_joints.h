@@ -11,6 +11,7 @@
 #pragma once
 
 #include "engine/scene/contact_rules.h"
+#include "engine/scene/fixed_contacts.h"
 #include "engine/scene/islands.h"
 #include "engine/scene/overlap.h"
 #include "engine/scene/rolling.h"
@@ -70,8 +71,8 @@ class ContactJoints {
   // impulse.
   [[nodiscard]] bool lands_aslant() const { return lands_aslant_; }
 
-  // Makes all joints of the part anew, with friction bounded by the present impulses: their coefficient times the
-  // normal part. Returns by how much that changes the bounds, as a share of the largest one.
+  // Makes all joints of the part anew, with friction bounded so that the bound should be the coefficient times the
+  // normal impulse. Returns by how much the bounds before differed from that, as a share of the largest one.
   double bound_friction();
 
   // Makes all joints of the part anew, as hand_over() made them.
@@ -116,9 +117,9 @@ class ContactJoints {
   std::vector<MotionPair> motions_;  // of the pairs of the step that touch
   std::vector<Further> further_;     // contacts of the part that only move bodies apart
   std::vector<Overlap> overlaps_;
-  std::vector<Contact> made_;      // of each contact point
-  std::vector<std::size_t> lone_;  // the contact points of the part whose bodies touch only what cannot move
-  std::vector<double> bounds_n_;   // of friction in the part, the last ones that bound_friction() has set
+  std::vector<Contact> made_;          // of each contact point
+  std::vector<std::size_t> lone_;      // the contact points of the part whose bodies touch only what cannot move
+  std::vector<FrictionBound> bounds_;  // of friction in the part [N], that bound_friction() has set
   bool lands_aslant_ = false, solver_pushes_ = false;
   std::size_t part_begin_ = 0, motions_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
   SurfacePairs pairs_;

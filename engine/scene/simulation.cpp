@@ -29,7 +29,7 @@
 //    without it (fixed_contacts.h). If the exact solver warns that it failed, the bodies are restored and the iterative
 //    one is used (State::solve).
 // 4. If an island has gained energy in the part, its bodies are restored and the part is repeated with less restitution
-//    for that island (State::do_part).
+//    for that island (State::do_part). What the solver has added besides is taken from the island's velocities.
 namespace ringdown::scene {
 namespace {
 
@@ -125,6 +125,7 @@ struct Simulation::State {
   bool exact = false;                                         // whether the part was solved exactly
   std::vector<MovedBody> moved;
   bool asleep = false;
+  const std::atomic<int>* given_up = nullptr;  // Simulation::step()
 };
 
 Simulation::State::State(const SceneDescription& scene)
@@ -175,6 +176,7 @@ void Simulation::State::do_part(double found_s, double length_s) {
     contacts.undo_part();
     find_and_solve();
   }
+  islands.take_gains(contacts.part_points(), part_s, gravity_m_s2, kGain);
   for (Collider* member : islands.members()) member->elasticity = 1;
   contacts.move_bodies_apart();
   pay_for_lifts();
@@ -235,6 +237,7 @@ void Simulation::State::find_contacts() {
 }
 
 void Simulation::State::collide(dxGeom* one, dxGeom* two) {
+  if (given_up && *given_up > 0) return;
   const BodyId a = static_cast<const Collider*>(dGeomGetData(one))->id;
   const BodyId b = static_cast<const Collider*>(dGeomGetData(two))->id;
   if (filter.may_touch(a, b)) contacts.collide(one, two, islands);
@@ -463,9 +466,10 @@ void Simulation::drive(BodyId id, const Motion& motion) {
   }
 }
 
-std::span<const ContactPoint> Simulation::step() {
+std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up) {
   const OdeLock lock;
   State& state = *state_;
+  state.given_up = given_up;
   state.contacts.begin_step();
   state.driven_s = 0;
   for (Collider* collider : state.in_order) collider->was_awake = collider->awake();

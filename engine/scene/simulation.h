@@ -11,6 +11,7 @@
 #include "engine/scene/description.h"
 #include "engine/scene/solid.h"
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -51,8 +52,9 @@ class Simulation {
   void drive(BodyId id, const Motion& motion);
 
   // Advances by one step and returns its contact points, which stay valid until the next call. A body about to fly
-  // through another, or deep into it, is stopped where they meet: the step is then done in parts.
-  std::span<const ContactPoint> step();
+  // through another, or deep into it, is stopped where they meet: the step is then done in parts. As soon as
+  // `*given_up` is not 0, no more contacts are looked for, and the bodies go through each other.
+  std::span<const ContactPoint> step(const std::atomic<int>* given_up = nullptr);
 
   // The bodies that the last step moved. Sleeping bodies are not among them.
   [[nodiscard]] std::span<const MovedBody> moved() const;

@@ -81,6 +81,7 @@ struct World::State {
   Vec3 gravity_m_s2;
   BodyStore store;
   Simulation simulation;
+  const std::atomic<int>* given_up = nullptr;  // World::step()
   ContactSounds sounds;
   Timeline timeline;
   std::vector<WaitingJoint> joints;
@@ -207,7 +208,7 @@ void World::State::do_part() {
   drive();
   const bool asleep = simulation.asleep();
   if (asleep && sounds.quiet()) return;
-  const auto points = asleep ? std::span<const ContactPoint>() : simulation.step();
+  const auto points = asleep ? std::span<const ContactPoint>() : simulation.step(given_up);
   const auto moved = asleep ? std::span<const MovedBody>() : simulation.moved();
   const std::span<const synth::Event> part_events = sounds.process(points, moved, time_s(), timeline);
   events.insert(events.end(), part_events.begin(), part_events.end());
@@ -274,8 +275,9 @@ void World::set_start_frame(synth::Frame frame) { state_->timeline.start = frame
 
 void World::set_sample_rate(double sample_rate_hz) { state_->timeline.sample_rate_hz = sample_rate_hz; }
 
-StepReport World::step() {
+StepReport World::step(const std::atomic<int>* given_up) {
   State& state = *state_;
+  state.given_up = given_up;
   state.events.clear();
   state.notices.clear();
   state.rest_dampings.clear();

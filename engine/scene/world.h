@@ -25,6 +25,7 @@
 #include "engine/scene/rest_damping.h"
 #include "engine/synth/event.h"
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -81,8 +82,9 @@ class World {
   // Advances by one step. A strike's frame is that of its impact, within this step or the one before; reports of
   // lasting contacts have the frame of the beginning of the step. Never fails: a body whose motion has become unreal
   // (not a number, too fast) goes back to its start at rest, a body that has left the scene is removed, and a notice
-  // says so. While all bodies sleep a step costs nothing.
-  StepReport step();
+  // says so. While all bodies sleep a step costs nothing. As soon as `*given_up` is not 0, no more contacts are looked
+  // for: the step ends soon, for an owner who is about to clear the world.
+  StepReport step(const std::atomic<int>* given_up = nullptr);
 
   // Whether any body plays an object. Otherwise steps make no events, except those that end lasting contacts.
   [[nodiscard]] bool sounds() const;

@@ -62,27 +62,45 @@ ChannelStrip::Shares ChannelStrip::shares_at(Frame frame) const RINGDOWN_REALTIM
   return shares;
 }
 
-void ChannelStrip::place(const Place& from, const Place& to, Span chunk, double share) RINGDOWN_REALTIME {
-  const double gain = gain_.at(chunk.end);
+// On the straight line from one place to another, where it stays at its end.
+ChannelStrip::Shares ChannelStrip::line_at(Frame frame) const RINGDOWN_REALTIME {
+  if (frame >= line_.end) return to_;
+  const double share = static_cast<double>(frame - line_.begin) / static_cast<double>(line_.end - line_.begin);
+  Shares shares;
+  for (std::size_t i = 0; i < kOutputs; ++i) shares[i] = from_[i] + share * (to_[i] - from_[i]);
+  return shares;
+}
+
+void ChannelStrip::place(const Place& from, const Place& to, Span span, double share) RINGDOWN_REALTIME {
+  const double gain = gain_.at(span.end);
   const bool stays = placed_ && share == 1 && to == place_ && gain == place_gain_;
-  const Shares now = stays ? to_ : shares_at(to, chunk.end);
-  go(share > 1 ? shares_at(from, chunk.begin)
-     : placed_ ? to_
-               : shares_at(chunk.begin),
-     now, chunk, std::min(share, 1.0));
+  const Shares then = stays ? to_ : shares_at(to, span.end);
+  go(share > 1 ? shares_at(from, span.begin)
+     : placed_ ? line_at(span.begin)
+               : shares_at(span.begin),
+     then, span, std::min(share, 1.0));
   place_ = to;
   place_gain_ = share < 1 ? std::numeric_limits<double>::quiet_NaN() : gain;
 }
 
-void ChannelStrip::place_nowhere(Span chunk, double share) RINGDOWN_REALTIME {
-  go(to_, shares_at(chunk.end), chunk, share);
+bool ChannelStrip::placed_until(Frame end) const RINGDOWN_REALTIME {
+  return placed_ && line_.end == end && (std::isnan(place_gain_) || gain_.at(end) == place_gain_);
+}
+
+void ChannelStrip::place_nowhere(Span span, double share) RINGDOWN_REALTIME {
+  go(line_at(span.begin), shares_at(span.end), span, share);
   place_gain_ = std::numeric_limits<double>::quiet_NaN();
 }
 
-void ChannelStrip::go(const Shares& from, const Shares& to, Span chunk, double share) RINGDOWN_REALTIME {
+void ChannelStrip::stand(Frame now) RINGDOWN_REALTIME {
+  if (now < line_.end) place_gain_ = std::numeric_limits<double>::quiet_NaN();
+  from_ = to_ = line_at(now);
+}
+
+void ChannelStrip::go(const Shares& from, const Shares& to, Span span, double share) RINGDOWN_REALTIME {
   from_ = from;
   for (std::size_t i = 0; i < kOutputs; ++i) to_[i] = share < 1 ? from[i] + share * (to[i] - from[i]) : to[i];
-  chunk_ = chunk;
+  line_ = span;
   placed_ = true;
 }
 
@@ -113,13 +131,15 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
                                ChannelSums& sums) const RINGDOWN_REALTIME {
   const Frame first = chunk.begin + static_cast<Frame>(begin);
   if (placed_) {
-    const double per_frame = 1 / static_cast<double>(chunk_.end - chunk_.begin);
+    const double per_frame = 1 / static_cast<double>(line_.end - line_.begin);
+    const auto passed = static_cast<double>(chunk.begin - line_.begin);
     const auto add_line = [&](std::size_t channel, std::size_t i) RINGDOWN_REALTIME {
       if (!contains(chunk.wanted, channel)) return;
       double* const out = sums.samples(channel);
       if (from_[i] == to_[i]) return add_scaled(mono + begin, to_[i], out + begin, end - begin);
       const double step = per_frame * (to_[i] - from_[i]);
-      for (std::size_t n = begin; n < end; ++n) out[n] += (from_[i] + step * static_cast<double>(n)) * mono[n];
+      for (std::size_t n = begin; n < end; ++n)
+        out[n] += (from_[i] + step * (passed + static_cast<double>(n))) * mono[n];
     };
     add_line(kLeft, 0);
     add_line(kRight, 1);
@@ -148,14 +168,16 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
 }
 
 std::span<const MomentTarget> ChannelStrip::moment_targets(
-    ChannelSet wanted, ChannelSums& sums, std::array<MomentTarget, kOutputs>& targets) const RINGDOWN_REALTIME {
+    const Chunk& chunk, ChannelSums& sums, std::array<MomentTarget, kOutputs>& targets) const RINGDOWN_REALTIME {
+  const ChannelSet wanted = chunk.wanted;
   std::size_t count = 0;
   if (placed_) {
-    const double per_frame = 1 / static_cast<double>(chunk_.end - chunk_.begin);
+    const double per_frame = 1 / static_cast<double>(line_.end - line_.begin);
+    const double middle = static_cast<double>(chunk.begin - line_.begin) + kMomentMiddle;
     const auto aim_line = [&](std::size_t channel, std::size_t i) RINGDOWN_REALTIME {
       if (!contains(wanted, channel)) return;
       const double step = per_frame * (to_[i] - from_[i]);
-      targets[count++] = {sums.moments(channel), static_cast<float>(from_[i] + step * kMomentMiddle),
+      targets[count++] = {sums.moments(channel), static_cast<float>(from_[i] + step * middle),
                           static_cast<float>(step * kMomentScale)};
     };
     aim_line(kLeft, 0);

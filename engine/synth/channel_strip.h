@@ -1,6 +1,6 @@
 // An object's gain, pan and bus: how its sound, one channel, reaches the channels of the mixer. Gains move in straight
 // lines that do not depend on how time is cut into chunks. An object that a listener hears from a place (placement.h)
-// is panned by that place instead, in one straight line for each chunk. [audio]
+// is panned by that place instead, in one straight line for each cell (chunk.h). [audio]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -39,12 +39,14 @@ class ChannelStrip {
   struct Span {
     Frame begin = 0, end = 0;
   };
-  // In the frames of a chunk it goes from one place to another, from where it was heard from last by a share of the
-  // way. A share above 1: it was not heard before, and begins at `from`.
-  void place(const Place& from, const Place& to, Span chunk, double share) RINGDOWN_REALTIME;
-  // The same, back to its own pan.
-  void place_nowhere(Span chunk, double share) RINGDOWN_REALTIME;
-  void stand() RINGDOWN_REALTIME { from_ = to_; }  // from now on it stays where it is
+  // In the frames of a span it goes from one place to another, from where it is heard from at its begin by a share of
+  // the way. A share above 1: it was not heard before, and begins at `from`.
+  void place(const Place& from, const Place& to, Span span, double share) RINGDOWN_REALTIME;
+  // Whether place() has sent it to where it should be at the frame `end`, its gain included.
+  [[nodiscard]] bool placed_until(Frame end) const RINGDOWN_REALTIME;
+  // The same as place(), back to its own pan.
+  void place_nowhere(Span span, double share) RINGDOWN_REALTIME;
+  void stand(Frame now) RINGDOWN_REALTIME;  // from now on it stays where it is
   void unplace() RINGDOWN_REALTIME { placed_ = false; }
   // By what distance lowers its level; 1 without a place.
   [[nodiscard]] double place_level() const RINGDOWN_REALTIME { return placed_ ? place_.level : 1; }
@@ -68,7 +70,7 @@ class ChannelStrip {
                    ChannelSums& sums) const RINGDOWN_REALTIME;
   // The sums to which moments are added while gain and pan stand still. Returns the part of `targets` that it filled
   // in.
-  std::span<const MomentTarget> moment_targets(ChannelSet wanted, ChannelSums& sums,
+  std::span<const MomentTarget> moment_targets(const Chunk& chunk, ChannelSums& sums,
                                                std::array<MomentTarget, kOutputs>& targets) const RINGDOWN_REALTIME;
 
  private:
@@ -78,11 +80,12 @@ class ChannelStrip {
   // Gains at the outputs: left, right, bus and field.
   [[nodiscard]] Shares shares_at(const Place& place, Frame frame) const RINGDOWN_REALTIME;
   [[nodiscard]] Shares shares_at(Frame frame) const RINGDOWN_REALTIME;
-  void go(const Shares& from, const Shares& to, Span chunk, double share) RINGDOWN_REALTIME;
+  [[nodiscard]] Shares line_at(Frame frame) const RINGDOWN_REALTIME;
+  void go(const Shares& from, const Shares& to, Span span, double share) RINGDOWN_REALTIME;
 
   bool placed_ = false;
-  Shares from_{}, to_{};  // in chunk_, while it is placed
-  Span chunk_;
+  Shares from_{}, to_{};  // at the ends of line_, while it is placed
+  Span line_;
   Place place_;            // the last one
   double place_gain_ = 0;  // the gain at which to_ is that place's; not a number: to_ is on its way
   Ramp gain_{1, 1}, left_{kCentre, kCentre}, right_{kCentre, kCentre};

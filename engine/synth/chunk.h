@@ -36,6 +36,10 @@ struct Chunk {
   double look_pressure = 1;              // by which maps are looked up less often than would be exact (placement.h)
 
   [[nodiscard]] Frame end() const RINGDOWN_REALTIME { return begin + static_cast<Frame>(frames); }
+  // The cell in which the chunk lies where there is a listener (Timeline): what moves is looked at where cells begin
+  // and end, which does not depend on the size of blocks.
+  [[nodiscard]] Frame cell_begin() const RINGDOWN_REALTIME { return begin - begin % static_cast<Frame>(kChunkFrames); }
+  [[nodiscard]] Frame cell_end() const RINGDOWN_REALTIME { return cell_begin() + static_cast<Frame>(kChunkFrames); }
 };
 
 // What sounds in a chunk, for status and for the choices of the next chunk.

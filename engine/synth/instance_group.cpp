@@ -35,7 +35,7 @@ bool InstanceGroup::join(Object& object, Frame now) RINGDOWN_REALTIME {
   Voice& voice = *object.voices.current();
   object.member.shares_states = true;
   voice.gains.freeze();
-  object.strip.stand();
+  object.strip.stand(now);
   object.member.shares = object.strip.shares();
   lowest_level_ = std::min(lowest_level_, object.strip.place_level());
   object.member.anchor = now;

@@ -28,7 +28,8 @@ void LateStrikes::add(const double* amplitudes, double gain, std::uint32_t group
 bool LateStrikes::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
   ActiveGroups all = groups_.active();
   const Hearing* const hearing = states_.for_kernel(0).hearing;
-  if (hearing != nullptr && hearing->rate != 1) return drive({}, out, frames);  // which shifts pitches, too
+  // The tables' gains move from run to run, and their pitches not at all.
+  if (hearing != nullptr && (hearing->rate != 1 || hearing->step_re != nullptr)) return drive({}, out, frames);
   return render_modes(states_.for_kernel(frames), all, kKeepAllGroups, out, frames);
 }
 

@@ -36,10 +36,10 @@ void Listening::set_air(const modal::AirConditions& conditions) RINGDOWN_REALTIM
   ++airs_;
 }
 
-void Listening::begin_chunk(Frame begin, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME {
+void Listening::begin_cell(Frame begin, Frame end, double sample_rate_hz) RINGDOWN_REALTIME {
   track_.advance(begin, sample_rate_hz);
   begin_ = track_.at(begin, sample_rate_hz);
-  end_ = track_.at(begin + static_cast<Frame>(frames), sample_rate_hz);
+  end_ = track_.at(end, sample_rate_hz);
 }
 
 }  // namespace ringdown::synth

@@ -47,15 +47,16 @@ class Listening {
   // later, too, so that its track is where it was when the sound left it. [worker, while nothing is rendered]
   void set_travel_time(bool on) { travel_time_ = on; }
   [[nodiscard]] bool travel_time() const RINGDOWN_REALTIME { return travel_time_ && on_; }
-  // Frames for which sound travels from a place to where the listener is at a frame from the last chunk on.
+  // Frames for which sound travels from a place to where the listener is at a frame from the last cell on.
   [[nodiscard]] double travel_frames(const Vec3& from_m, Frame heard, double sample_rate_hz) const RINGDOWN_REALTIME {
     return length(track_.at(heard, sample_rate_hz).pose.position_m - from_m) / sound_speed_m_s_ * sample_rate_hz;
   }
   void set_air(const modal::AirConditions& conditions) RINGDOWN_REALTIME;
   void rescale(Frame now) { track_.rescale(now); }  // [worker]
 
-  void begin_chunk(Frame begin, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
-  // The rest holds from begin_chunk() on, for the chunk's first frame, the one after its last, or a later one.
+  // Before every chunk of a cell (chunk.h).
+  void begin_cell(Frame begin, Frame end, double sample_rate_hz) RINGDOWN_REALTIME;
+  // The rest holds from begin_cell() on, for the cell's first frame, the one after its last, or any from the first on.
   [[nodiscard]] const Motion& at_begin() const RINGDOWN_REALTIME { return begin_; }
   [[nodiscard]] const Motion& at_end() const RINGDOWN_REALTIME { return end_; }
   [[nodiscard]] Motion at(Frame frame, double sample_rate_hz) const RINGDOWN_REALTIME {

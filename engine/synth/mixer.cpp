@@ -102,7 +102,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
     for (std::size_t i = 0; i < kMaxInputs; ++i) chunk.inputs[i] = inputs[i] ? inputs[i] + done : nullptr;
     execute_commands(now_);
     const std::size_t rest = stage_.listen_to_inputs(chunk, frames - done);
-    chunk.frames = timeline_.chunk_frames(now_, rest, stage_.idle());
+    chunk.frames = timeline_.chunk_frames(now_, rest, stage_.idle(), stage_.has_listened());
     render_chunk(chunk);
     output_.write(renderer_.main().sums, done, chunk.frames);
     done += chunk.frames;
@@ -138,7 +138,7 @@ void Mixer::render_chunk(Chunk& chunk) RINGDOWN_REALTIME {
   const std::span<Source* const> sources = stage_.sources();
   shedding_.plan(sources, chunk, renderer_.workspaces());
   renderer_.render(sources, chunk);
-  if (chunk.listening) look_pressure_.update(workspace.counts.look_terms, workspace.counts.modes, chunk.frames);
+  if (chunk.listening) look_pressure_.update(workspace.counts.look_terms, workspace.counts.modes, chunk);
   stage_.finish_chunk(chunk, shedding_, workspace);
   stage_.render_clicks(chunk, workspace);
   renderer_.close();

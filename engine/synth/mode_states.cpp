@@ -192,7 +192,7 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   const ModeArrays all = states_.for_kernel(frames);
   bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
-  if (fast_.count > 0 && all.hearing != nullptr && all.hearing->rate != 1) {
+  if (fast_.count > 0 && all.hearing != nullptr && (all.hearing->rate != 1 || all.hearing->step_re != nullptr)) {
     sane = drive_fast(table_, all, out, frames) && sane;
   } else if (fast_.count > 0) {
     sane = render_modes(all, fast_, limits, out, frames) && sane;

@@ -156,7 +156,7 @@ void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOW
     play(event->event, chunk);
   }
   std::array<MomentTarget, ChannelStrip::kOutputs> room;
-  const std::span<const MomentTarget> targets = strip.moment_targets(chunk.wanted, workspace.sums, room);
+  const std::span<const MomentTarget> targets = strip.moment_targets(chunk, workspace.sums, room);
   const bool late = due.first || driven(chunk);
   bool samples = late;
   voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME { samples = samples || voice.needs_samples(); });

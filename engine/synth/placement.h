@@ -24,15 +24,17 @@ class LookPressure {
  public:
   [[nodiscard]] double now() const RINGDOWN_REALTIME { return pressure_; }
   // After a chunk in which so many modes sounded, and so many terms were added up.
-  void update(double terms, double modes, std::size_t frames) RINGDOWN_REALTIME;
+  void update(double terms, double modes, const Chunk& chunk) RINGDOWN_REALTIME;
 
  private:
   double pressure_ = 1, mean_ = 0;
+  double terms_ = 0;  // of the cell so far
 };
 
 class Placement {
  public:
-  static constexpr Frame kGlide = 512;  // frames in which what jumps reaches its new level, side and direction
+  // Frames, from the beginning of a cell on, in which what jumps reaches its new level, side and direction.
+  static constexpr Frame kGlide = 4 * static_cast<Frame>(kChunkFrames);
 
   PoseTrack track;
 
@@ -74,15 +76,15 @@ class Placement {
   void spread_looks(std::size_t number) { spread_ = std::fmod(0.61803398874989485 * static_cast<double>(number), 1.0); }
 
  private:
-  void aim(const Chunk& chunk, const Sighting& begin, const Sighting& end, bool fresh, bool stands,
-           const Vec3& origin_m, VoiceStack& voices) RINGDOWN_REALTIME;
+  // `within`: the cell's first chunk was heard from the place, too; `stands`: nothing moves.
+  void aim(const Chunk& chunk, bool fresh, bool within, bool stands, VoiceStack& voices) RINGDOWN_REALTIME;
   void go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
 
   bool on_ = false, leaves_ = false, anew_ = false;
   Frame heard_until_ = -1;  // the end of the last chunk in which it was heard
   Frame next_look_ = 0;     // when gains are looked up again
-  Frame glide_left_ = 0;    // frames
-  Sighting first_, last_;   // at the beginning of the last chunk, and at heard_until_
+  Frame glide_end_ = 0;
+  Sighting first_, last_;  // where the cell of the last chunk begins and ends
   Vec3 origin_m_;
   double look_terms_ = 0;
   double spread_ = 0;  // 0 to 1, another for every look, so that objects do not look in the same chunks

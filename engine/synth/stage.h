@@ -38,9 +38,11 @@ class Stage {
   // The listener for a chunk; null when there has never been one.
   [[nodiscard]] const Listening* begin_listening(const Chunk& chunk) RINGDOWN_REALTIME {
     if (!listening_.used()) return nullptr;
-    listening_.begin_chunk(chunk.begin, chunk.frames, chunk.sample_rate_hz);
+    listening_.begin_cell(chunk.cell_begin(), chunk.cell_end(), chunk.sample_rate_hz);
     return &listening_;
   }
+  // Whether there has ever been a listener.
+  [[nodiscard]] bool has_listened() const RINGDOWN_REALTIME { return listening_.used(); }
 
   // Finds which inputs are not silent in the chunk's first frames, and activates what they excite. Returns how many of
   // `rest` frames were looked at: kChunkFrames at most when an input is connected.

@@ -57,10 +57,13 @@ class Timeline {
   void pop_command() RINGDOWN_REALTIME { commands_.pop(); }  // [audio]
 
   // How many of the next `rest` frames can be rendered in one go, after all due commands have been carried out: up to
-  // the next command, and to kChunkFrames unless nothing sounds (`idle`) and nothing happens. [audio]
-  [[nodiscard]] std::size_t chunk_frames(Frame now, std::size_t rest, bool idle) const RINGDOWN_REALTIME {
+  // the next command, and to kChunkFrames unless nothing sounds (`idle`) and nothing happens; with `in_cells` up to the
+  // next multiple of kChunkFrames. [audio]
+  [[nodiscard]] std::size_t chunk_frames(Frame now, std::size_t rest, bool idle,
+                                         bool in_cells) const RINGDOWN_REALTIME {
     if (const Command* const next = commands_.front()) rest = std::min(rest, static_cast<std::size_t>(next->at - now));
-    return idle && !events_.next_before(now + static_cast<Frame>(rest)) ? rest : std::min(rest, kChunkFrames);
+    if (idle && !events_.next_before(now + static_cast<Frame>(rest))) return rest;
+    return std::min(rest, in_cells ? kChunkFrames - static_cast<std::size_t>(now) % kChunkFrames : kChunkFrames);
   }
 
  private:

@@ -1,8 +1,7 @@
 // Rendering without a clock: the same session, mixer and scene as the daemon's, driven as fast as the machine can.
 //
 // `ringdown render` and `ringdownd --driver wav` use it, and tests compare live sound with it. Two renderings are
-// bit-identical; at another block size the samples differ only by rounding, unless a listener hears what moves: pitches
-// and gains are then straight lines within chunks, and chunks end where blocks end.
+// bit-identical; at another block size the samples differ only by rounding.
 #pragma once
 
 #include "engine/base/result.h"

@@ -126,7 +126,9 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
 
   std::vector<scene::RestDamping> removed;
   {
+    ++given_up_;
     const std::scoped_lock lock(mutex_);
+    --given_up_;
     removed = end_contacts();
     world_ = std::move(*world);
     world_->set_sample_rate(mixer.sample_rate_hz());  // the rate may have changed since the world was made
@@ -187,7 +189,9 @@ Result<scene::BodyId> ScenePlayer::spawn(const protocol::SpawnSphere& sphere) {
 Result<void> ScenePlayer::clear() {
   std::vector<scene::RestDamping> removed;
   {
+    ++given_up_;
     const std::scoped_lock lock(mutex_);
+    --given_up_;
     if (!world_) return no_scene();
     removed = end_contacts();
     playing_.cleared = true;
@@ -261,7 +265,7 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
     }
     if (slack) slow_down(frame - reported_until() - *slack);
     if (reported_until() < frame) {
-      pass_on(world_->step(), dampings);
+      pass_on(world_->step(&given_up_), dampings);
       if (!sink_)
         dropped_ += poses_.send(*world_, position() + pose_delay(*world_, rack_.mixer().sample_rate_hz()), rack_);
     }

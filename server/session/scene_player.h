@@ -69,7 +69,8 @@ class ScenePlayer {
   Result<std::size_t> load(const std::filesystem::path& path, synth::Frame frame);
 
   // Requests to the scene; without a scene they are refused. spawn() returns the new body's number; clear() removes all
-  // bodies; push() applies an impulse at the body's centre of mass, in the scene's axes. [worker]
+  // bodies, and gives up the step that is being done; push() applies an impulse at the body's centre of mass, in the
+  // scene's axes. [worker]
   Result<void> pause(bool paused);
   Result<scene::BodyId> spawn(const protocol::SpawnBox& box);
   Result<scene::BodyId> spawn(const protocol::SpawnSphere& sphere);
@@ -90,6 +91,9 @@ class ScenePlayer {
   // Takes one step of advance_to(). False when no more are needed. Between two steps requests have their turn, so that
   // what is slow to step can be cleared. [scene]
   bool step_towards(synth::Frame frame, std::optional<synth::Frame> slack);
+
+  // The step that is being done and all later ones end soon, wrong as they are: before the player goes. [any]
+  void give_up() { ++given_up_; }
 
   // Changes the sample rate of the scene and of the rack. Events to come stay as many seconds ahead as they were.
   // [any thread, while nothing is rendered]
@@ -165,6 +169,7 @@ class ScenePlayer {
   scene::SceneDescription description_;   // of world_
   std::int32_t version_ = 0;              // of the description
   std::set<synth::ObjectNumber> damped_;  // objects that the scene's bodies rest on or against
+  std::atomic<int> given_up_ = 0;         // how many wait for a step whose result does not matter
   std::atomic<bool> watched_ = false;
   std::atomic<std::size_t> body_count_ = 0;
   std::atomic<double> duration_s_ = 0;

@@ -113,6 +113,17 @@ TEST(FixedContacts, ImpulsesPushAndHoldAsCoulombSaysWithTheFrictionlessLoad) {
   EXPECT_GE(solutions, 595) << "the rest is left to ODE";
 }
 
+// The normal impulse falls by up to 20 times what friction grows, or grows with it, and pulls at nothing.
+TEST(FixedContacts, TheBoundOfFrictionIsFoundWhereTheLastSolutionsBoundWouldSwing) {
+  for (const double slope : {-20.0, -3.0, -1.0, -0.3, 0.0, 0.5, 0.95}) {
+    const auto asked = [slope](double bound) { return std::max(2 + slope * bound, 0.0); };
+    FrictionBound bound;
+    bound.meet(asked(0));
+    for (int round = 0; round < kMaxFrictionRounds && bound.meet(asked(bound.value())) > 0; ++round) continue;
+    EXPECT_NEAR(bound.value(), 2 / (1 - slope), 1e-3 * bound.value()) << slope;
+  }
+}
+
 // Of one point, friction settles on the load that there is with it.
 TEST(FixedContacts, ABodyThatLandsOnACornerHasFrictionInProportionToItsOwnLoad) {
   int settled = 0, cases = 0;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -105,6 +106,21 @@ TEST(Clear, ClearingRemovesSpawnedBodiesAndTheSceneStays) {
   world.clear();
   EXPECT_TRUE(world.bodies().empty());
   EXPECT_EQ(run(world, 0.1).size(), 0u);
+}
+
+TEST(Clear, AStepThatIsGivenUpLooksForNoContacts) {
+  World world = world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, kSize.z / 2})}),
+                         {sounding("bell", 4, box_bank(kSize, 1))});
+  std::atomic<int> given_up = 0;
+  const auto height_m = [&] {
+    for (int k = 0; k < 50; ++k) world.step(&given_up);
+    return world.bodies()[0].position_m.z;
+  };
+  const double before_m = height_m();
+  EXPECT_NEAR(before_m, kSize.z / 2, 1e-4);
+  ++given_up;
+  ASSERT_TRUE(world.push(0, {0, 0, -0.01})) << "it wakes";
+  EXPECT_LT(height_m(), before_m - 0.04) << "it falls through the floor";
 }
 
 TEST(Start, ABodyEntersAtItsTimeAndThenFallsAsAnyOther) {

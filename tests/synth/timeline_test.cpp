@@ -14,10 +14,10 @@ namespace {
 
 TEST(Timeline, TheTimelineCutsAtTheNextCommandAndAtMostAChunkAhead) {
   Timeline timeline(16);
-  EXPECT_EQ(timeline.chunk_frames(0, 1000, false), kChunkFrames);
-  EXPECT_EQ(timeline.chunk_frames(0, 50, false), 50u);
+  EXPECT_EQ(timeline.chunk_frames(0, 1000, false, false), kChunkFrames);
+  EXPECT_EQ(timeline.chunk_frames(0, 50, false, false), 50u);
   ASSERT_TRUE(timeline.push(Command{.kind = Command::Kind::remove, .object = 1, .at = 30}));
-  EXPECT_EQ(timeline.chunk_frames(0, 1000, false), 30u);
+  EXPECT_EQ(timeline.chunk_frames(0, 1000, false, false), 30u);
   EXPECT_EQ(timeline.due_command(29), nullptr);
   ASSERT_NE(timeline.due_command(30), nullptr);
   EXPECT_EQ(timeline.due_command(30)->object, 1u);
@@ -25,11 +25,22 @@ TEST(Timeline, TheTimelineCutsAtTheNextCommandAndAtMostAChunkAhead) {
 
 TEST(Timeline, SilenceIsRenderedInOneGoUntilSomethingHappens) {
   Timeline timeline(16);
-  EXPECT_EQ(timeline.chunk_frames(0, 1000, true), 1000u);
+  EXPECT_EQ(timeline.chunk_frames(0, 1000, true, false), 1000u);
   ASSERT_TRUE(timeline.push(Producer::control, Event{.frame = 999}));
   timeline.events().accept(0);
-  EXPECT_EQ(timeline.chunk_frames(0, 1000, true), kChunkFrames);
-  EXPECT_EQ(timeline.chunk_frames(0, 999, true), 999u);
+  EXPECT_EQ(timeline.chunk_frames(0, 1000, true, false), kChunkFrames);
+  EXPECT_EQ(timeline.chunk_frames(0, 999, true, false), 999u);
+}
+
+TEST(Timeline, ChunksInCellsEndAtMultiplesOfAChunkWhereverBlocksBegin) {
+  Timeline timeline(16);
+  for (const Frame begin : {Frame{0}, Frame{1}, Frame{64}, Frame{127}, Frame{1'000'000'007}}) {
+    const auto frames = static_cast<Frame>(timeline.chunk_frames(begin, 1000, false, true));
+    EXPECT_EQ((begin + frames) % static_cast<Frame>(kChunkFrames), 0) << begin;
+    EXPECT_LE(frames, static_cast<Frame>(kChunkFrames)) << begin;
+  }
+  EXPECT_EQ(timeline.chunk_frames(100, 20, false, true), 20u);
+  EXPECT_EQ(timeline.chunk_frames(100, 1000, true, true), 1000u) << "silence";
 }
 
 TEST(Timeline, ALaterCommandWaitsForTheOneBeforeIt) {
