@@ -47,10 +47,11 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
     go_off(chunk, voices, strip);
     return on_;
   }
-  bool rings = false;
+  bool rings = false, looked_up = true;
   const Voice* source = nullptr;
   voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
     rings = rings || voice.ringing();
+    looked_up = looked_up && voice.gains.on();
     source = source ? source : &voice;
   });
   const Vec3 origin_m = source ? source->table().origin_m() : Vec3{};
@@ -67,10 +68,16 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
   const bool follows = on_ && !leaves_ && !fresh && jumps == jumps_ && heard_until_ == chunk.begin;
   jumps_ = jumps;
   airs_ = listening.airs();
-  const Sighting begin =
-      follows ? last_ : listening.sight(track.at(chunk.begin, rate_hz), origin_m, listening.at_begin());
   const bool stands = track.still() && listening.still();
-  const Sighting end = stands ? begin : listening.sight(track.at(chunk.end(), rate_hz), origin_m, listening.at_end());
+  // What turns about where it is heard from keeps its distance and side; its direction counts where maps are looked up.
+  const bool only_turns = !stands && follows && looked_up && glide_left_ == 0 && chunk.begin < next_look_ &&
+                          listening.still() && track.stays_in_place() && origin_m == Vec3{} && last_.rate == 1;
+  const bool sees_begin = !follows || (unseen_ && !only_turns);
+  const Sighting begin =
+      sees_begin ? listening.sight(track.at(chunk.begin, rate_hz), origin_m, listening.at_begin()) : last_;
+  const Sighting end =
+      stands || only_turns ? begin : listening.sight(track.at(chunk.end(), rate_hz), origin_m, listening.at_end());
+  unseen_ = only_turns;
   const double n = static_cast<double>(chunk.frames);
   const double share = glide_left_ > 0 ? std::min(1.0, n / static_cast<double>(glide_left_)) : 1.0;
   strip.place({begin.toward_source, level_at(begin.distance_m)}, {end.toward_source, level_at(end.distance_m)},
@@ -163,7 +170,7 @@ void Placement::end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALT
 
 bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME {
   if (!heard(chunk)) return true;
-  if (!on_ || leaves_ || glide_left_ > 0 || heard_until_ != chunk.end()) return false;
+  if (!on_ || leaves_ || unseen_ || glide_left_ > 0 || heard_until_ != chunk.end()) return false;
   const Motion source = track.at(chunk.end(), chunk.sample_rate_hz), &listener = chunk.listening->at_end();
   const double speed = length(source.velocity_m_s - listener.velocity_m_s), ring_s = voice.table().ring_s();
   const double turn = ring_s * (length(source.spin_rad_s) + speed / std::max(last_.distance_m, kNear_m));

@@ -87,6 +87,7 @@ class Placement {
   double look_terms_ = 0;
   double spread_ = 0;  // 0 to 1, another for every look, so that objects do not look in the same chunks
   bool stood_ = false;
+  bool unseen_ = false;  // last_ says from where the object was heard, but no longer from which of its sides
   std::uint32_t jumps_ = 0, airs_ = 0;
 };
 
