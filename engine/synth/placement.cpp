@@ -36,7 +36,7 @@ void LookPressure::update(double terms, double modes, std::size_t frames) RINGDO
   const double budget =
       chunks * std::max(kMaxTerms * std::min(1.0, kFewModes / std::max(modes, 1.0)), kTermsPerMode * modes);
   mean_ += kShare * (terms - mean_);
-  pressure_ = std::clamp(pressure_ * std::clamp(mean_ / budget, 0.9, 1.2), 1.0, kMaxPressure);
+  pressure_ = std::clamp(mean_ / budget, 1.0, kMaxPressure);
 }
 
 bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
@@ -86,6 +86,7 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
   last_ = end;
   origin_m_ = origin_m;
   aim(chunk, begin, end, fresh, stands, origin_m, voices);
+  look_terms_ = stands ? 0 : look_rate_ * n;
   glide_left_ = std::max<Frame>(glide_left_ - static_cast<Frame>(chunk.frames), 0);
   on_ = true;
   leaves_ = false;
@@ -102,6 +103,7 @@ void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& e
   const auto clipped = [](double d) RINGDOWN_REALTIME { return std::max(d, kReferenceDistance_m); };
   const bool look = chunk.begin >= next_look_;
   double ahead = least;
+  if (look || fresh) look_rate_ = 0;
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
     ModeGains& gains = voice.gains;
     const bool first = !gains.on();
@@ -123,11 +125,11 @@ void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& e
     const double most = std::max(kMaxChunksAhead * static_cast<double>(kChunkFrames), least);
     const double wanted = turn > 0 ? n * std::floor(kMaxTurn / (turn * sharpness)) : most;
     ahead = glide_left_ > 0 ? least : std::clamp(wanted, least, most);
+    look_rate_ += terms_of(voice.table()) / ahead;
     if (chunk.look_pressure > 1 && glide_left_ == 0) {
       const double longest = std::max(kMaxAhead_s * chunk.sample_rate_hz, most);
       ahead = std::clamp(ahead * chunk.look_pressure * (0.75 + 0.5 * spread_), n, longest);
     }
-    look_terms_ += terms_of(voice.table());
     const Frame then = chunk.begin + static_cast<Frame>(ahead);
     const Sighting there =
         listening.sight(track.at(then, chunk.sample_rate_hz), origin_m, listening.at(then, chunk.sample_rate_hz));

@@ -327,6 +327,18 @@ TEST(Listening, WhateverMovesHoweverIsFiniteAndBounded) {
   EXPECT_EQ(player->mixer.counters().not_finite, 0u);
 }
 
+// With many modes looks may add up 0.3 terms for each.
+TEST(Listening, LooksThatWouldCostTooMuchComeRarerByAsMuchAndSteadily) {
+  LookPressure pressure;
+  const auto chunks = [&](double terms, std::size_t frames) {
+    for (int chunk = 0; chunk < 300; ++chunk) pressure.update(terms, 10000, frames);
+    return pressure.now();
+  };
+  EXPECT_NEAR(chunks(30000, kChunkFrames), 10, 1e-3);
+  EXPECT_NEAR(chunks(15000, kChunkFrames / 2), 10, 1e-3);
+  EXPECT_EQ(chunks(2000, kChunkFrames), 1);
+}
+
 TEST(Listening, PosesThatAreNoNumbersAreRefusedAndChangeNothing) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   auto player = ringing(), undisturbed = ringing();
