@@ -35,14 +35,18 @@ void ChannelStrip::set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME
 
 void ChannelStrip::set_direction(Vec3 towards, Frame at, Frame length) RINGDOWN_REALTIME {
   const AmbisonicGains gains = encode(towards);
-  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) encoded_[c].aim(gains[c], at, length);
+  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) {
+    encoded_[c].aim(gains[c], at, length);
+    encoded_to_[c] = static_cast<float>(gains[c]);
+  }
 }
 
-std::array<Ramp, kMaxAmbisonicChannels> ChannelStrip::front() RINGDOWN_REALTIME {
-  std::array<Ramp, kMaxAmbisonicChannels> still;
+ChannelStrip::ChannelStrip() RINGDOWN_REALTIME {
   const AmbisonicGains gains = encode({1, 0, 0});
-  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) still[c] = {gains[c], gains[c]};
-  return still;
+  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) {
+    encoded_[c] = {gains[c], gains[c]};
+    encoded_to_[c] = static_cast<float>(gains[c]);
+  }
 }
 
 // Stereo hears left and right only: what is in front and what is behind sound alike.
@@ -167,37 +171,48 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
   for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) add_to(kFirstAmbisonic + c, encoded_[c]);
 }
 
+GainLine ChannelStrip::gain_line(std::size_t output, Frame chunk_begin) const RINGDOWN_REALTIME {
+  if (!placed_) return {static_cast<float>(gain_.to * (output == 0 ? left_.to : output == 1 ? right_.to : 1)), 0};
+  const double step = (to_[output] - from_[output]) / static_cast<double>(line_.end - line_.begin);
+  const double middle = static_cast<double>(chunk_begin - line_.begin) + kMomentMiddle;
+  return {static_cast<float>(from_[output] + step * middle), static_cast<float>(step * kMomentScale)};
+}
+
 std::span<const MomentTarget> ChannelStrip::moment_targets(
-    const Chunk& chunk, ChannelSums& sums, std::array<MomentTarget, kOutputs>& targets) const RINGDOWN_REALTIME {
-  const ChannelSet wanted = chunk.wanted;
+    const Chunk& chunk, ChannelSums& sums, std::array<MomentTarget, kMaxTargets>& targets) const RINGDOWN_REALTIME {
   std::size_t count = 0;
+  const auto aim = [&](std::size_t channel, std::size_t output) RINGDOWN_REALTIME {
+    if (!contains(chunk.wanted, channel)) return;
+    const GainLine gain = gain_line(output, chunk.begin);
+    targets[count++] = {sums.moments(channel), gain.middle, gain.slope};
+  };
+  aim(kLeft, 0);
+  aim(kRight, 1);
+  if (bus_ != kNoBus) aim(bus_, 2);
+  return {targets.data(), count};
+}
+
+void ChannelStrip::add_to_field(const Chunk& chunk, FieldSums& field) const RINGDOWN_REALTIME {
+  const ChannelSet wanted = chunk.wanted;
+  if (contains(wanted, kLeft)) field.add_to(kLeft, gain_line(0, chunk.begin));
+  if (contains(wanted, kRight)) field.add_to(kRight, gain_line(1, chunk.begin));
+  if (bus_ != kNoBus && contains(wanted, bus_)) field.add_to(bus_, gain_line(2, chunk.begin));
+  FieldGains gains;
   if (placed_) {
     const double per_frame = 1 / static_cast<double>(line_.end - line_.begin);
     const double middle = static_cast<double>(chunk.begin - line_.begin) + kMomentMiddle;
-    const auto aim_line = [&](std::size_t channel, std::size_t i) RINGDOWN_REALTIME {
-      if (!contains(wanted, channel)) return;
-      const double step = per_frame * (to_[i] - from_[i]);
-      targets[count++] = {sums.moments(channel), static_cast<float>(from_[i] + step * middle),
-                          static_cast<float>(step * kMomentScale)};
-    };
-    aim_line(kLeft, 0);
-    aim_line(kRight, 1);
-    if (bus_ != kNoBus) aim_line(bus_, 2);
-    for (std::size_t c = 0; c < kMaxAmbisonicChannels && (wanted & kAllAmbisonic) != 0; ++c) {
-      aim_line(kFirstAmbisonic + c, kFirstField + c);
+    for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) {
+      const double from = from_[kFirstField + c], step = per_frame * (to_[kFirstField + c] - from);
+      gains.middle[c] = static_cast<float>(from + step * middle);
+      gains.slope[c] = static_cast<float>(step * kMomentScale);
     }
-    return {targets.data(), count};
+    gains.moves = from_ != to_;
+  } else {
+    for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) {
+      gains.middle[c] = static_cast<float>(gain_.to) * encoded_to_[c];
+    }
   }
-  const auto aim = [&](std::size_t channel, double gain) RINGDOWN_REALTIME {
-    if (contains(wanted, channel)) targets[count++] = {sums.moments(channel), static_cast<float>(gain), 0};
-  };
-  aim(kLeft, gain_.to * left_.to);
-  aim(kRight, gain_.to * right_.to);
-  if (bus_ != kNoBus) aim(bus_, gain_.to);
-  for (std::size_t c = 0; c < kMaxAmbisonicChannels && (wanted & kAllAmbisonic) != 0; ++c) {
-    aim(kFirstAmbisonic + c, gain_.to * encoded_[c].to);
-  }
-  return {targets.data(), count};
+  field.end_object(gains, wanted);
 }
 
 }  // namespace ringdown::synth

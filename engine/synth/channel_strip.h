@@ -16,6 +16,8 @@ namespace ringdown::synth {
 
 class ChannelStrip {
  public:
+  ChannelStrip() RINGDOWN_REALTIME;
+
   // Moves the gain or the pan (-1 left ... +1 right, equal power) to a value within `length` frames from frame `at` on.
   void set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME;
   // To ambisonic channels a pan is a direction between the places of two loudspeakers, 30 degrees from the front.
@@ -68,20 +70,25 @@ class ChannelStrip {
   // Adds frames begin ... end - 1 of the chunk, which stand in `mono` from its index `begin` on.
   void add_samples(const double* mono, std::size_t begin, std::size_t end, const Chunk& chunk,
                    ChannelSums& sums) const RINGDOWN_REALTIME;
-  // The sums to which moments are added while gain and pan stand still. Returns the part of `targets` that it filled
-  // in.
+  // The sums to which moments are added while gain and pan stand still, but for ambisonic channels. Returns the part of
+  // `targets` that it filled in.
+  static constexpr std::size_t kMaxTargets = 3;
   std::span<const MomentTarget> moment_targets(const Chunk& chunk, ChannelSums& sums,
-                                               std::array<MomentTarget, kOutputs>& targets) const RINGDOWN_REALTIME;
+                                               std::array<MomentTarget, kMaxTargets>& targets) const RINGDOWN_REALTIME;
+  // In place of these, where ambisonic channels are wanted: what was added since FieldSums::begin_object() is heard in
+  // all channels.
+  void add_to_field(const Chunk& chunk, FieldSums& field) const RINGDOWN_REALTIME;
 
  private:
   void set_direction(Vec3 towards, Frame at, Frame length) RINGDOWN_REALTIME;
-  static std::array<Ramp, kMaxAmbisonicChannels> front() RINGDOWN_REALTIME;
   static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
   // Gains at the outputs: left, right, bus and field.
   [[nodiscard]] Shares shares_at(const Place& place, Frame frame) const RINGDOWN_REALTIME;
   [[nodiscard]] Shares shares_at(Frame frame) const RINGDOWN_REALTIME;
   [[nodiscard]] Shares line_at(Frame frame) const RINGDOWN_REALTIME;
   void go(const Shares& from, const Shares& to, Span span, double share) RINGDOWN_REALTIME;
+  // In a chunk, at left, right, or the bus.
+  [[nodiscard]] GainLine gain_line(std::size_t output, Frame chunk_begin) const RINGDOWN_REALTIME;
 
   bool placed_ = false;
   Shares from_{}, to_{};  // at the ends of line_, while it is placed
@@ -89,7 +96,8 @@ class ChannelStrip {
   Place place_;            // the last one
   double place_gain_ = 0;  // the gain at which to_ is that place's; not a number: to_ is on its way
   Ramp gain_{1, 1}, left_{kCentre, kCentre}, right_{kCentre, kCentre};
-  std::array<Ramp, kMaxAmbisonicChannels> encoded_ = front();
+  std::array<Ramp, kMaxAmbisonicChannels> encoded_;
+  std::array<float, kMaxAmbisonicChannels> encoded_to_;  // where they end
   std::size_t bus_ = kNoBus;
   double set_gain_ = 1;  // as set last; gain_ moves to 0 instead while the object is silent
   bool silent_ = false;

@@ -3,6 +3,7 @@
 #include "engine/synth/mix_kernel.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 namespace ringdown::synth {
@@ -10,6 +11,7 @@ namespace ringdown::synth {
 void ChannelSums::open(std::size_t frames) RINGDOWN_REALTIME {
   has_samples_ = has_moments_ = 0;
   frames_ = frames;
+  if (field_) field_->open();
 }
 
 double* ChannelSums::samples(std::size_t channel) RINGDOWN_REALTIME {
@@ -34,6 +36,7 @@ void ChannelSums::add(const ChannelSums& other) RINGDOWN_REALTIME {
     float* const to = moments(c)->of.data();
     for (std::size_t i = 0; i < from.moments.of.size(); ++i) to[i] += from.moments.of[i];
   }
+  if (field_ && other.field_) field_->add(*other.field_);
 }
 
 // A complex transform turns the moments of two channels at once.
@@ -52,6 +55,13 @@ void ChannelSums::close() RINGDOWN_REALTIME {
     synthesis_.add(channels_.data()[first].moments, channels_.data()[second].moments, samples(first),
                    alone ? unused.data() : samples(second), frames_);
   }
+  if (!field_ || field_->channels() == 0) return;
+  std::array<double*, kMaxChannels> out{};
+  for (ChannelSet rest = field_->channels(); rest != 0; rest &= rest - 1) {
+    const auto channel = static_cast<std::size_t>(std::countr_zero(rest));
+    out[channel] = samples(channel);
+  }
+  field_->close(out, frames_);
 }
 
 const double* ChannelSums::result(std::size_t channel) const RINGDOWN_REALTIME {

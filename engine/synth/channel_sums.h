@@ -5,22 +5,29 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/block_io.h"
+#include "engine/synth/field_sums.h"
 #include "engine/synth/moments.h"
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace ringdown::synth {
 
 class ChannelSums {
  public:
+  // Whether there are ambisonic channels. [worker, while nothing is rendered]
+  void have_field(bool on) { field_ = on ? std::make_unique<FieldSums>() : nullptr; }
+
   // Begins a chunk of `frames`; what was added before is dropped. More than kChunkFrames only if nothing is added.
   void open(std::size_t frames) RINGDOWN_REALTIME;
 
   // The samples or moments of a channel, to be added to.
   double* samples(std::size_t channel) RINGDOWN_REALTIME;
   MomentSums* moments(std::size_t channel) RINGDOWN_REALTIME;
+  // Where an object that is heard in many channels is added instead; null where there are no ambisonic channels.
+  [[nodiscard]] FieldSums* field() RINGDOWN_REALTIME { return field_.get(); }
 
   // Adds all that was added to `other` in the same chunk.
   void add(const ChannelSums& other) RINGDOWN_REALTIME;
@@ -39,6 +46,7 @@ class ChannelSums {
   std::vector<Channel> channels_ = std::vector<Channel>(kMaxChannels);
   ChannelSet has_samples_ = 0, has_moments_ = 0;
   std::size_t frames_ = 0;
+  std::unique_ptr<FieldSums> field_;
   MomentSynthesis synthesis_;
 };
 

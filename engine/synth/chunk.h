@@ -48,7 +48,7 @@ struct ChunkCounts {
   std::size_t slow_modes = 0;        // of `modes`, those that take moments
   double units = 0;                  // of work (work_cost.h)
   double enter_units = 0;            // of these, for muted modes that came back
-  double look_terms = 0;             // that were added up to find gains in directions
+  double look_terms = 0;             // of maps, to find gains in directions as often as would be exact
   std::uint32_t coupled_voices = 0;  // whose modes exchange energy,
   float psi_over_truth = 1;          // and of these the value farthest from 1
   bool shed = false;                 // something was left out for want of time

@@ -53,8 +53,7 @@ class HeardSums {
     by_re_[0] = multiply_add(Pair::all(re[kModePadding]), sloping, by_re_[0]);
     by_im_[0] = multiply_add(Pair::all(im[kModePadding]), sloping, by_im_[0]);
   }
-  HWY_INLINE void give(std::span<const MomentTarget> targets, bool slopes, std::size_t band,
-                       const float* level_and_slope) const {
+  [[nodiscard]] HWY_INLINE Pair moments(const float* level_and_slope) const {
     alignas(64) static constexpr float kTurn[2 * kMoments] = {-1, -1, -1, -1, -1, -1, -1, -1, 1, 1, 1, 1, 1, 1, 1, 1};
     const Pair turn = Pair::load(kTurn);
     Pair moments = multiply_add(turn, by_im_[kOrders - 1].turned(), by_re_[kOrders - 1]);
@@ -66,19 +65,7 @@ class HeardSums {
     if (level_and_slope) {
       moments = multiply_add(Pair::all(level_and_slope[1]), moments.times_t(), Pair::all(level_and_slope[0]) * moments);
     }
-    if (!slopes) {
-      for (const MomentTarget& target : targets) {
-        float* const sums = target.sums->of.data() + band * 2 * kMoments;
-        multiply_add(Pair::all(target.gain), moments, Pair::load(sums)).store(sums);
-      }
-      return;
-    }
-    const Pair sloping = moments.times_t();
-    for (const MomentTarget& target : targets) {
-      float* const sums = target.sums->of.data() + band * 2 * kMoments;
-      const Pair sum = multiply_add(Pair::all(target.gain), moments, Pair::load(sums));
-      multiply_add(Pair::all(target.slope), sloping, sum).store(sums);
-    }
+    return moments;
   }
 
  private:
@@ -212,7 +199,7 @@ HWY_INLINE void take_group(const ModeArrays& modes, std::size_t first, std::size
   }
 }
 
-template <Way kWay, std::size_t kOrders>
+template <Way kWay, std::size_t kOrders, Into kInto>
 bool add_groups(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
                 const EnergyLimits& limits, std::span<const MomentTarget> targets, const float* level_and_slope) {
   HeardGroup<kOrders> group;
@@ -220,6 +207,7 @@ bool add_groups(const ModeArrays& modes, const MomentArrays& moments, ActiveGrou
   EnergyCheck check(limits);
   using Sums = HeardSums<kWay == Way::moving ? 1 : kOrders>;
   Sums sum;
+  Outlet<kInto> outlet(targets);
   std::size_t here = kBands;  // none yet
   bool slopes = false;
   for (const MomentTarget& target : targets) slopes = slopes || target.slope != 0;
@@ -233,10 +221,11 @@ bool add_groups(const ModeArrays& modes, const MomentArrays& moments, ActiveGrou
     kept += check.silent() ? 0 : 1;
     if (check.silent()) forget_states(modes, first);
     const std::uint16_t* const band = kWay == Way::shifted ? group.own_bands : moments.band + first;
-    const float* const weights = kWay == Way::shifted ? group.own_weights : moments.weights + first * 2 * kMoments;
+    const float* const own_weights = kInto == Into::grid_as_lines ? moments.lines : moments.weights;
+    const float* const weights = kWay == Way::shifted ? group.own_weights : own_weights + first * 2 * kMoments;
     for (std::size_t m = 0; m < kModePadding; ++m) {
       if (band[m] != here) {
-        if (here != kBands) sum.give(targets, slopes, here, level_and_slope);
+        if (here != kBands) outlet.give(sum.moments(level_and_slope), here, slopes);
         sum = Sums();
         here = band[m];
       }
@@ -247,7 +236,8 @@ bool add_groups(const ModeArrays& modes, const MomentArrays& moments, ActiveGrou
       }
     }
   }
-  if (here != kBands) sum.give(targets, slopes, here, level_and_slope);
+  if (here != kBands) outlet.give(sum.moments(level_and_slope), here, slopes);
+  outlet.finish();
   active.count = kept;
   return true;
 }
@@ -259,9 +249,16 @@ bool add_heard_moments_here(const ModeArrays& modes, const MomentArrays& moments
   const Hearing& hearing = *modes.hearing;
   const auto add = [&](auto* gather)
                        HWY_ATTR { return gather(modes, moments, active, frames, limits, all, level_and_slope); };
-  if (hearing.log_re != nullptr && (hearing.rate != 1 || hearing.bend != 0)) return add(&add_groups<Way::shifted, 3>);
-  if (hearing.step_re != nullptr) return add(&add_groups<Way::moving, 2>);
-  return add(&add_groups<Way::still, 1>);
+  const bool shifted = hearing.log_re != nullptr && (hearing.rate != 1 || hearing.bend != 0);
+  const bool still = !shifted && hearing.step_re == nullptr;
+  const Into into = where_to(all, still && moments.lines != nullptr && level_and_slope == nullptr);
+  if (into == Into::grid_as_lines) return add(&add_groups<Way::still, 1, Into::grid_as_lines>);
+  if (into == Into::grid) {
+    if (shifted) return add(&add_groups<Way::shifted, 3, Into::grid>);
+    return still ? add(&add_groups<Way::still, 1, Into::grid>) : add(&add_groups<Way::moving, 2, Into::grid>);
+  }
+  if (shifted) return add(&add_groups<Way::shifted, 3, Into::sums>);
+  return still ? add(&add_groups<Way::still, 1, Into::sums>) : add(&add_groups<Way::moving, 2, Into::sums>);
 }
 
 }  // namespace ringdown::synth::HWY_NAMESPACE

@@ -34,6 +34,7 @@ void Mixer::configure(const MixerSettings& settings) {
   output_.wear(settings.head ? settings.head(sample_rate_hz()) : nullptr);
   const std::optional<std::size_t> order = settings.head ? kMaxAmbisonicOrder : settings.ambisonic_order;
   voices_.set_ambisonic_channels(order ? synth::ambisonic_channels(*order) : 0);
+  renderer_.have_field(order.has_value());
   shedding_.configure(settings.budget, settings.clock, renderer_.threads());
   stage_.set_travel_time(settings.travel_time);
   floor_ = std::pow(10.0, -settings.floor_db / 20);

@@ -111,7 +111,8 @@ class Mixer {
                                                      const modal::Dampers& dampers = {},
                                                      modal::ModeRange modes = {}) const {
     return voices_.table_for(map, material, dampers, modes, sample_rate_hz(),
-                             {settings_.full_scale_pa, settings_.most_coupled});
+                             {settings_.full_scale_pa, settings_.most_coupled,
+                              settings_.ambisonic_order.has_value() || settings_.head != nullptr});
   }
 
   enum class Install {

@@ -3,6 +3,7 @@
 #include "engine/modal/added_decay.h"
 #include "engine/modal/contact_pulse.h"
 #include "engine/synth/coupled_modes.h"
+#include "engine/synth/frequency_grid.h"
 #include "engine/synth/glide.h"
 
 #include <algorithm>
@@ -101,6 +102,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   strides_ = aligned_zeros<float>(2 * columns_);
   runs_ = aligned_zeros<float>(columns_ * 2 * kRun);
   moment_weights_ = aligned_zeros<float>(columns_ * 2 * kMoments);
+  if (settings.field) line_weights_ = aligned_zeros<float>(columns_ * 2 * kGridReach);
   band_.assign(columns_, 0);
   rank_.assign(columns_, 0);
   column_hz_ = aligned_zeros<float>(columns_);
@@ -149,6 +151,7 @@ void ModeTable::add_mode(std::uint32_t mode, const modal::DampedMode& damped, st
   if (mode_of_.size() > slow_modes_) return;
   band_[at] = band_of(s);
   std::ranges::copy(moment_weights(s), moment_weights_.get() + std::size_t{at} * 2 * kMoments);
+  if (line_weights_) std::ranges::copy(grid_weights(s), line_weights_.get() + std::size_t{at} * 2 * kGridReach);
 }
 
 std::optional<std::size_t> ModeTable::column_of(std::size_t mode) const RINGDOWN_REALTIME {

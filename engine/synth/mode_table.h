@@ -34,6 +34,7 @@ struct CoupledTable;
 struct TableSettings {
   double full_scale_pa = modal::kFullScale_pa;  // a pressure of this at 1 m becomes an amplitude of 1
   std::size_t most_coupled = 64;                // modes of a voice that may exchange energy (coupled_modes.h)
+  bool field = false;                           // objects are heard in ambisonic channels
 };
 
 class ModeTable {
@@ -99,7 +100,9 @@ class ModeTable {
 
   // The arrays that a kernel needs to render chunks of `frames`, with states of columns() numbers each.
   [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME;
-  [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME { return {band_.data(), moment_weights_.get()}; }
+  [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME {
+    return {band_.data(), moment_weights_.get(), line_weights_.get()};
+  }
 
   // Of the object as a whole; nothing when the bank does not say its mass, or it is too large to click.
   [[nodiscard]] const std::optional<ClickShape>& click() const RINGDOWN_REALTIME { return click_; }
@@ -135,6 +138,7 @@ class ModeTable {
   AlignedArray<float> strides_;         // 2 x columns: p^kRun
   AlignedArray<float> runs_;            // columns x 2 kRun
   AlignedArray<float> moment_weights_;  // columns x 2 kMoments
+  AlignedArray<float> line_weights_;    // columns x 2 kGridReach; null without ambisonic channels
   std::vector<std::uint16_t> band_;
   std::vector<double> slowest_decay_;  // of each group
   std::vector<std::uint32_t> rank_;    // of each column

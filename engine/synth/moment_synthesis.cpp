@@ -135,8 +135,10 @@ std::array<double, kMoments> chebyshev(std::size_t n) {
   return now;
 }
 
+}  // namespace
+
 // q_p(t): exp(x t) = sum of e_n i^n J_n(a t) T_n(x / (i a)), e_0 = 1, e_n = 2; i^n T_n(x / (i a)) is real in x.
-std::array<double, kMoments> shapes_at(double t) {
+std::array<double, kMoments> moment_shapes(double t) {
   std::array<double, kMoments> q{};
   for (std::size_t n = 0; n < kMoments; ++n) {
     const double sign = n % 2 == 1 && t < 0 ? -1 : 1;  // J_n of a negative number
@@ -151,30 +153,37 @@ std::array<double, kMoments> shapes_at(double t) {
   return q;
 }
 
-}  // namespace
-
-MomentSynthesis::MomentSynthesis() : re_{}, im_{} {
-  for (std::size_t k = 0; k < kWindow; ++k) {
-    const double angle = 2 * kPi * static_cast<double>(k) / static_cast<double>(kWindow);
+ChunkTransform::ChunkTransform() {
+  for (std::size_t k = 0; k < kPoints; ++k) {
+    const double angle = 2 * kPi * static_cast<double>(k) / static_cast<double>(kPoints);
     cosine_[k] = static_cast<float>(std::cos(angle));
     sine_[k] = static_cast<float>(std::sin(angle));
   }
   for (std::size_t j = 0; j < kChunkFrames; ++j) {
-    const std::array<double, kMoments> q = shapes_at((static_cast<double>(j) - kMiddle) / kHalf);
-    for (std::size_t p = 0; p < kMoments; ++p) shape_[j * kMoments + p] = static_cast<float>(q[p]);
     std::size_t turned = 0;
-    for (std::size_t digits = kWindow, rest = j; digits > 1; digits /= 4, rest /= 4) turned = 4 * turned + rest % 4;
-    place_[j] = static_cast<std::uint16_t>(turned);
+    for (std::size_t digits = kPoints, rest = j; digits > 1; digits /= 4, rest /= 4) turned = 4 * turned + rest % 4;
+    places_[j] = static_cast<std::uint16_t>(turned);
+  }
+}
+
+MomentSynthesis::MomentSynthesis() : re_{}, im_{} {
+  for (std::size_t j = 0; j < kChunkFrames; ++j) {
+    const std::array<double, kMoments> q = moment_shapes((static_cast<double>(j) - kMiddle) / kHalf);
+    for (std::size_t p = 0; p < kMoments; ++p) shape_[j * kMoments + p] = static_cast<float>(q[p]);
   }
 }
 
 RINGDOWN_TRUST_REALTIME_BEGIN
+void ChunkTransform::run(float* re, float* im, std::size_t frames) const RINGDOWN_REALTIME {
+  HWY_DYNAMIC_DISPATCH(transform_here)(re, im, cosine_.data(), sine_.data(), kPoints, frames);
+}
+
 void MomentSynthesis::add(const MomentSums& left, const MomentSums& right, double* out_left, double* out_right,
                           std::size_t frames) RINGDOWN_REALTIME {
   HWY_DYNAMIC_DISPATCH(fill_spectrum_here)(left.of.data(), right.of.data(), re_.data(), im_.data());
-  HWY_DYNAMIC_DISPATCH(transform_here)(re_.data(), im_.data(), cosine_.data(), sine_.data(), kWindow, frames);
-  HWY_DYNAMIC_DISPATCH(shape_here)(re_.data(), place_.data(), shape_.data(), out_left, frames);
-  HWY_DYNAMIC_DISPATCH(shape_here)(im_.data(), place_.data(), shape_.data(), out_right, frames);
+  transform_.run(re_.data(), im_.data(), frames);
+  HWY_DYNAMIC_DISPATCH(shape_here)(re_.data(), transform_.places(), shape_.data(), out_left, frames);
+  HWY_DYNAMIC_DISPATCH(shape_here)(im_.data(), transform_.places(), shape_.data(), out_right, frames);
 }
 RINGDOWN_TRUST_REALTIME_END
 

@@ -6,14 +6,29 @@
 #define RINGDOWN_MOMENT_VECTORS_INL_H
 #endif
 
+#include "engine/synth/frequency_grid.h"
 #include "engine/synth/moments.h"
 
 #include "engine/synth/mode_vectors-inl.h"
+
+#include <span>
 
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+// Where each element of two halves of kMoments comes from when both are moved round by so many places.
+struct MovedRound {
+  alignas(64) std::int32_t of[kMoments][2 * kMoments] = {};
+  constexpr MovedRound() {
+    constexpr auto kHalf = static_cast<std::int32_t>(kMoments);
+    for (std::int32_t by = 0; by < kHalf; ++by) {
+      for (std::int32_t i = 0; i < 2 * kHalf; ++i) of[by][i] = i / kHalf * kHalf + (i + kHalf - by) % kHalf;
+    }
+  }
+};
+inline constexpr MovedRound kMovedRound;
 
 // kCount numbers, in as few vectors as the instruction set allows.
 template <std::size_t kCount>
@@ -55,6 +70,20 @@ struct Numbers {
 #endif
     return make([this](std::size_t v) HWY_ATTR { return part[(v + kVectors / 2) % kVectors]; });
   }
+  // Each half moved up by `by` < kMoments elements, the last ones to its beginning.
+  [[nodiscard]] HWY_INLINE Numbers moved_round(std::size_t by) const {
+    static_assert(kMoments == 8 && kCount == 2 * kMoments);
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (kLanes >= kMoments) {
+      const auto from = hn::SetTableIndices(Tag(), kMovedRound.of[by]);
+      return make([&](std::size_t v) HWY_ATTR { return hn::TableLookupLanes(part[v], from); });
+    }
+#endif
+    alignas(64) float from[kCount], to[kCount];
+    store(from);
+    for (std::size_t i = 0; i < kCount; ++i) to[i] = from[kMovedRound.of[by][i]];
+    return load(to);
+  }
   // Element i of each half of kMoments times i, and moved up from i - 1: as exp(delta t) is a sum of x^p q_p(t), t
   // exp(delta t) is one of p x^(p-1) q_p(t), so this multiplies what the moments stand for with t.
   [[nodiscard]] HWY_INLINE Numbers times_t() const {
@@ -92,6 +121,107 @@ struct Numbers {
 };
 using Eight = Numbers<kMoments>;
 using Pair = Numbers<2 * kMoments>;  // real parts, then imaginary ones
+
+// For a band that begins at a place, 1 at the places of its lines that lie in the next block, below that place.
+struct InNextBlock {
+  alignas(64) float of[kGridReach][2 * kGridReach] = {};
+  constexpr InNextBlock() {
+    for (std::size_t begin = 0; begin < kGridReach; ++begin) {
+      for (std::size_t place = 0; place < begin; ++place) of[begin][place] = of[begin][kGridReach + place] = 1;
+    }
+  }
+};
+inline constexpr InNextBlock kInNextBlock;
+
+// Adds the lines of bands to a grid. Bands come mostly in ascending order, so the two blocks of kGridReach lines on
+// which a band lies stay in registers.
+class GridBlocks {
+ public:
+  HWY_INLINE explicit GridBlocks(const MomentGrid* grid) : grid_(grid), first_(Pair::all(0)), second_(Pair::all(0)) {}
+  // `lines`: of line i at place i modulo kGridReach.
+  HWY_INLINE void add(std::size_t band, Pair lines) {
+    if (band / kGridReach != block_) go_to(band / kGridReach);
+    const Pair next = Pair::load(kInNextBlock.of[band % kGridReach]);
+    first_ = first_ + subtract_product(next, lines, lines);
+    second_ = multiply_add(next, lines, second_);
+  }
+  // The same of a band's moments.
+  HWY_INLINE void add_moments(std::size_t band, Pair moments) {
+    alignas(64) float numbers[2 * kMoments];
+    moments.store(numbers);
+    Pair sum[4] = {Pair::all(0), Pair::all(0), Pair::all(0), Pair::all(0)};  // so that none waits for the one before
+    RINGDOWN_UNROLL
+    for (std::size_t p = 0; p < kMoments; ++p) {
+      const float* const spread = grid_->spread + p * 4 * kGridReach;
+      Pair *const by_re = sum + 2 * (p % 2), *const by_im = by_re + 1;
+      *by_re = multiply_add(Pair::all(numbers[p]), Pair::load(spread), *by_re);
+      *by_im = multiply_add(Pair::all(numbers[kMoments + p]), Pair::load(spread + 2 * kGridReach), *by_im);
+    }
+    add(band, ((sum[0] + sum[1]) + (sum[2] + sum[3])).moved_round(band % kGridReach));
+  }
+  HWY_INLINE void finish() const {
+    give(block_, first_);
+    if (block_ + 1 < kGridLines / kGridReach) give(block_ + 1, second_);
+  }
+
+ private:
+  HWY_INLINE void go_to(std::size_t block) {
+    give(block_, first_);
+    if (block == block_ + 1) {
+      first_ = second_;
+    } else {
+      if (block_ + 1 < kGridLines / kGridReach) give(block_ + 1, second_);
+      first_ = Pair::all(0);
+    }
+    second_ = Pair::all(0);
+    block_ = block;
+  }
+  HWY_INLINE void give(std::size_t block, Pair lines) const {
+    float* const to = grid_->lines + block * 2 * kGridReach;
+    (Pair::load(to) + lines).store(to);
+  }
+  const MomentGrid* grid_;
+  std::size_t block_ = 0;
+  Pair first_, second_;
+};
+
+// Where the moments of bands go: to the sums of targets; to a grid; or to a grid, as lines already.
+enum class Into { sums, grid, grid_as_lines };
+inline Into where_to(std::span<const MomentTarget> targets, bool lines_known) {
+  if (targets.empty() || targets[0].grid == nullptr) return Into::sums;
+  return lines_known ? Into::grid_as_lines : Into::grid;
+}
+
+template <Into kInto>
+class Outlet {
+ public:
+  HWY_INLINE explicit Outlet(std::span<const MomentTarget> targets)
+      : targets_(targets), grid_(kInto == Into::sums ? nullptr : targets[0].grid) {}
+  HWY_INLINE void give(Pair moments, std::size_t band, bool slopes) {
+    if constexpr (kInto == Into::grid) return grid_.add_moments(band, moments);
+    if constexpr (kInto == Into::grid_as_lines) return grid_.add(band, moments);
+    if (!slopes) {
+      for (const MomentTarget& target : targets_) {
+        float* const sums = target.sums->of.data() + band * 2 * kMoments;
+        multiply_add(Pair::all(target.gain), moments, Pair::load(sums)).store(sums);
+      }
+      return;
+    }
+    const Pair sloping = moments.times_t();
+    for (const MomentTarget& target : targets_) {
+      float* const sums = target.sums->of.data() + band * 2 * kMoments;
+      const Pair sum = multiply_add(Pair::all(target.gain), moments, Pair::load(sums));
+      multiply_add(Pair::all(target.slope), sloping, sum).store(sums);
+    }
+  }
+  HWY_INLINE void finish() const {
+    if constexpr (kInto != Into::sums) grid_.finish();
+  }
+
+ private:
+  std::span<const MomentTarget> targets_;
+  GridBlocks grid_;
+};
 
 }  // namespace ringdown::synth::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -17,7 +17,7 @@
 // add_moments_here() goes through the active groups, whose modes are in ascending order of bands but for groups that
 // have come back. A mode's eight moments are z times its eight complex weights. The sum over a band keeps the products
 // with Re z and with Im z apart, so a mode costs two multiply-adds on vectors of sixteen; they are combined into
-// complex moments once, when the band changes (BandMoments::give), and scaled by the gain of each output.
+// complex moments once, when the band changes (BandMoments::moments), and scaled by the gain of each output.
 //
 // Moments are float; the states are double and are moved on by p^frames as in mode_kernel.cpp. Modes that are heard by
 // gains of their own go through heard_moments.cpp, and moment_synthesis.cpp makes samples of the sums.
@@ -37,14 +37,10 @@ class BandMoments {
     by_re_ = by_re_ + other.by_re_, by_im_ = by_im_ + other.by_im_;
     return *this;
   }
-  HWY_INLINE void give(std::span<const MomentTarget> targets, std::size_t band, const float* level_and_slope) const {
+  [[nodiscard]] HWY_INLINE Pair moments(const float* level_and_slope) const {
     alignas(64) static constexpr float kTurn[2 * kMoments] = {-1, -1, -1, -1, -1, -1, -1, -1, 1, 1, 1, 1, 1, 1, 1, 1};
-    Pair moments = multiply_add(Pair::load(kTurn), by_im_.turned(), by_re_);
-    if (level_and_slope) moments = faded(moments, level_and_slope[0], level_and_slope[1]);
-    for (const MomentTarget& target : targets) {
-      float* const sums = target.sums->of.data() + band * 2 * kMoments;
-      multiply_add(Pair::all(target.gain), moments, Pair::load(sums)).store(sums);
-    }
+    const Pair moments = multiply_add(Pair::load(kTurn), by_im_.turned(), by_re_);
+    return level_and_slope ? faded(moments, level_and_slope[0], level_and_slope[1]) : moments;
   }
 
  private:
@@ -77,11 +73,11 @@ HWY_INLINE void take_states(const ModeArrays& modes, std::size_t first, std::siz
   }
 }
 
-bool add_moments_here(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                      const EnergyLimits& limits, const MomentTarget* targets, std::size_t target_count,
-                      const float* level_and_slope) {
+template <Into kInto>
+bool add_plain_groups(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
+                      const EnergyLimits& limits, std::span<const MomentTarget> targets, const float* level_and_slope) {
   alignas(64) float re[kModePadding], im[kModePadding];
-  const std::span<const MomentTarget> all(targets, target_count);
+  Outlet<kInto> outlet(targets);
   std::size_t kept = 0;
   EnergyCheck check(limits);
   BandMoments sum;
@@ -96,10 +92,11 @@ bool add_moments_here(const ModeArrays& modes, const MomentArrays& moments, Acti
     kept += check.silent() ? 0 : 1;
     if (check.silent()) forget_states(modes, first);
     const std::uint16_t* const band = moments.band + first;
-    const float* const weights = moments.weights + first * 2 * kMoments;
+    const float* const weights =
+        (kInto == Into::grid_as_lines ? moments.lines : moments.weights) + first * 2 * kMoments;
     const auto change_to = [&](std::uint16_t next) HWY_ATTR {
       if (next == here) return;
-      sum.give(all, here, level_and_slope);
+      outlet.give(sum.moments(level_and_slope), here, false);
       sum = BandMoments();
       here = next;
     };
@@ -118,9 +115,21 @@ bool add_moments_here(const ModeArrays& modes, const MomentArrays& moments, Acti
       }
     }
   }
-  if (active.count > 0) sum.give(all, here, level_and_slope);
+  if (active.count > 0) outlet.give(sum.moments(level_and_slope), here, false);
+  outlet.finish();
   active.count = kept;
   return true;
+}
+
+bool add_moments_here(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
+                      const EnergyLimits& limits, const MomentTarget* targets, std::size_t target_count,
+                      const float* level_and_slope) {
+  const std::span<const MomentTarget> all(targets, target_count);
+  const auto add = [&](auto* gather)
+                       HWY_ATTR { return gather(modes, moments, active, frames, limits, all, level_and_slope); };
+  const Into into = where_to(all, moments.lines != nullptr && level_and_slope == nullptr);
+  if (into == Into::sums) return add(&add_plain_groups<Into::sums>);
+  return into == Into::grid ? add(&add_plain_groups<Into::grid>) : add(&add_plain_groups<Into::grid_as_lines>);
 }
 
 }  // namespace ringdown::synth::HWY_NAMESPACE
@@ -151,13 +160,20 @@ std::uint16_t band_of(std::complex<double> s) {
   return static_cast<std::uint16_t>(std::lround(s.imag() * static_cast<double>(kChunkFrames) / kPi));
 }
 
-std::array<float, 2 * kMoments> moment_weights(std::complex<double> s) {
+std::array<std::complex<double>, kMoments> exact_moment_weights(std::complex<double> s) {
   const std::complex<double> delta = delta_of(s);
   std::complex<double> weight = std::exp(delta * (kMiddle / kHalf));  // from the window's first frame to its middle
+  std::array<std::complex<double>, kMoments> weights;
+  for (std::size_t p = 0; p < kMoments; ++p, weight *= delta + kDecay) weights[p] = weight;
+  return weights;
+}
+
+std::array<float, 2 * kMoments> moment_weights(std::complex<double> s) {
+  const std::array<std::complex<double>, kMoments> exact = exact_moment_weights(s);
   std::array<float, 2 * kMoments> weights{};
-  for (std::size_t p = 0; p < kMoments; ++p, weight *= delta + kDecay) {
-    weights[p] = static_cast<float>(weight.real());
-    weights[kMoments + p] = static_cast<float>(weight.imag());
+  for (std::size_t p = 0; p < kMoments; ++p) {
+    weights[p] = static_cast<float>(exact[p].real());
+    weights[kMoments + p] = static_cast<float>(exact[p].imag());
   }
   return weights;
 }

@@ -38,6 +38,9 @@ bool takes_moments(std::complex<double> s);
 // [any]
 std::uint16_t band_of(std::complex<double> s);
 std::array<float, 2 * kMoments> moment_weights(std::complex<double> s);
+std::array<std::complex<double>, kMoments> exact_moment_weights(std::complex<double> s);
+// q_p(t) for each p. [any]
+std::array<double, kMoments> moment_shapes(double t);
 
 // The moments of one output: kBands times kMoments real and kMoments imaginary parts.
 struct alignas(64) MomentSums {
@@ -48,6 +51,17 @@ struct alignas(64) MomentSums {
 struct MomentArrays {
   const std::uint16_t* band = nullptr;  // ascending
   const float* weights = nullptr;       // 2 kMoments for each mode, 64-byte aligned
+  const float* lines = nullptr;         // 2 kGridReach for each mode (grid_weights()), 64-byte aligned; null: not known
+};
+
+// Lines to which a mode of one band is added (frequency_grid.h).
+inline constexpr std::size_t kGridReach = 8;
+
+// Lines in place of moments: kGridNumbers of them to be added to, 64-byte aligned; and for each moment what it adds to
+// the lines of its band by its real part, and by its imaginary one, 2 kGridReach numbers each.
+struct MomentGrid {
+  float* lines = nullptr;
+  const float* spread = nullptr;
 };
 
 // An output and the gain at which modes sound there. For modes with a hearing of their own (ModeArrays::hearing) the
@@ -56,6 +70,8 @@ struct MomentTarget {
   MomentSums* sums = nullptr;
   float gain = 0;
   float slope = 0;
+  // Not null: lines are wanted, at a gain of 1, and this is the only target of the call.
+  const MomentGrid* grid = nullptr;
 };
 
 // A gain that moves in a straight line from the first frame of a chunk to the one after its last.
@@ -74,6 +90,22 @@ bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGro
 bool add_heard_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
                        const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) RINGDOWN_REALTIME;
 
+// The transform of a chunk, sum over k of x_k exp(2 pi i j k / kPoints), for eight sequences at once. [audio, after
+// construction]
+class ChunkTransform {
+ public:
+  static constexpr std::size_t kPoints = 2 * kChunkFrames;
+  ChunkTransform();
+  // In place; of each point the eight sequences' numbers, 64-byte aligned. Only the first `frames` <= kChunkFrames
+  // frames are found, frame j at point places()[j].
+  void run(float* re, float* im, std::size_t frames) const RINGDOWN_REALTIME;
+  [[nodiscard]] const std::uint16_t* places() const RINGDOWN_REALTIME { return places_.data(); }
+
+ private:
+  std::array<float, kPoints> cosine_, sine_;
+  std::array<std::uint16_t, kChunkFrames> places_;
+};
+
 // Turns moments into samples. [audio, after construction]
 class MomentSynthesis {
  public:
@@ -84,11 +116,10 @@ class MomentSynthesis {
            std::size_t frames) RINGDOWN_REALTIME;
 
  private:
-  static constexpr std::size_t kWindow = 2 * kChunkFrames;
+  static_assert(kMoments == 8, "one for each sequence of the transform");
+  ChunkTransform transform_;
   alignas(64) std::array<float, kChunkFrames * kMoments> shape_;  // q_p at each frame
-  std::array<float, kWindow> cosine_, sine_;                      // exp(2 pi i k / kWindow)
-  std::array<std::uint16_t, kChunkFrames> place_;                 // of frame j after the transform
-  alignas(64) std::array<float, kWindow * kMoments> re_, im_;
+  alignas(64) std::array<float, ChunkTransform::kPoints * kMoments> re_, im_;
 };
 
 }  // namespace ringdown::synth

@@ -155,8 +155,14 @@ void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOW
        event = due.first) {
     play(event->event, chunk);
   }
-  std::array<MomentTarget, ChannelStrip::kOutputs> room;
-  const std::span<const MomentTarget> targets = strip.moment_targets(chunk, workspace.sums, room);
+  FieldSums* const field = (chunk.wanted & kAllAmbisonic) != 0 ? workspace.sums.field() : nullptr;
+  std::array<MomentTarget, ChannelStrip::kMaxTargets> room;
+  std::span<const MomentTarget> targets(room.data(), 1);
+  if (field) {
+    room[0] = field->begin_object();
+  } else {
+    targets = strip.moment_targets(chunk, workspace.sums, room);
+  }
   const bool late = due.first || driven(chunk);
   bool samples = late;
   voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME { samples = samples || voice.needs_samples(); });
@@ -166,6 +172,7 @@ void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOW
     if (!voice.ringing()) return;
     if (!voice.render_moments(targets, mono, chunk.frames, floor(chunk))) count(chunk.counters->not_finite);
   });
+  if (field) strip.add_to_field(chunk, *field);
   if (late) render_late(chunk, workspace);
   if (samples) strip.add_samples(mono, 0, chunk.frames, chunk, workspace.sums);
 }

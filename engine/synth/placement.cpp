@@ -36,7 +36,7 @@ void LookPressure::update(double terms, double modes, const Chunk& chunk) RINGDO
   if (chunk.end() < chunk.cell_end()) return;
   const double budget = std::max(kMaxTerms * std::min(1.0, kFewModes / std::max(modes, 1.0)), kTermsPerMode * modes);
   mean_ += kShare * (std::exchange(terms_, 0.0) - mean_);
-  pressure_ = std::clamp(pressure_ * std::clamp(mean_ / budget, 0.9, 1.2), 1.0, kMaxPressure);
+  pressure_ = std::clamp(mean_ / budget, 1.0, kMaxPressure);
 }
 
 bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
@@ -47,10 +47,11 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
     go_off(chunk, voices, strip);
     return on_;
   }
-  bool rings = false;
+  bool rings = false, looked_up = true;
   const Voice* source = nullptr;
   voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
     rings = rings || voice.ringing();
+    looked_up = looked_up && voice.gains.on();
     source = source ? source : &voice;
   });
   const double rate_hz = chunk.sample_rate_hz;
@@ -69,10 +70,20 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
   jumps_ = jumps;
   airs_ = listening.airs();
   const bool stands = track.still() && listening.still();
-  if (!within) {
+  const bool new_voice = !looked_up && unseen_;
+  if (!within || new_voice) {
     origin_m_ = source ? source->table().origin_m() : Vec3{};
-    first_ = follows ? last_ : listening.sight(track.at(chunk.cell_begin(), rate_hz), origin_m_, listening.at_begin());
-    last_ = stands ? first_ : listening.sight(track.at(chunk.cell_end(), rate_hz), origin_m_, listening.at_end());
+    // What turns about where it is heard from keeps its distance and side; its direction counts where maps are looked
+    // up.
+    const bool only_turns = !stands && follows && looked_up && glide_end_ <= chunk.cell_begin() &&
+                            chunk.cell_begin() < next_look_ && listening.still() && track.stays_in_place() &&
+                            origin_m_ == Vec3{} && last_.rate == 1;
+    const bool sees_begin = !follows || (unseen_ && !only_turns);
+    first_ =
+        sees_begin ? listening.sight(track.at(chunk.cell_begin(), rate_hz), origin_m_, listening.at_begin()) : last_;
+    last_ = stands || only_turns ? first_
+                                 : listening.sight(track.at(chunk.cell_end(), rate_hz), origin_m_, listening.at_end());
+    unseen_ = only_turns;
   }
   const ChannelStrip::Span span{fresh ? chunk.cell_begin() : chunk.begin, chunk.cell_end()};
   if (!within || !strip.placed_until(span.end)) {
@@ -82,6 +93,7 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
                 span, fresh ? 2 : share);
   }
   aim(chunk, fresh, within, stands, voices);
+  look_terms_ = stands || within ? 0 : look_rate_ * static_cast<double>(kChunkFrames);
   on_ = true;
   leaves_ = false;
   heard_until_ = chunk.end();
@@ -99,6 +111,7 @@ void Placement::aim(const Chunk& chunk, bool fresh, bool within, bool stands, Vo
   const auto passed = static_cast<double>(chunk.begin - cell);  // of what is counted from the cell's beginning
   const bool look = !within && cell >= next_look_;
   double ahead = least;
+  if (look || fresh) look_rate_ = 0;
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
     ModeGains& gains = voice.gains;
     const bool first = !gains.on(), begins = fresh || (first && glide == 0);
@@ -118,11 +131,11 @@ void Placement::aim(const Chunk& chunk, bool fresh, bool within, bool stands, Vo
     const double most = std::max(kMaxCellsAhead * kCell, least);
     const double wanted = turn > 0 ? kCell * std::floor(kMaxTurn / (turn * sharpness)) : most;
     ahead = glide > 0 ? least : std::clamp(wanted, least, most);
+    look_rate_ += terms_of(voice.table()) / ahead;
     if (chunk.look_pressure > 1 && glide == 0) {
       const double longest = std::max(kMaxAhead_s * chunk.sample_rate_hz, most);
       ahead = std::clamp(ahead * chunk.look_pressure * (0.75 + 0.5 * spread_), kCell, longest);
     }
-    look_terms_ += terms_of(voice.table());
     const Frame then = cell + static_cast<Frame>(ahead);
     const Sighting there =
         listening.sight(track.at(then, chunk.sample_rate_hz), origin_m_, listening.at(then, chunk.sample_rate_hz));
@@ -163,7 +176,7 @@ void Placement::end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALT
 
 bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME {
   if (!heard(chunk)) return true;
-  if (!on_ || leaves_ || glide_end_ > chunk.end() || heard_until_ != chunk.end()) return false;
+  if (!on_ || leaves_ || unseen_ || glide_end_ > chunk.end() || heard_until_ != chunk.end()) return false;
   const Motion source = track.at(chunk.end(), chunk.sample_rate_hz), &listener = chunk.listening->at_end();
   const double speed = length(source.velocity_m_s - listener.velocity_m_s), ring_s = voice.table().ring_s();
   const double turn = ring_s * (length(source.spin_rad_s) + speed / std::max(last_.distance_m, kNear_m));

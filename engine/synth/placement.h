@@ -23,7 +23,8 @@ class VoiceStack;
 class LookPressure {
  public:
   [[nodiscard]] double now() const RINGDOWN_REALTIME { return pressure_; }
-  // After a chunk in which so many modes sounded, and so many terms were added up.
+  // After a chunk in which so many modes sounded, and so many terms would be added up without pressure: those that are
+  // added up follow the pressure too late, by a line's length, for a steady answer.
   void update(double terms, double modes, const Chunk& chunk) RINGDOWN_REALTIME;
 
  private:
@@ -62,7 +63,7 @@ class Placement {
   // The next chunk begins with what is heard from the present place, instead of going there from the last one.
   void begin_anew() RINGDOWN_REALTIME { anew_ = true; }
 
-  // What begin_chunk() has added up to find gains, in terms of maps.
+  // What the object's lines cost in the chunk, in terms of maps, where it is looked up as often as would be exact.
   [[nodiscard]] double look_terms() const RINGDOWN_REALTIME { return look_terms_; }
 
   // Is heard from its place no more, at once.
@@ -87,8 +88,10 @@ class Placement {
   Sighting first_, last_;  // where the cell of the last chunk begins and ends
   Vec3 origin_m_;
   double look_terms_ = 0;
-  double spread_ = 0;  // 0 to 1, another for every look, so that objects do not look in the same chunks
+  double look_rate_ = 0;  // terms of a frame
+  double spread_ = 0;     // 0 to 1, another for every look, so that objects do not look in the same chunks
   bool stood_ = false;
+  bool unseen_ = false;  // last_ says from where the object was heard, but no longer from which of its sides
   std::uint32_t jumps_ = 0, airs_ = 0;
 };
 

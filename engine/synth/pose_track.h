@@ -37,7 +37,8 @@ class PoseTrack {
   void forget() RINGDOWN_REALTIME { *this = {}; }
 
   // Adds a pose, which is sane, for frame `at`, at frame `now`. The first pose is where the track starts. Where nobody
-  // has asked for the track for a while, poses that have passed make room; of more than kMaxPending the last one counts.
+  // has asked for the track for a while, poses that have passed make room; of more than kMaxPending the last one
+  // counts.
   void add(Frame at, const Pose& pose, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
 
   // Goes on to frame `now`, which never decreases.
@@ -46,6 +47,10 @@ class PoseTrack {
   [[nodiscard]] Motion at(Frame frame, double sample_rate_hz) const RINGDOWN_REALTIME;
   // Whether it stands from the last advance() on until another pose comes.
   [[nodiscard]] bool still() const RINGDOWN_REALTIME { return still_ && count_ == 0; }
+  // Whether it turns at most, and keeps its position until the next advance().
+  [[nodiscard]] bool stays_in_place() const RINGDOWN_REALTIME {
+    return from_.pose.position_m == to_.pose.position_m && from_.velocity == Vec3{} && to_.velocity == Vec3{};
+  }
   // How often it has jumped.
   [[nodiscard]] std::uint32_t jumps() const RINGDOWN_REALTIME { return jumps_; }
 

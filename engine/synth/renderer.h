@@ -22,6 +22,10 @@ class Renderer {
   // Renders on `threads` threads, the audio thread among them. [worker, while nothing is rendered]
   void set_threads(std::size_t threads);
   [[nodiscard]] std::size_t threads() const RINGDOWN_REALTIME { return workspaces_.size(); }
+  // Whether there are ambisonic channels, which set_threads() forgets. [worker, while nothing is rendered]
+  void have_field(bool on) {
+    for (Workspace& workspace : workspaces_) workspace.sums.have_field(on);
+  }
 
   // The rest: [audio]
   // Begins a chunk; more than kChunkFrames only if nothing is rendered in it.

@@ -18,6 +18,7 @@ const std::map<std::string, int> kTrusted = {
     {"engine/synth/drive_kernel.cpp", 1},  // Highway's choice of an instruction set, a table of functions; so the next
     {"engine/synth/coupled_kernel.cpp", 1},
     {"engine/synth/direction_kernel.cpp", 1},
+    {"engine/synth/field_sums.cpp", 1},
     {"engine/synth/heard_moments.cpp", 1},
     {"engine/synth/mix_kernel.cpp", 1},
     {"engine/synth/mode_kernel.cpp", 1},

@@ -181,6 +181,29 @@ TEST_P(Listened, AForksLobesPassTheEarAsItTurns) {
   EXPECT_LT(error_db(player.right, want[1], 4800), -60);
 }
 
+// What only turns is followed more cheaply than what moves: the two agree where the way is too short to be heard.
+TEST(Listening, WhatTurnsInPlaceIsHeardAsWhatTremblesMeanwhile) {
+  const Map map = map_of(bank_of({{440, 3, 8}, {1200, 3, 3}, {2900, 3, 2}}));
+  const auto heard = [&](double way_m, std::size_t block) {
+    const auto path = [way_m](double t) {
+      const double angle = 3 * (std::min(t, 0.3) + std::max(t - 0.5, 0.0));  // and rests in between
+      return Pose{{way_m * std::sin(900 * t), 0, 0}, turn_about_z(angle)};
+    };
+    Player player;
+    player.install(0, map);
+    player.push(listener_at(0, {{1, 0.5, 0}, turn_about_z(kPi)}));
+    player.push(vertex_strike_at(2000, 0, 0, {0, 0, 1}));
+    Flight flight(player);
+    flight.render(path, 9000, block);
+    player.install(0, map, Mixer::Install::retune, {.stiffness = 1.01});
+    flight.render(path, 24600, block);
+    return player.left;
+  };
+  for (const std::size_t block : {128u, 93u}) {
+    EXPECT_LT(relative_error_db(heard(0, block), heard(1e-8, block)), -90) << block;
+  }
+}
+
 // What is silent is not followed: the poses of a second wait when it is struck.
 TEST(Listening, AForkThatHasTurnedInSilenceIsHeardFromTheSideThatItHasTurnedTo) {
   const std::vector<Tone> tones = {{440, 3, 8}, {1200, 3, 8}};
@@ -302,6 +325,22 @@ TEST(Listening, WhateverMovesHoweverIsFiniteAndBounded) {
   }
   EXPECT_LT(largest_of(*player), 100 * 0.05 * 60);  // as many strikes, none louder than its modes at their lobes
   EXPECT_EQ(player->mixer.counters().not_finite, 0u);
+}
+
+// With many modes looks may add up 0.3 terms for each.
+TEST(Listening, LooksThatWouldCostTooMuchComeRarerByAsMuchAndSteadily) {
+  LookPressure pressure;
+  Chunk chunk;
+  const auto chunks = [&](double terms, std::size_t frames) {
+    for (chunk.frames = frames; chunk.begin < 300 * static_cast<Frame>(kChunkFrames); chunk.begin = chunk.end()) {
+      pressure.update(terms, 10000, chunk);
+    }
+    chunk.begin = 0;
+    return pressure.now();
+  };
+  EXPECT_NEAR(chunks(30000, kChunkFrames), 10, 1e-3);
+  EXPECT_NEAR(chunks(15000, kChunkFrames / 2), 10, 1e-3);
+  EXPECT_EQ(chunks(2000, kChunkFrames), 1);
 }
 
 TEST(Listening, PosesThatAreNoNumbersAreRefusedAndChangeNothing) {
