@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t kMaxGeometry = 16 << 20;                            // bytes hashed for a family's name
 constexpr double kMinStepSize = 0.4, kMaxStepSize = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
 constexpr double kSmallAtBends = 0.6;  // of the chosen size: the mean of elements' longest edges
-constexpr double kPreviewUnknowns = 5000, kMostPreviewUnknowns = 20e3, kPreviewShapeError = 0.1;
+constexpr double kPreviewUnknowns = 5000, kMostPreviewUnknowns = 50e3, kPreviewShapeError = 0.1;
 constexpr Eigen::Index kPreviewElements = 10'000;  // of a mesh from a file, that order 2 is still quick with
 
 // Meshes of one geometry with the same parameters, however fine and of whatever material.
@@ -170,6 +170,7 @@ class Baker {
   Result<void> plan() {
     if (recipe_.preview) {
       set_order(2);
+      recipe_.meshing.quick = true;
       recipe_.options.shape_error = std::max(recipe_.options.shape_error, kPreviewShapeError);
     }
     const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);

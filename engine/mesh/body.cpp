@@ -154,7 +154,7 @@ std::string text_of(Making making) {
 }
 
 std::string packed(Question question, const GmshOptions& options) {
-  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, parameters, parts] = options;
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, quick, parameters, parts] = options;
   ByteWriter out;
   out.put(question)
       .put(std::int32_t{unit_m.has_value()})
@@ -163,7 +163,8 @@ std::string packed(Question question, const GmshOptions& options) {
       .put(edge_size_m)
       .put(order)
       .put(std::int32_t{force_coarse})
-      .put(std::int32_t{cavities});
+      .put(std::int32_t{cavities})
+      .put(std::int32_t{quick});
   out.put(std::uint64_t{parameters.size()});
   for (const auto& [name, value] : parameters) {
     put(out, name);
@@ -175,16 +176,17 @@ std::string packed(Question question, const GmshOptions& options) {
 
 bool unpack_question(std::string_view bytes, Question& question, GmshOptions& options) {
   ByteReader in(bytes);
-  std::int32_t has_unit = 0, force_coarse = 0, cavities = 0;
+  std::int32_t has_unit = 0, force_coarse = 0, cavities = 0, quick = 0;
   double unit_m = 0;
   std::uint64_t parameters = 0;
   if (!in.get(question) || !in.get(has_unit) || !in.get(unit_m) || !in.get(options.mesh_size_m)) return false;
   if (!in.get(options.edge_size_m) || !in.get(options.order) || !in.get(force_coarse)) return false;
-  if (!in.get(cavities) || !in.get(parameters)) return false;
+  if (!in.get(cavities) || !in.get(quick) || !in.get(parameters)) return false;
   if (parameters > kMaxParameters) return false;
   options.unit_m = has_unit != 0 ? std::optional(unit_m) : std::nullopt;
   options.force_coarse = force_coarse != 0;
   options.cavities = cavities != 0;
+  options.quick = quick != 0;
   options.parameters.clear();
   for (; parameters > 0; --parameters) {
     std::string name;

@@ -26,11 +26,23 @@ struct GmshOptions {
   int order = 3;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
   bool force_coarse = false;                 // of a surface: walls may be thinner than a cell (stuffed_body.h)
   bool cavities = false;                     // of a surface: CavityRule::kInside in place of kWoundTheOtherWay
+  bool quick = false;                        // of a surface: with fewer triangles, where it has very many (simplify.h)
   std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
   // Of a surface: files of closed surfaces inside it, in its unit, named from its folder. The elements inside each
   // are a group of that name (parted_surface.h).
   std::vector<std::string> parts;
 };
+
+// The options that a surface depends on, before it is meshed.
+struct SurfaceOptions {
+  double unit_m = 1;
+  bool cavities = false, quick = false;
+
+  friend bool operator==(const SurfaceOptions&, const SurfaceOptions&) = default;
+};
+inline SurfaceOptions surface_options(const GmshOptions& options) {
+  return {options.unit_m.value_or(1), options.cavities, options.quick};
+}
 
 enum class Making : std::int32_t { kRead, kMeshed, kFilled, kStuffed, kRefilled };
 

@@ -5,6 +5,7 @@
 #include "engine/mesh/fill.h"
 #include "engine/mesh/gmsh_reader.h"
 #include "engine/mesh/parted_surface.h"
+#include "engine/mesh/simplify.h"
 #include "engine/mesh/stuffed_body.h"
 #include "engine/mesh/surface_distance.h"
 #include "engine/mesh/surface_file.h"
@@ -18,7 +19,9 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr double kReach = 0.05;  // of the diagonal, that a surface is looked for beside its mesh
+constexpr std::size_t kQuickTriangles = 20'000;  // twice as many as a surface is cut into at first (fill.cpp)
+constexpr double kQuickShare = 0.005;            // of the diagonal, that a surface may move by when it gets so few
+constexpr double kReach = 0.05;                  // of the diagonal, that a surface is looked for beside its mesh
 
 Result<void> check_unit(const std::filesystem::path& path, const std::optional<double>& unit_m) {
   if (!unit_m || (*unit_m > 0 && std::isfinite(*unit_m))) return {};
@@ -30,6 +33,10 @@ std::vector<std::string> notes_of(const PreparedSurface& surface) {
   for (const Finding& finding : surface.found.findings) notes.push_back("found: " + describe(finding));
   for (const std::string& action : surface.actions) notes.push_back("repaired: " + action);
   return notes;
+}
+
+std::string note_of_fewer(Eigen::Index before, Eigen::Index after) {
+  return "took " + std::to_string(after) + " triangles for its " + std::to_string(before) + ", for a preview";
 }
 
 std::string note_of_loss(const CheckedMesh& checked) {
@@ -53,17 +60,20 @@ Result<void> check_takes_parts(const std::filesystem::path& path, const GmshOpti
 BodyMaker::BodyMaker(std::filesystem::path path) : path_(std::move(path)) {}
 
 Result<const PreparedSurface*> BodyMaker::surface(const GmshOptions& options) {
-  const double unit_m = options.unit_m.value_or(1);
+  const SurfaceOptions wanted = surface_options(options);
   if (auto good = check_unit(path_, options.unit_m); !good) return fail(good.error());
-  if (!surface_ || surface_unit_m_ != unit_m || surface_cavities_ != options.cavities) {
+  if (!surface_ || surface_options_ != wanted) {
     if (!options.parameters.empty())
       return fail(ErrorKind::bad_input, path_.string() + " takes no parameters; only .geo files have them");
     Result<TriangleMesh> read = read_surface(path_);
     if (!read) return fail(read.error());
-    read->nodes *= unit_m;
-    surface_ = prepare(*read, options.cavities ? CavityRule::kInside : CavityRule::kWoundTheOtherWay);
-    surface_unit_m_ = unit_m;
-    surface_cavities_ = options.cavities;
+    read->nodes *= wanted.unit_m;
+    const Eigen::Index triangles = read->triangles.rows();
+    if (wanted.quick) *read = simplified(*read, kQuickTriangles, kQuickShare * diagonal_of(*read));
+    surface_ = prepare(*read, wanted.cavities ? CavityRule::kInside : CavityRule::kWoundTheOtherWay);
+    if (read->triangles.rows() < triangles)
+      surface_->actions.push_back(note_of_fewer(triangles, read->triangles.rows()));
+    surface_options_ = wanted;
   }
   return &*surface_;
 }
@@ -128,7 +138,8 @@ Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progre
     return fail(few.error());
   if (!options.parts.empty()) return make_of_parts(**prepared, options);
   if (left.sound()) {
-    Result<Filled> filled = fill(mesh, {options.mesh_size_m, options.order, wall_thickness(mesh)}, path_.string());
+    Result<Filled> filled =
+        fill(mesh, {options.mesh_size_m, options.order, wall_thickness(mesh), options.quick}, path_.string());
     if (filled) {
       if (!filled->note.empty()) body.notes.push_back(filled->note);
       body.mesh = std::move(filled->mesh);
@@ -142,8 +153,8 @@ Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progre
       if (!is_harmless(finding.fault)) body.notes.push_back("left: " + describe(finding));
     }
   }
-  Result<Body> stuffed =
-      make_stuffed(mesh, {options.mesh_size_m, options.order, 0}, options.force_coarse, path_.string(), progress);
+  Result<Body> stuffed = make_stuffed(mesh, {options.mesh_size_m, options.order, 0, options.quick},
+                                      options.force_coarse, path_.string(), progress);
   if (stuffed) stuffed->notes.insert(stuffed->notes.begin(), body.notes.begin(), body.notes.end());
   return stuffed;
 }
@@ -168,8 +179,8 @@ Result<Body> BodyMaker::make_of_parts(const PreparedSurface& surface, const Gmsh
   }
   const Result<PartedSurface> parted = mesh::part(surface.mesh, inner, path_.filename().string());
   if (!parted) return fail(parted.error());
-  Result<Filled> filled =
-      fill_parts(*parted, {options.mesh_size_m, options.order, wall_thickness(parted->mesh)}, path_.string());
+  Result<Filled> filled = fill_parts(
+      *parted, {options.mesh_size_m, options.order, wall_thickness(parted->mesh), options.quick}, path_.string());
   if (!filled)
     return fail(filled.error().kind, "cannot mesh " + path_.string() + " with its parts: " + filled.error().message +
                                          "; name a smaller mesh size, or thicken what lies between the surfaces");

@@ -33,8 +33,7 @@ class BodyMaker {
 
   std::filesystem::path path_;
   std::optional<PreparedSurface> surface_;
-  double surface_unit_m_ = 0;
-  bool surface_cavities_ = false;
+  SurfaceOptions surface_options_;
 };
 
 }  // namespace ringdown::mesh

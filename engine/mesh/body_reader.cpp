@@ -107,15 +107,13 @@ Result<Answer> BodyReader::unpacked(const std::string& bytes) const {
 }
 
 Result<const PreparedSurface*> BodyReader::surface(const GmshOptions& options, const Progress& progress) {
-  const double unit_m = options.unit_m.value_or(1);
-  if (surface_ && surface_unit_m_ == unit_m && surface_cavities_ == options.cavities) return &*surface_;
+  if (surface_ && surface_options_ == surface_options(options)) return &*surface_;
   Result<PreparedSurface> read = ask(Question::kSurface, options, progress).and_then([this](const std::string& bytes) {
     return unpacked<PreparedSurface>(bytes);
   });
   if (!read) return fail(read.error());
   surface_ = std::move(*read);
-  surface_unit_m_ = unit_m;
-  surface_cavities_ = options.cavities;
+  surface_options_ = surface_options(options);
   return &*surface_;
 }
 
@@ -135,7 +133,7 @@ Result<Body> BodyReader::read(const GmshOptions& options, const Progress& progre
 // It keeps the bytes that the reading process gave back, and they are checked in the same way when they come from it.
 namespace {
 
-constexpr int kFormat = 11;                                    // of an entry, and of how bodies are made
+constexpr int kFormat = 12;                                    // of an entry, and of how bodies are made
 constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;  // bytes; a larger file is read each time
 
 // Words of gmsh's language and of mesh formats by which a result depends on more than the file and its parameters. One
@@ -165,7 +163,7 @@ bool has_companions(const std::filesystem::path& path) {
 // Every option by name: a new one that is not in the key does not compile.
 ContentHash key_of(const std::filesystem::path& path, const std::string& text, const GmshOptions& options,
                    const std::vector<std::string>& part_texts) {
-  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, parameters, parts] = options;
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, quick, parameters, parts] = options;
   ContentHasher hasher;
   hasher.value(kFormat).text(GMSH_API_VERSION).text(path.extension().string()).text(text);
   hasher.value(unit_m.value_or(0))
@@ -173,7 +171,8 @@ ContentHash key_of(const std::filesystem::path& path, const std::string& text, c
       .value(edge_size_m)
       .value(order)
       .value(force_coarse)
-      .value(cavities);
+      .value(cavities)
+      .value(quick);
   for (const auto& [name, value] : parameters) hasher.text(name).value(value);
   for (std::size_t p = 0; p < parts.size(); ++p) hasher.text(parts[p]).text(part_texts[p]);
   return hasher.hash();

@@ -67,8 +67,7 @@ class BodyReader {
   HelperLimits limits_;
   HelperProcess helper_;
   std::optional<PreparedSurface> surface_;
-  double surface_unit_m_ = 0;
-  bool surface_cavities_ = false;
+  SurfaceOptions surface_options_;
 };
 
 }  // namespace ringdown::mesh

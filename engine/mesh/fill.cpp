@@ -28,14 +28,17 @@ namespace {
 constexpr double kEdgePerSize = 0.85;      // CGAL's edges scatter about the length asked for
 constexpr double kEdgePerWall = 0.7;       // no shorter, at first: rounded rims of a wall get two or three
 constexpr double kMaxDeviation = 1 / 7.0;  // of the thickness at that place
+constexpr double kQuickDeviation = 0.3;    // of a preview, whose nodes are put back on the surface as well
 constexpr double kMaxLeaving = 0.03;       // of the area, where triangles may leave the surface farther than that
 // If all were of the shortest edges, at the first try and at later ones.
-constexpr double kFirstTriangles = 12e3, kMostTriangles = 40e3;
-constexpr double kLeave = 0.8;  // of kMaxDeviation, so that few go beyond
+constexpr double kFirstTriangles = 12e3, kFirstQuickTriangles = 4000, kMostTriangles = 40e3;
+constexpr double kLeave = 0.8;  // of the most they may deviate, so that few go beyond
 constexpr double kFiner = 0.6, kFewerDegrees = 0.85;
 constexpr int kMaxTries = 4;
 constexpr double kVolumeSlip = 0.03;
 constexpr double kVolumeToCurve = 0.15;  // that flat triangles may lose, and curved ones win back
+
+double max_deviation(const FillOptions& options) { return options.quick ? kQuickDeviation : kMaxDeviation; }
 
 // Shells as gmsh's surfaces, in units of `unit_m`, and what is meshed between them.
 class GmshBody {
@@ -156,7 +159,7 @@ Result<CheckedMesh> curved(const CheckedMesh& straight, const PartedSurface& ont
   TetMesh mesh = to_order(straight.mesh, options.order);
   const SurfaceRays surface(onto.mesh);
   const double farthest =
-      std::max(2 * kMaxDeviation * options.wall_m, (options.wall_m > 0 ? 0.1 : 0.25) * options.size_m);
+      std::max(2 * max_deviation(options) * options.wall_m, (options.wall_m > 0 ? 0.1 : 0.25) * options.size_m);
   std::vector<bool> corner(static_cast<std::size_t>(mesh.nodes.rows()), false);
   for (const std::int32_t n : mesh.elements.leftCols(4).reshaped()) corner[static_cast<std::size_t>(n)] = true;
   for (const std::int32_t n : nodes_of_skins(mesh, straight.groups)) {
@@ -184,9 +187,9 @@ struct Sized {
   double size_m;
 };
 
-// The share of the area where triangles leave the old surface by more than kMaxDeviation of what the body is thick
-// there, or of `wall_m` where that is more, as beside a sharp rim.
-double share_that_leaves(const Remeshed& remeshed, double wall_m) {
+// The share of the area where triangles leave the old surface by more than they may: a share of what the body is
+// thick there, or of the thinnest wall where that is more, as beside a sharp rim.
+double share_that_leaves(const Remeshed& remeshed, const FillOptions& options) {
   const SurfaceRays rays(remeshed.mesh);
   double area = 0, leaves = 0;
   for (Eigen::Index t = 0; t < remeshed.mesh.triangles.rows(); ++t) {
@@ -196,7 +199,7 @@ double share_that_leaves(const Remeshed& remeshed, double wall_m) {
     const double part = (b - a).cross(c - a).norm();
     area += part;
     const double deviation = remeshed.deviations_m[static_cast<std::size_t>(t)];
-    if (deviation > kMaxDeviation * std::max(wall_m, rays.inward(t))) leaves += part;
+    if (deviation > max_deviation(options) * std::max(options.wall_m, rays.inward(t))) leaves += part;
   }
   return leaves / area;
 }
@@ -209,10 +212,10 @@ Result<Sized> sized(const PartedSurface& parted, const FillOptions& options) {
   const auto edge_of = [area](double triangles) { return std::sqrt(area / (std::sqrt(3) / 4 * triangles)); };
   EdgeLengths lengths{.longest_m = kEdgePerSize * options.size_m,
                       .shortest_m = kEdgePerWall * (options.wall_m > 0 ? options.wall_m : options.size_m),
-                      .leave_m = kLeave * kMaxDeviation * options.wall_m,
-                      .leave_share = kLeave * kMaxDeviation};
+                      .leave_m = kLeave * max_deviation(options) * options.wall_m,
+                      .leave_share = kLeave * max_deviation(options)};
   lengths.shortest_m = std::clamp(lengths.shortest_m, lengths.longest_m / 8, lengths.longest_m / 4);
-  lengths.shortest_m = std::max(lengths.shortest_m, edge_of(kFirstTriangles));
+  lengths.shortest_m = std::max(lengths.shortest_m, edge_of(options.quick ? kFirstQuickTriangles : kFirstTriangles));
   const double volume = volume_of(shells_of(surface));
   const double slip = options.order > 1 ? kVolumeToCurve : kVolumeSlip;
   std::string why;
@@ -220,7 +223,7 @@ Result<Sized> sized(const PartedSurface& parted, const FillOptions& options) {
     const Result<Remeshed> remeshed = remesh(surface, lengths);
     if (!remeshed) return fail(remeshed.error());
     const double now = volume_of(shells_of(remeshed->mesh));
-    if (share_that_leaves(*remeshed, options.wall_m) > kMaxLeaving || std::abs(now - volume) > slip * volume) {
+    if (share_that_leaves(*remeshed, options) > kMaxLeaving || std::abs(now - volume) > slip * volume) {
       why = "triangles of the chosen size leave it";
     } else if (!self_intersections(remeshed->mesh, 1).empty()) {
       why = "triangles of the chosen size cut each other";

@@ -11,9 +11,10 @@
 namespace ringdown::mesh {
 
 struct FillOptions {
-  double size_m = 0;  // longest edge; 0: the surface's own triangles, and as few inside as it takes
-  int order = 3;      // 1: straight elements; 2 to 4: their outer faces follow the surface
-  double wall_m = 0;  // the thinnest wall; 0: not known
+  double size_m = 0;   // longest edge; 0: the surface's own triangles, and as few inside as it takes
+  int order = 3;       // 1: straight elements; 2 to 4: their outer faces follow the surface
+  double wall_m = 0;   // the thinnest wall; 0: not known
+  bool quick = false;  // coarser where the surface bends, and farther from it, before its nodes are put back on it
 };
 
 struct Filled {

@@ -46,15 +46,15 @@ SmoothFacets::SmoothFacets(const TriangleMesh& surface)
     normals_.row(t) = is_degenerate(surface, t) ? Eigen::Vector3d(0, 0, 0) : twice.normalized();
     angles.push_back({angle_at(t, 0), angle_at(t, 1), angle_at(t, 2)});
   }
-  const double smooth = std::cos(sharpest_smooth_angle());
   const TriangleFans fans(surface);
+  const std::vector<double> smooth = least_smooth_cosines(fans);
   const auto normal_at = [&](Eigen::Index t, int i) {
     const std::int32_t node = surface.triangles(t, i);
     const auto fan = fans.at(node);
     Eigen::RowVector3d sum = normals_.row(t) * 1e-12;
     if (fan.size() > kMaxFan) return Eigen::RowVector3d(normals_.row(t));
     for (const std::int32_t other : fan) {
-      if (normals_.row(other).dot(normals_.row(t)) < smooth) continue;
+      if (normals_.row(other).dot(normals_.row(t)) < smooth[static_cast<std::size_t>(node)]) continue;
       const auto row = surface.triangles.row(other);
       const int place = row[0] == node ? 0 : row[1] == node ? 1 : 2;
       const double size =
@@ -77,23 +77,47 @@ SmoothFacets::SmoothFacets(const TriangleMesh& surface)
 }
 
 // Programs cut curves at about equal angles. Where most edges are blunt, as around a fine lathe's work, those that are
-// several times sharper are edges of the body, such as the rings where its profile has corners.
-double SmoothFacets::sharpest_smooth_angle() const {
+// several times sharper are edges of the body, such as the rings where its profile has corners. Scanners cut at about
+// equal lengths, so that where a body bends most, as at an animal's ears, all edges are several times sharper than most
+// elsewhere. So an edge of the body is one that is also several times sharper than most around it.
+std::vector<double> SmoothFacets::least_smooth_cosines(const TriangleFans& fans) const {
+  const double sharp = kSharpAngle_deg * std::numbers::pi / 180;
+  const auto middle_of = [](std::vector<double>& angles) {
+    if (angles.empty()) return 0.0;
+    const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+    std::nth_element(angles.begin(), middle, angles.end());
+    return *middle;
+  };
   const std::vector<EdgeUse> edges =
       edges_of(surface_, std::vector<bool>(static_cast<std::size_t>(surface_.triangles.rows()), true));
   std::vector<double> angles;
-  const double sharp = kSharpAngle_deg * std::numbers::pi / 180;
+  std::vector<std::array<double, 3>> of_triangle(bulges_.size(), {0, 0, 0});  // 0: no such edge
   for (std::size_t first = 0, last; first < edges.size(); first = last) {
     last = end_of_edge(edges, first);
     if (last - first != 2) continue;
     const Eigen::RowVector3d a = normals_.row(edges[first].triangle), b = normals_.row(edges[first + 1].triangle);
     const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
-    if (angle > kOnePlane_rad && angle < sharp) angles.push_back(angle);
+    if (!(angle > kOnePlane_rad && angle < sharp)) continue;
+    angles.push_back(angle);
+    for (std::size_t e = first; e < last; ++e) {
+      std::array<double, 3>& own = of_triangle[static_cast<std::size_t>(edges[e].triangle)];
+      *std::find(own.begin(), own.end(), 0.0) = angle;
+    }
   }
-  if (angles.empty()) return sharp;
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return std::min(sharp, kTimesMedian * *middle);
+  const double everywhere = angles.empty() ? sharp : middle_of(angles);
+  std::vector<double> cosines;
+  for (std::int32_t node = 0; node < surface_.nodes.rows(); ++node) {
+    std::vector<double> around;
+    if (fans.at(node).size() <= kMaxFan) {
+      for (const std::int32_t t : fans.at(node)) {
+        for (const double angle : of_triangle[static_cast<std::size_t>(t)]) {
+          if (angle > 0) around.push_back(angle);
+        }
+      }
+    }
+    cosines.push_back(std::cos(std::min(sharp, kTimesMedian * std::max(everywhere, middle_of(around)))));
+  }
+  return cosines;
 }
 
 Eigen::RowVector3d SmoothFacets::rise(Eigen::Index triangle, const Eigen::RowVector3d& point) const {

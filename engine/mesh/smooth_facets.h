@@ -4,8 +4,9 @@
 //   const Eigen::RowVector3d way = facets.rise(triangle, point);  // from the facet to the curve
 //
 // Neighbours that meet at less than kSharpAngle_deg (remesh.h), and at no more than three times the angle that most
-// meet at, are taken to stand for one curved surface through their corners, all others for an edge of the body. A box
-// has no rise anywhere, a cylinder of n sides of radius r one of r (1 - cos(pi / n)) at the middle of each side.
+// meet at, around them or everywhere, are taken to stand for one curved surface through their corners, all others for
+// an edge of the body. A box has no rise anywhere, a cylinder of n sides of radius r one of r (1 - cos(pi / n)) at the
+// middle of each side.
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
@@ -29,7 +30,8 @@ class SmoothFacets {
   [[nodiscard]] Eigen::Vector3d corner(Eigen::Index t, int i) const {
     return surface_.nodes.row(surface_.triangles(t, i)).transpose();
   }
-  [[nodiscard]] double sharpest_smooth_angle() const;  // radians
+  // Of each node, the cosine of the largest angle at which triangles there stand for one curve.
+  [[nodiscard]] std::vector<double> least_smooth_cosines(const TriangleFans& fans) const;
 
   const TriangleMesh& surface_;
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> normals_;  // of each triangle; 0 where it has no area

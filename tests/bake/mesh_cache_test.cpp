@@ -55,10 +55,13 @@ TEST(MeshCache, TheCacheGivesTheSameMeshBitForBitWithoutMeshing) {
 TEST(MeshCache, EveryOptionAndTheContentMakeAnotherMesh) {
   const Case box;
   (void)box.read();
-  const std::function<void(mesh::GmshOptions&)> changes[] = {
-      [](auto& o) { o.unit_m = 0.002; },      [](auto& o) { o.mesh_size_m = 0.003; },
-      [](auto& o) { o.order = 1; },           [](auto& o) { o.cavities = true; },
-      [](auto& o) { o.force_coarse = true; }, [](auto& o) { o.parameters["side"] = 11; }};
+  const std::function<void(mesh::GmshOptions&)> changes[] = {[](auto& o) { o.unit_m = 0.002; },
+                                                             [](auto& o) { o.mesh_size_m = 0.003; },
+                                                             [](auto& o) { o.order = 1; },
+                                                             [](auto& o) { o.cavities = true; },
+                                                             [](auto& o) { o.force_coarse = true; },
+                                                             [](auto& o) { o.quick = true; },
+                                                             [](auto& o) { o.parameters["side"] = 11; }};
   std::size_t expected = 1;
   for (const auto& change : changes) {
     mesh::GmshOptions other = options();
