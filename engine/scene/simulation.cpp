@@ -49,7 +49,7 @@ constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.01, kSleepSpin_rad_s =
 constexpr int kSleepSamples = 10;
 
 // Bodies that have stayed where they are for this long sleep, however they tremble. Of 600 starts of crossed knives 0.5
-// s left nine trembling for more than a second; 0.3 s leaves two.
+// s left nine trembling for more than a second; 0.3 s leaves two to four.
 constexpr double kSleepWhenStill_s = 0.3;
 
 // Energy that an island may gain in one part, as a share of its kinetic energy: the error of the solvers.
