@@ -19,6 +19,7 @@
 namespace ringdown::mesh {
 namespace {
 
+constexpr Eigen::Index kManyTriangles = 50'000;  // fewer are quick as they are
 constexpr std::size_t kQuickTriangles = 20'000;  // twice as many as a surface is cut into at first (fill.cpp)
 constexpr double kQuickShare = 0.005;            // of the diagonal, that a surface may move by when it gets so few
 constexpr double kReach = 0.05;                  // of the diagonal, that a surface is looked for beside its mesh
@@ -69,7 +70,8 @@ Result<const PreparedSurface*> BodyMaker::surface(const GmshOptions& options) {
     if (!read) return fail(read.error());
     read->nodes *= wanted.unit_m;
     const Eigen::Index triangles = read->triangles.rows();
-    if (wanted.quick) *read = simplified(*read, kQuickTriangles, kQuickShare * diagonal_of(*read));
+    if (wanted.quick && triangles > kManyTriangles)
+      *read = simplified(*read, kQuickTriangles, kQuickShare * diagonal_of(*read));
     surface_ = prepare(*read, wanted.cavities ? CavityRule::kInside : CavityRule::kWoundTheOtherWay);
     if (read->triangles.rows() < triangles)
       surface_->actions.push_back(note_of_fewer(triangles, read->triangles.rows()));

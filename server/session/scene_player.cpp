@@ -260,7 +260,8 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
     if (!world_) return false;
     const bool matters = body_count_ > 0 && (watched_ || world_->sounds());
     if (playing_.paused || !(matters || world_->has_lasting_contacts())) {
-      delay(frame - reported_until());
+      const Frame by = frame - reported_until();
+      if (by > 0) world_->set_start_frame(start_ += by);
       return false;
     }
     if (slack) slow_down(frame - reported_until() - *slack);
@@ -318,7 +319,7 @@ Frame ScenePlayer::reported_until() const {
 void ScenePlayer::slow_down(Frame by) {
   if (by <= 0) return;
   const double rate = rack_.mixer().sample_rate_hz();
-  delay(by);
+  world_->set_start_frame(start_ += by);
   slowed_s_ = slowed_s_ + static_cast<double>(by) / rate;
   if (slowed_s_ < reported_slowed_s_ + kWarnEvery_s) return;
   reported_slowed_s_ = slowed_s_;
@@ -326,11 +327,6 @@ void ScenePlayer::slow_down(Frame by) {
   std::snprintf(lost, sizeof lost, "%.1f", reported_slowed_s_);
   rack_.warn("scene: this computer cannot keep up with it, and it has lost " + std::string(lost) +
              " s; fewer bodies or a longer step_s help");
-}
-
-// Moves all that is to come later. A negative delay does nothing.
-void ScenePlayer::delay(Frame by) {
-  if (by > 0) world_->set_start_frame(start_ += by);
 }
 
 // Sets the dampers that the scene's bodies lay on objects or take away. Called without the mutex, because the worker,

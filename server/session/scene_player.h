@@ -148,7 +148,6 @@ class ScenePlayer {
   Result<scene::BodyId> spawn(const std::optional<protocol::ObjectRef>& object, scene::BodyDescription body);
   [[nodiscard]] synth::Frame position() const;
   [[nodiscard]] synth::Frame reported_until() const;
-  void delay(synth::Frame by);
   void slow_down(synth::Frame by);
   void pass_on(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings);
   [[nodiscard]] std::vector<scene::RestDamping> end_contacts();
