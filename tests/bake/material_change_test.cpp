@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 namespace ringdown {
@@ -17,10 +18,12 @@ namespace {
 const modal::Material kSteel = {"steel", 200e9, 0.3, 7850, {5, 3e-8}}, kOther = {"other", 61e9, 0.3, 1930, {0.3, 2e-7}};
 
 // Three unlike edges, off the origin. All points of the surface: which of them a smaller bank keeps is up to rounding.
-modal::Bank baked(double size, const modal::Material& material, double high_hz) {
+modal::Bank baked(double size, const modal::Material& material, double high_hz,
+                  const std::optional<bake::Grain>& grain = {}) {
   mesh::TetMesh mesh = test::box_mesh({8, 2, 2}, size * Eigen::Vector3d(0.2, 0.025, 0.011));
   mesh.nodes.col(1).array() += 0.1 * size;
-  const bake::BakeOptions options{.band_low_hz = 20, .band_high_hz = high_hz, .points = 100'000};
+  bake::BakeOptions options{.band_low_hz = 20, .band_high_hz = high_hz, .points = 100'000};
+  options.makeup.grain = grain;
   return bake::bake(test::checked(mesh), material, options, "bar").value().bank;
 }
 
@@ -76,6 +79,34 @@ TEST(Change, AChangeOfMaterialIsABakeInIt) {
   ASSERT_TRUE(changed);
   EXPECT_EQ(changed->bank.material->name, "other");
   expect_same(changed->bank, baked(1.3, kOther, changed->bank.provenance.band_high_hz), 1e-6);
+}
+
+// Each mode keeps its own share of losses along the grain and across it. Which modes end the band is up to their
+// losses, so those below are compared.
+TEST(Change, ABodyWithAGrainChangesSizeAndMaterialAsABakeDoes) {
+  const bake::Grain grain{.along = {1, 0, 0}, .radial = Vec3{0, 0, 1}};
+  modal::Material spruce = {"spruce", 11e9, 0.3, 430, {0, 4e-6}};
+  spruce.orthotropy = modal::Orthotropy{.youngs_modulus_pa = {11e9, 0.86e9, 0.47e9},
+                                        .poisson_ratio = {0.37, 0.47, 0.44},
+                                        .shear_modulus_pa = {0.70e9, 0.67e9, 0.033e9},
+                                        .loss = {1, 2.5, 2.5, 2, 2, 2.5}};
+  modal::Material stiffer = spruce;
+  stiffer.youngs_modulus_pa *= 1.4;
+  stiffer.orthotropy = modal::stiffer(*spruce.orthotropy, 1.4);
+  stiffer.density_kg_m3 = 510;
+  stiffer.damping.beta_s = 2e-6;
+  const modal::Bank one = baked(1, spruce, 14000, grain);
+  const auto changed = bake::change(one, {.size = 1.3, .material = stiffer});
+  ASSERT_TRUE(changed) << changed.error().message;
+  EXPECT_EQ(changed->bank.material->orthotropy, stiffer.orthotropy);
+  const modal::Bank other = baked(1.3, stiffer, changed->bank.provenance.band_high_hz, grain);
+  const auto order_a = by_pitch(changed->bank), order_b = by_pitch(other);
+  const std::size_t count = std::min(order_a.size(), order_b.size()) - 2;
+  ASSERT_GE(count, 10u);
+  for (std::size_t i = 0; i < count; ++i) {
+    EXPECT_NEAR(changed->bank.frequency_hz[order_a[i]] / other.frequency_hz[order_b[i]], 1, 1e-6) << i;
+    EXPECT_NEAR(changed->bank.decay_per_s[order_a[i]] / other.decay_per_s[order_b[i]], 1, 1e-5) << i;
+  }
 }
 
 TEST(Change, AChangeToALossFactorOfEachFrequencyAndBackIsABakeInIt) {
