@@ -6,6 +6,8 @@
 #include "engine/scene/gltf_writer.h"
 #include "engine/scene/scene_file.h"
 
+#include <CLI/CLI.hpp>
+
 #include <cstdio>
 #include <filesystem>
 #include <memory>
