@@ -30,7 +30,7 @@ class SmoothFacets {
   [[nodiscard]] Eigen::Vector3d corner(Eigen::Index t, int i) const {
     return surface_.nodes.row(surface_.triangles(t, i)).transpose();
   }
-  // Of each node, the cosine of the largest angle at which triangles there stand for one curve.
+  // Returns for each node the cosine of the largest angle between two triangles there that stand for one curve.
   [[nodiscard]] std::vector<double> least_smooth_cosines(const TriangleFans& fans) const;
 
   const TriangleMesh& surface_;

@@ -36,7 +36,7 @@ struct IslandState {
   // Of the island, kept at its root:
   bool any_moves = false;
   std::size_t contacts = 0;
-  // What Islands::weigh() finds:
+  // Islands::weigh() finds these.
   bool any_exempt = false, any_held = false;
   double total_before_j = 0, total_j = 0, gained_j = 0, bounced_j = 0;
   double mass_kg = 0;

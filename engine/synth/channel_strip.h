@@ -44,9 +44,9 @@ class ChannelStrip {
   // In the frames of a span it goes from one place to another, from where it is heard from at its begin by a share of
   // the way. A share above 1: it was not heard before, and begins at `from`.
   void place(const Place& from, const Place& to, Span span, double share) RINGDOWN_REALTIME;
-  // Whether place() has sent it to where it should be at the frame `end`, its gain included.
+  // Returns whether the object is on its way, by place(), to where it should be at the frame `end`, and to its gain.
   [[nodiscard]] bool placed_until(Frame end) const RINGDOWN_REALTIME;
-  // The same as place(), back to its own pan.
+  // The object goes back to its own pan, as by place().
   void place_nowhere(Span span, double share) RINGDOWN_REALTIME;
   void stand(Frame now) RINGDOWN_REALTIME;  // from now on it stays where it is
   void unplace() RINGDOWN_REALTIME { placed_ = false; }

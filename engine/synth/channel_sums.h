@@ -17,7 +17,7 @@ namespace ringdown::synth {
 
 class ChannelSums {
  public:
-  // Whether there are ambisonic channels. [worker, while nothing is rendered]
+  // Makes room for ambisonic channels, or gives it back. [worker, while nothing is rendered]
   void have_field(bool on) { field_ = on ? std::make_unique<FieldSums>() : nullptr; }
 
   // Begins a chunk of `frames`; what was added before is dropped. More than kChunkFrames only if nothing is added.
@@ -26,7 +26,7 @@ class ChannelSums {
   // The samples or moments of a channel, to be added to.
   double* samples(std::size_t channel) RINGDOWN_REALTIME;
   MomentSums* moments(std::size_t channel) RINGDOWN_REALTIME;
-  // Where an object that is heard in many channels is added instead; null where there are no ambisonic channels.
+  // Returns the sums that take an object for all of its channels together; null where there are no ambisonic channels.
   [[nodiscard]] FieldSums* field() RINGDOWN_REALTIME { return field_.get(); }
 
   // Adds all that was added to `other` in the same chunk.

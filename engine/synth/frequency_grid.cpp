@@ -15,7 +15,7 @@ using Half = std::array<double, kHalf>;
 
 double time_of(std::size_t frame) { return (static_cast<double>(frame) - kMomentMiddle) / kMomentScale; }
 
-// Of line n of a band, over its middle [radians per unit of t].
+// Returns by how much line n of a band lies above the middle of the band [radians per unit of t].
 double detuning(std::size_t n) {
   return (static_cast<double>(n) - 0.5 * static_cast<double>(kGridReach - 1)) * kPi / 2;
 }
@@ -40,8 +40,8 @@ Half solve(std::array<Half, kHalf> matrix, Half right) {  // by Gauss; the matri
   return right;
 }
 
-// But for the decay about which they expand, shapes are even or odd in t as their p is, so lines come in pairs: cosines
-// or sines, fitted to the shape by least squares.
+// The shapes q_p, without the decay about which they expand, are even or odd in t as p is. So lines come in pairs, as
+// cosines or sines, and least squares fit these to the shape.
 Half fit(std::size_t p) {
   std::array<Half, kHalf> matrix{};
   Half right{};

@@ -29,8 +29,8 @@ struct FrequencyGrid {
 };
 const FrequencyGrid& frequency_grid();  // [worker]
 
-// What a mode's z is multiplied with to make lines: of line i, the real part stands at place i modulo kGridReach and
-// the imaginary one kGridReach places behind. [worker]
+// Returns the factors that make lines of a mode's z: line i has its real part at place i modulo kGridReach, and its
+// imaginary part kGridReach places behind. [worker]
 std::array<float, 2 * kGridReach> grid_weights(std::complex<double> s);
 
 }  // namespace ringdown::synth

@@ -18,7 +18,7 @@ namespace ringdown::synth::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Where each element of two halves of kMoments comes from when both are moved round by so many places.
+// This table tells from where each element of two halves of kMoments comes when both are moved round by some places.
 struct MovedRound {
   alignas(64) std::int32_t of[kMoments][2 * kMoments] = {};
   constexpr MovedRound() {
@@ -122,7 +122,7 @@ struct Numbers {
 using Eight = Numbers<kMoments>;
 using Pair = Numbers<2 * kMoments>;  // real parts, then imaginary ones
 
-// For a band that begins at a place, 1 at the places of its lines that lie in the next block, below that place.
+// This table has, for a band that begins at a place, a 1 at the places of its lines that lie in the next block.
 struct InNextBlock {
   alignas(64) float of[kGridReach][2 * kGridReach] = {};
   constexpr InNextBlock() {
@@ -145,7 +145,7 @@ class GridBlocks {
     first_ = first_ + subtract_product(next, lines, lines);
     second_ = multiply_add(next, lines, second_);
   }
-  // The same of a band's moments.
+  // Turns a band's moments into lines and adds these.
   HWY_INLINE void add_moments(std::size_t band, Pair moments) {
     alignas(64) float numbers[2 * kMoments];
     moments.store(numbers);

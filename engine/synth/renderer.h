@@ -22,7 +22,8 @@ class Renderer {
   // Renders on `threads` threads, the audio thread among them. [worker, while nothing is rendered]
   void set_threads(std::size_t threads);
   [[nodiscard]] std::size_t threads() const RINGDOWN_REALTIME { return workspaces_.size(); }
-  // Whether there are ambisonic channels, which set_threads() forgets. [worker, while nothing is rendered]
+  // Makes room for ambisonic channels in each thread, which is to be done again after set_threads(). [worker, while
+  // nothing is rendered]
   void have_field(bool on) {
     for (Workspace& workspace : workspaces_) workspace.sums.have_field(on);
   }
