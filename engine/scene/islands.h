@@ -50,8 +50,8 @@ class Islands {
   };
 
   // Returns whether an island that bounces has gained energy, beyond the work of gravity and of pushes. The elasticity
-  // of the bodies of such islands is lowered: by as much as should do, or to 0 if it is the last time. `points` are those passed
-  // to unite(), in that order.
+  // of the bodies of such islands is lowered: by as much as should do, or to 0 if it is the last time. `points` are
+  // those passed to unite(), in that order.
   bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, const Check& check);
 
   // Takes what islands that bounce have gained nevertheless, the work of pushes included, from their velocities.
