@@ -20,6 +20,8 @@ Request request_for(const synth::Event& event, const ObjectRef& object) {
           return SetBow{object, event.point_m, event.touch};
         case synth::Touch::Kind::mallet:
           return HitMallet{object, event.point_m, event.touch.speed_m_s * event.touch.direction, event.touch};
+        case synth::Touch::Kind::rub:
+          return SetContact{object, event.point_m, event.contact};
         case synth::Touch::Kind::couple:
           break;
       }

@@ -1,6 +1,7 @@
 #include "engine/scene/bearing.h"
 
 #include "engine/modal/surface_relief.h"
+#include "engine/scene/contact_rules.h"
 #include "engine/scene/fixed_contacts.h"
 #include "engine/scene/hertz.h"
 #include "engine/scene/rotation.h"
@@ -93,6 +94,18 @@ FilterWidths filter_widths(const ContactSide& a, const ContactSide& b, double lo
   const double gradient = std::sqrt(2 * (squared(finish_slope(a.surface)) + squared(finish_slope(b.surface))));
   const double area_m2 = patch_m2 > 0 ? bearing_area(patch_m2, load_n, modulus_pa, gradient) : 0;
   return {2 * std::sqrt(area_m2 / std::numbers::pi), 2 * patch_m};
+}
+
+double pressed_depth(const ContactSide& a, const ContactSide& b, double inverse_mass, double load_n) {
+  const SurfacePair both = combine(a.surface, b.surface);
+  const double rough_m = 1.5 * 0.4 * both.texture.roughness_m;
+  if (both.contact_time_s) {
+    const double swing_s = *both.contact_time_s / std::numbers::pi;
+    return rough_m + 1.5 * load_n * inverse_mass * swing_s * swing_s;
+  }
+  const double hertz =
+      4.0 / 3 * contact_modulus(a.elastic, b.elastic) * std::sqrt(relative_radius(a.curvature, b.curvature));
+  return rough_m + std::pow(load_n / hertz, 2.0 / 3);
 }
 
 }  // namespace ringdown::scene

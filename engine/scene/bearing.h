@@ -35,4 +35,10 @@ struct FilterWidths {
 };
 FilterWidths filter_widths(const ContactSide& a, const ContactSide& b, double load_n);
 
+// How deep a load presses two surfaces together, in parts that add: Hertz's, or that of the spring on which their
+// masses swing for the contact time that a surface gives; and that of roughness, whose stiffness is the load over 0.4
+// of its rms height (Persson, Phys. Rev. Lett. 99, 125502, 2007). The stiffness of all is 1.5 times the load over the
+// depth.
+double pressed_depth(const ContactSide& a, const ContactSide& b, double inverse_mass, double load_n);  // [m]
+
 }  // namespace ringdown::scene

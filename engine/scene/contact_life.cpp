@@ -39,7 +39,9 @@ void ContactLives::add(const PairContact& contact, double now_s) {
   const double weight = length(contact.impulse_ns);
   life.impulse_ns = life.impulse_ns + contact.impulse_ns;
   life.moment = life.moment + weight * contact.point_m;
-  life.slip += weight * contact.slip_m_s;
+  life.normals = life.normals + weight * contact.normal;
+  life.slides = life.slides + weight * contact.slide_m_s;
+  life.slip += weight * length(contact.slide_m_s);
   life.weight += weight;
   life.most_roll = std::max(life.most_roll, contact.most_roll_m_s);
   add_way(life, contact);
@@ -66,6 +68,8 @@ ContactReport ContactLives::report(BodyPair pair, const Life& life) const {
   if (life.weight > 0) {
     result.point_m = (1 / life.weight) * life.moment;
     result.force_n = (1 / (life.steps * step_s_)) * life.impulse_ns;
+    if (length(life.normals) > 0) result.normal = (1 / length(life.normals)) * life.normals;
+    result.slide_m_s = (1 / life.weight) * life.slides;
     result.slip_m_s = life.slip / life.weight;
   }
   // The contact point of a sliding body stays where it is on one of the surfaces; only rolling moves it over both.
@@ -91,7 +95,7 @@ std::span<const ContactReport> ContactLives::advance(double now_s) {
       life.reported = !latest.ends;
       life.steps = life.rolled = 0;
       life.weight = life.slip = life.most_roll = 0;
-      life.impulse_ns = life.moment = life.over_first_m = life.over_second_m = {};
+      life.impulse_ns = life.moment = life.normals = life.slides = life.over_first_m = life.over_second_m = {};
     }
     life.touched_before = std::exchange(life.touches, false);
     return !life.reported && now_s - life.last_contact_s > minimum_repeat_s_;

@@ -32,7 +32,8 @@ struct PairContact {
   BodyPair pair;
   Vec3 point_m;              // mean of the contact points, weighted by their force
   Vec3 impulse_ns;           // on the first body
-  double slip_m_s = 0;       // speed of the two surfaces past each other
+  Vec3 normal;               // mean direction in which the first body leaves the second
+  Vec3 slide_m_s;            // of the first body's surface past the second's
   double most_roll_m_s = 0;  // bound on the rolling speed: spin times the distance to a centre of mass
   Motion first, second;      // a static's is that of the origin at rest
 };
@@ -44,7 +45,9 @@ struct ContactReport {
   bool ends = false;                               // the contact is over or rests; the other members have no meaning
   Vec3 point_m;                                    // world
   Vec3 force_n;                                    // on the first body, world: the mean
-  double slip_m_s = 0;                             // mean, weighted by force
+  Vec3 normal;                                     // mean, as of PairContact
+  Vec3 slide_m_s;                                  // mean, weighted by force
+  double slip_m_s = 0;                             // its size, weighted so
   double roll_m_s = 0;                             // speed at which the contact point travels over both surfaces
   double over_first_m_s = 0, over_second_m_s = 0;  // and over each of them
   Motion first, second;
@@ -74,7 +77,7 @@ class ContactLives {
     bool reported = false;          // and its end not yet
     // Sums since the last report:
     int steps = 0;
-    Vec3 impulse_ns, moment;
+    Vec3 impulse_ns, moment, normals, slides;
     double weight = 0, slip = 0, most_roll = 0;
     Vec3 over_first_m, over_second_m;  // way of the contact point over both surfaces, in world axes
     int rolled = 0;                    // number of steps in that way

@@ -29,6 +29,11 @@ Vec3 to_object(const Motion& motion, const ContactSide& side, Vec3 world_m) {
   return transpose(to_matrix(motion.rotation)) * (world_m - motion.position_m) + side.center_m;
 }
 
+double inverse_mass(const ContactSide& side, const Motion& motion, Vec3 point_m, Vec3 normal) {
+  if (!side.mass) return 0;
+  return inverse_effective_mass(*side.mass, to_matrix(motion.rotation), point_m - motion.position_m, normal);
+}
+
 ContactSide side_of(const BodyDescription& body, const Solid& solid, const modal::Bank* bank,
                     const modal::MaterialScale& scale) {
   ContactSide side{.surface = body.surface,

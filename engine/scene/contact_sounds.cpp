@@ -27,7 +27,7 @@ constexpr double kMinImpulse_ns = 1e-9;
 
 BodyPair pair_of(const ContactPoint& point) { return std::minmax(point.body, point.other); }
 
-Vec3 across(Vec3 v, Vec3 normal) { return v - dot(v, normal) * normal; }
+Vec3 along(Vec3 v, Vec3 normal) { return v - dot(v, normal) * normal; }  // a surface
 
 // The contact of a pair: point and normal are means weighted by force. Nothing when no force acts.
 std::optional<PairContact> combine_points(BodyPair pair, std::span<const ContactPoint* const> points,
@@ -48,9 +48,9 @@ std::optional<PairContact> combine_points(BodyPair pair, std::span<const Contact
   all.second = last.body == pair.first ? last.motions->of_other : last.motions->of_body;
   if (!(weight > 0) || !std::isfinite(weight) || !(length(normals) > 0)) return {};
   all.point_m = (1 / weight) * all.point_m;
-  const Vec3 normal = (1 / length(normals)) * normals;
-  all.slip_m_s = length(across(all.first.velocity_at(all.point_m) - all.second.velocity_at(all.point_m), normal));
-  const double turning = length(across(all.first.spin_rad_s - all.second.spin_rad_s, normal));
+  all.normal = (1 / length(normals)) * normals;
+  all.slide_m_s = along(all.first.velocity_at(all.point_m) - all.second.velocity_at(all.point_m), all.normal);
+  const double turning = length(along(all.first.spin_rad_s - all.second.spin_rad_s, all.normal));
   const auto arm = [&](const ContactSide& side, const Motion& motion) {
     return side.mass ? length(all.point_m - motion.position_m) : 0.0;
   };
@@ -60,12 +60,8 @@ std::optional<PairContact> combine_points(BodyPair pair, std::span<const Contact
 
 // One over the mass that two bodies oppose to an impact [1/kg].
 double inverse_mass_of(const ContactSide& body, const ContactSide& other, const ContactPoint& point) {
-  const auto of_side = [&](const ContactSide& side, const Motion& motion) {
-    if (!side.mass) return 0.0;
-    return inverse_effective_mass(*side.mass, to_matrix(motion.rotation), point.point_m - motion.position_m,
-                                  point.normal);
-  };
-  return of_side(body, point.motions->of_body) + of_side(other, point.motions->of_other);
+  return inverse_mass(body, point.motions->of_body, point.point_m, point.normal) +
+         inverse_mass(other, point.motions->of_other, point.point_m, point.normal);
 }
 
 // How long the two sides touch in an impact: as given by their surfaces, or by Hertz's law (hertz.h) from the mass that

@@ -4,6 +4,7 @@
 #include "engine/scene/rotation.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ringdown::scene {
 
@@ -19,10 +20,22 @@ void LastingEvents::add(const ContactReport& report, const ContactSides& sides, 
                         StepEvents& events) {
   const ContactSide *first = find(sides, report.pair.first), *second = find(sides, report.pair.second);
   const Felt both = first && second ? felt(report, *first, *second) : Felt{};
+  const std::array<Half, 2> halves{Half{first, report.first, report.force_n, report.normal, -1 * report.slide_m_s},
+                                   {second, report.second, -1 * report.force_n, -1 * report.normal, report.slide_m_s}};
   Numbers& numbers = numbers_[report.pair];
-  add_half(report, {first, report.first, report.force_n}, numbers.first, both, frame, events);
-  add_half(report, {second, report.second, -1 * report.force_n}, numbers.second, both, frame, events);
-  if (!numbers.first && !numbers.second) numbers_.erase(report.pair);
+  if (!numbers.of[0] && !numbers.of[1]) {
+    numbers.two_way = first && second && (first->two_way || second->two_way) && (first->mass || second->mass);
+  }
+  const std::size_t struck = first && first->object ? 0 : 1;
+  for (std::size_t k = 0; k < halves.size(); ++k) {
+    if (numbers.two_way && !numbers.of[k] && k != struck) continue;
+    std::optional<synth::Event> event = event_of(report, halves[k], numbers.of[k], both);
+    if (!event) continue;
+    if (numbers.two_way) feel_back(*event, report.point_m, halves[k], halves[1 - k]);
+    event->frame = frame;
+    events.push(*event);
+  }
+  if (!numbers.of[0] && !numbers.of[1]) numbers_.erase(report.pair);
 }
 
 LastingEvents::Felt LastingEvents::felt(const ContactReport& report, const ContactSide& first,
@@ -34,13 +47,12 @@ LastingEvents::Felt LastingEvents::felt(const ContactReport& report, const Conta
   return both;
 }
 
-void LastingEvents::add_half(const ContactReport& report, const Half& half, std::optional<Number>& number,
-                             const Felt& felt, synth::Frame frame, StepEvents& events) {
+std::optional<synth::Event> LastingEvents::event_of(const ContactReport& report, const Half& half,
+                                                    std::optional<Number>& number, const Felt& felt) {
   const bool sounds = half.side && half.side->object;
-  if (!number && (!sounds || report.ends)) return;
+  if (!number && (!sounds || report.ends)) return {};
   if (!number) number = Number{*half.side->object, take_number(*half.side->object)};
   synth::Event event;
-  event.frame = frame;
   event.type = synth::EventType::contact;
   event.object = number->object;
   event.contact.number = number->number;
@@ -57,7 +69,31 @@ void LastingEvents::add_half(const ContactReport& report, const Half& half, std:
     taken_[number->object][number->number] = false;
     number.reset();
   }
-  events.push(event);
+  return event;
+}
+
+// The bodies' common mass lies on the struck one, pressed on by the normal part of the force.
+void LastingEvents::feel_back(synth::Event& event, Vec3 point_m, const Half& struck, const Half& other) {
+  event.type = synth::EventType::touch;
+  event.touch = {.kind = synth::Touch::Kind::rub, .number = event.contact.number};
+  const double load_n = dot(struck.force_n, struck.push);
+  if (length(event.contact.force_n) == 0 || !(load_n > 0)) return;  // it ends
+  const Matrix3 to_frame = transpose(to_matrix(struck.motion.rotation));
+  const double inverse = inverse_mass(*struck.side, struck.motion, point_m, struck.push) +
+                         inverse_mass(*other.side, other.motion, point_m, struck.push);
+  const double depth_m = pressed_depth(*struck.side, *other.side, inverse, load_n);
+  const SurfacePair surfaces = combine(struck.side->surface, other.side->surface);
+  event.touch.direction = to_frame * struck.push;
+  event.touch.slide_m_s = to_frame * struck.passing_m_s;
+  event.touch.force_n = load_n;
+  event.touch.mass_kg = 1 / inverse;
+  event.touch.stiffness = std::clamp(load_n / std::pow(depth_m, 1.5), 1.0, 1e15);
+  event.touch.friction = std::min(surfaces.friction, 10.0);
+  if (surfaces.friction > 0) event.touch.sliding = std::min(surfaces.sliding_friction / surfaces.friction, 1.0);
+  if (!other.side->object || *other.side->object == event.object) return;
+  event.touch.other = *other.side->object;
+  event.touch.other_point_m = to_object(other.motion, *other.side, point_m);
+  event.touch.to_other = ringdown::inverse(other.motion.rotation) * struck.motion.rotation;
 }
 
 // Takes the smallest number that none of the object's lasting contacts has.

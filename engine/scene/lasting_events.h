@@ -1,5 +1,5 @@
-// Turns the reports of lasting contacts into events for the objects on both sides. Free of any physics engine. [one
-// thread at a time]
+// Turns the reports of lasting contacts into events for the objects on both sides, or into one for both where one of
+// them is marked as two-way. Free of any physics engine. [one thread at a time]
 #pragma once
 
 #include "engine/scene/bearing.h"
@@ -32,7 +32,8 @@ struct StepEvents {
 // Every object numbers its lasting contacts. A number is given at the first report and free again after the last.
 class LastingEvents {
  public:
-  // Adds an event for each of the two sides that has an object. The event that ends a contact has force zero.
+  // Adds an event for each of the two sides that has an object, or, two-way, for the first that has one. The event that
+  // ends a contact has force zero.
   void add(const ContactReport& report, const ContactSides& sides, synth::Frame frame, StepEvents& events);
 
   // Whether no contact waits for its end to be reported.
@@ -44,12 +45,15 @@ class LastingEvents {
     std::uint32_t number = 0;  // of the object's contact
   };
   struct Numbers {
-    std::optional<Number> first, second;
+    std::array<std::optional<Number>, 2> of;  // of both sides
+    bool two_way = false;                     // one of them
   };
   struct Half {  // what a report says about one side
     const ContactSide* side;
     const Motion& motion;
     Vec3 force_n;
+    Vec3 push;         // unit, along the normal
+    Vec3 passing_m_s;  // of the other side's surface
   };
   struct Felt {  // of both sides together
     synth::Texture texture;
@@ -57,8 +61,9 @@ class LastingEvents {
     FilterWidths widths;
   };
   static Felt felt(const ContactReport& report, const ContactSide& first, const ContactSide& second);
-  void add_half(const ContactReport& report, const Half& half, std::optional<Number>& number, const Felt& felt,
-                synth::Frame frame, StepEvents& events);
+  std::optional<synth::Event> event_of(const ContactReport& report, const Half& half, std::optional<Number>& number,
+                                       const Felt& felt);
+  static void feel_back(synth::Event& event, Vec3 point_m, const Half& struck, const Half& other);
   std::uint32_t take_number(synth::ObjectNumber object);
 
   PairMap<Numbers> numbers_;

@@ -39,7 +39,8 @@ RestingContacts::RestingContacts(double step_s)
 void RestingContacts::add(const PairContact& contact, std::span<const ContactPoint* const> points) {
   Life& life = lives_[contact.pair];
   life.touches = true;
-  life.moves = life.moves || contact.slip_m_s > kMinContactSpeed_m_s || contact.most_roll_m_s > kMinContactSpeed_m_s;
+  life.moves =
+      life.moves || length(contact.slide_m_s) > kMinContactSpeed_m_s || contact.most_roll_m_s > kMinContactSpeed_m_s;
   life.latest.pair = contact.pair;
   life.latest.first = contact.first, life.latest.second = contact.second;
   life.latest.points.clear();

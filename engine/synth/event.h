@@ -81,23 +81,30 @@ struct Contact {
 
 // A two-way contact (engine/contact): what touches the object feels how the object's surface moves under it, sample by
 // sample. Directions are unit vectors in the object's frame.
+//
+// A `rub` is a lasting contact of an event that also says, in its `contact`, what it is like one-way; profiles and
+// speeds along them are taken from there. What it is made of (mass, stiffness, friction) stays as it was at first.
 struct Touch {
-  enum class Kind : std::uint8_t { bow, mallet, couple } kind = Kind::bow;
-  std::uint32_t number = 0;  // which bow, or which coupling, of the object; every mallet is a new one
-  // bow: the hair moves that way; mallet: it flies that way; couple: the object is pushed that way by the other.
+  enum class Kind : std::uint8_t { bow, mallet, couple, rub } kind = Kind::bow;
+  std::uint32_t number = 0;  // which bow, coupling or rub of the object; every mallet is a new one
+  // bow: the hair moves that way; mallet: it flies that way; couple, rub: the object is pushed that way by the other.
   Vec3 direction;
   double speed_m_s = 0;  // bow, mallet
-  double force_n = 0;    // bow: pressed so hard, 0 lifts it; couple: the other's weight, 0: both are held
-  double mass_kg = 0;    // mallet; couple: the other's, where it rests on the object by its weight
-  double friction = 0;   // coefficient of static friction: the bow's rosin
-  double width_m = 0;    // bow
-  double stiffness = 0;  // mallet, couple: Hertz's k [N / m^1.5]; 0 ends a coupling
-  double bounce = 1;     // mallet, couple: speed after over speed before an impact, 0.01 to 1
-  double gap_m = 0;      // couple: between the surfaces at rest; negative: pressed together so deep
-  // couple; mallet: an object whose own surface is the mallet's head, if any.
+  Vec3 slide_m_s;        // rub: how fast the other slides over the object, along the surface
+  // bow, rub: pressed so hard, 0 ends it; couple: the other's weight, 0: both are held
+  double force_n = 0;
+  double mass_kg = 0;      // mallet, rub; couple: the other's, where it rests on the object by its weight
+  double friction = 0;     // coefficient of static friction: the bow's rosin
+  double sliding = 0.375;  // the share of it that is left at high speed
+  double width_m = 0;      // bow
+  double stiffness = 0;    // mallet, couple, rub: Hertz's k [N / m^1.5]; 0 ends a coupling
+  double bounce = 1;       // mallet, couple: speed after over speed before an impact, 0.01 to 1
+  double gap_m = 0;        // couple: between the surfaces at rest; negative: pressed together so deep
+  // couple; mallet, rub: an object whose own surface is the mallet's head, or what rubs, if any.
   ObjectNumber other = kNoObject;
   Vec3 other_point_m;    // in the other object's frame
-  Vec3 other_direction;  // the way it is pushed, in its own frame; 0 0 0: against `direction`, as axes are parallel
+  Vec3 other_direction;  // mallet: the way it is pushed, in its own frame; 0 0 0: against `direction`
+  Rotation to_other;     // rub: turns the object's frame into the other's; couple: their axes are parallel
 };
 
 struct Event {

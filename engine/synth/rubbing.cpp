@@ -121,14 +121,23 @@ double Rubbing::Track::pass(const Heights& heights_m, double speed_m_s, double s
 }
 
 // The impulse of a frame is the force's magnitude, times the slope of the profiles under the contact, times the
-// length of the frame. Force and speeds follow the last update by ramps (Ramp), and each profile moves on by its speed
-// (Track::pass). The running mean of the slope, with a time constant of 1 / (2 pi kMinAudible_hz), is subtracted,
-// because a constant part would push the modes aside without being heard.
+// length of the frame. Force and speeds follow the last update by ramps (Ramp).
 void Rubbing::fill(Frame first, std::size_t count, double* impulses) RINGDOWN_REALTIME {
-  const double seconds = 1 / rate_hz_, forget = 1 - std::exp(-2 * std::numbers::pi * kMinAudible_hz * seconds);
+  const double seconds = 1 / rate_hz_;
+  fill_slopes(first, count, impulses);
   for (std::size_t i = 0; i < count; ++i) {
     const Frame frame = first + static_cast<Frame>(i);
     if (frame >= time_out_ && force_n_.to != 0) force_n_.aim(0, frame, static_cast<Frame>(kFade_s * rate_hz_));
+    impulses[i] = force_n_.at(frame) * impulses[i] * seconds;
+  }
+}
+
+// Each profile moves on by its speed (Track::pass). The running mean of the slope, with a time constant of
+// 1 / (2 pi kMinAudible_hz), is subtracted, because a constant part would push the modes aside without being heard.
+void Rubbing::fill_slopes(Frame first, std::size_t count, double* slopes) RINGDOWN_REALTIME {
+  const double forget = 1 - std::exp(-2 * std::numbers::pi * kMinAudible_hz / rate_hz_);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Frame frame = first + static_cast<Frame>(i);
     double slope = 0;
     if (!has_profile_) {
       slope = sliding_.pass(heights_m_, slip_m_s_.at(frame), rate_hz_) +
@@ -137,7 +146,7 @@ void Rubbing::fill(Frame first, std::size_t count, double* impulses) RINGDOWN_RE
     if (has_profile_ || has_relief_) slope += pass_known(frame);
     mean_slope_ += (begun_ ? forget : 1) * (slope - mean_slope_);
     begun_ = begun_ || heights_m_.count > 0;  // it may be asked before its first update
-    impulses[i] = force_n_.at(frame) * (slope - mean_slope_) * seconds;
+    slopes[i] = slope - mean_slope_;
   }
 }
 

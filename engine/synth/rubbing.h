@@ -42,6 +42,9 @@ class Rubbing {
   // order. [audio]
   void fill(Frame first, std::size_t count, double* impulses) RINGDOWN_REALTIME;
 
+  // The slope of the profiles under the contact in these frames, without its running mean. [audio]
+  void fill_slopes(Frame first, std::size_t count, double* slopes) RINGDOWN_REALTIME;
+
   // The first frame without force, once the contact has ended; kNever before. [audio]
   [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME { return force_n_.to == 0 ? force_n_.end : kNever; }
 

@@ -170,7 +170,10 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
   Object& object = *due.object;
   if (is_strike(event)) return !(exact_contacts && !shedding.tight() && starts_pulse(due, chunk));
   if (event.type == EventType::ring) return true;
-  if (event.type == EventType::touch) return accept_touch(due, chunk, shedding);
+  if (event.type == EventType::touch) {
+    if (accept_touch(due, chunk, shedding)) return true;
+    if (event.type != EventType::contact) return false;
+  }
   if (event.type == EventType::click) {
     start_click(event, chunk, shedding);
     return false;
@@ -188,12 +191,21 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
   return true;
 }
 
-// A mallet for which there is no place or time becomes a strike; a bow or a coupling is refused.
+// A mallet for which there is no place or time becomes a strike, and a rub a one-way contact, which it then stays; a
+// bow or a coupling is refused.
 bool Stage::accept_touch(DueEvent& due, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME {
   Object& object = *due.object;
   const Touch& how = due.event.touch;
+  const bool rubs = how.kind == Touch::Kind::rub;
   Object* const other = how.other < kMaxObjects ? &objects_.data()[how.other] : nullptr;
-  const Touches::Answer answer = touches_.accept(due.event, object, other, shedding.tight());
+  const bool one_way = rubs && object.exciters.find_contact(how.number, due.event.frame);
+  Touches::Answer answer = Touches::Answer::refused;
+  if (!rubs || is_sane(due.event.contact))
+    answer = touches_.accept(due.event, object, other, one_way || shedding.tight());
+  if (rubs && (answer == Touches::Answer::one_way || answer == Touches::Answer::nothing)) {
+    due.event.type = EventType::contact;
+    return false;
+  }
   if (answer == Touches::Answer::nothing) return false;
   if (answer == Touches::Answer::one_way && how.kind == Touch::Kind::mallet) {
     due.event = Touches::strike_of(due.event, object);

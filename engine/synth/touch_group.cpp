@@ -16,6 +16,13 @@ alignas(64) constexpr std::array<double, kMaxTouchColumns> kZeros{};
 constexpr double kMinBowRamp_s = 0.002, kMaxBowRamp_s = 0.05;
 constexpr double kMalletLeaves_s = 0.003;  // it has left when it needs so long to come back at its speed
 constexpr double kMostMallet_s = 2;        // and at the latest after that time
+constexpr double kRubFade_s = 0.005;       // of a rub from which nothing comes any more
+
+// Of two freedoms, in the triangle of all.
+std::size_t pair_of(std::size_t i, std::size_t j) RINGDOWN_REALTIME {
+  const std::size_t low = std::min(i, j), high = std::max(i, j);
+  return high * (high + 1) / 2 + low;
+}
 
 // A row of numbers for each freedom.
 double* row_of(const AlignedArray<double>& rows, std::size_t freedom) RINGDOWN_REALTIME {
@@ -105,14 +112,31 @@ void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REA
                              : std::clamp(static_cast<double>(event.frame - touch.since) / chunk.sample_rate_hz,
                                           kMinBowRamp_s, kMaxBowRamp_s);
   const auto ramp = static_cast<Frame>(ramp_s * chunk.sample_rate_hz);
-  const bool lifted = how.kind == Touch::Kind::bow && how.force_n == 0;
-  if (!lifted) {  // a bow that is lifted stays where it is and keeps its speed
-    const Touch& last = touch.event.touch;
+  const bool rubs = how.kind == Touch::Kind::rub;
+  const bool lifted = (how.kind == Touch::Kind::bow || rubs) && how.force_n == 0;
+  if (!lifted) {  // what is lifted stays where it is and keeps its speed
+    const Touch last = touch.event.touch;
     touch.stale = touch.stale || !(touch.event.point_m == event.point_m && last.direction == how.direction &&
                                    last.other_point_m == how.other_point_m && last.width_m == how.width_m);
     touch.event = event;
     if (begins) touch.speed_m_s = {how.speed_m_s, how.speed_m_s, event.frame, event.frame};
     touch.speed_m_s.aim(how.speed_m_s, event.frame, ramp);
+    if (rubs) {
+      if (begins) {
+        touch.relief = Rubbing(how.number, chunk.sample_rate_hz);
+        touch.slide_m_s = {};
+        touch.raised_m = 0;
+      } else {
+        Touch& kept = touch.event.touch;
+        kept.force_n = last.force_n, kept.mass_kg = last.mass_kg, kept.stiffness = last.stiffness;
+        kept.friction = last.friction, kept.sliding = last.sliding;
+      }
+      touch.relief.update(event.frame, event.contact);
+      const std::array<Vec3, 2> along = across(how.direction);
+      for (std::size_t k = 0; k < along.size(); ++k) {
+        touch.slide_m_s[k].aim(dot(how.slide_m_s, along[k]), event.frame, ramp);
+      }
+    }
   }
   touch.force_n.aim(how.force_n, event.frame, ramp);
   touch.since = event.frame;
@@ -201,7 +225,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
 bool TouchGroup::stays_apart(std::size_t steps) RINGDOWN_REALTIME {
   for (const TouchSlot* touch : touches()) {
     if (!touch->open) continue;
-    if (!touch->contact.impact) return false;
+    if (!touch->contact.impact || touch->event.touch.kind == Touch::Kind::rub) return false;
     const double* const row = row_of(approach_, touch->first);
     if (touch->contact.pressed.depth_m() + *std::max_element(row, row + steps + 1) - row[0] > 0) return false;
   }
@@ -217,28 +241,62 @@ bool TouchGroup::stays_apart(std::size_t steps) RINGDOWN_REALTIME {
   return true;
 }
 
+// What rubs feels profiles of which it knows the slope. A surface that keeps still shall push it as in a one-way
+// contact, by the load times the slope: on a spring that is bent by d under the load, that is a surface raised by 2/3 d
+// times the slope.
+void TouchGroup::raise(TouchSlot& touch, Frame begin, std::size_t frames) RINGDOWN_REALTIME {
+  std::array<double, kMaxTouchSteps> slopes;
+  touch.relief.fill_slopes(begin, frames, slopes.data());
+  double* const row = row_of(approach_, touch.first);
+  const double start = touch.raised_m;
+  for (std::size_t n = 0; n < frames; ++n) {
+    const double load = touch.force_n.at(begin + static_cast<Frame>(n)) / touch.event.touch.stiffness;
+    const double before = touch.raised_m - start;
+    touch.raised_m = 2.0 / 3 * std::cbrt(load * load) * slopes[n];
+    for (std::size_t s = 1; s <= substeps_; ++s) {
+      const double part = static_cast<double>(s) / static_cast<double>(substeps_);
+      row[n * substeps_ + s] += before + part * (touch.raised_m - start - before);
+    }
+  }
+}
+
+// The load of a rub acts on both surfaces as its force does, the other way: what lies still neither falls nor bends the
+// surface, and where it is carried to no step of the load is heard. Network and laws see the whole force.
 void TouchGroup::find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME {
   const std::size_t freedoms = network_.freedoms();
+  std::array<double, kFreedoms> load{};
   std::array<double, kFreedoms> free{}, force{};
   std::array<TapRow, kFreedoms * kFreedoms> rows;
   pushes_.fill(false);
   for (std::size_t s = 0; s < steps; ++s) {
     for (std::size_t i = 0; i < freedoms; ++i) free[i] = row_of(approach_, i)[s + 1] - row_of(approach_, i)[s];
+    bool loaded = false;
     for (TouchSlot* touch : touches()) {
-      if (touch->event.touch.kind != Touch::Kind::bow || !touch->open) continue;
+      if (!touch->open) continue;
       const Frame frame = begin + static_cast<Frame>(s / substeps_);
-      if (s % substeps_ == 0) touch->contact.load_n = touch->force_n.at(frame);
-      free[touch->first] += touch->speed_m_s.at(frame) * step_s_;
+      if (touch->event.touch.kind == Touch::Kind::bow) {
+        if (s % substeps_ == 0) touch->contact.load_n = touch->force_n.at(frame);
+        free[touch->first] += touch->speed_m_s.at(frame) * step_s_;
+      }
+      if (touch->event.touch.kind == Touch::Kind::rub) {
+        const std::size_t j = touch->first;
+        load[j] = touch->force_n.at(frame);
+        loaded = true;
+        for (std::size_t i = 0; i < freedoms; ++i) free[i] += load[j] * taps_[pair_of(i, j) * kTapRow];
+        for (std::size_t k = 0; k < touch->contact.directions; ++k) {
+          free[j + 1 + k] += touch->slide_m_s[k].at(frame) * step_s_;
+        }
+      }
     }
     const bool works = network_.step({free.data(), freedoms}, step_s_, {force.data(), freedoms});
-    for (std::size_t i = 0; i < freedoms; ++i) row_of(forces_, i)[s] = force[i];
-    if (!works) continue;
+    for (std::size_t i = 0; i < freedoms; ++i) row_of(forces_, i)[s] = force[i] -= load[i];
+    if (!works && !loaded) continue;
     std::size_t count = 0;
     for (std::size_t j = 0; j < freedoms; ++j) {
       if (force[j] == 0) continue;
       pushes_[j] = true;
       for (std::size_t i = 0; i < freedoms; ++i) {
-        const std::size_t low = std::min(i, j), high = std::max(i, j), pair = high * (high + 1) / 2 + low;
+        const std::size_t pair = pair_of(i, j);
         if (coupled_[pair]) rows[count++] = {taps_.get() + pair * kTapRow, row_of(approach_, i) + s + 1, force[j]};
       }
     }
@@ -269,6 +327,11 @@ void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk&
   touched_ = !stays_apart(steps);
   if (touched_) {
     if (!at_once) move_freely(begin, frames, chunk, Directions::along);
+    for (TouchSlot* touch : touches()) {
+      if (touch->open && touch->event.touch.kind == Touch::Kind::rub) {
+        raise(*touch, chunk.begin + static_cast<Frame>(begin), frames);
+      }
+    }
     find_forces(chunk.begin + static_cast<Frame>(begin), steps);
   }
   double columns = 0;
@@ -306,11 +369,16 @@ void TouchGroup::close_finished(Frame now) RINGDOWN_REALTIME {
   for (TouchSlot* touch : touches()) {
     if (!touch->open) continue;
     const Touch& how = touch->event.touch;
-    bool over = how.kind == Touch::Kind::bow && touch->force_n.to == 0 && now >= touch->force_n.end;
+    const bool rubs = how.kind == Touch::Kind::rub;
+    const double rate_hz = 1 / (step_s_ * static_cast<double>(substeps_));
+    if (rubs && touch->force_n.to != 0 && static_cast<double>(now - touch->since) >= kContactTimeOut_s * rate_hz) {
+      touch->force_n.aim(0, now, static_cast<Frame>(kRubFade_s * rate_hz));
+    }
+    bool over = (rubs || how.kind == Touch::Kind::bow) && touch->force_n.to == 0 && now >= touch->force_n.end;
     if (how.kind == Touch::Kind::mallet) {
       const double away = -touch->contact.pressed.depth_m();
       over = (touch->rigid.speed_m_s > 0 && away > kMalletLeaves_s * touch->rigid.speed_m_s) ||
-             now - touch->since > static_cast<Frame>(kMostMallet_s / (step_s_ * static_cast<double>(substeps_)));
+             now - touch->since > static_cast<Frame>(kMostMallet_s * rate_hz);
     }
     if (over) touch->used = touch->open = touch->contact.on = false;
   }

@@ -17,6 +17,7 @@
 #include "engine/synth/aligned_array.h"
 #include "engine/synth/object.h"
 #include "engine/synth/ramp.h"
+#include "engine/synth/rubbing.h"
 #include "engine/synth/source.h"
 
 #include <array>
@@ -67,6 +68,9 @@ struct TouchSlot {
   contact::Contact contact;
   std::size_t first = 0;  // of its freedoms in the group's network
   Ramp speed_m_s, force_n;
+  std::array<Ramp, 2> slide_m_s;  // rub: of the other along the surface,
+  Rubbing relief;                 // the profiles that pass under it,
+  double raised_m = 0;            // and by how much they press the two together
   Frame since = 0;
 
   [[nodiscard]] bool involves(const Object& object) const RINGDOWN_REALTIME {
@@ -121,6 +125,7 @@ class TouchGroup final : public Source {
   enum class Directions { all, normal, along };  // along the surface
   void move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, Directions which) RINGDOWN_REALTIME;
   void move_masses(std::size_t steps) RINGDOWN_REALTIME;
+  void raise(TouchSlot& touch, Frame begin, std::size_t frames) RINGDOWN_REALTIME;
   void find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME;
   void close_finished(Frame now) RINGDOWN_REALTIME;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <optional>
 
 namespace ringdown::synth {
@@ -12,23 +13,34 @@ namespace {
 
 constexpr double kStepsOfContact = 8;  // that an impact should last
 
-// Two directions across another.
-std::array<Vec3, 2> across(const Vec3& direction) RINGDOWN_REALTIME {
-  const Vec3 other = std::abs(direction.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  const Vec3 first = cross(direction, other);
-  const Vec3 unit = (1 / length(first)) * first;
-  return {unit, cross(direction, unit)};
+constexpr double kRubDamping = 0.02;  // of critical, of what rubs on its spring
+
+// The mass that a short push moves.
+double mass_of(const TouchSlot& slot) RINGDOWN_REALTIME {
+  return 1 / ((slot.rigid.kg > 0 ? 1 / slot.rigid.kg : 0.0) + std::max(slot.per_kg, 1e-3));
 }
 
-// Steps in a sample, for a mass that hits at a speed: Hertz's contact time in samples.
+// By how much the load of a rub presses the surfaces together.
+double rub_depth_m(const Touch& rub) RINGDOWN_REALTIME {
+  const double load = rub.force_n / rub.stiffness;
+  return std::cbrt(load * load);
+}
+
+// Steps in a sample, for a mass that hits at a speed: Hertz's contact time in samples; for one that rubs, half a
+// period.
 std::size_t substeps_for(const TouchSlot& slot, double sample_rate_hz) RINGDOWN_REALTIME {
   const Touch& touch = slot.event.touch;
   if (touch.kind == Touch::Kind::bow || !(touch.stiffness > 0)) return 1;
-  const double kg = 1 / ((slot.rigid.kg > 0 ? 1 / slot.rigid.kg : 0.0) + std::max(slot.per_kg, 1e-3));
+  const double kg = mass_of(slot);
+  const auto in_a_sample = [](double samples) RINGDOWN_REALTIME {
+    return static_cast<std::size_t>(std::clamp(std::ceil(kStepsOfContact / samples), 1.0, double{kMaxSubsteps}));
+  };
+  if (touch.kind == Touch::Kind::rub) {
+    return in_a_sample(std::numbers::pi * std::sqrt(kg * rub_depth_m(touch) / (1.5 * touch.force_n)) * sample_rate_hz);
+  }
   const double speed = touch.kind == Touch::Kind::mallet ? std::max(touch.speed_m_s, 0.01) : 0.2;
   const double depth = std::pow(1.25 * kg * speed * speed / touch.stiffness, 0.4);
-  const double samples = 2.94 * depth / speed * sample_rate_hz;
-  return static_cast<std::size_t>(std::clamp(std::ceil(kStepsOfContact / samples), 1.0, double{kMaxSubsteps}));
+  return in_a_sample(2.94 * depth / speed * sample_rate_hz);
 }
 
 }  // namespace
@@ -88,20 +100,21 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
 
 void TouchGroup::find_ports(TouchSlot& touch) RINGDOWN_REALTIME {
   const Touch& how = touch.event.touch;
-  const bool couple = how.kind == Touch::Kind::couple;
+  const bool rubs = how.kind == Touch::Kind::rub, slides = rubs || how.kind == Touch::Kind::couple;
   const std::array<Vec3, 2> along = across(how.direction);
+  const auto on_other = [&](const Vec3& push)
+                            RINGDOWN_REALTIME { return rubs ? rotated(how.to_other, -1 * push) : -1 * push; };
   touch.per_kg = 0;
   for (std::size_t s = 0; s < touch.sides.size(); ++s) {
     TouchSlot::Side& side = touch.sides[s];
     if (!side.object) continue;
     Body& body = body_of(*side.object);
     const Vec3& point_m = s == 0 ? touch.event.point_m : how.other_point_m;
-    const double sign = s == 0 ? 1 : -1;
     const bool turned = s == 1 && length(how.other_direction) > 0;
-    const Vec3 direction = turned ? how.other_direction : sign * how.direction;
+    const Vec3 direction = s == 0 ? how.direction : turned ? how.other_direction : on_other(how.direction);
     touch.per_kg += find_port(body, point_m, direction, how.width_m, side.ports[0]);
-    for (std::size_t k = 0; couple && k < 2; ++k)
-      static_cast<void>(find_port(body, point_m, sign * along[k], 0, side.ports[k + 1]));
+    for (std::size_t k = 0; slides && k < 2; ++k)
+      static_cast<void>(find_port(body, point_m, s == 0 ? along[k] : on_other(along[k]), 0, side.ports[k + 1]));
   }
   touch.stale = false;
 }
@@ -114,16 +127,21 @@ void TouchGroup::find_laws(TouchSlot& touch) RINGDOWN_REALTIME {
   if (how.kind != Touch::Kind::bow) {
     touch.contact.impact = contact::ImpactLaw{.stiffness = how.stiffness, .bounce = how.bounce};
   }
-  touch.contact.directions = how.kind == Touch::Kind::couple ? 2 : how.kind == Touch::Kind::bow ? 1 : 0;
+  if (how.kind == Touch::Kind::rub) {
+    const double s2_m2 = 1.5 * mass_of(touch) / (how.force_n * rub_depth_m(how));
+    touch.contact.impact->damping_s_m = 2 * kRubDamping * std::sqrt(s2_m2);
+  }
+  const bool rubs = how.kind == Touch::Kind::rub && how.friction > 0;
+  touch.contact.directions = rubs || how.kind == Touch::Kind::couple ? 2 : how.kind == Touch::Kind::bow ? 1 : 0;
   if (touch.contact.directions == 0) return;
-  constexpr double kStiffest_n_m = 2e6, kSlidingShare = 0.375, kStribeck_m_s = 0.1;
+  constexpr double kStiffest_n_m = 2e6, kStribeck_m_s = 0.1;
   const std::size_t i = touch.first + (touch.contact.impact ? 1 : 0);
   const double compliance = std::max(taps_[(i * (i + 1) / 2 + i) * kTapRow], 1e-30);
   const double bristle = std::min(kStiffest_n_m, 0.5 / compliance);
   if (touch.contact.friction) touch.contact.sliding.stiffen(bristle / touch.contact.friction->bristle_n_m);
   touch.contact.friction =
       contact::FrictionLaw{.static_coefficient = how.friction,
-                           .sliding_coefficient = kSlidingShare * how.friction,
+                           .sliding_coefficient = how.sliding * how.friction,
                            .stribeck_m_s = kStribeck_m_s,
                            .bristle_n_m = bristle,
                            .bristle_ns_m = 0.3 * step_s_ * std::min(1 / compliance, std::sqrt(bristle / compliance))};

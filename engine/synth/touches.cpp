@@ -18,9 +18,13 @@ bool is_sane(const Touch& t) RINGDOWN_REALTIME {
     return common && within(t.speed_m_s, -kMostTouchSpeed_m_s, kMostTouchSpeed_m_s) && within(t.width_m, 0, 1);
   }
   const bool pressed = t.stiffness == 0 || within(t.stiffness, 1, 1e15);
+  const bool whole = pressed && t.stiffness > 0 && std::isfinite(dot(t.other_point_m, t.other_point_m));
+  if (t.kind == Touch::Kind::rub) {
+    return common && whole && within(t.mass_kg, 1e-9, 1e6) && within(t.sliding, 0, 1) &&
+           length(t.slide_m_s) <= kMostTouchSpeed_m_s;
+  }
   if (t.kind == Touch::Kind::mallet) {
-    return common && pressed && t.stiffness > 0 && within(t.mass_kg, 1e-6, 1e3) &&
-           within(t.speed_m_s, 0, kMostTouchSpeed_m_s) && std::isfinite(dot(t.other_point_m, t.other_point_m));
+    return common && whole && within(t.mass_kg, 1e-6, 1e3) && within(t.speed_m_s, 0, kMostTouchSpeed_m_s);
   }
   return common && pressed && within(t.mass_kg, 0, 1e6) && within(t.gap_m, -0.1, 1) && t.other < kMaxObjects &&
          std::isfinite(dot(t.other_point_m, t.other_point_m));
@@ -39,7 +43,8 @@ Touches::Answer Touches::accept(const Event& event, Object& object, Object* othe
     });
     if (known) return Answer::taken;
   }
-  if ((how.kind == Touch::Kind::bow && how.force_n == 0) || (couple && how.stiffness == 0)) return Answer::nothing;
+  const bool ends = couple ? how.stiffness == 0 : how.kind != Touch::Kind::mallet && how.force_n == 0;
+  if (ends) return Answer::nothing;
   if (tight || !can_touch(&object) || (two && (!can_touch(other) || other == &object))) return Answer::one_way;
   const auto slot = std::ranges::find_if(slots_, [](const TouchSlot& one) RINGDOWN_REALTIME { return !one.used; });
   if (slot == slots_.end()) return Answer::one_way;
@@ -53,7 +58,7 @@ Touches::Answer Touches::accept(const Event& event, Object& object, Object* othe
   slot->rigid = {};
   slot->speed_m_s = slot->force_n = {};
   slot->since = event.frame;
-  if (how.kind == Touch::Kind::mallet) slot->rigid.kg = how.mass_kg;
+  if (how.kind == Touch::Kind::mallet || how.kind == Touch::Kind::rub) slot->rigid.kg = how.mass_kg;
   if (couple && how.force_n > 0) {
     slot->rigid.kg = how.mass_kg > 0 ? how.mass_kg : how.force_n / 9.81;
     slot->rigid.load_n = -how.force_n;

@@ -15,7 +15,7 @@ constexpr BodyPair kPair{1, 2};
 
 // Presses with 3 N and slides at this speed.
 PairContact sliding(double slip_m_s) {
-  return {.pair = kPair, .impulse_ns = {0, 0, 3 * kStep_s}, .slip_m_s = slip_m_s};
+  return {.pair = kPair, .impulse_ns = {0, 0, 3 * kStep_s}, .normal = {0, 0, 1}, .slide_m_s = {slip_m_s, 0, 0}};
 }
 
 // Feeds one step; returns how many reports it gave, of which `last` keeps the last.

@@ -177,6 +177,57 @@ TEST(Contact, AContactTellsBothObjectsOppositeForces) {
   }
 }
 
+// As above, but the box is two-way, and lies on a turned tray: one event, which says where both are touched.
+TEST(Contact, ATwoWayBodyRubsAndIsRubbedInOneEvent) {
+  BodyDescription tray = body_of("tray", ShapeType::box, {0, 0, 0});
+  tray.shape.size_m = {2, 2, 0.1};
+  tray.fixed = true;
+  tray.rotation = about({0, 0, 1}, 1.1);
+  BodyDescription box = body_of("box", ShapeType::box, {0, 0, 0.1});
+  box.velocity_m_s = {1, 0, 0};
+  box.two_way = true;
+  SceneDescription scene = scene_of({tray, box}, 0);
+  for (BodyDescription& body : scene.bodies) {
+    body.surface.friction = 0.2, body.surface.sliding_friction = 0.1;
+    body.surface.texture.roughness_m = 3e-6;
+    body.surface.edge_radius_m = 0.001, body.surface.young_pa = 6e10, body.surface.poisson = 0.25;
+  }
+  World world = world_of(scene, {sounding("tray", 1, box_bank(kSize, 1)), sounding("box", 2, box_bank(kSize, kMass))});
+  std::vector<Event> all;
+  for (const Event& event : test::run_all(world, 3)) {
+    EXPECT_NE(event.type, synth::EventType::contact);
+    if (event.type == synth::EventType::touch && event.touch.kind == synth::Touch::Kind::rub) all.push_back(event);
+  }
+  ASSERT_GT(all.size(), 10u);
+  for (const Event& event : std::span(all).first(all.size() - 1)) {
+    const bool of_tray = event.object == 1;
+    const Rotation turned = of_tray ? tray.rotation : Rotation{};
+    const synth::Touch& rub = event.touch;
+    EXPECT_EQ(event.object, all.front().object);
+    EXPECT_EQ(event.object + rub.other, 3u);
+    EXPECT_EQ(rub.number, event.contact.number);
+    EXPECT_NEAR(rub.force_n, kMass * kG, 0.1 * kMass * kG);
+    EXPECT_NEAR(dot(rub.direction, event.contact.force_n), rub.force_n, 1e-9 * rub.force_n);
+    EXPECT_NEAR(rub.direction.z, of_tray ? -1 : 1, 1e-6);
+    const Vec3 slide = rotated(turned, rub.slide_m_s);
+    EXPECT_NEAR(length(slide), event.contact.slip_m_s, 1e-6);
+    EXPECT_NEAR(of_tray ? slide.x : -slide.x, event.contact.slip_m_s, 1e-3) << "of the other past it";
+    EXPECT_NEAR(rub.mass_kg, kMass, 0.1 * kMass);
+    EXPECT_NEAR(rub.friction, 0.2, 1e-12);
+    EXPECT_NEAR(rub.sliding, 0.5, 1e-12);
+    const double depth = std::pow(rub.force_n / rub.stiffness, 2.0 / 3);
+    const double modulus = 6e10 / (2 * (1 - 0.25 * 0.25)), rough = 1.5 * 0.4 * std::sqrt(2.0) * 3e-6;
+    EXPECT_NEAR(depth, rough + std::pow(0.75 * rub.force_n / (modulus * std::sqrt(0.001)), 2.0 / 3), 1e-3 * depth);
+    const Rotation of_other = of_tray ? Rotation{} : tray.rotation;
+    const Vec3 up = rotated(rub.to_other, rub.direction), x = rotated(rub.to_other, {1, 0, 0});
+    EXPECT_NEAR(length(rotated(of_other, up) - rotated(turned, rub.direction)), 0, 1e-6);
+    EXPECT_NEAR(length(rotated(of_other, x) - rotated(turned, {1, 0, 0})), 0, 1e-6);
+    EXPECT_NEAR(of_tray ? rub.other_point_m.z : event.point_m.z, -0.05, 2e-3);
+    EXPECT_NEAR(of_tray ? event.point_m.z : rub.other_point_m.z, 0.05, 2e-3);
+  }
+  EXPECT_EQ(all.back().touch.force_n, 0) << "it comes to rest";
+}
+
 TEST(Contact, ContactsOfOneObjectHaveNumbersOfTheirOwnWhichAreUsedAgain) {
   std::vector<BodyDescription> bodies;
   for (int k = 0; k < 3; ++k) {
