@@ -199,7 +199,7 @@ TEST(Contact, ATwoWayBodyRubsAndIsRubbedInOneEvent) {
     if (event.type == synth::EventType::touch && event.touch.kind == synth::Touch::Kind::rub) all.push_back(event);
   }
   ASSERT_GT(all.size(), 10u);
-  for (const Event& event : std::span(all).first(all.size() - 1)) {
+  for (const Event& event : std::span(all).subspan(2, all.size() - 3)) {
     const bool of_tray = event.object == 1;
     const Rotation turned = of_tray ? tray.rotation : Rotation{};
     const synth::Touch& rub = event.touch;
