@@ -375,6 +375,7 @@ void TouchGroup::close_finished(Frame now) RINGDOWN_REALTIME {
       touch->force_n.aim(0, now, static_cast<Frame>(kRubFade_s * rate_hz));
     }
     bool over = (rubs || how.kind == Touch::Kind::bow) && touch->force_n.to == 0 && now >= touch->force_n.end;
+    if (rubs && touch->contact.pressed.depth_m() > 0) over = false;  // its spring throws it off first
     if (how.kind == Touch::Kind::mallet) {
       const double away = -touch->contact.pressed.depth_m();
       over = (touch->rigid.speed_m_s > 0 && away > kMalletLeaves_s * touch->rigid.speed_m_s) ||

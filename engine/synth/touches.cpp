@@ -12,6 +12,7 @@ constexpr double kMostTouchForce_n = 1e6, kMostTouchSpeed_m_s = 1e3;
 bool is_sane(const Touch& t) RINGDOWN_REALTIME {
   const auto within = [](double value, double least, double most)
                           RINGDOWN_REALTIME { return value >= least && value <= most; };
+  if (t.kind == Touch::Kind::rub && t.force_n == 0) return true;  // it ends, wherever it was
   const bool common = std::abs(dot(t.direction, t.direction) - 1) < 1e-6 && within(t.force_n, 0, kMostTouchForce_n) &&
                       within(t.friction, 0, 10) && within(t.bounce, 0.01, 1);
   if (t.kind == Touch::Kind::bow) {

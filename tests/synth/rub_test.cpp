@@ -119,12 +119,12 @@ TEST(Rubs, AreNearlyAsLoudAsOneWayContactsWhereNothingGivesWay) {
     double sum = 0;
     for (const std::uint32_t number : {0, 1, 2, 3, 4, 5, 6, 7}) {
       const auto begin = static_cast<Frame>(player.left.size());
-      Touch rub = pressed_by(1, 100, 1e-4);
+      Touch rub = pressed_by(1, 5, 1e-4);
       rub.number = number;
       Event event = rub_at(begin, 0, rub, 0.05, {.roughness_m = 2e-7});
       if (!felt) event.type = EventType::contact;
       for (; event.frame < begin + 4800; event.frame += 480) player.push(event);
-      event.touch.force_n = 0, event.contact.force_n = {};
+      event.touch = {.kind = Touch::Kind::rub, .number = number}, event.contact.force_n = {};
       player.push(event);
       player.render(9600);
       sum += rms(player.left_from(static_cast<std::size_t>(begin) + 7200).first(2400));
@@ -194,7 +194,7 @@ TEST(Rubs, BeyondTheLastPlaceAreOneWay) {
       lifted.force_n = 0;
       player.push(rub_at(4800, object, lifted, 0));
     }
-    event.touch.force_n = 0, event.contact.force_n = {};
+    event.touch = {.kind = Touch::Kind::rub}, event.contact.force_n = {};
     player.push(event);
     player.render(24000);
     EXPECT_EQ(player.mixer.counters().refused, 0u);
