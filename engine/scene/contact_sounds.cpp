@@ -227,8 +227,11 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
   };
   const Vec3 impulse_ns = (straight ? 1 : -1) * point.impulse_ns;
   const Vec3 way = (1 / length(impulse_ns)) * impulse_ns;
-  const double speed = point.approach_m_s;
   constexpr double kHertz = 2.94;  // contact time over depth, times speed
+  constexpr double kLeastBounce = 0.05;
+  // Bodies that share an impact with others, or graze an edge, give less than they would alone.
+  const double pushed_m_s = length(impulse_ns) * inverse_mass;
+  const double speed = std::min(point.approach_m_s, pushed_m_s / (1 + kLeastBounce));
   event.type = synth::EventType::touch;
   event.object = *struck.object;
   event.point_m = to_object(straight ? point.motions->of_body : point.motions->of_other, struck, point.point_m);
@@ -239,7 +242,7 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
   event.touch.mass_kg = 1 / inverse_mass;
   event.touch.stiffness =
       1.25 * event.touch.mass_kg * speed * speed / std::pow(event.contact_time_s * speed / kHertz, 2.5);
-  event.touch.bounce = std::clamp(length(impulse_ns) * inverse_mass / speed - 1, 0.05, 1.0);
+  event.touch.bounce = std::clamp(pushed_m_s / speed - 1, kLeastBounce, 1.0);
   if (head.object && *head.object != *struck.object) {
     event.touch.other = *head.object;
     event.touch.other_point_m =
