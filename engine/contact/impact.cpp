@@ -31,6 +31,14 @@ double energy_at(const ImpactLaw& law, double depth) RINGDOWN_REALTIME {
 }
 double root_at(const ImpactLaw& law, double depth) RINGDOWN_REALTIME { return std::sqrt(2 * energy_at(law, depth)); }
 
+// ((1 + t)^1.25 - 1) / t to 1e-13 for |t| <= kSmall: the binomial series.
+constexpr double kSmall = 0.02;
+double secant_of_small(double t) RINGDOWN_REALTIME {
+  return 1.25 +
+         t * (0.15625 + t * (-0.0390625 + t * (0.01708984375 + t * (-0.0093994140625 + t * (0.005874633789062 +
+                                                                                            t * -0.003986358642578)))));
+}
+
 }  // namespace
 
 Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double compliance_m_n,
@@ -54,7 +62,11 @@ Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double complia
   double x = free_m;
   int steps = 3;
   if (d > 0) {
-    x = (free_m - compliance_m_n * force) / (1 + compliance_m_n * (0.5 * law.exponent * force / d + loss));
+    const double per_m = 1 / d, straight = force * per_m;
+    x = (free_m - compliance_m_n * force) / (1 + compliance_m_n * (0.5 * law.exponent * straight + loss));
+    if (law.exponent == 1.5 && std::abs(x) <= kSmall * d) {
+      return foresee_small(straight, x * per_m, free_m, compliance_m_n, loss);
+    }
     steps = std::abs(x) < 0.5 * d ? 1 : 3;
   }
   for (int i = 0; i < steps; ++i) {
@@ -77,6 +89,19 @@ Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double complia
     secant_ = middle > 0 ? force_at(law, middle) / root_at(law, middle) : 0.0;
   }
   psi_ = std::min(psi_, root);
+  return closed(free_m, compliance_m_n, loss);
+}
+
+// A change that is a small share of the depth: the force over the depth is straight, and the secant a series.
+Impact::Step Impact::foresee_small(double straight_n_m, double share, double free_m, double compliance_m_n,
+                                   double loss) RINGDOWN_REALTIME {
+  const double root_per_m = std::sqrt(0.8 * straight_n_m);
+  psi_ = std::min(psi_, root_per_m * depth_m_);
+  secant_ = root_per_m * secant_of_small(share);
+  return closed(free_m, compliance_m_n, loss);
+}
+
+Impact::Step Impact::closed(double free_m, double compliance_m_n, double loss) const RINGDOWN_REALTIME {
   const Line line{secant_ * psi_, 0.5 * secant_ * secant_ + loss};
   return {line, std::max(0.0, (line.at_rest + line.per_m * free_m) / (1 + line.per_m * compliance_m_n)), true};
 }

@@ -50,6 +50,10 @@ class Impact {
   [[nodiscard]] double energy_j() const RINGDOWN_REALTIME { return 0.5 * psi_ * psi_; }
 
  private:
+  [[nodiscard]] Step foresee_small(double straight_n_m, double share, double free_m, double compliance_m_n,
+                                   double loss) RINGDOWN_REALTIME;
+  [[nodiscard]] Step closed(double free_m, double compliance_m_n, double loss) const RINGDOWN_REALTIME;
+
   double depth_m_ = -1;     // negative: so far apart
   double psi_ = 0;          // sqrt(2 energy)
   double damping_s_m_ = 0;  // of the contact that goes on
