@@ -6,14 +6,15 @@ usage: preset_surfaces.py PROGRAM OBJECTS FOLDER TABLE [NAME...]
 PROGRAM is ringdown-bake, OBJECTS the folder presets/objects. gmsh cuts the surface of each preset's geometry into fine
 triangles, which stand in an STL file as a modelling program would write it, so that the file knows nothing of curves.
 It is baked as it is, and once more with a slit along one side, which is closed where it is short and left open, so
-that the body is stuffed, where it is long. All else, the mesh size, too, is as in the preset's own file, except that no
-group of the geometry is held. Compared are the first 20 modes, in order. The table, in Markdown, goes to TABLE. Exit
+that the body is stuffed, where it is long. All else is as in the preset's own file, except that no group of the geometry
+is held, and that the mesh size is the default one where the preset's own takes too much. Compared are the first 20 modes, in order. The table, in Markdown, goes to TABLE. Exit
 code 1 when a bake fails or is more than 1 % off in its median mode.
 """
 import ctypes
 import ctypes.util
 import os
 import re
+import resource
 import statistics
 import sys
 import tomllib
@@ -24,9 +25,11 @@ import ugly_assets
 import ugly_bakes
 
 MOST_OFF = 0.01  # in the median mode
-TRIANGLES_AROUND = 48, 40, 64  # a circle; with the next, where gmsh fails
-LONGEST = 1 / 40  # of the diagonal, that sides of triangles have
-LIMIT_S = 150  # of processor time
+# Sides of triangles: at most such a share of the diagonal long, and so many to a circle, 0: any. With the next where
+# gmsh fails or takes more than CUT_S.
+FINENESS = (1 / 40, 48), (1 / 80, 0), (1 / 60, 0)
+CUT_S = 15
+LIMIT_S = 100  # of processor time
 
 
 class Gmsh:
@@ -54,9 +57,9 @@ class Gmsh:
         low, high = (np.array([number.value for number in half]) for half in (box[:3], box[3:]))
         return np.linalg.norm(high - low)
 
-    def cut(self, geo, stl, around):
+    def cut(self, geo, stl, longest, around):
         self.call("gmshOpen", geo.encode())
-        self.number("Mesh.MeshSizeMax", LONGEST * self.diagonal())
+        self.number("Mesh.MeshSizeMax", longest * self.diagonal())
         self.number("Mesh.MeshSizeFromCurvature", around)
         self.number("Mesh.Binary", 1)
         self.call("gmshModelMeshGenerate", 2)
@@ -65,10 +68,11 @@ class Gmsh:
 
 def cut(geo, stl):
     """In a process of its own, because gmsh aborts that where it fails. Says whether it did not."""
-    for around in TRIANGLES_AROUND:
+    for longest, around in FINENESS:
         child = os.fork()
         if child == 0:
-            Gmsh().cut(geo, stl, around)
+            resource.setrlimit(resource.RLIMIT_CPU, (CUT_S, CUT_S))
+            Gmsh().cut(geo, stl, longest, around)
             os._exit(0)
         if os.waitpid(child, 0)[1] == 0:
             return True
@@ -119,13 +123,17 @@ def bake_preset(program, objects, folder, name):
         file.write(f"mesh_size = {1e3 * preset.get('mesh_size_m', 0.01) / 2};\n")
         file.write(f'Include "{geometry}";\n')
         file.write("Recursive Delete { Surface{:}; }\n")  # those that bound no volume
+        file.write('Physical Surface("skin") = CombinedBoundary { Volume{:}; };\n')
     if not cut(geo, stl):
         return f"| `{name}` | gmsh does not cut its surface |", f"gmsh does not cut {name}"
     surface = read_stl(stl)
     ugly_assets.write_stl(open_stl, ugly_assets.slit(surface))
     row, faults = f"| `{name}` | {len(surface)} |", []
     for file in (stl, open_stl):
-        run = bake(file, without(text, "parameters"))
+        own_size = without(text, "parameters")
+        run = bake(file, own_size)
+        if not run.bank:
+            run = bake(file, re.sub("^mesh_size_m.*\n", "", own_size, flags=re.MULTILINE))
         if not run.bank:
             row += f" {run.said.splitlines()[-1]} | | | |"
             faults.append(f"{file} does not bake")
