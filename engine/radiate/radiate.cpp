@@ -25,7 +25,8 @@ constexpr double kSameWave = 0.004;      // modes whose wavenumbers differ by le
 constexpr int kFewestUnknowns = 500;     // a skin of fewer does not show the body's form
 constexpr double kMostForShapes = 3000;  // unknowns of a skin that a pattern asks for and no wave in the air
 constexpr double kCoarser = std::numbers::sqrt2;
-constexpr int kMostRounds = 4;                  // of solving what missed on finer skins
+constexpr int kMostRounds = 5;                  // of solving what missed on finer skins
+constexpr double kFarOff = 4;                   // times the error that is wanted: such a mode passes over a skin
 constexpr double kMostBytes = 3.5 * (1 << 30);  // of all threads' matrices together
 constexpr double kSharedSpan = 0.5;  // of k times the body's radius, in which one elimination preconditions all
 
@@ -71,7 +72,11 @@ class Solver {
       if (round == 0) add_levels_to(tasks);
       if (const auto done = run(tasks, round); !done) return fail(done.error());
       std::erase_if(wanted, [&](int m) { return !misses(report_of(m)) || !may_be_finer(found_[m].grade); });
-      for (const int m : wanted) ++found_[m].grade;
+      for (const int m : wanted) {
+        const RadiatedMode mode = report_of(m);
+        const bool far_off = mode.error_db > kFarOff * wanted_error_db(mode.relative_db);
+        found_[m].grade = std::min(found_[m].grade + (far_off ? 2 : 1), finest_grade(most_nodes()));
+      }
     }
     return report();
   }

@@ -56,20 +56,39 @@ std::vector<ClassPart> parts_of(const std::vector<Eigen::MatrixXcf>& flows) {
   return parts;
 }
 
-// Adds the far field of a class, of which `layers` are on the part, to the columns of `fields`.
-void add_fields(const WaveQuestion& question, const Skin& skin, int image_class, const std::vector<double>& coupling,
-                const Directions& directions, const Eigen::MatrixXcf& layers, const std::vector<Eigen::Index>& columns,
-                Eigen::MatrixXcd& fields) {
-  const Eigen::MatrixXcd own = far_fields(skin.panels, question.origin, question.wavenumber_rad_m, coupling, directions,
-                                          layers.cast<std::complex<double>>());
+// The solution of one class: layers on the part for some of the right-hand sides.
+struct ClassLayers {
+  int image_class = 0;
+  std::vector<Eigen::Index> columns;
+  Eigen::MatrixXcf layers;
+};
+
+// The far fields of all right-hand sides, each the sum over its classes. The waves of the part serve all classes.
+Eigen::MatrixXcd fields_of(const WaveQuestion& question, const Skin& skin, const std::vector<double>& coupling,
+                           const Directions& directions, const std::vector<ClassLayers>& classes, Eigen::Index columns) {
+  Eigen::Index count = 0;
+  for (const ClassLayers& own : classes) count += own.layers.cols();
+  Eigen::MatrixXcd layers(skin.panels.node_count(), count);
+  Eigen::Index first = 0;
+  for (const ClassLayers& own : classes) {
+    layers.middleCols(first, own.layers.cols()) = own.layers.cast<std::complex<double>>();
+    first += own.layers.cols();
+  }
+  const Eigen::MatrixXcd sent =
+      far_fields(skin.panels, question.origin, question.wavenumber_rad_m, coupling, directions, layers);
+  Eigen::MatrixXcd fields = Eigen::MatrixXcd::Zero(directions.weights.size(), columns);
   for (int image = 0; image < skin.panels.image_count(); ++image) {
     const std::vector<Eigen::Index> from = images_of(directions, image);
-    const double sign = sign_of(image_class, image);
-    for (Eigen::Index i = 0; i < own.cols(); ++i) {
-      auto column = fields.col(columns[i]);
-      for (Eigen::Index d = 0; d < own.rows(); ++d) column[d] += sign * own(from[d], i);
+    first = 0;
+    for (const ClassLayers& own : classes) {
+      const double sign = sign_of(own.image_class, image);
+      for (const Eigen::Index column : own.columns) {
+        for (Eigen::Index d = 0; d < fields.rows(); ++d) fields(d, column) += sign * sent(from[d], first);
+        ++first;
+      }
     }
   }
+  return fields;
 }
 
 Directions directions_of(const WaveQuestion& question, int most_degree) {
@@ -132,6 +151,19 @@ Continuation continuation_of(const Skin& fine, const Skin& coarse) {
   return continuation;
 }
 
+namespace {
+
+// One class on the coarser skin, by the elimination at the middle wavenumber: at another wavenumber this preconditions.
+Eigen::MatrixXcf coarse_layers(const Eigen::MatrixXcf& flow, const ClassPart& part, const Elimination& middle,
+                               ComplexMatrix* own_matrix, const std::function<bool()>& go_on) {
+  if (own_matrix == nullptr) return middle.solve(flow);
+  const auto by_elimination = [&](const Eigen::MatrixXcf& right) -> Eigen::MatrixXcf { return middle.solve(right); };
+  bool unused = false;
+  return layers_of(*own_matrix, flow, part.residuals, by_elimination, go_on, unused);
+}
+
+}  // namespace
+
 // The coarser skin's iteration is preconditioned by its elimination at the middle wavenumber, that of the finer by the
 // sum of two parts: the same elimination, for all that the coarser skin can show, and the inverse of the diagonal for
 // the rest. Without taking the coarser skin's part out of that rest, a half to three quarters more steps were needed.
@@ -146,48 +178,42 @@ bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, W
   for (const WaveQuestion& question : questions) {
     if (!go_on()) return false;
     const double k = question.wavenumber_rad_m;
-    const Directions directions = directions_of(question, modal::kMaxHarmonicDegree);
+    const auto modes = static_cast<Eigen::Index>(question.modes.size());
     WaveAnswer answer;
     const std::vector<Eigen::MatrixXcf> flows = flows_for(question, fine, true);
     const std::vector<Eigen::MatrixXcf> coarse_flows = flows_for(question, coarse, false);
     const std::vector<ClassPart> parts = parts_of(flows);
     if (questions.size() > 1) bands.coarse.matrices_at(k, memory.coarse);
     bands.fine.matrices_at(k, memory.fine);
-    const auto modes = static_cast<Eigen::Index>(question.modes.size());
-    Eigen::MatrixXcd coarse_fields = Eigen::MatrixXcd::Zero(directions.weights.size(), modes);
-    Eigen::MatrixXcd fields = Eigen::MatrixXcd::Zero(directions.weights.size(), flows[0].cols());
+    std::vector<ClassLayers> on_coarse, on_fine;
     for (std::size_t c = 0; c < parts.size(); ++c) {
       const ClassPart& part = parts[c];
-      if (part.columns.empty()) continue;
       const auto own_class = static_cast<int>(c);
-      const auto own_modes = std::lower_bound(part.columns.begin(), part.columns.end(), modes) - part.columns.begin();
-      if (own_modes > 0) {
-        const std::vector<Eigen::Index> columns(part.columns.begin(), part.columns.begin() + own_modes);
-        Eigen::MatrixXcf layers = coarse_flows[c](Eigen::all, columns);
-        if (questions.size() == 1) {
-          layers = eliminated[c].solve(std::move(layers));
-        } else {
-          const auto by_elimination = [&](const Eigen::MatrixXcf& right) -> Eigen::MatrixXcf {
-            return eliminated[c].solve(right);
-          };
-          bool unused = false;
-          layers = layers_of(memory.coarse[c], layers, part.residuals, by_elimination, go_on, unused);
-        }
-        if (layers.size() == 0) return false;
-        add_fields(question, coarse, own_class, bands.coarse.coupling(), directions, layers, columns, coarse_fields);
+      const auto own_modes = std::lower_bound(part.columns.begin(), part.columns.end(), modes);  // without the sources
+      if (own_modes != part.columns.begin()) {
+        const std::vector<Eigen::Index> columns(part.columns.begin(), own_modes);
+        ComplexMatrix* const own_matrix = questions.size() > 1 ? &memory.coarse[c] : nullptr;
+        on_coarse.push_back({own_class, columns,
+                             coarse_layers(coarse_flows[c](Eigen::all, columns), part, eliminated[c], own_matrix, go_on)});
+        if (on_coarse.back().layers.size() == 0) return false;
       }
+      if (part.columns.empty()) continue;
       ComplexMatrix& matrix = memory.fine[c];
       Eigen::MatrixXcf layers = flows[c](Eigen::all, part.columns);
       if (matrix.rows() >= kFewestIterated) {
-        layers =
-            layers_of(matrix, layers, part.residuals,
-                      on_finer(fine, own_class, matrix, eliminated[c], bands.continuation), go_on, answer.eliminated);
+        const auto precondition = on_finer(fine, own_class, matrix, eliminated[c], bands.continuation);
+        layers = layers_of(matrix, layers, part.residuals, precondition, go_on, answer.eliminated);
       } else {
         layers = Elimination(matrix).solve(std::move(layers));
       }
       if (layers.size() == 0) return false;
-      add_fields(question, fine, own_class, bands.fine.coupling(), directions, layers, part.columns, fields);
+      on_fine.push_back({own_class, part.columns, std::move(layers)});
     }
+    const Directions directions = directions_of(question, modal::kMaxHarmonicDegree);
+    const Eigen::MatrixXcd coarse_fields =
+        fields_of(question, coarse, bands.coarse.coupling(), directions, on_coarse, modes);
+    const Eigen::MatrixXcd fields =
+        fields_of(question, fine, bands.fine.coupling(), directions, on_fine, flows[0].cols());
     const Eigen::VectorXd rms = rms_of(directions, fields);
     for (Eigen::Index s = modes; s < fields.cols(); ++s) {  // |F| = 1 / (4 pi)
       answer.source_db = std::max(answer.source_db, std::abs(20 * std::log10(rms[s] * 4 * std::numbers::pi)));
@@ -209,13 +235,14 @@ Eigen::VectorXd rms_on(const WaveQuestion& question, const Skin& skin, WaveMemor
   class_matrices(skin, question.wavenumber_rad_m, coupling, memory.factors);
   const std::vector<Eigen::MatrixXcf> flows = flows_for(question, skin, false);
   const std::vector<ClassPart> parts = parts_of(flows);
-  Eigen::MatrixXcd fields = Eigen::MatrixXcd::Zero(directions.weights.size(), flows[0].cols());
+  std::vector<ClassLayers> solved;
   for (std::size_t c = 0; c < parts.size(); ++c) {
-    if (parts[c].columns.empty()) continue;
-    const Eigen::MatrixXcf layers = Elimination(memory.factors[c]).solve(flows[c](Eigen::all, parts[c].columns));
-    add_fields(question, skin, static_cast<int>(c), coupling, directions, layers, parts[c].columns, fields);
+    const std::vector<Eigen::Index>& columns = parts[c].columns;
+    if (columns.empty()) continue;
+    solved.push_back(
+        {static_cast<int>(c), columns, Elimination(memory.factors[c]).solve(flows[c](Eigen::all, columns))});
   }
-  return rms_of(directions, fields);
+  return rms_of(directions, fields_of(question, skin, coupling, directions, solved, flows[0].cols()));
 }
 
 }  // namespace ringdown::radiate
