@@ -16,7 +16,7 @@ namespace ringdown::bake {
 namespace {
 
 constexpr std::string_view kKind = "radiation";
-constexpr int kRadiationFormat = 3;  // of an entry; raise it also when the solver gives other results
+constexpr int kRadiationFormat = 4;  // of an entry; raise it also when the solver gives other results
 
 // What is known of one mode, free of units.
 struct Answer {

@@ -57,6 +57,20 @@ Directions directions_for(int degree) {
   return directions;
 }
 
+std::vector<Eigen::Index> images_of(const Directions& directions, int image) {
+  const int heights = directions.degree + 1, around = 2 * heights;
+  std::vector<Eigen::Index> numbers;
+  for (int h = 0; h < heights; ++h) {
+    for (int a = 0; a < around; ++a) {
+      int turned = a;
+      if ((image & 1) != 0) turned = (around + around / 2 - 1 - turned) % around;
+      if ((image & 2) != 0) turned = around - 1 - turned;
+      numbers.push_back(static_cast<Eigen::Index>((image & 4) != 0 ? heights - 1 - h : h) * around + turned);
+    }
+  }
+  return numbers;
+}
+
 int degree_for(double wavenumber_rad_m, double radius_m) {
   const double kr = wavenumber_rad_m * radius_m;
   const int degree = static_cast<int>(std::ceil(kr + 2.5 * std::cbrt(kr) + 3));
@@ -91,6 +105,7 @@ Eigen::MatrixXcd sources_of(const Panels& panels, double k, const std::vector<do
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     double area = 0;
     for (const int t : side.triangles) {
+      if (t < 0) continue;
       normal += panels.areas[t] / 3 * panels.normals[t];
       area += panels.areas[t] / 3;
     }
@@ -156,7 +171,7 @@ Eigen::MatrixXcd far_fields(const Panels& panels, const Eigen::Vector3d& origin,
                                            : sum_waves<float>(places, wavenumber_rad_m, directions, sources);
 }
 
-Eigen::MatrixXcd harmonics_of(const Directions& directions, const Eigen::MatrixXcd& fields) {
+Eigen::MatrixXcd harmonics_of(const Directions& directions, const mesh::Points& units, const Eigen::MatrixXcd& fields) {
   const int count = modal::harmonic_count(directions.degree);
   constexpr Eigen::Index kBlock = 64;
   Eigen::MatrixXf values(count, kBlock);
@@ -164,7 +179,7 @@ Eigen::MatrixXcd harmonics_of(const Directions& directions, const Eigen::MatrixX
   for (Eigen::Index first = 0; first < directions.weights.size(); first += kBlock) {
     const Eigen::Index size = std::min(kBlock, directions.weights.size() - first);
     for (Eigen::Index d = 0; d < size; ++d) {
-      const auto unit = directions.units.row(first + d);
+      const auto unit = units.row(first + d);
       modal::real_harmonics({unit[0], unit[1], unit[2]}, directions.degree,
                             std::span(values.col(d).data(), static_cast<std::size_t>(count)));
     }

@@ -19,6 +19,9 @@ struct Directions {
 };
 Directions directions_for(int degree);
 
+// The numbers of the directions' mirror images.
+std::vector<Eigen::Index> images_of(const Directions& directions, int image);
+
 // The degree beyond which a body of this radius about the origin sends out nothing that counts: what lies beyond
 // falls like (k radius / degree)^degree.
 int degree_for(double wavenumber_rad_m, double radius_m);
@@ -26,11 +29,13 @@ int degree_for(double wavenumber_rad_m, double radius_m);
 // F of layers mu (V x M) towards the directions, D x M:
 //
 //   F(d) = 1 / (4 pi) * integral of mu (-ik n.d - i eta) exp(-ik (y - origin).d) dS
+// Of a part of a surface only what the part itself sends.
 Eigen::MatrixXcd far_fields(const Panels& panels, const Eigen::Vector3d& origin, double wavenumber_rad_m,
                             const std::vector<double>& coupling, const Directions& directions,
                             const Eigen::MatrixXcd& layers);
 
-// The coefficients of harmonics up to directions.degree, (degree + 1)^2 x M.
-Eigen::MatrixXcd harmonics_of(const Directions& directions, const Eigen::MatrixXcd& fields);
+// The coefficients of harmonics up to directions.degree, (degree + 1)^2 x M. `units` are the directions as the
+// harmonics count them, which may be turned.
+Eigen::MatrixXcd harmonics_of(const Directions& directions, const mesh::Points& units, const Eigen::MatrixXcd& fields);
 
 }  // namespace ringdown::radiate

@@ -123,13 +123,13 @@ std::vector<OuterPoint> divided(const std::vector<OuterPoint>& rule) {
   return points;
 }
 
-// For each triangle the triangles near it, by a grid of cells as wide as the search.
+// For each triangle of one surface those of another near it, by a grid of cells as wide as the search.
 class NearbyTriangles {
  public:
-  explicit NearbyTriangles(const Panels& panels) : panels_(panels) {
-    for (int t = 0; t < panels.triangle_count(); ++t) longest_.push_back(panels.longest_side(t));
+  NearbyTriangles(const Panels& panels, const Panels& others) : panels_(panels), others_(others) {
+    for (int t = 0; t < panels.triangle_count(); ++t) longest_.push_back(panels.longest_side(t));  // of others alike
     cell_ = kNearSides * *std::max_element(longest_.begin(), longest_.end());
-    for (int t = 0; t < panels.triangle_count(); ++t) cells_[cell_of(panels.centers[t])].push_back(t);
+    for (int t = 0; t < others.triangle_count(); ++t) cells_[cell_of(others.centers[t])].push_back(t);
   }
   template <class Visit>
   void visit(int triangle, const Visit& visit) const {
@@ -139,7 +139,7 @@ class NearbyTriangles {
       if (found == cells_.end()) continue;
       for (const int other : found->second) {
         const double reach = kNearSides * std::max(longest_[triangle], longest_[other]);
-        if ((panels_.centers[other] - panels_.centers[triangle]).squaredNorm() < reach * reach) visit(other);
+        if ((others_.centers[other] - panels_.centers[triangle]).squaredNorm() < reach * reach) visit(other);
       }
     }
   }
@@ -149,7 +149,7 @@ class NearbyTriangles {
     return {static_cast<int>(std::floor(at[0] / cell_)), static_cast<int>(std::floor(at[1] / cell_)),
             static_cast<int>(std::floor(at[2] / cell_))};
   }
-  const Panels& panels_;
+  const Panels &panels_, &others_;
   double cell_ = 1;
   std::vector<double> longest_;
   std::map<std::array<int, 3>, std::vector<int>> cells_;
@@ -160,15 +160,16 @@ struct PairIntegrals {
   Eigen::Matrix3d hats, slopes;  // of hat(x) hat(y)/R, of hat(x) hat(y) d/dn(x) 1/R
 };
 
-void add_exact(const Panels& panels, int x, int y, const std::vector<OuterPoint>& rule, PairIntegrals& sum) {
+void add_exact(const Panels& panels, int x, const Panels& others, int y, bool same, const std::vector<OuterPoint>& rule,
+               PairIntegrals& sum) {
   for (const OuterPoint& point : rule) {
     const Eigen::Vector3d at =
         point.at[0] * panels.corner(x, 0) + point.at[1] * panels.corner(x, 1) + point.at[2] * panels.corner(x, 2);
-    const TrianglePotential potential = potential_of(panels, y, at);
+    const TrianglePotential potential = potential_of(others, y, at);
     const double weight = point.weight * panels.areas[x];
     sum.constant += weight * (potential.value[0] + potential.value[1] + potential.value[2]);
     for (int j = 0; j < 3; ++j) {
-      const double slope = x == y ? 0 : potential.gradient[j].dot(panels.normals[x]);
+      const double slope = same ? 0 : potential.gradient[j].dot(panels.normals[x]);
       for (int i = 0; i < 3; ++i) {
         sum.hats(i, j) += weight * point.at[i] * potential.value[j];
         sum.slopes(i, j) += weight * point.at[i] * slope;
@@ -177,13 +178,13 @@ void add_exact(const Panels& panels, int x, int y, const std::vector<OuterPoint>
   }
 }
 
-void subtract_middles(const Panels& panels, int x, int y, PairIntegrals& sum) {
-  const double weight = panels.areas[x] * panels.areas[y] / 9;
+void subtract_middles(const Panels& panels, int x, const Panels& others, int y, PairIntegrals& sum) {
+  const double weight = panels.areas[x] * others.areas[y] / 9;
   for (int a = 0; a < 3; ++a) {
     for (int b = 0; b < 3; ++b) {
-      const int side_x = panels.sides_of[x][a], side_y = panels.sides_of[y][b];
-      if (side_x == side_y) continue;
-      const Eigen::Vector3d between = panels.sides[side_x].middle - panels.sides[side_y].middle;
+      const Eigen::Vector3d between =
+          panels.sides[panels.sides_of[x][a]].middle - others.sides[others.sides_of[y][b]].middle;
+      if (between.isZero(0)) continue;
       const double r = between.norm(), slope = -between.dot(panels.normals[x]) / (r * r * r);
       sum.constant -= weight / r;
       for (int i = 0; i < 3; ++i) {
@@ -199,7 +200,8 @@ void subtract_middles(const Panels& panels, int x, int y, PairIntegrals& sum) {
 }
 
 // Makes room, for each node, for the nodes of triangles near its own, in ascending order.
-NearIntegrals without_values(const Panels& panels, const std::vector<std::vector<int>>& near_triangles) {
+NearIntegrals without_values(const Panels& panels, const Panels& others,
+                             const std::vector<std::vector<int>>& near_triangles) {
   std::vector<std::vector<int>> own(panels.node_count());
   for (int t = 0; t < panels.triangle_count(); ++t) {
     for (const int n : panels.corners[t]) own[n].push_back(t);
@@ -210,7 +212,7 @@ NearIntegrals without_values(const Panels& panels, const std::vector<std::vector
   for (int row = 0; row < panels.node_count(); ++row) {
     for (const int x : own[row]) {
       for (const int y : near_triangles[x]) {
-        for (const int column : panels.corners[y]) {
+        for (const int column : others.corners[y]) {
           if (std::exchange(seen[column], row) != row) near.columns.push_back(column);
         }
       }
@@ -224,27 +226,28 @@ NearIntegrals without_values(const Panels& panels, const std::vector<std::vector
 
 }  // namespace
 
-NearIntegrals near_integrals(const Panels& panels) {
+NearIntegrals near_integrals(const Panels& panels, int image) {
+  const Panels others = image_of(panels, image);
   const std::vector<OuterPoint> few = three_points(), rule = seven_points(), fine = divided(rule);
-  const NearbyTriangles nearby(panels);
+  const NearbyTriangles nearby(panels, others);
   std::vector<std::vector<int>> near_triangles(panels.triangle_count());
   for (int x = 0; x < panels.triangle_count(); ++x) nearby.visit(x, [&](int y) { near_triangles[x].push_back(y); });
-  NearIntegrals near = without_values(panels, near_triangles);
+  NearIntegrals near = without_values(panels, others, near_triangles);
   for (int x = 0; x < panels.triangle_count(); ++x) {
     for (const int y : near_triangles[x]) {
       PairIntegrals pair;
       pair.hats.setZero();
       pair.slopes.setZero();
-      const double away = (panels.centers[x] - panels.centers[y]).norm() / panels.longest_side(x);
-      add_exact(panels, x, y, away < 0.7 ? fine : away < 1.4 ? rule : few, pair);
-      subtract_middles(panels, x, y, pair);
-      const double over = 1 / (4 * std::numbers::pi), across = panels.normals[x].dot(panels.normals[y]);
+      const double away = (panels.centers[x] - others.centers[y]).norm() / panels.longest_side(x);
+      add_exact(panels, x, others, y, image == 0 && x == y, away < 0.7 ? fine : away < 1.4 ? rule : few, pair);
+      subtract_middles(panels, x, others, y, pair);
+      const double over = 1 / (4 * std::numbers::pi), across = panels.normals[x].dot(others.normals[y]);
       for (int i = 0; i < 3; ++i) {
         const auto first = near.columns.begin() + near.begin[panels.corners[x][i]],
                    last = near.columns.begin() + near.begin[panels.corners[x][i] + 1];
         for (int j = 0; j < 3; ++j) {
-          const auto at = std::lower_bound(first, last, panels.corners[y][j]) - near.columns.begin();
-          const double curl = panels.curls[x][i].dot(panels.curls[y][j]);
+          const auto at = std::lower_bound(first, last, others.corners[y][j]) - near.columns.begin();
+          const double curl = panels.curls[x][i].dot(others.curls[y][j]);
           near.entries[at].curls += static_cast<float>(over * curl * pair.constant);
           near.entries[at].normals += static_cast<float>(over * across * pair.hats(i, j));
           near.entries[at].slopes += static_cast<float>(over * pair.slopes(i, j));

@@ -25,7 +25,8 @@ struct NearIntegrals {
 
 inline constexpr double kNearSides = 2;  // between centres
 
-NearIntegrals near_integrals(const Panels& panels);
+// Between a part (x) and one of its images (y).
+NearIntegrals near_integrals(const Panels& part, int image = 0);
 
 // The static potential of one flat triangle. For each corner's hat function: the integral of hat / R over the triangle,
 // and its gradient at `point`. Closed forms: Wilton et al., IEEE Trans. Antennas Propag. 32 (1984) 276; Graglia, ibid.

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <numeric>
 #include <string>
@@ -55,9 +56,21 @@ Result<void> find_sides(Panels& panels) {
   panels.sides_of.resize(panels.corners.size());
   const auto same = [](const Use& a, const Use& b) { return a.low == b.low && a.high == b.high; };
   for (std::size_t i = 0; i < uses.size(); i += 2) {
+    const bool on_plane = (panels.planes_at(uses[i].low) & panels.planes_at(uses[i].high)) != 0;
     const bool paired = i + 1 < uses.size() && same(uses[i], uses[i + 1]) && uses[i].forward != uses[i + 1].forward &&
                         (i + 2 >= uses.size() || !same(uses[i], uses[i + 2]));
-    if (!paired) return fail(ErrorKind::bad_input, "the surface is not closed: a side has not just two triangles");
+    if (on_plane && (i + 1 == uses.size() || !same(uses[i], uses[i + 1]))) {
+      Side side;
+      side.nodes = {uses[i].low, uses[i].high, panels.corners[uses[i].triangle][uses[i].opposite], -1};
+      side.triangles = {uses[i].triangle, -1};
+      side.middle = (panels.nodes.row(uses[i].low) + panels.nodes.row(uses[i].high)).transpose() / 2;
+      panels.sides_of[uses[i].triangle][uses[i].opposite] = panels.side_count();
+      panels.sides.push_back(side);
+      --i;  // the next use is another side's first
+      continue;
+    }
+    if (!paired || on_plane)
+      return fail(ErrorKind::bad_input, "the surface is not closed: a side has not just two triangles");
     Side side;
     side.nodes = {uses[i].low, uses[i].high, panels.corners[uses[i].triangle][uses[i].opposite],
                   panels.corners[uses[i + 1].triangle][uses[i + 1].opposite]};
@@ -85,10 +98,11 @@ double Panels::volume() const {
   return sum;
 }
 
-Result<Panels> panels_of(const mesh::TriangleMesh& surface) {
+Result<Panels> panels_of(const mesh::TriangleMesh& surface, int mirrors) {
   if (surface.triangles.rows() == 0) return fail(ErrorKind::bad_input, "the surface has no triangles");
   const std::vector<int> number = new_numbers(surface);
   Panels panels;
+  panels.mirrors = mirrors;
   panels.nodes.resize(*std::max_element(number.begin(), number.end()) + 1, 3);
   for (std::size_t n = 0; n < number.size(); ++n) {
     if (number[n] >= 0) panels.nodes.row(number[n]) = surface.nodes.row(static_cast<Eigen::Index>(n));
@@ -113,6 +127,40 @@ Result<Panels> panels_of(const mesh::TriangleMesh& surface) {
   }
   if (const auto found = find_sides(panels); !found) return fail(found.error());
   return panels;
+}
+
+int mirror_planes_at(const Eigen::Vector3d& point, int mirrors) {
+  int planes = 0;
+  for (int axis = 0; axis < mirrors; ++axis) planes |= point[axis] == 0 ? 1 << axis : 0;
+  return planes;
+}
+
+Eigen::Vector3d image_of(const Eigen::Vector3d& point, int image) {
+  Eigen::Vector3d mirrored = point;
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((image >> axis & 1) != 0) mirrored[axis] = -mirrored[axis];
+  }
+  return mirrored;
+}
+
+// A curl is the product of a normal and a gradient, and so changes its sign beside being mirrored.
+Panels image_of(const Panels& part, int image) {
+  Panels mirrored = part;
+  for (int n = 0; n < part.node_count(); ++n) {
+    mirrored.nodes.row(n) = image_of(part.nodes.row(n).transpose(), image).transpose();
+  }
+  const bool turned = std::popcount(static_cast<unsigned>(image)) % 2 != 0;
+  for (int t = 0; t < part.triangle_count(); ++t) {
+    mirrored.normals[t] = image_of(part.normals[t], image);
+    mirrored.centers[t] = image_of(part.centers[t], image);
+    for (auto& curl : mirrored.curls[t]) curl = (turned ? -1 : 1) * image_of(Eigen::Vector3d(curl), image);
+    if (!turned) continue;
+    std::swap(mirrored.corners[t][1], mirrored.corners[t][2]);
+    std::swap(mirrored.sides_of[t][1], mirrored.sides_of[t][2]);
+    std::swap(mirrored.curls[t][1], mirrored.curls[t][2]);
+  }
+  for (Side& side : mirrored.sides) side.middle = image_of(side.middle, image);
+  return mirrored;
 }
 
 }  // namespace ringdown::radiate

@@ -1,5 +1,10 @@
 // A closed surface of flat triangles, with what boundary elements ask of it: nodes, sides and tangential fields.
 // [any thread]
+//
+// Of a surface with mirror planes only a part may stand here: the planes are coordinate planes through the origin,
+// across the first one, two or three axes, and the part lies where these coordinates are not negative. The whole
+// surface is made of its images. Bit a of an image's number says that it is mirrored across axis a; image 0 is the part
+// itself.
 #pragma once
 
 #include "engine/base/result.h"
@@ -17,9 +22,11 @@ namespace ringdown::radiate {
 // the sum over the middles of its three sides, a third of the area each, which is exact for squares.
 struct Side {
   std::array<int, 4> nodes{};      // its ends, then the corners of the two triangles that are not on it
-  std::array<int, 2> triangles{};  // the one with corner nodes[2], the one with corner nodes[3]
+  std::array<int, 2> triangles{};  // the one with corner nodes[2], the one with corner nodes[3]; on a mirror plane -1
   Eigen::Vector3d middle;
 };
+
+int mirror_planes_at(const Eigen::Vector3d& point, int mirrors);
 
 struct Panels {
   mesh::Points nodes;                                 // V x 3 [m]
@@ -29,7 +36,11 @@ struct Panels {
   std::vector<double> areas;                          // T
   std::vector<std::array<Eigen::Vector3d, 3>> curls;  // T, n x gradient of each corner's hat function [1/m]
   std::vector<Side> sides;
+  int mirrors = 0;  // planes: 0 to 3
 
+  [[nodiscard]] int image_count() const { return 1 << mirrors; }
+  // Bit a: the node lies on the mirror plane across axis a, where its coordinate is exactly 0.
+  [[nodiscard]] int planes_at(int node) const { return mirror_planes_at(nodes.row(node).transpose(), mirrors); }
   [[nodiscard]] int node_count() const { return static_cast<int>(nodes.rows()); }
   [[nodiscard]] int triangle_count() const { return static_cast<int>(corners.size()); }
   [[nodiscard]] int side_count() const { return static_cast<int>(sides.size()); }
@@ -42,7 +53,13 @@ struct Panels {
 };
 
 // Fails when a side has not exactly two triangles, which run along it in opposite directions, or when a triangle has no
-// area. Nodes are renumbered so that neighbours in space have close numbers; nodes without triangles go.
-Result<Panels> panels_of(const mesh::TriangleMesh& surface);
+// area; a side on a mirror plane must have just one. Nodes are renumbered so that neighbours in space have close
+// numbers; nodes without triangles go.
+Result<Panels> panels_of(const mesh::TriangleMesh& surface, int mirrors = 0);
+
+// The point's image.
+Eigen::Vector3d image_of(const Eigen::Vector3d& point, int image);
+// The image of a part, turned so that its normals point outward. Nodes, sides and triangles keep their numbers.
+Panels image_of(const Panels& part, int image);
 
 }  // namespace ringdown::radiate

@@ -2,10 +2,12 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/radiate/skin.h"
+#include "engine/radiate/symmetry.h"
 #include "engine/radiate/wave_pair.h"
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -19,11 +21,12 @@
 namespace ringdown::radiate {
 namespace {
 
-constexpr double kSameWave = 0.004;   // modes whose wavenumbers differ by less are solved at their mean
-constexpr int kFewestUnknowns = 500;  // a skin of fewer does not show the body's form
-constexpr int kMostForShapes = 3000;  // unknowns of a skin that a pattern asks for and no wave in the air
+constexpr double kSameWave = 0.004;      // modes whose wavenumbers differ by less are solved at their mean
+constexpr int kFewestUnknowns = 500;     // a skin of fewer does not show the body's form
+constexpr double kMostForShapes = 3000;  // unknowns of a skin that a pattern asks for and no wave in the air
 constexpr double kCoarser = std::numbers::sqrt2;
-constexpr int kMostRounds = 4;                  // of solving what missed on finer skins
+constexpr int kMostRounds = 5;                  // of solving what missed on finer skins
+constexpr double kFarOff = 4;                   // times the error that is wanted: such a mode passes over a skin
 constexpr double kMostBytes = 3.5 * (1 << 30);  // of all threads' matrices together
 constexpr double kSharedSpan = 0.5;  // of k times the body's radius, in which one elimination preconditions all
 
@@ -45,13 +48,15 @@ struct Finding {
 
 class Solver {
  public:
-  Solver(const Original& original, const modal::Air& air, const Options& options)
+  Solver(const Original& original, const Symmetry& symmetry, const modal::Air& air, const Options& options)
       : original_(original),
+        symmetry_(symmetry),
         air_(air),
         options_(options),
         modes_(static_cast<int>(original.body->frequency_hz.size())) {
     origin_ =
         (original.panels->nodes.colwise().maxCoeff() + original.panels->nodes.colwise().minCoeff()).transpose() / 2;
+    origin_.head(symmetry.mirrors).setZero();
     radius_ = (original.panels->nodes.rowwise() - origin_.transpose()).rowwise().norm().maxCoeff();
     found_.resize(modes_);
     levels_.resize(modes_);
@@ -67,7 +72,11 @@ class Solver {
       if (round == 0) add_levels_to(tasks);
       if (const auto done = run(tasks, round); !done) return fail(done.error());
       std::erase_if(wanted, [&](int m) { return !misses(report_of(m)) || !may_be_finer(found_[m].grade); });
-      for (const int m : wanted) ++found_[m].grade;
+      for (const int m : wanted) {
+        const RadiatedMode mode = report_of(m);
+        const bool far_off = mode.error_db > kFarOff * wanted_error_db(mode.relative_db);
+        found_[m].grade = std::min(found_[m].grade + (far_off ? 2 : 1), finest_grade(most_nodes()));
+      }
     }
     return report();
   }
@@ -83,14 +92,19 @@ class Solver {
     const double coarsest = std::sqrt(original_.panels->area() / kFewestUnknowns * 2 / std::sqrt(3.0));
     return coarsest * std::pow(kCoarser, 1 - grade);
   }
-  [[nodiscard]] int finest_grade(int most_unknowns) const {
-    return 1 + std::max(0, static_cast<int>(std::log2(static_cast<double>(most_unknowns) / kFewestUnknowns)));
+  [[nodiscard]] static int finest_grade(double most_nodes) {
+    return 1 + std::max(0, static_cast<int>(std::log2(most_nodes / kFewestUnknowns)));
   }
-  [[nodiscard]] bool may_be_finer(int grade) const { return grade < finest_grade(options_.most_unknowns); }
+  [[nodiscard]] double most_nodes() const {
+    return options_.most_unknowns * (symmetry_.mirrors == 0 ? 1 : std::exp2((symmetry_.mirrors + 1) / 2.0));
+  }
+  [[nodiscard]] bool may_be_finer(int grade) const { return grade < finest_grade(most_nodes()); }
+  // What is irregular in a skin recurs in its images, and cancels less than elsewhere: 1,000 nodes at least.
+  [[nodiscard]] int coarsest_grade() const { return symmetry_.mirrors > 1 ? 2 : 1; }
   // The grade whose sides are nearest to the given one.
   [[nodiscard]] int grade_for(double side, int finest) const {
     const double steps = std::log(side_of(1) / side) / std::log(kCoarser);
-    return std::clamp(1 + static_cast<int>(std::lround(steps)), 1, finest);
+    return std::clamp(1 + static_cast<int>(std::lround(steps)), coarsest_grade(), std::max(coarsest_grade(), finest));
   }
   Result<void> make_skin(int grade) {
     if (skins_.contains(grade)) return {};
@@ -102,8 +116,7 @@ class Solver {
 
   // Each mode's skin: by the wave in the air, then finer while its own pattern asks for it.
   Result<void> choose_skins() {
-    const int finest = finest_grade(options_.most_unknowns),
-              for_shapes = finest_grade(std::min(options_.most_unknowns, kMostForShapes));
+    const int finest = finest_grade(most_nodes()), for_shapes = finest_grade(std::min(most_nodes(), kMostForShapes));
     for (int m = 0; m < modes_; ++m) found_[m].grade = grade_for(side_for_wave(wavenumber(m)), finest);
     for (int grade = 1; grade <= finest; ++grade) {
       if (std::none_of(found_.begin(), found_.end(), [&](const Finding& f) { return f.grade == grade; })) continue;
@@ -121,8 +134,12 @@ class Solver {
   }
 
   [[nodiscard]] WaveQuestion question(double k, std::vector<int> modes) const {
-    return {
-        .wavenumber_rad_m = k, .modes = std::move(modes), .sources = places_, .origin = origin_, .radius_m = radius_};
+    return {.wavenumber_rad_m = k,
+            .modes = std::move(modes),
+            .sources = places_,
+            .origin = origin_,
+            .radius_m = radius_,
+            .turn = symmetry_.turn};
   }
 
   // The modes by skins and wavenumbers, the finest skins first, so that no thread begins the longest task when the
@@ -224,8 +241,8 @@ class Solver {
   }
 
   // How many threads there is memory for.
-  [[nodiscard]] int threads_for(int nodes, double shared_bytes) const {
-    return std::clamp(static_cast<int>((kMostBytes - shared_bytes) / wave_memory_bytes(nodes)), 1,
+  [[nodiscard]] int threads_for(const Panels& panels, double shared_bytes) const {
+    return std::clamp(static_cast<int>((kMostBytes - shared_bytes) / wave_memory_bytes(panels)), 1,
                       thread_count(options_.threads));
   }
 
@@ -233,14 +250,15 @@ class Solver {
   bool run_band(std::span<const Task> tasks, const std::function<bool(const Task&)>& progress) {
     const Task& first = tasks.front();
     const Skin& skin = skins_.at(first.grade);
-    const int nodes = skin.panels.node_count();
-    const int threads = threads_for(nodes, first.levels ? 0 : band_memory_bytes(nodes));
+    const double band_bytes = band_memory_bytes(skin.panels);
+    const bool shares = !first.levels && band_bytes + wave_memory_bytes(skin.panels) <= kMostBytes;
+    const int threads = threads_for(skin.panels, shares ? band_bytes : 0);
     std::optional<BandPair> bands;
     if (!first.levels) {
       const double highest = first.questions.front().wavenumber_rad_m,
                    lowest = tasks.back().questions.back().wavenumber_rad_m;
       int wavenumbers = 0;
-      for (const Task& task : tasks) wavenumbers += static_cast<int>(task.questions.size());
+      for (const Task& task : tasks) wavenumbers += shares ? static_cast<int>(task.questions.size()) : 0;
       bands.emplace(WaveBand(skin, lowest, highest, wavenumbers, threads),
                     WaveBand(skins_.at(first.grade - 1), lowest, highest, wavenumbers, threads),
                     continuations_.at(first.grade));
@@ -293,6 +311,15 @@ class Solver {
     }
   }
 
+  // With those of the images.
+  static int whole_nodes(const Panels& panels) {
+    int nodes = 0;
+    for (int n = 0; n < panels.node_count(); ++n) {
+      nodes += panels.image_count() >> std::popcount(static_cast<unsigned>(panels.planes_at(n)));
+    }
+    return nodes;
+  }
+
   [[nodiscard]] double relative_db(int mode, double power) const {
     const auto flow = original_.body->flow.flow.col(mode).cast<double>();
     const double squares = (flow.array().square() / original_.body->flow.areas.array()).sum();
@@ -322,15 +349,17 @@ class Solver {
 
   Radiation report() {
     Radiation radiation;
-    radiation.maps.origin_m = {origin_[0], origin_[1], origin_[2]};
+    const Eigen::Vector3d origin = symmetry_.turn.transpose() * (origin_ + symmetry_.shift);
+    radiation.maps.origin_m = {origin[0], origin[1], origin[2]};
     for (int m = 0; m < modes_; ++m) {
       radiation.modes.push_back(report_of(m));
       add_levels(m);
       radiation.maps.modes.push_back(std::move(found_[m].field));
     }
     for (const auto& [grade, skin] : skins_) {
-      radiation.largest_unknowns = std::max(radiation.largest_unknowns, skin.panels.node_count());
+      radiation.largest_unknowns = std::max(radiation.largest_unknowns, whole_nodes(skin.panels));
     }
+    radiation.mirrors = symmetry_.mirrors;
     radiation.eliminations = eliminations_;
     return radiation;
   }
@@ -356,6 +385,7 @@ class Solver {
   static constexpr double kSmallestTerm = 1e-4;
 
   const Original& original_;
+  const Symmetry symmetry_;
   const modal::Air air_;
   const Options& options_;
   const int modes_;
@@ -386,11 +416,19 @@ Result<void> check(const Body& body) {
 
 }  // namespace
 
+// Where the part of a surface between its mirror planes cannot be tiled, the whole surface is.
 Result<Radiation> solve(const Body& body, const modal::Air& air, const Options& options) {
   if (const auto sound = check(body); !sound) return fail(sound.error());
+  if (const Symmetry symmetry = options.symmetry ? symmetry_of(body.surface) : Symmetry{}; symmetry.mirrors > 0) {
+    const Body turned = moved(body, symmetry);
+    const auto original = Original::of(turned, symmetry.mirrors);
+    if (!original) return fail(original.error());
+    auto solved = Solver(*original, symmetry, air, options).solve();
+    if (solved || solved.error().kind != ErrorKind::bad_input) return solved;
+  }
   const auto original = Original::of(body);
   if (!original) return fail(original.error());
-  return Solver(*original, air, options).solve();
+  return Solver(*original, Symmetry{}, air, options).solve();
 }
 
 }  // namespace ringdown::radiate

@@ -26,9 +26,11 @@ struct Options {
   Progress progress;            // called from one thread at a time; false stops
   double panels_per_wave = 3;   // edges of triangles per wavelength in the air, to begin with
   double panels_per_shape = 6;  // and per wavelength of the mode's own pattern, which may be shorter
-  // Nodes of the finest surface, to which modes come that miss wanted_error_db() on coarser ones. A thread takes 12
-  // bytes times the square of the nodes, all share 30; fewer threads run where that is more than 3.5 GiB.
+  // Nodes of the finest surface, to which modes come that miss wanted_error_db() on coarser ones; with s mirror planes
+  // 2^((s + 1)/2) times as many. A thread takes 12 bytes times the square of the nodes, over 2^s, all share 30 where
+  // that leaves room for it; fewer threads run where all together is more than 3.5 GiB.
   int most_unknowns = 8000;
+  bool symmetry = true;      // looks for mirror planes and uses them
   double range_octaves = 1;  // levels are given this far below and, up to the highest mode, above a mode's own k
 };
 
@@ -49,7 +51,8 @@ inline double wanted_error_db(double relative_db) { return relative_db > -60 ? 0
 struct Radiation {
   modal::RadiationMaps maps;        // of M modes
   std::vector<RadiatedMode> modes;  // M
-  int largest_unknowns = 0;         // of the finest surface
+  int largest_unknowns = 0;         // nodes of the finest surface, its mirror images included
+  int mirrors = 0;                  // mirror planes that were used
   int eliminations = 0;             // of matrices with which the iteration did not converge
 };
 

@@ -1,5 +1,7 @@
 #include "engine/radiate/retile.h"
 
+#include "engine/radiate/panels.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -30,7 +32,7 @@ double quality(const Vector& a, const Vector& b, const Vector& c) {
 
 class Tiling {
  public:
-  explicit Tiling(const mesh::TriangleMesh& surface) {
+  Tiling(const mesh::TriangleMesh& surface, int mirrors) : mirrors_(mirrors) {
     for (Eigen::Index n = 0; n < surface.nodes.rows(); ++n) at_.push_back(surface.nodes.row(n).transpose());
     around_.resize(at_.size());
     sharp_.resize(at_.size());
@@ -54,13 +56,13 @@ class Tiling {
     for (const Triangle& t : triangles_) {
       if (t[0] < 0) continue;
       for (int i = 0; i < 3; ++i) {
-        if (t[i] < t[(i + 1) % 3]) push(t[i], t[(i + 1) % 3]);
+        if (t[i] < t[(i + 1) % 3] || on_plane(t[i], t[(i + 1) % 3])) push(t[i], t[(i + 1) % 3]);
       }
     }
     while (!queue.empty()) {
       const Item item = queue.top();
       queue.pop();
-      if (triangles_at(item.a, item.b).size() != 2) continue;
+      if (!is_whole(item.a, item.b)) continue;
       const int middle = split(item.a, item.b);
       for (const int n : neighbours(middle)) push(middle, n);
     }
@@ -80,13 +82,13 @@ class Tiling {
     for (const Triangle& t : triangles_) {
       if (t[0] < 0) continue;
       for (int i = 0; i < 3; ++i) {
-        if (t[i] < t[(i + 1) % 3]) push(t[i], t[(i + 1) % 3]);
+        if (t[i] < t[(i + 1) % 3] || on_plane(t[i], t[(i + 1) % 3])) push(t[i], t[(i + 1) % 3]);
       }
     }
     while (!queue.empty()) {
       const Item item = queue.top();
       queue.pop();
-      if (triangles_at(item.a, item.b).size() != 2) continue;
+      if (!is_whole(item.a, item.b)) continue;
       int kept = -1;
       if (collapse(item.a, item.b, longest)) {
         kept = item.b;
@@ -166,13 +168,17 @@ class Tiling {
     const Triangle& t = triangles_[triangle];
     return (t[0] == a && t[1] == b) || (t[1] == a && t[2] == b) || (t[2] == a && t[0] == b);
   }
+  // The mirror planes on which a node lies, as bits, and whether a side lies on one.
+  [[nodiscard]] int planes(int node) const { return mirror_planes_at(at_[node], mirrors_); }
+  [[nodiscard]] bool on_plane(int a, int b) const { return (planes(a) & planes(b)) != 0; }
+  [[nodiscard]] bool is_whole(int a, int b) const { return triangles_at(a, b).size() == (on_plane(a, b) ? 1U : 2U); }
   [[nodiscard]] bool is_sharp(int a, int b) const {
     return std::find(sharp_[a].begin(), sharp_[a].end(), b) != sharp_[a].end();
   }
   void find_sharp_sides(int triangle) {
     for (int i = 0; i < 3; ++i) {
       const int a = triangles_[triangle][i], b = triangles_[triangle][(i + 1) % 3];
-      if (a > b) continue;
+      if (a > b && !on_plane(a, b)) continue;
       const std::vector<int> both = triangles_at(a, b);
       if (both.size() == 2 && normal(both[0]).dot(normal(both[1])) > kCosSharp) continue;
       sharp_[a].push_back(b);
@@ -210,13 +216,15 @@ class Tiling {
   }
 
   bool collapse(int gone, int kept, double longest) {
-    if (!keeps_sharp_lines(gone, kept)) return false;
+    if (!keeps_sharp_lines(gone, kept) || (planes(gone) & ~planes(kept)) != 0) return false;
     const std::vector<int> from = neighbours(gone), to = neighbours(kept);
     const auto common =
         std::count_if(from.begin(), from.end(), [&](int n) { return std::find(to.begin(), to.end(), n) != to.end(); });
-    if (common != 2) return false;
+    if (common != (on_plane(gone, kept) ? 1 : 2)) return false;
     for (const int n : from) {
       if (n != kept && (at_[n] - at_[kept]).norm() > longest) return false;
+      const bool fresh = n != kept && std::find(to.begin(), to.end(), n) == to.end();
+      if (fresh && (planes(n) & planes(kept) & ~planes(gone)) != 0) return false;  // a side on a plane, amid triangles
     }
     for (const int t : around_[gone]) {
       if (has(t, kept)) continue;
@@ -257,7 +265,7 @@ class Tiling {
     if (both.size() != 2 || is_sharp(a, b)) return;
     const int left = runs(both[0], a, b) ? both[0] : both[1], right = left == both[0] ? both[1] : both[0];
     const int c = third(left, a, b), d = third(right, a, b);
-    if (c == d || !triangles_at(c, d).empty()) return;
+    if (c == d || !triangles_at(c, d).empty() || on_plane(c, d)) return;
     const Vector before = normal(left), other = normal(right);
     if (before.dot(other) < kCosFlat) return;
     const double now = std::min(quality(at_[a], at_[b], at_[c]), quality(at_[b], at_[a], at_[d]));
@@ -272,6 +280,7 @@ class Tiling {
     add({d, b, c});
   }
 
+  const int mirrors_;
   std::vector<Vector> at_;
   std::vector<Triangle> triangles_;       // removed ones have corners -1
   std::vector<std::vector<int>> around_;  // the triangles at each node
@@ -280,10 +289,10 @@ class Tiling {
 
 }  // namespace
 
-mesh::TriangleMesh retile(const mesh::TriangleMesh& surface, double side_m) {
+mesh::TriangleMesh retile(const mesh::TriangleMesh& surface, double side_m, int mirrors) {
   constexpr int kRounds = 3;
   constexpr double kLongest = 1.45, kShortest = 0.9;  // so that their number is that of equal triangles with this side
-  Tiling tiling(surface);
+  Tiling tiling(surface, mirrors);
   for (int round = 0; round < kRounds; ++round) {
     tiling.split_long_sides(kLongest * side_m);
     tiling.collapse_short_sides(kShortest * side_m, kLongest * side_m);

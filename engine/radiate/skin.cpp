@@ -1,5 +1,6 @@
 #include "engine/radiate/skin.h"
 
+#include "engine/radiate/mirror_part.h"
 #include "engine/radiate/retile.h"
 
 #include <Eigen/Geometry>
@@ -90,9 +91,17 @@ void keep_volume(const Original& original, const Panels& panels, mesh::TriangleM
   const std::vector<bool> smooth = smooth_nodes(panels, normals);
   std::vector<double> gap(panels.node_count(), 0), weight(panels.node_count(), 0);
   for (const Side& side : panels.sides) {
-    const Eigen::Vector3d &left = panels.normals[side.triangles[0]], &right = panels.normals[side.triangles[1]];
+    const Eigen::Vector3d& left = panels.normals[side.triangles[0]];
+    Eigen::Vector3d right = left;
+    double area = panels.areas[side.triangles[0]];
+    if (side.triangles[1] >= 0) {
+      right = panels.normals[side.triangles[1]];
+      area += panels.areas[side.triangles[1]];
+    } else {
+      const int planes = panels.planes_at(side.nodes[0]) & panels.planes_at(side.nodes[1]);
+      right = image_of(left, planes & -planes);
+    }
     const Eigen::Vector3d normal = (left + right).normalized();
-    const double area = panels.areas[side.triangles[0]] + panels.areas[side.triangles[1]];
     const SurfacePlace place = original.search->nearest(side.middle, normal);
     const double most = 0.3 * (panels.nodes.row(side.nodes[0]) - panels.nodes.row(side.nodes[1])).norm();
     double here = (place.at - side.middle).dot(normal);
@@ -107,18 +116,37 @@ void keep_volume(const Original& original, const Panels& panels, mesh::TriangleM
   }
 }
 
+template <class Columns>
+void clear_planes(const Panels& panels, int image_class, Columns&& columns) {
+  for (const int n : zero_nodes(panels, image_class)) columns.row(n).setZero();
+}
+
+// First the flow through each image, then the classes from these.
 void share_flow(const FlowSamples& samples, Skin& skin) {
   const SurfaceSearch search(skin.panels);
   const Eigen::Index modes = samples.flow.cols();
-  Eigen::MatrixXf by_mode = Eigen::MatrixXf::Zero(modes, skin.panels.node_count());  // a sample's modes lie together
+  const int images = skin.panels.image_count();
+  std::vector<Eigen::MatrixXf> by_mode(  // a sample's modes lie together
+      images, Eigen::MatrixXf::Zero(modes, skin.panels.node_count()));
   const Eigen::MatrixXf flow = samples.flow.transpose();
   for (Eigen::Index s = 0; s < samples.positions.rows(); ++s) {
-    const SurfacePlace place = search.nearest(samples.positions.row(s).transpose(), samples.normals.row(s).transpose());
+    const Eigen::Vector3d at = samples.positions.row(s).transpose();
+    int image = 0;
+    for (int axis = 0; axis < skin.panels.mirrors; ++axis) image |= at[axis] < 0 ? 1 << axis : 0;
+    const SurfacePlace place =
+        search.nearest(image_of(at, image), image_of(Eigen::Vector3d(samples.normals.row(s).transpose()), image));
     for (int i = 0; i < 3; ++i) {
-      by_mode.col(skin.panels.corners[place.triangle][i]) += static_cast<float>(place.weights[i]) * flow.col(s);
+      by_mode[image].col(skin.panels.corners[place.triangle][i]) += static_cast<float>(place.weights[i]) * flow.col(s);
     }
   }
-  skin.flow = by_mode.transpose();
+  for (int c = 0; c < images; ++c) {
+    skin.flow.emplace_back(by_mode[0].transpose());
+    for (int image = 1; image < images; ++image) {
+      skin.flow[c] += static_cast<float>(sign_of(c, image)) * by_mode[image].transpose();
+    }
+    skin.flow[c] /= static_cast<float>(images);
+    clear_planes(skin.panels, c, skin.flow[c]);
+  }
 }
 
 void add_source(const Eigen::Vector3d& inside, double k, const Eigen::Vector3d& normal, double area,
@@ -154,16 +182,29 @@ void add_source(const Eigen::Vector3d& inside, double k, const Eigen::Vector3d& 
 
 }  // namespace
 
+std::vector<int> zero_nodes(const Panels& panels, int image_class) {
+  std::vector<int> nodes;
+  for (int n = 0; n < panels.node_count(); ++n) {
+    if ((panels.planes_at(n) & image_class) != 0) nodes.push_back(n);
+  }
+  return nodes;
+}
+
 std::vector<Eigen::Vector3d> node_normals(const Panels& panels) {
   std::vector<Eigen::Vector3d> normals(panels.node_count(), Eigen::Vector3d::Zero());
   for (int t = 0; t < panels.triangle_count(); ++t) {
     for (const int n : panels.corners[t]) normals[n] += panels.areas[t] * panels.normals[t];
   }
-  for (auto& normal : normals) normal.normalize();
+  for (int n = 0; n < panels.node_count(); ++n) {
+    for (int axis = 0; axis < panels.mirrors; ++axis) {
+      if ((panels.planes_at(n) >> axis & 1) != 0) normals[n][axis] = 0;
+    }
+    normals[n].normalize();
+  }
   return normals;
 }
 
-Result<Original> Original::of(const Body& body) {
+Result<Original> Original::of(const Body& body, int mirrors) {
   auto panels = panels_of(body.surface);
   if (!panels) return fail(panels.error());
   if (panels->volume() <= 0) return fail(ErrorKind::bad_input, "the surface is turned inside out");
@@ -171,6 +212,8 @@ Result<Original> Original::of(const Body& body) {
   original.body = &body;
   original.panels = std::make_shared<const Panels>(std::move(*panels));
   original.search = std::make_shared<const SurfaceSearch>(*original.panels);
+  original.mirrors = mirrors;
+  original.part = mirror_part_of(mesh_of(*original.panels), mirrors);
   original.walls = original.panels;
   if (original.panels->triangle_count() > kMostWallTriangles) {
     auto coarse =
@@ -187,17 +230,19 @@ Result<Original> Original::of(const Body& body) {
 }
 
 Result<Skin> skin_of(const Original& original, double side_m) {
-  mesh::TriangleMesh mesh = retile(mesh_of(*original.panels), side_m);
-  auto flat = panels_of(mesh);
+  mesh::TriangleMesh mesh = retile(original.part, side_m, original.mirrors);
+  auto flat = panels_of(mesh, original.mirrors);
   if (!flat) return fail(flat.error());
   mesh = mesh_of(*flat);
   keep_volume(original, *flat, mesh);
-  auto panels = panels_of(mesh);
+  auto panels = panels_of(mesh, original.mirrors);
   if (!panels) return fail(panels.error());
   Skin skin;
   skin.panels = std::move(*panels);
   skin.side_m = side_m;
-  skin.near = near_integrals(skin.panels);
+  for (int image = 0; image < skin.panels.image_count(); ++image) {
+    skin.near.push_back(near_integrals(skin.panels, image));
+  }
   const std::vector<Eigen::Vector3d> normals = node_normals(skin.panels);
   for (int n = 0; n < skin.panels.node_count(); ++n) {
     const SurfacePlace place = original.wall_search->nearest(skin.panels.nodes.row(n).transpose(), normals[n]);
@@ -225,22 +270,24 @@ std::vector<double> coupling_of(const Skin& skin, double wavenumber_rad_m) {
 
 std::vector<double> shape_wavenumbers(const Skin& skin) {
   const Panels& panels = skin.panels;
-  const Eigen::Index modes = skin.flow.cols();
-  const Eigen::MatrixXf motion = node_areas(panels).cwiseInverse().asDiagonal() * skin.flow;  // V x M
+  const Eigen::Index modes = skin.flow[0].cols();
   const std::vector<bool> smooth = smooth_nodes(panels, node_normals(panels));
   Eigen::VectorXd slopes = Eigen::VectorXd::Zero(modes), squares = slopes;
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    const auto& corners = panels.corners[t];
-    if (!smooth[corners[0]] || !smooth[corners[1]] || !smooth[corners[2]]) continue;
-    for (Eigen::Index m = 0; m < modes; ++m) {
-      Eigen::Vector3d slope = Eigen::Vector3d::Zero();
-      double square = 0;
-      for (int i = 0; i < 3; ++i) {
-        slope += static_cast<double>(motion(corners[i], m)) * panels.curls[t][i];
-        square += static_cast<double>(motion(corners[i], m)) * motion(corners[i], m) / 3;
+  for (const Eigen::MatrixXf& flow : skin.flow) {
+    const Eigen::MatrixXf motion = node_areas(panels).cwiseInverse().asDiagonal() * flow;  // V x M
+    for (int t = 0; t < panels.triangle_count(); ++t) {
+      const auto& corners = panels.corners[t];
+      if (!smooth[corners[0]] || !smooth[corners[1]] || !smooth[corners[2]]) continue;
+      for (Eigen::Index m = 0; m < modes; ++m) {
+        Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+        double square = 0;
+        for (int i = 0; i < 3; ++i) {
+          slope += static_cast<double>(motion(corners[i], m)) * panels.curls[t][i];
+          square += static_cast<double>(motion(corners[i], m)) * motion(corners[i], m) / 3;
+        }
+        slopes[m] += panels.areas[t] * slope.squaredNorm();
+        squares[m] += panels.areas[t] * square;
       }
-      slopes[m] += panels.areas[t] * slope.squaredNorm();
-      squares[m] += panels.areas[t] * square;
     }
   }
   std::vector<double> wavenumbers;
@@ -250,16 +297,28 @@ std::vector<double> shape_wavenumbers(const Skin& skin) {
   return wavenumbers;
 }
 
-Eigen::VectorXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside, double wavenumber_rad_m) {
-  Eigen::VectorXcd flow = Eigen::VectorXcd::Zero(panels.node_count());
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    std::array<std::complex<double>, 3> sums{};
-    add_source(inside, wavenumber_rad_m, panels.normals[t], panels.areas[t],
-               {panels.corner(t, 0), panels.corner(t, 1), panels.corner(t, 2)}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, 0,
-               sums);
-    for (int i = 0; i < 3; ++i) flow[panels.corners[t][i]] += sums[i];
+// The source's flow through an image is that of the source's own image through the part.
+Eigen::MatrixXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside, double wavenumber_rad_m) {
+  const int images = panels.image_count();
+  Eigen::MatrixXcd flow = Eigen::MatrixXcd::Zero(panels.node_count(), images);
+  for (int image = 0; image < images; ++image) {
+    const Eigen::Vector3d source = image_of(inside, image);
+    for (int t = 0; t < panels.triangle_count(); ++t) {
+      std::array<std::complex<double>, 3> sums{};
+      add_source(source, wavenumber_rad_m, panels.normals[t], panels.areas[t],
+                 {panels.corner(t, 0), panels.corner(t, 1), panels.corner(t, 2)}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+                 0, sums);
+      for (int i = 0; i < 3; ++i) flow(panels.corners[t][i], image) += sums[i];
+    }
   }
-  return flow.cast<std::complex<float>>();
+  Eigen::MatrixXcf classes(panels.node_count(), images);
+  for (int c = 0; c < images; ++c) {
+    Eigen::VectorXcd sum = flow.col(0);
+    for (int image = 1; image < images; ++image) sum += sign_of(c, image) * flow.col(image);
+    classes.col(c) = (sum / static_cast<double>(images)).cast<std::complex<float>>();
+    clear_planes(panels, c, classes.col(c));
+  }
+  return classes;
 }
 
 std::vector<Eigen::Vector3d> inner_places(const Original& original) {

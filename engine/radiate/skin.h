@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include <bit>
 #include <memory>
 #include <vector>
 
@@ -17,10 +18,12 @@ namespace ringdown::radiate {
 // The body as it was given: what every skin is made from. Keeps references to it.
 class Original {
  public:
-  // The surface must be closed and turned outward.
-  static Result<Original> of(const Body& body);
+  // The surface must be closed and turned outward. It may have mirror planes, which are the first coordinate planes.
+  static Result<Original> of(const Body& body, int mirrors = 0);
 
   const Body* body = nullptr;
+  int mirrors = 0;
+  mesh::TriangleMesh part;  // without mirror planes the whole surface
   std::shared_ptr<const Panels> panels;
   std::shared_ptr<const SurfaceSearch> search;
   // Where walls are measured, and how far one comes from each of its triangles straight inward [m].
@@ -29,20 +32,33 @@ class Original {
   std::vector<double> thickness_m;
 };
 
+// Where there are mirror planes a skin is a part of the surface, and whatever happens on the whole surface is the sum
+// of as many classes as there are images. Bit a of a class's number says that it changes its sign across plane a: image
+// g of the part carries (-1)^(number of bits that class and image have in common) times what the part does. A class
+// that changes its sign across a plane is 0 on it.
 struct Skin {
   Panels panels;
-  NearIntegrals near;
+  std::vector<NearIntegrals> near;  // with each image
   std::vector<double> thickness_m;  // V
-  Eigen::MatrixXf flow;             // V x M [m^2 kg^-1/2]: integrals of phi.n times each hat function
+  // For each class V x M [m^2 kg^-1/2]: integrals of its share of phi.n times each hat function, over the part.
+  std::vector<Eigen::MatrixXf> flow;
   double side_m = 0;
 };
+
+// The nodes on which a class is 0.
+std::vector<int> zero_nodes(const Panels& panels, int image_class);
+
+// What an image carries of a class: 1 or -1.
+inline int sign_of(int image_class, int image) {
+  return std::popcount(static_cast<unsigned>(image_class & image)) % 2 == 0 ? 1 : -1;
+}
 
 // Nodes are moved out or in by the mean distance of the flat triangles around them from the old surface, so that a
 // coarse skin has the volume of the body. Each sample's flow goes to the corners of the triangle nearest to it: what
 // flows in sum is kept to rounding.
 Result<Skin> skin_of(const Original& original, double side_m);
 
-// At each node the mean of the normals of its triangles, weighted by their areas.
+// At each node the mean of the normals of its triangles and of their images, weighted by their areas.
 std::vector<Eigen::Vector3d> node_normals(const Panels& panels);
 
 // A third of the area of the triangles around each node.
@@ -55,9 +71,9 @@ std::vector<double> coupling_of(const Skin& skin, double wavenumber_rad_m);
 // 1 over the length [rad/m] over which each mode's normal motion changes: rms of its gradient over its rms.
 std::vector<double> shape_wavenumbers(const Skin& skin);
 
-// Integrals of the hat functions times the flow of a point source at `inside`: of dG/dn, G = exp(ikR)/(4 pi R).
-// Triangles are divided until they are smaller than 0.4 of their distance.
-Eigen::VectorXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside, double wavenumber_rad_m);
+// For each class (V x classes) the integrals of the hat functions times its share of the flow of a point source at
+// `inside`: of dG/dn, G = exp(ikR)/(4 pi R). Triangles are divided until they are smaller than 0.4 of their distance.
+Eigen::MatrixXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside, double wavenumber_rad_m);
 
 // Two places inside of the body, in its thickest wall and in a middling one.
 std::vector<Eigen::Vector3d> inner_places(const Original& original);

@@ -19,15 +19,26 @@ struct Places {
   std::array<std::vector<float>, 3> at;
 };
 
-Places places_of(const mesh::Points& nodes) {
-  const Eigen::RowVector3d center = nodes.colwise().mean();
+// An image's nodes.
+Places places_of(const mesh::Points& nodes, int mirrors, int image) {
+  Eigen::RowVector3d center = nodes.colwise().mean();
+  center.head(mirrors).setZero();
   Places places;
   for (int c = 0; c < 3; ++c) {
     auto& list = places.at[c];
-    for (const double x : nodes.col(c)) list.push_back(static_cast<float>(x - center[c]));
+    const double sign = (image >> c & 1) != 0 ? -1 : 1;
+    for (const double x : nodes.col(c)) list.push_back(static_cast<float>(sign * (x - center[c])));
     list.resize((list.size() + kLanes - 1) / kLanes * kLanes, 0.0F);
   }
   return places;
+}
+
+std::vector<Places> images_of(const Panels& panels) {
+  std::vector<Places> images;
+  for (int image = 0; image < panels.image_count(); ++image) {
+    images.push_back(places_of(panels.nodes, panels.mirrors, image));
+  }
+  return images;
 }
 
 [[gnu::always_inline]] inline void load(Lanes& lanes, const float* from) { std::memcpy(&lanes, from, sizeof lanes); }
@@ -55,11 +66,12 @@ struct Pairs {
   pairs = {turned[0], turned[1]};
 }
 
-// One row of a sum of three matrices, turned by exp(i k R). `rows` may be `out`.
+// One row of a sum of three matrices, turned by exp(i k R), R being the distance of `places` from `from`. `rows` may be
+// `out`.
 RINGDOWN_CLONES
-void turn_row(const Places& places, int row, int nodes, float k, const std::array<const float*, 3>& rows,
-              const std::array<float, 3>& weights, float* out) {
-  const float x = places.at[0][row], y = places.at[1][row], z = places.at[2][row];
+void turn_row(const std::array<float, 3>& from, const Places& places, int nodes, float k,
+              const std::array<const float*, 3>& rows, const std::array<float, 3>& weights, float* out) {
+  const auto [x, y, z] = from;
   const std::size_t pair = 2 * sizeof(float);
   for (int first = 0; first < nodes; first += kLanes) {
     Lanes dx, dy, dz, r, cosine, sine;
@@ -95,34 +107,95 @@ float* row_of(ComplexMatrix& matrix, int row) {
   return reinterpret_cast<float*>(matrix.data() + static_cast<std::ptrdiff_t>(row) * matrix.cols());
 }
 
+std::array<float, 3> place(const Places& places, int node) {
+  return {places.at[0][node], places.at[1][node], places.at[2][node]};
+}
+
+// From one matrix for each image to one for each class: for each plane the sum and the difference of the images on its
+// two sides.
+class ClassSums {
+ public:
+  explicit ClassSums(const Panels& panels) : nodes_(panels.node_count()), mirrors_(panels.mirrors) {
+    for (int c = 0; c < panels.image_count(); ++c) {
+      zero_.push_back(zero_nodes(panels, c));
+      std::vector<bool>& is_zero = is_zero_.emplace_back(nodes_, false);
+      for (const int n : zero_.back()) is_zero[n] = true;
+    }
+  }
+
+  void add_row(int row, std::vector<ComplexMatrix>& matrices) const {
+    for (int axis = 0; axis < mirrors_; ++axis) {
+      for (int image = 0; image < 1 << mirrors_; ++image) {
+        if ((image >> axis & 1) == 0)
+          add_and_subtract(row_of(matrices[image], row), row_of(matrices[image | 1 << axis], row));
+      }
+    }
+    for (std::size_t c = 1; c < zero_.size(); ++c) {
+      const std::complex<float> diagonal = matrices[c](row, row);
+      if (is_zero_[c][row]) matrices[c].row(row).setZero();
+      for (const int n : zero_[c]) matrices[c](row, n) = 0;
+      if (is_zero_[c][row]) matrices[c](row, row) = diagonal;
+    }
+  }
+
+ private:
+  void add_and_subtract(float* even, float* odd) const {
+    for (int i = 0; i < 2 * nodes_; ++i) {
+      const float sum = even[i] + odd[i], difference = even[i] - odd[i];
+      even[i] = sum;
+      odd[i] = difference;
+    }
+  }
+
+  const int nodes_, mirrors_;
+  std::vector<std::vector<int>> zero_;  // nodes, for each class
+  std::vector<std::vector<bool>> is_zero_;
+};
+
+void image_matrices(const Skin& skin, double wavenumber_rad_m, const std::vector<double>& coupling,
+                    std::vector<ComplexMatrix>& matrices, int threads) {
+  matrices.resize(skin.near.size());
+  for (int image = 0; image < skin.panels.image_count(); ++image) {
+    wave_matrix(skin.panels, image, skin.near[image], wavenumber_rad_m, coupling, matrices[image], threads);
+  }
+}
+
 }  // namespace
 
-// Three matrices at Chebyshev's points of the band.
+void class_matrices(const Skin& skin, double wavenumber_rad_m, const std::vector<double>& coupling,
+                    ClassMatrices& matrices, int threads) {
+  image_matrices(skin, wavenumber_rad_m, coupling, matrices, threads);
+  const ClassSums sums(skin.panels);
+  for (int row = 0; row < skin.panels.node_count(); ++row) sums.add_row(row, matrices);
+}
+
+// Matrices at Chebyshev's three points of the band.
 WaveBand::WaveBand(const Skin& skin, double lowest_rad_m, double highest_rad_m, int wavenumbers, int threads)
     : skin_(skin), middle_rad_m_((lowest_rad_m + highest_rad_m) / 2) {
   coupling_ = coupling_of(skin, middle_rad_m_);
   if (wavenumbers <= kFewWavenumbers || !(highest_rad_m > lowest_rad_m)) return;
   const double half = (highest_rad_m - lowest_rad_m) / 2 * std::sqrt(3.0) / 2;
   wavenumbers_ = {middle_rad_m_ - half, middle_rad_m_, middle_rad_m_ + half};
-  const Places places = places_of(skin.panels.nodes);
+  const std::vector<Places> images = images_of(skin.panels);
   const int nodes = skin.panels.node_count();
   for (int n = 0; n < 3; ++n) {
-    ComplexMatrix& matrix = matrices_[n];
-    wave_matrix(skin.panels, skin.near, wavenumbers_[n], coupling_, matrix, threads);
+    image_matrices(skin, wavenumbers_[n], coupling_, matrices_[n], threads);
     if (n == 1) continue;
     in_parallel(threads, [&](int thread) {
       for (int row = thread; row < nodes; row += threads) {
-        float* const own = row_of(matrix, row);
-        turn_row(places, row, nodes, static_cast<float>(middle_rad_m_ - wavenumbers_[n]), {own, own, own}, {1, 0, 0},
-                 own);
+        for (std::size_t image = 0; image < images.size(); ++image) {
+          float* const own = row_of(matrices_[n][image], row);
+          turn_row(place(images[0], row), images[image], nodes, static_cast<float>(middle_rad_m_ - wavenumbers_[n]),
+                   {own, own, own}, {1, 0, 0}, own);
+        }
       }
     });
   }
 }
 
-void WaveBand::matrix_at(double wavenumber_rad_m, ComplexMatrix& matrix) const {
-  if (matrices_[0].size() == 0) {
-    wave_matrix(skin_.panels, skin_.near, wavenumber_rad_m, coupling_, matrix);
+void WaveBand::matrices_at(double wavenumber_rad_m, ClassMatrices& matrices) const {
+  if (matrices_[0].empty()) {
+    class_matrices(skin_, wavenumber_rad_m, coupling_, matrices);
     return;
   }
   std::array<float, 3> weights{};
@@ -134,13 +207,18 @@ void WaveBand::matrix_at(double wavenumber_rad_m, ComplexMatrix& matrix) const {
     }
     weights[n] = static_cast<float>(weight);
   }
-  const Places places = places_of(skin_.panels.nodes);
+  const std::vector<Places> images = images_of(skin_.panels);
+  const ClassSums sums(skin_.panels);
   const int nodes = skin_.panels.node_count();
-  matrix.resize(nodes, nodes);
+  matrices.resize(images.size());
+  for (ComplexMatrix& matrix : matrices) matrix.resize(nodes, nodes);
   for (int row = 0; row < nodes; ++row) {
-    turn_row(places, row, nodes, static_cast<float>(wavenumber_rad_m - middle_rad_m_),
-             {row_of(matrices_[0], row), row_of(matrices_[1], row), row_of(matrices_[2], row)}, weights,
-             row_of(matrix, row));
+    for (std::size_t image = 0; image < images.size(); ++image) {
+      turn_row(place(images[0], row), images[image], nodes, static_cast<float>(wavenumber_rad_m - middle_rad_m_),
+               {row_of(matrices_[0][image], row), row_of(matrices_[1][image], row), row_of(matrices_[2][image], row)},
+               weights, row_of(matrices[image], row));
+    }
+    sums.add_row(row, matrices);
   }
 }
 

@@ -1,4 +1,4 @@
-// The matrix of a skin at every wavenumber of a narrow band, from those at three. [worker]
+// The matrices of a skin's classes at every wavenumber of a narrow band, from those at three. [worker]
 //
 // An entry goes as exp(ikR) times a function of k that changes slowly, R being the distance between its two nodes: what
 // is left of the wave are differences of distance of a triangle or two. In a band no wider than kWidestBand this is a
@@ -16,6 +16,14 @@ namespace ringdown::radiate {
 
 inline constexpr double kWidestBand = 1.27;  // highest over lowest wavenumber
 
+// One matrix for each class of a skin, V x V: the sum over the images of their matrices, with the signs of the class.
+// Nodes on which a class is 0 have a row and a column of 0 beside the diagonal.
+using ClassMatrices = std::vector<ComplexMatrix>;
+
+// At one wavenumber, each entry computed by itself. Memory of that size is used again.
+void class_matrices(const Skin& skin, double wavenumber_rad_m, const std::vector<double>& coupling,
+                    ClassMatrices& matrices, int threads = 1);
+
 // Keeps a reference to the skin, which must live as long.
 class WaveBand {
  public:
@@ -23,8 +31,8 @@ class WaveBand {
   // nothing is prepared and each matrix is computed by itself.
   WaveBand(const Skin& skin, double lowest_rad_m, double highest_rad_m, int wavenumbers, int threads);
 
-  // Writes the V x V matrix; memory of that size is used again. May be called by several threads at once.
-  void matrix_at(double wavenumber_rad_m, ComplexMatrix& matrix) const;
+  // May be called by several threads at once.
+  void matrices_at(double wavenumber_rad_m, ClassMatrices& matrices) const;
 
   [[nodiscard]] const Skin& skin() const { return skin_; }
   [[nodiscard]] const std::vector<double>& coupling() const { return coupling_; }
@@ -34,7 +42,8 @@ class WaveBand {
   std::vector<double> coupling_;  // V
   double middle_rad_m_ = 0;
   std::array<double, 3> wavenumbers_{};
-  std::array<ComplexMatrix, 3> matrices_;  // at these wavenumbers, with the phase exp(ikR) of the middle; or empty
+  // At these wavenumbers, for each image, with the phase exp(ikR) of the middle; or empty.
+  std::array<std::vector<ComplexMatrix>, 3> matrices_;
 };
 
 }  // namespace ringdown::radiate

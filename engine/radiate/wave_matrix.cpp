@@ -40,6 +40,7 @@ Sources::Place place_of(const Panels& panels, int number) {
   Sources::Place place{};
   for (int c = 0; c < 3; ++c) place.at[c] = static_cast<float>(side.middle[c]);
   for (const int triangle : side.triangles) {
+    if (triangle < 0) continue;
     const double weight = panels.areas[triangle] / 6;  // a third of the area, where the hat function is 1/2
     for (int c = 0; c < 3; ++c) place.normal[c] += static_cast<float>(weight * panels.normals[triangle][c]);
     place.hat += static_cast<float>(weight);
@@ -51,6 +52,7 @@ Share share_of(const Panels& panels, int number, int position) {
   const Side& side = panels.sides[number];
   Share share{number, {}, position < 2};
   for (const int triangle : side.triangles) {
+    if (triangle < 0) continue;
     const auto& corners = panels.corners[triangle];
     const auto at = std::find(corners.begin(), corners.end(), side.nodes[position]);
     if (at == corners.end()) continue;
@@ -63,7 +65,9 @@ Share share_of(const Panels& panels, int number, int position) {
 std::vector<Sources> sources_of(const Panels& panels) {
   std::vector<std::vector<std::pair<int, int>>> by_node(panels.node_count());  // side, and the node's position at it
   for (int s = 0; s < panels.side_count(); ++s) {
-    for (int i = 0; i < 4; ++i) by_node[panels.sides[s].nodes[i]].emplace_back(s, i);
+    for (int i = 0; i < 4; ++i) {
+      if (panels.sides[s].nodes[i] >= 0) by_node[panels.sides[s].nodes[i]].emplace_back(s, i);
+    }
   }
   std::vector<Sources> all;
   for (int first = 0; first < panels.node_count(); first += kNodesOfSources) {
@@ -104,7 +108,7 @@ Block block_of(const Panels& panels, int first) {
     }
     for (int i = 0; i < 4; ++i) {
       const Share share = share_of(panels, number, i);
-      block.nodes[i][lane] = panels.sides[number].nodes[i];
+      block.nodes[i][lane] = std::max(0, panels.sides[number].nodes[i]);  // where there is none, with weight 0
       for (int c = 0; c < 3; ++c) block.curl[i][c][lane] = real ? share.curl[c] : 0;
     }
   }
@@ -258,18 +262,20 @@ void add_jump(const Panels& panels, const std::vector<double>& coupling, Complex
 // the sixteen and all sides around the nodes; then, node by node, its weighted sums over the node's sides, one for each
 // component of the curl and one for the normals; then what the sums give to the rows of the four nodes at each of the
 // sixteen, sixteen columns at a time.
-void wave_matrix(const Panels& panels, const NearIntegrals& near, double wavenumber_rad_m,
+void wave_matrix(const Panels& part, int image, const NearIntegrals& near, double wavenumber_rad_m,
                  const std::vector<double>& coupling, ComplexMatrix& matrix, int threads) {
-  const int nodes = panels.node_count();
+  const int nodes = part.node_count();
   matrix.setZero(nodes, nodes);
-  const Eigen::Vector3d center = panels.nodes.colwise().mean().transpose();
-  Panels centered = panels;  // single precision counts from the middle
+  const Eigen::Vector3d mean = part.nodes.colwise().mean().transpose();
+  const Eigen::Vector3d center = (mean + image_of(mean, image)) / 2;
+  Panels centered = part, mirrored = image_of(part, image);  // single precision counts from the middle
   for (Side& side : centered.sides) side.middle -= center;
+  for (Side& side : mirrored.sides) side.middle -= center;
   std::vector<Block> blocks;
   for (int first = 0; first < centered.side_count(); first += kLanes) blocks.push_back(block_of(centered, first));
   const std::vector<float> eta(coupling.begin(), coupling.end());
   const bool slopes = std::any_of(eta.begin(), eta.end(), [](float value) { return value != 0; });
-  const std::vector<Sources> all = sources_of(centered);
+  const std::vector<Sources> all = sources_of(mirrored);
   std::atomic<std::size_t> next{0};
   in_parallel(threads, [&](int) {  // each writes to columns of its own
     Tile tile;
@@ -281,7 +287,7 @@ void wave_matrix(const Panels& panels, const NearIntegrals& near, double wavenum
     }
   });
   add_near(near, wavenumber_rad_m, coupling, matrix);
-  add_jump(panels, coupling, matrix);
+  if (image == 0) add_jump(part, coupling, matrix);
 }
 
 }  // namespace ringdown::radiate

@@ -27,9 +27,9 @@ namespace ringdown::radiate {
 
 using ComplexMatrix = Eigen::Matrix<std::complex<float>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Writes the V x V matrix; memory of that size is used again. `coupling` has eta at each node [1/m]. About 45 ns an
-// entry on one core with 512-bit vectors.
-void wave_matrix(const Panels& panels, const NearIntegrals& near, double wavenumber_rad_m,
+// Between the part (rows) and one of its images (columns). Writes the V x V matrix; memory of that size is used again.
+// `coupling` has eta at each node [1/m]. About 45 ns an entry on one core with 512-bit vectors.
+void wave_matrix(const Panels& part, int image, const NearIntegrals& near, double wavenumber_rad_m,
                  const std::vector<double>& coupling, ComplexMatrix& matrix, int threads = 1);
 
 }  // namespace ringdown::radiate

@@ -12,26 +12,83 @@ namespace {
 
 constexpr int kFewestIterated = 1500;  // unknowns; fewer are eliminated
 constexpr int kMostSteps = 80;
+constexpr double kSmallestPart = 1e-4;  // of a flow in a class, beside the whole; smaller ones are left out
 // The power's error falls with the square of the side or faster, and so halves or better from one grade to the next:
 // when half of the last step is added, no more than half a step is left.
 constexpr double kExtrapolation = 0.5;  // of the step from the coarser skin to the finer
 
-// The right-hand sides of the equation: modes, and after them the sources.
-Eigen::MatrixXcf flow_for(const WaveQuestion& question, const Skin& skin, bool with_sources) {
+// For each class the right-hand sides of the equation: modes, and after them the sources.
+std::vector<Eigen::MatrixXcf> flows_for(const WaveQuestion& question, const Skin& skin, bool with_sources) {
   const auto modes = static_cast<Eigen::Index>(question.modes.size());
   const auto sources = with_sources ? static_cast<Eigen::Index>(question.sources.size()) : 0;
-  Eigen::MatrixXcf flow(skin.panels.node_count(), modes + sources);
-  for (Eigen::Index m = 0; m < modes; ++m) flow.col(m) = skin.flow.col(question.modes[m]).cast<std::complex<float>>();
-  for (Eigen::Index s = 0; s < sources; ++s) {
-    flow.col(modes + s) = source_flow(skin.panels, question.sources[s], question.wavenumber_rad_m);
+  std::vector<Eigen::MatrixXcf> flows(skin.flow.size(), Eigen::MatrixXcf(skin.panels.node_count(), modes + sources));
+  for (std::size_t c = 0; c < flows.size(); ++c) {
+    for (Eigen::Index m = 0; m < modes; ++m) {
+      flows[c].col(m) = skin.flow[c].col(question.modes[m]).cast<std::complex<float>>();
+    }
   }
-  return flow;
+  for (Eigen::Index s = 0; s < sources; ++s) {
+    const Eigen::MatrixXcf source = source_flow(skin.panels, question.sources[s], question.wavenumber_rad_m);
+    for (std::size_t c = 0; c < flows.size(); ++c) flows[c].col(modes + s) = source.col(static_cast<Eigen::Index>(c));
+  }
+  return flows;
 }
 
+// What a class has of the right-hand sides: which of them are not too small in it, and to which residual they are
+// solved, so that it is kResidual beside the whole flow.
+struct ClassPart {
+  std::vector<Eigen::Index> columns;
+  std::vector<double> residuals;
+};
+
+std::vector<ClassPart> parts_of(const std::vector<Eigen::MatrixXcf>& flows) {
+  Eigen::ArrayXd whole = Eigen::ArrayXd::Zero(flows[0].cols());
+  for (const Eigen::MatrixXcf& flow : flows) whole += flow.colwise().squaredNorm().transpose().array().cast<double>();
+  std::vector<ClassPart> parts(flows.size());
+  for (std::size_t c = 0; c < flows.size(); ++c) {
+    for (Eigen::Index column = 0; column < whole.size(); ++column) {
+      const double share = flows.size() == 1 ? 1 : std::sqrt(flows[c].col(column).squaredNorm() / whole[column]);
+      if (!(share >= kSmallestPart)) continue;
+      parts[c].columns.push_back(column);
+      parts[c].residuals.push_back(kResidual / share);
+    }
+  }
+  return parts;
+}
+
+// The solution of one class: layers on the part for some of the right-hand sides.
+struct ClassLayers {
+  int image_class = 0;
+  std::vector<Eigen::Index> columns;
+  Eigen::MatrixXcf layers;
+};
+
+// The far fields of all right-hand sides, each the sum over its classes. The waves of the part serve all classes.
 Eigen::MatrixXcd fields_of(const WaveQuestion& question, const Skin& skin, const std::vector<double>& coupling,
-                           const Directions& directions, const Eigen::MatrixXcf& layers) {
-  return far_fields(skin.panels, question.origin, question.wavenumber_rad_m, coupling, directions,
-                    layers.cast<std::complex<double>>());
+                           const Directions& directions, const std::vector<ClassLayers>& classes, Eigen::Index columns) {
+  Eigen::Index count = 0;
+  for (const ClassLayers& own : classes) count += own.layers.cols();
+  Eigen::MatrixXcd layers(skin.panels.node_count(), count);
+  Eigen::Index first = 0;
+  for (const ClassLayers& own : classes) {
+    layers.middleCols(first, own.layers.cols()) = own.layers.cast<std::complex<double>>();
+    first += own.layers.cols();
+  }
+  const Eigen::MatrixXcd sent =
+      far_fields(skin.panels, question.origin, question.wavenumber_rad_m, coupling, directions, layers);
+  Eigen::MatrixXcd fields = Eigen::MatrixXcd::Zero(directions.weights.size(), columns);
+  for (int image = 0; image < skin.panels.image_count(); ++image) {
+    const std::vector<Eigen::Index> from = images_of(directions, image);
+    first = 0;
+    for (const ClassLayers& own : classes) {
+      const double sign = sign_of(own.image_class, image);
+      for (const Eigen::Index column : own.columns) {
+        for (Eigen::Index d = 0; d < fields.rows(); ++d) fields(d, column) += sign * sent(from[d], first);
+        ++first;
+      }
+    }
+  }
+  return fields;
 }
 
 Directions directions_of(const WaveQuestion& question, int most_degree) {
@@ -44,19 +101,37 @@ Eigen::VectorXd rms_of(const Directions& directions, const Eigen::MatrixXcd& fie
 
 // The right-hand sides' layers, by the iteration and if that does not converge by elimination. Empty when `go_on`
 // returned false.
-Eigen::MatrixXcf layers_of(ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Preconditioner& precondition,
-                           const std::function<bool()>& go_on, bool& eliminated) {
-  Eigen::MatrixXcf layers = iterate(matrix, flow, precondition, kMostSteps, go_on);
-  eliminated = layers.size() == 0;
-  if (eliminated && go_on()) layers = Elimination(matrix).solve(flow);
+Eigen::MatrixXcf layers_of(ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const std::vector<double>& residuals,
+                           const Preconditioner& precondition, const std::function<bool()>& go_on, bool& eliminated) {
+  Eigen::MatrixXcf layers = iterate(matrix, flow, residuals, precondition, kMostSteps, go_on);
+  if (layers.size() != 0) return layers;
+  eliminated = true;
+  if (go_on()) layers = Elimination(matrix).solve(flow);
   return layers;
+}
+
+// The preconditioner of a class on the finer skin.
+Preconditioner on_finer(const Skin& fine, int image_class, const ComplexMatrix& matrix, const Elimination& coarse,
+                        const Continuation& continuation) {
+  Eigen::VectorXf kept = Eigen::VectorXf::Ones(fine.panels.node_count());
+  for (const int n : zero_nodes(fine.panels, image_class)) kept[n] = 0;
+  const Eigen::VectorXcf scale = matrix.diagonal().cwiseInverse();
+  return [kept, scale, &coarse, &continuation](const Eigen::MatrixXcf& columns) -> Eigen::MatrixXcf {
+    const Eigen::MatrixXcf smooth = continuation.layer.transpose() * columns;
+    const Eigen::MatrixXcf rough = columns - continuation.flow * smooth;
+    return kept.asDiagonal() * (scale.asDiagonal() * rough + continuation.layer * coarse.solve(smooth));
+  };
 }
 
 }  // namespace
 
-// The finer and the coarser matrix, the latter eliminated or not.
-double wave_memory_bytes(int nodes) { return 8.0 * nodes * nodes * (1 + 0.25 + 0.25); }
-double band_memory_bytes(int nodes) { return 3 * 8.0 * nodes * nodes * (1 + 0.25); }
+// The finer and the coarser matrices, the latter eliminated or not.
+double wave_memory_bytes(const Panels& panels) {
+  return 8.0 * panels.image_count() * panels.node_count() * panels.node_count() * (1 + 0.25 + 0.25);
+}
+double band_memory_bytes(const Panels& panels) {
+  return 3 * 8.0 * panels.image_count() * panels.node_count() * panels.node_count() * (1 + 0.25);
+}
 
 Continuation continuation_of(const Skin& fine, const Skin& coarse) {
   const SurfaceSearch search(coarse.panels);
@@ -76,6 +151,19 @@ Continuation continuation_of(const Skin& fine, const Skin& coarse) {
   return continuation;
 }
 
+namespace {
+
+// One class on the coarser skin, by the elimination at the middle wavenumber: at another wavenumber this preconditions.
+Eigen::MatrixXcf coarse_layers(const Eigen::MatrixXcf& flow, const ClassPart& part, const Elimination& middle,
+                               ComplexMatrix* own_matrix, const std::function<bool()>& go_on) {
+  if (own_matrix == nullptr) return middle.solve(flow);
+  const auto by_elimination = [&](const Eigen::MatrixXcf& right) -> Eigen::MatrixXcf { return middle.solve(right); };
+  bool unused = false;
+  return layers_of(*own_matrix, flow, part.residuals, by_elimination, go_on, unused);
+}
+
+}  // namespace
+
 // The coarser skin's iteration is preconditioned by its elimination at the middle wavenumber, that of the finer by the
 // sum of two parts: the same elimination, for all that the coarser skin can show, and the inverse of the diagonal for
 // the rest. Without taking the coarser skin's part out of that rest, a half to three quarters more steps were needed.
@@ -83,45 +171,49 @@ bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, W
             const std::function<bool()>& go_on,
             const std::function<void(const WaveQuestion&, const WaveAnswer&)>& keep) {
   const double middle = (questions.front().wavenumber_rad_m + questions.back().wavenumber_rad_m) / 2;
-  bands.coarse.matrix_at(middle, memory.factors);
-  const Elimination eliminated(memory.factors);
-  const auto by_elimination = [&](const Eigen::MatrixXcf& columns) -> Eigen::MatrixXcf {
-    return eliminated.solve(columns);
-  };
+  bands.coarse.matrices_at(middle, memory.factors);
+  std::vector<Elimination> eliminated;
+  for (ComplexMatrix& matrix : memory.factors) eliminated.emplace_back(matrix);
+  const Skin &fine = bands.fine.skin(), &coarse = bands.coarse.skin();
   for (const WaveQuestion& question : questions) {
     if (!go_on()) return false;
     const double k = question.wavenumber_rad_m;
-    const Directions directions = directions_of(question, modal::kMaxHarmonicDegree);
-    const Skin &fine = bands.fine.skin(), &coarse = bands.coarse.skin();
-    WaveAnswer answer;
-    Eigen::MatrixXcf coarse_layers = flow_for(question, coarse, false);
-    if (questions.size() == 1) {
-      coarse_layers = eliminated.solve(std::move(coarse_layers));
-    } else {
-      bool unused = false;
-      bands.coarse.matrix_at(k, memory.coarse);
-      coarse_layers = layers_of(memory.coarse, coarse_layers, by_elimination, go_on, unused);
-    }
-    bands.fine.matrix_at(k, memory.fine);
-    const Eigen::MatrixXcf flow = flow_for(question, fine, true);
-    Eigen::MatrixXcf layers;
-    if (memory.fine.rows() >= kFewestIterated) {
-      const Eigen::VectorXcf scale = memory.fine.diagonal().cwiseInverse();
-      const Continuation& continuation = bands.continuation;
-      const auto precondition = [&](const Eigen::MatrixXcf& columns) -> Eigen::MatrixXcf {
-        const Eigen::MatrixXcf smooth = continuation.layer.transpose() * columns;
-        const Eigen::MatrixXcf rough = columns - continuation.flow * smooth;
-        return scale.asDiagonal() * rough + continuation.layer * eliminated.solve(smooth);
-      };
-      layers = layers_of(memory.fine, flow, precondition, go_on, answer.eliminated);
-    } else {
-      layers = Elimination(memory.fine).solve(flow);
-    }
-    if (coarse_layers.size() == 0 || layers.size() == 0) return false;
-    const Eigen::MatrixXcd coarse_fields =
-        fields_of(question, coarse, bands.coarse.coupling(), directions, coarse_layers);
-    const Eigen::MatrixXcd fields = fields_of(question, fine, bands.fine.coupling(), directions, layers);
     const auto modes = static_cast<Eigen::Index>(question.modes.size());
+    WaveAnswer answer;
+    const std::vector<Eigen::MatrixXcf> flows = flows_for(question, fine, true);
+    const std::vector<Eigen::MatrixXcf> coarse_flows = flows_for(question, coarse, false);
+    const std::vector<ClassPart> parts = parts_of(flows);
+    if (questions.size() > 1) bands.coarse.matrices_at(k, memory.coarse);
+    bands.fine.matrices_at(k, memory.fine);
+    std::vector<ClassLayers> on_coarse, on_fine;
+    for (std::size_t c = 0; c < parts.size(); ++c) {
+      const ClassPart& part = parts[c];
+      const auto own_class = static_cast<int>(c);
+      const auto own_modes = std::lower_bound(part.columns.begin(), part.columns.end(), modes);  // without the sources
+      if (own_modes != part.columns.begin()) {
+        const std::vector<Eigen::Index> columns(part.columns.begin(), own_modes);
+        ComplexMatrix* const own_matrix = questions.size() > 1 ? &memory.coarse[c] : nullptr;
+        on_coarse.push_back({own_class, columns,
+                             coarse_layers(coarse_flows[c](Eigen::all, columns), part, eliminated[c], own_matrix, go_on)});
+        if (on_coarse.back().layers.size() == 0) return false;
+      }
+      if (part.columns.empty()) continue;
+      ComplexMatrix& matrix = memory.fine[c];
+      Eigen::MatrixXcf layers = flows[c](Eigen::all, part.columns);
+      if (matrix.rows() >= kFewestIterated) {
+        const auto precondition = on_finer(fine, own_class, matrix, eliminated[c], bands.continuation);
+        layers = layers_of(matrix, layers, part.residuals, precondition, go_on, answer.eliminated);
+      } else {
+        layers = Elimination(matrix).solve(std::move(layers));
+      }
+      if (layers.size() == 0) return false;
+      on_fine.push_back({own_class, part.columns, std::move(layers)});
+    }
+    const Directions directions = directions_of(question, modal::kMaxHarmonicDegree);
+    const Eigen::MatrixXcd coarse_fields =
+        fields_of(question, coarse, bands.coarse.coupling(), directions, on_coarse, modes);
+    const Eigen::MatrixXcd fields =
+        fields_of(question, fine, bands.fine.coupling(), directions, on_fine, flows[0].cols());
     const Eigen::VectorXd rms = rms_of(directions, fields);
     for (Eigen::Index s = modes; s < fields.cols(); ++s) {  // |F| = 1 / (4 pi)
       answer.source_db = std::max(answer.source_db, std::abs(20 * std::log10(rms[s] * 4 * std::numbers::pi)));
@@ -130,7 +222,7 @@ bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, W
         fields.leftCols(modes) + kExtrapolation * (fields.leftCols(modes) - coarse_fields);
     answer.finer_rms = rms.head(modes);
     answer.rms = rms_of(directions, extrapolated);
-    answer.harmonics = harmonics_of(directions, extrapolated);
+    answer.harmonics = harmonics_of(directions, directions.units * question.turn, extrapolated);
     keep(question, answer);
   }
   return true;
@@ -140,9 +232,17 @@ Eigen::VectorXd rms_on(const WaveQuestion& question, const Skin& skin, WaveMemor
   constexpr int kMostDegree = 33;
   const Directions directions = directions_of(question, kMostDegree);
   const std::vector<double> coupling = coupling_of(skin, question.wavenumber_rad_m);
-  wave_matrix(skin.panels, skin.near, question.wavenumber_rad_m, coupling, memory.factors);
-  const Eigen::MatrixXcf layers = Elimination(memory.factors).solve(flow_for(question, skin, false));
-  return rms_of(directions, fields_of(question, skin, coupling, directions, layers));
+  class_matrices(skin, question.wavenumber_rad_m, coupling, memory.factors);
+  const std::vector<Eigen::MatrixXcf> flows = flows_for(question, skin, false);
+  const std::vector<ClassPart> parts = parts_of(flows);
+  std::vector<ClassLayers> solved;
+  for (std::size_t c = 0; c < parts.size(); ++c) {
+    const std::vector<Eigen::Index>& columns = parts[c].columns;
+    if (columns.empty()) continue;
+    solved.push_back(
+        {static_cast<int>(c), columns, Elimination(memory.factors[c]).solve(flows[c](Eigen::all, columns))});
+  }
+  return rms_of(directions, fields_of(question, skin, coupling, directions, solved, flows[0].cols()));
 }
 
 }  // namespace ringdown::radiate

@@ -2,7 +2,7 @@
 //
 // The equation is solved on both: the two solutions tell how far they differ. The coarser skin's matrix is eliminated
 // at the middle of the wavenumbers, which costs an eighth of what the finer one's would, and makes all iterations
-// short.
+// short. Each class of a skin with mirror planes is solved by itself.
 #pragma once
 
 #include "engine/radiate/far_field.h"
@@ -32,11 +32,11 @@ struct BandPair {
 
 // Memory of one thread, used for one wavenumber after the other.
 struct WaveMemory {
-  ComplexMatrix fine, coarse, factors;
+  ClassMatrices fine, coarse, factors;
 };
-// Bytes for a skin of so many nodes and the coarser one: what each thread needs, and what the threads share in a band.
-double wave_memory_bytes(int nodes);
-double band_memory_bytes(int nodes);
+// Bytes for a skin and the coarser one: what each thread needs, and what the threads share in a band.
+double wave_memory_bytes(const Panels& panels);
+double band_memory_bytes(const Panels& panels);
 
 struct WaveQuestion {
   double wavenumber_rad_m = 0;
@@ -44,6 +44,7 @@ struct WaveQuestion {
   std::vector<Eigen::Vector3d> sources;  // places inside of the body
   Eigen::Vector3d origin;
   double radius_m = 0;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  // from the directions that harmonics count to those of the skin
 };
 
 struct WaveAnswer {

@@ -26,12 +26,13 @@ struct Krylov {
   Eigen::MatrixXcd triangle;
   Eigen::VectorXcd right;
   std::vector<std::pair<double, Complex>> rotations;  // cosine and sine
-  double first = 0;
+  double first = 0, residual = 0;
   bool done = false;
 
   explicit Krylov(int most_steps)
       : triangle(Eigen::MatrixXcd::Zero(most_steps + 1, most_steps)), right(Eigen::VectorXcd::Zero(most_steps + 1)) {}
-  void start(const Eigen::VectorXcf& from) {
+  void start(const Eigen::VectorXcf& from, double wanted) {
+    residual = wanted;
     first = from.norm();
     done = first == 0;
     right[0] = first;
@@ -52,7 +53,7 @@ struct Krylov {
     rotations.emplace_back(std::abs(above) / length, phase * norm / length);
     triangle(step, step) = phase * length;
     rotate(rotations.back(), right[step], right[step + 1]);
-    done = std::abs(right[step + 1]) <= kResidual * first || norm == 0;
+    done = std::abs(right[step + 1]) <= residual * first || norm == 0;
     basis.emplace_back(norm > 0 ? Eigen::VectorXcf(next / static_cast<float>(norm)) : next);
   }
   static void rotate(const std::pair<double, Complex>& rotation, Complex& above, Complex& below) {
@@ -187,11 +188,12 @@ Eigen::MatrixXcf multiply(const ComplexMatrix& matrix, const Eigen::MatrixXcf& c
   return product;
 }
 
-Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Preconditioner& precondition,
-                         int most_steps, const std::function<bool()>& go_on) {
+Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow,
+                         const std::vector<double>& residuals, const Preconditioner& precondition, int most_steps,
+                         const std::function<bool()>& go_on) {
   const Eigen::MatrixXcf right = precondition(flow);
   std::vector<Krylov> columns(flow.cols(), Krylov(most_steps));
-  for (Eigen::Index m = 0; m < flow.cols(); ++m) columns[m].start(right.col(m));
+  for (Eigen::Index m = 0; m < flow.cols(); ++m) columns[m].start(right.col(m), residuals[m]);
   for (int step = 0;; ++step) {
     std::vector<Eigen::Index> active;
     for (Eigen::Index m = 0; m < flow.cols(); ++m) {

@@ -28,11 +28,12 @@ Eigen::MatrixXcf multiply(const ComplexMatrix& matrix, const Eigen::MatrixXcf& c
 
 inline constexpr double kResidual = 3e-5;  // relative, of the preconditioned equation
 
-// The layers (V x M) for given flows, by GMRES to a residual of kResidual. All right-hand sides are advanced in step,
+// The layers (V x M) for given flows, by GMRES to a residual for each. All right-hand sides are advanced in step,
 // so that the matrix is read once for all of them. `precondition` returns nearly the solutions for right-hand sides, by
 // a linear map. Empty when `most_steps` do not suffice, or when `go_on`, asked between steps, returns false.
 using Preconditioner = std::function<Eigen::MatrixXcf(const Eigen::MatrixXcf&)>;
-Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Preconditioner& precondition,
-                         int most_steps, const std::function<bool()>& go_on);
+Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow,
+                         const std::vector<double>& residuals, const Preconditioner& precondition, int most_steps,
+                         const std::function<bool()>& go_on);
 
 }  // namespace ringdown::radiate

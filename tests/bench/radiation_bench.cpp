@@ -62,10 +62,10 @@ void print(const std::string& name, const modal::Bank& bank, const radiate::Radi
   }
   std::sort(errors.begin(), errors.end());
   const auto packed = modal::pack(radiation.maps);
-  std::printf("%s,%zu,%.0f,%d,%d,%.1f,%.1f,%zu,%.4f,%.3f,%.3f,%d\n", name.c_str(), bank.mode_count(),
-              *std::max_element(bank.frequency_hz.begin(), bank.frequency_hz.end()), radiation.largest_unknowns,
-              radiation.eliminations, processor_s, wall_s, packed.bytes.size(), packed.largest_error,
-              errors[errors.size() / 2], errors.back(), missed);
+  std::printf("%s,%zu,%.0f,%d,%d,%d,%.1f,%.1f,%zu,%.4f,%.3f,%.3f,%d\n", name.c_str(), bank.mode_count(),
+              *std::max_element(bank.frequency_hz.begin(), bank.frequency_hz.end()), radiation.mirrors,
+              radiation.largest_unknowns, radiation.eliminations, processor_s, wall_s, packed.bytes.size(),
+              packed.largest_error, errors[errors.size() / 2], errors.back(), missed);
   std::fflush(stdout);
 }
 
@@ -107,9 +107,10 @@ Solved solve_one(const radiate::Body& body, const radiate::Skin& skin, int mode,
   const double radius = (body.surface.nodes.rowwise() - origin.transpose()).rowwise().norm().maxCoeff();
   radiate::ComplexMatrix matrix;
   Solved solved{.coupling = radiate::coupling_of(skin, k)};
-  radiate::wave_matrix(skin.panels, skin.near, k, solved.coupling, matrix);
-  solved.layer =
-      radiate::Elimination(matrix).solve(skin.flow.col(mode).cast<std::complex<float>>()).cast<std::complex<double>>();
+  radiate::wave_matrix(skin.panels, 0, skin.near[0], k, solved.coupling, matrix);
+  solved.layer = radiate::Elimination(matrix)
+                     .solve(skin.flow[0].col(mode).cast<std::complex<float>>())
+                     .cast<std::complex<double>>();
   const auto directions = radiate::directions_for(radiate::degree_for(k, radius));
   const Eigen::MatrixXcd field = radiate::far_fields(skin.panels, origin, k, solved.coupling, directions, solved.layer);
   solved.rms = std::sqrt(directions.weights.dot(field.col(0).cwiseAbs2()) / (4 * std::numbers::pi));
@@ -221,6 +222,9 @@ int run(int count, char** arguments) {
       "a line for each mode, too: #, Hz, dB beside a pulsating sphere, decay by radiation and the bank's [1/s], the "
       "error of a source inside and the change from a coarser surface [dB], terms of the map");
   app.add_option("--panels-per-wave", options.panels_per_wave, "sides of triangles in a wavelength");
+  app.add_option("--most-unknowns", options.most_unknowns, "nodes of the finest surface without mirror planes");
+  bool whole = false;
+  app.add_flag("--no-symmetry", whole, "mirror planes are not used");
   app.add_option("--threads", options.threads, "threads");
   app.add_option("--range", options.range_octaves, "octaves around a mode for which levels are found");
   int sample_size = 0;
@@ -238,6 +242,7 @@ int run(int count, char** arguments) {
                "median, 95 % and "
                "largest difference [dB]");
   CLI11_PARSE(app, count, arguments);
+  options.symmetry = !whole;
   if (sample_size > 0 || surface_size > 0) {
     const auto bank = modal::read_bank(paths.front());
     if (!bank) {
@@ -252,7 +257,8 @@ int run(int count, char** arguments) {
   if (levels) std::printf("bank,levels,median_db,most_db,worst_db\n");
   if (!levels)
     std::printf(
-        "bank,modes,highest_hz,unknowns,eliminations,processor_s,wall_s,packed_bytes,packing_error,median_error_db,"
+        "bank,modes,highest_hz,mirrors,unknowns,eliminations,processor_s,wall_s,packed_bytes,packing_error,median_"
+        "error_db,"
         "worst_error_db,missed\n");
   for (const std::string& path : paths) {
     const auto bank = modal::read_bank(path);

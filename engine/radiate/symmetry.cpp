@@ -1,0 +1,198 @@
+#include "engine/radiate/symmetry.h"
+
+#include "engine/radiate/panels.h"
+#include "engine/radiate/surface_search.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+namespace ringdown::radiate {
+namespace {
+
+constexpr int kMostSamples = 800;
+constexpr double kAlike = 0.03;  // relative difference of moments whose axes may lie anywhere in their plane
+
+using Vector = Eigen::Vector3d;
+
+// How far the mirror image of a surface is from the surface.
+class MirrorTrial {
+ public:
+  explicit MirrorTrial(const Panels& panels) : panels_(panels), search_(panels) {
+    area_ = panels.area();
+    for (int t = 0; t < panels.triangle_count(); ++t) middle_ += panels.areas[t] / area_ * panels.centers[t];
+    for (int t = 0; t < panels.triangle_count(); ++t) {
+      Eigen::Matrix3d corners;
+      for (int i = 0; i < 3; ++i) corners.col(i) = panels.corner(t, i) - middle_;
+      const Vector sum = corners.rowwise().sum();
+      moments_ += panels.areas[t] / 12 * (corners * corners.transpose() + sum * sum.transpose());
+    }
+    step_ = std::max(1, panels.triangle_count() / kMostSamples);
+    most_ = kMirrorDistance + roughness() / radius();
+  }
+
+  [[nodiscard]] const Vector& middle() const { return middle_; }
+  [[nodiscard]] const Eigen::Matrix3d& moments() const { return moments_; }
+
+  // The largest distance at which a plane counts.
+  [[nodiscard]] double most() const { return most_; }
+
+  // Rms distance over the radius of a sphere of the same area. Infinite when it is far above most().
+  [[nodiscard]] double distance(const Vector& normal) const {
+    constexpr double kFar = 100;
+    const double far = kFar * most_ * radius(), most = far * far * area_ / step_;
+    double squares = 0, area = 0;
+    for (int t = 0; t < panels_.triangle_count(); t += step_) {
+      const Vector away = panels_.centers[t] - middle_, facing = panels_.normals[t];
+      const Vector image = panels_.centers[t] - 2 * away.dot(normal) * normal;
+      const SurfacePlace place = search_.nearest(image, facing - 2 * facing.dot(normal) * normal);
+      squares += panels_.areas[t] * (place.at - image).squaredNorm();
+      area += panels_.areas[t];
+      if (squares > most) return std::numeric_limits<double>::infinity();
+    }
+    return std::sqrt(squares / area) / radius();
+  }
+
+ private:
+  [[nodiscard]] double radius() const { return std::sqrt(area_ / (4 * std::numbers::pi)); }
+
+  // How far flat triangles are from the curved surface that they stand for, rms: an arc of length h that turns by a
+  // small angle lies h / 8 times that angle above its chord.
+  [[nodiscard]] double roughness() const {
+    constexpr double kSharp = 0.7;  // [rad], from which on an angle is an edge of the body
+    std::vector<double> off(panels_.triangle_count(), 0);
+    for (const Side& side : panels_.sides) {
+      const double length = (panels_.nodes.row(side.nodes[0]) - panels_.nodes.row(side.nodes[1])).norm();
+      const double cosine = panels_.normals[side.triangles[0]].dot(panels_.normals[side.triangles[1]]);
+      const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+      if (angle > kSharp) continue;
+      for (const int t : side.triangles) off[t] = std::max(off[t], 2 * panels_.areas[t] / length * angle / 8);
+    }
+    double squares = 0;
+    for (int t = 0; t < panels_.triangle_count(); ++t) squares += panels_.areas[t] * off[t] * off[t];
+    return std::sqrt(squares / area_);
+  }
+
+  const Panels& panels_;
+  SurfaceSearch search_;
+  Vector middle_ = Vector::Zero();
+  Eigen::Matrix3d moments_ = Eigen::Matrix3d::Zero();
+  double area_ = 0, most_ = 0;
+  int step_ = 1;
+};
+
+// The normals of the largest faces, not more than a few.
+std::vector<Vector> face_normals(const Panels& panels) {
+  constexpr double kCosFace = 0.9998;
+  constexpr int kFaces = 6;
+  std::vector<Vector> normals;
+  std::vector<double> areas;
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    const auto found = std::find_if(normals.begin(), normals.end(),
+                                    [&](const Vector& n) { return std::abs(n.dot(panels.normals[t])) > kCosFace; });
+    if (found == normals.end()) {
+      normals.push_back(panels.normals[t]);
+      areas.push_back(panels.areas[t]);
+    } else {
+      areas[found - normals.begin()] += panels.areas[t];
+    }
+  }
+  std::vector<Vector> largest;
+  for (int face = 0; face < kFaces && !areas.empty(); ++face) {
+    const auto at = std::max_element(areas.begin(), areas.end()) - areas.begin();
+    if (areas[at] < 0.02 * panels.area()) break;
+    largest.push_back(normals[at]);
+    areas[at] = 0;
+  }
+  return largest;
+}
+
+// The best plane that contains the axis, and whose normal is within `half` [rad] of the one at `angle`.
+Vector best_around(const MirrorTrial& trial, const Vector& first, const Vector& second, double angle, double half) {
+  const auto at = [&](double a) -> Vector { return std::cos(a) * first + std::sin(a) * second; };
+  for (; half > 1e-4; half /= 2) {
+    const double low = trial.distance(at(angle - half / 2)), middle = trial.distance(at(angle)),
+                 high = trial.distance(at(angle + half / 2));
+    if (low < middle && low <= high) angle -= half / 2;
+    if (high < middle && high < low) angle += half / 2;
+  }
+  return at(angle);
+}
+
+std::vector<Vector> candidates(const Panels& panels, const MirrorTrial& trial) {
+  std::vector<Vector> found = {Vector::UnitX(), Vector::UnitY(), Vector::UnitZ()};
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(trial.moments());
+  for (int i = 0; i < 3; ++i) found.emplace_back(principal.eigenvectors().col(i));
+  for (const Vector& normal : face_normals(panels)) found.push_back(normal);
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector3d& values = principal.eigenvalues();
+    const Eigen::Matrix3d& axes = principal.eigenvectors();
+    if (values[i + 1] - values[i] > kAlike * values[i + 1]) continue;
+    constexpr int kSteps = 36;
+    double best = std::numeric_limits<double>::infinity(), at = 0;
+    for (int step = 0; step < kSteps; ++step) {
+      const double angle = std::numbers::pi * step / kSteps;
+      const double distance = trial.distance(std::cos(angle) * axes.col(i) + std::sin(angle) * axes.col(i + 1));
+      if (distance < best) best = distance, at = angle;
+    }
+    if (!std::isfinite(best)) continue;
+    const Vector normal = best_around(trial, axes.col(i), axes.col(i + 1), at, std::numbers::pi / kSteps);
+    found.push_back(normal);
+    found.emplace_back(normal.cross(axes.col(i == 0 ? 2 : 0)).normalized());
+  }
+  return found;
+}
+
+}  // namespace
+
+// The best plane first, then the best among those perpendicular to it, which are made so exactly.
+Symmetry symmetry_of(const mesh::TriangleMesh& surface) {
+  Symmetry symmetry;
+  const auto panels = panels_of(surface);
+  if (!panels) return symmetry;
+  const MirrorTrial trial(*panels);
+  std::vector<Vector> normals, left = candidates(*panels, trial);
+  while (normals.size() < 3) {
+    constexpr double kBetter =
+        0.8;  // so that of planes that are alike the first counts, where elements have their nodes
+    double best = trial.most() / kBetter;
+    Vector chosen = Vector::Zero();
+    for (const Vector& normal : left) {
+      const double distance = trial.distance(normal);
+      if (distance < kBetter * best) best = distance, chosen = normal;
+    }
+    if (chosen.isZero()) break;
+    normals.push_back(chosen);
+    std::vector<Vector> others;
+    for (const Vector& normal : left) {
+      const double along = normal.dot(chosen);
+      if (std::abs(along) < 0.05) others.push_back((normal - along * chosen).normalized());
+    }
+    if (normals.size() == 2) others.push_back(normals[0].cross(normals[1]));
+    left = std::move(others);
+  }
+  symmetry.mirrors = static_cast<int>(normals.size());
+  if (normals.empty()) return symmetry;
+  if (normals.size() == 1) normals.push_back(normals[0].unitOrthogonal());
+  if (normals.size() == 2) normals.push_back(normals[0].cross(normals[1]));
+  if (normals[0].cross(normals[1]).dot(normals[2]) < 0) normals[2] = -normals[2];
+  for (int axis = 0; axis < 3; ++axis) symmetry.turn.row(axis) = normals[axis].transpose();
+  symmetry.shift.head(symmetry.mirrors) = (symmetry.turn * trial.middle()).head(symmetry.mirrors);
+  return symmetry;
+}
+
+Body moved(const Body& body, const Symmetry& symmetry) {
+  Body other = body;
+  const Eigen::RowVector3d shift = symmetry.shift.transpose();
+  other.surface.nodes = (body.surface.nodes * symmetry.turn.transpose()).rowwise() - shift;
+  other.flow.positions = (body.flow.positions * symmetry.turn.transpose()).rowwise() - shift;
+  other.flow.normals = body.flow.normals * symmetry.turn.transpose();
+  return other;
+}
+
+}  // namespace ringdown::radiate
