@@ -5,22 +5,41 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
-// Element by element, all points of the rule at once: the gradients of the shape functions stand in one matrix of three
-// rows for each point, so that products with nodal values are products of matrices. A strain or stress of a point is
-// its 3 x 3 matrix, kept as three rows. The rule is exact for the products in straight elements: E2 has the degree
-// 2 (p - 1) in space, and is multiplied with another.
+// E2 is computed in the coordinates of the reference element, where it is one constant matrix times the lower triangle
+// of P, whatever the element; so a batch of elements is one product of matrices. Each point's strain is turned into the
+// body's coordinates for its stress, E2 = J^-1 E2' J^-T, and the stress back for the geometric stiffness, which is the
+// transpose of that constant matrix times the stresses.
+//
+// The rule is exact, in straight elements, for the products of E2 (degree 2 (p - 1) in space) with linear strains
+// (p - 1), that is for forces. Products of E2 with itself stay sums of squares, with an error of order 3 p - 2.
 namespace ringdown::fem {
 namespace {
 
 constexpr int kMostThreads = 4;             // each has a copy of the shapes' size
 constexpr Eigen::Index kFewElements = 200;  // for a thread
+constexpr Eigen::Index kBatch = 16;
+
+constexpr std::array<std::pair<int, int>, 6> kComponents = {{{0, 0}, {1, 1}, {2, 2}, {1, 0}, {2, 0}, {2, 1}}};
+
+Eigen::Matrix3d symmetric(const double* components) {
+  Eigen::Matrix3d result;
+  for (std::size_t c = 0; c < kComponents.size(); ++c) {
+    const auto [i, j] = kComponents[c];
+    result(i, j) = result(j, i) = components[c];
+  }
+  return result;
+}
 
 }  // namespace
 
-struct QuadraticStrain::Element {
-  Eigen::MatrixXd gradients;  // 3 points x n
-  Eigen::VectorXd weights;    // of each point [m^3]
+// What a thread works on: some elements side by side.
+struct QuadraticStrain::Batch {
+  std::vector<Rows> own = std::vector<Rows>(kBatch);  // each n x 3M: the shapes at an element's nodes
+  Rows mixed;                                         // those times the mixture, of one element
+  Eigen::MatrixXd pairs, strains;                     // a column for each element: P, and E2' at each point
 };
 
 QuadraticStrain::QuadraticStrain(const mesh::TetMesh& mesh, const Elastic& elastic, const Eigen::MatrixXd& shapes,
@@ -30,31 +49,49 @@ QuadraticStrain::QuadraticStrain(const mesh::TetMesh& mesh, const Elastic& elast
       threads_(std::clamp(static_cast<int>(mesh.elements.rows() / kFewElements), 1,
                           std::min(thread_count(threads), kMostThreads))),
       modes_(shapes.cols()),
-      shapes_(shapes) {
+      shapes_(shapes),
+      places_(mesh.elements.rows()) {
   const int order = mesh.order();
-  for (const mesh::QuadraturePoint& point : mesh::tet_quadrature(std::max(4 * (order - 1), 1))) {
-    gradients_.push_back(mesh::interpolation_gradient(order, point.barycentric));
-    weights_.push_back(point.weight);
+  const Eigen::Index n = mesh.elements.cols();
+  const std::vector<mesh::QuadraturePoint> rule = mesh::tet_quadrature(std::max(3 * (order - 1), 1));
+  const auto points = static_cast<Eigen::Index>(rule.size());
+  std::vector<mesh::ReferenceGradient> gradients;
+  gradients_.resize(3 * points, n);
+  from_pairs_.resize(6 * points, n * (n + 1) / 2);
+  for (Eigen::Index q = 0; q < points; ++q) {
+    weights_.push_back(rule[q].weight);
+    const mesh::ReferenceGradient& g = gradients.emplace_back(mesh::interpolation_gradient(order, rule[q].barycentric));
+    gradients_.middleRows<3>(3 * q) = g.transpose();
+    Eigen::Index pair = 0;
+    for (Eigen::Index a = 0; a < n; ++a) {
+      for (Eigen::Index b = 0; b <= a; ++b, ++pair) {
+        for (Eigen::Index c = 0; c < 6; ++c) {
+          const auto [i, j] = kComponents[c];
+          from_pairs_(6 * q + c, pair) = (a == b ? 0.25 : 0.5) * (g(a, i) * g(b, j) + g(b, i) * g(a, j));
+        }
+      }
+    }
+  }
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    const mesh::ElementNodes nodes = mesh::nodes_of(mesh, e);
+    places_[e].resize(mesh::is_straight(nodes) ? 1 : points);
+    for (std::size_t q = 0; q < places_[e].size(); ++q) {
+      const Eigen::Matrix3d jacobian = mesh::jacobian(nodes, gradients[q]);
+      places_[e][q] = {jacobian.inverse(), jacobian.determinant() / 6};
+    }
   }
 }
 
-QuadraticStrain::Element QuadraticStrain::element(Eigen::Index number) const {
-  const mesh::ElementNodes nodes = mesh::nodes_of(mesh_, number);
-  const bool straight = mesh::is_straight(nodes);
-  const auto points = static_cast<Eigen::Index>(weights_.size());
-  Element here{Eigen::MatrixXd(3 * points, nodes.rows()), Eigen::VectorXd(points)};
-  Eigen::Matrix3d inverse;
-  double volume = 0;
-  for (Eigen::Index q = 0; q < points; ++q) {
-    if (q == 0 || !straight) {
-      const Eigen::Matrix3d jacobian = mesh::jacobian(nodes, gradients_[q]);
-      inverse = jacobian.inverse();
-      volume = jacobian.determinant() / 6;
-    }
-    here.gradients.middleRows<3>(3 * q).noalias() = inverse * gradients_[q].transpose();
-    here.weights[q] = weights_[q] * volume;
-  }
-  return here;
+const QuadraticStrain::Place& QuadraticStrain::place(Eigen::Index element, std::size_t point) const {
+  const std::vector<Place>& places = places_[element];
+  return places[places.size() == 1 ? 0 : point];
+}
+
+Eigen::Matrix3d QuadraticStrain::weighted_stress(const Eigen::Matrix3d& strain, std::size_t point,
+                                                 double volume) const {
+  Eigen::Matrix3d stress = 2 * elastic_.mu_pa() * strain;
+  stress.diagonal().array() += elastic_.lambda_pa() * strain.trace();
+  return weights_[point] * volume * stress;
 }
 
 // The rows of an element's nodes, component by component: row a, columns c M .. (c + 1) M - 1.
@@ -66,47 +103,60 @@ void QuadraticStrain::gather(const Rows& from, Eigen::Index element, Rows& to) c
   }
 }
 
-// E2 at each point from the element's nodal values and those of the shapes times the mixture.
-Eigen::MatrixXd QuadraticStrain::strains(const Element& here, const Rows& own, const Rows& mixed) const {
-  const Eigen::MatrixXd pairs = own * mixed.transpose();
-  const Eigen::MatrixXd at = here.gradients * pairs;
-  Eigen::MatrixXd result(here.gradients.rows(), 3);
-  for (Eigen::Index q = 0; q < here.weights.size(); ++q) {
-    const Eigen::Matrix3d e2 = 0.5 * at.middleRows<3>(3 * q) * here.gradients.middleRows<3>(3 * q).transpose();
-    result.middleRows<3>(3 * q) = 0.5 * (e2 + e2.transpose());
+void QuadraticStrain::load(const Rows& mixed, Eigen::Index first, Eigen::Index count, Batch& batch) const {
+  const Eigen::Index n = mesh_.elements.cols();
+  batch.pairs.resize(from_pairs_.cols(), count);
+  for (Eigen::Index e = 0; e < count; ++e) {
+    gather(shapes_, first + e, batch.own[e]);
+    gather(mixed, first + e, batch.mixed);
+    const Eigen::MatrixXd pairs = batch.own[e] * batch.mixed.transpose();
+    Eigen::Index pair = 0;
+    for (Eigen::Index a = 0; a < n; ++a) {
+      for (Eigen::Index b = 0; b <= a; ++b) batch.pairs(pair++, e) = pairs(b, a);
+    }
   }
-  return result;
+  batch.strains.noalias() = from_pairs_ * batch.pairs;
 }
 
-// Turns strains into stresses times the weight of their point.
-void QuadraticStrain::stresses(Eigen::MatrixXd& strains, const Element& here) const {
-  for (Eigen::Index q = 0; q < here.weights.size(); ++q) {
-    Eigen::Matrix3d stress = 2 * elastic_.mu_pa() * strains.middleRows<3>(3 * q);
-    stress.diagonal().array() += elastic_.lambda_pa() * strains.middleRows<3>(3 * q).trace();
-    strains.middleRows<3>(3 * q) = here.weights[q] * stress;
+// At each point three rows: d u_k / d xi_j in row j.
+Eigen::MatrixXd QuadraticStrain::reference_slopes(const Eigen::VectorXd& u, Eigen::Index element) const {
+  Eigen::MatrixXd moved(mesh_.elements.cols(), 3);
+  for (Eigen::Index a = 0; a < moved.rows(); ++a) {
+    moved.row(a) = u.segment<3>(3 * mesh_.elements(element, a)).transpose();
+  }
+  return gradients_ * moved;
+}
+
+// `stresses` has three rows for each point: J^-T times the weighted stress.
+void QuadraticStrain::add_force(const Eigen::MatrixXd& stresses, Eigen::Index element, Eigen::VectorXd& force) const {
+  const Eigen::MatrixXd at_nodes = gradients_.transpose() * stresses;
+  for (Eigen::Index a = 0; a < at_nodes.rows(); ++a) {
+    force.segment<3>(3 * mesh_.elements(element, a)) += at_nodes.row(a).transpose();
   }
 }
 
-void QuadraticStrain::for_elements(const std::function<void(int, Eigen::Index)>& work) const {
+void QuadraticStrain::for_batches(const std::function<void(int, Eigen::Index, Eigen::Index)>& work) const {
   in_parallel(threads_, [&](int thread) {
-    const Eigen::Index count = mesh_.elements.rows();
-    for (Eigen::Index e = count * thread / threads_; e < count * (thread + 1) / threads_; ++e) work(thread, e);
+    const Eigen::Index count = mesh_.elements.rows(), end = count * (thread + 1) / threads_;
+    for (Eigen::Index e = count * thread / threads_; e < end; e += kBatch) work(thread, e, std::min(kBatch, end - e));
   });
 }
 
 Eigen::VectorXd QuadraticStrain::force(const Eigen::MatrixXd& mixture) const {
   const Rows mixed = shapes_ * mixture;
   std::vector<Eigen::VectorXd> forces(threads_, Eigen::VectorXd::Zero(shapes_.rows()));
-  std::vector<Rows> own(threads_), other(threads_);
-  for_elements([&](int thread, Eigen::Index e) {
-    const Element here = element(e);
-    gather(shapes_, e, own[thread]);
-    gather(mixed, e, other[thread]);
-    Eigen::MatrixXd stress = strains(here, own[thread], other[thread]);
-    stresses(stress, here);
-    const Eigen::MatrixXd at_nodes = here.gradients.transpose() * stress;
-    for (Eigen::Index a = 0; a < at_nodes.rows(); ++a) {
-      forces[thread].segment<3>(3 * mesh_.elements(e, a)) += at_nodes.row(a).transpose();
+  std::vector<Batch> batches(threads_);
+  for_batches([&](int thread, Eigen::Index first, Eigen::Index count) {
+    Batch& batch = batches[thread];
+    load(mixed, first, count, batch);
+    Eigen::MatrixXd stresses(gradients_.rows(), 3);
+    for (Eigen::Index e = 0; e < count; ++e) {
+      for (std::size_t q = 0; q < weights_.size(); ++q) {
+        const auto& [inverse, volume] = place(first + e, q);
+        const Eigen::Matrix3d strain = inverse * symmetric(&batch.strains(6 * q, e)) * inverse.transpose();
+        stresses.middleRows<3>(3 * q) = inverse.transpose() * weighted_stress(strain, q, volume);
+      }
+      add_force(stresses, first + e, forces[thread]);
     }
   });
   for (int thread = 1; thread < threads_; ++thread) forces[0] += forces[thread];
@@ -116,29 +166,38 @@ Eigen::VectorXd QuadraticStrain::force(const Eigen::MatrixXd& mixture) const {
 Eigen::MatrixXd QuadraticStrain::products(const Eigen::MatrixXd& mixture, const Eigen::VectorXd& u) const {
   const Rows mixed = shapes_ * mixture;
   const Eigen::Index n = mesh_.elements.cols();
-  std::vector<Rows> sums(threads_, Rows::Zero(shapes_.rows(), modes_)), own(threads_), other(threads_);
-  for_elements([&](int thread, Eigen::Index e) {
-    const Element here = element(e);
-    gather(shapes_, e, own[thread]);
-    gather(mixed, e, other[thread]);
-    Eigen::MatrixXd stress = strains(here, own[thread], other[thread]);
-    Eigen::MatrixXd moved(n, 3);
-    for (Eigen::Index a = 0; a < n; ++a) moved.row(a) = u.segment<3>(3 * mesh_.elements(e, a)).transpose();
-    const Eigen::MatrixXd slopes = here.gradients * moved;
-    for (Eigen::Index q = 0; q < here.weights.size(); ++q) {
-      const Eigen::Matrix3d slope = slopes.middleRows<3>(3 * q);
-      stress.middleRows<3>(3 * q) -= 0.5 * (slope + slope.transpose());
+  std::vector<Rows> sums(threads_, Rows::Zero(shapes_.rows(), modes_));
+  std::vector<Batch> batches(threads_);
+  for_batches([&](int thread, Eigen::Index first, Eigen::Index count) {
+    Batch& batch = batches[thread];
+    load(mixed, first, count, batch);
+    for (Eigen::Index e = 0; e < count; ++e) {
+      const Eigen::MatrixXd slopes = reference_slopes(u, first + e);
+      for (std::size_t q = 0; q < weights_.size(); ++q) {
+        const auto& [inverse, volume] = place(first + e, q);
+        const Eigen::Matrix3d slope = inverse * slopes.middleRows<3>(3 * q);
+        const Eigen::Matrix3d strain =
+            inverse * symmetric(&batch.strains(6 * q, e)) * inverse.transpose() - 0.5 * (slope + slope.transpose());
+        const Eigen::Matrix3d stress = inverse.transpose() * weighted_stress(strain, q, volume) * inverse;
+        for (std::size_t c = 0; c < 6; ++c) {
+          const auto [i, j] = kComponents[c];
+          batch.strains(6 * q + c, e) = (i == j ? 1 : 2) * stress(i, j);
+        }
+      }
     }
-    stresses(stress, here);
-    Eigen::MatrixXd pulled(here.gradients.rows(), n);
-    for (Eigen::Index q = 0; q < here.weights.size(); ++q) {
-      pulled.middleRows<3>(3 * q).noalias() = stress.middleRows<3>(3 * q) * here.gradients.middleRows<3>(3 * q);
-    }
-    const Rows stiffness = here.gradients.transpose() * pulled;
-    const Rows moments = stiffness * own[thread];
-    for (Eigen::Index a = 0; a < n; ++a) {
-      Eigen::Map<Eigen::VectorXd>(sums[thread].data() + 3 * modes_ * mesh_.elements(e, a), 3 * modes_) +=
-          moments.row(a).transpose();
+    batch.pairs.noalias() = from_pairs_.transpose() * batch.strains;  // stiffnesses, their diagonals halved
+    Eigen::MatrixXd stiffness(n, n);
+    for (Eigen::Index e = 0; e < count; ++e) {
+      Eigen::Index pair = 0;
+      for (Eigen::Index a = 0; a < n; ++a) {
+        for (Eigen::Index b = 0; b <= a; ++b) stiffness(a, b) = stiffness(b, a) = batch.pairs(pair++, e);
+        stiffness(a, a) *= 2;
+      }
+      const Rows moments = stiffness * batch.own[e];
+      for (Eigen::Index a = 0; a < n; ++a) {
+        Eigen::Map<Eigen::VectorXd>(sums[thread].data() + 3 * modes_ * mesh_.elements(first + e, a), 3 * modes_) +=
+            moments.row(a).transpose();
+      }
     }
   });
   for (int thread = 1; thread < threads_; ++thread) sums[0] += sums[thread];
@@ -148,26 +207,17 @@ Eigen::MatrixXd QuadraticStrain::products(const Eigen::MatrixXd& mixture, const 
 
 Eigen::VectorXd QuadraticStrain::carried_force(Eigen::Index mode) const {
   std::vector<Eigen::VectorXd> forces(threads_, Eigen::VectorXd::Zero(shapes_.rows()));
-  for_elements([&](int thread, Eigen::Index e) {
-    const Element here = element(e);
-    Eigen::MatrixXd moved(mesh_.elements.cols(), 3);
-    for (Eigen::Index a = 0; a < moved.rows(); ++a) {
-      for (int i = 0; i < 3; ++i) moved(a, i) = shapes_(3 * mesh_.elements(e, a) + i, mode);
-    }
-    const Eigen::MatrixXd slopes = here.gradients * moved;  // row j of a point: d phi / dx_j
-    Eigen::MatrixXd stress(slopes.rows(), 3);
-    for (Eigen::Index q = 0; q < here.weights.size(); ++q) {
-      const Eigen::Matrix3d slope = slopes.middleRows<3>(3 * q);
-      stress.middleRows<3>(3 * q) = 0.5 * (slope + slope.transpose());
-    }
-    stresses(stress, here);
-    for (Eigen::Index q = 0; q < here.weights.size(); ++q) {
-      const Eigen::Matrix3d carried = stress.middleRows<3>(3 * q) * slopes.middleRows<3>(3 * q);
-      stress.middleRows<3>(3 * q) = carried;
-    }
-    const Eigen::MatrixXd at_nodes = here.gradients.transpose() * stress;
-    for (Eigen::Index a = 0; a < at_nodes.rows(); ++a) {
-      forces[thread].segment<3>(3 * mesh_.elements(e, a)) += at_nodes.row(a).transpose();
+  const Eigen::VectorXd shape = shapes_.col(mode);
+  for_batches([&](int thread, Eigen::Index first, Eigen::Index count) {
+    for (Eigen::Index e = first; e < first + count; ++e) {
+      Eigen::MatrixXd stresses = reference_slopes(shape, e);
+      for (std::size_t q = 0; q < weights_.size(); ++q) {
+        const auto& [inverse, volume] = place(e, q);
+        const Eigen::Matrix3d slope = inverse * stresses.middleRows<3>(3 * q);  // row j: d phi / dx_j
+        const Eigen::Matrix3d stress = weighted_stress(0.5 * (slope + slope.transpose()), q, volume);
+        stresses.middleRows<3>(3 * q) = inverse.transpose() * stress * slope;
+      }
+      add_force(stresses, e, forces[thread]);
     }
   });
   for (int thread = 1; thread < threads_; ++thread) forces[0] += forces[thread];

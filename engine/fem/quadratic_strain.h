@@ -26,7 +26,8 @@ namespace ringdown::fem {
 class QuadraticStrain {
  public:
   // `shapes` is 3N x M, unknown 3 n + i as in assembly.h. `mesh` must live longer. Memory: 8 * 3 N M bytes for a copy
-  // of the shapes, and again for each thread. threads = 0: as many as there are processors, at most 4.
+  // of the shapes, and again for each thread; some 5 kB for each curved element. threads = 0: as many as there are
+  // processors, at most 4.
   QuadraticStrain(const mesh::TetMesh& mesh, const Elastic& elastic, const Eigen::MatrixXd& shapes, int threads = 0);
 
   // The nodal forces of E2(R): f with f . u = <E2(R), eps(u)> for every displacement u. 3N numbers.
@@ -41,21 +42,29 @@ class QuadraticStrain {
 
  private:
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  struct Element;
+  struct Place {              // where a point of the rule lies in an element
+    Eigen::Matrix3d inverse;  // of the Jacobian
+    double volume = 0;        // of a straight element with that Jacobian [m^3]
+  };
+  struct Batch;
 
-  [[nodiscard]] Element element(Eigen::Index number) const;
+  [[nodiscard]] const Place& place(Eigen::Index element, std::size_t point) const;
+  [[nodiscard]] Eigen::Matrix3d weighted_stress(const Eigen::Matrix3d& strain, std::size_t point, double volume) const;
   void gather(const Rows& from, Eigen::Index element, Rows& to) const;
-  [[nodiscard]] Eigen::MatrixXd strains(const Element& here, const Rows& own, const Rows& mixed) const;
-  void stresses(Eigen::MatrixXd& strains, const Element& here) const;
-  void for_elements(const std::function<void(int, Eigen::Index)>& work) const;
+  void load(const Rows& mixed, Eigen::Index first, Eigen::Index count, Batch& batch) const;
+  [[nodiscard]] Eigen::MatrixXd reference_slopes(const Eigen::VectorXd& u, Eigen::Index element) const;
+  void add_force(const Eigen::MatrixXd& stresses, Eigen::Index element, Eigen::VectorXd& force) const;
+  void for_batches(const std::function<void(int, Eigen::Index, Eigen::Index)>& work) const;
 
   const mesh::TetMesh& mesh_;
   Elastic elastic_;
   int threads_;
   Eigen::Index modes_;
-  Rows shapes_;                                     // 3N x M
-  std::vector<mesh::ReferenceGradient> gradients_;  // at each point of the rule
-  std::vector<double> weights_;
+  Rows shapes_;                  // 3N x M
+  Eigen::MatrixXd gradients_;    // 3 points x n: of the reference element's functions
+  Eigen::MatrixXd from_pairs_;   // 6 points x n (n + 1) / 2: E2 in the reference element from the lower triangle of P
+  std::vector<double> weights_;  // of the rule's points
+  std::vector<std::vector<Place>> places_;  // of each element: one where it is straight
 };
 
 }  // namespace ringdown::fem

@@ -15,6 +15,8 @@
 namespace ringdown::synth {
 namespace {
 
+constexpr double kUnheard = 1e-6;  // of the loudest mode's weight: 120 dB below it
+
 std::size_t groups_for(std::size_t modes) { return (modes + kModePadding - 1) / kModePadding; }
 
 struct PlayableMode {
@@ -121,7 +123,10 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   }
   if (slow_modes_ > 0)
     std::fill(band_.begin() + static_cast<std::ptrdiff_t>(slow_modes_), band_.end(), band_[slow_modes_ - 1]);
-  if (!bank().nonlinear) return;
+  if (!bank().nonlinear || weight_.empty()) return;
+  // A mode that radiates nothing still bends the others' pitch, and only its state tells its amplitude.
+  const double least = kUnheard * *std::max_element(weight_.begin(), weight_.end());
+  for (double& weight : weight_) weight = std::max(weight, least);
   std::vector<double> output_per_velocity = weight_;
   for (double& output : output_per_velocity) output /= modal::shape_factor(material);
   glide = GlideMatrix::of(*this, material, output_per_velocity);

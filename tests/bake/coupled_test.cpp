@@ -1,9 +1,9 @@
 // Modes that exchange energy: conservation over a million steps, the full equations as oracle, no clicks.
 #include "engine/synth/coupled_modes.h"
+#include "tests/bake/sound_centroid.h"
 #include "tests/bake/struck_plate.h"
 
 #include <algorithm>
-#include <complex>
 #include <cstdio>
 
 namespace ringdown::synth::test {
@@ -99,27 +99,6 @@ TEST(CoupledModes, SoundAsTheFullEquations) {
     rig.modes.take(re.data(), im.data());
   }
   EXPECT_LT(std::sqrt(wrong / right), 0.05);
-}
-
-// The centre of a sound's power spectrum in each 50 ms [Hz].
-std::vector<double> centroids(const Samples& sound) {
-  constexpr std::size_t kWindow = 2400;
-  std::vector<double> centres;
-  for (std::size_t begin = 0; begin + kWindow <= sound.size(); begin += kWindow) {
-    double weighed = 0, power = 0;
-    for (std::size_t bin = 1; bin < kWindow / 2; ++bin) {
-      std::complex<double> sum, at = 1;
-      const std::complex<double> turn = std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(bin) / kWindow);
-      for (std::size_t n = 0; n < kWindow; ++n, at *= turn) {
-        const double hann = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * static_cast<double>(n) / kWindow);
-        sum += hann * sound[begin + n] * at;
-      }
-      power += std::norm(sum);
-      weighed += std::norm(sum) * static_cast<double>(bin) * kRate_hz / kWindow;
-    }
-    centres.push_back(weighed / power);
-  }
-  return centres;
 }
 
 // A blow of one thickness on forty modes, against the full equations at 192 kHz.

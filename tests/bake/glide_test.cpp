@@ -77,6 +77,26 @@ TEST(Glide, ASoftBlowSoundsAsWithoutTermsToTheLastBit) {
   EXPECT_EQ(by_moments(*struck(plate, true, 1e-5), 4096), by_moments(*struck(plate, false, 1e-5), 4096));
 }
 
+// A mode's pitch depends on all that ring, heard or not.
+TEST(Glide, AModeThatRadiatesNothingDetunesTheOthers) {
+  const Plate plate = steel_plate();
+  const auto pitch = [&](bool heard) {
+    modal::Bank bank = map_of(plate, true)->bank();
+    modal::BankRadiation radiation;
+    radiation.maps.modes.assign(bank.mode_count(), {.wavenumber_rad_m = 1, .terms = {{0, 1.0F}}});
+    if (!heard) radiation.maps.modes[0].terms.clear();
+    bank.radiation = radiation;
+    Voice voice(std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(bank))),
+                modal::MaterialScale{}, kRate_hz);
+    EXPECT_TRUE(voice.strike({.type = EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, 0.077}}));
+    const double own_hz = plate.omega[1] / (2 * std::numbers::pi);
+    return cents(pitch_hz(by_tables(voice, 24000), own_hz), own_hz);
+  };
+  const double wanted = pitch(true);
+  EXPECT_GT(wanted, 10);
+  EXPECT_NEAR(pitch(false), wanted, 0.1);
+}
+
 // An object of twice the size glides as much when it is struck to as many thicknesses: impulse times size^3.
 TEST(Glide, ScalesWithSizeAndMaterial) {
   const Plate plate = steel_plate();
