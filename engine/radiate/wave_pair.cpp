@@ -65,7 +65,8 @@ struct ClassLayers {
 
 // The far fields of all right-hand sides, each the sum over its classes. The waves of the part serve all classes.
 Eigen::MatrixXcd fields_of(const WaveQuestion& question, const Skin& skin, const std::vector<double>& coupling,
-                           const Directions& directions, const std::vector<ClassLayers>& classes, Eigen::Index columns) {
+                           const Directions& directions, const std::vector<ClassLayers>& classes,
+                           Eigen::Index columns) {
   Eigen::Index count = 0;
   for (const ClassLayers& own : classes) count += own.layers.cols();
   Eigen::MatrixXcd layers(skin.panels.node_count(), count);
@@ -193,8 +194,9 @@ bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, W
       if (own_modes != part.columns.begin()) {
         const std::vector<Eigen::Index> columns(part.columns.begin(), own_modes);
         ComplexMatrix* const own_matrix = questions.size() > 1 ? &memory.coarse[c] : nullptr;
-        on_coarse.push_back({own_class, columns,
-                             coarse_layers(coarse_flows[c](Eigen::all, columns), part, eliminated[c], own_matrix, go_on)});
+        on_coarse.push_back(
+            {own_class, columns,
+             coarse_layers(coarse_flows[c](Eigen::all, columns), part, eliminated[c], own_matrix, go_on)});
         if (on_coarse.back().layers.size() == 0) return false;
       }
       if (part.columns.empty()) continue;
