@@ -27,6 +27,7 @@ MOMENTS_S = {  # of the scene
     "vibraphone": 5,
     "xylophone": 5.2,
     "turning-plate": 3,
+    "rolling-balls": 2.8,
 }
 COLUMNS = 4
 TAKEN, SHOWN = (640, 400), (400, 250)

@@ -35,7 +35,7 @@ Eigen::Matrix3d symmetric(const double* components) {
 
 }  // namespace
 
-// What a thread works on: some elements side by side.
+// A batch is what a thread works on: the fields of up to kBatch elements, side by side.
 struct QuadraticStrain::Batch {
   std::vector<Rows> own = std::vector<Rows>(kBatch);  // each n x 3M: the shapes at an element's nodes
   Rows mixed;                                         // those times the mixture, of one element

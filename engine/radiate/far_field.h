@@ -19,7 +19,7 @@ struct Directions {
 };
 Directions directions_for(int degree);
 
-// The numbers of the directions' mirror images.
+// For each direction the number of its mirror image, which is among them: `image` as in panels.h.
 std::vector<Eigen::Index> images_of(const Directions& directions, int image);
 
 // The degree beyond which a body of this radius about the origin sends out nothing that counts: what lies beyond
@@ -29,7 +29,7 @@ int degree_for(double wavenumber_rad_m, double radius_m);
 // F of layers mu (V x M) towards the directions, D x M:
 //
 //   F(d) = 1 / (4 pi) * integral of mu (-ik n.d - i eta) exp(-ik (y - origin).d) dS
-// Of a part of a surface only what the part itself sends.
+// Where `panels` are a part of a surface with mirror planes, F is that of the part alone, without its images.
 Eigen::MatrixXcd far_fields(const Panels& panels, const Eigen::Vector3d& origin, double wavenumber_rad_m,
                             const std::vector<double>& coupling, const Directions& directions,
                             const Eigen::MatrixXcd& layers);

@@ -1,14 +1,13 @@
-// The part of a surface from which its mirror images make up the whole. Without CGAL, which the programs that bake do
-// not link. [worker]
+// Cuts a surface along its mirror planes. (CGAL could clip it, but the programs that bake do not link it.) [worker]
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
 
 namespace ringdown::radiate {
 
-// What lies where the first `mirrors` coordinates are not negative. Nodes close to a plane are moved onto it unless the
-// surface runs along the plane there; triangles that still cross it are cut. Nodes on a plane have the coordinate 0
-// exactly.
+// Returns the part of the surface where the first `mirrors` coordinates are not negative; the surface's middle lies at
+// their zero. Nodes close to a plane are moved onto it, unless the surface runs along the plane there, and triangles
+// that still cross it are cut. Nodes on a plane have the coordinate 0 exactly.
 mesh::TriangleMesh mirror_part_of(const mesh::TriangleMesh& surface, int mirrors);
 
 }  // namespace ringdown::radiate

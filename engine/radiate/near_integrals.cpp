@@ -123,7 +123,8 @@ std::vector<OuterPoint> divided(const std::vector<OuterPoint>& rule) {
   return points;
 }
 
-// For each triangle of one surface those of another near it, by a grid of cells as wide as the search.
+// Finds, for each triangle of one surface, the triangles of another that are near it, by a grid of cells as wide as the
+// search.
 class NearbyTriangles {
  public:
   NearbyTriangles(const Panels& panels, const Panels& others) : panels_(panels), others_(others) {

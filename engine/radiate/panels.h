@@ -1,10 +1,9 @@
 // A closed surface of flat triangles, with what boundary elements ask of it: nodes, sides and tangential fields.
 // [any thread]
 //
-// Of a surface with mirror planes only a part may stand here: the planes are coordinate planes through the origin,
-// across the first one, two or three axes, and the part lies where these coordinates are not negative. The whole
-// surface is made of its images. Bit a of an image's number says that it is mirrored across axis a; image 0 is the part
-// itself.
+// Panels may be a part of a surface that has mirror planes. The planes are then coordinate planes through the origin,
+// across the first one, two or three axes, the part lies where these coordinates are not negative, and its images make
+// up the whole. Bit a of an image's number says that the image is mirrored across axis a; image 0 is the part itself.
 #pragma once
 
 #include "engine/base/result.h"
@@ -26,6 +25,7 @@ struct Side {
   Eigen::Vector3d middle;
 };
 
+// The mirror planes on which a point lies: bit a where its coordinate a is exactly 0.
 int mirror_planes_at(const Eigen::Vector3d& point, int mirrors);
 
 struct Panels {
@@ -39,7 +39,7 @@ struct Panels {
   int mirrors = 0;  // planes: 0 to 3
 
   [[nodiscard]] int image_count() const { return 1 << mirrors; }
-  // Bit a: the node lies on the mirror plane across axis a, where its coordinate is exactly 0.
+  // The mirror planes on which a node lies, as bits.
   [[nodiscard]] int planes_at(int node) const { return mirror_planes_at(nodes.row(node).transpose(), mirrors); }
   [[nodiscard]] int node_count() const { return static_cast<int>(nodes.rows()); }
   [[nodiscard]] int triangle_count() const { return static_cast<int>(corners.size()); }

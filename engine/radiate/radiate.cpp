@@ -99,7 +99,8 @@ class Solver {
     return options_.most_unknowns * (symmetry_.mirrors == 0 ? 1 : std::exp2((symmetry_.mirrors + 1) / 2.0));
   }
   [[nodiscard]] bool may_be_finer(int grade) const { return grade < finest_grade(most_nodes()); }
-  // What is irregular in a skin recurs in its images, and cancels less than elsewhere: 1,000 nodes at least.
+  // With two or three mirror planes the coarsest skin has 1,000 nodes: irregularities of the part recur in its images,
+  // and cancel less than those of a whole skin.
   [[nodiscard]] int coarsest_grade() const { return symmetry_.mirrors > 1 ? 2 : 1; }
   // The grade whose sides are nearest to the given one.
   [[nodiscard]] int grade_for(double side, int finest) const {
@@ -311,7 +312,7 @@ class Solver {
     }
   }
 
-  // With those of the images.
+  // Counts the nodes of a skin and of its images, those on a plane once.
   static int whole_nodes(const Panels& panels) {
     int nodes = 0;
     for (int n = 0; n < panels.node_count(); ++n) {
@@ -416,7 +417,7 @@ Result<void> check(const Body& body) {
 
 }  // namespace
 
-// Where the part of a surface between its mirror planes cannot be tiled, the whole surface is.
+// Mirror planes are left alone where the part of the surface between them cannot be tiled.
 Result<Radiation> solve(const Body& body, const modal::Air& air, const Options& options) {
   if (const auto sound = check(body); !sound) return fail(sound.error());
   if (const Symmetry symmetry = options.symmetry ? symmetry_of(body.surface) : Symmetry{}; symmetry.mirrors > 0) {

@@ -32,15 +32,16 @@ class Original {
   std::vector<double> thickness_m;
 };
 
-// Where there are mirror planes a skin is a part of the surface, and whatever happens on the whole surface is the sum
-// of as many classes as there are images. Bit a of a class's number says that it changes its sign across plane a: image
-// g of the part carries (-1)^(number of bits that class and image have in common) times what the part does. A class
-// that changes its sign across a plane is 0 on it.
+// A skin of a surface with mirror planes is a part of it, and a field on the whole surface is a sum of classes, one for
+// each image. Bit a of a class's number says that the class changes its sign across plane a: on image g of the part it
+// is (-1)^(number of bits that class and g have in common) times what it is on the part. A class that changes its sign
+// across a plane is 0 on it.
 struct Skin {
   Panels panels;
   std::vector<NearIntegrals> near;  // with each image
   std::vector<double> thickness_m;  // V
-  // For each class V x M [m^2 kg^-1/2]: integrals of its share of phi.n times each hat function, over the part.
+  // One matrix for each class, V x M [m^2 kg^-1/2]: the integrals over the part of each hat function times the class's
+  // share of phi.n.
   std::vector<Eigen::MatrixXf> flow;
   double side_m = 0;
 };
@@ -48,7 +49,7 @@ struct Skin {
 // The nodes on which a class is 0.
 std::vector<int> zero_nodes(const Panels& panels, int image_class);
 
-// What an image carries of a class: 1 or -1.
+// The sign of a class on an image, beside that on the part.
 inline int sign_of(int image_class, int image) {
   return std::popcount(static_cast<unsigned>(image_class & image)) % 2 == 0 ? 1 : -1;
 }
@@ -71,8 +72,9 @@ std::vector<double> coupling_of(const Skin& skin, double wavenumber_rad_m);
 // 1 over the length [rad/m] over which each mode's normal motion changes: rms of its gradient over its rms.
 std::vector<double> shape_wavenumbers(const Skin& skin);
 
-// For each class (V x classes) the integrals of the hat functions times its share of the flow of a point source at
-// `inside`: of dG/dn, G = exp(ikR)/(4 pi R). Triangles are divided until they are smaller than 0.4 of their distance.
+// The flow dG/dn, G = exp(ikR)/(4 pi R), of a point source at `inside`: the integrals over the part of each hat
+// function times each class's share of it, V x classes. Triangles are divided until they are smaller than 0.4 of their
+// distance.
 Eigen::MatrixXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside, double wavenumber_rad_m);
 
 // Two places inside of the body, in its thickest wall and in a middling one.

@@ -20,7 +20,7 @@ struct Symmetry {
 // triangles are off from a curved surface. The surface must be closed.
 Symmetry symmetry_of(const mesh::TriangleMesh& surface);
 
-// Of the radius of a sphere with the surface's area.
+// The distance is a share of the radius of a sphere with the surface's area.
 inline constexpr double kMirrorDistance = 1e-3;
 
 // The body in that frame.

@@ -111,6 +111,15 @@ Eigen::MatrixXcf layers_of(ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, 
   return layers;
 }
 
+// One class on the coarser skin, by the elimination at the middle wavenumber: at another wavenumber this preconditions.
+Eigen::MatrixXcf coarse_layers(const Eigen::MatrixXcf& flow, const ClassPart& part, const Elimination& middle,
+                               ComplexMatrix* own_matrix, const std::function<bool()>& go_on) {
+  if (own_matrix == nullptr) return middle.solve(flow);
+  const auto by_elimination = [&](const Eigen::MatrixXcf& right) -> Eigen::MatrixXcf { return middle.solve(right); };
+  bool unused = false;
+  return layers_of(*own_matrix, flow, part.residuals, by_elimination, go_on, unused);
+}
+
 // The preconditioner of a class on the finer skin.
 Preconditioner on_finer(const Skin& fine, int image_class, const ComplexMatrix& matrix, const Elimination& coarse,
                         const Continuation& continuation) {
@@ -151,19 +160,6 @@ Continuation continuation_of(const Skin& fine, const Skin& coarse) {
       node_areas(fine.panels).asDiagonal() * continuation.layer * node_areas(coarse.panels).cwiseInverse().asDiagonal();
   return continuation;
 }
-
-namespace {
-
-// One class on the coarser skin, by the elimination at the middle wavenumber: at another wavenumber this preconditions.
-Eigen::MatrixXcf coarse_layers(const Eigen::MatrixXcf& flow, const ClassPart& part, const Elimination& middle,
-                               ComplexMatrix* own_matrix, const std::function<bool()>& go_on) {
-  if (own_matrix == nullptr) return middle.solve(flow);
-  const auto by_elimination = [&](const Eigen::MatrixXcf& right) -> Eigen::MatrixXcf { return middle.solve(right); };
-  bool unused = false;
-  return layers_of(*own_matrix, flow, part.residuals, by_elimination, go_on, unused);
-}
-
-}  // namespace
 
 // The coarser skin's iteration is preconditioned by its elimination at the middle wavenumber, that of the finer by the
 // sum of two parts: the same elimination, for all that the coarser skin can show, and the inverse of the diagonal for

@@ -27,7 +27,8 @@ constexpr double kMinImpulse_ns = 1e-9;
 
 BodyPair pair_of(const ContactPoint& point) { return std::minmax(point.body, point.other); }
 
-Vec3 along(Vec3 v, Vec3 normal) { return v - dot(v, normal) * normal; }  // a surface
+// The part of a vector that lies in a surface.
+Vec3 along(Vec3 v, Vec3 normal) { return v - dot(v, normal) * normal; }
 
 // The contact of a pair: point and normal are means weighted by force. Nothing when no force acts.
 std::optional<PairContact> combine_points(BodyPair pair, std::span<const ContactPoint* const> points,

@@ -16,9 +16,9 @@ alignas(64) constexpr std::array<double, kMaxTouchColumns> kZeros{};
 constexpr double kMinBowRamp_s = 0.002, kMaxBowRamp_s = 0.05;
 constexpr double kMalletLeaves_s = 0.003;  // it has left when it needs so long to come back at its speed
 constexpr double kMostMallet_s = 2;        // and at the latest after that time
-constexpr double kRubFade_s = 0.005;       // of a rub from which nothing comes any more
+constexpr double kRubFade_s = 0.005;       // in which the load goes when no event of a rub has come for long
 
-// Of two freedoms, in the triangle of all.
+// Where a pair of freedoms stands in the triangle of all pairs.
 std::size_t pair_of(std::size_t i, std::size_t j) RINGDOWN_REALTIME {
   const std::size_t low = std::min(i, j), high = std::max(i, j);
   return high * (high + 1) / 2 + low;
@@ -117,7 +117,8 @@ void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REA
   if (!lifted) {  // what is lifted stays where it is and keeps its speed
     const Touch last = touch.event.touch;
     touch.stale = touch.stale || !(touch.event.point_m == event.point_m && last.direction == how.direction &&
-                                   last.other_point_m == how.other_point_m && last.width_m == how.width_m);
+                                   last.other_point_m == how.other_point_m && last.to_other == how.to_other &&
+                                   last.width_m == how.width_m);
     touch.event = event;
     if (begins) touch.speed_m_s = {how.speed_m_s, how.speed_m_s, event.frame, event.frame};
     touch.speed_m_s.aim(how.speed_m_s, event.frame, ramp);
@@ -241,9 +242,9 @@ bool TouchGroup::stays_apart(std::size_t steps) RINGDOWN_REALTIME {
   return true;
 }
 
-// What rubs feels profiles of which it knows the slope. A surface that keeps still shall push it as in a one-way
-// contact, by the load times the slope: on a spring that is bent by d under the load, that is a surface raised by 2/3 d
-// times the slope.
+// Lets the profiles under a rub press its surfaces together. Of profiles the slope is known; a surface that keeps still
+// shall push what rubs by the load times the slope, as a one-way contact does. A spring that the load presses down by d
+// does so when the surface is raised by 2/3 d times the slope.
 void TouchGroup::raise(TouchSlot& touch, Frame begin, std::size_t frames) RINGDOWN_REALTIME {
   std::array<double, kMaxTouchSteps> slopes;
   touch.relief.fill_slopes(begin, frames, slopes.data());

@@ -51,17 +51,23 @@ TEST(WaveBand, GivesTheMatricesThatAreComputedByThemselvesToATenthPerCent) {
   radiate::Body body{.surface = box({0.12, 0.05, 0.003}, 0.004), .flow = {}, .frequency_hz = {5000}};
   body.flow = sample(
       body.surface, 1, [](int, const auto&, const Eigen::Vector3d& normal) { return normal[2]; }, 0.003);
-  const auto original = radiate::Original::of(body);
-  ASSERT_TRUE(original) << original.error().message;
   const double k = 150;
-  const auto skin = radiate::skin_of(*original, 2 * 3.14159 / (3 * k));  // three triangles in a wavelength
-  ASSERT_TRUE(skin) << skin.error().message;
-  const radiate::WaveBand band(*skin, k / radiate::kWidestBand, k, 20, 2);
-  radiate::ClassMatrices from_band, by_itself;
-  for (const double share : {1.0, 0.96, 0.88, 0.82, 1 / radiate::kWidestBand}) {
-    band.matrices_at(share * k, from_band);
-    radiate::class_matrices(*skin, share * k, band.coupling(), by_itself);
-    EXPECT_LT((from_band[0] - by_itself[0]).norm() / by_itself[0].norm(), 1e-3) << "k " << share * k;
+  for (const int mirrors : {0, 3}) {
+    const auto original = radiate::Original::of(body, mirrors);
+    ASSERT_TRUE(original) << original.error().message;
+    const auto skin = radiate::skin_of(*original, 2 * 3.14159 / (3 * k));  // three triangles in a wavelength
+    ASSERT_TRUE(skin) << skin.error().message;
+    const radiate::WaveBand band(*skin, k / radiate::kWidestBand, k, 20, 2);
+    radiate::ClassMatrices from_band, by_itself;
+    for (const double share : {1.0, 0.96, 0.88, 0.82, 1 / radiate::kWidestBand}) {
+      band.matrices_at(share * k, from_band);
+      radiate::class_matrices(*skin, share * k, band.coupling(), by_itself);
+      ASSERT_EQ(by_itself.size(), std::size_t{1} << mirrors);
+      for (std::size_t c = 0; c < by_itself.size(); ++c) {
+        EXPECT_LT((from_band[c] - by_itself[c]).norm() / by_itself[c].norm(), 1e-3)
+            << "k " << share * k << " class " << c;
+      }
+    }
   }
 }
 

@@ -154,14 +154,21 @@ TEST(Rolling, ASpinningBallComesToRestToo) {
   EXPECT_EQ(world.bodies()[0].spin_rad_s, (Vec3{}));
 }
 
-TEST(Contact, AContactTellsBothObjectsOppositeForces) {
+const Rotation kTurned = about({0, 0, 1}, 1.1);
+
+// A box that slides along x on a fixed tray, which is turned.
+SceneDescription box_on_tray() {
   BodyDescription tray = body_of("tray", ShapeType::box, {0, 0, 0});
   tray.shape.size_m = {2, 2, 0.1};
   tray.fixed = true;
-  tray.rotation = about({0, 0, 1}, 1.1);
+  tray.rotation = kTurned;
   BodyDescription box = body_of("box", ShapeType::box, {0, 0, 0.1});
   box.velocity_m_s = {1, 0, 0};
-  SceneDescription scene = scene_of({tray, box}, 0);
+  return scene_of({tray, box}, 0);
+}
+
+TEST(Contact, AContactTellsBothObjectsOppositeForces) {
+  const SceneDescription scene = box_on_tray();
   World world = world_of(scene, {sounding("tray", 1, box_bank(kSize, 1)), sounding("box", 2, box_bank(kSize, kMass))});
   const auto told = contacts(world, 0.1);
   std::map<synth::Frame, std::map<synth::ObjectNumber, Event>> by_frame;
@@ -169,24 +176,18 @@ TEST(Contact, AContactTellsBothObjectsOppositeForces) {
   ASSERT_GT(by_frame.size(), 5u);
   for (const auto& [frame, both] : by_frame) {
     ASSERT_EQ(both.size(), 2u);
-    const Vec3 on_tray = to_matrix(tray.rotation) * both.at(1).contact.force_n;
+    const Vec3 on_tray = to_matrix(kTurned) * both.at(1).contact.force_n;
     EXPECT_NEAR(length(on_tray + both.at(2).contact.force_n), 0, 1e-6 * length(on_tray));
     EXPECT_EQ(both.at(1).contact.slip_m_s, both.at(2).contact.slip_m_s);
-    const Vec3 place = to_matrix(tray.rotation) * both.at(1).point_m;
+    const Vec3 place = to_matrix(kTurned) * both.at(1).point_m;
     EXPECT_NEAR(place.z, 0.05, 0.002);
   }
 }
 
 // As above, but the box is two-way, and lies on a turned tray: one event, which says where both are touched.
 TEST(Contact, ATwoWayBodyRubsAndIsRubbedInOneEvent) {
-  BodyDescription tray = body_of("tray", ShapeType::box, {0, 0, 0});
-  tray.shape.size_m = {2, 2, 0.1};
-  tray.fixed = true;
-  tray.rotation = about({0, 0, 1}, 1.1);
-  BodyDescription box = body_of("box", ShapeType::box, {0, 0, 0.1});
-  box.velocity_m_s = {1, 0, 0};
-  box.two_way = true;
-  SceneDescription scene = scene_of({tray, box}, 0);
+  SceneDescription scene = box_on_tray();
+  scene.bodies[1].two_way = true;
   for (BodyDescription& body : scene.bodies) {
     body.surface.friction = 0.2, body.surface.sliding_friction = 0.1;
     body.surface.texture.roughness_m = 3e-6;
@@ -201,7 +202,7 @@ TEST(Contact, ATwoWayBodyRubsAndIsRubbedInOneEvent) {
   ASSERT_GT(all.size(), 10u);
   for (const Event& event : std::span(all).subspan(2, all.size() - 3)) {
     const bool of_tray = event.object == 1;
-    const Rotation turned = of_tray ? tray.rotation : Rotation{};
+    const Rotation turned = of_tray ? kTurned : Rotation{};
     const synth::Touch& rub = event.touch;
     EXPECT_EQ(event.object, all.front().object);
     EXPECT_EQ(event.object + rub.other, 3u);
@@ -218,7 +219,7 @@ TEST(Contact, ATwoWayBodyRubsAndIsRubbedInOneEvent) {
     const double depth = std::pow(rub.force_n / rub.stiffness, 2.0 / 3);
     const double modulus = 6e10 / (2 * (1 - 0.25 * 0.25)), rough = 1.5 * 0.4 * std::sqrt(2.0) * 3e-6;
     EXPECT_NEAR(depth, rough + std::pow(0.75 * rub.force_n / (modulus * std::sqrt(0.001)), 2.0 / 3), 1e-3 * depth);
-    const Rotation of_other = of_tray ? Rotation{} : tray.rotation;
+    const Rotation of_other = of_tray ? Rotation{} : kTurned;
     const Vec3 up = rotated(rub.to_other, rub.direction), x = rotated(rub.to_other, {1, 0, 0});
     EXPECT_NEAR(length(rotated(of_other, up) - rotated(turned, rub.direction)), 0, 1e-6);
     EXPECT_NEAR(length(rotated(of_other, x) - rotated(turned, {1, 0, 0})), 0, 1e-6);

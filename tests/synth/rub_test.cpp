@@ -1,9 +1,8 @@
 // What slides or rolls and feels the object: against a simulation of its own, a bow, and one-way contacts.
 #include "tests/support/realtime_guard.h"
-#include "tests/synth/player.h"
+#include "tests/synth/leapfrog_bank.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -41,45 +40,29 @@ double off_by_db_of(std::span<const double> a, std::span<const double> b) {
   return 20 * std::log10(rms(difference) / rms(a));
 }
 
-// A mass under a load on a bank's modes, over a surface of given heights, in steps of a 64th of a sample by the
-// leapfrog rule. The load acts on both, so that nothing is bent while it rests.
+// What a bank sounds like on which a mass lies under a load, over a surface of given heights. The load acts on both, so
+// that nothing is bent while it rests.
 Samples simulated_rub(const modal::StrikeMap& map, const Touch& rub, const std::vector<double>& heights_m) {
-  const modal::Bank& bank = map.bank();
-  const std::size_t modes = bank.mode_count();
-  std::vector<double> shape(modes), q(modes), v(modes);
-  map.excite(kPlace, rub.direction, shape);
-  constexpr int kSteps = 64;
-  const double h = 1 / (kRate * kSteps), depth_at_rest = std::pow(rub.force_n / rub.stiffness, 2.0 / 3);
-  double per_kg = 1 / rub.mass_kg;
-  for (const double s : shape) per_kg += s * s;
+  constexpr double kStep_s = LeapfrogBank::kStep_s;
+  LeapfrogBank bank(map, kPlace, rub.direction);
+  const double depth_at_rest = std::pow(rub.force_n / rub.stiffness, 2.0 / 3);
+  const double per_kg = 1 / rub.mass_kg + bank.per_kg();
   const double damping = 2 * 0.02 * std::sqrt(1.5 / (per_kg * rub.force_n * depth_at_rest));
   double x = 0, speed = 0, net = 0, raised = 0;
   Samples samples(heights_m.size());
   for (std::size_t n = 0; n < samples.size(); ++n) {
-    double sound = 0;
-    for (std::size_t m = 0; m < modes; ++m) {
-      const double omega = 2 * std::numbers::pi * bank.frequency_hz[m];
-      const double rest = shape[m] * net / (omega * omega + bank.decay_per_s[m] * bank.decay_per_s[m]);
-      sound += std::numbers::sqrt2 / 2 * kLoudness * omega * omega * (q[m] - rest);
-    }
-    samples[n] = sound;
+    samples[n] = bank.sample(net);
     const double load = rub.force_n * std::min(1.0, static_cast<double>(n) / 96);  // it comes in 2 ms
-    const double rise = (heights_m[n] - raised) / kSteps;
-    for (int s = 0; s < kSteps; ++s) {
-      double surface = 0, surface_speed = 0;
-      for (std::size_t m = 0; m < modes; ++m) surface += shape[m] * q[m], surface_speed += shape[m] * v[m];
+    const double rise = (heights_m[n] - raised) / LeapfrogBank::kSteps;
+    for (int s = 0; s < LeapfrogBank::kSteps; ++s) {
       raised += rise;
-      const double depth = x - surface + raised, nearing = speed - surface_speed + rise / h;
+      const double depth = x - bank.displacement_m() + raised, nearing = speed - bank.speed_m_s() + rise / kStep_s;
       const double force =
           depth > 0 ? std::max(0.0, rub.stiffness * std::pow(depth, 1.5) * (1 + damping * nearing)) : 0.0;
       net = force - load;
-      speed -= h * net / rub.mass_kg;
-      x += h * speed;
-      for (std::size_t m = 0; m < modes; ++m) {
-        const double omega = 2 * std::numbers::pi * bank.frequency_hz[m], d = bank.decay_per_s[m];
-        v[m] += h * (shape[m] * net - (omega * omega + d * d) * q[m] - 2 * d * v[m]);
-        q[m] += h * v[m];
-      }
+      speed -= kStep_s * net / rub.mass_kg;
+      x += kStep_s * speed;
+      bank.step(net);
     }
   }
   return samples;

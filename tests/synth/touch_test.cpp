@@ -1,6 +1,6 @@
 // Two-way contacts in the mixer: bows, mallets and couplings against a simulation of their own, and among other sounds.
 #include "tests/support/realtime_guard.h"
-#include "tests/synth/player.h"
+#include "tests/synth/leapfrog_bank.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,36 +29,19 @@ Touch bow_with(double speed, double force, double rosin = 0.8) {
   return {.kind = Touch::Kind::bow, .direction = kUpward, .speed_m_s = speed, .force_n = force, .friction = rosin};
 }
 
-// A mass that hits a bank's modes, in steps of a 64th of a sample by the leapfrog rule, and what it sounds like.
+// What a bank that a mass hits sounds like.
 Samples simulated_mallet(const modal::StrikeMap& map, Vec3 point_m, const Touch& mallet, std::size_t frames) {
-  const modal::Bank& bank = map.bank();
-  const std::size_t modes = bank.mode_count();
-  std::vector<double> shape(modes), q(modes), v(modes);
-  map.excite(point_m, mallet.direction, shape);
-  constexpr int kSteps = 64;
-  const double h = 1 / (kRate * kSteps);
+  LeapfrogBank bank(map, point_m, mallet.direction);
   double x = 0, speed = mallet.speed_m_s, force = 0;
   Samples samples(frames);
-  for (std::size_t n = 0; n < frames; ++n) {
-    double sound = 0;
-    for (std::size_t m = 0; m < modes; ++m) {
-      const double omega = 2 * std::numbers::pi * bank.frequency_hz[m];
-      const double rest = shape[m] * force / (omega * omega + bank.decay_per_s[m] * bank.decay_per_s[m]);
-      sound += std::numbers::sqrt2 / 2 * kLoudness * omega * omega * (q[m] - rest);
-    }
-    samples[n] = sound;
-    for (int s = 0; s < kSteps; ++s) {
-      double surface = 0;
-      for (std::size_t m = 0; m < modes; ++m) surface += shape[m] * q[m];
-      const double depth = x - surface;
+  for (double& sample : samples) {
+    sample = bank.sample(force);
+    for (int s = 0; s < LeapfrogBank::kSteps; ++s) {
+      const double depth = x - bank.displacement_m();
       force = depth > 0 ? mallet.stiffness * std::pow(depth, 1.5) : 0.0;
-      speed -= h * force / mallet.mass_kg;
-      x += h * speed;
-      for (std::size_t m = 0; m < modes; ++m) {
-        const double omega = 2 * std::numbers::pi * bank.frequency_hz[m], d = bank.decay_per_s[m];
-        v[m] += h * (shape[m] * force - (omega * omega + d * d) * q[m] - 2 * d * v[m]);
-        q[m] += h * v[m];
-      }
+      speed -= LeapfrogBank::kStep_s * force / mallet.mass_kg;
+      x += LeapfrogBank::kStep_s * speed;
+      bank.step(force);
     }
   }
   return samples;
