@@ -123,24 +123,32 @@ std::vector<OuterPoint> divided(const std::vector<OuterPoint>& rule) {
   return points;
 }
 
+// A part of a surface and one of its images.
+struct Facing {
+  const Panels &panels, &others;
+  bool same = false;  // the image is the part itself
+};
+
 // Finds, for each triangle of one surface, the triangles of another that are near it, by a grid of cells as wide as the
 // search.
 class NearbyTriangles {
  public:
-  NearbyTriangles(const Panels& panels, const Panels& others) : panels_(panels), others_(others) {
+  explicit NearbyTriangles(const Facing& facing) : facing_(facing) {
+    const auto& [panels, others, same] = facing;
     for (int t = 0; t < panels.triangle_count(); ++t) longest_.push_back(panels.longest_side(t));  // of others alike
     cell_ = kNearSides * *std::max_element(longest_.begin(), longest_.end());
     for (int t = 0; t < others.triangle_count(); ++t) cells_[cell_of(others.centers[t])].push_back(t);
   }
   template <class Visit>
   void visit(int triangle, const Visit& visit) const {
-    const auto middle = cell_of(panels_.centers[triangle]);
+    const auto middle = cell_of(facing_.panels.centers[triangle]);
     for (int n = 0; n < 27; ++n) {
       const auto found = cells_.find({middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1});
       if (found == cells_.end()) continue;
       for (const int other : found->second) {
         const double reach = kNearSides * std::max(longest_[triangle], longest_[other]);
-        if ((others_.centers[other] - panels_.centers[triangle]).squaredNorm() < reach * reach) visit(other);
+        if ((facing_.others.centers[other] - facing_.panels.centers[triangle]).squaredNorm() < reach * reach)
+          visit(other);
       }
     }
   }
@@ -150,7 +158,7 @@ class NearbyTriangles {
     return {static_cast<int>(std::floor(at[0] / cell_)), static_cast<int>(std::floor(at[1] / cell_)),
             static_cast<int>(std::floor(at[2] / cell_))};
   }
-  const Panels &panels_, &others_;
+  const Facing& facing_;
   double cell_ = 1;
   std::vector<double> longest_;
   std::map<std::array<int, 3>, std::vector<int>> cells_;
@@ -161,8 +169,8 @@ struct PairIntegrals {
   Eigen::Matrix3d hats, slopes;  // of hat(x) hat(y)/R, of hat(x) hat(y) d/dn(x) 1/R
 };
 
-void add_exact(const Panels& panels, int x, const Panels& others, int y, bool same, const std::vector<OuterPoint>& rule,
-               PairIntegrals& sum) {
+void add_exact(const Facing& facing, int x, int y, const std::vector<OuterPoint>& rule, PairIntegrals& sum) {
+  const auto& [panels, others, same] = facing;
   for (const OuterPoint& point : rule) {
     const Eigen::Vector3d at =
         point.at[0] * panels.corner(x, 0) + point.at[1] * panels.corner(x, 1) + point.at[2] * panels.corner(x, 2);
@@ -170,7 +178,7 @@ void add_exact(const Panels& panels, int x, const Panels& others, int y, bool sa
     const double weight = point.weight * panels.areas[x];
     sum.constant += weight * (potential.value[0] + potential.value[1] + potential.value[2]);
     for (int j = 0; j < 3; ++j) {
-      const double slope = same ? 0 : potential.gradient[j].dot(panels.normals[x]);
+      const double slope = same && x == y ? 0 : potential.gradient[j].dot(panels.normals[x]);
       for (int i = 0; i < 3; ++i) {
         sum.hats(i, j) += weight * point.at[i] * potential.value[j];
         sum.slopes(i, j) += weight * point.at[i] * slope;
@@ -179,7 +187,8 @@ void add_exact(const Panels& panels, int x, const Panels& others, int y, bool sa
   }
 }
 
-void subtract_middles(const Panels& panels, int x, const Panels& others, int y, PairIntegrals& sum) {
+void subtract_middles(const Facing& facing, int x, int y, PairIntegrals& sum) {
+  const auto& [panels, others, same] = facing;
   const double weight = panels.areas[x] * others.areas[y] / 9;
   for (int a = 0; a < 3; ++a) {
     for (int b = 0; b < 3; ++b) {
@@ -201,8 +210,8 @@ void subtract_middles(const Panels& panels, int x, const Panels& others, int y, 
 }
 
 // Makes room, for each node, for the nodes of triangles near its own, in ascending order.
-NearIntegrals without_values(const Panels& panels, const Panels& others,
-                             const std::vector<std::vector<int>>& near_triangles) {
+NearIntegrals without_values(const Facing& facing, const std::vector<std::vector<int>>& near_triangles) {
+  const auto& [panels, others, same] = facing;
   std::vector<std::vector<int>> own(panels.node_count());
   for (int t = 0; t < panels.triangle_count(); ++t) {
     for (const int n : panels.corners[t]) own[n].push_back(t);
@@ -230,18 +239,19 @@ NearIntegrals without_values(const Panels& panels, const Panels& others,
 NearIntegrals near_integrals(const Panels& panels, int image) {
   const Panels others = image_of(panels, image);
   const std::vector<OuterPoint> few = three_points(), rule = seven_points(), fine = divided(rule);
-  const NearbyTriangles nearby(panels, others);
+  const Facing facing{panels, others, image == 0};
+  const NearbyTriangles nearby(facing);
   std::vector<std::vector<int>> near_triangles(panels.triangle_count());
   for (int x = 0; x < panels.triangle_count(); ++x) nearby.visit(x, [&](int y) { near_triangles[x].push_back(y); });
-  NearIntegrals near = without_values(panels, others, near_triangles);
+  NearIntegrals near = without_values(facing, near_triangles);
   for (int x = 0; x < panels.triangle_count(); ++x) {
     for (const int y : near_triangles[x]) {
       PairIntegrals pair;
       pair.hats.setZero();
       pair.slopes.setZero();
       const double away = (panels.centers[x] - others.centers[y]).norm() / panels.longest_side(x);
-      add_exact(panels, x, others, y, image == 0 && x == y, away < 0.7 ? fine : away < 1.4 ? rule : few, pair);
-      subtract_middles(panels, x, others, y, pair);
+      add_exact(facing, x, y, away < 0.7 ? fine : away < 1.4 ? rule : few, pair);
+      subtract_middles(facing, x, y, pair);
       const double over = 1 / (4 * std::numbers::pi), across = panels.normals[x].dot(others.normals[y]);
       for (int i = 0; i < 3; ++i) {
         const auto first = near.columns.begin() + near.begin[panels.corners[x][i]],

@@ -242,8 +242,8 @@ class Solver {
   }
 
   // How many threads there is memory for.
-  [[nodiscard]] int threads_for(const Panels& panels, double shared_bytes) const {
-    return std::clamp(static_cast<int>((kMostBytes - shared_bytes) / wave_memory_bytes(panels)), 1,
+  [[nodiscard]] int threads_for(const Skin& skin, double shared_bytes) const {
+    return std::clamp(static_cast<int>((kMostBytes - shared_bytes) / wave_memory_bytes(skin)), 1,
                       thread_count(options_.threads));
   }
 
@@ -251,9 +251,9 @@ class Solver {
   bool run_band(std::span<const Task> tasks, const std::function<bool(const Task&)>& progress) {
     const Task& first = tasks.front();
     const Skin& skin = skins_.at(first.grade);
-    const double band_bytes = band_memory_bytes(skin.panels);
-    const bool shares = !first.levels && band_bytes + wave_memory_bytes(skin.panels) <= kMostBytes;
-    const int threads = threads_for(skin.panels, shares ? band_bytes : 0);
+    const double band_bytes = band_memory_bytes(skin);
+    const bool shares = !first.levels && band_bytes + wave_memory_bytes(skin) <= kMostBytes;
+    const int threads = threads_for(skin, shares ? band_bytes : 0);
     std::optional<BandPair> bands;
     if (!first.levels) {
       const double highest = first.questions.front().wavenumber_rad_m,

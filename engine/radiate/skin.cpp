@@ -116,9 +116,17 @@ void keep_volume(const Original& original, const Panels& panels, mesh::TriangleM
   }
 }
 
+// A class's share of what is known on each image (V rows): the mean over the images, with the signs of the class.
 template <class Columns>
-void clear_planes(const Panels& panels, int image_class, Columns&& columns) {
-  for (const int n : zero_nodes(panels, image_class)) columns.row(n).setZero();
+Columns class_share(const Skin& skin, int image_class, const std::vector<Columns>& by_image) {
+  const int images = skin.panels.image_count();
+  Columns share = by_image[0];
+  for (int image = 1; image < images; ++image) {
+    share += static_cast<typename Columns::RealScalar>(sign_of(image_class, image)) * by_image[image];
+  }
+  share /= static_cast<typename Columns::RealScalar>(images);
+  for (const int n : skin.zero_nodes[image_class]) share.row(n).setZero();
+  return share;
 }
 
 // First the flow through each image, then the classes from these.
@@ -139,14 +147,9 @@ void share_flow(const FlowSamples& samples, Skin& skin) {
       by_mode[image].col(skin.panels.corners[place.triangle][i]) += static_cast<float>(place.weights[i]) * flow.col(s);
     }
   }
-  for (int c = 0; c < images; ++c) {
-    skin.flow.emplace_back(by_mode[0].transpose());
-    for (int image = 1; image < images; ++image) {
-      skin.flow[c] += static_cast<float>(sign_of(c, image)) * by_mode[image].transpose();
-    }
-    skin.flow[c] /= static_cast<float>(images);
-    clear_planes(skin.panels, c, skin.flow[c]);
-  }
+  std::vector<Eigen::MatrixXf> by_image;
+  for (Eigen::MatrixXf& own : by_mode) by_image.emplace_back(own.transpose());
+  for (int c = 0; c < images; ++c) skin.flow.push_back(class_share(skin, c, by_image));
 }
 
 void add_source(const Eigen::Vector3d& inside, double k, const Eigen::Vector3d& normal, double area,
@@ -181,14 +184,6 @@ void add_source(const Eigen::Vector3d& inside, double k, const Eigen::Vector3d& 
 }
 
 }  // namespace
-
-std::vector<int> zero_nodes(const Panels& panels, int image_class) {
-  std::vector<int> nodes;
-  for (int n = 0; n < panels.node_count(); ++n) {
-    if ((panels.planes_at(n) & image_class) != 0) nodes.push_back(n);
-  }
-  return nodes;
-}
 
 std::vector<Eigen::Vector3d> node_normals(const Panels& panels) {
   std::vector<Eigen::Vector3d> normals(panels.node_count(), Eigen::Vector3d::Zero());
@@ -242,6 +237,10 @@ Result<Skin> skin_of(const Original& original, double side_m) {
   skin.side_m = side_m;
   for (int image = 0; image < skin.panels.image_count(); ++image) {
     skin.near.push_back(near_integrals(skin.panels, image));
+    std::vector<int>& zero = skin.zero_nodes.emplace_back();  // of the class of the same number
+    for (int n = 0; n < skin.panels.node_count(); ++n) {
+      if ((skin.panels.planes_at(n) & image) != 0) zero.push_back(n);
+    }
   }
   const std::vector<Eigen::Vector3d> normals = node_normals(skin.panels);
   for (int n = 0; n < skin.panels.node_count(); ++n) {
@@ -298,9 +297,10 @@ std::vector<double> shape_wavenumbers(const Skin& skin) {
 }
 
 // The source's flow through an image is that of the source's own image through the part.
-Eigen::MatrixXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside, double wavenumber_rad_m) {
+Eigen::MatrixXcf source_flow(const Skin& skin, const Eigen::Vector3d& inside, double wavenumber_rad_m) {
+  const Panels& panels = skin.panels;
   const int images = panels.image_count();
-  Eigen::MatrixXcd flow = Eigen::MatrixXcd::Zero(panels.node_count(), images);
+  std::vector<Eigen::VectorXcd> by_image(images, Eigen::VectorXcd::Zero(panels.node_count()));
   for (int image = 0; image < images; ++image) {
     const Eigen::Vector3d source = image_of(inside, image);
     for (int t = 0; t < panels.triangle_count(); ++t) {
@@ -308,16 +308,11 @@ Eigen::MatrixXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside
       add_source(source, wavenumber_rad_m, panels.normals[t], panels.areas[t],
                  {panels.corner(t, 0), panels.corner(t, 1), panels.corner(t, 2)}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
                  0, sums);
-      for (int i = 0; i < 3; ++i) flow(panels.corners[t][i], image) += sums[i];
+      for (int i = 0; i < 3; ++i) by_image[image][panels.corners[t][i]] += sums[i];
     }
   }
   Eigen::MatrixXcf classes(panels.node_count(), images);
-  for (int c = 0; c < images; ++c) {
-    Eigen::VectorXcd sum = flow.col(0);
-    for (int image = 1; image < images; ++image) sum += sign_of(c, image) * flow.col(image);
-    classes.col(c) = (sum / static_cast<double>(images)).cast<std::complex<float>>();
-    clear_planes(panels, c, classes.col(c));
-  }
+  for (int c = 0; c < images; ++c) classes.col(c) = class_share(skin, c, by_image).cast<std::complex<float>>();
   return classes;
 }
 

@@ -38,16 +38,14 @@ class Original {
 // across a plane is 0 on it.
 struct Skin {
   Panels panels;
-  std::vector<NearIntegrals> near;  // with each image
-  std::vector<double> thickness_m;  // V
+  std::vector<NearIntegrals> near;           // with each image
+  std::vector<double> thickness_m;           // V
+  std::vector<std::vector<int>> zero_nodes;  // for each class those on which it is 0
   // One matrix for each class, V x M [m^2 kg^-1/2]: the integrals over the part of each hat function times the class's
   // share of phi.n.
   std::vector<Eigen::MatrixXf> flow;
   double side_m = 0;
 };
-
-// The nodes on which a class is 0.
-std::vector<int> zero_nodes(const Panels& panels, int image_class);
 
 // The sign of a class on an image, beside that on the part.
 inline int sign_of(int image_class, int image) {
@@ -75,7 +73,7 @@ std::vector<double> shape_wavenumbers(const Skin& skin);
 // The flow dG/dn, G = exp(ikR)/(4 pi R), of a point source at `inside`: the integrals over the part of each hat
 // function times each class's share of it, V x classes. Triangles are divided until they are smaller than 0.4 of their
 // distance.
-Eigen::MatrixXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside, double wavenumber_rad_m);
+Eigen::MatrixXcf source_flow(const Skin& skin, const Eigen::Vector3d& inside, double wavenumber_rad_m);
 
 // Two places inside of the body, in its thickest wall and in a middling one.
 std::vector<Eigen::Vector3d> inner_places(const Original& original);

@@ -36,6 +36,7 @@ class MirrorTrial {
     most_ = kMirrorDistance + roughness() / radius();
   }
 
+  [[nodiscard]] const Panels& panels() const { return panels_; }
   [[nodiscard]] const Vector& middle() const { return middle_; }
   [[nodiscard]] const Eigen::Matrix3d& moments() const { return moments_; }
 
@@ -124,11 +125,11 @@ Vector best_around(const MirrorTrial& trial, const Vector& first, const Vector& 
   return at(angle);
 }
 
-std::vector<Vector> candidates(const Panels& panels, const MirrorTrial& trial) {
+std::vector<Vector> candidates(const MirrorTrial& trial) {
   std::vector<Vector> found = {Vector::UnitX(), Vector::UnitY(), Vector::UnitZ()};
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(trial.moments());
   for (int i = 0; i < 3; ++i) found.emplace_back(principal.eigenvectors().col(i));
-  for (const Vector& normal : face_normals(panels)) found.push_back(normal);
+  for (const Vector& normal : face_normals(trial.panels())) found.push_back(normal);
   for (int i = 0; i < 2; ++i) {
     const Eigen::Vector3d& values = principal.eigenvalues();
     const Eigen::Matrix3d& axes = principal.eigenvectors();
@@ -156,7 +157,7 @@ Symmetry symmetry_of(const mesh::TriangleMesh& surface) {
   const auto panels = panels_of(surface);
   if (!panels) return symmetry;
   const MirrorTrial trial(*panels);
-  std::vector<Vector> normals, left = candidates(*panels, trial);
+  std::vector<Vector> normals, left = candidates(trial);
   while (normals.size() < 3) {
     constexpr double kBetter =
         0.8;  // so that of planes that are alike the first counts, where elements have their nodes

@@ -33,10 +33,10 @@ Places places_of(const mesh::Points& nodes, int mirrors, int image) {
   return places;
 }
 
-std::vector<Places> images_of(const Panels& panels) {
+std::vector<Places> images_of(const Skin& skin) {
   std::vector<Places> images;
-  for (int image = 0; image < panels.image_count(); ++image) {
-    images.push_back(places_of(panels.nodes, panels.mirrors, image));
+  for (int image = 0; image < skin.panels.image_count(); ++image) {
+    images.push_back(places_of(skin.panels.nodes, skin.panels.mirrors, image));
   }
   return images;
 }
@@ -115,11 +115,11 @@ std::array<float, 3> place(const Places& places, int node) {
 // two sides.
 class ClassSums {
  public:
-  explicit ClassSums(const Panels& panels) : nodes_(panels.node_count()), mirrors_(panels.mirrors) {
-    for (int c = 0; c < panels.image_count(); ++c) {
-      zero_.push_back(zero_nodes(panels, c));
+  explicit ClassSums(const Skin& skin)
+      : nodes_(skin.panels.node_count()), mirrors_(skin.panels.mirrors), zero_(skin.zero_nodes) {
+    for (const std::vector<int>& nodes : zero_) {
       std::vector<bool>& is_zero = is_zero_.emplace_back(nodes_, false);
-      for (const int n : zero_.back()) is_zero[n] = true;
+      for (const int n : nodes) is_zero[n] = true;
     }
   }
 
@@ -148,7 +148,7 @@ class ClassSums {
   }
 
   const int nodes_, mirrors_;
-  std::vector<std::vector<int>> zero_;  // nodes, for each class
+  const std::vector<std::vector<int>>& zero_;  // nodes, for each class
   std::vector<std::vector<bool>> is_zero_;
 };
 
@@ -165,7 +165,7 @@ void image_matrices(const Skin& skin, double wavenumber_rad_m, const std::vector
 void class_matrices(const Skin& skin, double wavenumber_rad_m, const std::vector<double>& coupling,
                     ClassMatrices& matrices, int threads) {
   image_matrices(skin, wavenumber_rad_m, coupling, matrices, threads);
-  const ClassSums sums(skin.panels);
+  const ClassSums sums(skin);
   for (int row = 0; row < skin.panels.node_count(); ++row) sums.add_row(row, matrices);
 }
 
@@ -176,7 +176,7 @@ WaveBand::WaveBand(const Skin& skin, double lowest_rad_m, double highest_rad_m, 
   if (wavenumbers <= kFewWavenumbers || !(highest_rad_m > lowest_rad_m)) return;
   const double half = (highest_rad_m - lowest_rad_m) / 2 * std::sqrt(3.0) / 2;
   wavenumbers_ = {middle_rad_m_ - half, middle_rad_m_, middle_rad_m_ + half};
-  const std::vector<Places> images = images_of(skin.panels);
+  const std::vector<Places> images = images_of(skin);
   const int nodes = skin.panels.node_count();
   for (int n = 0; n < 3; ++n) {
     image_matrices(skin, wavenumbers_[n], coupling_, matrices_[n], threads);
@@ -207,8 +207,8 @@ void WaveBand::matrices_at(double wavenumber_rad_m, ClassMatrices& matrices) con
     }
     weights[n] = static_cast<float>(weight);
   }
-  const std::vector<Places> images = images_of(skin_.panels);
-  const ClassSums sums(skin_.panels);
+  const std::vector<Places> images = images_of(skin_);
+  const ClassSums sums(skin_);
   const int nodes = skin_.panels.node_count();
   matrices.resize(images.size());
   for (ComplexMatrix& matrix : matrices) matrix.resize(nodes, nodes);

@@ -17,6 +17,11 @@ constexpr double kSmallestPart = 1e-4;  // of a flow in a class, beside the whol
 // when half of the last step is added, no more than half a step is left.
 constexpr double kExtrapolation = 0.5;  // of the step from the coarser skin to the finer
 
+// What a matrix for each class takes.
+double matrix_bytes(const Skin& skin) {
+  return 8.0 * skin.panels.image_count() * skin.panels.node_count() * skin.panels.node_count();
+}
+
 // For each class the right-hand sides of the equation: modes, and after them the sources.
 std::vector<Eigen::MatrixXcf> flows_for(const WaveQuestion& question, const Skin& skin, bool with_sources) {
   const auto modes = static_cast<Eigen::Index>(question.modes.size());
@@ -28,7 +33,7 @@ std::vector<Eigen::MatrixXcf> flows_for(const WaveQuestion& question, const Skin
     }
   }
   for (Eigen::Index s = 0; s < sources; ++s) {
-    const Eigen::MatrixXcf source = source_flow(skin.panels, question.sources[s], question.wavenumber_rad_m);
+    const Eigen::MatrixXcf source = source_flow(skin, question.sources[s], question.wavenumber_rad_m);
     for (std::size_t c = 0; c < flows.size(); ++c) flows[c].col(modes + s) = source.col(static_cast<Eigen::Index>(c));
   }
   return flows;
@@ -124,7 +129,7 @@ Eigen::MatrixXcf coarse_layers(const Eigen::MatrixXcf& flow, const ClassPart& pa
 Preconditioner on_finer(const Skin& fine, int image_class, const ComplexMatrix& matrix, const Elimination& coarse,
                         const Continuation& continuation) {
   Eigen::VectorXf kept = Eigen::VectorXf::Ones(fine.panels.node_count());
-  for (const int n : zero_nodes(fine.panels, image_class)) kept[n] = 0;
+  for (const int n : fine.zero_nodes[image_class]) kept[n] = 0;
   const Eigen::VectorXcf scale = matrix.diagonal().cwiseInverse();
   return [kept, scale, &coarse, &continuation](const Eigen::MatrixXcf& columns) -> Eigen::MatrixXcf {
     const Eigen::MatrixXcf smooth = continuation.layer.transpose() * columns;
@@ -136,12 +141,8 @@ Preconditioner on_finer(const Skin& fine, int image_class, const ComplexMatrix& 
 }  // namespace
 
 // The finer and the coarser matrices, the latter eliminated or not.
-double wave_memory_bytes(const Panels& panels) {
-  return 8.0 * panels.image_count() * panels.node_count() * panels.node_count() * (1 + 0.25 + 0.25);
-}
-double band_memory_bytes(const Panels& panels) {
-  return 3 * 8.0 * panels.image_count() * panels.node_count() * panels.node_count() * (1 + 0.25);
-}
+double wave_memory_bytes(const Skin& skin) { return matrix_bytes(skin) * (1 + 0.25 + 0.25); }
+double band_memory_bytes(const Skin& skin) { return 3 * matrix_bytes(skin) * (1 + 0.25); }
 
 Continuation continuation_of(const Skin& fine, const Skin& coarse) {
   const SurfaceSearch search(coarse.panels);

@@ -35,8 +35,8 @@ struct WaveMemory {
   ClassMatrices fine, coarse, factors;
 };
 // Bytes for a skin and the coarser one: what each thread needs, and what the threads share in a band.
-double wave_memory_bytes(const Panels& panels);
-double band_memory_bytes(const Panels& panels);
+double wave_memory_bytes(const Skin& skin);
+double band_memory_bytes(const Skin& skin);
 
 struct WaveQuestion {
   double wavenumber_rad_m = 0;
