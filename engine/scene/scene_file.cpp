@@ -142,6 +142,7 @@ class SceneReader {
     table.number("step_s", scene_.step_s, range::kStep_s);
     table.number("duration_s", scene_.duration_s, range::kDuration_s);
     table.whole("seed", scene_.seed);
+    table.number("gain", gain_, range::kGain);
   }
 
   void read_contact(TomlTable& table) {
@@ -162,6 +163,8 @@ class SceneReader {
     table.text("bank", bank);
     table.text("group", object.group);
     table.number("gain", object.gain, range::kGain);
+    object.gain *= gain_;
+    if (!range::kGain.holds(object.gain)) table.complain("gain", "with the scene's own the gain is too high");
     table.number("pan", object.pan, range::kPan);
     if (auto material = table.table("material")) read_material(*material, object);
     if (!object.name.empty() && !is_object_name(object.name)) {
@@ -361,6 +364,7 @@ class SceneReader {
 
   std::filesystem::path path_, presets_;
   SceneDescription scene_;
+  double gain_ = 1;  // of all objects
 };
 
 }  // namespace

@@ -48,6 +48,7 @@ gravity_m_s2 = [0, -1.5, 0]
 step_s = 0.001
 seed = 42
 duration_s = 7
+gain = 3
 [contact]
 spring_n_m = 1e6
 damper_ns_m = 2e4
@@ -112,7 +113,8 @@ density_kg_m3 = 7800
   EXPECT_EQ(scene->contact.minimum_repeat_s, 0.05);
   ASSERT_EQ(scene->objects.size(), 2u);
   EXPECT_EQ(scene->objects[0].bank, folder_ / "bell.glb");
-  EXPECT_EQ(scene->objects[0].gain, 0.5);
+  EXPECT_EQ(scene->objects[0].gain, 1.5);  // its own times the scene's
+  EXPECT_EQ(scene->objects[1].gain, 3);
   EXPECT_EQ(scene->objects[0].pan, -0.25);
   EXPECT_EQ(scene->objects[0].material, (modal::MaterialScale{2, 0, 1.5, 3, 0.5}));
   EXPECT_EQ(scene->objects[1].bank, folder_ / "presets/banks/bowl.glb");
@@ -296,6 +298,7 @@ TEST_F(SceneFile, NumbersOutOfRangeInASceneFileAreRefused) {
   expect_error("[scene]\nstep_s = nan\n", 2, "nan is outside");
   expect_error("[[object]]\nname = \"a\"\nbank = \"bell.glb\"\npan = 2\n", 4,
                "object 'a': pan = 2 is outside -1 ... 1");
+  expect_error("[scene]\ngain = 100\n[[object]]\nname = \"a\"\nbank = \"bell.glb\"\ngain = 20\n", 6, "too high");
   expect_error("[[static]]\nname = \"f\"\nshape = \"plane\"\nrestitution = 1.1\n", 4, "static 'f'");
   expect_error("[scene]\ngravity_m_s2 = [0, 0, -inf]\n", 2, "gravity_m_s2");
   expect_error("[scene]\nseed = -1\n", 2, ">= 0");
