@@ -7,8 +7,11 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -87,28 +90,36 @@ class MirrorTrial {
   int step_ = 1;
 };
 
-// The normals of the largest faces, not more than a few.
+// The normals of the largest faces, not more than a few, and either way round. Directions are first sorted into the
+// cells of a grid; a face whose triangles lie in several counts by all that face as its largest cell does.
 std::vector<Vector> face_normals(const Panels& panels) {
-  constexpr double kCosFace = 0.9998;
-  constexpr int kFaces = 6;
-  std::vector<Vector> normals;
-  std::vector<double> areas;
+  constexpr double kCosFace = 0.9998, kCell = 0.02;
+  constexpr int kFaces = 6, kCells = 4 * kFaces;
+  std::map<std::array<int, 3>, Vector> cells;  // area times normal
   for (int t = 0; t < panels.triangle_count(); ++t) {
-    const auto found = std::find_if(normals.begin(), normals.end(),
-                                    [&](const Vector& n) { return std::abs(n.dot(panels.normals[t])) > kCosFace; });
-    if (found == normals.end()) {
-      normals.push_back(panels.normals[t]);
-      areas.push_back(panels.areas[t]);
-    } else {
-      areas[found - normals.begin()] += panels.areas[t];
-    }
+    Vector normal = panels.normals[t];
+    Eigen::Index largest = 0;
+    normal.cwiseAbs().maxCoeff(&largest);
+    if (normal[largest] < 0) normal = -normal;
+    std::array<int, 3> cell{};
+    for (int c = 0; c < 3; ++c) cell[c] = static_cast<int>(std::lround(normal[c] / kCell));
+    cells.try_emplace(cell, Vector::Zero()).first->second += panels.areas[t] * normal;
   }
+  std::vector<Vector> sums;
+  for (const auto& [cell, sum] : cells) sums.push_back(sum);
+  const auto kept = std::min<std::ptrdiff_t>(kCells, std::ssize(sums));
+  std::partial_sort(sums.begin(), sums.begin() + kept, sums.end(),
+                    [](const Vector& a, const Vector& b) { return a.norm() > b.norm(); });
+  sums.resize(kept);
   std::vector<Vector> largest;
-  for (int face = 0; face < kFaces && !areas.empty(); ++face) {
-    const auto at = std::max_element(areas.begin(), areas.end()) - areas.begin();
-    if (areas[at] < 0.02 * panels.area()) break;
-    largest.push_back(normals[at]);
-    areas[at] = 0;
+  for (const Vector& sum : sums) {
+    const Vector normal = sum.normalized();
+    const auto faces = [&](const Vector& other) { return std::abs(other.dot(normal)) > kCosFace; };
+    if (std::ssize(largest) == kFaces) break;
+    if (std::any_of(largest.begin(), largest.end(), faces)) continue;
+    double area = 0;
+    for (int t = 0; t < panels.triangle_count(); ++t) area += faces(panels.normals[t]) ? panels.areas[t] : 0;
+    if (area >= 0.02 * panels.area()) largest.push_back(normal);
   }
   return largest;
 }
