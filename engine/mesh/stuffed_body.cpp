@@ -118,8 +118,16 @@ class StuffedBody {
     return stuffed;
   }
 
+  // Now and then CGAL trips over a skin; that of smaller cells is another one.
   Result<Body> refill() {
-    const Cells cells = cells_for(std::min(options_.size_m, box_.norm() / kSkinCells), kMaxSkinElements);
+    const double size_m = std::min(options_.size_m, box_.norm() / kSkinCells);
+    Result<Body> body = refill_by(size_m);
+    if (!body && body.error().kind == ErrorKind::bad_input) body = refill_by(kSmallerCells * size_m);
+    return body;
+  }
+
+  Result<Body> refill_by(double largest_m) {
+    const Cells cells = cells_for(largest_m, kMaxSkinElements);
     if (auto fine = check_walls(cells, kMaxSkinElements); !fine) return fail(fine.error());
     if (wall_m_ > 0 && cells.size_m > wall_m_)
       return fail(ErrorKind::bad_input, "cells that can be made would tear its walls");
