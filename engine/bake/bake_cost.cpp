@@ -19,6 +19,9 @@
 // factorization takes about 3 e^2 operations for each unknown, and block Lanczos factors once at the top and once for
 // each slice of the spectrum.
 //
+// Below its ring frequency a tube's wall bends only where it also stretches, so that its modes are fewer than those of
+// a flat plate, about as the root of the frequency (Szechenyi, J. Sound Vib. 19, 1971).
+//
 // By mode: its shape and the vectors of block Lanczos, about three numbers for each unknown.
 //
 // The constants were fitted to bakes of presets and scans (docs/how/accuracy.md).
@@ -34,6 +37,9 @@ constexpr double kBytesPerMode = 24;        // by unknown
 constexpr double kModesPerSlice = 150;
 constexpr double kProcessor = 30e9;  // operations a second, where the constants were measured
 constexpr double kProgramBytes = 25e6;
+constexpr double kRigidModes = 6;
+constexpr double kSlender = 3;   // times as long as wide, at least
+constexpr double kRound = 0.7;   // of the bend that a round rod of the same 2 V / A has, at least
 constexpr double kDoubt = 1.25;  // a bake is refused that seems to take so many times what is free
 
 // Operations of a product of two matrices, per second of processor time.
@@ -66,6 +72,37 @@ BakeCost cost_of(const BodyShape& shape, double unknowns, int order, double mode
           .memory_bytes = kProgramBytes + unknowns * (kBytes[order - 1] + 8 * entries + kBytesPerMode * modes)};
 }
 
+struct Bar {
+  double length_m, high_m, wide_m;  // of the box that bends as it does
+};
+
+// Rigid motions included: each wave along a free bar has one mode for each half of its length, and one more, which a
+// bending wave's ends delay by another half (k L / pi = n + 1/2).
+double modes_of(const Bar& bar, const modal::Material& material, double omega) {
+  const double e = material.youngs_modulus_pa, nu = material.poisson_ratio, rho = material.density_kg_m3;
+  const double stretch = omega * std::sqrt(rho / e), twist = omega * std::sqrt(2 * (1 + nu) * rho / e);
+  double modes = (stretch + twist) * bar.length_m / std::numbers::pi + 2;
+  for (const double high : {bar.high_m, bar.wide_m}) {
+    modes += std::sqrt(stretch * std::sqrt(12.0) / high) * bar.length_m / std::numbers::pi + 1.5;
+  }
+  return modes;
+}
+
+// As far as the body is one: straight and slender, or, however bent, as round as its surface says.
+double modes_of_bar(const BodyShape& shape, const modal::Material& material, double omega) {
+  double modes = 0;
+  if (shape.length_m > kSlender * shape.width_m) {
+    const double high = shape.volume_m3 / (shape.length_m * shape.width_m);
+    modes = modes_of({shape.length_m, high, shape.width_m}, material, omega);
+  }
+  const double radius = shape.thickness_m;  // 2 V / A
+  if (shape.bend_per_m * radius > kRound) {
+    const double length = shape.volume_m3 / (std::numbers::pi * radius * radius), high = std::sqrt(3.0) * radius;
+    modes = std::max(modes, modes_of({length, high, high}, material, omega));
+  }
+  return modes;
+}
+
 }  // namespace
 
 double expected_modes(const BodyShape& shape, const modal::Material& material, double frequency_hz) {
@@ -75,8 +112,11 @@ double expected_modes(const BodyShape& shape, const modal::Material& material, d
   const double area = shape.volume_m3 / shape.thickness_m, h = shape.thickness_m;  // of one side
   const double bending = std::sqrt(12 * (1 - nu * nu) * rho / e) / h;              // sqrt(rho h / D)
   const double shear_2 = e / (2 * (1 + nu) * rho), stretch_2 = e / ((1 - nu * nu) * rho);
-  const double plate = area / (4 * pi) * (omega * bending + omega * omega * (1 / shear_2 + 1 / stretch_2));
-  return debye_count(shape.volume_m3, material, lambda) + plate;
+  const double once_around = shape.bend_per_m * std::sqrt(stretch_2);  // a tube's ring frequency [rad/s]
+  const double unbent = std::sqrt(omega / (omega + once_around));
+  const double plate = area / (4 * pi) * (omega * bending * unbent + omega * omega * (1 / shear_2 + 1 / stretch_2));
+  const double all = debye_count(shape.volume_m3, material, lambda) + plate;
+  return std::max(1.0, std::max(all, modes_of_bar(shape, material, omega)) - kRigidModes);
 }
 
 BakeCost expected_cost(const mesh::TetMesh& mesh, fem::Element element, const modal::Material& material,

@@ -19,8 +19,10 @@ struct BakeCost {
   double memory_bytes = 0;  // at its peak
 };
 
-// About how many modes a body has up to a frequency: those of a solid (debye_count), and those of the plate, half as
-// large as its surface, that a thin one is: bending waves, and two kinds of waves in its plane.
+// About how many elastic modes a free body has up to a frequency: those of a solid (debye_count), and those of the
+// plate, half as large as its surface, that a thin one is: bending waves, fewer where it is bent as a shell below the
+// frequency at which a wave goes once around it, and two kinds of waves in its plane. Or those of a bar, where it is
+// slender and these are more.
 double expected_modes(const BodyShape& shape, const modal::Material& material, double frequency_hz);
 
 // Of elements of that kind between the corners of `mesh`, which may be of another order. Counts nodes, and times a

@@ -106,7 +106,7 @@ class Baker {
                     .notes = std::move(object.notes),
                     .element = recipe_.options.element,
                     .cost = cost,
-                    .mesh_seconds = object.mesh_seconds};
+                    .mesh_processor_s = reader_.processor_s()};
   }
 
   Result<BakedObject> run() {

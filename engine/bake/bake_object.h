@@ -54,8 +54,8 @@ struct Forecast {
   mesh::Making making = mesh::Making::kRead;
   std::vector<std::string> notes;
   fem::Element element = fem::Element::kTet20;
-  BakeCost cost;  // of the first round
-  double mesh_seconds = 0;
+  BakeCost cost;                // of the first round
+  double mesh_processor_s = 0;  // 0 when the mesh comes from the cache
 };
 
 // Fails as meshing does, but not for lack of memory.

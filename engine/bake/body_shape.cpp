@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <vector>
 
 // The size of elements is the smallest of three: a share of the shortest wave in the band, a third of the body's width,
 // so that its section can warp, and a few thicknesses, so that flat elements still bend. Unless that takes too many
@@ -23,15 +24,38 @@ constexpr std::array kUnknownsPerElement = {0.7, 6.0, 17.0, 38.0};  // gmsh's me
 constexpr double kElementsPerThicknessAtEdges = 1;
 constexpr double kSizeInSection = 0.33;  // of the width
 
-double surface_area(const mesh::TetMesh& mesh) {
-  const mesh::Boundary surface = mesh::boundary_of(mesh);
-  double area = 0;
-  for (const auto& [a, b, c] : surface.triangles) {
-    const Eigen::RowVector3d at = mesh.nodes.row(surface.nodes[a]);
-    const Eigen::RowVector3d to_b = mesh.nodes.row(surface.nodes[b]) - at, to_c = mesh.nodes.row(surface.nodes[c]) - at;
-    area += 0.5 * to_b.cross(to_c).norm();
+// Of the triangles, twice the area and along the normal.
+mesh::Points normals_of(const mesh::TriangleMesh& skin) {
+  mesh::Points normals(skin.triangles.rows(), 3);
+  for (Eigen::Index t = 0; t < skin.triangles.rows(); ++t) {
+    const Eigen::RowVector3d at = skin.nodes.row(skin.triangles(t, 0));
+    const Eigen::RowVector3d to_b = skin.nodes.row(skin.triangles(t, 1)) - at;
+    const Eigen::RowVector3d to_c = skin.nodes.row(skin.triangles(t, 2)) - at;
+    normals.row(t) = to_b.cross(to_c);
   }
-  return area;
+  return normals;
+}
+
+// The integral of |k1 + k2| is the sum over edges of their lengths times the angles between their triangles.
+double bend_of(const mesh::TriangleMesh& skin, const mesh::Points& normals) {
+  constexpr double kSharp = std::numbers::pi * 40 / 180;
+  std::vector<std::array<Eigen::Index, 3>> sides;  // two nodes, ascending, and the triangle
+  for (Eigen::Index t = 0; t < skin.triangles.rows(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      const auto [low, high] = std::minmax(skin.triangles(t, i), skin.triangles(t, (i + 1) % 3));
+      sides.push_back({low, high, t});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  double bend = 0;
+  for (std::size_t n = 1; n < sides.size(); ++n) {
+    const auto [a, b, t] = sides[n];
+    if (sides[n - 1][0] != a || sides[n - 1][1] != b) continue;
+    const Eigen::RowVector3d one = normals.row(t), other = normals.row(sides[n - 1][2]);
+    const double angle = std::atan2(one.cross(other).norm(), one.dot(other));
+    if (angle < kSharp) bend += angle * (skin.nodes.row(a) - skin.nodes.row(b)).norm();
+  }
+  return bend / (0.5 * normals.rowwise().norm().sum());
 }
 
 double thickness_of(const BodyShape& shape) {
@@ -62,14 +86,17 @@ class Moments {
     second_ += part / 20 * (corners.transpose() * corners + sum.transpose() * sum);
   }
 
-  [[nodiscard]] BodyShape shape(double area, double length_m) const {
+  [[nodiscard]] BodyShape shape(const mesh::TriangleMesh& skin) const {
+    const mesh::Points normals = normals_of(skin);
+    const double area = 0.5 * normals.rowwise().norm().sum();
     const Eigen::Matrix3d spread = second_ / volume_ - first_.transpose() * first_ / (volume_ * volume_);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(spread, Eigen::EigenvaluesOnly);
     return {.volume_m3 = std::abs(volume_),
             .thickness_m = 2 * std::abs(volume_) / area,
             .wall_m = 0,
             .width_m = std::sqrt(12 * std::max(principal.eigenvalues()[1], 0.0)),
-            .length_m = length_m};
+            .length_m = extent(skin.nodes),
+            .bend_per_m = bend_of(skin, normals)};
   }
 
  private:
@@ -90,22 +117,19 @@ double size_for(const BodyShape& shape, double unknowns, int order) {
 BodyShape measure_shape(const mesh::TetMesh& mesh) {
   Moments moments;
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) moments.add(mesh::corners_of(mesh, e));
-  return moments.shape(surface_area(mesh), extent(mesh.nodes));
+  return moments.shape(mesh::skin_of(mesh));
 }
 
 // The moments are those of the signed tetrahedra between the middle of the nodes and each triangle.
 BodyShape measure_shape(const mesh::TriangleMesh& skin, double wall_m) {
   Moments moments;
-  double area = 0;
   const Eigen::RowVector3d middle = skin.nodes.colwise().mean();
   for (Eigen::Index t = 0; t < skin.triangles.rows(); ++t) {
     mesh::Corners corners = mesh::Corners::Zero();
     for (int i = 0; i < 3; ++i) corners.row(i + 1) = skin.nodes.row(skin.triangles(t, i)) - middle;
     moments.add(corners);
-    const Eigen::RowVector3d a = corners.row(1), b = corners.row(2), c = corners.row(3);
-    area += 0.5 * (b - a).cross(c - a).norm();
   }
-  BodyShape shape = moments.shape(area, extent(skin.nodes));
+  BodyShape shape = moments.shape(skin);
   shape.wall_m = wall_m;
   return shape;
 }
@@ -147,6 +171,7 @@ BodyShape scaled(BodyShape shape, double by) {
   shape.wall_m *= by;
   shape.width_m *= by;
   shape.length_m *= by;
+  shape.bend_per_m /= by;
   return shape;
 }
 

@@ -25,6 +25,7 @@ struct BodyShape {
   double wall_m = 0;       // the thinnest wall (mesh/surface_distance.h); 0: not known
   double width_m = 0;      // the second of its three principal extents, as if it were a box of its inertia
   double length_m = 0;     // the diagonal of its box
+  double bend_per_m = 0;   // mean of |k1 + k2| over its surface, sharp edges left out: 1 / R of a tube
 };
 
 // Measures the body by any mesh of it; the coarsest will do.

@@ -39,7 +39,7 @@ double seconds_now() {
 }
 
 // Returns the processor time of all threads of another process.
-double processor_s(pid_t id) {
+double processor_s_of(pid_t id) {
   clockid_t clock{};
   timespec time{};
   if (::clock_getcpuclockid(id, &clock) != 0 || ::clock_gettime(clock, &time) != 0) return 0;
@@ -168,7 +168,7 @@ HelperAnswer HelperProcess::ask(std::string_view request, const Progress& progre
   std::vector<char> part(std::size_t{1} << 18);
   std::string stage;
   double fraction = 0;
-  const double from = seconds_now(), processor_from = processor_s(id_);
+  const double from = seconds_now(), processor_from = processor_s_of(id_);
   double asked = from;
   for (;;) {
     pollfd one{pipe_, POLLIN, 0};
@@ -199,10 +199,12 @@ HelperAnswer HelperProcess::ask(std::string_view request, const Progress& progre
     if (now - asked < 1e-3 * kAsk_ms) continue;
     asked = now;
     if (progress && !progress(stage, fraction)) return ended(HelperEnd::stopped);
-    const bool late = processor_s(id_) - processor_from > limits_.processor_s || now - from > limits_.wall_s();
+    const bool late = processor_s_of(id_) - processor_from > limits_.processor_s || now - from > limits_.wall_s();
     if (late) return ended(HelperEnd::out_of_time);
   }
 }
+
+double HelperProcess::processor_s() const { return running() ? processor_s_of(id_) : 0; }
 
 namespace {
 

@@ -60,6 +60,9 @@ class HelperProcess {
 
   [[nodiscard]] bool running() const { return id_ > 0; }
 
+  // The processor time of the program that runs, since it was started; 0 when none does.
+  [[nodiscard]] double processor_s() const;
+
   // `progress` is called with each report, and every 50 ms with the last one. After any end but `answered` the program
   // has ended, and start() may start another.
   HelperAnswer ask(std::string_view request, const Progress& progress);

@@ -53,6 +53,9 @@ class BodyReader {
   // encloses nothing, or how its reader ended.
   Result<Body> read(const GmshOptions& options, const Progress& progress = {});
 
+  // What the reading has taken so far, in the process that does it; 0 when all came from the cache.
+  [[nodiscard]] double processor_s() const { return helper_.processor_s(); }
+
  private:
   Result<void> start();
   Result<std::string> ask(Question question, const GmshOptions& options, const Progress& progress);

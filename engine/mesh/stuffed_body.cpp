@@ -30,6 +30,7 @@ constexpr double kSkinCells = 60;        // along the diagonal at least, so that
 constexpr double kElementsPerCell = 12;  // of the lattice
 constexpr double kMaxSkinElements = 3e6, kMaxSolvedElements = 40e3;
 constexpr double kLeastKept = 0.5, kSmallerCells = 0.75, kMaxForcedElements = 2 * kMaxSolvedElements;
+constexpr double kVanishing = 0.6;  // of a cell: of plates so thin, askew in the lattice, at most a seventh is left
 
 struct Cells {
   double wanted_m = 0, size_m = 0;  // size_m is larger where those wanted would be too many
@@ -68,34 +69,46 @@ class StuffedBody {
   [[nodiscard]] Cells cells_for(double largest_m, double most_elements) const {
     Cells cells;
     cells.wanted_m = wall_m_ > 0 ? std::min(largest_m, wall_m_ / kCellsPerWall) : largest_m;
-    const double points = 2 * box_.prod() / (0.8 * kMaxLatticePoints);
-    cells.size_m =
-        std::max({cells.wanted_m, std::cbrt(kElementsPerCell * volume_m3_ / most_elements), std::cbrt(points)});
+    cells.size_m = std::max(cells.wanted_m, finest_m(most_elements));
     return cells;
   }
 
+  [[nodiscard]] double finest_m(double most_elements) const {
+    const double points = 2 * box_.prod() / (0.8 * kMaxLatticePoints);
+    return std::max(std::cbrt(kElementsPerCell * volume_m3_ / most_elements), std::cbrt(points));
+  }
+
+  // Of finer cells even half of the body would be too many.
+  [[nodiscard]] double finest_forced_m() const { return finest_m(kMaxForcedElements / kLeastKept); }
+
   [[nodiscard]] Result<void> check_walls(const Cells& cells, double most_elements) const {
-    if (force_ || !(wall_m_ > 0) || cells.size_m <= wall_m_) return {};
+    if (!(wall_m_ > 0) || cells.size_m <= wall_m_) return {};
+    const bool vanish = wall_m_ < kVanishing * finest_forced_m();
+    if (force_ && !vanish) return {};
     const double elements = kElementsPerCell * volume_m3_ / std::pow(cells.wanted_m, 3);
-    char text[400];
+    char text[500];
     std::snprintf(
         text, sizeof text,
         " has walls of %.3g mm, which cells of %.3g mm would follow: some %.1e elements, more than %.0e; the "
         "finest that can be made, %.3g mm, would tear them. Mend the surface where `ringdown check mesh` says "
-        "that it is not sound, so that gmsh can fill it, or take a wrong sound with --force-coarse",
-        1000 * wall_m_, 1000 * cells.wanted_m, elements, most_elements, 1000 * cells.size_m);
+        "that it is not sound, so that gmsh can fill it%s",
+        1000 * wall_m_, 1000 * cells.wanted_m, elements, most_elements, 1000 * cells.size_m,
+        vanish ? "; with --force-coarse nothing would be left of such walls"
+               : ", or take a wrong sound with --force-coarse");
     return fail(ErrorKind::too_large, name_ + text);
   }
 
   // Between the points of a lattice that is coarser than a wall, most of the wall vanishes, or all of it. Such a body
   // is made only by force; then cells become smaller, and cells.size_m with them, until half of it is there.
   Result<Stuffed> stuff_thin(Cells& cells) const {
+    const double finest = std::max(cells.wanted_m, finest_forced_m());
+    if (force_ && wall_m_ > 0) cells.size_m = std::clamp(wall_m_ / kVanishing, finest, std::max(finest, cells.size_m));
     Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
     const auto is_enough = [this](const Result<Stuffed>& made) {
       return made ? volume_of(made->mesh) >= kLeastKept * volume_m3_ : made.error().kind == ErrorKind::cancelled;
     };
-    for (double size_m = cells.size_m; force_ && !is_enough(stuffed) && size_m > cells.wanted_m;) {
-      size_m = std::max(kSmallerCells * size_m, cells.wanted_m);
+    for (double size_m = cells.size_m; force_ && !is_enough(stuffed) && size_m > finest;) {
+      size_m = std::max(kSmallerCells * size_m, finest);
       Result<Stuffed> next = stuff(surface_, {.size_m = size_m}, progress_);
       const bool too_many = next && static_cast<double>(next->mesh.elements.rows()) > kMaxForcedElements;
       if (stuffed && (!next || too_many)) break;
@@ -105,8 +118,16 @@ class StuffedBody {
     return stuffed;
   }
 
+  // Now and then CGAL trips over a skin; that of smaller cells is another one.
   Result<Body> refill() {
-    const Cells cells = cells_for(std::min(options_.size_m, box_.norm() / kSkinCells), kMaxSkinElements);
+    const double size_m = std::min(options_.size_m, box_.norm() / kSkinCells);
+    Result<Body> body = refill_by(size_m);
+    if (!body && body.error().kind == ErrorKind::bad_input) body = refill_by(kSmallerCells * size_m);
+    return body;
+  }
+
+  Result<Body> refill_by(double largest_m) {
+    const Cells cells = cells_for(largest_m, kMaxSkinElements);
     if (auto fine = check_walls(cells, kMaxSkinElements); !fine) return fail(fine.error());
     if (wall_m_ > 0 && cells.size_m > wall_m_)
       return fail(ErrorKind::bad_input, "cells that can be made would tear its walls");

@@ -19,8 +19,8 @@ double wall_of_soup(const TriangleMesh& surface);
 // Stuffs the surface with cells of at most half of its thinnest wall and has gmsh fill the skin of that, in elements of
 // options.size_m (0: a twentieth of the diagonal) and options.order: kRefilled. Where gmsh cannot, the body is stuffed
 // with as many straight elements as order 2 can be solved with: kStuffed. options.wall_m is not used. Fails as stuff()
-// does, and, unless `force_coarse`, when cells as thick as the walls would be too many: the sentence names the size
-// that it would take. With `force_coarse` Body::wall_elements says how many cells lie across the walls.
+// does, and when cells as thick as the walls would be too many: the sentence names the size that it would take. With
+// `force_coarse` only when nothing would be left of the walls; Body::wall_elements says how many cells lie across them.
 Result<Body> make_stuffed(const TriangleMesh& surface, const FillOptions& options, bool force_coarse,
                           const std::string& name, const Progress& progress);
 

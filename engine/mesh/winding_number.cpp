@@ -17,12 +17,17 @@
 // its expansion; the bound on what the expansion leaves out is added to the error. Leaves are summed triangle by
 // triangle. A smaller opening descends further and is more exact. at() and inside() begin with a wide opening and
 // narrow it only until the error suffices: for most points the first try tells inside from outside.
+//
+// Long, narrow triangles, as a turned body has along its axis, would make clusters as long as the body, which are never
+// far. So they are cut across first (cut_across()), which leaves their solid angles as they are.
 namespace ringdown::mesh {
 namespace {
 
 using Eigen::Vector3d;
 
 constexpr int kLeaf = 8;
+constexpr double kLong = 8;                               // times as long as wide: longer triangles are cut across
+constexpr double kShortest = 1.0 / 64;                    // of the diagonal: shorter ones are not
 constexpr std::array kOpenings = {0.6, 0.4, 0.25, 0.12};  // radius over distance, from cheap to exact
 
 // Over 4 pi: van Oosterom & Strackee (8).
@@ -34,6 +39,26 @@ double solid_angle(const std::array<Vector3d, 3>& triangle, const Vector3d& poin
 }
 
 Vector3d area_of(const std::array<Vector3d, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]) / 2; }
+
+// Adds the triangle, or pieces of it that are less than kLong times as long as wide or shorter than `shortest`, as long
+// as there are fewer than `most` of them.
+void cut_across(const std::array<Vector3d, 3>& triangle, double shortest, std::size_t most,
+                std::vector<std::array<Vector3d, 3>>& pieces) {
+  int from = 0;
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double length = (triangle[(k + 1) % 3] - triangle[k]).norm();
+    if (length > longest) longest = length, from = k;
+  }
+  if (longest <= shortest || longest * longest < 2 * kLong * area_of(triangle).norm() || pieces.size() >= most) {
+    if (area_of(triangle).norm() > 0) pieces.push_back(triangle);
+    return;
+  }
+  const Vector3d &a = triangle[from], &b = triangle[(from + 1) % 3], &c = triangle[(from + 2) % 3];
+  const Vector3d middle = (a + b) / 2;
+  cut_across({a, middle, c}, shortest, most, pieces);
+  cut_across({middle, b, c}, shortest, most, pieces);
+}
 
 // A box and a line a + t d, 0 <= t <= 1.
 bool meets(const Vector3d& low, const Vector3d& high, const Vector3d& a, const Vector3d& d) {
@@ -65,10 +90,13 @@ double hit(const std::array<Vector3d, 3>& triangle, const Vector3d& a, const Vec
 
 WindingNumber::WindingNumber(const TriangleMesh& surface) {
   triangles_.reserve(surface.triangles.rows());
+  if (surface.triangles.rows() == 0) return;
+  const double shortest = kShortest * (surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff()).norm();
+  const std::size_t most = 4 * surface.triangles.rows() + 10'000;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
     Triangle triangle;
     for (int k = 0; k < 3; ++k) triangle[k] = surface.nodes.row(surface.triangles(t, k)).transpose();
-    if (area_of(triangle).norm() > 0) triangles_.push_back(triangle);
+    cut_across(triangle, shortest, most, triangles_);
   }
   nodes_.reserve(triangles_.size() / 2 + 1);
   if (triangles_.empty()) return;

@@ -68,5 +68,13 @@ TEST(StuffedBody, WallsThatCannotBeMeshedAreRefusedWithTheSizeTheyTake) {
   }
 }
 
+TEST(StuffedBody, WallsOfWhichNothingWouldBeLeftAreRefusedEvenByForce) {
+  const mesh::TriangleMesh sheet = test::without(test::box({0, 0, 0}, {1, 1, 0.0003}), {2});
+  const Result<mesh::Body> body = mesh::make_stuffed(sheet, {.size_m = 0.05, .order = 2}, true, "sheet.stl", {});
+  ASSERT_FALSE(body);
+  EXPECT_EQ(body.error().kind, ErrorKind::too_large);
+  EXPECT_NE(body.error().message.find("nothing would be left"), std::string::npos) << body.error().message;
+}
+
 }  // namespace
 }  // namespace ringdown

@@ -85,7 +85,7 @@ void print_forecast(const bake::Forecast& forecast, const bake::BodyShape& shape
   std::printf("  %s: %td elements, %.0f unknowns\n", mesh::text_of(forecast.making).c_str(),
               forecast.mesh.mesh.elements.rows(), cost.unknowns);
   std::printf("  expected: %.2g modes, %.2g s of processor time after %.2g s for the mesh, %.2g GiB of memory\n",
-              cost.modes, cost.processor_s, forecast.mesh_seconds, cost.memory_bytes / 1073741824);
+              cost.modes, cost.processor_s, forecast.mesh_processor_s, cost.memory_bytes / 1073741824);
   std::printf("  %.3g kg, lowest note near %.2g Hz\n", shape.volume_m3 * material.density_kg_m3,
               bake::guessed_lowest_hz(shape, material));
 }
