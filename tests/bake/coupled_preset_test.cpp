@@ -117,11 +117,23 @@ void expect_the_centroid(const std::string& preset, double x_m, double y_m, doub
   for (std::size_t i = 0; i < equations.size(); ++i) worst = std::max(worst, std::abs(coupled[i] / equations[i] - 1));
   std::printf("%s: %.2f thicknesses, centroid %.0f Hz at first, %.0f Hz after a second, %.1f %% off at most\n",
               preset.c_str(), peak_m / bank.nonlinear->thickness_m, equations.front(), equations.back(), 100 * worst);
-  EXPECT_LT(worst, 0.1) << preset;
+  EXPECT_LT(worst, 0.03) << preset;  // 4 to 23 % where the modes glide only
 }
 
 TEST(CoupledPresets, TheThunderSheetsCentroidIsThatOfItsEquationsForASecond) {
   expect_the_centroid("thunder-sheet", 0.15, 0.08, 0.017);
+}
+
+TEST(CoupledPresets, TheOperaGongsCentroidIsThatOfItsEquationsForASecond) {
+  expect_the_centroid("opera-gong", 0.02, 0.01, 0.042);
+}
+
+TEST(CoupledPresets, TheCrashCymbalsCentroidIsThatOfItsEquationsForASecond) {
+  expect_the_centroid("crash-cymbal", 0.12, 0.05, 0.055);
+}
+
+TEST(CoupledPresets, TheTamTamsCentroidIsThatOfItsEquationsForASecond) {
+  expect_the_centroid("tam-tam", 0.12, 0.05, 0.27);
 }
 
 }  // namespace
