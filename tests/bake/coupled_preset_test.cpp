@@ -65,7 +65,8 @@ class Equations {
     }
   }
 
-  // The sum of omega^2 q at the mixer's rate after a blow; the deflection of the struck point goes to `peak_m`.
+  // The sum of the modes' accelerations at the mixer's rate after a blow; the deflection of the struck point goes to
+  // `peak_m`.
   [[nodiscard]] Samples heard(double impulse_ns, double& peak_m) const {
     constexpr int kSteps = 4;
     const double dt = 1 / (kRate_hz * kSteps);
@@ -74,7 +75,7 @@ class Equations {
     Samples samples;
     peak_m = 0;
     for (int n = 0; n < static_cast<int>(kWholeSecond_s * kRate_hz) * kSteps; ++n) {
-      if (n % kSteps == 0) samples.push_back(omega2_.dot(q));
+      if (n % kSteps == 0) samples.push_back(-f.sum());
       v += 0.5 * dt * f;  // velocity Verlet
       q += dt * v;
       f = force(q);
