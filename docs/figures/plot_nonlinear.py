@@ -6,6 +6,7 @@
 import sys
 
 import numpy as np
+from PIL import Image
 from plot_contacts import RATE, plt, render
 
 WINDOW = 4096
@@ -46,6 +47,7 @@ def main():
             axis.specgram(sound / peak + noise, NFFT=WINDOW, Fs=RATE, noverlap=3072, vmin=-130, vmax=-40, cmap="magma")
             axis.set(title=f"{preset}, {impulse_ns} N s", ylim=(0, top_hz), xlabel="s", ylabel="Hz")
     figure.savefig(target, dpi=70)
+    Image.open(target).convert("P", palette=Image.Palette.ADAPTIVE, colors=64).save(target, optimize=True)
 
 
 if __name__ == "__main__":
