@@ -13,7 +13,7 @@ namespace ringdown::plugin {
 inline constexpr std::size_t kOwnFiles = 8;
 inline constexpr std::size_t kFirstPreset = kOwnFiles + 1;
 // Their order stands in people's sessions: new ones are added at the end.
-inline constexpr std::array<std::string_view, 41> kPresets = {"vibraphone-key",
+inline constexpr std::array<std::string_view, 44> kPresets = {"vibraphone-key",
                                                               "anvil",
                                                               "block",
                                                               "bottle",
@@ -53,7 +53,10 @@ inline constexpr std::array<std::string_view, 41> kPresets = {"vibraphone-key",
                                                               "vibraphone",
                                                               "music-box-comb",
                                                               "kalimba",
-                                                              "thunder-sheet"};
+                                                              "thunder-sheet",
+                                                              "opera-gong",
+                                                              "crash-cymbal",
+                                                              "tam-tam"};
 inline constexpr std::array<std::string_view, 3> kNoteMapPresets = {"vibraphone", "music-box-comb", "kalimba"};
 inline constexpr std::size_t kChoices = kFirstPreset + kPresets.size();
 

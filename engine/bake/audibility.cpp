@@ -169,13 +169,16 @@ double loss_db(const modal::Bank& bank, std::size_t kept) {
 
 Reduced reduce(modal::Bank& bank, const Reduction& reduction) {
   const bool drop = reduction.floor_db > 0;
-  const std::vector<bool> audible = audible_modes(bank, drop ? reduction.floor_db : kOrderingFloor_db);
+  std::vector<bool> audible = audible_modes(bank, drop ? reduction.floor_db : kOrderingFloor_db);
+  const std::size_t always = std::min(audible.size(), static_cast<std::size_t>(reduction.always));
+  std::fill_n(audible.begin(), always, true);
   std::vector<std::size_t> order(bank.mode_count());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto silent = std::stable_partition(order.begin(), order.end(), [&](std::size_t m) { return audible[m]; });
   const auto heard = std::max<std::size_t>(1, static_cast<std::size_t>(silent - order.begin()));
   const std::size_t wanted = drop ? heard : order.size();
-  const std::size_t kept = reduction.keep > 0 ? std::min(wanted, static_cast<std::size_t>(reduction.keep)) : wanted;
+  const std::size_t most = std::max(always, static_cast<std::size_t>(reduction.keep));
+  const std::size_t kept = reduction.keep > 0 ? std::min(wanted, most) : wanted;
 
   modal::take_modes(bank, order);
   order.resize(kept);

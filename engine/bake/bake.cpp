@@ -155,9 +155,10 @@ modal::Bank corner_bank(const Task& task, const std::vector<HeardMode>& heard, c
   return bank;
 }
 
-// Which modes stay, and in which order.
-Reduced audition(modal::Bank& bank, const Task& task, modal::Bank heard_bank) {
-  Reduced reduced = reduce(heard_bank, {.floor_db = task.options.floor_db, .keep = task.options.keep_modes});
+// Which modes stay, and in which order. The first `always` of them do, whatever is heard of them.
+Reduced audition(modal::Bank& bank, const Task& task, modal::Bank heard_bank, int always) {
+  Reduced reduced =
+      reduce(heard_bank, {.floor_db = task.options.floor_db, .keep = task.options.keep_modes, .always = always});
   bank.provenance.dropped_modes = heard_bank.provenance.dropped_modes;
   bank.provenance.floor_db = heard_bank.provenance.floor_db;
   bank.provenance.loss_db = heard_bank.provenance.loss_db;
@@ -403,9 +404,11 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const modal::Air* const air = radiates ? &*options.air : nullptr;
   order_by_importance(heard, corner_bank(task, heard, *modes, air), *modes, units,
                       area_weights(task.surface, mesh.nodes));
+  int bending = 0;
   if (modes->nonlinear) {  // what bends the others' pitch stays, however softly it radiates
-    std::stable_partition(heard.begin(), heard.end(),
-                          [&](const HeardMode& mode) { return mode.number < modes->nonlinear->modes(); });
+    const auto rest = std::stable_partition(
+        heard.begin(), heard.end(), [&](const HeardMode& mode) { return mode.number < modes->nonlinear->modes(); });
+    bending = static_cast<int>(rest - heard.begin());
   }
   bank.name = name;
   bank.material = material;
@@ -414,7 +417,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   bank.mass = units.mass(modes->mass);
   bank.provenance = provenance(options, *modes, left_out);
   for (const Part& part : options.makeup.parts) bank.provenance.parts.push_back(part.material.name);
-  const Reduced reduced = audition(bank, task, corner_bank(task, heard, *modes, air));
+  const Reduced reduced = audition(bank, task, corner_bank(task, heard, *modes, air), bending);
   std::vector<HeardMode> kept;
   for (const std::size_t m : reduced.kept) kept.push_back(heard[m]);
   const Result<SamplePoints> points = find_points(task, kept, *modes, progress);

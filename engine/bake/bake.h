@@ -81,8 +81,8 @@ struct Baked {
 // With options.air each mode's far field is computed; what the air takes is then part of its decay, and the bank says
 // what it radiates and how well that is known.
 //
-// With options.nonlinear the bank has the nonlinear terms of that many modes, the lowest, or of all it has; a body that
-// is too deep a shell for them is refused.
+// With options.nonlinear the bank has the nonlinear terms of that many modes, the lowest, or of all it has. These stand
+// first, and options.keep_modes and floor_db drop none of them. A body that is too deep a shell for them is refused.
 //
 // Errors are estimated from what finer elements would add (fem::frequency_errors) and from what rounding leaves of the
 // rigid motions' zero energy: in meshes of very flat elements that disturbs the lowest modes. Where the mesh's skin

@@ -10,7 +10,7 @@ namespace ringdown::bake {
 namespace {
 
 constexpr std::string_view kNonlinearKind = "nonlinear";
-constexpr int kNonlinearFormat = 2;  // raise it also when find_nonlinear() gives other results
+constexpr int kNonlinearFormat = 3;  // raise it also when find_nonlinear() gives other results
 constexpr double kMostCarried = 0.25;
 
 template <class Matrix>

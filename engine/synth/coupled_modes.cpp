@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ringdown::synth {
 namespace {
@@ -15,6 +16,7 @@ static_assert(modal::kMaxCoupled <= kMostCoupledStride);
 
 constexpr double kShiftOverEnergy = 20;  // C over the energy, at least
 constexpr double kPsiControl_per_s = 300;
+constexpr double kFade = 0.99;  // a frame
 
 // Copies one function's matrix into the kernel's padded form.
 void pad(const modal::NonlinearTerms& terms, std::size_t k, CoupledTable& table) {
@@ -82,6 +84,7 @@ CoupledModes::CoupledModes(const CoupledTable& table)
     keep_.push_back(keep);
     push_.push_back(2 * k2 / (1 + keep));
     stiff_.push_back((2 - 2 * turn_[m] / (1 + keep)) / k2);
+    per_force_.push_back(table.output[m] / stiff_[m]);
   }
 }
 
@@ -157,10 +160,11 @@ void CoupledModes::take(double* re, double* im) RINGDOWN_REALTIME {
   const double old_shift = running_ ? shift_ : 0;
   shift_ = std::max(old_shift, kShiftOverEnergy * (linear_energy() + std::abs(v)));
   psi_ = std::sqrt(std::max(2 * v + shift_, 0.0)) + off * std::sqrt(old_shift / shift_);
-  running_ = true;
+  running_ = taken_ = true;
 }
 
-void CoupledModes::step() RINGDOWN_REALTIME {
+// Returns what the forces add to the sound at the sample that is left.
+double CoupledModes::step() RINGDOWN_REALTIME {
   double *const now = now_.data(), *const before = before_.data();
   float *const place = place_.get(), *const gradient = gradient_.get();
   for (std::size_t m = 0; m < modes_; ++m) place[m] = static_cast<float>(now[m]);
@@ -190,9 +194,16 @@ void CoupledModes::step() RINGDOWN_REALTIME {
   // vector, floats too: the balance is exact.
   const double change = (0.5 * along - 0.5 * size * psi_) / (1 + 0.25 * size);
   const double middle = psi_ + 0.5 * change;
-  for (std::size_t m = 0; m < modes_; ++m) now[m] -= push[m] * static_cast<double>(gradient[m]) * middle;
+  const double* const per_force = per_force_.data();
+  double forced = 0;
+  for (std::size_t m = 0; m < modes_; ++m) {
+    const double force = static_cast<double>(gradient[m]) * middle;
+    now[m] -= push[m] * force;
+    forced += per_force[m] * force;
+  }
   psi_ += change;
   psi_over_truth_ = middle * per_truth;
+  return forced;
 }
 
 bool CoupledModes::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
@@ -200,12 +211,27 @@ bool CoupledModes::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
   for (std::size_t n = 0; n < frames; ++n) {
     double sum = 0;
     for (std::size_t m = 0; m < modes_; ++m) sum += output[m] * now_.data()[m];
-    out[n] += sum;
-    step();
+    const double forced = step();
+    if (taken_) fading_ += forced_ - forced;
+    taken_ = false;
+    out[n] += sum + forced + fading_;
+    forced_ = forced;
+    fading_ *= kFade;
   }
   if (std::isfinite(psi_) && std::isfinite(linear_energy())) return true;
   running_ = false;
+  cut_off();
   return false;
+}
+
+void CoupledModes::fade(double* out, std::size_t frames) RINGDOWN_REALTIME {
+  constexpr double kSilent = 1e-9;
+  fading_ += std::exchange(forced_, 0.0);
+  if (std::abs(fading_) < kSilent) fading_ = 0;
+  for (std::size_t n = 0; n < frames && fading_ != 0; ++n) {
+    out[n] += fading_;
+    fading_ *= kFade;
+  }
 }
 
 void CoupledModes::give_back(double* re, double* im) RINGDOWN_REALTIME {
@@ -226,8 +252,11 @@ Coupling::Outcome Coupling::render(double* re, double* im, bool allowed, double*
                                    std::size_t frames) RINGDOWN_REALTIME {
   constexpr double kBegin = 0.004, kEnd = 0.001;  // relative detuning: 7 and 1.7 cents
   if (!modes_) return Outcome::nothing;
-  if (!allowed || !affordable || !(modes_->strength(re, im) > (modes_->running() ? kEnd : kBegin)))
-    return give_back(re, im) ? Outcome::ended : Outcome::nothing;
+  if (!allowed || !affordable || !(modes_->strength(re, im) > (modes_->running() ? kEnd : kBegin))) {
+    const bool ended = give_back(re, im);
+    modes_->fade(out, frames);
+    return ended ? Outcome::ended : Outcome::nothing;
+  }
   modes_->take(re, im);
   return modes_->render(out, frames) ? Outcome::rendered : Outcome::absurd;
 }

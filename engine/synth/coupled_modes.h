@@ -10,6 +10,10 @@
 //
 // The states z of the mixer and the displacements are two views of one motion: q = Re z / (output per displacement),
 // and the displacement one sample ago is that of z / p. So modes come and go without a click.
+//
+// A mode is heard by its acceleration. For one that rings alone this is -omega^2 q, which the states say; here the
+// force of the others is added, or a shell that its vibration has bent inward would sound a constant. Where forces
+// begin or end, what they gave at last fades away in 2 ms.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -60,6 +64,9 @@ class CoupledModes {
   void take(double* re, double* im) RINGDOWN_REALTIME;
   // Adds `frames` samples to `out` and moves on. False when something is not a number: it has come to rest then.
   bool render(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  // While it is at rest: adds what is left of the forces' sound, or cuts it off.
+  void fade(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  void cut_off() RINGDOWN_REALTIME { forced_ = fading_ = 0; }
   // Gives everything back to the states and comes to rest.
   void give_back(double* re, double* im) RINGDOWN_REALTIME;
 
@@ -76,15 +83,17 @@ class CoupledModes {
   [[nodiscard]] double state_im(std::size_t m) const RINGDOWN_REALTIME;
   [[nodiscard]] double linear_energy() const RINGDOWN_REALTIME;
   double potential_at_middle() RINGDOWN_REALTIME;
-  void step() RINGDOWN_REALTIME;
+  double step() RINGDOWN_REALTIME;
 
   const CoupledTable& table_;
   std::size_t modes_;
   std::vector<double> now_, before_;                // q of this sample and of the last one
   std::vector<double> turn_, keep_, push_, stiff_;  // 2 Re p, |p|^2, 2 k^2 / (1 + |p|^2), discrete omega^2
+  std::vector<double> per_force_;                   // output per force
   AlignedArray<float> place_, gradient_;            // q as the kernel wants it, padded
   double psi_ = 0, shift_ = 0, psi_over_truth_ = 1;
-  bool running_ = false;
+  double forced_ = 0, fading_ = 0;  // the forces' sound at the last sample, and what fades of an earlier one
+  bool running_ = false, taken_ = false;
 };
 
 // A voice's coupled modes, if its table has any: when they run. [audio, after construction]
@@ -110,6 +119,9 @@ class Coupling {
   // gives it back, and says `ended` when it did.
   enum class Outcome : std::uint8_t { nothing, rendered, ended, absurd };
   Outcome render(double* re, double* im, bool allowed, double* out, std::size_t frames) RINGDOWN_REALTIME;
+  void cut_off() RINGDOWN_REALTIME {
+    if (modes_) modes_->cut_off();
+  }
   // True when something was given back, whose modes are to sound from the states again.
   bool give_back(double* re, double* im) RINGDOWN_REALTIME;
 

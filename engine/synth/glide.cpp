@@ -11,11 +11,13 @@
 namespace ringdown::synth {
 namespace {
 
+constexpr float kMostShare = 127;
 constexpr double kPerBand = std::numbers::pi / static_cast<double>(kChunkFrames);
 constexpr double kSamePitch = 6e-5;                   // relative: 0.1 cents, below which a mode is left where it is
 constexpr float kGrowth = 1.05F;                      // of the sound, from which all modes are looked at
 constexpr float kFastChange = 1.2e-3F;                // relative, two cents, in which all modes are looked at once
-constexpr float kSlowChange = 6e-5F;                  // the same, that may pass without a look
+constexpr float kSlowChange = 3e-4F;                  // the same, that may pass without a look
+constexpr float kLeastShare = 0.1F;                   // of what pitches may move, that they are taken to move
 constexpr float kMostCalls = 8, kMostCalmCalls = 64;  // from look to look
 constexpr double kLeastX = -0.5, kMostX = 3;          // pitches from 0.7 to 2 times their own
 
@@ -70,7 +72,7 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
   const std::vector<double> b = modal::detuning(terms, omega);
 
   auto matrix = std::make_shared<GlideMatrix>();
-  matrix->relative.resize((n + kModePadding - 1) / kModePadding * kModePadding * n);
+  matrix->shares.resize((n + kModePadding - 1) / kModePadding * kModePadding * n);
   matrix->reach.assign(n, 0);
   const double per_thickness = modal::shape_factor(material) / terms.thickness_m;
   for (std::size_t l = 0; l < n; ++l) {
@@ -79,36 +81,49 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
     const double displacement = 1 / (omega[l] * output_per_velocity[playable]);
     const double bend = largest_shape(bank, gliding[terms.modes[l]].mode) * displacement * per_thickness;
     matrix->bend.push_back(terms.thickness_m > 0 ? static_cast<float>(bend * bend) : 0.0F);
-    for (std::size_t m = 0; m < n; ++m) {
-      const double x = 2 * b[m * n + l] * displacement * displacement / omega[m];
-      matrix->relative[(m / kModePadding * n + l) * kModePadding + m % kModePadding] = static_cast<float>(x);
-      matrix->reach[l] = std::max(matrix->reach[l], static_cast<float>(std::abs(0.5 * x)));
+    const auto relative = [&](std::size_t m) { return b[m * n + l] * displacement * displacement / omega[m]; };
+    double reach = 0;
+    for (std::size_t m = 0; m < n; ++m) reach = std::max(reach, std::abs(relative(m)));
+    matrix->reach[l] = static_cast<float>(reach);
+    for (std::size_t m = 0; m < n && reach > 0; ++m) {
+      matrix->shares[(m / kModePadding * n + l) * kModePadding + m % kModePadding] =
+          static_cast<std::int8_t>(std::lround(kMostShare * relative(m) / reach));
     }
   }
   return matrix;
 }
 
-std::array<float, kModePadding> GlideMatrix::detuned(std::size_t block, const float* squares) const RINGDOWN_REALTIME {
+std::array<float, kModePadding> GlideMatrix::detuned(std::size_t block, const float* reached) const RINGDOWN_REALTIME {
   const std::size_t n = columns.size();
-  const float* at = relative.data() + block * n * kModePadding;
-  float x0[kModePadding] = {};
-  for (std::size_t l = 0; l < n; ++l, at += kModePadding) {
-    for (std::size_t i = 0; i < kModePadding; ++i) x0[i] += at[i] * squares[l];
+  const std::int8_t* const at = shares.data() + block * n * kModePadding;
+  constexpr std::size_t kSums = 4;  // so that additions need not wait for each other
+  float sums[kSums][kModePadding] = {};
+  const auto add = [&](std::size_t l, std::size_t to) RINGDOWN_REALTIME {
+    for (std::size_t i = 0; i < kModePadding; ++i)
+      sums[to][i] += static_cast<float>(at[l * kModePadding + i]) * reached[l];
+  };
+  std::size_t l = 0;
+  for (; l + kSums <= n; l += kSums) {
+    for (std::size_t s = 0; s < kSums; ++s) add(l + s, s);
   }
-  return std::to_array(x0);
+  for (; l < n; ++l) add(l, 0);
+  std::array<float, kModePadding> x0;
+  for (std::size_t i = 0; i < kModePadding; ++i)
+    x0.data()[i] = (2 / kMostShare) * ((sums[0][i] + sums[1][i]) + (sums[2][i] + sums[3][i]));
+  return x0;
 }
 
 Glide::Glide(const ModeTable& table)
-    : table_(table),
-      matrix_(*table.glide),
-      columns_(table.columns()),
-      squares_(matrix_.columns.size()),
-      delta_(columns_),
+    : columns_(table.columns()),
       rows_(aligned_zeros<double>(kRows * columns_)),
       strides_(aligned_zeros<float>(2 * columns_)),
       runs_(aligned_zeros<float>(columns_ * 2 * kRun)),
       weights_(aligned_zeros<float>(columns_ * 2 * kMoments)),
-      band_(columns_) {
+      band_(columns_),
+      table_(table),
+      matrix_(*table.glide),
+      reached_(matrix_.columns.size()),
+      delta_(columns_) {
   const ModeArrays modes = table.modes(nullptr, nullptr, kChunkFrames);
   const auto [log_re, log_im] = table.exponents();
   std::copy_n(modes.pole_re, columns_, row(pole_re));
@@ -130,21 +145,23 @@ void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_RE
     --wait_;
     return;
   }
-  const std::size_t n = squares_.size();
+  const std::size_t n = reached_.size();
   const std::uint32_t* const columns = matrix_.columns.data();
   const float* const reach = matrix_.reach.data();
-  float* const squares = squares_.data();
+  float* const reached = reached_.data();
   float sums[4] = {};
   for (std::size_t l = 0; l < n; ++l) {
     const std::uint32_t c = columns[l];
-    squares[l] = static_cast<float>(re[c] * re[c] + im[c] * im[c]);
-    sums[l % 4] += reach[l] * squares[l];
+    reached[l] = reach[l] * static_cast<float>(re[c] * re[c] + im[c] * im[c]);
+    sums[l % 4] += reached[l];
   }
   const float total = (sums[0] + sums[1]) + (sums[2] + sums[3]);
   const bool begins = !active_;
   active_ = total > (begins ? 1.0F : 0.5F) * kLeastDetuning;
-  const float change = std::abs(total - total_);
   const bool anew = begins || moments != moments_, all = anew || total > kGrowth * total_;
+  if (all) share_ = 1, next_ = 0;
+  const float could_change = std::abs(total - total_), change = share_ * could_change;
+  could_move_ += could_change;
   const float calls = 1.0F + static_cast<float>(waited_);
   const float until_slow_change = kSlowChange * calls / std::max(change, 1e-9F);
   const float next = std::clamp(until_slow_change, 1.0F, active_ ? kMostCalls : kMostCalmCalls);
@@ -157,21 +174,26 @@ void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_RE
   const std::size_t count = all ? most : wait_ > 0 ? 1 : std::min(most, static_cast<std::size_t>(due_));
   due_ -= std::min(due_, static_cast<float>(count));
   for (std::size_t i = 0; i < count; ++i) {
-    if (next_ >= most) next_ = 0;
-    look_at_block(next_++, anew);
+    look_at_block(next_, anew);
+    if (++next_ < most) continue;
+    next_ = 0;
+    if (!all) share_ = std::clamp(moved_ / std::max(could_move_, 1e-9F), kLeastShare, 1.0F);
+    moved_ = could_move_ = 0;
   }
 }
 
 void Glide::look_at_block(std::size_t block, bool anew) RINGDOWN_REALTIME {
-  const std::array<float, kModePadding> x0 = matrix_.detuned(block, squares_.data());
-  const std::size_t first = block * kModePadding, end = std::min(first + kModePadding, squares_.size());
+  const std::array<float, kModePadding> x0 = matrix_.detuned(block, reached_.data());
+  const std::size_t first = block * kModePadding, end = std::min(first + kModePadding, reached_.size());
   const double* const own_im = table_.exponents().second;
   std::size_t group = columns_;  // none
   for (std::size_t m = first; m < end; ++m) {
     const std::size_t c = matrix_.columns.data()[m];
     const double omega = own_im[c], x = std::min(stiffened(static_cast<double>(x0.data()[m - first])), kMostX);
     const double delta = std::min(omega * (std::sqrt(1 + x) - 1), 0.999 * std::numbers::pi - omega);
-    if (!anew && std::abs(delta - delta_.data()[c]) < kSamePitch * omega) continue;
+    const double moved = std::abs(delta - delta_.data()[c]);
+    moved_ = std::max(moved_, static_cast<float>(moved / omega));
+    if (!anew && moved < kSamePitch * omega) continue;
     move(c, delta);
     if (c / kModePadding == group) continue;
     if (group != columns_) share_band(group);

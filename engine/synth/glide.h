@@ -42,12 +42,15 @@ struct GlidingMode {
 // What detunes what, in terms of a table's columns.
 struct GlideMatrix {
   std::vector<std::uint32_t> columns;  // of the n gliding modes
-  std::vector<float> relative;  // x0 of mode m for a state z_l of 1, by blocks of kModePadding m: first their l = 0
-  std::vector<float> reach;     // n: the largest of them in column l
-  std::vector<float> bend;      // n: (largest deflection / thickness)^2 at |z| = 1; 0 where it is not known
+  std::vector<float> reach;            // n: the most that a state z_l of 1 detunes any mode [relative]
+  // By how much it detunes mode m, of reach / 127, by blocks of kModePadding m: first their l = 0. In one byte each,
+  // because a call that looks at pitches takes most of its time to get these from memory; what is rounded off is at
+  // most 0.4 % of what all modes can reach.
+  std::vector<std::int8_t> shares;
+  std::vector<float> bend;  // n: (largest deflection / thickness)^2 at |z| = 1; 0 where it is not known
 
-  // x0 of the gliding modes from kModePadding * `block` on, of which there may be fewer, for these n squares |z|^2.
-  std::array<float, kModePadding> detuned(std::size_t block, const float* squares) const RINGDOWN_REALTIME;
+  // x0 of the gliding modes from kModePadding * `block` on, of which there may be fewer, for these n reach |z|^2.
+  std::array<float, kModePadding> detuned(std::size_t block, const float* reached) const RINGDOWN_REALTIME;
 
   // Nothing where the bank has no terms or none of their modes is played. `output_per_velocity` has one number for each
   // playable mode of the table. [worker]
@@ -71,7 +74,8 @@ class Glide {
 
   // Looks at the states before a call renders `moments` or tables, and finds the pitches anew where they have changed.
   // When the sound grows all modes are looked at, else a few groups at a time, more while pitches move fast; where they
-  // hardly move, few calls look.
+  // hardly move, few calls look. How fast they move is what they were seen to do in the last round, beside the sum of
+  // what each mode that fades could do.
   void follow(const double* re, const double* im, bool moments) RINGDOWN_REALTIME;
   // The states have been added to: the next call looks.
   void excite() RINGDOWN_REALTIME { wait_ = 0; }
@@ -92,19 +96,22 @@ class Glide {
   void move(std::size_t column, double delta) RINGDOWN_REALTIME;
   void weigh(std::size_t column, std::uint16_t band) RINGDOWN_REALTIME;
 
-  const ModeTable& table_;
-  const GlideMatrix& matrix_;
+  // What every call reads stands first.
+  std::uint32_t wait_ = 0, waited_ = 0;  // calls until the next look, and from the last one to it
+  bool active_ = false, moments_ = false;
   std::size_t columns_;
-  std::vector<float> squares_;  // |z|^2 of the gliding modes
-  std::vector<double> delta_;   // of each column [rad/frame]
-  AlignedArray<double> rows_;   // kRows x columns
+  AlignedArray<double> rows_;  // kRows x columns
   AlignedArray<float> strides_, runs_, weights_;
   std::vector<std::uint16_t> band_;
-  float due_ = 0;                        // looks at blocks
-  float total_ = 0;                      // at the last look
-  std::uint32_t wait_ = 0, waited_ = 0;  // calls until the next look, and from the last one to it
-  std::size_t next_ = 0;                 // in groups_
-  bool active_ = false, moments_ = false;
+  const ModeTable& table_;
+  const GlideMatrix& matrix_;
+  std::vector<float> reached_;        // reach |z|^2 of the gliding modes
+  std::vector<double> delta_;         // of each column [rad/frame]
+  float due_ = 0;                     // looks at blocks
+  float total_ = 0;                   // by how much modes could be detuned [relative], at the last look
+  float could_move_ = 0, moved_ = 0;  // in this round of looks: the sum of that, and the most that any mode moved
+  float share_ = 1;                   // the one over the other, in the last round
+  std::size_t next_ = 0;              // block of the matrix
 };
 
 }  // namespace ringdown::synth

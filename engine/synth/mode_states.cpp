@@ -355,6 +355,7 @@ void ModeStates::mark() RINGDOWN_REALTIME {
 
 void ModeStates::silence() RINGDOWN_REALTIME {
   if (coupling.give_back(states_.re(), states_.im())) wake();
+  coupling.cut_off();
   states_.clear();
   fade_.clear();
   late_.clear();

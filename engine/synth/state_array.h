@@ -10,7 +10,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <utility>
 
@@ -49,7 +48,7 @@ class StateArray {
   }
   // Lets amplitudes move pitches, where the table's bank says how (glide.h). [worker]
   void let_glide() {
-    if (table_.glide) glide_ = std::make_unique<Glide>(table_);
+    if (table_.glide) glide_.emplace(table_);
   }
   // Before each call that renders.
   void follow(bool moments) RINGDOWN_REALTIME {
@@ -99,7 +98,7 @@ class StateArray {
 
   const ModeTable& table_;
   const Hearing* hearing_ = nullptr;
-  std::unique_ptr<Glide> glide_;  // null: pitches are the table's
+  std::optional<Glide> glide_;    // nothing: pitches are the table's
   AlignedArray<double> numbers_;  // real parts of all columns, then imaginary parts
 };
 

@@ -225,6 +225,19 @@ TEST(Reduce, ReducingKeepsTheFirstOnesAndSaysWhatThatCosts) {
   EXPECT_LT(loss, -28);
 }
 
+// The most that may be kept, and the floor, are below what has to stay.
+TEST(Reduce, WhatAlwaysStaysKeepsItsPlaceHoweverSoft) {
+  Bank bank = octahedron();
+  for (const double level_db : {-80.0, -20.0, -90.0, 0.0, -10.0}) add_mode(bank, 1000 - level_db, 5, level_db);
+  const std::vector<double> first = {1080, 1020, 1090};
+  Bank few = bank, loud = bank, whole = bank;
+  EXPECT_EQ(bake::reduce(few, {.keep = 2, .always = 3}).unimportant, 2);
+  EXPECT_EQ(few.frequency_hz, first);
+  EXPECT_EQ(bake::reduce(loud, {.floor_db = 5, .always = 3}).inaudible, 1);
+  EXPECT_EQ(loud.frequency_hz, (std::vector<double>{1080, 1020, 1090, 1000}));
+  EXPECT_EQ(bake::reduce(whole, {.always = 3}).kept, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+}
+
 // From the mesh to the file: the modes that stay are those of the whole bank, and the file says the same when read.
 TEST(Reduce, ABakedBankSaysWhatWasLeftOut) {
   const mesh::CheckedMesh bar = test::checked(test::box_mesh({12, 2, 2}, {0.2, 0.02, 0.01}));

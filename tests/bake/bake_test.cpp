@@ -133,6 +133,18 @@ TEST(Bake, ABakeKeepsTheMostImportantModes) {
   EXPECT_TRUE(std::equal(few.bank.frequency_hz.begin(), few.bank.frequency_hz.end(), all.bank.frequency_hz.begin()));
 }
 
+TEST(Bake, ModesWithNonlinearTermsStayHoweverFewAreKept) {
+  const mesh::CheckedMesh plate = test::checked(test::box_mesh({8, 6, 1}, {0.2, 0.15, 0.002}));
+  const auto bank_of = [&](bake::BakeOptions options) {
+    options.nonlinear = 6;
+    return bake::bake(plate, steel(), options, "plate").value().bank;
+  };
+  for (const modal::Bank& bank : {bank_of({.keep_modes = 3}), bank_of({.floor_db = 1})}) {
+    ASSERT_TRUE(bank.nonlinear);
+    EXPECT_EQ(bank.nonlinear->mode_count(), 6u);
+  }
+}
+
 TEST(Bake, ABakeDropsWhatLiesBelowTheBandOrIsOverDamped) {
   const auto whole = baked();
   const double first = *std::min_element(whole.bank.frequency_hz.begin(), whole.bank.frequency_hz.end());

@@ -65,7 +65,8 @@ class Equations {
     }
   }
 
-  // The sum of omega^2 q at the mixer's rate after a blow; the deflection of the struck point goes to `peak_m`.
+  // The sum of the modes' accelerations at the mixer's rate after a blow; the deflection of the struck point goes to
+  // `peak_m`.
   [[nodiscard]] Samples heard(double impulse_ns, double& peak_m) const {
     constexpr int kSteps = 4;
     const double dt = 1 / (kRate_hz * kSteps);
@@ -74,7 +75,7 @@ class Equations {
     Samples samples;
     peak_m = 0;
     for (int n = 0; n < static_cast<int>(kWholeSecond_s * kRate_hz) * kSteps; ++n) {
-      if (n % kSteps == 0) samples.push_back(omega2_.dot(q));
+      if (n % kSteps == 0) samples.push_back(-f.sum());
       v += 0.5 * dt * f;  // velocity Verlet
       q += dt * v;
       f = force(q);
@@ -117,11 +118,23 @@ void expect_the_centroid(const std::string& preset, double x_m, double y_m, doub
   for (std::size_t i = 0; i < equations.size(); ++i) worst = std::max(worst, std::abs(coupled[i] / equations[i] - 1));
   std::printf("%s: %.2f thicknesses, centroid %.0f Hz at first, %.0f Hz after a second, %.1f %% off at most\n",
               preset.c_str(), peak_m / bank.nonlinear->thickness_m, equations.front(), equations.back(), 100 * worst);
-  EXPECT_LT(worst, 0.1) << preset;
+  EXPECT_LT(worst, 0.03) << preset;  // 4 to 23 % where the modes glide only
 }
 
 TEST(CoupledPresets, TheThunderSheetsCentroidIsThatOfItsEquationsForASecond) {
   expect_the_centroid("thunder-sheet", 0.15, 0.08, 0.017);
+}
+
+TEST(CoupledPresets, TheOperaGongsCentroidIsThatOfItsEquationsForASecond) {
+  expect_the_centroid("opera-gong", 0.02, 0.01, 0.042);
+}
+
+TEST(CoupledPresets, TheCrashCymbalsCentroidIsThatOfItsEquationsForASecond) {
+  expect_the_centroid("crash-cymbal", 0.12, 0.05, 0.055);
+}
+
+TEST(CoupledPresets, TheTamTamsCentroidIsThatOfItsEquationsForASecond) {
+  expect_the_centroid("tam-tam", 0.12, 0.05, 0.27);
 }
 
 }  // namespace

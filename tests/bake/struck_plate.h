@@ -77,8 +77,8 @@ inline std::shared_ptr<const modal::StrikeMap> map_of(const Plate& plate, bool n
 }
 
 // q'' + 2 d q' + omega^2 q + sum over k of 2 t_k H^k q = 0, after a blow: each mode's velocity at the mixer's rate. The
-// largest deflection of the struck point goes to `peak_m`, and the sum of omega^2 q, which is heard, to `heard`; each
-// sample takes so many steps.
+// largest deflection of the struck point goes to `peak_m`, and the sum of the modes' accelerations, which is heard, to
+// `heard`; each sample takes so many steps.
 inline std::vector<Samples> integrated(const Plate& plate, double impulse_ns, double& peak_m, int steps = 6,
                                        Samples* heard = nullptr) {
   const double dt = 1 / (kRate_hz * steps), keep = std::exp(-2 * kDecay_per_s * dt);
@@ -98,7 +98,7 @@ inline std::vector<Samples> integrated(const Plate& plate, double impulse_ns, do
   for (int n = 0; n < static_cast<int>(kSeconds * kRate_hz) * steps; ++n) {
     if (n % steps == 0) {
       for (Eigen::Index m = 0; m < modes; ++m) velocities[static_cast<std::size_t>(m)].push_back(v[m]);
-      if (heard) heard->push_back(plate.omega.cwiseAbs2().dot(q));
+      if (heard) heard->push_back(-f.sum());
     }
     v += 0.5 * dt * f;  // velocity Verlet
     q += dt * v;

@@ -105,7 +105,8 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")
       ->expected(2)
       ->check(manual::any_number());
-  app.add_option("--keep", arguments.keep, "how many modes, the most important ones (default: all in the band)")
+  app.add_option("--keep", arguments.keep,
+                 "how many modes, the most important ones, but all those of --nonlinear (default: all in the band)")
       ->check(manual::between(1, 16384));
   app.add_option("--floor", arguments.floor_db,
                  "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
