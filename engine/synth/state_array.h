@@ -97,9 +97,9 @@ class StateArray {
            const ModeFactors* each) RINGDOWN_REALTIME;
 
   const ModeTable& table_;
-  const Hearing* hearing_ = nullptr;
-  std::optional<Glide> glide_;    // nothing: pitches are the table's
   AlignedArray<double> numbers_;  // real parts of all columns, then imaginary parts
+  const Hearing* hearing_ = nullptr;
+  std::optional<Glide> glide_;  // nothing: pitches are the table's
 };
 
 }  // namespace ringdown::synth
