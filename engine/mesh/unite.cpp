@@ -79,24 +79,25 @@ class Skin {
     std::partial_sort(patch.begin(), patch.begin() + static_cast<std::ptrdiff_t>(tries), patch.end(),
                       [this](std::size_t a, std::size_t b) { return area(a).norm() > area(b).norm(); });
     const double layers = parts_.layers[patch.front()];
-    double front = 0;
+    double front = 0, behind = 0;
     for (std::size_t i = 0; i < tries; ++i) {
-      if (number_in_front_of(patch[i], layers, front)) break;
+      if (find_numbers(patch[i], layers, front, behind)) break;
     }
-    return front < 0.5 && front + layers >= 0.5;
+    return front < 0.5 && behind >= 0.5;
   }
 
-  // False when the numbers on both sides do not differ by the layers; `front` then is the best guess.
-  bool number_in_front_of(std::size_t t, double layers, double& front) const {
+  // False when the numbers on both sides do not differ by the layers. Between two sheets that lie within rounding of
+  // each other and face opposite ways there is no point to ask at: both get the numbers around the pair, so that both
+  // are kept or neither is. A mean of the two sides would be one half there, and rounding would decide.
+  bool find_numbers(std::size_t t, double layers, double& front, double& behind) const {
     const Vector3d twice = 2 * area(t), a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
     const double height = twice.norm() / std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     const double sign = winding_.turned() ? -1 : 1;
     const Vector3d middle = (a + b + c) / 3, normal = twice.normalized();
     for (const double step : {1e-2, 1e-4, 1e-6}) {
-      const double before = sign * winding_.at(middle + step * height * normal, 1e-2);
-      const double behind = sign * winding_.at(middle - step * height * normal, 1e-2);
-      front = (before + behind - layers) / 2;
-      if (std::abs(behind - before - layers) < 0.2) return true;
+      front = sign * winding_.at(middle + step * height * normal, 1e-2);
+      behind = sign * winding_.at(middle - step * height * normal, 1e-2);
+      if (std::abs(behind - front - layers) < 0.2) return true;
     }
     return false;
   }
