@@ -39,7 +39,7 @@ double loss_db(const modal::Bank& bank, std::size_t kept);
 struct Reduction {
   double floor_db = 0;  // drop what is inaudible; 0: drop nothing for that
   int keep = 0;         // then keep the first ones only; 0: all
-  int always = 0;       // of the first, so many stay where they are, whatever the others ask
+  int always = 0;       // so many of the first modes stay where they are, whatever the other two ask
 };
 
 struct Reduced {

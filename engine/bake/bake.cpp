@@ -155,7 +155,7 @@ modal::Bank corner_bank(const Task& task, const std::vector<HeardMode>& heard, c
   return bank;
 }
 
-// Which modes stay, and in which order. The first `always` of them do, whatever is heard of them.
+// Returns which modes stay, and in which order. The first `always` of them stay, whatever is heard of them.
 Reduced audition(modal::Bank& bank, const Task& task, modal::Bank heard_bank, int always) {
   Reduced reduced =
       reduce(heard_bank, {.floor_db = task.options.floor_db, .keep = task.options.keep_modes, .always = always});

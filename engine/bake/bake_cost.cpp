@@ -88,7 +88,8 @@ double modes_of(const Bar& bar, const modal::Material& material, double omega) {
   return modes;
 }
 
-// As far as the body is one: straight and slender, or, however bent, as round as its surface says.
+// Returns the modes of a bar of the body's size, where the body is like one: straight and slender, or a rod that may be
+// bent, whose surface curves as a round rod's does. Returns 0 elsewhere.
 double modes_of_bar(const BodyShape& shape, const modal::Material& material, double omega) {
   double modes = 0;
   if (shape.length_m > kSlender * shape.width_m) {

@@ -24,7 +24,7 @@ constexpr std::array kUnknownsPerElement = {0.7, 6.0, 17.0, 38.0};  // gmsh's me
 constexpr double kElementsPerThicknessAtEdges = 1;
 constexpr double kSizeInSection = 0.33;  // of the width
 
-// Of the triangles, twice the area and along the normal.
+// Returns a vector along the normal of each triangle, twice as long as its area.
 mesh::Points normals_of(const mesh::TriangleMesh& skin) {
   mesh::Points normals(skin.triangles.rows(), 3);
   for (Eigen::Index t = 0; t < skin.triangles.rows(); ++t) {

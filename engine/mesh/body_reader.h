@@ -53,7 +53,7 @@ class BodyReader {
   // encloses nothing, or how its reader ended.
   Result<Body> read(const GmshOptions& options, const Progress& progress = {});
 
-  // What the reading has taken so far, in the process that does it; 0 when all came from the cache.
+  // Returns the processor time [s] that the reading process has taken so far; 0 when all came from the cache.
   [[nodiscard]] double processor_s() const { return helper_.processor_s(); }
 
  private:

@@ -78,7 +78,7 @@ class StuffedBody {
     return std::max(std::cbrt(kElementsPerCell * volume_m3_ / most_elements), std::cbrt(points));
   }
 
-  // Of finer cells even half of the body would be too many.
+  // Returns the finest size of cells by force: half of the body in finer ones would take too many elements.
   [[nodiscard]] double finest_forced_m() const { return finest_m(kMaxForcedElements / kLeastKept); }
 
   [[nodiscard]] Result<void> check_walls(const Cells& cells, double most_elements) const {
@@ -118,7 +118,7 @@ class StuffedBody {
     return stuffed;
   }
 
-  // Now and then CGAL trips over a skin; that of smaller cells is another one.
+  // CGAL fails at some skins by rounding. A second attempt has smaller cells, and with them another skin.
   Result<Body> refill() {
     const double size_m = std::min(options_.size_m, box_.norm() / kSkinCells);
     Result<Body> body = refill_by(size_m);

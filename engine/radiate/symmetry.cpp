@@ -90,8 +90,9 @@ class MirrorTrial {
   int step_ = 1;
 };
 
-// The normals of the largest faces, not more than a few, and either way round. Directions are first sorted into the
-// cells of a grid; a face whose triangles lie in several counts by all that face as its largest cell does.
+// Returns the normals of the few largest faces; opposite normals count as one. Directions are first sorted into the
+// cells of a grid. Where a face has triangles in several cells, its area is that of all triangles along the largest
+// cell's mean.
 std::vector<Vector> face_normals(const Panels& panels) {
   constexpr double kCosFace = 0.9998, kCell = 0.02;
   constexpr int kFaces = 6, kCells = 4 * kFaces;

@@ -164,7 +164,8 @@ class SceneReader {
     table.text("group", object.group);
     table.number("gain", object.gain, range::kGain);
     object.gain *= gain_;
-    if (!range::kGain.holds(object.gain)) table.complain("gain", "with the scene's own the gain is too high");
+    if (!range::kGain.holds(object.gain))
+      table.complain("gain", "gain times that of [scene] is too high; lower one of them");
     table.number("pan", object.pan, range::kPan);
     if (auto material = table.table("material")) read_material(*material, object);
     if (!object.name.empty() && !is_object_name(object.name)) {

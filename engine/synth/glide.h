@@ -96,7 +96,7 @@ class Glide {
   void move(std::size_t column, double delta) RINGDOWN_REALTIME;
   void weigh(std::size_t column, std::uint16_t band) RINGDOWN_REALTIME;
 
-  // What every call reads stands first.
+  // The members that every call reads stand first, in as few cache lines as possible.
   std::uint32_t wait_ = 0, waited_ = 0;  // calls until the next look, and from the last one to it
   bool active_ = false, moments_ = false;
   std::size_t columns_;

@@ -1,4 +1,4 @@
-// What a bake is expected to take, before it is made.
+// The estimates of a bake's cost, held against what the bakes of the presets counted.
 #include "engine/bake/bake_cost.h"
 #include "engine/modal/bank_file.h"
 

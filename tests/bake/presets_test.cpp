@@ -282,7 +282,7 @@ TEST(Presets, EveryBankHasItsObject) {
     const std::string name = fs::relative(entry.path(), kPresets / "banks").replace_extension().string();
     EXPECT_TRUE(std::binary_search(names.begin(), names.end(), name)) << name << " has no object";
   }
-  EXPECT_LE(bytes, 18'000'000u);
+  EXPECT_LE(bytes, 17'500'000u);
 }
 
 TEST(Presets, EveryObjectHasItsBank) {

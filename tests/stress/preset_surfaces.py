@@ -7,8 +7,8 @@ PROGRAM is ringdown-bake, OBJECTS the folder presets/objects. gmsh cuts the surf
 triangles, which stand in an STL file as a modelling program would write it, so that the file knows nothing of curves.
 It is baked as it is, and once more with a slit along one side, which is closed where it is short and left open, so
 that the body is stuffed, where it is long. All else is as in the preset's own file, except that no group of the geometry
-is held, and that the mesh size is the default one where the preset's own takes too much. Compared are the first 20 modes, in order. The table, in Markdown, goes to TABLE. Exit
-code 1 when a bake fails or is more than 1 % off in its median mode.
+is held, and that the mesh size is the default one where the preset's own takes too much. Compared are the first 20 modes,
+in order. The table, in Markdown, goes to TABLE. Exit code 1 when a bake fails or is more than 1 % off in its median mode.
 """
 import ctypes
 import ctypes.util
