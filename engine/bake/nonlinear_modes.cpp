@@ -106,8 +106,8 @@ MatrixXd inverse_root(const MatrixXd& c) {
   return solved.eigenvectors().rightCols(count) * values.tail(count).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
-// The largest change of a low mode's own quartic term by the forces that condensing leaves out, over that term or, where
-// a mode hardly stretches, over what it would be if it stretched as the mean of these modes does.
+// The largest change of a low mode's own quartic term by the forces that condensing leaves out, over that term or,
+// where a mode hardly stretches, over what it would be if it stretched as the mean of these modes does.
 double carried_share(const fem::QuadraticStrain& strain, const solve::SlavedResponse& response,
                      const VectorXd& lambda) {
   const Index modes = lambda.size(), low = std::min<Index>(modes, kCarried);
