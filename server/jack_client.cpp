@@ -330,14 +330,12 @@ std::set<JackConnection> JackClient::connections() const {
   return found;
 }
 
-bool JackClient::connect(const JackConnection& connection) {
+void JackClient::connect(const JackConnection& connection) {
   const std::string ours = name() + ":" + connection.ours;
   const jack_port_t* port = jack_port_by_name(client_, ours.c_str());
-  if (!port || !jack_port_by_name(client_, connection.theirs.c_str())) return false;
+  if (!port || !jack_port_by_name(client_, connection.theirs.c_str())) return;
   const bool out = (jack_port_flags(port) & JackPortIsOutput) != 0;
-  const int error = out ? jack_connect(client_, ours.c_str(), connection.theirs.c_str())
-                        : jack_connect(client_, connection.theirs.c_str(), ours.c_str());
-  return error == 0 || error == EEXIST;
+  jack_connect(client_, out ? ours.c_str() : connection.theirs.c_str(), out ? connection.theirs.c_str() : ours.c_str());
 }
 
 void JackClient::connect_to_speakers() {

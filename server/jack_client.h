@@ -79,8 +79,8 @@ class JackClient {
 
   // The connections of our ports.
   [[nodiscard]] std::set<JackConnection> connections() const;
-  // Returns false when the ports cannot be connected, for example because the other port does not exist.
-  bool connect(const JackConnection& connection);
+  // Asks the server for a connection; does nothing where one of the ports does not exist.
+  void connect(const JackConnection& connection);
   void connect_to_speakers();
 
   // Asks JACK which of our ports are connected; the others are not rendered. Call after on_change(), and in freewheel.

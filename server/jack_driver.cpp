@@ -150,7 +150,7 @@ class JackDriver final : public Driver {
     client_->show_inputs(program_->inputs());
     client_->set_notes(program_->notes());
     if (std::exchange(connect_, false)) client_->connect_to_speakers();
-    std::erase_if(missing_, [this](const JackConnection& missing) { return client_->connect(missing); });
+    for (const JackConnection& missing : missing_) client_->connect(missing);
     client_->note_listeners();
     remember_connections();
     report_losses();
@@ -167,11 +167,13 @@ class JackDriver final : public Driver {
 
   // A server that ends stops its audio, disconnects its ports, and tells us last, which may take long where the machine
   // is busy. A connection that is gone is therefore forgotten only once the server has called for 0.3 s of sound more.
+  // One that was asked for is missing until it is seen, for the server may end in between.
   void remember_connections() {
     const auto present = client_->connections();
     if (client_->lost()) return;
     const synth::Frame rendered = program_->mixer.counters().frames.load();
     if (present != last_seen_) changed_at_ = rendered;
+    std::erase_if(missing_, [&present](const JackConnection& missing) { return present.contains(missing); });
     if (static_cast<double>(rendered - changed_at_) > 0.3 * sample_rate_hz_) connections_.clear();
     connections_.insert(present.begin(), present.end());
     last_seen_ = present;
