@@ -13,11 +13,13 @@
 
 // Finding shells
 //
-// Triangles are linked through the edges that exactly two of them have. Around an edge with more triangles, as many
-// that run forward along it as backward, they are sorted by angle: going round, a body begins at a backward triangle
-// and ends at a forward one, like brackets, and triangles that match are linked. From each triangle that belongs to no
-// shell yet, a breadth-first search collects everything it is linked to: that is one shell. Each step knows whether the
-// next triangle runs the same way round as its neighbour, so every triangle is marked as turned or not relative to the
+// Triangles are linked through the edges that exactly two of them have; what hangs together so is a part. At an edge
+// with more triangles, each part that has two there is linked to itself: bodies that touch along an edge stay apart,
+// also where one of them is inside out. Where parts have other numbers, and as many triangles run forward along the
+// edge as backward, they are sorted by angle: going round, a body begins at a backward triangle and ends at a forward
+// one, like brackets, and triangles that match are linked. From each triangle that belongs to no shell yet, a
+// breadth-first search collects everything it is linked to: that is one shell. Each step knows whether the next
+// triangle runs the same way round as its neighbour, so every triangle is marked as turned or not relative to the
 // first; if the turned ones have more than half of the area, the marks are exchanged. Volume follows from the
 // tetrahedra between the triangles and one point.
 //
@@ -52,13 +54,16 @@ class Grower {
 
   void link(std::size_t count) {
     links_.resize(count);
+    part_.resize(count);
+    std::iota(part_.begin(), part_.end(), std::size_t{0});
     for (std::size_t first = 0, last; first < edges_.size(); first = last) {
       last = end_of_edge(edges_, first);
-      if (last - first == 2) {
-        join(edges_[first], edges_[first + 1]);
-      } else if (!link_crowded(first, last)) {
-        for (std::size_t e = first; e < last; ++e) free_[static_cast<std::size_t>(edges_[e].triangle)] = true;
-      }
+      if (last - first == 2) join(edges_[first], edges_[first + 1]);
+    }
+    for (std::size_t first = 0, last; first < edges_.size(); first = last) {
+      last = end_of_edge(edges_, first);
+      if (last - first == 2 || link_parts(first, last) || link_crowded(first, last)) continue;
+      for (std::size_t e = first; e < last; ++e) free_[static_cast<std::size_t>(edges_[e].triangle)] = true;
     }
   }
 
@@ -66,6 +71,30 @@ class Grower {
     const bool agrees = a.forward != b.forward;
     links_[static_cast<std::size_t>(a.triangle)].push_back({b.triangle, agrees});
     links_[static_cast<std::size_t>(b.triangle)].push_back({a.triangle, agrees});
+    part_[part_of(a)] = part_of(b);
+  }
+
+  // What the triangle hangs together with so far.
+  std::size_t part_of(const EdgeUse& use) {
+    auto t = static_cast<std::size_t>(use.triangle);
+    while (part_[t] != t) t = part_[t] = part_[part_[t]];
+    return t;
+  }
+
+  // Links the two triangles of each part at this edge, whichever way the parts are wound. False where a part does not
+  // have two, one in either direction.
+  bool link_parts(std::size_t first, std::size_t last) {
+    std::vector<std::pair<std::size_t, std::size_t>> uses;  // part and use
+    for (std::size_t e = first; e < last; ++e) uses.emplace_back(part_of(edges_[e]), e);
+    if (uses.size() % 2 != 0) return false;
+    std::sort(uses.begin(), uses.end());
+    for (std::size_t i = 0; i < uses.size(); i += 2) {
+      const bool last_of_part = i + 2 == uses.size() || uses[i + 2].first != uses[i].first;
+      const bool opposed = edges_[uses[i].second].forward != edges_[uses[i + 1].second].forward;
+      if (uses[i].first != uses[i + 1].first || !last_of_part || !opposed) return false;
+    }
+    for (std::size_t i = 0; i < uses.size(); i += 2) join(edges_[uses[i].second], edges_[uses[i + 1].second]);
+    return true;
   }
 
   // False when not as many triangles run forward as backward. Angles grow counter-clockwise as seen against the edge's
@@ -167,7 +196,8 @@ class Grower {
   const TriangleMesh& mesh_;
   std::vector<EdgeUse> edges_;
   std::vector<std::vector<Link>> links_;
-  std::vector<bool> free_;  // triangles with an edge through which they have no neighbour
+  std::vector<std::size_t> part_;  // of each triangle, towards the first of its part
+  std::vector<bool> free_;         // triangles with an edge through which they have no neighbour
   Shells shells_;
 };
 

@@ -22,9 +22,9 @@ enum class Role {
   kBuried,  // a body that lies in another as a whole, and adds nothing to it
 };
 
-// Two triangles are neighbours through an edge that no third triangle has. Where an edge has more triangles, as many in
-// one direction as in the other, neighbours are those that have the inside of a body between them. A shell is what
-// neighbours connect.
+// Two triangles are neighbours through an edge that no third triangle has. Where an edge has more triangles, neighbours
+// are those that such edges connect, if they come in pairs; else, as many running in one direction as in the other,
+// those that have the inside of a body between them. A shell is what neighbours connect.
 struct Shells {
   std::vector<std::int32_t> shell;  // of each triangle; -1: degenerate or a duplicate
   std::vector<bool> turned;         // of each triangle: against the majority of its shell

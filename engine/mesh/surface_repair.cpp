@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -22,23 +23,26 @@ namespace {
 
 // The order of repairs
 //
-// Each repair makes the next one possible. Walls and copies go first, because they put more than two triangles at an
-// edge. Flat triangles follow, because they hide the edges that their neighbours should share; fins, because they leave
-// free edges that would be taken for holes. Only then do neighbours agree well enough to turn flipped triangles and to
-// find the rims of holes. Closing holes may make new flat triangles. Then shells are turned outward, which needs them
-// closed, freed of noise that folds them, and united where they run into each other, which needs them turned. At last
-// the surface is separated where parts of it still run together.
+// Each repair makes the next one possible. Coordinates are aligned first, so that faces that touch meet exactly. Walls
+// and copies go first, because they put more than two triangles at an edge. Flat triangles follow, because they hide
+// the edges that their neighbours should share; fins, because they leave free edges that would be taken for holes. Only
+// then do neighbours agree well enough to turn flipped triangles and to find the rims of holes. Closing holes may make
+// new flat triangles. Then shells are turned outward, which needs them closed, freed of noise that folds them, and
+// united where they run into each other, which needs them turned. At last the surface is separated where parts of it
+// still run together.
 //
 // Every step visits each triangle, edge and node a bounded number of times, and sorts them or looks them up in trees at
 // most; `steps_` counts the visits, so that a test can hold the repair to it.
 
-constexpr double kScraps = 0.2;  // of the whole area: open parts that go, where the rest is closed
+constexpr double kPlaneShare = 1e-7;  // of the diagonal: what files of single precision round by
+constexpr double kScraps = 0.2;       // of the whole area: open parts that go, where the rest is closed
 
 class SurfaceRepair {
  public:
   SurfaceRepair(const TriangleMesh& mesh, CavityRule rule) : mesh_(mesh), rule_(rule) {}
 
   RepairedSurface run() {
+    align();
     drop_repeated();
     flat_ += split_at_flats(mesh_, steps_);
     drop_fins();
@@ -75,6 +79,22 @@ class SurfaceRepair {
     const auto dropped = static_cast<std::size_t>(mesh_.triangles.rows() - kept);
     mesh_.triangles.conservativeResize(kept, 3);
     return dropped;
+  }
+
+  // Coordinates along an axis that are nearly equal become equal: faces across an axis that rounding has set apart lie
+  // in one plane again.
+  void align() {
+    const double tolerance = kPlaneShare * diagonal_of(mesh_);
+    std::vector<double*> along(static_cast<std::size_t>(mesh_.nodes.rows()));
+    for (auto axis : mesh_.nodes.colwise()) {
+      for (std::size_t n = 0; n < along.size(); ++n) along[n] = &axis[static_cast<Eigen::Index>(n)];
+      std::ranges::sort(along, {}, [](const double* x) { return *x; });
+      double first = -std::numeric_limits<double>::infinity();
+      for (double* const x : along) {
+        if (*x - first > tolerance) first = *x;
+        *x = first;
+      }
+    }
   }
 
   void drop_repeated() {

@@ -1,12 +1,12 @@
 // Mending of surfaces, where there is one likely way to. [worker]
 //
-// In this order: pairs of triangles back to back go (a wall inside), then copies of triangles; triangles whose corners
-// lie in one line go, and the neighbour at their longest side is cut there (a T-joint); fins (triangles that hang on a
-// crowded edge by one side and are free at another) go; triangles turned against their neighbours are turned; holes are
-// closed: flat ones of any size, others of at most kMaxHole of the body's diagonal around; surfaces that run
-// together at a point or an edge are taken apart; open scraps beside a closed body go; each shell is turned outward,
-// cavities inward (shells.h); noise that has folded a scan is smoothed (denoise.h); what runs into each other, cuts
-// itself or lies in another body is united (unite.h).
+// In this order: coordinates that rounding has set apart become one; pairs of triangles back to back go (a wall
+// inside), then copies of triangles; triangles whose corners lie in one line go, and the neighbour at their longest
+// side is cut there (a T-joint); fins (triangles that hang on a crowded edge by one side and are free at another) go;
+// triangles turned against their neighbours are turned; holes are closed: flat ones of any size, others of at most
+// kMaxHole of the body's diagonal around; surfaces that run together at a point or an edge are taken apart; open scraps
+// beside a closed body go; each shell is turned outward, cavities inward (shells.h); noise that has folded a scan is
+// smoothed (denoise.h); what runs into each other, cuts itself or lies in another body is united (unite.h).
 //
 // Larger holes stay, and what still cuts itself: stuffing.h makes a body of such a surface.
 #pragma once

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <string>
 #include <utility>
@@ -140,23 +141,28 @@ Solid random_solid(Dice& dice, bool grid) {
   return placed(std::move(solid), turn, by);
 }
 
-// One that lies in another as a whole.
-bool buried(std::size_t body, const std::vector<test::Pieces>& bodies) {
+// One that lies in another as a whole, or has another in it: wound the other way, the inner one would be a cavity.
+bool nested(std::size_t body, const std::vector<test::Pieces>& bodies) {
+  const double own = test::volume_of(bodies[body]);
   for (std::size_t other = 0; other < bodies.size(); ++other) {
-    const double own = test::volume_of(bodies[body]);
-    if (other != body && test::volume_of(test::common(bodies[body], bodies[other])) > (1 - 1e-9) * own) return true;
+    if (other == body) continue;
+    const double smaller = std::min(own, test::volume_of(bodies[other]));
+    if (test::volume_of(test::common(bodies[body], bodies[other])) > (1 - 1e-9) * smaller) return true;
   }
   return false;
 }
 
 // Half of the groups lie askew, half on a grid, where bodies may touch along an edge: what is left of the surface there
-// has no inside, and such a surface is not sound. Every fifth body is given inside out, unless it lies in another,
-// which would make it a cavity. In group 69 two faces lie within rounding of each other.
+// has no inside, and such a surface is not sound. Every fifth body is given inside out, unless it lies in another
+// or another in it, for one of the two would be a cavity then. In groups 69, 385 and 393 faces lie within rounding of
+// each other; in 207 a body touches one that is inside out along an edge.
 TEST(Union, BodiesThatRunIntoEachOtherHaveTheVolumeOfTheirUnion) {
-  const int groups = test::long_form() ? 200 : 70;
+  std::vector<int> groups(test::long_form() ? 600 : 70);
+  std::iota(groups.begin(), groups.end(), 0);
+  if (!test::long_form()) groups.insert(groups.end(), {207, 385, 393});
   double worst = 0;
-  int sound = 0;
-  for (int group = 0; group < groups; ++group) {
+  std::size_t sound = 0;
+  for (const int group : groups) {
     Dice dice(static_cast<unsigned>(group) + 1);
     std::string names;
     std::vector<test::Pieces> bodies;
@@ -170,7 +176,7 @@ TEST(Union, BodiesThatRunIntoEachOtherHaveTheVolumeOfTheirUnion) {
     }
     mesh::TriangleMesh surface;
     for (std::size_t body = 0; body < surfaces.size(); ++body) {
-      const bool turned = dice.below(5) == 0 && !buried(body, bodies);
+      const bool turned = dice.below(5) == 0 && !nested(body, bodies);
       const mesh::TriangleMesh given = turned ? test::inside_out(surfaces[body]) : surfaces[body];
       surface = body == 0 ? given : test::united(surface, given);
     }
@@ -186,8 +192,8 @@ TEST(Union, BodiesThatRunIntoEachOtherHaveTheVolumeOfTheirUnion) {
     EXPECT_LT(error, 1e-6);
     worst = std::max(worst, error);
   }
-  EXPECT_GT(sound, groups * 8 / 10);
-  std::printf("%d groups, %d of them sound, the volume off by at most %.1e\n", groups, sound, worst);
+  EXPECT_GT(10 * sound, 8 * groups.size());
+  std::printf("%zu groups, %zu of them sound, the volume off by at most %.1e\n", groups.size(), sound, worst);
 }
 
 // What comes out does not depend on which shell is named first, nor on where its first point lies.
