@@ -74,7 +74,7 @@ class Grower {
     part_[part_of(a)] = part_of(b);
   }
 
-  // What the triangle hangs together with so far.
+  // Returns the part that the triangle of this use belongs to so far, by the number of the part's first triangle.
   std::size_t part_of(const EdgeUse& use) {
     auto t = static_cast<std::size_t>(use.triangle);
     while (part_[t] != t) t = part_[t] = part_[part_[t]];

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <string>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -37,8 +36,8 @@ Samples tone_of(const DampedSinusoid& tone, int rate, std::size_t frames) {
 
 class JackReconnect : public JackTest {
  protected:
-  // What the tone sounds like now: a tenth of a second of our own recorder. A busy machine may cost a recording some
-  // blocks, so one that is no pure tone is made again.
+  // Returns the damped sinusoid that the daemon's left output plays now. A busy machine may cost a recording some
+  // blocks, so a recording that is no pure tone is made again.
   DampedSinusoid listen(int rate) {
     DampedSinusoid tone;
     EXPECT_TRUE(becomes_true([&] {
@@ -51,7 +50,7 @@ class JackReconnect : public JackTest {
     return tone;
   }
 
-  // The later half of a fifth of a second; nothing where the server does not let us.
+  // Records a fifth of a second of the left output and returns its later half; nothing where the server refuses.
   Samples record(int rate) {
     const auto frames = static_cast<std::size_t>(rate / 5);
     JackRecorder recorder(server_.name(), "listener", frames);

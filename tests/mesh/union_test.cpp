@@ -141,7 +141,8 @@ Solid random_solid(Dice& dice, bool grid) {
   return placed(std::move(solid), turn, by);
 }
 
-// One that lies in another as a whole, or has another in it: wound the other way, the inner one would be a cavity.
+// Returns whether the body lies in another as a whole, or another in it: wound the other way, the inner one would be a
+// cavity.
 bool nested(std::size_t body, const std::vector<test::Pieces>& bodies) {
   const double own = test::volume_of(bodies[body]);
   for (std::size_t other = 0; other < bodies.size(); ++other) {
