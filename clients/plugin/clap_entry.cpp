@@ -78,24 +78,29 @@ class Events {
             {status, static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(second)}};
     add(midi.header);
   }
+  // Adds a message on a channel, or on all channels if it is negative, as CLAP has it.
+  void add_midi_on(int channel, std::uint32_t time, int kind, int first, int second) {
+    for (int one = 0; one < 16; ++one) {
+      if (channel < 0 || channel == one) add_midi(time, static_cast<std::uint8_t>(kind | one), first, second);
+    }
+  }
   // A release without a key is one of all keys.
   void release(const clap_event_note_t& event) {
-    const auto channel = static_cast<std::uint8_t>(std::max<int>(event.channel, 0) & 0x0f);
     const bool one_key = event.key >= 0 && event.key < static_cast<int>(kKeys);
-    if (one_key) return add_midi(event.header.time, 0x80 | channel, event.key, 0);
-    add_midi(event.header.time, 0xb0 | channel, 123, 0);
+    if (one_key) return add_midi_on(event.channel, event.header.time, 0x80, event.key, 0);
+    add_midi_on(event.channel, event.header.time, 0xb0, 123, 0);
   }
   // An expression without a key is one of all keys that its channel plays.
   void express(const clap_event_note_expression_t& event) {
-    const auto channel = static_cast<std::uint8_t>(std::max<int>(event.channel, 0) & 0x0f);
+    const int channel = event.channel;
     const bool one_key = event.key >= 0 && event.key < static_cast<int>(kKeys);
     const std::uint32_t time = event.header.time;
     if (event.expression_id == CLAP_NOTE_EXPRESSION_PRESSURE) {
-      if (one_key) return add_midi(time, 0xa0 | channel, event.key, seven_bits(event.value));
-      return add_midi(time, 0xd0 | channel, seven_bits(event.value), 0);
+      if (one_key) return add_midi_on(channel, time, 0xa0, event.key, seven_bits(event.value));
+      return add_midi_on(channel, time, 0xd0, seven_bits(event.value), 0);
     }
     if (event.expression_id == CLAP_NOTE_EXPRESSION_BRIGHTNESS) {
-      return add_midi(time, 0xb0 | channel, 74, seven_bits(event.value));
+      return add_midi_on(channel, time, 0xb0, 74, seven_bits(event.value));
     }
     if (event.expression_id != CLAP_NOTE_EXPRESSION_TUNING || !one_key || !std::isfinite(event.value)) return;
     const int code = tuning_code(event.value);

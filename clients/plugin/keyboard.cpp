@@ -10,9 +10,9 @@ RINGDOWN_TRUST_REALTIME_BEGIN
 namespace ringdown::plugin {
 namespace {
 
-constexpr std::uint8_t kNoteOff = 0x80, kNoteOn = 0x90, kKeyPressure = 0xa0, kControl = 0xb0, kChannelPressure = 0xd0,
-                       kPitchBend = 0xe0;
-constexpr std::uint8_t kSustainPedal = 64, kSoftPedal = 67, kHardness = 74, kAllSoundOff = 120, kAllNotesOff = 123;
+using session::HeldKeys;
+namespace midi = session::midi;
+
 constexpr double kMaxContact_s = 0.1, kMaxImpulse_ns = 1e4;  // what libringdown takes
 constexpr double kHardnessOctaves = 3;                       // a full controller 74 makes blows 8 times as short
 constexpr double kMasterBend_semitones = 2;                  // of MPE's channel 1
@@ -28,36 +28,42 @@ std::optional<double> release_s(const Keyboard::Stage& stage) RINGDOWN_REALTIME 
 
 }  // namespace
 
-void Keyboard::reset() {
-  down_.reset();
-  sustained_.reset();
-  sustain_ = damping_ = false;
+void Keyboard::reset() RINGDOWN_REALTIME {
+  keys_ = {};
   channels_ = {};
   key_tuning_ = {};
-  for (std::size_t key = 0; key < kKeys; ++key) bend_semitones_[key] = pressure_[key] = 0;
+  for (std::size_t key = 0; key < kKeys; ++key) {
+    bend_semitones_.data()[key].store(0, std::memory_order_relaxed);
+    pressure_.data()[key].store(0, std::memory_order_relaxed);
+  }
 }
 
 void Keyboard::play(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME {
-  if (message.size() < 2) return;
+  if (message.empty()) return;
   const std::uint8_t* const bytes = message.data();
+  if (bytes[0] == midi::kSystemReset) {
+    reset();
+    return damp_all(0, stage);
+  }
+  if (message.size() < 2) return;
   const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0);
   const std::size_t channel = bytes[0] & 0x0f;
   const auto first = static_cast<std::uint8_t>(bytes[1] & 0x7f);
   if (bytes[0] == kTuneKeyHigh || bytes[0] == kTuneKeyLow) return tune_key(message, stage);
-  if (kind == kChannelPressure) return press_harder(channel, first / 127.0, stage);
+  if (kind == midi::kChannelPressure) return press_harder(channel, first / 127.0, stage);
   if (message.size() < 3) return;
   const auto second = static_cast<std::uint8_t>(bytes[2] & 0x7f);
-  if (kind == kNoteOn && second > 0) {
+  if (kind == midi::kNoteOn && second > 0) {
     press(first, channel, second, stage);
-  } else if (kind == kNoteOn || kind == kNoteOff) {
-    release(first, stage);
-  } else if (kind == kKeyPressure) {
-    if (down_[first]) pressure_.data()[first].store(second / 127.0, std::memory_order_relaxed);
-  } else if (kind == kPitchBend) {
+  } else if (kind == midi::kNoteOn || kind == midi::kNoteOff) {
+    release(first, channel, stage);
+  } else if (kind == midi::kKeyPressure) {
+    if (keys_.is_down(first, channel)) pressure_.data()[first].store(second / 127.0, std::memory_order_relaxed);
+  } else if (kind == midi::kPitchBend) {
     // DPF's VST3 writes 128 as the upper byte of a full bend, so it is not masked here.
     const int value = std::min(first + 128 * std::min<int>(bytes[2], 128), 2 * kBendCentre - 1);
     bend(channel, std::clamp((value - kBendCentre) / (kBendCentre - 1.0), -1.0, 1.0), stage);
-  } else if (kind == kControl) {
+  } else if (kind == midi::kControl) {
     control(channel, first, second, stage);
   }
 }
@@ -76,8 +82,7 @@ void Keyboard::tune_key(std::span<const std::uint8_t> message, const Stage& stag
 
 void Keyboard::press(std::size_t key, std::size_t channel, std::uint8_t velocity,
                      const Stage& stage) RINGDOWN_REALTIME {
-  down_[key] = true;
-  sustained_[key] = false;
+  keys_.press(key, channel);
   channel_of_.data()[key] = static_cast<std::uint8_t>(channel);
   pressure_.data()[key].store(0, std::memory_order_relaxed);
   bend_key(key, stage);
@@ -115,45 +120,48 @@ void Keyboard::strike(const KeyMap::Key& key, double share, double softness, dou
   }
 }
 
-void Keyboard::release(std::size_t key, const Stage& stage) RINGDOWN_REALTIME {
-  if (!down_[key]) return;
-  down_[key] = false;
+void Keyboard::release(std::size_t key, std::size_t channel, const Stage& stage) RINGDOWN_REALTIME {
+  const HeldKeys::Release released = keys_.release(key, channel);
+  if (released == HeldKeys::Release::absent) return;
+  if (released == HeldKeys::Release::down) {
+    channel_of_.data()[key] = static_cast<std::uint8_t>(keys_.channel_of(key));
+    return;
+  }
   key_tuning_.data()[key] = 0;  // of the next note
   pressure_.data()[key].store(0, std::memory_order_relaxed);
-  if (damping_) return damp(key, stage.map.damp_s, stage);
-  const auto within_s = release_s(stage);
-  if (!within_s) return;
-  if (sustain_) {
-    sustained_[key] = true;
-  } else {
-    damp(key, *within_s, stage);
-  }
+  if (released == HeldKeys::Release::kept) return;
+  if (keys_.is_down(HeldKeys::Pedal::damp)) return damp(key, stage.map.damp_s, stage);
+  if (const auto within_s = release_s(stage)) damp(key, *within_s, stage);
 }
 
 void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t value,
                        const Stage& stage) RINGDOWN_REALTIME {
-  if (number == kSustainPedal) {
-    sustain(value >= 64, stage);
-  } else if (number == kSoftPedal) {
-    if (value >= 64 && !damping_) damp_all(stage.map.damp_s, stage);
-    damping_ = value >= 64;
-  } else if (number == kHardness) {
+  if (const auto pedal = HeldKeys::pedal_of(number)) {
+    const bool was_damped = keys_.is_down(HeldKeys::Pedal::damp);
+    damp_released(keys_.move(*pedal, channel, value >= 64), stage);
+    if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(stage.map.damp_s, stage);
+  } else if (number == midi::kBrightness) {
     channels_.data()[channel].hardness = std::clamp((value - 64) / 63.0, -1.0, 1.0);
-  } else if (number == kAllSoundOff) {
+  } else if (number == midi::kAllSoundOff) {
     damp_all(0, stage);
-  } else if (number == kAllNotesOff) {
-    for (std::size_t key = 0; key < kKeys; ++key) release(key, stage);
+  } else if (number == midi::kResetControllers || midi::ends_notes(number)) {
+    // Channel 1 of MPE speaks for all channels.
+    const bool all = channel == 0 && stage.parameters.on(Parameter::mpe);
+    for (std::size_t one = all ? 0 : channel; one <= (all ? midi::kChannels - 1 : channel); ++one) {
+      if (number == midi::kResetControllers) {
+        reset_controllers(one, stage);
+      } else {
+        for (std::size_t key = 0; key < kKeys; ++key) release(key, one, stage);
+      }
+    }
   }
 }
 
-void Keyboard::sustain(bool down, const Stage& stage) RINGDOWN_REALTIME {
-  sustain_ = down;
-  if (down) return;
-  const KeySet released = sustained_;
-  sustained_.reset();
-  for (std::size_t key = 0; key < kKeys; ++key) {
-    if (released[key]) damp(key, release_s(stage).value_or(stage.map.damp_s), stage);
-  }
+// As RP-015 of the MIDI Association says, which leaves controller 74 as it is.
+void Keyboard::reset_controllers(std::size_t channel, const Stage& stage) RINGDOWN_REALTIME {
+  damp_released(keys_.lift_pedals(channel), stage);
+  bend(channel, 0, stage);
+  press_harder(channel, 0, stage);
 }
 
 void Keyboard::bend(std::size_t channel, double bend, const Stage& stage) RINGDOWN_REALTIME {
@@ -161,7 +169,7 @@ void Keyboard::bend(std::size_t channel, double bend, const Stage& stage) RINGDO
   const bool mpe = stage.parameters.on(Parameter::mpe);
   for (std::size_t key = 0; key < kKeys; ++key) {
     // A channel of MPE may have gone on to another key; what the first one left ringing keeps its pitch.
-    const bool follows = !mpe || down_[key] || sustained_[key];
+    const bool follows = !mpe || keys_.is_held(key);
     if (follows && ((mpe && channel == 0) || channel_of_.data()[key] == channel)) bend_key(key, stage);
   }
 }
@@ -179,7 +187,7 @@ void Keyboard::bend_key(std::size_t key, const Stage& stage) RINGDOWN_REALTIME {
 void Keyboard::press_harder(std::size_t channel, double pressure, const Stage& stage) RINGDOWN_REALTIME {
   const bool all = stage.parameters.on(Parameter::mpe) && channel == 0;
   for (std::size_t key = 0; key < kKeys; ++key) {
-    if (down_[key] && (all || channel_of_.data()[key] == channel)) {
+    if (keys_.is_down(key) && (all || channel_of_.data()[key] == channel)) {
       pressure_.data()[key].store(pressure, std::memory_order_relaxed);
     }
   }
@@ -200,9 +208,17 @@ void Keyboard::clear(std::uint32_t object, double within_s, const Stage& stage) 
 bool Keyboard::kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME {
   for (std::size_t key = 0; key < kKeys; ++key) {
     const KeyMap::Key& other = map.keys.data()[key];
-    if (other.sounds && other.object == object && (down_[key] || sustained_[key])) return true;
+    if (other.sounds && other.object == object && keys_.is_held(key)) return true;
   }
   return false;
+}
+
+void Keyboard::damp_released(const HeldKeys::Keys& keys, const Stage& stage) RINGDOWN_REALTIME {
+  const auto within_s = release_s(stage);
+  if (!within_s) return;
+  for (std::size_t key = 0; key < kKeys; ++key) {
+    if (keys[key]) damp(key, *within_s, stage);
+  }
 }
 
 void Keyboard::damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME {

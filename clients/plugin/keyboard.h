@@ -9,10 +9,10 @@
 #pragma once
 
 #include "clients/plugin/key_map.h"
+#include "server/session/held_keys.h"
 
 #include <array>
 #include <atomic>
-#include <bitset>
 #include <cstdint>
 #include <span>
 
@@ -43,8 +43,8 @@ class Keyboard {
   // sentence for each that it refuses.
   void begin_block() RINGDOWN_REALTIME { events_left_ = kMaxEvents; }
 
-  // Forgets keys, pedals, bends and pressure. Nothing else may run.
-  void reset();
+  // Forgets keys, pedals, controllers, bends and pressure.
+  void reset() RINGDOWN_REALTIME;
 
   // The worker reads from these how each key's object is to be retuned. [any]
   [[nodiscard]] double bend_semitones(std::size_t key) const RINGDOWN_REALTIME {
@@ -55,21 +55,21 @@ class Keyboard {
   }
 
  private:
-  static constexpr std::size_t kChannels = 16, kMaxEvents = 3900;
-  using KeySet = std::bitset<kKeys>;
+  static constexpr std::size_t kMaxEvents = 3900;
   struct Channel {
     double bend = 0;      // -1 ... 1
     double hardness = 0;  // of controller 74, -1 ... 1
   };
   void press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Stage& stage) RINGDOWN_REALTIME;
   void tune_key(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME;
-  void release(std::size_t key, const Stage& stage) RINGDOWN_REALTIME;
+  void release(std::size_t key, std::size_t channel, const Stage& stage) RINGDOWN_REALTIME;
   void control(std::size_t channel, std::uint8_t number, std::uint8_t value, const Stage& stage) RINGDOWN_REALTIME;
-  void sustain(bool down, const Stage& stage) RINGDOWN_REALTIME;
+  void reset_controllers(std::size_t channel, const Stage& stage) RINGDOWN_REALTIME;
   void bend(std::size_t channel, double bend, const Stage& stage) RINGDOWN_REALTIME;
   void bend_key(std::size_t key, const Stage& stage) RINGDOWN_REALTIME;
   void press_harder(std::size_t channel, double pressure, const Stage& stage) RINGDOWN_REALTIME;
   void damp(std::size_t key, double within_s, const Stage& stage) RINGDOWN_REALTIME;
+  void damp_released(const session::HeldKeys::Keys& keys, const Stage& stage) RINGDOWN_REALTIME;
   void damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME;
   [[nodiscard]] bool kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME;
 
@@ -79,11 +79,10 @@ class Keyboard {
   [[nodiscard]] bool takes_event() RINGDOWN_REALTIME { return events_left_ > 0 && events_left_-- > 0; }
 
   std::size_t events_left_ = kMaxEvents;
-  KeySet down_, sustained_;  // keys that are down; released keys that the pedal sustains
-  bool sustain_ = false, damping_ = false;
+  session::HeldKeys keys_;
   int tuning_high_ = 64;                    // of the single key's tuning that arrives
   std::array<double, kKeys> key_tuning_{};  // [semitones] of single keys
-  std::array<Channel, kChannels> channels_;
+  std::array<Channel, session::midi::kChannels> channels_;
   std::array<std::uint8_t, kKeys> channel_of_{};  // that played the key last
   std::array<std::atomic<double>, kKeys> bend_semitones_{}, pressure_{};
 };

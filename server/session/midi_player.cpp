@@ -11,9 +11,6 @@ namespace {
 using synth::Event;
 using synth::EventType;
 
-constexpr std::uint8_t kNoteOff = 0x80, kNoteOn = 0x90, kKeyPressure = 0xa0, kControl = 0xb0, kChannelPressure = 0xd0;
-constexpr std::uint8_t kExpression = 11, kSlide = 74;
-constexpr std::uint8_t kSustainPedal = 64, kSoftPedal = 67, kAllSoundOff = 120, kAllNotesOff = 123;
 constexpr double kMaxContact_s = 0.1;
 constexpr float kFirstPressure = 0.5F;  // of a bow, before any message
 
@@ -25,42 +22,38 @@ float share_of(std::uint8_t value) RINGDOWN_REALTIME { return static_cast<float>
 
 void MidiPlayer::play(std::span<const std::uint8_t> message, synth::Frame frame, const NoteTable& table,
                       synth::Mixer& mixer, SpscRing<Event>& played) RINGDOWN_REALTIME {
-  if (message.size() < 2) return;
+  if (message.empty()) return;
   const Stage stage{frame, table, mixer, played};
   const std::uint8_t* const bytes = message.data();
+  if (bytes[0] == midi::kSystemReset) return reset(stage);
+  if (message.size() < 2) return;
   const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0), channel = static_cast<std::uint8_t>(bytes[0] & 0x0f);
-  if (kind == kChannelPressure) {
+  if (kind == midi::kChannelPressure) {
     const float share = share_of(bytes[1] & 0x7f);
     return change_bows(channel, stage, [share](Bow& bow) RINGDOWN_REALTIME { bow.force = share; });
   }
   if (message.size() < 3) return;
   const auto first = static_cast<std::uint8_t>(bytes[1] & 0x7f), second = static_cast<std::uint8_t>(bytes[2] & 0x7f);
-  if (kind == kNoteOn && second > 0) {
+  if (kind == midi::kNoteOn && second > 0) {
     press(first, second, channel, stage);
-  } else if (kind == kNoteOn || kind == kNoteOff) {
-    release(first, stage);
-  } else if (kind == kControl && first == kAllSoundOff) {
-    damp_all(0, stage);
-  } else if (kind == kControl && first == kAllNotesOff) {
-    for (std::size_t note = 0; note < kNotes; ++note) release(note, stage);
-  } else if (kind == kKeyPressure && bows_[first].drawn) {
+  } else if (kind == midi::kNoteOn || kind == midi::kNoteOff) {
+    release(first, channel, stage);
+  } else if (kind == midi::kKeyPressure && bows_[first].drawn && bows_[first].channel == channel) {
     bows_[first].force = share_of(second);
     draw(first, stage);
-  } else if (kind == kControl && (first == kExpression || first == kSlide)) {
-    change_bows(channel, stage, [second](Bow& bow) RINGDOWN_REALTIME { bow.speed = share_of(second); });
-  } else if (kind == kControl) {
-    move_pedal(first, second >= 64, stage);
+  } else if (kind == midi::kControl) {
+    control(channel, first, second, stage);
   }
 }
 
 void MidiPlayer::press(std::size_t note, std::uint8_t velocity, std::uint8_t channel,
                        const Stage& stage) RINGDOWN_REALTIME {
-  down_[note] = true;
-  sustained_[note] = false;
+  keys_.press(note, channel);
   const auto& strike = stage.table.notes.data()[note];
   if (!strike) return;
   if (strike->bow) {
-    bows_[note] = {channel, share_of(velocity), kFirstPressure, true};
+    const float speed = share_of(velocity);
+    bows_[note] = {channel, speed, speed, kFirstPressure, true};
     return draw(note, stage);
   }
   const double share = (velocity / 127.0) * (velocity / 127.0);
@@ -73,31 +66,55 @@ void MidiPlayer::press(std::size_t note, std::uint8_t velocity, std::uint8_t cha
        stage);
 }
 
-void MidiPlayer::release(std::size_t note, const Stage& stage) RINGDOWN_REALTIME {
-  if (!down_[note]) return;
-  down_[note] = false;
+void MidiPlayer::release(std::size_t note, std::uint8_t channel, const Stage& stage) RINGDOWN_REALTIME {
+  switch (keys_.release(note, channel)) {
+    case HeldKeys::Release::absent:
+      return;
+    case HeldKeys::Release::down:
+      bows_[note].channel = static_cast<std::uint8_t>(keys_.channel_of(note));
+      return;
+    case HeldKeys::Release::kept:
+      return lift(note, stage);
+    case HeldKeys::Release::free:
+      break;
+  }
   lift(note, stage);
-  if (damping_) return damp(note, stage.table.damp_s, stage);
-  if (!stage.table.release_s) return;
-  if (sustain_) {
-    sustained_[note] = true;
-  } else {
-    damp(note, *stage.table.release_s, stage);
+  if (keys_.is_down(HeldKeys::Pedal::damp)) return damp(note, stage.table.damp_s, stage);
+  if (stage.table.release_s) damp(note, *stage.table.release_s, stage);
+}
+
+void MidiPlayer::control(std::uint8_t channel, std::uint8_t number, std::uint8_t value,
+                         const Stage& stage) RINGDOWN_REALTIME {
+  if (const auto pedal = HeldKeys::pedal_of(number)) {
+    const bool was_damped = keys_.is_down(HeldKeys::Pedal::damp);
+    damp_released(keys_.move(*pedal, channel, value >= 64), stage);
+    if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(stage.table.damp_s, stage);
+  } else if (number == midi::kExpression || number == midi::kBrightness) {
+    change_bows(channel, stage, [value](Bow& bow) RINGDOWN_REALTIME { bow.speed = share_of(value); });
+  } else if (number == midi::kAllSoundOff) {
+    for (std::size_t note = 0; note < kNotes; ++note) lift(note, stage);
+    damp_all(0, stage);
+  } else if (number == midi::kResetControllers) {
+    damp_released(keys_.lift_pedals(channel), stage);
+    change_bows(channel, stage, [](Bow& bow) RINGDOWN_REALTIME {
+      bow.speed = bow.first_speed;
+      bow.force = kFirstPressure;
+    });
+  } else if (midi::ends_notes(number)) {
+    for (std::size_t note = 0; note < kNotes; ++note) release(note, channel, stage);
   }
 }
 
-void MidiPlayer::move_pedal(std::uint8_t pedal, bool down, const Stage& stage) RINGDOWN_REALTIME {
-  if (pedal == kSoftPedal) {
-    if (down && !damping_) damp_all(stage.table.damp_s, stage);
-    damping_ = down;
-  } else if (pedal == kSustainPedal) {
-    sustain_ = down;
-    if (down) return;
-    const NoteSet released = sustained_;
-    sustained_.reset();
-    for (std::size_t note = 0; note < kNotes; ++note) {
-      if (released[note]) damp(note, stage.table.release_s.value_or(stage.table.damp_s), stage);
-    }
+void MidiPlayer::reset(const Stage& stage) RINGDOWN_REALTIME {
+  for (std::size_t note = 0; note < kNotes; ++note) lift(note, stage);
+  keys_ = {};
+  damp_all(0, stage);
+}
+
+void MidiPlayer::damp_released(const HeldKeys::Keys& keys, const Stage& stage) RINGDOWN_REALTIME {
+  if (!stage.table.release_s) return;
+  for (std::size_t note = 0; note < kNotes; ++note) {
+    if (keys[note]) damp(note, *stage.table.release_s, stage);
   }
 }
 
@@ -111,7 +128,7 @@ void MidiPlayer::damp(std::size_t note, double within_s, const Stage& stage) RIN
 bool MidiPlayer::kept(synth::ObjectNumber object, const NoteTable& table) const RINGDOWN_REALTIME {
   for (std::size_t note = 0; note < kNotes; ++note) {
     const auto& strike = table.notes.data()[note];
-    if (strike && strike->object == object && (down_[note] || sustained_[note])) return true;
+    if (strike && strike->object == object && keys_.is_held(note)) return true;
   }
   return false;
 }

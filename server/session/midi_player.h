@@ -1,23 +1,24 @@
 // MIDI to events: notes strike, released notes and the damp pedal put a hand on what rings. [audio]
 //
-// The keyboard's state: which notes are down, which are kept by the sustain pedal. A note's velocity v, 1 to 127, gives
-// the share (v / 127)^2 of its full impulse J, so that the lowest is 84 dB below the highest; the blow lasts
-// (J_full / J)^(1/5) times as long as at full velocity, by Hertz's law of contact: soft blows are duller.
+// A note's velocity v, 1 to 127, gives the share (v / 127)^2 of its full impulse J, so that the lowest is 84 dB below
+// the highest; the blow lasts (J_full / J)^(1/5) times as long as at full velocity, by Hertz's law of contact: soft
+// blows are duller.
 //
 // A bowed note draws its bow while its key is down: at v / 127 of its full speed, and at kFirstPressure of its full
 // force until the key's or the channel's pressure says otherwise. Controllers 74 and 11 set the speed of what is bowed
-// on their channel, so that an MPE keyboard, with a channel for each note, bows each by itself.
+// on their channel, so that an MPE keyboard, with a channel for each note, bows each by itself. Reset all controllers
+// (RP-015 of the MIDI Association) lifts its channel's pedals and gives its bows their first speed and force.
 #pragma once
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
 #include "engine/synth/event.h"
 #include "engine/synth/mixer.h"
+#include "server/session/held_keys.h"
 #include "server/session/note_map.h"
 
 #include <array>
 #include <atomic>
-#include <bitset>
 #include <cstdint>
 #include <span>
 
@@ -25,7 +26,7 @@ namespace ringdown::session {
 
 class MidiPlayer {
  public:
-  // Plays one message at `frame`. Messages other than notes, pedals and "all off" are ignored. Each event that the
+  // Plays one message at `frame`. Messages other than notes, pedals, bows and resets are ignored. Each event that the
   // mixer took is also put into `played`, as long as there is room.
   void play(std::span<const std::uint8_t> message, synth::Frame frame, const NoteTable& table, synth::Mixer& mixer,
             SpscRing<synth::Event>& played) RINGDOWN_REALTIME;
@@ -34,7 +35,6 @@ class MidiPlayer {
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  private:
-  using NoteSet = std::bitset<kNotes>;
   struct Stage {
     synth::Frame frame;
     const NoteTable& table;
@@ -42,9 +42,11 @@ class MidiPlayer {
     SpscRing<synth::Event>& played;
   };
   void press(std::size_t note, std::uint8_t velocity, std::uint8_t channel, const Stage& stage) RINGDOWN_REALTIME;
-  void release(std::size_t note, const Stage& stage) RINGDOWN_REALTIME;
-  void move_pedal(std::uint8_t pedal, bool down, const Stage& stage) RINGDOWN_REALTIME;
+  void release(std::size_t note, std::uint8_t channel, const Stage& stage) RINGDOWN_REALTIME;
+  void control(std::uint8_t channel, std::uint8_t number, std::uint8_t value, const Stage& stage) RINGDOWN_REALTIME;
+  void reset(const Stage& stage) RINGDOWN_REALTIME;
   void damp(std::size_t note, double within_s, const Stage& stage) RINGDOWN_REALTIME;
+  void damp_released(const HeldKeys::Keys& keys, const Stage& stage) RINGDOWN_REALTIME;
   void damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME;
   [[nodiscard]] bool kept(synth::ObjectNumber object, const NoteTable& table) const RINGDOWN_REALTIME;
   void draw(std::size_t note, const Stage& stage) RINGDOWN_REALTIME;
@@ -53,14 +55,14 @@ class MidiPlayer {
   void change_bows(std::uint8_t channel, const Stage& stage, const Change& change) RINGDOWN_REALTIME;
   void push(const synth::Event& event, const Stage& stage) RINGDOWN_REALTIME;
 
-  NoteSet down_, sustained_;  // keys that are down; released keys that the pedal sustains
+  HeldKeys keys_;
   struct Bow {
     std::uint8_t channel = 0;
+    float first_speed = 0;       // when the key went down
     float speed = 0, force = 0;  // shares of the full ones
     bool drawn = false;
   };
   std::array<Bow, kNotes> bows_;
-  bool sustain_ = false, damping_ = false;
   std::atomic<std::uint64_t> dropped_ = 0;
 };
 

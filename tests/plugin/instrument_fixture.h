@@ -19,7 +19,7 @@ using test::Samples;
 inline constexpr double kRate = 48000;
 inline constexpr std::uint8_t kOn = 0x90, kOff = 0x80, kKeyPressure = 0xa0, kControl = 0xb0, kPressure = 0xd0,
                               kBend = 0xe0;
-inline constexpr std::uint8_t kSustain = 64, kDamp = 67;
+inline constexpr std::uint8_t kSustain = 64, kSostenuto = 66, kDamp = 67;
 
 // One mode at 1 kHz, so that a key's sound is one sinusoid.
 class InstrumentTest : public testing::Test {

@@ -190,6 +190,87 @@ TEST_F(InstrumentTest, TheSustainPedalKeepsReleasedKeysAndTheDampPedalIsAHandOnE
   EXPECT_EQ(loudness(), 0);
 }
 
+TEST_F(InstrumentTest, SostenutoKeepsTheKeysThatWereDownWhenItWentDown) {
+  set(Parameter::release, 0.02);
+  play(kOn, 60, 127);
+  play(kControl, kSostenuto, 127);
+  play(kOff, 60, 0);
+  hear(4800);
+  EXPECT_GT(loudness(), 0.01);
+  play(kControl, kSostenuto, 0);
+  hear(1200);
+  EXPECT_EQ(loudness(), 0);
+}
+
+TEST_F(InstrumentTest, ANoteOffOnAnotherChannelReleasesNothing) {
+  set(Parameter::release, 0.02);
+  play(kOn | 1, 60, 127);
+  play(kOff | 2, 60, 0);
+  hear(4800);
+  EXPECT_GT(loudness(), 0.01);
+  play(kOff | 1, 60, 0);
+  hear(1200);
+  EXPECT_EQ(loudness(), 0);
+}
+
+TEST_F(InstrumentTest, ChangesOfModeAndSystemResetEndNotes) {
+  set(Parameter::release, 0.02);
+  for (const std::uint8_t controller : {123, 124, 125, 126, 127}) {
+    play(kOn | 2, 60, 127);
+    play(kControl | 3, controller);
+    hear(4800);
+    EXPECT_GT(loudness(), 0.01) << "another channel";
+    play(kControl | 2, controller);
+    hear(1200);
+    EXPECT_EQ(loudness(), 0) << int{controller};
+  }
+  set(Parameter::mpe, 1);
+  play(kOn | 2, 60, 127);
+  play(kControl, 123);
+  hear(1200);
+  EXPECT_EQ(loudness(), 0) << "channel 1 of MPE speaks for all";
+  play(kControl | 5, kSustain, 127);
+  play(kOn | 2, 60, 127);
+  play(kOff | 2, 60, 0);
+  play(0xff, 0);
+  hear(4800);
+  EXPECT_EQ(loudness(), 0);
+  play(kOn | 2, 60, 127);
+  play(kOff | 2, 60, 0);
+  hear(1200);
+  EXPECT_EQ(loudness(), 0) << "the pedal is up";
+}
+
+// RP-015 of the MIDI Association: pedals up, bend in the middle, no pressure; controller 74 stays.
+TEST_F(InstrumentTest, ResetAllControllersResetsItsChannel) {
+  set(Parameter::release, 0.02);
+  set(Parameter::bend_range, 12);
+  play(kControl | 1, kSustain, 127);
+  play(kBend | 1, 127, 127);
+  play(kOn | 1, 69, 127);
+  hear(480);
+  settle();
+  hear(480);
+  EXPECT_NEAR(pitch_hz() / 880, 1, 1e-4);
+  play(kPressure | 1, 127);
+  play(kControl | 2, 121);
+  hear(480);
+  settle();
+  hear(480);
+  EXPECT_NEAR(pitch_hz(4800) / 880, 1, 1e-3) << "another channel's reset";
+  play(kControl | 1, 121);
+  play(kOn | 1, 69, 127);
+  hear(480);
+  settle();
+  hear(480);
+  const auto tone = test::fit_damped_sinusoid(hear(9600), kRate);
+  EXPECT_NEAR(tone.frequency_hz / 440, 1, 1e-4);
+  EXPECT_LT(tone.decay_per_s, 5) << "no hand is on it";
+  play(kOff | 1, 69, 0);
+  hear(1200);
+  EXPECT_EQ(loudness(), 0) << "the pedal is up";
+}
+
 // The mode's amplitude falls by exp(-decay t); a damper of c [N s/m] adds c |shape|^2 / 2 to the decay.
 TEST_F(InstrumentTest, AftertouchIsAHandThatDampsMoreWhenPressedHarder) {
   const auto decay_per_s = [&](std::uint8_t status, std::uint8_t first, std::uint8_t second) {

@@ -13,7 +13,8 @@ namespace {
 using test::Samples;
 
 constexpr double kRate = 48000;
-constexpr std::uint8_t kOn = 0x90, kOff = 0x80, kControl = 0xb0, kSustain = 64, kDamp = 67;
+constexpr std::uint8_t kOn = 0x90, kOff = 0x80, kControl = 0xb0, kPressure = 0xd0, kKeyPressure = 0xa0, kSostenuto = 66,
+                       kSustain = 64, kDamp = 67;
 
 class MidiPlayerTest : public testing::Test {
  protected:
@@ -39,6 +40,15 @@ class MidiPlayerTest : public testing::Test {
     mixer_.render(left, right);
     last_ = test::to_doubles(left);
     return test::peak(last_);
+  }
+
+  // The bows' moves since the last call.
+  std::vector<synth::Touch> touches() {
+    std::vector<synth::Touch> all;
+    for (; const synth::Event* event = played_.front(); played_.pop()) {
+      if (event->type == synth::EventType::touch) all.push_back(event->touch);
+    }
+    return all;
   }
 
   synth::Mixer mixer_{kRate};
@@ -135,6 +145,129 @@ TEST_F(MidiPlayerTest, AnObjectThatAnotherKeyHoldsIsNotDamped) {
   EXPECT_EQ(hear(480), 0);
 }
 
+// RP-015 of the MIDI Association: pedals up.
+TEST_F(MidiPlayerTest, ResetAllControllersLiftsThePedalsOfItsChannel) {
+  table_.release_s = 0.1;
+  table_.damp_s = 0.02;
+  for (const std::uint8_t pedal : {kSustain, kSostenuto}) {
+    play(kOn, 60, 127);
+    play(kControl, pedal, 127);
+    play(kOff, 60, 0);
+    play(kControl | 1, 121, 0);
+    hear(9600);
+    EXPECT_GT(hear(480), 0) << "another channel's reset";
+    play(kControl, 121, 0);
+    hear(14400);
+    EXPECT_EQ(hear(480), 0) << int{pedal};
+    play(kOn, 60, 127);
+    play(kOff, 60, 0);
+    hear(14400);
+    EXPECT_EQ(hear(480), 0) << "later notes are not kept";
+  }
+  play(kControl, kDamp, 127);
+  play(kControl, 121, 0);
+  play(kOn, 60, 127);
+  play(kOff, 60, 0);
+  hear(2400);
+  EXPECT_GT(hear(48), 0) << "released as without the damp pedal, under which it would be silent by now";
+}
+
+TEST_F(MidiPlayerTest, ChangesOfModeEndTheNotesOfTheirChannel) {
+  table_.release_s = 0.01;
+  for (const std::uint8_t controller : {123, 124, 125, 126, 127}) {
+    play(kOn | 2, 60, 127);
+    play(kOn | 3, 61, 127);
+    play(kControl | 2, controller, 0);
+    hear(960);
+    hear(128);
+    EXPECT_EQ(mixer_.counters().ringing_voices, 1u) << int{controller};
+    play(kOff | 2, 60, 0);  // comes too late
+    play(kControl | 3, controller, 0);
+    hear(960);
+    EXPECT_EQ(hear(480), 0) << int{controller};
+  }
+}
+
+TEST_F(MidiPlayerTest, SystemResetEndsEverything) {
+  table_.notes[62]->bow = {.direction = {0, 0, 1}, .speed_m_s = 0.1, .force_n = 40};
+  for (const std::size_t length : {1u, 3u}) {
+    play(kControl, kSustain, 127);
+    play(kOn | 5, 61, 127);
+    play(kOn | 6, 62, 127);
+    hear(4800);
+    EXPECT_GT(hear(480), 0);
+    const std::array<std::uint8_t, 3> reset{0xff, 0xff, 0xff};
+    player_.play(std::span(reset).first(length), mixer_.counters().frames, table_, mixer_, played_);
+    hear(4800);
+    EXPECT_EQ(hear(480), 0);
+    table_.release_s = 0.01;  // and the pedal is up
+    play(kOn, 61, 127);
+    play(kOff, 61, 0);
+    hear(960);
+    EXPECT_EQ(hear(480), 0);
+    while (played_.front()) played_.pop();
+  }
+}
+
+TEST_F(MidiPlayerTest, SostenutoKeepsTheKeysThatWereDownWhenItWentDown) {
+  table_.release_s = 0.01;
+  play(kOn, 60, 127);
+  play(kControl, kSostenuto, 127);
+  play(kOn, 61, 127);
+  play(kOff, 60, 0);
+  play(kOff, 61, 0);
+  hear(4800);
+  hear(128);
+  EXPECT_EQ(mixer_.counters().ringing_voices, 1u) << "61 came later";
+  play(kControl, kSustain, 127);
+  play(kControl, kSostenuto, 0);
+  hear(4800);
+  EXPECT_GT(hear(480), 0) << "the sustain pedal takes it over";
+  play(kControl, kSustain, 0);
+  hear(960);
+  EXPECT_EQ(hear(480), 0);
+
+  play(kOn, 60, 127);
+  play(kControl, kSostenuto, 127);
+  play(kControl, kSustain, 127);
+  play(kOff, 60, 0);
+  play(kControl, kSustain, 0);
+  hear(4800);
+  EXPECT_GT(hear(480), 0) << "the other way round";
+  play(kControl, kSostenuto, 0);
+  hear(960);
+  EXPECT_EQ(hear(480), 0);
+}
+
+TEST_F(MidiPlayerTest, AKeySoundsUntilEveryChannelThatHoldsItHasReleasedIt) {
+  table_.release_s = 0.01;
+  play(kOn, 60, 127);
+  play(kOff | 4, 60, 0);
+  hear(4800);
+  EXPECT_GT(hear(480), 0) << "that channel did not hold it";
+  play(kOn | 4, 60, 127);
+  play(kOff, 60, 0);
+  hear(4800);
+  EXPECT_GT(hear(480), 0) << "that channel holds it still";
+  play(kOff | 4, 60, 0);
+  hear(960);
+  EXPECT_EQ(hear(480), 0);
+}
+
+TEST_F(MidiPlayerTest, APedalIsUpWhenItIsUpOnEveryChannel) {
+  table_.release_s = 0.01;
+  play(kControl | 1, kSustain, 127);
+  play(kControl | 2, kSustain, 127);
+  play(kOn, 60, 127);
+  play(kOff, 60, 0);
+  play(kControl | 1, kSustain, 0);
+  hear(4800);
+  EXPECT_GT(hear(480), 0);
+  play(kControl | 2, kSustain, 0);
+  hear(960);
+  EXPECT_EQ(hear(480), 0);
+}
+
 TEST_F(MidiPlayerTest, DampingDoesNotClick) {
   play(kOn, 60, 127);
   hear(4800);
@@ -176,15 +309,8 @@ TEST_F(MidiPlayerTest, NotesThatTheMixerCannotTakeAreCounted) {
 
 // Bowed at the middle of a mode of 1 kHz, the note sounds as long as its key is down.
 TEST_F(MidiPlayerTest, ABowedNoteSoundsWhileItsKeyIsDownAndFollowsPressureAndSlideOnItsChannel) {
-  constexpr std::uint8_t kPressure = 0xd0, kKeyPressure = 0xa0, kSlide = 74;
+  constexpr std::uint8_t kSlide = 74;
   table_.notes[60]->bow = {.direction = {0, 0, 1}, .speed_m_s = 0.1, .force_n = 40};
-  const auto touches = [&] {
-    std::vector<synth::Touch> all;
-    for (; const synth::Event* event = played_.front(); played_.pop()) {
-      if (event->type == synth::EventType::touch) all.push_back(event->touch);
-    }
-    return all;
-  };
   play(kOn | 3, 60, 127);
   auto told = touches();
   ASSERT_EQ(told.size(), 1u);
@@ -215,6 +341,31 @@ TEST_F(MidiPlayerTest, ABowedNoteSoundsWhileItsKeyIsDownAndFollowsPressureAndSli
   hear(43200);
   EXPECT_NEAR(hear(4800) / lifted, std::exp(-0.1), 0.005) << "it rings on by itself, and dies as the mode does";
   play(kPressure | 3, 127, 0);
+  EXPECT_TRUE(touches().empty());
+}
+
+TEST_F(MidiPlayerTest, ABowIsResetByItsChannelAndFollowsTheChannelThatStillHoldsItsKey) {
+  table_.notes[60]->bow = {.direction = {0, 0, 1}, .speed_m_s = 0.1, .force_n = 40};
+  play(kOn | 3, 60, 127), play(kPressure | 3, 127, 0), play(kControl | 3, 11, 10), touches();
+  play(kControl | 4, 121, 0);
+  EXPECT_TRUE(touches().empty()) << "another channel's reset";
+  play(kControl | 3, 121, 0);
+  auto told = touches();
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NEAR(told[0].force_n, 20, 1e-6) << "as before any pressure";
+  EXPECT_NEAR(told[0].speed_m_s, 0.1, 1e-6);
+  play(kKeyPressure | 4, 60, 0);
+  EXPECT_TRUE(touches().empty()) << "of a channel that does not hold the key";
+  play(kOn | 4, 60, 64), play(kOff | 4, 60, 0), touches();
+  play(kPressure | 3, 127, 0);
+  told = touches();
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NEAR(told[0].force_n, 40, 1e-5);
+  play(kControl | 3, 120, 0);
+  told = touches();
+  ASSERT_EQ(told.size(), 1u) << "all sound off lifts it";
+  EXPECT_EQ(told[0].force_n, 0);
+  play(kControl | 3, 120, 0);
   EXPECT_TRUE(touches().empty());
 }
 

@@ -58,7 +58,8 @@ const std::vector<FolderRule> kFolderRules = {
      {"protocol/wire/codec.h", "protocol/wire/score.h", "protocol/wire/socket.h"}},
     {"clients/python/", {}},  // the C headers of clients/library, as an installed library has them
     {"clients/plugin/",
-     {"engine/base/", "clients/library/ringdown.h", "clients/plugin/", "server/session/note_map_file.h"}},
+     {"engine/base/", "clients/library/ringdown.h", "clients/plugin/", "server/session/held_keys.h",
+      "server/session/midi_messages.h", "server/session/note_map_file.h"}},
     {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
     {"clients/cli/fit/",
      {"engine/base/", "engine/modal/", "engine/mesh/file_kinds.h", "engine/fit/", "engine/synth/mode_table.h",

@@ -1,0 +1,62 @@
+// Which keys of a MIDI keyboard are held: by fingers, on one channel or several, or by pedals. [audio]
+//
+//   HeldKeys keys;
+//   keys.press(60, 0);
+//   keys.release(60, 1);                                                  // absent: channel 1 does not hold the key
+//   if (keys.release(60, 0) == HeldKeys::Release::free) damp(60);
+//   const auto freed = keys.move(HeldKeys::Pedal::sustain, 0, false);     // keys to be damped now
+//
+// A pedal that is down on any channel counts for the keys of all channels, because MPE has a channel for the pedals.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "server/session/midi_messages.h"
+#include "server/session/note_map_file.h"
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace ringdown::session {
+
+class HeldKeys {
+ public:
+  using Keys = std::bitset<kNotes>;
+
+  // sustain keeps every key that is released while it is down; sostenuto keeps those that were down when it went down;
+  // damp keeps none, whatever the other two say.
+  enum class Pedal : std::uint8_t { sustain, sostenuto, damp };
+  static std::optional<Pedal> pedal_of(std::uint8_t controller) RINGDOWN_REALTIME;
+
+  void press(std::size_t key, std::size_t channel) RINGDOWN_REALTIME;
+
+  // What a release on a channel does. absent: nothing, the channel does not hold the key; down: another channel still
+  // holds it; kept: it is up, but a pedal keeps it; free: nothing holds it any more.
+  enum class Release : std::uint8_t { absent, down, kept, free };
+  Release release(std::size_t key, std::size_t channel) RINGDOWN_REALTIME;
+
+  // Moves a pedal on a channel. Returns the keys that nothing holds any more.
+  Keys move(Pedal pedal, std::size_t channel, bool down) RINGDOWN_REALTIME;
+  // Lifts all pedals of a channel.
+  Keys lift_pedals(std::size_t channel) RINGDOWN_REALTIME;
+
+  [[nodiscard]] bool is_down(std::size_t key) const RINGDOWN_REALTIME { return channels_.data()[key] != 0; }
+  [[nodiscard]] bool is_down(std::size_t key, std::size_t channel) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool is_held(std::size_t key) const RINGDOWN_REALTIME { return is_down(key) || kept_[key]; }
+  [[nodiscard]] bool is_down(Pedal pedal) const RINGDOWN_REALTIME;
+
+  // The lowest channel that holds the key, which must be down.
+  [[nodiscard]] std::size_t channel_of(std::size_t key) const RINGDOWN_REALTIME;
+
+ private:
+  using Channels = std::uint16_t;  // a bit for each
+
+  std::array<Channels, kNotes> channels_{};  // that hold the key down
+  std::array<Channels, 3> pedals_{};         // on which the pedal is down
+  Keys kept_;                                // up, but kept by a pedal
+  Keys chosen_;                              // by sostenuto
+};
+
+}  // namespace ringdown::session

@@ -1,0 +1,24 @@
+// The MIDI messages that are played, by their bytes. [any]
+#pragma once
+
+#include "engine/base/realtime.h"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace ringdown::session::midi {
+
+// The upper half of a message's first byte; the lower half is the channel.
+inline constexpr std::uint8_t kNoteOff = 0x80, kNoteOn = 0x90, kKeyPressure = 0xa0, kControl = 0xb0,
+                              kChannelPressure = 0xd0, kPitchBend = 0xe0;
+inline constexpr std::uint8_t kSystemReset = 0xff;  // the whole message
+inline constexpr std::size_t kChannels = 16;
+
+// Controllers.
+inline constexpr std::uint8_t kExpression = 11, kSustainPedal = 64, kSostenutoPedal = 66, kSoftPedal = 67,
+                              kBrightness = 74, kAllSoundOff = 120, kResetControllers = 121, kAllNotesOff = 123;
+
+// All notes off, and the four changes of mode behind it (omni off and on, mono, poly), which end notes as it does.
+constexpr bool ends_notes(std::uint8_t controller) RINGDOWN_REALTIME { return controller >= kAllNotesOff; }
+
+}  // namespace ringdown::session::midi
