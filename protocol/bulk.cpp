@@ -23,14 +23,14 @@ class RecordReader {
     return static_cast<std::int32_t>(word);
   }
   double number(const ArgumentSpec& spec) {
-    const auto value = std::bit_cast<float>(integer());
-    check(spec, value);
-    return value;
+    const Value value = check(spec, std::bit_cast<float>(integer()));
+    return complaint_.empty() ? std::get<double>(value) : 0;
   }
-  void check(const ArgumentSpec& spec, const wire::Argument& value) {
-    if (const auto good = convert(spec, value); !good && complaint_.empty()) {
-      complaint_ = "(" + std::string(spec.name) + ") " + good.error().message;
-    }
+  Value check(const ArgumentSpec& spec, const wire::Argument& argument) {
+    auto value = convert(spec, argument);
+    if (value) return *std::move(value);
+    if (complaint_.empty()) complaint_ = "(" + std::string(spec.name) + ") " + value.error().message;
+    return {};
   }
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
 

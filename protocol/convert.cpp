@@ -20,6 +20,23 @@ std::string shown(double value) {
   return number_text(value);
 }
 std::string shown(const wire::Blob& blob) { return "a blob of " + std::to_string(blob.size()) + " bytes"; }
+std::string shown(bool value) { return value ? "true" : "false"; }
+std::string shown(wire::Tag tag) {
+  switch (tag.type) {
+    case 'I':
+      return "an impulse (type I)";
+    case 'c':
+      return "a character (type c)";
+    case 'm':
+      return "a MIDI message (type m)";
+    case 'r':
+      return "a colour (type r)";
+    case 't':
+      return "a time tag (type t)";
+    default:
+      return "nil (type N)";
+  }
+}
 std::string shown(const wire::Argument& argument) {
   return std::visit([](const auto& value) { return shown(value); }, argument);
 }
@@ -37,13 +54,33 @@ std::optional<double> as_number(const wire::Argument& argument) {
   return std::nullopt;
 }
 
+// The number within the spec's limits, or nothing.
+//
+// Who has only 32-bit floats cannot send a limit like 0.1: the nearest float is 0.1000000015. So where the number may
+// have been a float, the float nearest to a limit stands for this limit.
+std::optional<double> within(const ArgumentSpec& spec, double number, bool may_be_float) {
+  if (number >= spec.least && number <= spec.most) return number;  // false for NaN
+  if (!may_be_float || !std::isfinite(number)) return std::nullopt;
+  const auto is_float_of = [number](double limit) { return number == static_cast<double>(static_cast<float>(limit)); };
+  if (is_float_of(spec.least)) return spec.least;
+  if (is_float_of(spec.most)) return spec.most;
+  return std::nullopt;
+}
+
 Result<Value> convert_number(const ArgumentSpec& spec, const wire::Argument& argument) {
-  const std::optional<double> number = as_number(argument);
-  const bool inside = number && *number >= spec.least && *number <= spec.most;  // false for NaN
-  if (!inside) return refuse(spec, shown(argument));
+  const std::optional<double> given = as_number(argument);
+  // A float may have become a double on its way here, but whole numbers are not sent so.
+  const bool may_be_float = spec.type == ValueType::number || std::holds_alternative<float>(argument);
+  const std::optional<double> number = given ? within(spec, *given, may_be_float) : std::nullopt;
+  if (!number) return refuse(spec, shown(argument));
   if (spec.type == ValueType::number) return Value(*number);
   if (*number != std::floor(*number)) return refuse(spec, shown(argument));
   return Value(static_cast<std::int32_t>(*number));
+}
+
+Result<Value> convert_flag(const ArgumentSpec& spec, const wire::Argument& argument) {
+  if (const auto* on = std::get_if<bool>(&argument)) return Value(std::int32_t{*on});
+  return convert_number(spec, argument);
 }
 
 Result<Value> convert_object(const ArgumentSpec& spec, const wire::Argument& argument) {
@@ -52,6 +89,7 @@ Result<Value> convert_object(const ArgumentSpec& spec, const wire::Argument& arg
     if (!fits) return refuse(spec, shown(argument));
     return Value(ObjectRef{"", static_cast<std::uint32_t>(*number)});
   }
+  if (spec.type == ValueType::object_or_none && argument == wire::Argument(wire::Tag{'N'})) return Value();
   const auto* named = std::get_if<std::string>(&argument);
   if (!named) return refuse(spec, shown(argument));
   const std::string& text = *named;
@@ -87,8 +125,9 @@ Result<Value> convert(const ArgumentSpec& spec, const wire::Argument& argument) 
   switch (spec.type) {
     case ValueType::number:
     case ValueType::integer:
-    case ValueType::flag:
       return convert_number(spec, argument);
+    case ValueType::flag:
+      return convert_flag(spec, argument);
     case ValueType::text:
     case ValueType::any_text:
     case ValueType::name:
@@ -102,17 +141,15 @@ Result<Value> convert(const ArgumentSpec& spec, const wire::Argument& argument) 
   return convert_object(spec, argument);
 }
 
-Result<void> check_range(const ArgumentSpec& spec, const Value& value) {
-  double number = 0;
-  if (const auto* real = std::get_if<double>(&value)) {
-    number = *real;
+Result<void> fit(const ArgumentSpec& spec, Value& value) {
+  if (auto* real = std::get_if<double>(&value)) {
+    const std::optional<double> fitted = within(spec, *real, true);
+    if (!fitted) return refuse(spec, shown(*real));
+    *real = *fitted;
   } else if (const auto* integer = std::get_if<std::int32_t>(&value)) {
-    number = *integer;
-  } else {
-    return {};
+    if (*integer < spec.least || *integer > spec.most) return refuse(spec, shown(*integer));
   }
-  if (number >= spec.least && number <= spec.most) return {};  // false for NaN
-  return refuse(spec, shown(number));
+  return {};
 }
 
 std::string expectation(const ArgumentSpec& spec) {

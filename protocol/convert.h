@@ -8,8 +8,9 @@ namespace ringdown::protocol {
 // The checked value, or what is wrong: "is 0.5; it must be a whole number from 0 to 16777215".
 Result<Value> convert(const ArgumentSpec& spec, const wire::Argument& argument);
 
-// Whether a number is what the spec accepts; other values are not looked at. The sentence is as convert()'s.
-Result<void> check_range(const ArgumentSpec& spec, const Value& value);
+// Refuses a number that the spec does not accept, with convert()'s sentence. Values other than numbers are not looked
+// at. As in convert(), the 32-bit float nearest to a limit becomes the limit itself.
+Result<void> fit(const ArgumentSpec& spec, Value& value);
 
 // Says what the spec accepts: "a number from 0 to 0.1 s".
 std::string expectation(const ArgumentSpec& spec);

@@ -13,15 +13,19 @@ constexpr std::string_view kHead = R"(# The protocol
 
 <!-- Written by `ringdown protocol --markdown` from the table in protocol/table.cpp. Change it there. -->
 
-The daemon listens for OSC 1.0 by UDP, on port {port} of this computer by default. With `--tcp PORT` it also takes OSC over
-TCP, in SLIP frames as in OSC 1.1. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery). By liblo's `oscsend`:
+The daemon listens for OSC 1.0 and 1.1 by UDP, on port {port} of this computer by default, by IPv4 and IPv6. With `--tcp PORT`
+it also takes OSC over TCP, in SLIP frames (OSC 1.1) or with each packet's length before it (OSC 1.0), and answers in the same
+way. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery). By liblo's `oscsend`:
 
     oscsend osc.udp://127.0.0.1:{port} /load ss bell presets/banks/bronze-bell.glb
     oscsend osc.udp://127.0.0.1:{port} /object/bell/strike ffffff 0.05 0 0.02 -0.02 0 0
 
 - **Units** are SI. Points, impulses and forces are in the object's own frame, that of its mesh.
 - **Arguments** come in the order listed; those with a default may be left out, from the right. Numbers may be of type `i`, `h`,
-  `f` or `d`; 3.0 counts as a whole number. Text is type `s`, 1 to 4096 bytes without control characters; blobs are type `b`.
+  `f` or `d`; 3.0 counts as a whole number. A limit that an `f` cannot hold, such as 0.1, is met by the nearest `f`. Switches
+  (0 or 1 below) may also be `T` or `F`. Text is type `s` or `S`, 1 to 4096 bytes without control characters; blobs are type `b`.
+  `N` in place of an argument with a default leaves it out, and a single `I` stands for no arguments. Brackets of arrays are
+  ignored. No request takes `c`, `m`, `r` or `t`. A message without arguments may lack its type tags.
 - **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number. Both serve in an address:
   `/object/bell/strike`, `/object/0/strike`. Groups are named in the same way.
 - **Paths** start where the daemon was started, unless they are absolute.

@@ -110,13 +110,20 @@ std::string about(const wire::Message& message, const ArgumentSpec& spec, std::s
   return message.address + ": " + where + "(" + std::string(spec.name) + ") " + what;
 }
 
+bool is_tag(const wire::Argument& argument, char type) {
+  const auto* tag = std::get_if<wire::Tag>(&argument);
+  return tag && tag->type == type;
+}
+
 // The row's struct, filled from the address and the arguments.
 template <class Any>
 Result<Any> parse_row(const Row<Any>& row, const wire::Message& message) {
   const AddressSpec& spec = row.spec;
   const std::size_t in_address = spec.arguments_in_address();
   const std::size_t most = spec.arguments.size() - in_address;
-  if (message.arguments.size() > most) {
+  const bool is_trigger = message.arguments.size() == 1 && is_tag(message.arguments[0], 'I');
+  const std::size_t given_count = is_trigger ? 0 : message.arguments.size();
+  if (given_count > most) {
     return fail(ErrorKind::bad_input, message.address + ": argument " + std::to_string(most + 1) +
                                           " is one too many; it takes " + argument_names(spec));
   }
@@ -124,11 +131,12 @@ Result<Any> parse_row(const Row<Any>& row, const wire::Message& message) {
   for (std::size_t i = 0; i < spec.arguments.size(); ++i) {
     const ArgumentSpec& argument = spec.arguments[i];
     const std::size_t position = i < in_address ? 0 : i - in_address + 1;
-    if (position > message.arguments.size()) {
+    if (position > given_count) {
       if (argument.optional) break;
       return fail(ErrorKind::bad_input,
                   about(message, argument, position, "is missing; it takes " + argument_names(spec)));
     }
+    if (position > 0 && argument.optional && is_tag(message.arguments[position - 1], 'N')) continue;
     const wire::Argument given =
         position == 0 ? wire::Argument(std::string(object_in(message.address))) : message.arguments[position - 1];
     const Result<Value> value = convert(argument, given);
@@ -204,12 +212,15 @@ Result<const AddressSpec*> find_address(std::string_view address) {
   return &(*row)->spec;
 }
 
-Result<void> check(const Request& request) {
+Result<void> check(Request& request) {
   const Row<Request>& row = request_rows()[request.index()];
   for (std::size_t i = 0; i < row.bindings.size(); ++i) {
     const ArgumentSpec& argument = row.spec.arguments[i];
-    const Result<void> good = check_range(argument, row.bindings[i].read(request));
+    if (argument.type != ValueType::number && argument.type != ValueType::integer) continue;
+    Value value = row.bindings[i].read(request);
+    const Result<void> good = fit(argument, value);
     if (!good) return fail(good.error().kind, std::string(argument.name) + " " + good.error().message);
+    row.bindings[i].write(request, value);
   }
   return {};
 }

@@ -9,9 +9,10 @@
 //   Message message = format(Request(Strike{...}));      // a client, or the scene striking another daemon
 //
 // Strict where it matters: a number may come as any of the OSC types i h f d, but must be finite and in
-// range, and whole where an integer is wanted (Pure Data sends 3 as the float 3.0). Text is never read as a
-// number. Every refusal is one sentence that names the address and the argument. [any thread but audio:
-// allocates]
+// range, and whole where an integer is wanted (Pure Data sends 3 as the float 3.0). The 32-bit float nearest to a limit
+// counts as the limit. A switch may also be T or F. Nil (N) in place of an optional argument leaves it out, and a
+// single impulse (I) is a message without arguments. Text is never read as a number. Every refusal is one sentence that
+// names the address and the argument. [any thread but audio: allocates]
 #pragma once
 
 #include "engine/base/result.h"
@@ -81,8 +82,16 @@ Result<Request> parse(const wire::Message& message);
 Result<Reply> parse_reply(const wire::Message& message);
 
 // Whether the numbers of a request that was made otherwise than by parse() lie in the table's ranges; the error names
-// the argument. Allocates nothing while they do.
-Result<void> check(const Request& request);
+// the argument. A 32-bit float nearest to a limit becomes the limit, as in parse(). Allocates nothing while all are
+// good.
+Result<void> check(Request& request);
+template <class Struct>
+Result<void> check(Struct& one) {
+  Request request(std::move(one));
+  Result<void> good = check(request);
+  one = std::get<Struct>(std::move(request));
+  return good;
+}
 
 // The inverse of parse. Requests carry numbers as d, so that nothing is lost; replies as f (reply.h).
 wire::Message format(const Request& request);

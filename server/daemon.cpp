@@ -166,9 +166,15 @@ Daemon::Service::~Service() {
 Result<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   const auto endpoint = wire::resolve(options.address, options.port);
   if (!endpoint) return fail(ErrorKind::usage, endpoint.error().message);
-  auto socket = wire::OscSocket::bind(*endpoint);
+  if (endpoint->is_multicast()) {
+    return fail(ErrorKind::usage,
+                "--address " + options.address +
+                    " is a multicast address, which the daemon does not join; name an address of this "
+                    "computer, or 0.0.0.0 for all of them");
+  }
+  auto socket = wire::OscSocket::serve(*endpoint);
   if (!socket) return fail(socket.error());
-  if (endpoint->address >> 24 != 127) {
+  if (!endpoint->is_loopback()) {
     spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon",
                  options.address);
   }

@@ -18,8 +18,7 @@ Result<EventSender> EventSender::open(const std::string& url) {
   if (!target) return fail(target.error());
   const auto to = wire::resolve(target->host, target->port);
   if (!to) return fail(to.error());
-  // The socket is bound to the loopback only, unless the target is another computer.
-  auto bound = wire::OscSocket::bind({.address = to->address >> 24 == 127 ? to->address : 0, .port = 0});
+  auto bound = wire::OscSocket::reach(*to);
   if (!bound) return fail(bound.error());
   return EventSender(std::move(*bound), *to);
 }

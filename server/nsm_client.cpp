@@ -17,8 +17,6 @@ using wire::Message;
 constexpr std::int32_t kVersionMajor = 1, kVersionMinor = 0;
 constexpr std::int32_t kGeneralError = -1, kSaveFailed = -9;
 
-bool is_loopback(const wire::Endpoint& endpoint) { return endpoint.address >> 24 == 127; }
-
 }  // namespace
 
 std::optional<std::string> NsmClient::url() {
@@ -32,12 +30,11 @@ Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, s
   const auto manager = wire::resolve(parsed->host, parsed->port);
   if (!manager) return fail(manager.error().kind, "NSM_URL: " + manager.error().message);
   // A manager may name this computer by an address that the loopback does not reach.
-  auto socket =
-      wire::OscSocket::bind(is_loopback(*manager) ? wire::Endpoint{} : wire::Endpoint{.address = manager->address});
+  auto socket = wire::OscSocket::bind({.address = manager->address, .interface = manager->interface});
   if (!socket)
     return fail(socket.error().kind,
                 "NSM_URL: the session manager must run on this computer: " + socket.error().message);
-  if (!is_loopback(*manager)) {
+  if (!manager->is_loopback()) {
     spdlog::warn("listening on {} for the session manager: anyone who can reach this address can speak for it",
                  to_text(socket->endpoint()));
   }

@@ -136,7 +136,7 @@ void add_osc(CLI::App& app, DaemonOptions& options) {
   app.add_option("--address", options.address, "Address to listen on; others than this machine's own let strangers in")
       ->capture_default_str();
   app.add_option("--tcp", options.tcp_port,
-                 "Receive OSC by TCP too, framed by SLIP, on this port; 0 takes any free one")
+                 "Receive OSC by TCP too, in SLIP frames or after lengths, on this port; 0 takes any free one")
       ->check(port)
       ->type_name("PORT");
   app.add_option("--query", options.query_port,

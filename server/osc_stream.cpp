@@ -1,11 +1,10 @@
 #include "server/osc_stream.h"
 
+#include "protocol/wire/framing.h"
 #include "protocol/wire/packet.h"
-#include "protocol/wire/slip.h"
+#include "server/refusal_log.h"
 
 #include <array>
-#include <arpa/inet.h>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <map>
@@ -14,35 +13,18 @@
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <thread>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
 namespace ringdown::server {
 namespace {
 
-class Descriptor {
- public:
-  explicit Descriptor(int open = -1) : open_(open) {}
-  Descriptor(Descriptor&& other) noexcept : open_(std::exchange(other.open_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(open_, other.open_);
-    return *this;
-  }
-  ~Descriptor() {
-    if (open_ >= 0) ::close(open_);
-  }
-  [[nodiscard]] int get() const { return open_; }
-
- private:
-  int open_;
-};
-
 struct Connection {
-  Descriptor socket;
+  wire::Descriptor socket;
   wire::Endpoint endpoint;
-  wire::SlipDecoder decoder{wire::kMaxPacketBytes};
-  std::vector<std::byte> unread;  // answers that wait until the client has room for them
+  wire::FrameDecoder decoder{wire::kMaxPacketBytes};
+  wire::Framing framing = wire::Framing::slip;  // of the answers: the decoder's
+  std::vector<std::byte> unread;                // answers that wait until the client has room for them
   bool broken = false;
 };
 
@@ -66,23 +48,24 @@ void flush(Connection& connection) {
   }
 }
 
-Error listen_error(wire::Endpoint endpoint) {
+Error listen_error(const wire::Endpoint& endpoint) {
   return {ErrorKind::port_busy, "cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
 }
 
 }  // namespace
 
 struct OscStream::Impl {
-  Descriptor listener, waker;
-  wire::Endpoint endpoint;
+  wire::BoundSockets listeners;
+  wire::Descriptor waker;
   Take take;
   std::mutex mutex;  // guards `connections`; only the stream's thread adds and removes elements
   std::map<std::uint32_t, Connection> connections;
   std::uint32_t next_id = 1;
+  RefusalLog refusals;
   std::jthread thread;  // last member: ends before the others are destroyed
 
   void run(const std::stop_token& stop);
-  void accept_one();
+  void accept_one(int listener);
   void read(std::uint32_t id);
   void drop_broken();
 };
@@ -97,28 +80,20 @@ void OscStream::stop() {
   if (impl_->thread.joinable()) impl_->thread.join();
 }
 
-Result<std::unique_ptr<OscStream>> OscStream::listen(wire::Endpoint endpoint) {
+Result<std::unique_ptr<OscStream>> OscStream::listen(const wire::Endpoint& endpoint) {
+  auto listeners = wire::bind_for_server(endpoint, SOCK_STREAM | SOCK_NONBLOCK, "OSC by TCP");
+  if (!listeners) return fail(listeners.error());
   auto impl = std::make_unique<Impl>();
-  impl->listener = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  impl->waker = Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(endpoint.address);
-  address.sin_port = htons(endpoint.port);
-  auto* const generic = reinterpret_cast<sockaddr*>(&address);
-  socklen_t size = sizeof address;
-  const int on = 1, socket = impl->listener.get();
-  ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on,
-               sizeof on);  // so that a restarted daemon gets its port back at once
-  if (socket < 0 || impl->waker.get() < 0 || ::bind(socket, generic, size) != 0 || ::listen(socket, 8) != 0 ||
-      ::getsockname(socket, generic, &size) != 0) {
-    return fail(listen_error(endpoint));
+  impl->listeners = std::move(*listeners);
+  impl->waker = wire::Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!impl->waker.is_open()) return fail(listen_error(impl->listeners.endpoint));
+  for (const int listener : {impl->listeners.ipv4.get(), impl->listeners.ipv6.get()}) {
+    if (listener >= 0 && ::listen(listener, 8) != 0) return fail(listen_error(impl->listeners.endpoint));
   }
-  impl->endpoint = {endpoint.address, ntohs(address.sin_port)};
   return std::unique_ptr<OscStream>(new OscStream(std::move(impl)));
 }
 
-std::uint16_t OscStream::port() const { return impl_->endpoint.port; }
+std::uint16_t OscStream::port() const { return impl_->listeners.endpoint.port; }
 
 void OscStream::start(Take take) {
   impl_->take = std::move(take);
@@ -126,12 +101,12 @@ void OscStream::start(Take take) {
 }
 
 void OscStream::send(Peer to, std::span<const std::byte> packet) {
-  const std::vector<std::byte> framed = wire::slip_encode(packet);
   {
     const std::scoped_lock lock(impl_->mutex);
     const auto found = impl_->connections.find(to.connection);
     if (found == impl_->connections.end()) return;
     Connection& connection = found->second;
+    const std::vector<std::byte> framed = wire::frame(packet, connection.framing);
     if (connection.unread.size() + framed.size() > kMaxUnreadBytes) {
       connection.broken = true;
     } else {
@@ -145,7 +120,9 @@ void OscStream::send(Peer to, std::span<const std::byte> packet) {
 
 void OscStream::Impl::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    std::vector<pollfd> watched = {{waker.get(), POLLIN, 0}, {listener.get(), POLLIN, 0}};
+    std::vector<pollfd> watched = {
+        {waker.get(), POLLIN, 0}, {listeners.ipv4.get(), POLLIN, 0}, {listeners.ipv6.get(), POLLIN, 0}};
+    const std::size_t others = watched.size();
     std::vector<std::uint32_t> ids;
     {
       const std::scoped_lock lock(mutex);
@@ -160,9 +137,11 @@ void OscStream::Impl::run(const std::stop_token& stop) {
       eventfd_t count = 0;
       ::eventfd_read(waker.get(), &count);
     }
-    if (watched[1].revents != 0) accept_one();
+    for (std::size_t i = 1; i < others; ++i) {
+      if (watched[i].revents != 0) accept_one(watched[i].fd);
+    }
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      const short events = watched[i + 2].revents;
+      const short events = watched[i + others].revents;
       if (events & POLLOUT) {
         const std::scoped_lock lock(mutex);
         flush(connections.at(ids[i]));
@@ -173,39 +152,43 @@ void OscStream::Impl::run(const std::stop_token& stop) {
   }
 }
 
-void OscStream::Impl::accept_one() {
-  sockaddr_in from{};
-  socklen_t size = sizeof from;
-  Descriptor socket(::accept4(listener.get(), reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (socket.get() < 0) return;
+void OscStream::Impl::accept_one(int listener) {
+  wire::Accepted accepted = wire::accept_one(listener);
+  if (!accepted.socket.is_open()) return;
   const std::scoped_lock lock(mutex);
   if (connections.size() == kMaxConnections) return;  // closed at once
-  const std::uint32_t id = next_id++;
-  connections[id] = {std::move(socket), {ntohl(from.sin_addr.s_addr), ntohs(from.sin_port)}};
+  Connection& connection = connections[next_id++];
+  connection.socket = std::move(accepted.socket);
+  connection.endpoint = accepted.from;
 }
 
 void OscStream::Impl::read(std::uint32_t id) {
+  using Outcome = wire::FrameDecoder::Outcome;
   Connection& connection = connections.at(id);
   std::array<std::byte, 16384> bytes;
   const ssize_t got = ::recv(connection.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-  bool broken = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
-  for (ssize_t i = 0; i < got && !broken; ++i) {
-    switch (connection.decoder.push(bytes[static_cast<std::size_t>(i)])) {
-      case wire::SlipDecoder::Outcome::more:
-        break;
-      case wire::SlipDecoder::Outcome::fault:
-        broken = true;
-        break;
-      case wire::SlipDecoder::Outcome::packet: {
-        const std::vector<std::byte> packet = connection.decoder.take();
-        broken = !begins_as_osc(packet);
-        if (!broken) take(packet, {connection.endpoint, id});
-        break;
-      }
+  const bool closed = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
+  bool is_osc = true;
+  for (ssize_t i = 0; i < got && is_osc; ++i) {
+    const Outcome outcome = connection.decoder.push(bytes[static_cast<std::size_t>(i)]);
+    is_osc = outcome != Outcome::fault;
+    if (outcome != Outcome::packet) continue;
+    const std::vector<std::byte> packet = connection.decoder.take();
+    is_osc = begins_as_osc(packet);
+    if (!is_osc) break;
+    {
+      const std::scoped_lock lock(mutex);
+      connection.framing = connection.decoder.framing();
     }
+    take(packet, {connection.endpoint, id});
+  }
+  if (!is_osc) {
+    refusals.add(
+        to_text(connection.endpoint),
+        "the TCP connection is closed, because it carries no OSC packets in SLIP frames or after their length");
   }
   const std::scoped_lock lock(mutex);
-  connection.broken = connection.broken || broken;
+  connection.broken = connection.broken || closed || !is_osc;
 }
 
 void OscStream::Impl::drop_broken() {

@@ -1,18 +1,19 @@
-// OSC over TCP, framed by SLIP as OSC 1.1 defines it: for clients that must not lose a packet, or that UDP does not
-// reach. The daemon opens it with --tcp, on this computer only unless --address says otherwise.
+// OSC over TCP: for clients that must not lose a packet, or that UDP does not reach. A client may frame packets by SLIP
+// or by their lengths (framing.h), and is answered in its own framing. The daemon opens it with --tcp, on this computer
+// only unless --address says otherwise.
 //
 //   auto stream = OscStream::listen({.port = 7771});
 //   (*stream)->start([](std::span<const std::byte> packet, Peer from) { ... });   // on the stream's thread
 //   (*stream)->send(peer, answer);                                                // on any thread
 //
 // The stream's own thread accepts connections, reads and writes. It closes the connection of a client that sends bytes
-// that are not SLIP, that sends a packet of more than wire::kMaxPacketBytes or one that begins with neither / nor #
-// (a browser whose page tries to play), or that leaves more than kMaxUnreadBytes of answers unread. A connection beyond
-// kMaxConnections is closed at once.
+// in neither framing, that sends a packet of more than wire::kMaxPacketBytes or one that begins with neither / nor # (a
+// browser whose page tries to play), and says so in the log; also that of a client that leaves more than
+// kMaxUnreadBytes of answers unread. A connection beyond kMaxConnections is closed at once.
 #pragma once
 
 #include "engine/base/result.h"
-#include "protocol/wire/socket.h"
+#include "protocol/wire/endpoint.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -35,7 +36,7 @@ struct Peer {
 class OscStream {
  public:
   // Opens the port; 0 takes any free one. Fails with ErrorKind::port_busy. [main]
-  static Result<std::unique_ptr<OscStream>> listen(wire::Endpoint endpoint);
+  static Result<std::unique_ptr<OscStream>> listen(const wire::Endpoint& endpoint);
   ~OscStream();
 
   [[nodiscard]] std::uint16_t port() const;

@@ -1,11 +1,10 @@
 #include "server/query_server.h"
 
-#include "protocol/wire/socket.h"
+#include "protocol/wire/endpoint.h"
 
 #include <microhttpd.h>
 
 #include <algorithm>
-#include <arpa/inet.h>
 #include <chrono>
 #include <cstring>
 #include <exception>
@@ -14,7 +13,6 @@
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <thread>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -92,13 +90,18 @@ std::string first_parameter(MHD_Connection* connection) {
   return name;
 }
 
+Error no_service(const wire::Endpoint& endpoint) {
+  return {ErrorKind::port_busy, "cannot serve OSCQuery on " + to_text(endpoint) + ": " + std::strerror(errno)};
+}
+
 }  // namespace
 
 struct QueryServer::Impl {
   About about;
   MHD_Daemon* http = nullptr;
-  int epoll = -1;  // the library's
-  int waker = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  int epoll = -1;                    // the library's
+  wire::Descriptor second_listener;  // of the other version of IP; the library has the first
+  wire::Descriptor waker{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   std::uint16_t port = 0;
   std::vector<QueryClient> clients;  // in the order of coming
   std::jthread thread;
@@ -106,6 +109,7 @@ struct QueryServer::Impl {
   MHD_Result answer(MHD_Connection* connection, const char* path, std::string_view method, bool first_call);
   void note_change(MHD_Connection* connection, MHD_ConnectionNotificationCode change);
   void note_step(MHD_Connection* connection);
+  void accept_second();
   void cut_off_slow();
   void run(const std::stop_token& stop);
 };
@@ -114,10 +118,9 @@ QueryServer::QueryServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 QueryServer::~QueryServer() {
   impl_->thread.request_stop();
-  ::eventfd_write(impl_->waker, 1);
+  ::eventfd_write(impl_->waker.get(), 1);
   if (impl_->thread.joinable()) impl_->thread.join();
   MHD_stop_daemon(impl_->http);
-  ::close(impl_->waker);
 }
 
 std::uint16_t QueryServer::port() const { return impl_->port; }
@@ -125,12 +128,17 @@ std::uint16_t QueryServer::port() const { return impl_->port; }
 Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, About about) {
   const auto endpoint = wire::resolve(about.address, port);
   if (!endpoint) return fail(endpoint.error());
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(endpoint->address);
-  address.sin_port = htons(port);
+  auto listeners = wire::bind_for_server(*endpoint, SOCK_STREAM | SOCK_NONBLOCK, "OSCQuery");
+  if (!listeners) return fail(listeners.error());
   auto impl = std::make_unique<Impl>();
   impl->about = std::move(about);
+  impl->port = listeners->endpoint.port;
+  wire::Descriptor first = std::move(listeners->ipv4);
+  impl->second_listener = std::move(listeners->ipv6);
+  if (!first.is_open()) std::swap(first, impl->second_listener);
+  for (const int listener : {first.get(), impl->second_listener.get()}) {
+    if (listener >= 0 && ::listen(listener, SOMAXCONN) != 0) return fail(no_service(listeners->endpoint));
+  }
 
   // The library calls these on the thread that runs it, which is ours, and they throw nothing into it.
   const auto answer = [](void* self, MHD_Connection* connection, const char* path, const char* method, const char*,
@@ -150,18 +158,14 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
   impl->clients.reserve(kMaxQueryConnections + kLeaving);
   impl->http = MHD_start_daemon(
       MHD_USE_EPOLL, port, nullptr, nullptr, +answer, impl.get(),                                    //
-      MHD_OPTION_SOCK_ADDR, reinterpret_cast<const sockaddr*>(&address),                             //
+      MHD_OPTION_LISTEN_SOCKET, first.get(),                                                         //
       MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(kMaxQueryConnections) + kLeaving,           //
       MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxRequestBytes,                                          //
       MHD_OPTION_CONNECTION_TIMEOUT, kMaxQuerySilence_s,                                             //
       MHD_OPTION_NOTIFY_CONNECTION, static_cast<MHD_NotifyConnectionCallback>(changed), impl.get(),  //
       MHD_OPTION_NOTIFY_COMPLETED, static_cast<MHD_RequestCompletedCallback>(completed), impl.get(), MHD_OPTION_END);
-  if (!impl->http) {
-    ::close(impl->waker);
-    return fail(ErrorKind::port_busy, "cannot serve OSCQuery on " + impl->about.address + ":" + std::to_string(port) +
-                                          ": the port is taken or not ours; choose another (0 takes any free one)");
-  }
-  impl->port = MHD_get_daemon_info(impl->http, MHD_DAEMON_INFO_BIND_PORT)->port;
+  if (!impl->http) return fail(no_service(listeners->endpoint));
+  static_cast<void>(first.release());  // MHD_stop_daemon() closes it
   impl->epoll = MHD_get_daemon_info(impl->http, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
   impl->thread = std::jthread([impl = impl.get()](const std::stop_token& stop) { impl->run(stop); });
   return std::unique_ptr<QueryServer>(new QueryServer(std::move(impl)));
@@ -172,11 +176,20 @@ void QueryServer::Impl::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     MHD_UNSIGNED_LONG_LONG soon_ms = kLongest_ms;
     if (MHD_get_timeout(http, &soon_ms) != MHD_YES) soon_ms = kLongest_ms;
-    pollfd watched[] = {{waker, POLLIN, 0}, {epoll, POLLIN, 0}};
+    pollfd watched[] = {{waker.get(), POLLIN, 0}, {epoll, POLLIN, 0}, {second_listener.get(), POLLIN, 0}};
     ::poll(watched, std::size(watched), static_cast<int>(std::min<MHD_UNSIGNED_LONG_LONG>(soon_ms, kLongest_ms)));
+    if (watched[2].revents != 0) accept_second();
     MHD_run(http);
     cut_off_slow();
   }
+}
+
+void QueryServer::Impl::accept_second() {
+  wire::Accepted accepted = wire::accept_one(second_listener.get());
+  if (!accepted.socket.is_open()) return;
+  const wire::SocketAddress from(accepted.from);
+  // The library closes the socket, also when it refuses the connection.
+  static_cast<void>(MHD_add_connection(http, accepted.socket.release(), from.generic(), from.size));
 }
 
 void QueryServer::Impl::note_change(MHD_Connection* connection, MHD_ConnectionNotificationCode change) {

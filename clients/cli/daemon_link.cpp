@@ -37,9 +37,7 @@ Result<DaemonLink> DaemonLink::open(const std::string& url) {
   if (!parsed) return fail(parsed.error());
   const auto daemon = wire::resolve(parsed->host, parsed->port);
   if (!daemon) return fail(daemon.error());
-  // The socket for a daemon on this computer is bound to loopback; for another computer it is bound to any address.
-  const bool local = daemon->address >> 24 == 127;
-  auto socket = wire::OscSocket::bind({local ? daemon->address : 0, 0});
+  auto socket = wire::OscSocket::reach(*daemon);
   if (!socket) return fail(socket.error());
   return DaemonLink(std::move(*socket), *daemon, url);
 }

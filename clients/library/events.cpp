@@ -26,7 +26,7 @@ ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, const Result<Req
   return guarded(error, [&]() -> Result<void> {
     if (!mixer) return missing("mixer");
     if (!made) return fail(made.error());
-    const Request& request = *made;
+    Request request = *made;
     if (auto good = protocol::check(request); !good) return good;
     if (auto good = check_frame(mixer->rack.mixer(), frame); !good) return good;
     mixer->events.clear();

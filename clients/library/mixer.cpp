@@ -67,7 +67,7 @@ Result<synth::MixerSettings> settings_of(const ringdown_settings& given) {
 
 // Carries out a worker's request on an object, after its numbers were checked against the protocol's ranges.
 template <class Request, class Work>
-ringdown_result change(ringdown_mixer* mixer, const Request& request, ringdown_error* error, Work work) {
+ringdown_result change(ringdown_mixer* mixer, Request& request, ringdown_error* error, Work work) {
   return guarded(error, [&]() -> Result<void> {
     if (!mixer) return missing("mixer");
     if (auto good = protocol::check(request); !good) return good;
@@ -140,7 +140,7 @@ ringdown_result ringdown_add(ringdown_mixer* mixer, const char* name, const ring
 }
 
 ringdown_result ringdown_remove(ringdown_mixer* mixer, uint32_t object, ringdown_error* error) {
-  const protocol::FreeObject request{numbered(object)};
+  protocol::FreeObject request{numbered(object)};
   return change(mixer, request, error, [&](session::Rack& rack) { return rack.free(request.object); });
 }
 
@@ -160,12 +160,12 @@ ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object, co
     const auto given =
         library::taken(material, material->size_of_struct, ringdown_material{sizeof(ringdown_material), 1, 1, 1, 1, 1});
     if (!given) return fail(given.error());
-    const protocol::SetMaterial request{numbered(object),
-                                        {.alpha = given->alpha,
-                                         .beta = given->beta,
-                                         .density = given->density,
-                                         .stiffness = given->stiffness,
-                                         .size = given->size}};
+    protocol::SetMaterial request{numbered(object),
+                                  {.alpha = given->alpha,
+                                   .beta = given->beta,
+                                   .density = given->density,
+                                   .stiffness = given->stiffness,
+                                   .size = given->size}};
     if (auto good = protocol::check(request); !good) return good;
     return mixer->rack.set_material(request.object, request.scale);
   });
@@ -175,7 +175,7 @@ ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t obj
                               const double point_m[3], const double direction[3], double damping_ns_m,
                               ringdown_error* error) {
   if (!point_m || !direction) return guarded(error, [] { return missing("point_m or direction"); });
-  const protocol::SetDamper request{
+  protocol::SetDamper request{
       numbered(object), {library::vector(point_m), library::vector(direction), damping_ns_m}, number};
   return change(mixer, request, error, [&](session::Rack& rack) -> Result<void> {
     if (number >= RINGDOWN_MAX_DAMPERS) {
@@ -186,14 +186,14 @@ ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t obj
 }
 
 ringdown_result ringdown_mute(ringdown_mixer* mixer, uint32_t object, int on, ringdown_error* error) {
-  const protocol::SetMute request{numbered(object), on != 0};
+  protocol::SetMute request{numbered(object), on != 0};
   return change(mixer, request, error, [&](session::Rack& rack) {
     return rack.set_heard(request.object, &session::ObjectState::mute, request.on);
   });
 }
 
 ringdown_result ringdown_solo(ringdown_mixer* mixer, uint32_t object, int on, ringdown_error* error) {
-  const protocol::SetSolo request{numbered(object), on != 0};
+  protocol::SetSolo request{numbered(object), on != 0};
   return change(mixer, request, error, [&](session::Rack& rack) {
     return rack.set_heard(request.object, &session::ObjectState::solo, request.on);
   });
@@ -202,8 +202,8 @@ ringdown_result ringdown_solo(ringdown_mixer* mixer, uint32_t object, int on, ri
 ringdown_result ringdown_excite(ringdown_mixer* mixer, uint32_t input, uint32_t object, const double point_m[3],
                                 const double force_n[3], ringdown_error* error) {
   if (!point_m || !force_n) return guarded(error, [] { return missing("point_m or force_n"); });
-  const protocol::Excite request{numbered(object), input < RINGDOWN_MAX_INPUTS ? input + 1 : 0,
-                                 library::vector(point_m), library::vector(force_n)};
+  protocol::Excite request{numbered(object), input < RINGDOWN_MAX_INPUTS ? input + 1 : 0, library::vector(point_m),
+                           library::vector(force_n)};
   return change(mixer, request, error, [&](session::Rack& rack) {
     return rack.excite(input, request.object, request.point_m, request.force_n);
   });

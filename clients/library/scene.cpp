@@ -88,8 +88,7 @@ ringdown_result ringdown_scene_push(ringdown_scene* scene, uint32_t body, const 
                                     ringdown_error* error) {
   return on_scene(scene, error, [&](session::ScenePlayer& player) -> Result<void> {
     if (!impulse_ns) return missing("impulse_ns");
-    const protocol::ScenePush request{static_cast<std::int32_t>(std::min(body, 0x7fffffffu)),
-                                      library::vector(impulse_ns)};
+    protocol::ScenePush request{static_cast<std::int32_t>(std::min(body, 0x7fffffffu)), library::vector(impulse_ns)};
     if (auto good = protocol::check(request); !good) return good;
     return player.push(static_cast<scene::BodyId>(request.body), request.impulse_ns);
   });

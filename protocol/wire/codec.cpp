@@ -3,11 +3,9 @@
 #include <lo/lo.h>
 
 #include <algorithm>
-#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
 
 namespace ringdown::wire {
@@ -27,53 +25,13 @@ using BundleHandle = std::unique_ptr<std::remove_pointer_t<lo_bundle>, FreeBundl
 
 constexpr double kUnixEpochNtp = 2208988800;  // seconds from 1900 to 1970, RFC 868
 
-// liblo points into its buffer, where 8-byte values stand at multiples of 4.
-template <class T>
-T value_at(const lo_arg* argument) {
-  T value;
-  std::memcpy(&value, reinterpret_cast<const char*>(argument), sizeof value);
-  return value;
-}
-
-Argument to_argument(char type, const lo_arg* argument) {
-  switch (type) {
-    case LO_INT32:
-      return value_at<std::int32_t>(argument);
-    case LO_INT64:
-      return value_at<std::int64_t>(argument);
-    case LO_FLOAT:
-      return value_at<float>(argument);
-    case LO_DOUBLE:
-      return value_at<double>(argument);
-    case LO_BLOB: {
-      auto* const blob = reinterpret_cast<lo_blob>(const_cast<lo_arg*>(argument));
-      const auto* const first = static_cast<const std::byte*>(lo_blob_dataptr(blob));
-      return Blob(first, first + lo_blob_datasize(blob));
-    }
-    default:
-      break;
-  }
-  assert(type == LO_STRING);
-  return std::string(reinterpret_cast<const char*>(argument));
-}
-
-Result<TimedMessage> decode_message(const RawMessage& raw) {
-  std::vector<std::byte> bytes(raw.bytes.begin(), raw.bytes.end());  // liblo wants to write
-  const MessageHandle handle(lo_message_deserialise(bytes.data(), bytes.size(), nullptr));
-  if (!handle) return fail(ErrorKind::bad_input, "no OSC packet: liblo cannot read it");
-  TimedMessage timed{raw.time, {reinterpret_cast<const char*>(raw.bytes.data()), {}}};
-  const char* const types = lo_message_get_types(handle.get());
-  lo_arg** const arguments = lo_message_get_argv(handle.get());
-  const int count = lo_message_get_argc(handle.get());
-  for (int i = 0; i < count; ++i) timed.message.arguments.push_back(to_argument(types[i], arguments[i]));
-  return timed;
-}
-
 void add(lo_message message, std::int32_t value) { lo_message_add_int32(message, value); }
 void add(lo_message message, std::int64_t value) { lo_message_add_int64(message, value); }
 void add(lo_message message, float value) { lo_message_add_float(message, value); }
 void add(lo_message message, double value) { lo_message_add_double(message, value); }
 void add(lo_message message, const std::string& value) { lo_message_add_string(message, value.c_str()); }
+void add(lo_message message, bool value) { (value ? lo_message_add_true : lo_message_add_false)(message); }
+void add(lo_message message, Tag tag) { (tag.type == 'I' ? lo_message_add_infinitum : lo_message_add_nil)(message); }
 void add(lo_message message, const Blob& value) {
   // lo_blob_new() makes none without bytes. As in an argument, a blob is its size, then its bytes.
   std::vector<std::uint32_t> blob(1 + (value.size() + 3) / 4);
@@ -99,18 +57,6 @@ std::vector<std::byte> take(void* serialised, std::size_t size) {
 }
 
 }  // namespace
-
-Result<std::vector<TimedMessage>> decode_packet(std::span<const std::byte> packet) {
-  const Result<std::vector<RawMessage>> raw = split_packet(packet);
-  if (!raw) return fail(raw.error());
-  std::vector<TimedMessage> messages;
-  for (const RawMessage& element : *raw) {
-    Result<TimedMessage> message = decode_message(element);
-    if (!message) return fail(message.error());
-    messages.push_back(std::move(*message));
-  }
-  return messages;
-}
 
 std::vector<std::byte> encode(const Message& message) {
   std::size_t size = 0;
@@ -151,11 +97,15 @@ Result<OscUrl> parse_url(std::string_view url) {
   if (rest.ends_with('/')) rest.remove_suffix(1);
   const std::size_t colon = rest.rfind(':');
   if (colon == rest.npos || colon == 0) return refuse();
+  std::string_view host = rest.substr(0, colon);
+  const bool in_brackets = host.starts_with('[') && host.ends_with(']');
+  if (in_brackets) host = host.substr(1, host.size() - 2);
+  if (host.empty() || in_brackets != (host.find(':') != host.npos)) return refuse();
   const std::string_view digits = rest.substr(colon + 1);
   std::uint16_t port = 0;
   const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
   if (error != std::errc() || stop != digits.data() + digits.size() || port == 0) return refuse();
-  return OscUrl{std::string(rest.substr(0, colon)), port};
+  return OscUrl{std::string(host), port};
 }
 
 }  // namespace ringdown::wire

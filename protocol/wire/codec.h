@@ -1,11 +1,8 @@
-// OSC packets to plain messages and back, by liblo. The only file that includes liblo is codec.cpp. [any thread but
-// audio]
+// Plain messages to OSC packets, by liblo, and what else belongs to OSC: time tags and addresses of daemons. The only
+// file that includes liblo is codec.cpp; packet.h reads packets. [any thread but audio]
 //
-// liblo 0.31 reads and writes the bytes of messages; everything around that is our own, because of what it does there:
+// More of liblo is not used, because of what liblo 0.31 does:
 //
-// - Malformed packets make it read past the end (short blobs, truncated bundles). split_packet() checks every byte
-// first
-//   and opens the bundles, so that liblo is given single messages that are known to be well formed.
 // - It converts an argument to the type that a method was registered with, and turns NaN or 1e20 into the integer 0: a
 //   request for object NaN would reach object 0. protocol/schema.h converts strictly instead, and refuses.
 // - Its server always listens on all interfaces. socket.h binds one address, by default 127.0.0.1.
@@ -26,15 +23,7 @@
 
 namespace ringdown::wire {
 
-struct TimedMessage {
-  TimeTag time = kImmediately;
-  Message message;
-};
-
-// The messages of a datagram, in their order; checks first (packet.h), and refuses it whole on any fault.
-Result<std::vector<TimedMessage>> decode_packet(std::span<const std::byte> packet);
-
-// A packet for one message. Text ends at its first zero byte, as OSC text does.
+// A packet for one message. Text ends at its first zero byte, as OSC text does. A Tag is written as I or N.
 std::vector<std::byte> encode(const Message& message);
 
 // A bundle of messages that all happen at `time`.
@@ -49,7 +38,8 @@ struct OscUrl {
   std::uint16_t port = 0;
 };
 
-// "osc.udp://127.0.0.1:7770" or with a trailing slash. Only osc.udp, and the port must be there.
+// "osc.udp://127.0.0.1:7770" or "osc.udp://[::1]:7770", or with a trailing slash. Only osc.udp, and the port must be
+// there.
 Result<OscUrl> parse_url(std::string_view url);
 
 }  // namespace ringdown::wire

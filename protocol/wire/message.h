@@ -12,8 +12,15 @@ namespace ringdown::wire {
 
 using Blob = std::vector<std::byte>;
 
-// OSC types i, h, f, d, s, b. Others are refused where packets are decoded (codec.h).
-using Argument = std::variant<std::int32_t, std::int64_t, float, double, std::string, Blob>;
+// An argument that says nothing but its type: N (nil) and I (impulse), and also c (character), m (MIDI message), r
+// (colour) and t (time tag), whose values no request takes.
+struct Tag {
+  char type = 'N';
+  friend bool operator==(const Tag&, const Tag&) = default;
+};
+
+// OSC types i, h, f, d, s (also of S, a symbol), b, and a bool for T and F.
+using Argument = std::variant<std::int32_t, std::int64_t, float, double, std::string, Blob, bool, Tag>;
 
 struct Message {
   std::string address;

@@ -1,15 +1,16 @@
 #include "protocol/wire/packet.h"
 
 #include <algorithm>
-#include <cstring>
+#include <bit>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
-// Checking a packet before liblo sees it
+// Reading a packet
 //
 // One pass over the bytes, element by element (OSC 1.0): split() tells a bundle from a message, split_bundle() takes
-// the elements of a bundle one after the other, check_message() takes address, type tags and arguments off the front of
+// the elements of a bundle one after the other, read_message() takes address, type tags and arguments off the front of
 // a message and must arrive exactly at its end. Every length is compared with the bytes that are left before anything
 // is taken, and bundles may nest kMaxBundle deep, so the pass reads no byte outside of the packet and its stack is
 // bounded, whatever was sent. A message in an inner bundle carries the later of all time tags around it.
@@ -45,17 +46,18 @@ std::optional<std::string_view> take_string(std::span<const std::byte>& rest) {
 }
 
 // Takes an OSC blob off the front: its size, its bytes, and zeros up to a multiple of 4.
-bool take_blob(std::span<const std::byte>& rest) {
-  if (rest.size() < 4) return false;
+std::optional<std::span<const std::byte>> take_blob(std::span<const std::byte>& rest) {
+  if (rest.size() < 4) return std::nullopt;
   const std::size_t size = big_endian<std::uint32_t>(rest);
   rest = rest.subspan(4);
-  if (size > rest.size()) return false;
+  if (size > rest.size()) return std::nullopt;
   const std::size_t padded = (size + 3) / 4 * 4;
-  if (padded > rest.size()) return false;
+  if (padded > rest.size()) return std::nullopt;
   if (std::ranges::any_of(rest.subspan(size, padded - size), [](std::byte b) { return b != std::byte{}; }))
-    return false;
+    return std::nullopt;
+  const auto blob = rest.first(size);
   rest = rest.subspan(padded);
-  return true;
+  return blob;
 }
 
 bool is_address(std::string_view text) {
@@ -63,53 +65,94 @@ bool is_address(std::string_view text) {
   return text.size() <= kMaxAddress && text.starts_with('/') && std::ranges::all_of(text, printable);
 }
 
-// Takes one argument of type `type` off the front.
-Result<void> take_argument(char type, const std::string& where, std::span<const std::byte>& rest) {
-  if (type == 's') {
-    if (!take_string(rest)) return refuse(where + " is text that does not end or is not padded with zeros");
-    return {};
-  }
-  if (type == 'b') {
-    if (!take_blob(rest)) return refuse(where + " is a blob that is cut off or is not padded with zeros");
-    return {};
-  }
-  const bool wide = type == 'h' || type == 'd';
-  if (!wide && type != 'i' && type != 'f') {
-    const bool printable = type > ' ' && type <= '~';
-    return refuse(where + " has the type " + (printable ? std::string{'\'', type, '\''} : "of an unprintable letter") +
-                  "; send i, h, f, d, s or b");
-  }
-  const std::size_t size = wide ? 8 : 4;
-  if (rest.size() < size) return refuse(where + " is cut off");
-  rest = rest.subspan(size);
-  return {};
+// The bytes that a number of this type has; 0 for other types.
+std::size_t size_of(char type) {
+  if (std::string_view("ifcmr").find(type) != std::string_view::npos) return 4;
+  return std::string_view("hdt").find(type) != std::string_view::npos ? 8 : 0;
 }
 
-Result<void> check_message(std::span<const std::byte> rest) {
+Argument to_number(char type, std::span<const std::byte> bytes) {
+  switch (type) {
+    case 'i':
+      return static_cast<std::int32_t>(big_endian<std::uint32_t>(bytes));
+    case 'h':
+      return static_cast<std::int64_t>(big_endian<std::uint64_t>(bytes));
+    case 'f':
+      return std::bit_cast<float>(big_endian<std::uint32_t>(bytes));
+    case 'd':
+      return std::bit_cast<double>(big_endian<std::uint64_t>(bytes));
+    default:
+      return Tag{type};
+  }
+}
+
+// Takes one argument of type `type` off the front, or says what is wrong with it.
+tl::expected<Argument, std::string> take_argument(char type, std::span<const std::byte>& rest) {
+  if (type == 'T' || type == 'F') return type == 'T';
+  if (type == 'N' || type == 'I') return Tag{type};
+  if (type == 's' || type == 'S') {
+    const auto text = take_string(rest);
+    if (!text) return tl::unexpected<std::string>("is text that does not end or is not padded with zeros");
+    return std::string(*text);
+  }
+  if (type == 'b') {
+    const auto blob = take_blob(rest);
+    if (!blob) return tl::unexpected<std::string>("is a blob that is cut off or is not padded with zeros");
+    return Blob(blob->begin(), blob->end());
+  }
+  const std::size_t size = size_of(type);
+  if (size == 0) {
+    const bool printable = type > ' ' && type <= '~';
+    return tl::unexpected("has the type " + (printable ? std::string{'\'', type, '\''} : "of an unprintable letter") +
+                          ", which OSC does not know; send i, h, f, d, s, b, T or F");
+  }
+  if (rest.size() < size) return tl::unexpected<std::string>("is cut off");
+  const Argument number = to_number(type, rest);
+  rest = rest.subspan(size);
+  return number;
+}
+
+Result<Message> read_message(std::span<const std::byte> rest) {
   const std::optional<std::string_view> address = take_string(rest);
   if (!address) return refuse("the address does not end or is not padded with zeros");
   if (!is_address(*address)) {
     return refuse("the address must begin with / and be of up to " + std::to_string(kMaxAddress) +
                   " printable characters");
   }
-  const std::string name(*address);
+  Message message{std::string(*address), {}};
+  if (rest.empty()) return message;  // an old sender, which leaves out the type tags
+  if (rest.front() != std::byte{','}) {
+    return refuse(message.address + " has " + std::to_string(rest.size()) +
+                  " bytes of arguments, but its type tags are missing: send a text like ,f before them");
+  }
   const std::optional<std::string_view> types = take_string(rest);
-  if (!types || !types->starts_with(',')) return refuse(name + " has no type tags");
-  if (types->size() - 1 > kMaxArguments) {
-    return refuse(name + " has more than " + std::to_string(kMaxArguments) + " arguments");
+  if (!types) return refuse(message.address + " has type tags that do not end or are not padded with zeros");
+  int open = 0;  // brackets
+  for (const char type : types->substr(1)) {
+    if (type == '[' || type == ']') {
+      open += type == '[' ? 1 : -1;
+      if (open < 0) break;
+      continue;
+    }
+    if (message.arguments.size() == kMaxArguments) {
+      return refuse(message.address + " has more than " + std::to_string(kMaxArguments) + " arguments");
+    }
+    auto argument = take_argument(type, rest);
+    if (!argument) {
+      return refuse(message.address + " argument " + std::to_string(message.arguments.size() + 1) + " " +
+                    argument.error());
+    }
+    message.arguments.push_back(std::move(*argument));
   }
-  for (std::size_t i = 1; i < types->size(); ++i) {
-    const std::string where = name + " argument " + std::to_string(i);
-    if (Result<void> taken = take_argument((*types)[i], where, rest); !taken) return taken;
-  }
-  if (!rest.empty()) return refuse(name + " has " + std::to_string(rest.size()) + " bytes too many");
-  return {};
+  if (open != 0) return refuse(message.address + " has type tags with a bracket that has no partner");
+  if (!rest.empty()) return refuse(message.address + " has " + std::to_string(rest.size()) + " bytes too many");
+  return message;
 }
 
-Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, std::vector<RawMessage>& messages);
+Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, std::vector<TimedMessage>& messages);
 
 Result<void> split_bundle(std::span<const std::byte> bundle, TimeTag time, int depth,
-                          std::vector<RawMessage>& messages) {
+                          std::vector<TimedMessage>& messages) {
   if (depth > kMaxBundle) {
     return refuse("bundles nest deeper than " + std::to_string(kMaxBundle));
   }
@@ -130,26 +173,26 @@ Result<void> split_bundle(std::span<const std::byte> bundle, TimeTag time, int d
   return {};
 }
 
-Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, std::vector<RawMessage>& messages) {
+Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, std::vector<TimedMessage>& messages) {
   if (element.empty()) return refuse("it is empty");
   if (element.size() % 4 != 0) {
     return refuse("its length, " + std::to_string(element.size()) + " bytes, is no multiple of 4");
   }
   if (as_text(element).starts_with(kBundleMark)) return split_bundle(element, time, depth + 1, messages);
-  if (Result<void> good = check_message(element); !good) return good;
-  messages.push_back({time, element});
+  Result<Message> message = read_message(element);
+  if (!message) return fail(message.error());
+  messages.push_back({std::max(time, kImmediately), std::move(*message)});
   return {};
 }
 
 }  // namespace
 
-Result<std::vector<RawMessage>> split_packet(std::span<const std::byte> packet) {
+Result<std::vector<TimedMessage>> decode_packet(std::span<const std::byte> packet) {
   if (packet.size() > kMaxPacketBytes) {
     return refuse("it has more than " + std::to_string(kMaxPacketBytes) + " bytes");
   }
-  std::vector<RawMessage> messages;
+  std::vector<TimedMessage> messages;
   if (Result<void> done = split(packet, 0, 0, messages); !done) return fail(done.error());
-  for (RawMessage& message : messages) message.time = std::max(message.time, kImmediately);
   return messages;
 }
 

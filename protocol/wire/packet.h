@@ -1,9 +1,10 @@
-// Whether a datagram is OSC 1.0 that we accept, checked byte by byte before any library reads it.
+// Reads OSC packets, byte by byte. [any thread but audio]
 //
-// liblo 0.31 reads past the end of malformed packets; it only ever sees messages that passed here. [any thread]
+// Our own instead of liblo's: liblo 0.31 reads past the end of malformed packets, and knows neither colours nor arrays.
 #pragma once
 
 #include "engine/base/result.h"
+#include "protocol/wire/message.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -22,17 +23,18 @@ inline constexpr std::size_t kMaxAddress = 256;
 inline constexpr std::size_t kMaxArguments = 64;
 inline constexpr int kMaxBundle = 4;
 
-// One message inside a packet, with the time of the bundle around it.
-struct RawMessage {
+struct TimedMessage {
   TimeTag time = kImmediately;
-  std::span<const std::byte> bytes;  // into the packet
+  Message message;
 };
 
 // The messages of a packet in their order, bundles opened. A message without a bundle has time kImmediately; in a
 // bundle inside a bundle it has the later of the two times, as OSC 1.0 asks of senders. A packet with any fault is
 // refused whole; the sentence names the address, if it got that far, and what is wrong. Checked: the length, a multiple
 // of 4; that every string ends inside the packet and is padded with zeros; addresses of printable characters; argument
-// types i h f d s b only; the limits above; that nothing is left over.
-Result<std::vector<RawMessage>> split_packet(std::span<const std::byte> packet);
+// types of OSC 1.0 and 1.1; the limits above; that nothing is left over.
+//
+// Elements of an array become arguments like any others. A message without type tags is one without arguments.
+Result<std::vector<TimedMessage>> decode_packet(std::span<const std::byte> packet);
 
 }  // namespace ringdown::wire

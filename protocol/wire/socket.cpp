@@ -1,41 +1,19 @@
 #include "protocol/wire/socket.h"
 
 #include <algorithm>
-#include <arpa/inet.h>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <netdb.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <time.h>
-#include <unistd.h>
 #include <utility>
 
 namespace ringdown::wire {
 namespace {
 
 constexpr int kReceiveBuffer = 4 << 20;
-
-sockaddr_in to_sockaddr(Endpoint endpoint) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(endpoint.address);
-  address.sin_port = htons(endpoint.port);
-  return address;
-}
-
-Endpoint from_sockaddr(const sockaddr_in& address) { return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)}; }
-
-Error bind_error(Endpoint endpoint, int reason) {
-  if (reason == EADDRINUSE) {
-    return {ErrorKind::port_busy,
-            "OSC port " + to_text(endpoint) +
-                " is taken by another program: stop that one, or choose another port (0 takes any free one)"};
-  }
-  return {ErrorKind::port_busy, "cannot listen for OSC on " + to_text(endpoint) + ": " + std::strerror(reason)};
-}
 
 // Only root may exceed net.core.rmem_max; either call may fail without harm.
 void raise_receive_buffer(int socket) {
@@ -56,10 +34,6 @@ double age_s(const msghdr& header) {
   return age > 0 && age < kMaxAge_s ? age : 0;
 }
 
-void close_if_open(int& descriptor) {
-  if (const int open = std::exchange(descriptor, -1); open >= 0) ::close(open);
-}
-
 }  // namespace
 
 // Datagrams are received in batches: recvmmsg() hands over all that wait, up to kMaxBatch, in one system call, which in
@@ -71,7 +45,7 @@ struct OscSocket::Batch {
   static constexpr std::size_t kMaxBatch = 32, kMaxDatagramBytes = 65536;
 
   struct Slot {
-    sockaddr_in from;
+    SocketAddress from;
     iovec room;
     alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control;
   };
@@ -79,14 +53,15 @@ struct OscSocket::Batch {
   std::array<Slot, kMaxBatch> slots{};
   std::array<mmsghdr, kMaxBatch> headers{};
   std::size_t next = 0, count = 0;
+  std::size_t from = 0;  // 0: of the IPv4 socket, 1: of the IPv6 socket
 
   // False when there is nothing.
   bool fetch(int socket) {
     for (std::size_t i = 0; i < kMaxBatch; ++i) {
       Slot& slot = slots[i];
       slot.room = {bytes.get() + i * kMaxDatagramBytes, kMaxDatagramBytes};
-      headers[i].msg_hdr = {.msg_name = &slot.from,
-                            .msg_namelen = sizeof slot.from,
+      headers[i].msg_hdr = {.msg_name = &slot.from.storage,
+                            .msg_namelen = sizeof slot.from.storage,
                             .msg_iov = &slot.room,
                             .msg_iovlen = 1,
                             .msg_control = slot.control.data(),
@@ -103,99 +78,82 @@ struct OscSocket::Batch {
     const mmsghdr& header = headers[next++];
     const auto* const first = static_cast<const std::byte*>(slot.room.iov_base);
     datagram.bytes.assign(first, first + header.msg_len);
-    datagram.from = from_sockaddr(slot.from);
+    datagram.from = slot.from.endpoint();
     datagram.age_s = age_s(header.msg_hdr);
   }
 };
 
-OscSocket::OscSocket(int socket, int waker, Endpoint endpoint) : socket_(socket), waker_(waker), endpoint_(endpoint) {}
-
-Result<Endpoint> resolve(const std::string& host, std::uint16_t port) {
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_DGRAM;
-  addrinfo* found = nullptr;
-  const int outcome = ::getaddrinfo(host.c_str(), nullptr, &hints, &found);
-  if (outcome != 0) {
-    return fail(ErrorKind::bad_input, "cannot find the host '" + host + "': " + ::gai_strerror(outcome));
-  }
-  sockaddr_in address{};
-  std::memcpy(&address, found->ai_addr, sizeof address);
-  ::freeaddrinfo(found);
-  return Endpoint{ntohl(address.sin_addr.s_addr), port};
-}
-
-std::string to_text(Endpoint endpoint) {
-  const in_addr address{htonl(endpoint.address)};
-  char text[INET_ADDRSTRLEN] = "";
-  ::inet_ntop(AF_INET, &address, text, sizeof text);
-  return std::string(text) + ":" + std::to_string(endpoint.port);
-}
-
-Result<OscSocket> OscSocket::bind(Endpoint endpoint) {
-  OscSocket opened(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0), ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), endpoint);
-  if (opened.socket_ < 0 || opened.waker_ < 0) return fail(bind_error(endpoint, errno));
-  sockaddr_in address = to_sockaddr(endpoint);
-  socklen_t size = sizeof address;
-  auto* const generic = reinterpret_cast<sockaddr*>(&address);
-  if (::bind(opened.socket_, generic, size) != 0 || ::getsockname(opened.socket_, generic, &size) != 0) {
-    return fail(bind_error(endpoint, errno));
-  }
-  raise_receive_buffer(opened.socket_);
+OscSocket::OscSocket(BoundSockets sockets, Descriptor waker) : sockets_(std::move(sockets)), waker_(std::move(waker)) {
   const int on = 1;
-  ::setsockopt(opened.socket_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
-  opened.endpoint_ = from_sockaddr(address);
-  return opened;
+  for (const int socket : {sockets_.ipv4.get(), sockets_.ipv6.get()}) {
+    if (socket < 0) continue;
+    raise_receive_buffer(socket);
+    ::setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+  }
 }
 
-OscSocket::OscSocket(OscSocket&& other) noexcept
-    : socket_(std::exchange(other.socket_, -1)),
-      waker_(std::exchange(other.waker_, -1)),
-      endpoint_(other.endpoint_),
-      batch_(std::move(other.batch_)) {}
+OscSocket::OscSocket(OscSocket&& other) noexcept = default;
+OscSocket& OscSocket::operator=(OscSocket&& other) noexcept = default;
+OscSocket::~OscSocket() = default;
 
-OscSocket& OscSocket::operator=(OscSocket&& other) noexcept {
-  std::swap(socket_, other.socket_);
-  std::swap(waker_, other.waker_);
-  std::swap(endpoint_, other.endpoint_);
-  std::swap(batch_, other.batch_);
-  return *this;
+Result<OscSocket> OscSocket::open(Result<BoundSockets> sockets) {
+  if (!sockets) return fail(sockets.error());
+  Descriptor waker(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!waker.is_open()) {
+    return fail(ErrorKind::port_busy,
+                "cannot listen for OSC on " + to_text(sockets->endpoint) + ": " + std::strerror(errno));
+  }
+  return OscSocket(std::move(*sockets), std::move(waker));
 }
 
-OscSocket::~OscSocket() {
-  close_if_open(socket_);
-  close_if_open(waker_);
+Result<OscSocket> OscSocket::bind(const Endpoint& endpoint) { return open(bind_one(endpoint, SOCK_DGRAM, "OSC")); }
+
+Result<OscSocket> OscSocket::serve(const Endpoint& endpoint) {
+  return open(bind_for_server(endpoint, SOCK_DGRAM, "OSC"));
+}
+
+Result<OscSocket> OscSocket::reach(const Endpoint& server) {
+  if (server.is_loopback()) return bind({.address = server.address});
+  return bind({.address = server.is_ipv4() ? kAny4 : kAny6});
 }
 
 std::size_t OscSocket::receive_buffer_bytes() const {
   int bytes = 0;
   socklen_t size = sizeof bytes;
-  ::getsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, &size);
+  ::getsockopt(sockets_.to(sockets_.endpoint), SOL_SOCKET, SO_RCVBUF, &bytes, &size);
   return static_cast<std::size_t>(bytes) / 2;  // the kernel reports twice what it uses for data
 }
 
 bool OscSocket::receive(Datagram& datagram, std::chrono::milliseconds timeout) {
   if (!batch_) batch_ = std::make_unique<Batch>();
-  if (batch_->next == batch_->count) {
-    pollfd watched[] = {{socket_, POLLIN, 0}, {waker_, POLLIN, 0}};
-    if (::poll(watched, 2, static_cast<int>(timeout.count())) <= 0) return false;
-    if (watched[1].revents != 0) {
-      eventfd_t count = 0;
-      ::eventfd_read(waker_, &count);
-      return false;
-    }
-    if (!batch_->fetch(socket_)) return false;
-  }
+  if (batch_->next == batch_->count && !fetch(timeout)) return false;
   batch_->give(datagram);
   return true;
 }
 
-void OscSocket::wake() noexcept { ::eventfd_write(waker_, 1); }
+// Fetches what waits at one of the sockets: at the one that was not served last, if both have something.
+bool OscSocket::fetch(std::chrono::milliseconds timeout) {
+  // poll() ignores negative descriptors: those of a socket that is not there.
+  pollfd watched[] = {{sockets_.ipv4.get(), POLLIN, 0}, {sockets_.ipv6.get(), POLLIN, 0}, {waker_.get(), POLLIN, 0}};
+  if (::poll(watched, std::size(watched), static_cast<int>(timeout.count())) <= 0) return false;
+  if (watched[2].revents != 0) {
+    eventfd_t count = 0;
+    ::eventfd_read(waker_.get(), &count);
+    return false;
+  }
+  const std::size_t first = 1 - batch_->from, ready = watched[first].revents != 0 ? first : batch_->from;
+  batch_->from = ready;
+  return batch_->fetch(watched[ready].fd);
+}
 
-Result<void> OscSocket::send_to(Endpoint to, std::span<const std::byte> bytes) {
-  const sockaddr_in address = to_sockaddr(to);
-  const ssize_t sent =
-      ::sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+void OscSocket::wake() noexcept { ::eventfd_write(waker_.get(), 1); }
+
+Result<void> OscSocket::send_to(const Endpoint& to, std::span<const std::byte> bytes) {
+  const int socket = sockets_.to(to);
+  const SocketAddress address(to);
+  if (socket < 0)
+    return fail(ErrorKind::input_output, "cannot send OSC to " + to_text(to) + " from " + to_text(endpoint()));
+  const ssize_t sent = ::sendto(socket, bytes.data(), bytes.size(), 0, address.generic(), address.size);
   if (sent < 0) return fail(ErrorKind::input_output, "cannot send OSC to " + to_text(to) + ": " + std::strerror(errno));
   return {};
 }

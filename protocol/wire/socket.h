@@ -1,6 +1,6 @@
 // A UDP socket for OSC. Ours instead of liblo's, which always listens on all interfaces.
 //
-//   auto socket = OscSocket::bind(*resolve("127.0.0.1", 7770));
+//   auto socket = OscSocket::serve(*resolve("127.0.0.1", 7770));
 //   Datagram datagram;                        // kept by the caller, so that its memory is used again
 //   while (!stopping) {
 //     if (socket->receive(datagram, 100ms)) handle(datagram.bytes, datagram.from);
@@ -10,6 +10,8 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "protocol/wire/descriptor.h"
+#include "protocol/wire/endpoint.h"
 
 #include <chrono>
 #include <cstddef>
@@ -21,19 +23,6 @@
 
 namespace ringdown::wire {
 
-// An IPv4 address and port.
-struct Endpoint {
-  std::uint32_t address = 0x7f000001;  // 127.0.0.1, in this computer's byte order
-  std::uint16_t port = 0;
-  friend bool operator==(const Endpoint&, const Endpoint&) = default;
-};
-
-// Looks a host name up, or reads a dotted address. May ask a name server.
-Result<Endpoint> resolve(const std::string& host, std::uint16_t port);
-
-// "127.0.0.1:7770"
-std::string to_text(Endpoint endpoint);
-
 struct Datagram {
   std::vector<std::byte> bytes;
   Endpoint from;
@@ -44,14 +33,20 @@ class OscSocket {
  public:
   // Port 0 takes any free one. The address must be this computer's; 127.0.0.1, which nobody outside can reach, unless
   // the user asked for another. A taken port is an error whose sentence says so. Nothing shares the port.
-  static Result<OscSocket> bind(Endpoint endpoint = {});
+  static Result<OscSocket> bind(const Endpoint& endpoint = {});
+
+  // For a server: as bind(), but 127.0.0.1 and 0.0.0.0 are served by IPv6, too (bind_for_server() in endpoint.h).
+  static Result<OscSocket> serve(const Endpoint& endpoint);
+
+  // For a client of `server`: bound to the loopback if the server is there, else to any address.
+  static Result<OscSocket> reach(const Endpoint& server);
 
   OscSocket(OscSocket&& other) noexcept;
   OscSocket& operator=(OscSocket&& other) noexcept;
   ~OscSocket();
 
-  [[nodiscard]] Endpoint endpoint() const { return endpoint_; }
-  [[nodiscard]] std::uint16_t port() const { return endpoint_.port; }
+  [[nodiscard]] Endpoint endpoint() const { return sockets_.endpoint; }
+  [[nodiscard]] std::uint16_t port() const { return sockets_.endpoint.port; }
 
   // Bytes that the kernel queues for us while we are busy. We ask for 4 MiB; a plain user gets at most
   // net.core.rmem_max.
@@ -64,16 +59,17 @@ class OscSocket {
   // Makes a receive() that waits, or the next one that asks the kernel, return false. Also from a signal handler.
   void wake() noexcept;
 
-  Result<void> send_to(Endpoint to, std::span<const std::byte> bytes);
+  Result<void> send_to(const Endpoint& to, std::span<const std::byte> bytes);
 
  private:
   struct Batch;
 
-  OscSocket(int socket, int waker, Endpoint endpoint);
+  static Result<OscSocket> open(Result<BoundSockets> sockets);
+  OscSocket(BoundSockets sockets, Descriptor waker);
+  bool fetch(std::chrono::milliseconds timeout);
 
-  int socket_ = -1;
-  int waker_ = -1;  // an eventfd
-  Endpoint endpoint_;
+  BoundSockets sockets_;
+  Descriptor waker_;              // an eventfd
   std::unique_ptr<Batch> batch_;  // made when first something is received
 };
 

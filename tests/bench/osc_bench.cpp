@@ -10,12 +10,10 @@
 #include "protocol/wire/socket.h"
 
 #include <algorithm>
-#include <arpa/inet.h>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <netinet/in.h>
 #include <sstream>
 #include <string>
 #include <sys/mman.h>
@@ -46,17 +44,14 @@ std::optional<protocol::StatusReply> ask_status(wire::OscSocket& socket, wire::E
 // Sends in batches of 64, each when its time has come. Returns how many.
 std::size_t flood(wire::Endpoint daemon, const std::vector<std::byte>& packet, double rate_hz, double seconds) {
   constexpr std::size_t kBatch = 64;
-  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(daemon.address);
-  address.sin_port = htons(daemon.port);
+  wire::SocketAddress address(daemon);
+  const int socket = ::socket(address.storage.ss_family, SOCK_DGRAM, 0);
   iovec bytes{const_cast<std::byte*>(packet.data()), packet.size()};
   std::vector<mmsghdr> batch(kBatch);
   for (mmsghdr& message : batch) {
     message.msg_hdr = {};
-    message.msg_hdr.msg_name = &address;
-    message.msg_hdr.msg_namelen = sizeof address;
+    message.msg_hdr.msg_name = &address.storage;
+    message.msg_hdr.msg_namelen = address.size;
     message.msg_hdr.msg_iov = &bytes;
     message.msg_hdr.msg_iovlen = 1;
   }

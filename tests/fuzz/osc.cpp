@@ -1,8 +1,8 @@
 #include "protocol/schema.h"
 #include "protocol/wire/codec.h"
+#include "protocol/wire/framing.h"
 #include "protocol/wire/packet.h"
 #include "protocol/wire/score.h"
-#include "protocol/wire/slip.h"
 #include "server/nsm_messages.h"
 #include "tests/fuzz/targets.h"
 
@@ -43,20 +43,21 @@ void osc(Bytes datagram) {
   }
 }
 
-void slip(Bytes stream) {
-  wire::SlipDecoder decoder(wire::kMaxPacketBytes);
-  for (const std::byte byte : stream) {
+void stream(Bytes bytes) {
+  wire::FrameDecoder decoder(wire::kMaxPacketBytes);
+  for (const std::byte byte : bytes) {
     const auto outcome = decoder.push(byte);
-    if (outcome == wire::SlipDecoder::Outcome::fault) break;
-    if (outcome == wire::SlipDecoder::Outcome::packet) osc(decoder.take());
+    if (outcome == wire::FrameDecoder::Outcome::fault) break;
+    if (outcome == wire::FrameDecoder::Outcome::packet) osc(decoder.take());
   }
-  if (stream.empty() || stream.size() > wire::kMaxPacketBytes) return;
-  wire::SlipDecoder again(wire::kMaxPacketBytes);
-  for (const std::byte byte : wire::slip_encode(stream)) {
-    if (again.push(byte) != wire::SlipDecoder::Outcome::packet) continue;
-    return expect(std::ranges::equal(again.take(), stream), "a packet survives being framed");
+  if (bytes.empty() || bytes.size() > wire::kMaxPacketBytes) return;
+  for (const wire::Framing framing : {wire::Framing::slip, wire::Framing::length}) {
+    wire::FrameDecoder again(wire::kMaxPacketBytes);
+    const std::vector<std::byte> framed = wire::frame(bytes, framing);
+    std::size_t read = 0;
+    while (read < framed.size() && again.push(framed[read++]) != wire::FrameDecoder::Outcome::packet) continue;
+    expect(read == framed.size() && std::ranges::equal(again.take(), bytes), "a packet survives being framed");
   }
-  expect(false, "a framed packet ends");
 }
 
 void score(Bytes file) {

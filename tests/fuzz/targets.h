@@ -13,7 +13,7 @@ namespace ringdown::fuzz {
 using Bytes = std::span<const std::byte>;
 
 void osc(Bytes datagram);  // checks, codec, schema
-void slip(Bytes stream);   // OSC over TCP
+void stream(Bytes bytes);  // OSC over TCP, in either framing
 void score(Bytes file);    // OSC scores
 void bank(Bytes file);     // .glb, and ringing what was read
 void mesh(Bytes file);     // the first byte chooses: TetGen, Vega, Abaqus, IsoStuffer
@@ -40,7 +40,7 @@ struct Target {
 };
 // A row for each; ./run fuzz takes the names from here.
 inline constexpr Target kTargets[] = {
-    {"osc", osc},           {"slip", slip},         {"score", score},   {"bank", bank},   {"mesh", mesh},
+    {"osc", osc},           {"stream", stream},     {"score", score},   {"bank", bank},   {"mesh", mesh},
     {"scene", scene},       {"material", material}, {"object", object}, {"notes", notes}, {"state", state},
     {"settings", settings}, {"options", options},   {"nsm", nsm},       {"midi", midi},   {"geo", geo},
     {"answer", answer},     {"reader", reader},     {"http", http},     {"gltf", gltf}};

@@ -109,6 +109,20 @@ TEST(LibraryErrors, SayWhatIsWrongAndChangeNothing) {
   EXPECT_TRUE(std::ranges::all_of(left, [](float sample) { return sample == 0; }));
 }
 
+// A program that keeps 0.1 s as a 32-bit float hands over 0.1000000015 s.
+TEST(LibraryErrors, ALimitThatWasAFloatIsTheLimit) {
+  MixerOfBanks mixer(1);
+  const auto strike = [&](float time_s) {
+    return ringdown_strike(mixer.get(), 0, 0, kTop.data(), kBlow.data(), static_cast<double>(time_s), nullptr);
+  };
+  EXPECT_EQ(strike(0.1F), RINGDOWN_OK);
+  EXPECT_EQ(strike(std::nextafter(0.1F, 1.0F)), RINGDOWN_BAD_INPUT);
+  ringdown_material material;
+  ringdown_material_init(&material, sizeof material);
+  material.size = static_cast<double>(0.01F);  // below 0.01
+  EXPECT_EQ(ringdown_set_material(mixer.get(), 0, &material, nullptr), RINGDOWN_OK);
+}
+
 TEST(LibraryErrors, AFullQueueRefusesAndCounts) {
   MixerOfBanks mixer(1);
   ringdown_error error;

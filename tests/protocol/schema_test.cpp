@@ -91,6 +91,65 @@ TEST(Schema, FormatWritesWhatAClientWouldSend) {
   EXPECT_EQ(format(Request(FreeObject{numbered(4)})), (wire::Message{"/object/4/free", {}}));
 }
 
+TEST(Schema, SwitchesTakeTrueAndFalseAndNothingElseDoes) {
+  int switches = 0, others = 0;
+  for (const AddressSpec& spec : addresses()) {
+    for (std::size_t i = spec.arguments_in_address(); i < spec.arguments.size(); ++i) {
+      const std::size_t position = i - spec.arguments_in_address();
+      wire::Message message = spec.example;
+      message.arguments.resize(std::max(message.arguments.size(), position + 1), 0);
+      for (const bool on : {true, false}) {
+        message.arguments[position] = on;
+        const Result<Request> request = parse(message);
+        if (spec.arguments[i].type == ValueType::flag) {
+          ASSERT_TRUE(request) << request.error().message;
+          EXPECT_EQ(format(*request).arguments[position], wire::Argument(on ? 1 : 0)) << spec.address;
+          ++switches;
+        } else {
+          ASSERT_FALSE(request) << spec.address << " " << spec.arguments[i].name;
+          EXPECT_NE(request.error().message.find(on ? "is true;" : "is false;"), std::string::npos)
+              << request.error().message;
+          ++others;
+        }
+      }
+    }
+  }
+  EXPECT_GE(switches, 12);
+  EXPECT_GE(others, 200);
+}
+
+TEST(Schema, NilLeavesAnOptionalArgumentOut) {
+  const wire::Argument nil = wire::Tag{'N'};
+  const Result<Request> request = parse({"/scene/spawn/box", {nil, 0., 0., 1., nil, nil, nil, 3., nil, nil, 2000.}});
+  ASSERT_TRUE(request) << request.error().message;
+  EXPECT_EQ(format(*request), (wire::Message{"/scene/spawn/box", {"-", 0., 0., 1., 0., 0., 0., 3., 0., 0., 2000.}}));
+  const Result<Request> missing = parse({"/object/bell/gain", {nil}});
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("(gain) is nil (type N)"), std::string::npos) << missing.error().message;
+}
+
+TEST(Schema, AnImpulseAloneIsAMessageWithoutArguments) {
+  const wire::Argument impulse = wire::Tag{'I'};
+  EXPECT_TRUE(parse({"/clear", {impulse}}));
+  EXPECT_TRUE(parse({"/notify", {impulse}}));
+  EXPECT_FALSE(parse({"/object/bell/gain", {impulse}})) << "the gain is missing";
+  EXPECT_FALSE(parse({"/object/bell/gain", {0.5, impulse}}));
+  EXPECT_FALSE(parse({"/clear", {impulse, impulse}}));
+}
+
+TEST(Schema, ValuesThatNoRequestTakesAreRefusedByTheirNames) {
+  for (const auto& [type, name] : {std::pair{'c', "a character (type c)"},
+                                   {'m', "a MIDI message (type m)"},
+                                   {'r', "a colour (type r)"},
+                                   {'t', "a time tag (type t)"}}) {
+    for (const char* address : {"/object/bell/gain", "/object/bell/mute", "/load", "/strikes", "/scene/push"}) {
+      const Result<Request> request = parse({address, {wire::Tag{type}}});
+      ASSERT_FALSE(request) << address;
+      EXPECT_NE(request.error().message.find(name), std::string::npos) << request.error().message;
+    }
+  }
+}
+
 TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
   const auto sentence = [](const std::string& address) { return parse({address, {}}).error().message; };
   EXPECT_NE(sentence("/object/bell/strik").find("/object/{object}/strike"), std::string::npos);

@@ -1,7 +1,7 @@
 # OSC without a daemon: packets, the socket, scores, and the senders in clients/.
 pkg_check_modules(LIBLO REQUIRED IMPORTED_TARGET GLOBAL liblo)
 ringdown_test(osc_test
-              SOURCES command_line_test.cpp osc_clients_test.cpp osc_codec_test.cpp osc_packet_test.cpp osc_score_test.cpp osc_slip_test.cpp
+              SOURCES command_line_test.cpp osc_clients_test.cpp osc_codec_test.cpp osc_framing_test.cpp osc_packet_test.cpp osc_score_test.cpp osc_slip_test.cpp
                       osc_socket_test.cpp
               LINK ringdown_osc ringdown_protocol PkgConfig::LIBLO)
 add_dependencies(osc_test ringdown)

@@ -42,6 +42,27 @@ TEST(OscCodec, EncodingWritesTheSpecificationsBytes) {
   EXPECT_EQ(encode({"/status", {}}), to_bytes(osc_string("/status") + osc_string(",")));
 }
 
+// liblo writes each type that it has a function for.
+TEST(OscCodec, WhatLibloWritesIsRead) {
+  lo_message message = lo_message_new();
+  unsigned char midi[4] = {0, 0x90, 60, 100};
+  lo_message_add_int32(message, 1), lo_message_add_float(message, 0.5f), lo_message_add_string(message, "text");
+  lo_message_add_int64(message, 2), lo_message_add_double(message, 0.25), lo_message_add_symbol(message, "symbol");
+  lo_message_add_timetag(message, {3, 4}), lo_message_add_char(message, 'c'), lo_message_add_midi(message, midi);
+  lo_message_add_true(message), lo_message_add_false(message), lo_message_add_nil(message);
+  lo_message_add_infinitum(message), lo_message_add_int32(message, 5);
+  std::size_t size = 0;
+  void* const data = lo_message_serialise(message, "/a", nullptr, &size);
+  const auto messages = decode_packet({static_cast<const std::byte*>(data), size});
+  std::free(data);
+  lo_message_free(message);
+  ASSERT_TRUE(messages) << messages.error().message;
+  EXPECT_EQ(messages->at(0).message, (Message{"/a",
+                                              {1, 0.5f, "text", std::int64_t{2}, 0.25, "symbol", Tag{'t'}, Tag{'c'},
+                                               Tag{'m'}, true, false, Tag{'N'}, Tag{'I'}, 5}}));
+  EXPECT_EQ(encode({"/a", {true, false, Tag{'N'}, Tag{'I'}}}), to_bytes(osc_string("/a") + osc_string(",TFNI")));
+}
+
 TEST(OscCodec, BlobsOfAnySizeAreWrittenAndRead) {
   for (const std::size_t size : {0, 1, 3, 4, 5, 64}) {
     const std::string content(size, '\x7f'), padding((4 - size % 4) % 4, '\0');
@@ -100,9 +121,17 @@ TEST(OscCodec, APacketCutAnywhereIsRefused) {
     const auto messages = decode_packet(to_bytes(whole.substr(0, length)));
     EXPECT_EQ(messages.has_value(), length == after_head || length == after_first) << length;
   }
+  const std::size_t after_address = osc_string("/object/bell/strike").size();  // a message without type tags
   for (std::size_t length = 0; length < all_types_by_hand().size(); ++length) {
-    EXPECT_FALSE(decode_packet(to_bytes(all_types_by_hand().substr(0, length)))) << length;
+    const auto messages = decode_packet(to_bytes(all_types_by_hand().substr(0, length)));
+    EXPECT_EQ(messages.has_value(), length == after_address) << length;
   }
+}
+
+// Whether the message has arguments that encode() writes as they came: no symbols, arrays, or values that are not kept.
+bool comes_back(const std::string& packet) {
+  const std::size_t tags = packet.find(',', packet.find('\0'));  // none: left out
+  return tags != packet.npos && std::string(packet.c_str() + tags + 1).find_first_not_of("ihfdsbTFNI") == packet.npos;
 }
 
 // Whatever arrives, it is refused or it is a message that encodes again to what arrived: nothing is read from
@@ -119,7 +148,7 @@ TEST(OscCodec, DamagedPacketsAreRefusedOrUnderstood) {
     const Bytes bytes = to_bytes(packet);  // exactly sized, so that a read past the end is seen
     const auto messages = decode_packet(bytes);
     ++(messages ? understood : refused);
-    if (messages && messages->size() == 1 && packet[0] == '/') {
+    if (messages && messages->size() == 1 && packet[0] == '/' && comes_back(packet)) {
       ASSERT_EQ(encode(messages->front().message), bytes);
     }
   }
@@ -140,7 +169,9 @@ TEST(OscCodec, UrlsAreReadStrictly) {
     EXPECT_EQ(url->host, "127.0.0.1");
     EXPECT_EQ(url->port, 7770);
   }
+  EXPECT_EQ(parse_url("osc.udp://[fe80::1%eth0]:7770/")->host, "fe80::1%eth0");
   for (const char* bad : {"", "127.0.0.1:7770", "osc.tcp://127.0.0.1:7770", "osc.udp://", "osc.udp://:7770",
+                          "osc.udp://::1:7770", "osc.udp://[]:7770", "osc.udp://[::1:7770", "osc.udp://[host]:7770",
                           "osc.udp://localhost", "osc.udp://localhost:", "osc.udp://localhost:0",
                           "osc.udp://localhost:65536", "osc.udp://localhost:77x", "osc.udp://localhost:-1"}) {
     const auto url = parse_url(bad);

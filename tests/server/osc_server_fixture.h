@@ -119,7 +119,7 @@ class OscServerTest : public testing::Test {
   }
 
   void serve(Latency latency = {}, std::shared_ptr<OscStream> stream = {}) {
-    auto socket = wire::OscSocket::bind();
+    auto socket = wire::OscSocket::serve({});
     ASSERT_TRUE(socket) << socket.error().message;
     server_.emplace(std::move(*socket), OscServer::Parts{session_, worker_, driver_, [] {}, latency, &recorder_,
                                                          &capture_, std::move(stream), time_.clocks()});

@@ -1,5 +1,5 @@
 // OSC over TCP, spoken to by liblo's own client and by plain sockets.
-#include "protocol/wire/slip.h"
+#include "protocol/wire/framing.h"
 #include "tests/server/osc_server_fixture.h"
 
 #include <arpa/inet.h>
@@ -14,14 +14,13 @@ namespace {
 
 class TcpClient {
  public:
-  explicit TcpClient(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(port);
+  explicit TcpClient(std::uint16_t port, wire::Framing framing = wire::Framing::slip, const char* host = "127.0.0.1")
+      : framing_(framing) {
+    const wire::SocketAddress address(*wire::resolve(host, port));
+    socket_ = ::socket(address.storage.ss_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const timeval limit{.tv_sec = 60, .tv_usec = 0};
     ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(::connect(socket_, address.generic(), address.size), 0);
   }
   ~TcpClient() { ::close(socket_); }
   TcpClient(const TcpClient&) = delete;
@@ -30,7 +29,7 @@ class TcpClient {
   void send_raw(const std::vector<std::byte>& bytes) const {
     ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }
-  void send(const Message& message) const { send_raw(wire::slip_encode(wire::encode(message))); }
+  void send(const Message& message) const { send_raw(wire::frame(wire::encode(message), framing_)); }
 
   // How many bytes come, up to `most` or until the server cuts us off.
   [[nodiscard]] std::size_t bytes_until_silence(std::size_t most) const {
@@ -44,17 +43,30 @@ class TcpClient {
 
   // The next answer; nothing when the server has cut us off.
   std::optional<protocol::Reply> reply() {
-    for (std::byte byte{}; ::recv(socket_, &byte, 1, 0) == 1;) {
-      if (decoder_.push(byte) != wire::SlipDecoder::Outcome::packet) continue;
-      const auto messages = wire::decode_packet(decoder_.take());
-      EXPECT_TRUE(messages);
-      return *protocol::parse_reply(messages->front().message);
-    }
-    return std::nullopt;
+    const auto packet = framing_ == wire::Framing::slip ? slip_packet() : counted_packet();
+    if (!packet) return std::nullopt;
+    const auto messages = wire::decode_packet(*packet);
+    EXPECT_TRUE(messages);
+    return *protocol::parse_reply(messages->front().message);
   }
 
  private:
-  int socket_;
+  std::optional<std::vector<std::byte>> slip_packet() {
+    for (std::byte byte{}; ::recv(socket_, &byte, 1, 0) == 1;) {
+      if (decoder_.push(byte) == wire::SlipDecoder::Outcome::packet) return decoder_.take();
+    }
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<std::vector<std::byte>> counted_packet() const {
+    std::uint32_t length = 0;
+    if (::recv(socket_, &length, sizeof length, MSG_WAITALL) != sizeof length) return std::nullopt;
+    std::vector<std::byte> packet(ntohl(length));
+    EXPECT_EQ(::recv(socket_, packet.data(), packet.size(), MSG_WAITALL), static_cast<ssize_t>(packet.size()));
+    return packet;
+  }
+
+  wire::Framing framing_;
+  int socket_ = -1;
   wire::SlipDecoder decoder_{wire::kMaxPacketBytes};
 };
 
@@ -112,24 +124,56 @@ TEST_F(OscServerTest, AServerThatWakesLateKeepsTheTimesAtWhichMessagesCame) {
   }
 }
 
+TEST_F(OscStreamTest, ClientsOfBothFramingsAreAnsweredInTheirOwn) {
+  load("bell");
+  TcpClient slip(tcp_port_), counted(tcp_port_, wire::Framing::length);
+  for (std::int32_t id = 0; id < 3; ++id) {
+    for (TcpClient* client : {&slip, &counted}) {
+      client->send({"/sync", {id}});
+      const auto synced = client->reply();
+      ASSERT_TRUE(synced && std::holds_alternative<protocol::Synced>(*synced));
+      EXPECT_EQ(std::get<protocol::Synced>(*synced).id, id);
+    }
+  }
+  counted.send({"/notify", {true, 100.f}});
+  bool noticed = false;  // notices and answers come in the client's framing, too
+  for (int i = 0; i < 100 && !noticed; ++i) {
+    const auto reply = counted.reply();
+    ASSERT_TRUE(reply);
+    noticed = protocol::format(*reply).address.starts_with("/notify.");
+  }
+  EXPECT_TRUE(noticed);
+}
+
+TEST_F(OscStreamTest, AClientOfIpv6IsServed) {
+  if (!wire::OscSocket::bind({.address = wire::kLoopback6})) GTEST_SKIP() << "this computer has no IPv6";
+  TcpClient client(tcp_port_, wire::Framing::length, "::1");
+  client.send({"/version", {}});
+  EXPECT_TRUE(client.reply());
+}
+
 // `set` is lo_address_set_stream_slip, which takes an int until liblo 0.31 and an enumeration since 0.32.
 template <class Encoding>
 void send_slip(lo_address target, int (*set)(lo_address, Encoding)) {
   set(target, static_cast<Encoding>(1));
 }
 
+// By liblo's default, lengths, and by SLIP.
 TEST_F(OscStreamTest, LibloIsUnderstoodOverTcp) {
   load("bell");
-  lo_address target = lo_address_new_with_proto(LO_TCP, "127.0.0.1", std::to_string(tcp_port_).c_str());
-  send_slip(target, lo_address_set_stream_slip);
-  ASSERT_GT(lo_send(target, "/object/bell/strike", "ffffff", 1., 0., 0., 0., 0., 1.), 0);
-  ASSERT_GT(lo_send(target, "/object/bell/gain", "f", 0.5), 0);
-  for (int i = 0; i < 10000 && session_.rack().mixer().counters().strikes == 0; ++i) {
-    onsets_until(session_.rack().mixer().counters().frames + 256);
-    std::this_thread::sleep_for(5ms);
+  for (const bool slip : {false, true}) {
+    const auto before = session_.rack().mixer().counters().strikes.load();
+    lo_address target = lo_address_new_with_proto(LO_TCP, "127.0.0.1", std::to_string(tcp_port_).c_str());
+    if (slip) send_slip(target, lo_address_set_stream_slip);
+    ASSERT_GT(lo_send(target, "/object/bell/strike", "ffffff", 1., 0., 0., 0., 0., 1.), 0);
+    ASSERT_GT(lo_send(target, "/object/bell/gain", "f", 0.5), 0);
+    for (int i = 0; i < 10000 && session_.rack().mixer().counters().strikes == before; ++i) {
+      onsets_until(session_.rack().mixer().counters().frames + 256);
+      std::this_thread::sleep_for(5ms);
+    }
+    EXPECT_EQ(session_.rack().mixer().counters().strikes, before + 1);
+    lo_address_free(target);
   }
-  EXPECT_EQ(session_.rack().mixer().counters().strikes, 1u);
-  lo_address_free(target);
 }
 
 TEST_F(OscStreamTest, ManyMessagesAtOnceArriveAllAndInOrder) {
@@ -147,12 +191,18 @@ TEST_F(OscStreamTest, ManyMessagesAtOnceArriveAllAndInOrder) {
   sender.join();
 }
 
-TEST_F(OscStreamTest, AClientThatSpeaksNoSlipIsCutOffAndOthersAreNot) {
+TEST_F(OscStreamTest, AClientInNeitherFramingIsCutOffAndOthersAreNot) {
   TcpClient good(tcp_port_), bad(tcp_port_), endless(tcp_port_);
   bad.send_raw({std::byte{0xDB}, std::byte{'a'}});
   EXPECT_FALSE(bad.reply());
   endless.send_raw(std::vector<std::byte>(wire::kMaxPacketBytes + 1, std::byte{'x'}));
   EXPECT_FALSE(endless.reply());
+  TcpClient too_long(tcp_port_), no_osc(tcp_port_);
+  too_long.send_raw({std::byte{0}, std::byte{1}, std::byte{0}, std::byte{1}});  // kMaxPacketBytes + 1
+  EXPECT_FALSE(too_long.reply());
+  no_osc.send_raw({std::byte{0}, std::byte{0}, std::byte{0}, std::byte{4}, std::byte{'P'}, std::byte{'O'},
+                   std::byte{'S'}, std::byte{'T'}});
+  EXPECT_FALSE(no_osc.reply());
   good.send({"/version", {}});
   EXPECT_TRUE(good.reply());
 }

@@ -152,9 +152,7 @@ void DaemonClient::Connection::look_up() {
 }
 
 void DaemonClient::Connection::bind(wire::Endpoint daemon) {
-  // A daemon on this computer is reached through loopback, any other daemon through whatever address routes to it.
-  const bool local = daemon.address >> 24 == 127;
-  auto socket = wire::OscSocket::bind({local ? daemon.address : 0, 0});
+  auto socket = wire::OscSocket::reach(daemon);
   if (!socket) return say(Kind::away, "Cannot talk to a daemon: " + socket.error().message);
   daemon_ = daemon;
   began_s_ = heard_s_ = now_s();

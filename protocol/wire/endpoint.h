@@ -1,0 +1,79 @@
+// Addresses of IPv4 and IPv6 with their ports, and sockets bound to them. [any thread but audio]
+#pragma once
+
+#include "engine/base/result.h"
+#include "protocol/wire/descriptor.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <sys/socket.h>
+
+namespace ringdown::wire {
+
+// An address as IPv6 writes it. The IPv4 address a.b.c.d is ::ffff:a.b.c.d (RFC 4291, section 2.5.5.2).
+using Address = std::array<std::uint8_t, 16>;
+
+constexpr Address ipv4(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) {
+  return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, a, b, c, d};
+}
+
+inline constexpr Address kLoopback4 = ipv4(127, 0, 0, 1), kAny4 = ipv4(0, 0, 0, 0);
+inline constexpr Address kLoopback6 = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, kAny6 = {};
+
+struct Endpoint {
+  Address address = kLoopback4;
+  std::uint16_t port = 0;
+  std::uint32_t interface = 0;  // the number of the network interface, for link-local IPv6 addresses (fe80::...)
+  friend bool operator==(const Endpoint&, const Endpoint&) = default;
+
+  [[nodiscard]] bool is_ipv4() const;
+  [[nodiscard]] bool is_loopback() const;  // nobody outside of this computer can reach it
+  [[nodiscard]] bool is_multicast() const;
+};
+
+// Looks a host name up, or reads an address; of a host with both kinds, the IPv4 address. May ask a name server.
+Result<Endpoint> resolve(const std::string& host, std::uint16_t port);
+
+// "127.0.0.1:7770" or "[::1]:7770"
+std::string to_text(const Endpoint& endpoint);
+
+// For system calls.
+struct SocketAddress {
+  sockaddr_storage storage{};
+  socklen_t size = sizeof storage;
+
+  SocketAddress() = default;
+  explicit SocketAddress(const Endpoint& endpoint);
+  [[nodiscard]] Endpoint endpoint() const;
+  [[nodiscard]] sockaddr* generic() { return reinterpret_cast<sockaddr*>(&storage); }
+  [[nodiscard]] const sockaddr* generic() const { return reinterpret_cast<const sockaddr*>(&storage); }
+};
+
+// One or two bound sockets, one for each version of IP.
+struct BoundSockets {
+  Descriptor ipv4, ipv6;
+  Endpoint endpoint;  // of the first that was opened; the other has the same port
+
+  // The socket that reaches an endpoint.
+  [[nodiscard]] int to(const Endpoint& peer) const { return (peer.is_ipv4() ? ipv4 : ipv6).get(); }
+};
+
+// Binds a socket of `type` (SOCK_DGRAM or SOCK_STREAM) to the endpoint; port 0 takes any free one. Fails with
+// ErrorKind::port_busy; `what` begins the sentence: "OSC".
+Result<BoundSockets> bind_one(const Endpoint& endpoint, int type, const std::string& what);
+
+// Binds as a server should: 127.0.0.1 brings ::1 with it, on the same port, because `localhost` may mean either;
+// 0.0.0.0 brings ::, and :: brings 0.0.0.0. A computer without IPv6 is served by IPv4 alone.
+Result<BoundSockets> bind_for_server(const Endpoint& endpoint, int type, const std::string& what);
+
+struct Accepted {
+  Descriptor socket;  // not open: nobody is there, or there is no room
+  Endpoint from;
+};
+
+// Accepts a connection without waiting for one; reading from it will not wait either. Where the process is out of
+// descriptors, waits for 10 ms, because poll() reports the same connection again at once.
+Accepted accept_one(int listener);
+
+}  // namespace ringdown::wire
