@@ -1,6 +1,7 @@
 #include "engine/modal/bank_extras.h"
 
 #include "engine/base/version.h"
+#include "engine/modal/nonlinear_limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -172,13 +173,14 @@ Json radiation_json(const BankRadiation& radiation, GlbWriter& writer) {
 struct NonlinearReader {
   const Glb& glb;
   const Field field;
-  const std::size_t modes;
+  const Bank& bank;
   Result<std::optional<NonlinearTerms>> operator()() const;
 };
 
 Result<std::optional<NonlinearTerms>> NonlinearReader::operator()() const {
   if (!field["bending"].present()) return std::nullopt;
   const Field list = field["modes"];
+  const std::size_t modes = bank.mode_count();
   NonlinearTerms terms;
   std::vector<bool> named(modes);
   for (std::size_t i = 0; i < std::min(list.size(), kMaxNonlinearModes + 1); ++i) {
@@ -203,10 +205,10 @@ Result<std::optional<NonlinearTerms>> NonlinearReader::operator()() const {
                                           " (functions times pairs of modes)");
   }
   terms.thickness_m = field["thickness"].number().value_or(0);
-  if (!(terms.thickness_m > 0)) return field["thickness"].wrong("more than 0");
   terms.residual = number_in(field["residual"].number(), 0, 1, 0);
   terms.coupled = static_cast<std::uint32_t>(std::min<std::size_t>(field["coupled"].index().value_or(0), kMaxCoupled));
   terms.errors = read_numbers(field["errors"], terms.mode_count());
+  if (const auto checked = check(terms, bank, field.path()); !checked) return fail(checked.error());
   return terms;
 }
 
@@ -261,7 +263,7 @@ Result<void> read_extras(const Glb& glb, const Field& extras, Bank& bank) {
   auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());
   if (!radiation) return fail(radiation.error());
   bank.radiation = std::move(*radiation);
-  auto nonlinear = NonlinearReader{glb, extras["nonlinear"], bank.mode_count()}();
+  auto nonlinear = NonlinearReader{glb, extras["nonlinear"], bank}();
   if (!nonlinear) return fail(nonlinear.error());
   bank.nonlinear = std::move(*nonlinear);
   return {};

@@ -133,11 +133,13 @@ Result<void> scale_size(Bank& bank, double s, const std::string& name) {
                                           " is over-damped and has no pitch; bake the object at that size");
   }
   bank = scaled(bank, {.size = s});
-  const auto finite = [](const Vec3f& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); };
-  if (!std::all_of(bank.positions.begin(), bank.positions.end(), finite) ||
-      !std::all_of(bank.shapes.begin(), bank.shapes.end(), finite)) {
-    return fail(ErrorKind::bad_input,
-                name + ": at the node's scale of " + Json(s).dump() + " its positions or shapes overflow");
+  const auto finite = [](std::span<const float> numbers) {
+    return std::all_of(numbers.begin(), numbers.end(), [](float x) { return std::isfinite(x); });
+  };
+  if (!finite(as_floats(bank.positions)) || !finite(as_floats(bank.shapes)) ||
+      (bank.nonlinear && !(finite(bank.nonlinear->bending) && finite(bank.nonlinear->curving)))) {
+    return fail(ErrorKind::bad_input, name + ": at the node's scale of " + Json(s).dump() +
+                                          " its positions, shapes or nonlinear terms overflow");
   }
   return {};
 }

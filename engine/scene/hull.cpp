@@ -100,6 +100,12 @@ std::vector<Vec3> extremes(std::span<const Vec3> points) {
 // The hull by Qhull. If it has more than kMaxHullPoints corners, only those are kept that are farthest in one of
 // kMaxHullPoints evenly spread directions, and the hull of these is taken: it lies within the exact one.
 Result<Hull> convex_hull(std::span<const Vec3> points) {
+  constexpr double kFarthest_m = 1e9;  // squares of coordinates near the end of what a double holds crash Qhull
+  for (const Vec3& p : points) {
+    if (length(p) <= kFarthest_m) continue;  // what is not a number is not
+    return fail(ErrorKind::bad_input,
+                "no convex hull encloses a surface that reaches farther than 1e9 m from its origin");
+  }
   Result<Hull> hull = full_hull(points);
   if (!hull || hull->points.size() <= kMaxHullPoints) return hull;
   return full_hull(extremes(hull->points));

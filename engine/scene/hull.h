@@ -20,7 +20,8 @@ struct Hull {
 inline constexpr std::size_t kMaxHullPoints = 128;
 
 // The hull of `points`. Where it would have more than kMaxHullPoints corners, the hull of the farthest points in that
-// many evenly spread directions instead, which lies within the full hull. Fails when the points lie in one plane.
+// many evenly spread directions instead, which lies within the full hull. Fails when the points lie in one plane, or
+// one of them farther than 1e9 m from the origin.
 Result<Hull> convex_hull(std::span<const Vec3> points);
 
 }  // namespace ringdown::scene

@@ -1,6 +1,6 @@
 #include "engine/synth/blow_limit.h"
 
-#include "engine/synth/glide.h"
+#include "engine/synth/glide_reach.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@ using Row = std::array<float, kMaxGlidingModes>;
 // x0 of every mode for these |z|^2.
 void detune(const GlideMatrix& matrix, const float* squares, Row& x0) RINGDOWN_REALTIME {
   Row reached;
-  for (std::size_t l = 0; l < matrix.columns.size(); ++l) reached.data()[l] = matrix.reach.data()[l] * squares[l];
+  for (std::size_t l = 0; l < matrix.columns.size(); ++l) reached.data()[l] = synth::reached(matrix, l, squares[l]);
   for (std::size_t first = 0; first < matrix.columns.size(); first += kModePadding) {
     const std::array<float, kModePadding> some = matrix.detuned(first / kModePadding, reached.data());
     const std::size_t count = std::min(kModePadding, matrix.columns.size() - first);

@@ -3,9 +3,13 @@
 #include "engine/modal/nonlinear.h"
 #include "engine/synth/glide.h"
 #include "engine/synth/mode_table.h"
+#include "engine/synth/sane_samples.h"
+#include "engine/synth/state_array.h"
 #include "engine/synth/work_cost.h"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -208,20 +212,28 @@ double CoupledModes::step() RINGDOWN_REALTIME {
 
 bool CoupledModes::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
   const double* const output = table_.output.data();
+  std::array<double, kChunkFrames> samples;
+  assert(frames <= samples.size());
   for (std::size_t n = 0; n < frames; ++n) {
     double sum = 0;
     for (std::size_t m = 0; m < modes_; ++m) sum += output[m] * now_.data()[m];
     const double forced = step();
     if (taken_) fading_ += forced_ - forced;
     taken_ = false;
-    out[n] += sum + forced + fading_;
+    samples[n] = sum + forced + fading_;
     forced_ = forced;
     fading_ *= kFade;
   }
-  if (std::isfinite(psi_) && std::isfinite(linear_energy())) return true;
-  running_ = false;
-  cut_off();
-  return false;
+  // Written so that what is not a number lies below no limit.
+  const double most = std::sqrt(kAbsurdEnergy);
+  running_ = std::isfinite(psi_) && std::isfinite(linear_energy()) && amplitude() <= most &&
+             std::abs(forced_) <= most && std::abs(fading_) <= most && are_sane({samples.data(), frames});
+  if (running_) {
+    for (std::size_t n = 0; n < frames; ++n) out[n] += samples[n];
+  } else {
+    cut_off();
+  }
+  return running_;
 }
 
 void CoupledModes::fade(double* out, std::size_t frames) RINGDOWN_REALTIME {

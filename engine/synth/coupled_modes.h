@@ -62,7 +62,8 @@ class CoupledModes {
 
   // Takes what rings in its modes' states, which become zero.
   void take(double* re, double* im) RINGDOWN_REALTIME;
-  // Adds `frames` samples to `out` and moves on. False when something is not a number: it has come to rest then.
+  // Adds `frames` <= kChunkFrames samples to `out` and moves on. False when a state or a sample is absurd
+  // (kAbsurdEnergy, kAbsurdSample): nothing was added then, and the modes have come to rest.
   bool render(double* out, std::size_t frames) RINGDOWN_REALTIME;
   // While it is at rest: adds what is left of the forces' sound, or cuts it off.
   void fade(double* out, std::size_t frames) RINGDOWN_REALTIME;

@@ -8,6 +8,7 @@
 #include "engine/synth/drive_kernel.h"
 
 #include "engine/synth/mode_vectors-inl.h"
+#include "engine/synth/state_array.h"
 
 #include <algorithm>
 
@@ -95,7 +96,7 @@ HWY_INLINE Vec store_vectors(const Complex* z, const ModeArrays& modes, std::siz
 }
 
 // Runs drive.vectors<kVectors, kHeard>(first, sums) over all columns, several vectors together while there are enough.
-// Adds the samples to `out`; returns the energy.
+// Returns the energy that is left, and adds the samples to `out` unless that energy is absurd (kAbsurdEnergy).
 template <class Drive>
 HWY_INLINE double drive_columns(const ModeArrays& modes, std::size_t columns, const Drive& drive, double* out,
                                 std::size_t frames) {
@@ -115,10 +116,11 @@ HWY_INLINE double drive_columns(const ModeArrays& modes, std::size_t columns, co
     energy =
         hn::Add(energy, heard ? drive.template vectors<1, true>(at, sums) : drive.template vectors<1, false>(at, sums));
   }
-  for (std::size_t n = 0; n < frames; ++n) {
+  const double left = hn::GetLane(hn::SumOfLanes(tag, energy));
+  for (std::size_t n = 0; n < frames && left <= kAbsurdEnergy; ++n) {
     out[n] += hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums.lanes + n * lanes)));
   }
-  return hn::GetLane(hn::SumOfLanes(tag, energy));
+  return left;
 }
 
 // A few vectors of modes at once, whose chains of products run side by side.

@@ -1,6 +1,7 @@
 #include "engine/synth/glide.h"
 
 #include "engine/modal/nonlinear.h"
+#include "engine/synth/glide_reach.h"
 #include "engine/synth/mode_table.h"
 
 #include <algorithm>
@@ -12,6 +13,7 @@ namespace ringdown::synth {
 namespace {
 
 constexpr float kMostShare = 127;
+constexpr double kMostReach = 1e30;  // relative, at |z| = 1: far beyond modes that are not heard at all
 constexpr double kPerBand = std::numbers::pi / static_cast<double>(kChunkFrames);
 constexpr double kSamePitch = 6e-5;                   // relative: 0.1 cents, below which a mode is left where it is
 constexpr float kGrowth = 1.05F;                      // of the sound, from which all modes are looked at
@@ -84,10 +86,13 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
     const auto relative = [&](std::size_t m) { return b[m * n + l] * displacement * displacement / omega[m]; };
     double reach = 0;
     for (std::size_t m = 0; m < n; ++m) reach = std::max(reach, std::abs(relative(m)));
-    matrix->reach[l] = static_cast<float>(reach);
-    for (std::size_t m = 0; m < n && reach > 0; ++m) {
+    const bool reaches = reach > 0 && reach <= kMostReach;  // beyond, the numbers of the bank are absurd
+    matrix->reach[l] = reaches ? static_cast<float>(reach) : 0.0F;
+    for (std::size_t m = 0; m < n && reaches; ++m) {
+      const double share = relative(m) / reach;
+      if (!(std::abs(share) <= 1)) continue;  // not a number
       matrix->shares[(m / kModePadding * n + l) * kModePadding + m % kModePadding] =
-          static_cast<std::int8_t>(std::lround(kMostShare * relative(m) / reach));
+          static_cast<std::int8_t>(std::lround(kMostShare * share));
     }
   }
   return matrix;
@@ -147,12 +152,11 @@ void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_RE
   }
   const std::size_t n = reached_.size();
   const std::uint32_t* const columns = matrix_.columns.data();
-  const float* const reach = matrix_.reach.data();
   float* const reached = reached_.data();
   float sums[4] = {};
   for (std::size_t l = 0; l < n; ++l) {
     const std::uint32_t c = columns[l];
-    reached[l] = reach[l] * static_cast<float>(re[c] * re[c] + im[c] * im[c]);
+    reached[l] = synth::reached(matrix_, l, static_cast<float>(re[c] * re[c] + im[c] * im[c]));
     sums[l % 4] += reached[l];
   }
   const float total = (sums[0] + sums[1]) + (sums[2] + sums[3]);

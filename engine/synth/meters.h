@@ -21,7 +21,7 @@ struct MixerCounters {
   std::atomic<std::uint64_t> late{0};            // events that came after their frame
   std::atomic<std::uint64_t> refused{0};         // strikes on what does not exist, and values that are not numbers
   std::atomic<std::uint64_t> limited{0};         // strikes made weaker, on thin objects (blow_limit.h)
-  std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a sensible number
+  std::atomic<std::uint64_t> not_finite{0};      // times something was silenced because it was no sensible number
   std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
   std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
   std::atomic<std::uint32_t> muted_modes{0};     // left out in the last block for want of time

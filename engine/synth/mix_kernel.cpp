@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
@@ -55,19 +56,23 @@ float write_samples_here(const double* from, float* to, std::size_t frames) {
   const hn::CappedTag<double, 8> wide;
   const hn::CappedTag<float, hn::MaxLanes(hn::CappedTag<double, 8>())> narrow;
   const std::size_t lanes = hn::Lanes(wide);
-  auto peak = hn::Zero(narrow);
+  auto peak = hn::Zero(narrow), spoilt = peak;  // zero times what is not finite is not a number
   std::size_t n = 0;
   for (; n + lanes <= frames; n += lanes) {
     const auto sample = hn::DemoteTo(narrow, hn::LoadU(wide, from + n));
     hn::StoreU(sample, narrow, to + n);
     peak = hn::Max(hn::Abs(sample), peak);
+    spoilt = hn::MulAdd(sample, hn::Zero(narrow), spoilt);
   }
-  float highest = hn::GetLane(hn::MaxOfLanes(narrow, peak));
+  float highest = hn::GetLane(hn::MaxOfLanes(narrow, peak)), sum = hn::GetLane(hn::SumOfLanes(narrow, spoilt));
   for (; n < frames; ++n) {
     to[n] = static_cast<float>(from[n]);
     highest = std::max(highest, std::abs(to[n]));
+    sum += 0 * to[n];
   }
-  return highest;
+  if (sum == 0) return highest;
+  std::fill_n(to, frames, 0.0F);
+  return std::numeric_limits<float>::infinity();
 }
 
 }  // namespace ringdown::synth::HWY_NAMESPACE

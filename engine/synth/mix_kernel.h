@@ -21,7 +21,8 @@ struct FilterOutput {
 void add_filtered(const float* samples, std::size_t taps, const FilterOutput& first, const FilterOutput& second,
                   std::size_t frames) RINGDOWN_REALTIME;
 
-// to = from; returns the largest |to|, without numbers that are none.
+// to = from; returns the largest |to|. When one of them would not be a finite number, to = 0 throughout, and infinity
+// is returned.
 float write_samples(const double* from, float* to, std::size_t frames) RINGDOWN_REALTIME;
 
 }  // namespace ringdown::synth

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace ringdown::synth {
@@ -59,12 +61,13 @@ float MixOutput::end_block(Frame begin, std::size_t frames, double sample_rate_h
                         RINGDOWN_REALTIME { return contains(wanted(), channel) ? outputs_.at(channel) : nullptr; };
   float* const left = side(kLeft);
   float* const right = side(kRight);
+  const bool spoilt = std::isinf(std::max(mix_peak_, bus_peak_));
   float mix = test_tone.add(left, right, frames, sample_rate_hz).value_or(mix_peak_);
   if (limiter_) mix = limiter_->process(left, right, frames);
   for (SoundTap* const tap : {&sound_tap, &capture_tap}) {
     if (left && right && tap->watched()) tap->put(begin, sample_rate_hz, left, right, frames);
   }
-  return std::max(mix, bus_peak_);
+  return spoilt ? std::numeric_limits<float>::infinity() : std::max(mix, bus_peak_);
 }
 
 }  // namespace ringdown::synth

@@ -39,7 +39,8 @@ class MixOutput {
   [[nodiscard]] ChannelSet to_render() const RINGDOWN_REALTIME;
   // Writes a chunk's sums to frames at ... at + frames - 1 of the block.
   void write(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME;
-  // Ends the block, whose first frame is `begin`. Returns the largest |sample| of what is heard.
+  // Ends the block, whose first frame is `begin`. Returns the largest |sample| of what is heard; infinity when a piece
+  // of a channel was silenced because a sample of it would not have been finite.
   [[nodiscard]] float end_block(Frame begin, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
 
  private:

@@ -111,7 +111,9 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
     meters_.measure(stage_, now_, rate_hz);
   }
   const ChunkCounts& counts = renderer_.main().counts;  // of the last chunk in which anything sounded
-  meters_.note_peak(output_.end_block(now_ - static_cast<Frame>(frames), frames, rate_hz));
+  const float peak = output_.end_block(now_ - static_cast<Frame>(frames), frames, rate_hz);
+  count(counters.not_finite, std::isinf(peak) ? 1 : 0);
+  meters_.note_peak(std::isinf(peak) ? 0 : peak);
   counters.ringing_voices.store(counts.voices, std::memory_order_relaxed);
   counters.ringing_modes.store(counts.modes, std::memory_order_relaxed);
   counters.muted_modes.store(counts.muted_modes, std::memory_order_relaxed);

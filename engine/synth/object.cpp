@@ -10,6 +10,7 @@
 #include "engine/synth/object.h"
 
 #include "engine/synth/meters.h"
+#include "engine/synth/sane_samples.h"
 #include "engine/synth/shedding.h"
 #include "engine/synth/work_cost.h"
 
@@ -23,6 +24,15 @@ namespace {
 constexpr double kMinGainRamp_s = 0.005;  // a step in gain or pan would click
 constexpr double kMaxGainRamp_s = 3600;
 constexpr double kMaxSharedGain = 100;
+
+// Returns whether the samples of a segment may be added to the outputs. Absurd ones (sane_samples.h) silence the
+// object's voices, and are counted.
+bool keep_sane(std::span<const double> samples, const VoiceStack& voices, const Chunk& chunk) RINGDOWN_REALTIME {
+  if (are_sane(samples)) return true;
+  voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.silence(); });
+  count(chunk.counters->not_finite);
+  return false;
+}
 
 }  // namespace
 
@@ -147,7 +157,9 @@ void Object::render_segment(std::size_t begin, std::size_t end, const Chunk& chu
     voices.current()->merge_late();
     sounds = true;
   }
-  if (sounds) strip.add_samples(mono, begin, end, chunk, workspace.sums);
+  if (sounds && keep_sane({mono + begin, end - begin}, voices, chunk)) {
+    strip.add_samples(mono, begin, end, chunk, workspace.sums);
+  }
 }
 
 void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
@@ -174,7 +186,9 @@ void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOW
   });
   if (field) strip.add_to_field(chunk, *field);
   if (late) render_late(chunk, workspace);
-  if (samples) strip.add_samples(mono, 0, chunk.frames, chunk, workspace.sums);
+  if (samples && keep_sane({mono, chunk.frames}, voices, chunk)) {
+    strip.add_samples(mono, 0, chunk.frames, chunk, workspace.sums);
+  }
 }
 
 // The chunk's remaining strikes, and what drives the object.
@@ -224,7 +238,9 @@ void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chu
     if (!sane) count(chunk.counters->not_finite);
   });
   for (std::size_t n = begin; n < end; ++n) mono[n] -= touch.leaning[n - begin];
-  strip.add_samples(mono, begin, end, chunk, workspace.sums);
+  if (keep_sane({mono + begin, end - begin}, voices, chunk)) {
+    strip.add_samples(mono, begin, end, chunk, workspace.sums);
+  }
 }
 
 void Object::end_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {

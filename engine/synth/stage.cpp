@@ -1,5 +1,7 @@
 #include "engine/synth/stage.h"
 
+#include "engine/synth/sane_samples.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -374,7 +376,11 @@ void Stage::render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REA
         struck.placement.end_chunk(chunk, struck.voices);
       }
     }
-    object(one.object).strip.add_samples(workspace.mono.data(), begin, chunk.frames, chunk, workspace.sums);
+    if (are_sane({workspace.mono.data() + begin, chunk.frames - begin})) {
+      struck.strip.add_samples(workspace.mono.data(), begin, chunk.frames, chunk, workspace.sums);
+    } else {
+      count(chunk.counters->not_finite);
+    }
   }
   clicks_.drop_before(chunk.end());
 }

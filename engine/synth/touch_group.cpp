@@ -1,6 +1,7 @@
 #include "engine/synth/touch_group.h"
 
 #include "engine/synth/meters.h"
+#include "engine/synth/sane_samples.h"
 #include "engine/synth/shedding.h"
 #include "engine/synth/work_cost.h"
 
@@ -28,6 +29,8 @@ std::size_t pair_of(std::size_t i, std::size_t j) RINGDOWN_REALTIME {
 double* row_of(const AlignedArray<double>& rows, std::size_t freedom) RINGDOWN_REALTIME {
   return rows.get() + freedom * kTapRow;
 }
+
+void end_touch(TouchSlot& touch) RINGDOWN_REALTIME { touch.used = touch.open = touch.contact.on = false; }
 
 // What a surface sounds like follows its acceleration. Where it is only bent by a force that lasts, it does not sound:
 // adds that part of the samples to `to`. A sample lies between two steps.
@@ -86,7 +89,7 @@ void TouchGroup::play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_RE
       object.play(event, chunk);
       if (event.type != EventType::clear) continue;
       for (TouchSlot* touch : touches()) {
-        if (touch->involves(object)) touch->used = touch->open = touch->contact.on = false;
+        if (touch->involves(object)) end_touch(*touch);
       }
     }
   }
@@ -105,7 +108,7 @@ void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REA
   const bool begins = !touch.open;
   const bool ends = how.kind == Touch::Kind::couple && !(how.stiffness > 0);
   if (ends) {
-    touch.used = touch.open = touch.contact.on = false;
+    end_touch(touch);
     return;
   }
   const auto ramp_s = begins ? kMinBowRamp_s
@@ -334,6 +337,13 @@ void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk&
       }
     }
     find_forces(chunk.begin + static_cast<Frame>(begin), steps);
+    bool sane = true;
+    for (std::size_t i = 0; i < network_.freedoms(); ++i) sane = are_sane({row_of(forces_, i), steps}) && sane;
+    if (!sane) {  // all of them act on each other, so all end, and what the network knows is found anew
+      count(chunk.counters->not_finite);
+      for (TouchSlot* touch : touches()) end_touch(*touch);
+      stale_ = true;
+    }
   }
   double columns = 0;
   for (std::size_t b = 0; b < body_count_; ++b) {
@@ -382,7 +392,7 @@ void TouchGroup::close_finished(Frame now) RINGDOWN_REALTIME {
       over = (touch->rigid.speed_m_s > 0 && away > kMalletLeaves_s * touch->rigid.speed_m_s) ||
              now - touch->since > static_cast<Frame>(kMostMallet_s * rate_hz);
     }
-    if (over) touch->used = touch->open = touch->contact.on = false;
+    if (over) end_touch(*touch);
   }
 }
 
