@@ -3,11 +3,15 @@
 #include "protocol/wire/packet.h"
 #include "protocol/wire/slip.h"
 
+#include <spdlog/spdlog.h>
+
 #include <array>
 #include <arpa/inet.h>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <fcntl.h>
 #include <map>
 #include <mutex>
 #include <poll.h>
@@ -70,10 +74,13 @@ Error listen_error(wire::Endpoint endpoint) {
   return {ErrorKind::port_busy, "cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
 }
 
+Descriptor open_spare() { return Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
+
 }  // namespace
 
 struct OscStream::Impl {
   Descriptor listener, waker;
+  Descriptor spare;  // given up to turn a client away when there are no more descriptors
   wire::Endpoint endpoint;
   Take take;
   std::mutex mutex;  // guards `connections`; only the stream's thread adds and removes elements
@@ -83,6 +90,7 @@ struct OscStream::Impl {
 
   void run(const std::stop_token& stop);
   void accept_one();
+  void turn_one_away();
   void read(std::uint32_t id);
   void drop_broken();
 };
@@ -101,6 +109,7 @@ Result<std::unique_ptr<OscStream>> OscStream::listen(wire::Endpoint endpoint) {
   auto impl = std::make_unique<Impl>();
   impl->listener = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   impl->waker = Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  impl->spare = open_spare();
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(endpoint.address);
@@ -177,11 +186,20 @@ void OscStream::Impl::accept_one() {
   sockaddr_in from{};
   socklen_t size = sizeof from;
   Descriptor socket(::accept4(listener.get(), reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (socket.get() < 0) return;
+  if (socket.get() < 0) return errno == EMFILE || errno == ENFILE ? turn_one_away() : void();
   const std::scoped_lock lock(mutex);
   if (connections.size() == kMaxConnections) return;  // closed at once
   const std::uint32_t id = next_id++;
   connections[id] = {std::move(socket), {ntohl(from.sin_addr.s_addr), ntohs(from.sin_port)}};
+}
+
+// A client that waits to be accepted makes poll() return at once, again and again.
+void OscStream::Impl::turn_one_away() {
+  spdlog::warn("a TCP client of OSC was turned away: {}; raise the limit (ulimit -n)", std::strerror(errno));
+  spare = Descriptor();
+  Descriptor(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  spare = open_spare();
+  if (spare.get() < 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
 }
 
 void OscStream::Impl::read(std::uint32_t id) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <arpa/inet.h>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <exception>
@@ -92,6 +93,15 @@ std::string first_parameter(MHD_Connection* connection) {
   return name;
 }
 
+// The library does not say why it cannot start, but leaves the reason in errno, or 0.
+Error listen_error(const std::string& address, std::uint16_t port, int reason) {
+  const std::string what = "cannot serve OSCQuery on " + address + ":" + std::to_string(port) + ": ";
+  if (reason == 0 || reason == EADDRINUSE || reason == EACCES || reason == EADDRNOTAVAIL) {
+    return {ErrorKind::port_busy, what + "the port is taken or not ours; choose another (0 takes any free one)"};
+  }
+  return {ErrorKind::input_output, what + std::strerror(reason)};
+}
+
 }  // namespace
 
 struct QueryServer::Impl {
@@ -130,6 +140,7 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
   address.sin_addr.s_addr = htonl(endpoint->address);
   address.sin_port = htons(port);
   auto impl = std::make_unique<Impl>();
+  if (impl->waker < 0) return fail(listen_error(about.address, port, errno));
   impl->about = std::move(about);
 
   // The library calls these on the thread that runs it, which is ours, and they throw nothing into it.
@@ -148,6 +159,7 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
     static_cast<Impl*>(self)->note_step(connection);
   };
   impl->clients.reserve(kMaxQueryConnections + kLeaving);
+  errno = 0;
   impl->http = MHD_start_daemon(
       MHD_USE_EPOLL, port, nullptr, nullptr, +answer, impl.get(),                                    //
       MHD_OPTION_SOCK_ADDR, reinterpret_cast<const sockaddr*>(&address),                             //
@@ -157,9 +169,9 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
       MHD_OPTION_NOTIFY_CONNECTION, static_cast<MHD_NotifyConnectionCallback>(changed), impl.get(),  //
       MHD_OPTION_NOTIFY_COMPLETED, static_cast<MHD_RequestCompletedCallback>(completed), impl.get(), MHD_OPTION_END);
   if (!impl->http) {
+    const int reason = errno;
     ::close(impl->waker);
-    return fail(ErrorKind::port_busy, "cannot serve OSCQuery on " + impl->about.address + ":" + std::to_string(port) +
-                                          ": the port is taken or not ours; choose another (0 takes any free one)");
+    return fail(listen_error(impl->about.address, port, reason));
   }
   impl->port = MHD_get_daemon_info(impl->http, MHD_DAEMON_INFO_BIND_PORT)->port;
   impl->epoll = MHD_get_daemon_info(impl->http, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
