@@ -1,9 +1,12 @@
 #include "protocol/exit_codes.h"
 
+#include "engine/base/blas_memory.h"
+#include "engine/base/signals.h"
 #include "engine/base/within_memory.h"
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 
 namespace ringdown::protocol {
 
@@ -46,6 +49,8 @@ ExitCode complain(std::string_view sentence, ExitCode code) {
 ExitCode complain(const Error& error) { return complain(error.message, exit_code_of(error.kind)); }
 
 int exit_status(const std::function<ExitCode()>& work) {
+  take_file_limit_as_error();
+  if (const auto enough = check_blas_memory(); !enough) std::_Exit(static_cast<int>(complain(enough.error())));
   const auto code = within_memory("go on", [&work]() -> Result<ExitCode> { return work(); });
   return static_cast<int>(code ? *code : complain(code.error()));
 }

@@ -51,7 +51,8 @@ ExitCode complain(std::string_view sentence, ExitCode code);
 // Prints the error's sentence and returns the exit code for its kind.
 ExitCode complain(const Error& error);
 
-// Runs a program's work, for main() to return. Where memory does not suffice, that is complained of like any failure.
+// Runs a program's work, for main() to return. A lack of memory or of threads is complained of like any failure, and so
+// is a file that reaches the limit of its size.
 int exit_status(const std::function<ExitCode()>& work);
 
 }  // namespace ringdown::protocol

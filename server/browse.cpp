@@ -34,7 +34,8 @@ void look_at(const fs::directory_entry& entry, const fs::path& here, Kinds& foun
   (is_scene ? found.scenes : found.banks).insert(shown(entry.path(), here));
 }
 
-void look_below(const fs::path& root, const fs::path& here, Kinds& found) {
+// Folders that are gone or not ours are skipped; an error is one of the system, like a lack of file descriptors.
+Result<void> look_below(const fs::path& root, const fs::path& here, Kinds& found) {
   std::error_code error;
   fs::recursive_directory_iterator at(root, fs::directory_options::skip_permission_denied, error);
   for (std::size_t n = 0; !error && at != fs::recursive_directory_iterator() && n < kMaxLookedAt; ++n) {
@@ -43,15 +44,19 @@ void look_below(const fs::path& root, const fs::path& here, Kinds& found) {
     if (!hidden) look_at(*at, here, found);
     at.increment(error);
   }
+  if (!error || error == std::errc::no_such_file_or_directory || error == std::errc::permission_denied) return {};
+  return fail(ErrorKind::input_output, "cannot look for files in " + root.string() + ": " + error.message());
 }
 
 }  // namespace
 
-std::vector<protocol::BrowseFile> browse(const session::FileRoots& roots) {
+Result<std::vector<protocol::BrowseFile>> browse(const session::FileRoots& roots) {
   std::error_code ignored;
   const fs::path here = fs::current_path(ignored);
   Kinds found;
-  for (const fs::path& folder : roots.folders()) look_below(folder, here, found);
+  for (const fs::path& folder : roots.folders()) {
+    if (const auto looked = look_below(folder, here, found); !looked) return fail(looked.error());
+  }
   std::vector<protocol::BrowseFile> files;
   for (const auto& [kind, paths] : {std::pair(&kScene, &found.scenes), std::pair(&kBank, &found.banks)}) {
     for (const std::string& path : *paths) {

@@ -4,6 +4,7 @@
 // cannot be read is refused when it is loaded. Links are not followed, and hidden folders are left out.
 #pragma once
 
+#include "engine/base/result.h"
 #include "protocol/reply.h"
 #include "server/session/file_roots.h"
 
@@ -17,7 +18,8 @@ inline constexpr std::size_t kMaxLookedAt = 16384;  // files and folders below o
 inline constexpr int kMaxBrowseDepth = 4;           // folders below a root
 
 // Scenes first, then banks, each in order of paths; numbered from 0. A path below the current folder is relative to it;
-// other paths are absolute.
-std::vector<protocol::BrowseFile> browse(const session::FileRoots& roots);
+// other paths are absolute. Fails where the system cannot look, for lack of file descriptors or by a fault of the disk;
+// a folder that is gone or may not be read counts as empty.
+Result<std::vector<protocol::BrowseFile>> browse(const session::FileRoots& roots);
 
 }  // namespace ringdown::server

@@ -8,6 +8,7 @@
 #include "server/remote_strikes.h"
 #include "server/session/file_roots.h"
 #include "server/session/offline.h"
+#include "server/turns.h"
 #include "server/zeroconf.h"
 
 #include <spdlog/spdlog.h>
@@ -92,7 +93,7 @@ session::Recorder::Write score_writer(const std::optional<std::filesystem::path>
 // Keeps the scene a little ahead of the sound, so that its strikes have frames that are still to come.
 std::jthread start_scene(session::Session& session, const Driver& driver) {
   return std::jthread([&session, &driver](const std::stop_token& stop) {
-    while (!stop.stop_requested()) {
+    take_turns("advance the scene", stop, [&] {
       const double rate = driver.sample_rate_hz();
       const auto ahead = 2 * latency_frames(driver) + static_cast<synth::Frame>(0.01 * rate);
       const auto target = driver.now() + ahead;
@@ -100,7 +101,7 @@ std::jthread start_scene(session::Session& session, const Driver& driver) {
       const auto slack = static_cast<synth::Frame>(0.25 * rate);
       while (!driver.freewheels() && session.scene().step_towards(target, slack) && !stop.stop_requested()) continue;
       std::this_thread::sleep_for(2ms);
-    }
+    });
   });
 }
 

@@ -98,9 +98,10 @@ Answer describe(const session::ScenePlayer& player) {
 }
 
 Answer browse_all(const session::FileRoots& roots) {
-  const std::vector<protocol::BrowseFile> files = browse(roots);
-  std::vector<protocol::Reply> answer{protocol::BrowseReply{whole(files.size())}};
-  answer.insert(answer.end(), files.begin(), files.end());
+  const auto files = browse(roots);
+  if (!files) return fail(files.error());
+  std::vector<protocol::Reply> answer{protocol::BrowseReply{whole(files->size())}};
+  answer.insert(answer.end(), files->begin(), files->end());
   return answer;
 }
 

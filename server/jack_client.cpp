@@ -95,7 +95,9 @@ void JackClient::set_callbacks() {
       client_,
       [](jack_nframes_t frames, void* us) {
         JackClient& client = *self(us);
+        ++client.calls_;
         client.freewheels_ ? client.process_offline(frames) : client.process(frames);
+        ++client.calls_;
         return 0;
       },
       this);

@@ -52,8 +52,10 @@ class JackClient {
   [[nodiscard]] std::string name() const;                        // the name that the server gave
   [[nodiscard]] bool lost() const { return lost_; }              // the server has gone [any]
   [[nodiscard]] bool freewheels() const { return freewheels_; }  // [any]
-  [[nodiscard]] double sample_rate_hz() const;                   // the server's [any but audio]
-  [[nodiscard]] std::size_t block_frames() const;                // the server's [any but audio]
+  // The beginnings and ends of callbacks so far: odd while JACK is inside one. [any]
+  [[nodiscard]] std::uint64_t calls() const { return calls_; }
+  [[nodiscard]] double sample_rate_hz() const;     // the server's [any but audio]
+  [[nodiscard]] std::size_t block_frames() const;  // the server's [any but audio]
 
   // Starts to render `program`, which must exist until the client is stopped or destroyed.
   Result<void> start(const Driver::Program& program);
@@ -121,6 +123,7 @@ class JackClient {
   std::atomic<std::int64_t> offset_ = kUnknown;                        // 32 bits once it is known
   std::int64_t next_start_ = kUnknown;  // audio thread: where JACK's next block begins, by its count of 32 bits
   std::atomic<bool> lost_ = false, freewheels_ = false;
+  std::atomic<std::uint64_t> calls_ = 0;
 };
 
 }  // namespace ringdown::server

@@ -3,6 +3,11 @@
 // While the server is away the null driver renders, so that time passes: tails die away, the scene plays, timed events
 // come when they should, queues are emptied. When a server answers, the mixer is retuned to its rate between two
 // blocks.
+//
+// A server that stays but no longer calls is left and met again in the same way: PipeWire 0.3.65 was seen to forget a
+// client when it changed its quantum on a busy machine. While it does not call a new client either, the driver tries
+// again at intervals that grow to half a minute.
+#include "server/call_watch.h"
 #include "server/driver.h"
 #include "server/jack_client.h"
 #include "server/load_meter.h"
@@ -12,6 +17,7 @@
 #include <algorithm>
 #include <mutex>
 #include <semaphore>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -20,6 +26,10 @@ namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
+
+constexpr auto kPatience = 1s;        // a server that does not call for so long is left,
+constexpr double kPatientBlocks = 4;  // or for so many blocks, where that is longer
+constexpr auto kMaxPause = 30s;       // between two tries with a server that does not call
 
 // Wakes the driver's thread. JACK's threads share ownership, because they may use it after the driver has gone.
 using Bell = std::counting_semaphore<>;
@@ -90,7 +100,10 @@ class JackDriver final : public Driver {
       if (!client_) {
         meet_server();
       } else if (client_->lost()) {
+        spdlog::warn("the JACK server went away; what rings goes on in silence until it is back");
         leave_server();
+      } else {
+        leave_if_silent();
       }
       if (client_) look_after_client();
     }
@@ -103,13 +116,35 @@ class JackDriver final : public Driver {
 
   void go_on_alone() {
     auto stand_in = open_null(sample_rate_hz_, block_frames_);
-    static_cast<void>((*stand_in)->start(*program_));
+    if (const auto started = (*stand_in)->start(*program_); !started) {
+      spdlog::warn("time stands still until a JACK server is there: {}", started.error().message);
+      return;
+    }
     const std::scoped_lock lock(mutex_);
     stand_in_ = std::move(*stand_in);
   }
 
+  // What waits for a slow client in freewheel, or is inside our callback, is not a server that has stopped.
+  void leave_if_silent() {
+    const std::uint64_t calls = client_->calls();
+    const auto silence = watch_.look(calls, client_->freewheels() || calls % 2 == 1, Clock::now());
+    const double silence_s = std::chrono::duration<double>(silence).count();
+    if (watch_.was_called() && std::exchange(pause_, {}) != Clock::duration::zero()) spdlog::info("JACK calls again");
+    const double block_s = static_cast<double>(client_->block_frames()) / sample_rate_hz_;
+    if (silence < kPatience || silence_s < kPatientBlocks * block_s) return;
+    if (pause_ == Clock::duration::zero()) {
+      spdlog::warn(
+          "JACK has not called for {:.1f} s, though its server is there; the daemon leaves it and connects again, and "
+          "what rings goes on in silence until then",
+          silence_s);
+    }
+    leave_server();
+    meter_->note_stall(silence_s);
+    if (!watch_.was_called()) pause_ = std::clamp<Clock::duration>(2 * pause_, kPatience, kMaxPause);
+    meet_at_ = Clock::now() + pause_;
+  }
+
   void leave_server() {
-    spdlog::warn("the JACK server went away; what rings goes on in silence until it is back");
     client_->stop();
     missing_.insert(connections_.begin(), connections_.end());
     connections_.clear();
@@ -124,7 +159,7 @@ class JackDriver final : public Driver {
 
   // libjack holds its own lock while it closes a client, so no client can be opened before that is done.
   void meet_server() {
-    if (!*closed_) return;
+    if (!*closed_ || Clock::now() < meet_at_) return;
     auto client = JackClient::open(options_.client_name, meter_, midi_, [bell = bell_] { bell->release(); });
     if (!client) return;
     std::unique_ptr<Driver> stand_in;
@@ -140,7 +175,9 @@ class JackDriver final : public Driver {
       client_ = std::move(client);
       note_format();
     }
+    watch_ = {};
     if (!started) return leave_server();
+    if (pause_ != Clock::duration::zero()) return;
     spdlog::info("a JACK server is there: {:.0f} Hz, blocks of {}", sample_rate_hz_.load(), block_frames_);
   }
 
@@ -199,14 +236,20 @@ class JackDriver final : public Driver {
     reported_at_ = Clock::now();
   }
 
-  // Closes the client on a detached thread, because jack_client_close() may hang.
+  // Closes the client on a detached thread, because jack_client_close() may hang; without one, where the system gives
+  // us no more threads.
   void close(std::unique_ptr<JackClient> client) {
     closed_ = std::make_shared<std::atomic<bool>>(false);
-    std::thread([client = client.release(), closed = closed_, bell = bell_] {
+    const auto close_now = [client = client.release(), closed = closed_, bell = bell_] {
       delete client;
       *closed = true;
       bell->release();
-    }).detach();
+    };
+    try {
+      std::thread(close_now).detach();
+    } catch (const std::system_error&) {
+      close_now();
+    }
     wait_until_closed(100ms);
   }
 
@@ -230,6 +273,9 @@ class JackDriver final : public Driver {
   std::set<JackConnection> connections_, last_seen_;  // connections to restore; connections of a moment ago
   std::set<JackConnection> missing_;                  // connections of the former server that are not restored yet
   synth::Frame changed_at_ = 0;                       // the mixer's frame when last_seen_ was another
+  CallWatch watch_;                                   // of client_
+  Clock::duration pause_{};                           // before the next try with a server that did not call at all
+  Clock::time_point meet_at_{};                       // no client is opened before
   Clock::time_point reported_at_{};
   std::int32_t reported_own_ = 0;  // xruns
   bool reported_foreign_ = false;

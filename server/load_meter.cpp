@@ -51,6 +51,11 @@ void LoadMeter::note_skipped(double seconds) RINGDOWN_REALTIME {
   skipped_s_.store(skipped_s_.load(std::memory_order_relaxed) + seconds, std::memory_order_relaxed);
 }
 
+void LoadMeter::note_stall(double seconds) {
+  xruns_.fetch_add(1, std::memory_order_relaxed);
+  note_skipped(seconds);
+}
+
 Driver::Load LoadMeter::read() const {
   std::array<std::uint64_t, kBins> counts{};
   std::uint64_t all = 0;

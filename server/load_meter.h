@@ -35,6 +35,10 @@ class LoadMeter {
   // Counts time for which the server did not let us render. [audio]
   void note_skipped(double seconds) RINGDOWN_REALTIME;
 
+  // Counts a cycle that never came: the server has not called for this long, so it is left. Nothing may be rendering.
+  // [the driver's own thread]
+  void note_stall(double seconds);
+
   [[nodiscard]] Driver::Load read() const;  // [any]
 
  private:

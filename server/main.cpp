@@ -1,6 +1,7 @@
 // ringdownd: reads the command line and the settings file into DaemonOptions, then plays until a signal comes, or
 // renders a file. Failures are written to standard error, one sentence each; the exit code follows from the error's
 // kind.
+#include "engine/base/signals.h"
 #include "engine/base/within_memory.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/exit_codes.h"
@@ -15,6 +16,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <unistd.h>
@@ -34,10 +36,10 @@ const std::vector<manual::Section> kSections = {
        "stand there under its long name, as rate = 44100, connect = true, object = [\"bell=bell.glb\"]; the command "
        "line wins."}}},
     {"SIGNALS",
-     {{"SIGINT, SIGTERM, SIGHUP",
-       "End it cleanly, with exit code 0: what is being recorded or captured is written first. A SIGHUP that was "
-       "ignored "
-       "when the daemon started, as nohup does, stays ignored."}}},
+     {{"SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU",
+       "End it cleanly, with exit code 0: what is being recorded or captured is written first. A signal other than "
+       "SIGINT and SIGTERM that was ignored when the daemon started, as nohup does with SIGHUP, stays ignored."},
+      {"SIGXFSZ", "Is ignored: a file that reaches the limit of its size is treated like a full disk."}}},
     {"ENVIRONMENT",
      {{"JACK_DEFAULT_SERVER, JACK_NO_START_SERVER", "Which JACK server, and not to start one: see jackd(1)."},
       {"NOTIFY_SOCKET, WATCHDOG_USEC", "Set by systemd, which is told when sound runs and that it still does."}}},
@@ -48,25 +50,13 @@ const std::vector<manual::Section> kSections = {
     {"SEE ALSO", {{"ringdown(1), ringdown-bake(1), jackd(1)", "Its clients, what makes banks, and the sound server."}}},
 };
 
-bool is_ignored(int signal) {
-  struct sigaction action {};
-  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
-}
-
-// The signals that end the daemon. They are blocked in every thread; the main thread takes them by sigtimedwait.
-sigset_t ending_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  if (!is_ignored(SIGHUP)) sigaddset(&signals, SIGHUP);
-  return signals;
-}
-
+// Whether one of ending_signals() has come. They are blocked in every thread; the main thread takes them.
 bool signal_came(std::chrono::milliseconds wait) {
-  const sigset_t signals = ending_signals();
+  static const sigset_t signals = ending_signals();
   const timespec time{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};
-  return sigtimedwait(&signals, nullptr, &time) > 0;
+  const int signal = sigtimedwait(&signals, nullptr, &time);
+  if (signal > 0) spdlog::info("SIG{} came", sigabbrev_np(signal));
+  return signal > 0;
 }
 
 // Refuses options that have no meaning when a file is rendered.
@@ -84,20 +74,16 @@ Result<void> check_render(const DaemonOptions& options) {
 
 ExitCode render_to_file(const DaemonOptions& options, Log& log) {
   if (const auto good = check_render(options); !good) return log.complain(good.error());
-  const auto recording = session::render_offline({.scene = options.scene,
+  const auto rendering = session::render_to_file({.scene = options.scene,
                                                   .objects = options.objects,
                                                   .seconds = options.seconds,
                                                   .sample_rate_hz = options.sample_rate_hz,
                                                   .block_frames = options.block_frames,
                                                   .mixer = options.mixer},
-                                                 [](double) { return !signal_came(0ms); });
-  if (!recording) return log.complain(recording.error());
-  for (const std::string& warning : recording->warnings) spdlog::warn("{}", warning);
-  if (const auto written = session::write_audio(*recording, options.output); !written) {
-    return log.complain(written.error());
-  }
-  spdlog::info("wrote {}, {:.2f} s", options.output.string(),
-               static_cast<double>(recording->left.size()) / recording->sample_rate_hz);
+                                                 options.output, [](double) { return !signal_came(0ms); });
+  if (!rendering) return log.complain(rendering.error());
+  for (const std::string& warning : rendering->warnings) spdlog::warn("{}", warning);
+  spdlog::info("wrote {}, {:.2f} s", options.output.string(), rendering->seconds);
   return ExitCode::ok;
 }
 
@@ -118,6 +104,7 @@ ExitCode run(const DaemonOptions& options, Log& log) {
   const sigset_t signals = ending_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);  // libjack writes to sockets of servers that have ended
+  take_file_limit_as_error();
   if (options.driver == DaemonOptions::DriverKind::wav) return render_to_file(options, log);
 
   const auto daemon = Daemon::start(options);

@@ -1,6 +1,7 @@
 #include "server/notifier.h"
 
 #include "server/answers.h"
+#include "server/turns.h"
 
 #include <algorithm>
 #include <utility>
@@ -128,7 +129,7 @@ void Notifier::add_news(const protocol::Reply& change) {
 }
 
 void Notifier::run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
+  take_turns("notify subscribers", stop, [&] {
     std::vector<Subscriber> due;
     std::vector<Peer> listeners;
     {
@@ -149,7 +150,7 @@ void Notifier::run(const std::stop_token& stop) {
     }
     send_sound(listeners);
     for (const Subscriber& subscriber : due) send_notice(subscriber);
-  }
+  });
 }
 
 void Notifier::forget_silent() {

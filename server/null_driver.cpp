@@ -1,3 +1,4 @@
+#include "engine/base/within_memory.h"
 #include "server/driver.h"
 #include "server/load_meter.h"
 
@@ -20,8 +21,12 @@ class NullDriver final : public Driver {
   Result<void> start(Program program) override {
     first_frame_ = program.mixer.counters().frames;
     origin_ = LoadMeter::Clock::now();
-    thread_ = std::jthread([this, &mixer = program.mixer](const std::stop_token& stop) { run(mixer, stop); });
-    return {};
+    return within_memory("start an audio thread", [&]() -> Result<void> {
+      left_.resize(block_);
+      right_.resize(block_);
+      thread_ = std::jthread([this, &mixer = program.mixer](const std::stop_token& stop) { run(mixer, stop); });
+      return {};
+    });
   }
 
   [[nodiscard]] synth::Frame now() const override {
@@ -33,20 +38,20 @@ class NullDriver final : public Driver {
 
  private:
   void run(synth::Mixer& mixer, const std::stop_token& stop) {
-    std::vector<float> left(block_), right(block_);
     for (std::int64_t block = 0; !stop.stop_requested(); ++block) {
       const double due_s = static_cast<double>(block * static_cast<std::int64_t>(block_)) / sample_rate_hz_;
       std::this_thread::sleep_until(
           origin_ + std::chrono::duration_cast<LoadMeter::Clock::duration>(std::chrono::duration<double>(due_s)));
       while (!mixer.capture_tap().takes(block_) && !stop.stop_requested()) std::this_thread::sleep_for(1ms);
       meter_.begin(block_, sample_rate_hz_);
-      mixer.render(left, right);
+      mixer.render(left_, right_);
       meter_.end();
     }
   }
 
   double sample_rate_hz_;
   std::size_t block_;
+  std::vector<float> left_, right_;  // a block that nobody hears
   LoadMeter meter_;
   synth::Frame first_frame_ = 0;
   LoadMeter::Clock::time_point origin_;

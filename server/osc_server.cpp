@@ -8,6 +8,7 @@
 #include "server/describe.h"
 #include "server/session/scene_save.h"
 #include "server/session/state.h"
+#include "server/turns.h"
 
 #include <spdlog/spdlog.h>
 
@@ -119,7 +120,7 @@ OscServer::~OscServer() {
 
 void OscServer::run(const std::stop_token& stop) {
   wire::Datagram datagram;
-  while (!stop.stop_requested()) {
+  take_turns("serve OSC", stop, [&] {
     adopt_priority();
     share_.turn();
     clock_.measure();
@@ -132,7 +133,7 @@ void OscServer::run(const std::stop_token& stop) {
     }
     if (parts_.stream) handle_inbox();
     ports_->refusals.report();
-  }
+  });
   parts_.session.flush();
 }
 

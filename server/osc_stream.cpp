@@ -4,9 +4,13 @@
 #include "protocol/wire/packet.h"
 #include "server/refusal_log.h"
 
+#include <spdlog/spdlog.h>
+
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <fcntl.h>
 #include <map>
 #include <mutex>
 #include <poll.h>
@@ -49,14 +53,18 @@ void flush(Connection& connection) {
 }
 
 Error listen_error(const wire::Endpoint& endpoint) {
-  return {ErrorKind::port_busy, "cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
+  return {errno == EADDRINUSE ? ErrorKind::port_busy : ErrorKind::input_output,
+          "cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
 }
+
+wire::Descriptor open_spare() { return wire::Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
 
 }  // namespace
 
 struct OscStream::Impl {
   wire::BoundSockets listeners;
   wire::Descriptor waker;
+  wire::Descriptor spare;  // given up to turn a client away when there are no more descriptors
   Take take;
   std::mutex mutex;  // guards `connections`; only the stream's thread adds and removes elements
   std::map<std::uint32_t, Connection> connections;
@@ -66,6 +74,7 @@ struct OscStream::Impl {
 
   void run(const std::stop_token& stop);
   void accept_one(int listener);
+  void turn_one_away(int listener);
   void read(std::uint32_t id);
   void drop_broken();
 };
@@ -86,6 +95,7 @@ Result<std::unique_ptr<OscStream>> OscStream::listen(const wire::Endpoint& endpo
   auto impl = std::make_unique<Impl>();
   impl->listeners = std::move(*listeners);
   impl->waker = wire::Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  impl->spare = open_spare();
   if (!impl->waker.is_open()) return fail(listen_error(impl->listeners.endpoint));
   for (const int listener : {impl->listeners.ipv4.get(), impl->listeners.ipv6.get()}) {
     if (listener >= 0 && ::listen(listener, 8) != 0) return fail(listen_error(impl->listeners.endpoint));
@@ -154,12 +164,22 @@ void OscStream::Impl::run(const std::stop_token& stop) {
 
 void OscStream::Impl::accept_one(int listener) {
   wire::Accepted accepted = wire::accept_one(listener);
+  if (accepted.out_of_descriptors) return turn_one_away(listener);
   if (!accepted.socket.is_open()) return;
   const std::scoped_lock lock(mutex);
   if (connections.size() == kMaxConnections) return;  // closed at once
   Connection& connection = connections[next_id++];
   connection.socket = std::move(accepted.socket);
   connection.endpoint = accepted.from;
+}
+
+// A client that waits to be accepted makes poll() return at once, again and again.
+void OscStream::Impl::turn_one_away(int listener) {
+  spdlog::warn("a TCP client of OSC was turned away: {}; raise the limit (ulimit -n)", std::strerror(errno));
+  spare = wire::Descriptor();
+  wire::Descriptor(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC));
+  spare = open_spare();
+  if (!spare.is_open()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
 }
 
 void OscStream::Impl::read(std::uint32_t id) {

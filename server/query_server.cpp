@@ -5,6 +5,7 @@
 #include <microhttpd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <exception>
@@ -90,8 +91,10 @@ std::string first_parameter(MHD_Connection* connection) {
   return name;
 }
 
-Error no_service(const wire::Endpoint& endpoint) {
-  return {ErrorKind::port_busy, "cannot serve OSCQuery on " + to_text(endpoint) + ": " + std::strerror(errno)};
+// Neither the kernel's listen() nor the library's start says more than errno does; the library may leave it at 0.
+Error no_service(const wire::Endpoint& endpoint, int reason) {
+  return {ErrorKind::input_output, "cannot serve OSCQuery on " + to_text(endpoint) + ": " +
+                                       (reason == 0 ? "the HTTP library does not start" : std::strerror(reason))};
 }
 
 }  // namespace
@@ -131,13 +134,14 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
   auto listeners = wire::bind_for_server(*endpoint, SOCK_STREAM | SOCK_NONBLOCK, "OSCQuery");
   if (!listeners) return fail(listeners.error());
   auto impl = std::make_unique<Impl>();
+  if (!impl->waker.is_open()) return fail(no_service(listeners->endpoint, errno));
   impl->about = std::move(about);
   impl->port = listeners->endpoint.port;
   wire::Descriptor first = std::move(listeners->ipv4);
   impl->second_listener = std::move(listeners->ipv6);
   if (!first.is_open()) std::swap(first, impl->second_listener);
   for (const int listener : {first.get(), impl->second_listener.get()}) {
-    if (listener >= 0 && ::listen(listener, SOMAXCONN) != 0) return fail(no_service(listeners->endpoint));
+    if (listener >= 0 && ::listen(listener, SOMAXCONN) != 0) return fail(no_service(listeners->endpoint, errno));
   }
 
   // The library calls these on the thread that runs it, which is ours, and they throw nothing into it.
@@ -156,6 +160,7 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
     static_cast<Impl*>(self)->note_step(connection);
   };
   impl->clients.reserve(kMaxQueryConnections + kLeaving);
+  errno = 0;
   impl->http = MHD_start_daemon(
       MHD_USE_EPOLL, port, nullptr, nullptr, +answer, impl.get(),                                    //
       MHD_OPTION_LISTEN_SOCKET, first.get(),                                                         //
@@ -164,7 +169,7 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
       MHD_OPTION_CONNECTION_TIMEOUT, kMaxQuerySilence_s,                                             //
       MHD_OPTION_NOTIFY_CONNECTION, static_cast<MHD_NotifyConnectionCallback>(changed), impl.get(),  //
       MHD_OPTION_NOTIFY_COMPLETED, static_cast<MHD_RequestCompletedCallback>(completed), impl.get(), MHD_OPTION_END);
-  if (!impl->http) return fail(no_service(listeners->endpoint));
+  if (!impl->http) return fail(no_service(listeners->endpoint, errno));
   static_cast<void>(first.release());  // MHD_stop_daemon() closes it
   impl->epoll = MHD_get_daemon_info(impl->http, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
   impl->thread = std::jthread([impl = impl.get()](const std::stop_token& stop) { impl->run(stop); });
@@ -186,6 +191,7 @@ void QueryServer::Impl::run(const std::stop_token& stop) {
 
 void QueryServer::Impl::accept_second() {
   wire::Accepted accepted = wire::accept_one(second_listener.get());
+  if (accepted.out_of_descriptors) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   if (!accepted.socket.is_open()) return;
   const wire::SocketAddress from(accepted.from);
   // The library closes the socket, also when it refuses the connection.

@@ -1,5 +1,7 @@
 #include "server/worker.h"
 
+#include "server/turns.h"
+
 #include <future>
 #include <memory>
 #include <utility>
@@ -20,7 +22,7 @@ bool Worker::post(Task task) {
 }
 
 void Worker::run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
+  take_turns("carry out a task", stop, [&] {
     Task task;
     {
       std::unique_lock lock(mutex_);
@@ -32,7 +34,7 @@ void Worker::run(const std::stop_token& stop) {
     }
     if (task) task();
     chore_();
-  }
+  });
 }
 
 void WorkerLine::connect(Worker* worker) {

@@ -1,6 +1,7 @@
 #include "clients/cli/long_work.h"
 
 #include "engine/base/sandbox.h"
+#include "engine/base/signals.h"
 
 #include <atomic>
 #include <cmath>
@@ -57,12 +58,11 @@ void ProgressLine::clear() {
 
 protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::stop_token)>& work,
                                    std::chrono::milliseconds patience) {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
+  const sigset_t signals = ending_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { taken_elsewhere = true; });
+  for (int signal = 1; signal < NSIG; ++signal) {
+    if (sigismember(&signals, signal) == 1) std::signal(signal, [](int) { taken_elsewhere = true; });
+  }
 
   std::atomic<bool> done = false;
   ExitCode exit_code = ExitCode::ok;

@@ -38,12 +38,13 @@ class ProgressLine {
 
 // Runs `work` on a thread of its own and returns its exit code. [main]
 //
-// SIGINT or SIGTERM asks the work to stop through the token. Work that has not returned after `patience` (inside gmsh
-// or a factorisation, which cannot be asked) is abandoned and the process ends. Either way the exit code is `cancelled`
-// and no half-written file is left: files are renamed into place when they are whole, and writing one takes
-// milliseconds, or asks the token between its pieces. Work that runs out of memory has failed.
+// SIGINT, SIGTERM or another signal that would end the program asks the work to stop through the token. Work that has
+// not returned after `patience` (inside gmsh or a factorisation, which cannot be asked) is abandoned and the process
+// ends. Either way the exit code is `cancelled` and no half-written file is left: files are renamed into place when
+// they are whole, and writing one takes milliseconds, or asks the token between its pieces. Work that runs out of
+// memory has failed.
 //
-// Call run_cancellable() before any other thread exists: it blocks the two signals for all of them.
+// Call run_cancellable() before any other thread exists: it blocks the signals for all of them.
 protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::stop_token)>& work,
                                    std::chrono::milliseconds patience = std::chrono::seconds(1));
 

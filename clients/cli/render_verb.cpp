@@ -54,19 +54,15 @@ ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
     if (!score) return complain(score.error());
     arguments.options.score = std::move(*score);
   }
-  const auto recording = session::render_offline(arguments.options, [&stop](double done) {
+  const auto rendering = session::render_to_file(arguments.options, arguments.output, [&stop](double done) {
     show_progress(done);
     return !stop.stop_requested();
   });
-  if (!recording) return complain(recording.error());
-  for (const std::string& warning : recording->warnings) complain(warning, ExitCode::ok);
-  const auto written =
-      session::write_audio(*recording, arguments.output, [&stop](double) { return !stop.stop_requested(); });
-  if (!written) return complain(written.error());
-  std::printf("%s: %.2f s at %.0f Hz, peak %.1f dB\n", arguments.output.c_str(),
-              static_cast<double>(recording->left.size()) / recording->sample_rate_hz, recording->sample_rate_hz,
-              20 * std::log10(static_cast<double>(recording->peak) + 1e-12));
-  if (recording->peak > 1)
+  if (!rendering) return complain(rendering.error());
+  for (const std::string& warning : rendering->warnings) complain(warning, ExitCode::ok);
+  std::printf("%s: %.2f s at %.0f Hz, peak %.1f dB\n", arguments.output.c_str(), rendering->seconds,
+              arguments.options.sample_rate_hz, 20 * std::log10(static_cast<double>(rendering->peak) + 1e-12));
+  if (rendering->peak > 1)
     complain("it exceeds full scale: lower the objects' gain, or keep the float file", ExitCode::ok);
   return ExitCode::ok;
 }

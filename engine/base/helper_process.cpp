@@ -66,8 +66,10 @@ void limit(int resource, rlim_t most) {
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_IGN);  // sent to both: the parent decides
-#ifndef RINGDOWN_SANITIZE                                                        // whose shadow memory would count
+  // A terminal sends these to both processes: the parent decides.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) ::signal(signal, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_DFL);  // our programs ignore it, but a child that writes too much is to end
+#ifndef RINGDOWN_SANITIZE      // whose shadow memory would count
   limit(RLIMIT_DATA, memory_bytes);
 #endif
   limit(RLIMIT_CORE, 0);

@@ -3,7 +3,13 @@
 namespace ringdown::solve {
 
 Team::Team(int threads) : failures_(threads) {
-  for (int i = 1; i < threads; ++i) helpers_.emplace_back([this, i] { help(i); });
+  try {
+    for (int i = 1; i < threads; ++i) helpers_.emplace_back([this, i] { help(i); });
+  } catch (...) {  // the system gives no more threads; those that run would wait for ever
+    ++round_;
+    round_.notify_all();
+    throw;
+  }
 }
 
 Team::~Team() {

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <arpa/inet.h>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <optional>
-#include <thread>
 #include <utility>
 
 namespace ringdown::wire {
@@ -22,7 +20,8 @@ Error bind_error(const Endpoint& endpoint, int reason, const std::string& what) 
             what + " port " + to_text(endpoint) +
                 " is taken by another program: stop that one, or choose another port (0 takes any free one)"};
   }
-  return {ErrorKind::port_busy,
+  const bool not_ours = reason == EACCES || reason == EADDRNOTAVAIL;
+  return {not_ours ? ErrorKind::port_busy : ErrorKind::input_output,
           "cannot listen for " + what + " on " + to_text(endpoint) + ": " + std::strerror(reason)};
 }
 
@@ -145,10 +144,8 @@ std::string to_text(const Endpoint& endpoint) {
 Accepted accept_one(int listener) {
   SocketAddress from;
   Descriptor socket(::accept4(listener, from.generic(), &from.size, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (!socket.is_open() && (errno == EMFILE || errno == ENFILE)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return {std::move(socket), from.endpoint()};
+  const bool none_left = !socket.is_open() && (errno == EMFILE || errno == ENFILE);
+  return {std::move(socket), from.endpoint(), none_left};
 }
 
 Result<BoundSockets> bind_one(const Endpoint& endpoint, int type, const std::string& what) {

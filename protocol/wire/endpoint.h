@@ -60,7 +60,7 @@ struct BoundSockets {
 };
 
 // Binds a socket of `type` (SOCK_DGRAM or SOCK_STREAM) to the endpoint; port 0 takes any free one. Fails with
-// ErrorKind::port_busy; `what` begins the sentence: "OSC".
+// ErrorKind::port_busy where the port cannot be had, or input_output; `what` begins the sentence: "OSC".
 Result<BoundSockets> bind_one(const Endpoint& endpoint, int type, const std::string& what);
 
 // Binds as a server should: 127.0.0.1 brings ::1 with it, on the same port, because `localhost` may mean either;
@@ -70,10 +70,10 @@ Result<BoundSockets> bind_for_server(const Endpoint& endpoint, int type, const s
 struct Accepted {
   Descriptor socket;  // not open: nobody is there, or there is no room
   Endpoint from;
+  bool out_of_descriptors = false;  // somebody is there, and poll() will report the same connection again at once
 };
 
-// Accepts a connection without waiting for one; reading from it will not wait either. Where the process is out of
-// descriptors, waits for 10 ms, because poll() reports the same connection again at once.
+// Accepts a connection without waiting for one; reading from it will not wait either.
 Accepted accept_one(int listener);
 
 }  // namespace ringdown::wire

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace ringdown::session {
 namespace {
@@ -16,12 +17,78 @@ using synth::Frame;
 
 tl::unexpected<Error> cancelled() { return fail(ErrorKind::cancelled, "cancelled; nothing was written"); }
 
-// One rendering: a session, the score that is played on it, and the samples so far.
+// A part of the sound. The mix and the ambisonic channels begin and end at different blocks, because only the mix
+// passes the limiter, which delays it.
+struct Piece {
+  std::span<const float> left, right;
+  std::vector<std::span<const float>> ambisonics;  // all of one length
+};
+
+// What is written: the ambisonic channels where there are some, else left and right.
+std::vector<std::span<const float>> written_channels(const Piece& piece) {
+  return piece.ambisonics.empty() ? std::vector{piece.left, piece.right} : piece.ambisonics;
+}
+
+float peak_of(const Piece& piece) {
+  float peak = 0;
+  for (const std::span<const float> channel : written_channels(piece)) {
+    for (const float sample : channel) peak = std::max(peak, std::abs(sample));
+  }
+  return peak;
+}
+
+// A sound file that takes pieces.
+class PieceFile {
+ public:
+  // `frames` in all; the number of channels is that of a piece.
+  static Result<PieceFile> create(const std::filesystem::path& path, double sample_rate_hz, const Piece& first,
+                                  std::size_t frames) {
+    const auto target = output_target(path);
+    if (!target) return fail(target.error());
+    SoundFormat format{.channels = written_channels(first).size(), .frames = frames};
+    if (!first.ambisonics.empty()) format.comment = "AmbiX: channels in ACN order, SN3D";
+    auto file = SoundFile::create(*target, sample_rate_hz, format);
+    if (!file) return fail(file.error());
+    return PieceFile(std::move(*file));
+  }
+
+  Result<void> take(const Piece& piece) {
+    const auto channels = written_channels(piece);
+    for (std::size_t n = 0; n < channels.front().size(); ++n) {
+      for (const std::span<const float> channel : channels) samples_.push_back(channel[n]);
+    }
+    return samples_.size() < kKept ? Result<void>() : write();
+  }
+
+  Result<void> finish() {
+    if (const auto written = write(); !written) return written;
+    return file_.finish();
+  }
+
+ private:
+  static constexpr std::size_t kKept = 1 << 15;  // samples before they are written
+
+  explicit PieceFile(SoundFile file) : file_(std::move(file)) {}
+
+  Result<void> write() {
+    const auto written = file_.write(samples_);
+    samples_.clear();
+    return written;
+  }
+
+  SoundFile file_;
+  std::vector<float> samples_;  // frame by frame
+};
+
+// One rendering: a session, the score that is played on it, and the block that is being rendered.
 class Run {
  public:
-  Run(const OfflineOptions& options, Recording& recording)
-      : options_(options), recording_(recording), session_(options.sample_rate_hz), score_(options.score) {
-    session_.rack().set_on_warning([this](const std::string& sentence) { recording_.warnings.push_back(sentence); });
+  using Take = std::function<Result<void>(const Piece&)>;
+
+  // Warnings are added to `warnings`.
+  Run(const OfflineOptions& options, std::vector<std::string>& warnings)
+      : options_(options), warnings_(warnings), session_(options.sample_rate_hz), score_(options.score) {
+    session_.rack().set_on_warning([this](const std::string& sentence) { warnings_.push_back(sentence); });
   }
 
   Result<void> prepare() {
@@ -41,26 +108,29 @@ class Run {
       return fail(ErrorKind::bad_input,
                   "nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
     }
-    const auto frames = static_cast<std::size_t>(std::llround(seconds * options_.sample_rate_hz)) + latency();
-    recording_.left.resize(frames);
-    recording_.right.resize(frames);
+    frames_ = static_cast<Frame>(std::llround(seconds * options_.sample_rate_hz));
+    left_.resize(options_.block_frames);
+    right_.resize(options_.block_frames);
     if (const auto order = settings.ambisonic_order) {
-      recording_.ambisonics.assign(synth::ambisonic_channels(*order), std::vector<float>(frames));
+      ambisonics_.assign(synth::ambisonic_channels(*order), std::vector<float>(options_.block_frames));
     }
     return {};
   }
 
-  Result<void> render(const Progress& progress) {
-    const auto total = static_cast<Frame>(recording_.left.size());
+  // The length of the sound, and its channels without samples. Known when the run is prepared.
+  [[nodiscard]] std::size_t frames() const { return static_cast<std::size_t>(frames_); }
+  [[nodiscard]] Piece silence() const { return {{}, {}, std::vector<std::span<const float>>(ambisonics_.size())}; }
+
+  // Hands the sound to `take`, piece by piece, and ends with the first error that it returns.
+  Result<void> render(const Take& take, const Progress& progress) {
+    take_ = take;
+    const Frame total = frames_ + latency();
     const auto block = static_cast<Frame>(options_.block_frames);
     for (Frame begin = 0; begin < total; begin += block) {
       render_until(std::min(begin + block, total));
+      if (!taken_) return taken_;
       if (!progress(static_cast<double>(now_) / static_cast<double>(total))) return cancelled();
     }
-    const auto late = static_cast<std::ptrdiff_t>(latency());
-    for (auto* channel : {&recording_.left, &recording_.right})
-      channel->erase(channel->begin(), channel->begin() + late);
-    for (auto& channel : recording_.ambisonics) channel.resize(channel.size() - latency());  // passes no limiter
     return {};
   }
 
@@ -120,16 +190,22 @@ class Run {
     if (!done) warn(event, done.error().message);
   }
 
+  // At most a block, which is handed on.
   void render_frames(Frame end) {
     advance_scene(end);
-    const auto begin = static_cast<std::size_t>(now_), count = static_cast<std::size_t>(end - now_);
-    synth::Outputs outputs(recording_.left.data() + begin, recording_.right.data() + begin);
-    for (std::size_t c = 0; c < recording_.ambisonics.size(); ++c) {
-      outputs.listen_to_ambisonics(c, recording_.ambisonics[c].data() + begin);
-    }
-    session_.rack().mixer().render(outputs, count);
+    const Frame begin = std::exchange(now_, end);
+    synth::Outputs outputs(left_.data(), right_.data());
+    for (std::size_t c = 0; c < ambisonics_.size(); ++c) outputs.listen_to_ambisonics(c, ambisonics_[c].data());
+    session_.rack().mixer().render(outputs, static_cast<std::size_t>(end - begin));
     session_.rack().collect();
-    now_ = end;
+    const auto part = [&](const std::vector<float>& samples, Frame first, Frame last) {
+      const Frame from = std::clamp(first, begin, end), to = std::clamp(last, from, end);
+      return std::span(samples).subspan(static_cast<std::size_t>(from - begin), static_cast<std::size_t>(to - from));
+    };
+    const Frame late = latency();
+    Piece piece{part(left_, late, late + frames_), part(right_, late, late + frames_), {}};
+    for (const std::vector<float>& channel : ambisonics_) piece.ambisonics.push_back(part(channel, 0, frames_));
+    if (taken_) taken_ = take_(piece);
   }
 
   // In short pieces, because a long block may have more events than the mixer's ring takes.
@@ -147,65 +223,85 @@ class Run {
     if (++pushed_ % (synth::kQueueCapacity / 2) == 0) session_.rack().mixer().render({}, {});
   }
 
-  [[nodiscard]] std::size_t latency() { return session_.rack().mixer().latency_frames(); }
+  [[nodiscard]] Frame latency() { return static_cast<Frame>(session_.rack().mixer().latency_frames()); }
 
   [[nodiscard]] Frame frame_of(const wire::ScoreEvent& event) const {
     return std::max(now_, static_cast<Frame>(std::llround(event.time_s * options_.sample_rate_hz)));
   }
 
   void warn(const wire::ScoreEvent& event, const std::string& sentence) {
-    recording_.warnings.push_back("at " + std::to_string(event.time_s) + " s: " + event.message.address + ": " +
-                                  sentence);
+    warnings_.push_back("at " + std::to_string(event.time_s) + " s: " + event.message.address + ": " + sentence);
   }
 
   const OfflineOptions& options_;
-  Recording& recording_;
+  std::vector<std::string>& warnings_;
   Session session_;
   std::vector<wire::ScoreEvent> score_;
   std::size_t next_ = 0, pushed_ = 0;
-  Frame now_ = 0;
+  Frame now_ = 0, frames_ = 0;       // rendered so far; of the sound, without the limiter's delay
+  std::vector<float> left_, right_;  // a block
+  std::vector<std::vector<float>> ambisonics_;
+  Take take_;
+  Result<void> taken_;  // what take_ returned
 };
 
-// What is written: the ambisonic channels where there are some, else left and right.
-std::vector<const std::vector<float>*> channels_of(const Recording& recording) {
-  std::vector<const std::vector<float>*> channels;
-  for (const std::vector<float>& channel : recording.ambisonics) channels.push_back(&channel);
-  if (channels.empty()) channels = {&recording.left, &recording.right};
-  return channels;
+void append(std::vector<float>& samples, std::span<const float> more) {
+  samples.insert(samples.end(), more.begin(), more.end());
 }
 
 }  // namespace
 
 Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress) {
   Recording recording{.sample_rate_hz = options.sample_rate_hz};
-  Run run(options, recording);
+  Run run(options, recording.warnings);
   if (const auto ready = run.prepare(); !ready) return fail(ready.error());
-  if (const auto rendered = run.render(progress); !rendered) return fail(rendered.error());
-  for (const std::vector<float>* channel : channels_of(recording)) {
-    for (const float sample : *channel) recording.peak = std::max(recording.peak, std::abs(sample));
-  }
+  recording.left.reserve(run.frames());
+  recording.right.reserve(run.frames());
+  recording.ambisonics.resize(run.silence().ambisonics.size());
+  for (std::vector<float>& channel : recording.ambisonics) channel.reserve(run.frames());
+  const auto keep = [&recording](const Piece& piece) -> Result<void> {
+    append(recording.left, piece.left);
+    append(recording.right, piece.right);
+    for (std::size_t c = 0; c < piece.ambisonics.size(); ++c) append(recording.ambisonics[c], piece.ambisonics[c]);
+    recording.peak = std::max(recording.peak, peak_of(piece));
+    return {};
+  };
+  if (const auto rendered = run.render(keep, progress); !rendered) return fail(rendered.error());
   return recording;
 }
 
-Result<void> write_audio(const Recording& recording, const std::filesystem::path& path, const Progress& progress) {
-  constexpr std::size_t kPiece = 1 << 16;  // frames
-  const auto target = output_target(path);
-  if (!target) return fail(target.error());
-  const std::vector<const std::vector<float>*> channels = channels_of(recording);
-  SoundFormat format{.channels = channels.size()};
-  if (!recording.ambisonics.empty()) format.comment = "AmbiX: channels in ACN order, SN3D";
-  auto file = SoundFile::create(*target, recording.sample_rate_hz, format);
+Result<Rendering> render_to_file(const OfflineOptions& options, const std::filesystem::path& path,
+                                 const Progress& progress) {
+  Rendering rendering;
+  Run run(options, rendering.warnings);
+  if (const auto ready = run.prepare(); !ready) return fail(ready.error());
+  auto file = PieceFile::create(path, options.sample_rate_hz, run.silence(), run.frames());
   if (!file) return fail(file.error());
+  const auto write = [&](const Piece& piece) {
+    rendering.peak = std::max(rendering.peak, peak_of(piece));
+    return file->take(piece);
+  };
+  if (const auto rendered = run.render(write, progress); !rendered) return fail(rendered.error());
+  if (const auto finished = file->finish(); !finished) return fail(finished.error());
+  rendering.seconds = static_cast<double>(run.frames()) / options.sample_rate_hz;
+  return rendering;
+}
+
+Result<void> write_audio(const Recording& recording, const std::filesystem::path& path, const Progress& progress) {
+  constexpr std::size_t kPiece = 1 << 14;  // frames
   const std::size_t frames = recording.left.size();
-  std::vector<float> samples;
+  const auto piece_at = [&](std::size_t begin, std::size_t count) {
+    Piece piece{std::span(recording.left).subspan(begin, count), std::span(recording.right).subspan(begin, count), {}};
+    for (const auto& channel : recording.ambisonics)
+      piece.ambisonics.push_back(std::span(channel).subspan(begin, count));
+    return piece;
+  };
+  auto file = PieceFile::create(path, recording.sample_rate_hz, piece_at(0, 0), frames);
+  if (!file) return fail(file.error());
   for (std::size_t begin = 0; begin < frames; begin += kPiece) {
-    const std::size_t end = std::min(begin + kPiece, frames);
-    samples.clear();
-    for (std::size_t n = begin; n < end; ++n) {
-      for (const std::vector<float>* channel : channels) samples.push_back((*channel)[n]);
-    }
-    if (const auto written = file->write(samples); !written) return written;
-    if (!progress(static_cast<double>(end) / static_cast<double>(frames))) return cancelled();
+    const std::size_t count = std::min(kPiece, frames - begin);
+    if (const auto written = file->take(piece_at(begin, count)); !written) return written;
+    if (!progress(static_cast<double>(begin + count) / static_cast<double>(frames))) return cancelled();
   }
   return file->finish();
 }

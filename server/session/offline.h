@@ -36,17 +36,29 @@ struct Recording {
   double sample_rate_hz = 0;
   std::vector<float> left, right;
   std::vector<std::vector<float>> ambisonics;  // a row for each channel, if the mixer has ambisonic ones
-  float peak = 0;                              // largest |sample|
+  float peak = 0;                              // largest |sample| of what write_audio() writes
   std::vector<std::string> warnings;           // of the scene, and requests that were refused and when
 };
 
 // Called now and then with the share that is done, 0 to 1. If it returns false, rendering is cancelled.
 using Progress = std::function<bool(double done)>;
 
+// Renders into memory.
 Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress);
 
+// What render_to_file() has written.
+struct Rendering {
+  double seconds = 0;
+  float peak = 0;  // as in a Recording
+  std::vector<std::string> warnings;
+};
+
+// Renders into a file as write_audio() writes it, sample for sample, but keeps no more than a second of it in memory.
+Result<Rendering> render_to_file(const OfflineOptions& options, const std::filesystem::path& path,
+                                 const Progress& progress);
+
 // Writes where the user says (engine/base/output_file.h): 32-bit float WAV, or 24-bit FLAC when the name ends in .flac.
-// The file appears when it is complete.
+// The ambisonic channels are written where there are some, else left and right. The file appears when it is complete.
 Result<void> write_audio(
     const Recording& recording, const std::filesystem::path& path,
     const Progress& progress = [](double) { return true; });

@@ -1,5 +1,7 @@
 #include "server/session/sound_capture.h"
 
+#include "engine/base/within_memory.h"
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -33,16 +35,20 @@ Result<void> SoundCapture::start(OutputTarget target) {
   const std::filesystem::path path = target.named;
   auto file = SoundFile::create(std::move(target), mixer.sample_rate_hz());
   if (!file) return fail(file.error());
-  path_ = path;
-  end_.reset();
   frames_ = 0;
   lost_ = 0;
   sample_rate_hz_ = mixer.sample_rate_hz();
   const Frame first = mixer.counters().frames + static_cast<Frame>(mixer.latency_frames());
+  const auto started = within_memory("capture " + path.string(), [&]() -> Result<void> {
+    thread_ = std::jthread(
+        [this, first](const std::stop_token& stop, SoundFile opened) { run(stop, std::move(opened), first); },
+        std::move(*file));
+    return {};
+  });
+  if (!started) return started;
   rack_.mixer().capture_tap().watch(true);
-  thread_ = std::jthread(
-      [this, first](const std::stop_token& stop, SoundFile opened) { run(stop, std::move(opened), first); },
-      std::move(*file));
+  path_ = path;
+  end_.reset();
   return {};
 }
 
@@ -66,7 +72,7 @@ void SoundCapture::run(const std::stop_token& stop, SoundFile file, Frame first)
   for (bool last = false; more && *more && !last;) {
     std::this_thread::sleep_for(kTurn);
     last = stop.stop_requested();
-    more = write_pieces(file, first);
+    more = within_memory("capture sound", [&] { return write_pieces(file, first); });
   }
   rack_.mixer().capture_tap().watch(false);
   const auto finished = file.finish();

@@ -5,13 +5,17 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace ringdown::session {
 namespace {
+
+constexpr std::size_t kMaxWavBytes = 0xffff'0000;  // of its samples: a length has 32 bits, and counts the head too
 
 tl::unexpected<Error> cannot_write(const std::filesystem::path& path, const std::string& why) {
   return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + why);
@@ -73,12 +77,16 @@ Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz, 
   if (ending != ".wav" && ending != ".flac" && !target.is_stream) {
     return cannot_write(path, "its name must end in .wav or .flac, which says the format");
   }
+  const int wav = sizeof(float) * format.channels * format.frames > kMaxWavBytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
   SF_INFO info{.samplerate = static_cast<int>(sample_rate_hz),
                .channels = static_cast<int>(format.channels),
-               .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : SF_FORMAT_WAV | SF_FORMAT_FLOAT};
+               .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : wav | SF_FORMAT_FLOAT};
   auto open = std::make_unique<Open>();
   open->target = std::move(target);
-  if (!open->open(info)) return cannot_write(path, sf_strerror(nullptr));
+  if (!open->open(info)) {
+    const bool no_file = open->target.is_stream && !open->nameless;
+    return cannot_write(path, no_file ? std::strerror(errno) : sf_strerror(nullptr));
+  }
   open->channels = format.channels;
   if (!format.comment.empty()) sf_set_string(open->file, SF_STR_COMMENT, format.comment.c_str());
   sf_command(open->file, SFC_SET_CLIPPING, nullptr, SF_TRUE);

@@ -20,12 +20,15 @@ namespace ringdown::session {
 struct SoundFormat {
   std::size_t channels = 2;
   std::string comment = {};  // is kept in the file
+  std::size_t frames = 0;    // of the whole file, where that is known
 };
 
 class SoundFile {
  public:
-  // 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. Fails for other endings, except those of
-  // streams, and where no file can be made. A path from a message is its own target; output_target() follows a user's.
+  // 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. WAV that is known to exceed 4 GiB, where its lengths
+  // have no more digits, is written as RF64 (EBU Tech 3306), which the same programs read. Fails for other endings,
+  // except those of streams, and where no file can be made. A path from a message is its own target; output_target()
+  // follows a user's.
   static Result<SoundFile> create(OutputTarget target, double sample_rate_hz, const SoundFormat& format = {});
   SoundFile(SoundFile&&) noexcept;
   SoundFile& operator=(SoundFile&&) noexcept;

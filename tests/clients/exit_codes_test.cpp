@@ -84,9 +84,12 @@ TEST(ExitCodes, ARenderThatIsInterruptedIsCancelled) {
 }
 
 TEST(ExitCodes, ALackOfMemoryIsAFailure) {
-  const TemporaryFolder folder;  // a day of two channels of floats needs 33 GB
-  const Outcome ran = run({"bash", "-c", "ulimit -v 1000000; exec \"$0\" render --seconds 86400 -o \"$1\"", kRingdown,
-                           folder.path() / "a.wav"});
+  const TemporaryFolder folder;
+  const std::size_t bytes = 200'000'000;  // of a score that consists of zeros
+  std::ofstream(folder.path() / "large.osc") << "";
+  fs::resize_file(folder.path() / "large.osc", bytes);
+  const Outcome ran = run({"bash", "-c", "ulimit -v 200000; exec \"$0\" render --events \"$1\" -o \"$2\"", kRingdown,
+                           folder.path() / "large.osc", folder.path() / "a.wav"});
   EXPECT_EQ(ran.exit_code, 1) << ran.output;
   EXPECT_NE(ran.output.find("ringdown: there is not enough memory"), std::string::npos) << ran.output;
 }

@@ -3,6 +3,8 @@
 #include "tests/integration/jack_fixture.h"
 #include "tests/integration/jack_recorder.h"
 #include "tests/support/keep_signals.h"
+#include "tests/support/tone_samples.h"
+#include "tests/support/whole_recording.h"
 
 #include <cmath>
 #include <iostream>
@@ -12,13 +14,10 @@ namespace {
 
 constexpr double kServerRate = 48000;
 
-// The daemon's left output of the first seconds, and at which frame of it freewheel began.
-struct Freewheel {
-  Samples left;
-  std::size_t from = 0;
-};
-
-Freewheel freewheel(const JackServer& server, const std::string& scene, std::size_t frames) {
+// The daemon's left output of the first seconds. Nothing where the scene sounded before freewheel had begun, for it
+// then ran by the clock, on another thread.
+std::optional<Samples> freewheel(const JackServer& server, const std::string& scene, std::size_t frames) {
+  constexpr std::size_t kBefore = 2400;  // frames of silence in freewheel
   JackRecorder recorder(server.name(), "recorder", frames, JackRecorder::From::call);
   Daemon daemon({"--scene", scene, "--limiter", "off"}, server.environment());
   EXPECT_TRUE(daemon.ready()) << daemon.process().output();
@@ -28,22 +27,18 @@ Freewheel freewheel(const JackServer& server, const std::string& scene, std::siz
   recorder.freewheel(true);
   EXPECT_TRUE(recorder.wait_for(frames));
   recorder.freewheel(false);
-  return {recorder.samples(0), recorder.freewheels_from().value_or(frames)};
+  const Samples left = recorder.samples(0);
+  const bool in_time = silence_before(left) > recorder.freewheels_from().value_or(frames) + kBefore;
+  return in_time ? std::optional(left) : std::nullopt;
 }
 
-// Begun anew where the scene sounded before freewheel had begun: the scene then runs by the clock, on another thread.
 TEST_F(JackTest, FreewheelRendersWhatRenderDoes) {
-  constexpr int kMaxTries = 20;
   const std::string scene = std::string(RINGDOWN_SOURCE_DIR) + "/presets/scenes/demo.toml";
   const auto frames = static_cast<std::size_t>(12 * kServerRate);
-  Freewheel heard_live;
-  for (int tries = 0; tries < kMaxTries; ++tries) {
-    heard_live = freewheel(server_, scene, frames);
-    if (HasFailure() || silence_before(heard_live.left) > heard_live.from + 2400) break;
-  }
-  const Samples& live = heard_live.left;
+  const auto recording = whole_recording([&] { return freewheel(server_, scene, frames); });
+  ASSERT_TRUE(recording) << "freewheel never began before the scene sounded";
+  const Samples& live = *recording;
   const std::size_t live_begin = silence_before(live);
-  ASSERT_GT(live_begin, heard_live.from + 2400) << "freewheel never began before the scene sounded";
 
   const auto rendered = session::render_offline({.scene = scene, .seconds = 13, .sample_rate_hz = kServerRate},
                                                 [](double) { return true; });
@@ -68,18 +63,24 @@ TEST_F(JackTest, EveryPeriodPlaysTheSameTone) {
   for (const char* period : {"64", "1024", "32", "480"}) {
     ASSERT_EQ(run({"jack_bufsize", period}, server_.environment()).exit_code, 0);
     ASSERT_TRUE(becomes_true([&] { return status(daemon)->block_frames == std::stoi(period); }));
-    daemon.send({"/clear", {}});
-    daemon.send(strike("tone"));
-    const auto frames = static_cast<std::size_t>(kServerRate);
-    JackRecorder recorder(server_.name(), "recorder", frames);
-    ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
-    ASSERT_TRUE(recorder.wait_for(frames));
-    const Samples heard = recorder.samples(0);
-    KeepSignals keep(kServerRate);
-    keep.add(std::string("period-") + period, heard);
-    const auto tone = fit_damped_sinusoid(std::span(heard).last(8000), kServerRate);
-    EXPECT_NEAR(tone.frequency_hz, kPitch_hz, 1e-3 * kPitch_hz);
-    EXPECT_GT(tone.amplitude(), 0.01);
+    const auto tone = whole_recording([&]() -> std::optional<DampedSinusoid> {
+      daemon.send({"/clear", {}});
+      daemon.send(strike("tone"));
+      const auto frames = static_cast<std::size_t>(kServerRate);
+      JackRecorder recorder(server_.name(), "recorder", frames);
+      EXPECT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
+      EXPECT_TRUE(recorder.wait_for(frames));
+      const Samples heard = recorder.samples(0);
+      KeepSignals keep(kServerRate);
+      keep.add(std::string("period-") + period, heard);
+      const auto end = std::span(heard).last(8000);
+      const DampedSinusoid fitted = fit_damped_sinusoid(end, kServerRate);
+      const bool is_pure = relative_error_db(samples_of(fitted, kServerRate, end.size()), end) < -60;
+      return is_pure ? std::optional(fitted) : std::nullopt;
+    });
+    ASSERT_TRUE(tone) << "no pure tone with a period of " << period;
+    EXPECT_NEAR(tone->frequency_hz, kPitch_hz, 1e-3 * kPitch_hz);
+    EXPECT_GT(tone->amplitude(), 0.01);
   }
 }
 

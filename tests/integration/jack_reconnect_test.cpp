@@ -2,10 +2,10 @@
 #include "tests/integration/jack_fixture.h"
 #include "tests/integration/jack_recorder.h"
 #include "tests/support/keep_signals.h"
+#include "tests/support/tone_samples.h"
+#include "tests/support/whole_recording.h"
 
 #include <array>
-#include <cmath>
-#include <numbers>
 #include <string>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -25,42 +25,30 @@ constexpr std::array<Format, 8> kLives = {{{44100, 128, SIGTERM},
                                            {44100, 256, SIGKILL},
                                            {48000, 128, SIGTERM}}};
 
-Samples tone_of(const DampedSinusoid& tone, int rate, std::size_t frames) {
-  Samples samples(frames);
-  for (std::size_t i = 0; i < frames; ++i) {
-    const double t = static_cast<double>(i) / rate, phase = 2 * std::numbers::pi * tone.frequency_hz * t;
-    samples[i] = std::exp(-tone.decay_per_s * t) * (tone.sine * std::sin(phase) + tone.cosine * std::cos(phase));
-  }
-  return samples;
-}
-
 class JackReconnect : public JackTest {
  protected:
-  // Returns the damped sinusoid that the daemon's left output plays now. A busy machine may cost a recording some
-  // blocks, so a recording that is no pure tone is made again.
+  // Returns the damped sinusoid that the daemon's left output plays now.
   DampedSinusoid listen(int rate) {
-    DampedSinusoid tone;
-    EXPECT_TRUE(becomes_true([&] {
-      const Samples heard = record(rate);
-      if (heard.empty()) return false;
-      tone = fit_damped_sinusoid(heard, rate);
-      return relative_error_db(tone_of(tone, rate, heard.size()), heard) < -60;
-    })) << "no pure tone at "
-        << rate << " Hz; the last one fitted: " << tone.frequency_hz << " Hz, amplitude " << tone.amplitude();
-    return tone;
+    const auto tone = whole_recording([&] { return take(rate); });
+    EXPECT_TRUE(tone) << "no whole recording of a pure tone at " << rate << " Hz";
+    return tone.value_or(DampedSinusoid());
   }
 
-  // Records a fifth of a second of the left output and returns its later half; nothing where the server refuses.
-  Samples record(int rate) {
+  // Records a fifth of a second of the left output and fits its later half. Nothing where the server refuses, or the
+  // recording has lost something or is no pure tone, as at a server that has just begun.
+  std::optional<DampedSinusoid> take(int rate) {
     const auto frames = static_cast<std::size_t>(rate / 5);
     JackRecorder recorder(server_.name(), "listener", frames);
     if (!recorder.works() || !recorder.connect("ringdown:out_left", "listener:in_1") || !recorder.wait_for(frames)) {
-      return {};
+      return std::nullopt;
     }
-    const Samples heard = recorder.samples(0);
+    const Samples all = recorder.samples(0);
     KeepSignals keep(rate);
-    keep.add("listened-at-" + std::to_string(rate), heard);
-    return {heard.begin() + static_cast<std::ptrdiff_t>(frames / 2), heard.end()};
+    keep.add("listened-at-" + std::to_string(rate), all);
+    const auto heard = std::span(all).subspan(frames / 2);
+    const DampedSinusoid tone = fit_damped_sinusoid(heard, rate);
+    const bool is_pure = relative_error_db(samples_of(tone, rate, heard.size()), heard) < -60;
+    return is_pure ? std::optional(tone) : std::nullopt;
   }
 
   // Ends the server; returns when the daemon has noticed.

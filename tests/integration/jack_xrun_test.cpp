@@ -1,7 +1,9 @@
 // A daemon that missed cycles of a real-time JACK server: its scene and its sound stay together, and the loss is
 // counted.
+#include "engine/modal/bank_file.h"
 #include "tests/integration/daemon_fixture.h"
 #include "tests/integration/jack_fixture.h"
+#include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -69,6 +71,28 @@ TEST_F(JackXrun, TheSceneWaitsForASoundThatDoesNotCome) {
   const bool waits = together(daemon);
   server_.send_signal(SIGCONT);
   EXPECT_TRUE(waits);
+}
+
+// As PipeWire was seen to do: the server stays, but does not call. It is held longer than the daemon is patient.
+TEST_F(JackXrun, AServerThatStopsCallingIsLeftAndMetAgain) {
+  const auto bank = folder_ / "tone.glb";
+  ASSERT_TRUE(modal::write_bank(single_mode_bank(440, 0.1), bank));
+  Daemon daemon({"--object", "tone=" + bank.string(), "--connect"}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  const auto connected = [&] { return server_.connections()["ringdown:out_left"].contains("system:playback_1"); };
+  ASSERT_TRUE(becomes_true(connected));
+  const auto before = JackTest::status(daemon);
+  server_.send_signal(SIGSTOP);
+  const bool noticed = daemon.process().wait_for_output("JACK has not called for", 60s);
+  server_.send_signal(SIGCONT);
+  ASSERT_TRUE(noticed) << daemon.process().output();
+  ASSERT_TRUE(daemon.process().wait_for_output("a JACK server is there")) << daemon.process().output();
+  EXPECT_TRUE(becomes_true(connected)) << "with the connections of before";
+  const auto after = JackTest::status(daemon);
+  EXPECT_GT(after->xruns, before->xruns);
+  EXPECT_GT(after->skipped_s, before->skipped_s + 0.9);
+  daemon.send(JackTest::strike("tone"));
+  EXPECT_TRUE(becomes_true([&] { return JackTest::status(daemon)->sounding_objects == 1; })) << "its callback runs";
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "tests/integration/jack_recorder.h"
 #include "tests/support/keep_signals.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/tone_samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,15 +20,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double kRate = 48000, kSide = 0.5 * std::numbers::sqrt2;  // of a sound in the centre
-
-Samples samples_of(const DampedSinusoid& tone, std::size_t count) {
-  Samples samples(count);
-  for (std::size_t n = 0; n < count; ++n) {
-    const double t = static_cast<double>(n) / kRate, angle = 2 * std::numbers::pi * tone.frequency_hz * t;
-    samples[n] = std::exp(-tone.decay_per_s * t) * (tone.sine * std::sin(angle) + tone.cosine * std::cos(angle));
-  }
-  return samples;
-}
 
 struct Heard {
   Samples left, right;  // from the first frame on that is not silent
@@ -72,7 +64,7 @@ class ViewingSound : public JackTest {
     heard.right.assign(right.begin() + static_cast<std::ptrdiff_t>(begin),
                        right.begin() + static_cast<std::ptrdiff_t>(begin + kFrames));
     heard.tone = fit_damped_sinusoid(heard.left, kRate);
-    heard.rest_db = relative_error_db(heard.left, samples_of(heard.tone, kFrames));
+    heard.rest_db = relative_error_db(heard.left, samples_of(heard.tone, kRate, kFrames));
     std::printf("%.4f Hz, decay %.4f/s, amplitude %.6f, the rest %.1f dB\n", heard.tone.frequency_hz,
                 heard.tone.decay_per_s, heard.tone.amplitude(), heard.rest_db);
     KeepSignals keep(kRate);

@@ -3,6 +3,7 @@
 #include "server/browse.h"
 #include "server/answers.h"
 #include "tests/server/osc_server_fixture.h"
+#include "tests/support/scarcity.h"
 
 #include <algorithm>
 #include <fstream>
@@ -251,11 +252,34 @@ class BrowseTest : public testing::Test {
  protected:
   [[nodiscard]] std::set<std::string> browsed(const session::FileRoots& roots) const {
     std::set<std::string> found;
-    for (const auto& file : browse(roots)) found.insert(file.kind + " " + file.path);
+    const auto files = browse(roots);
+    if (!files) ADD_FAILURE() << files.error().message;
+    if (!files) return found;
+    for (const auto& file : *files) found.insert(file.kind + " " + file.path);
     return found;
   }
   test::TemporaryFolder folder_;
 };
+
+TEST_F(BrowseTest, WithoutDescriptorsBrowsingIsRefusedAndDoesNotFindNothing) {
+  const auto roots = session::FileRoots::only({folder_.path()});
+  ASSERT_TRUE(roots);
+  const auto try_it = [&roots] {
+    test::run_out_of_descriptors();
+    const auto files = browse(*roots);
+    std::_Exit(!files && files.error().message.find("Too many open files") != std::string::npos ? 0 : 1);
+  };
+  EXPECT_EXIT(try_it(), testing::ExitedWithCode(0), "");
+}
+
+TEST_F(BrowseTest, AFolderThatIsGoneCountsAsEmpty) {
+  std::filesystem::create_directory(folder_ / "gone");
+  const auto roots = session::FileRoots::only({folder_ / "gone"});
+  ASSERT_TRUE(roots);
+  std::filesystem::remove(folder_ / "gone");
+  const auto files = browse(*roots);
+  EXPECT_TRUE(files && files->empty());
+}
 
 TEST_F(BrowseTest, EveryPresetCanBeBrowsedOnceAndNothingElse) {
   const std::filesystem::path presets = RINGDOWN_SOURCE_DIR "/presets";
@@ -268,7 +292,9 @@ TEST_F(BrowseTest, EveryPresetCanBeBrowsedOnceAndNothingElse) {
     }
   }
   std::int32_t number = 0;
-  for (const protocol::BrowseFile& file : browse(*roots)) {
+  const auto files = browse(*roots);
+  ASSERT_TRUE(files);
+  for (const protocol::BrowseFile& file : *files) {
     EXPECT_EQ(file.number, number++);
     EXPECT_EQ(file.kind, file.path.ends_with(".toml") ? "scene" : "bank");
     EXPECT_TRUE(roots->read(file.path, 1 << 30)) << "as /load takes it";
@@ -296,9 +322,9 @@ TEST_F(BrowseTest, FilesOutsideHiddenOrDeepCannotBeBrowsed) {
 
 TEST_F(BrowseTest, FilesAreBrowsedUpToTheLimitAndNotOneMore) {
   for (std::size_t i = 0; i < kMaxBrowsed; ++i) static_cast<void>(folder_.write(std::to_string(i) + ".glb", ""));
-  EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
+  EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()}))->size(), kMaxBrowsed);
   static_cast<void>(folder_.write("more.glb", ""));
-  EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
+  EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()}))->size(), kMaxBrowsed);
 }
 
 TEST(Bundles, BundlesHoldSixteenMessagesOrTheirLimitOfBytesAndKeepTheOrder) {

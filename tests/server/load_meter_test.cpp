@@ -44,6 +44,16 @@ TEST(LoadMeter, ACallbackLongerThanItsPeriodIsAMissAndItsXrunOurs) {
   EXPECT_NEAR(meter.read().peak, 1.01, 1e-6);
 }
 
+TEST(LoadMeter, AServerThatStopsCallingIsAnXrunAndALossButNotOurs) {
+  LoadMeter meter(fake_now);
+  callback(meter, 0.5);
+  meter.note_stall(1.25);
+  EXPECT_EQ(meter.read().xruns, 1);
+  EXPECT_EQ(meter.read().own_xruns, 0);
+  EXPECT_EQ(meter.read().misses, 0);
+  EXPECT_EQ(meter.read().skipped_s, 1.25);
+}
+
 TEST(LoadMeter, AnXrunIsOursWhileTheLateCallbackStillRuns) {
   LoadMeter meter(fake_now);
   meter.begin(48, 48000);

@@ -4,6 +4,7 @@
 #include "protocol/schema.h"
 #include "protocol/wire/score.h"
 #include "server/session/offline.h"
+#include "server/session/sound_file.h"
 #include "tests/scene/box_bank.h"
 #include "tests/support/keep_signals.h"
 #include "tests/support/signal.h"
@@ -209,6 +210,34 @@ TEST_F(OfflineTest, TwoRendersAreTheSameFileBitForBit) {
   EXPECT_EQ(files[0], files[1]);
 }
 
+// Whatever the limiter's delay, the number of channels and where pieces end.
+TEST_F(OfflineTest, AFileThatIsWrittenWhileItIsRenderedEqualsOneWrittenFromMemory) {
+  write_full_score();
+  const auto bytes = [](const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  for (const std::size_t block : {1, 7, 256, 8192}) {
+    for (const char* name : {"sound.wav", "field.wav", "sound.flac"}) {
+      OfflineOptions options{.scene = folder_ / "scene.toml",
+                             .score = wire::read_score(folder_ / "full.osc").value(),
+                             .seconds = 0.9,
+                             .block_frames = block};
+      if (std::string(name) == "field.wav") options.mixer.ambisonic_order = 1;
+      const Recording recording = render(options);
+      ASSERT_TRUE(write_audio(recording, folder_ / name));
+      const std::string expected = bytes(folder_ / name);
+      std::filesystem::remove(folder_ / name);
+      const auto rendering = render_to_file(options, folder_ / name, [](double) { return true; });
+      ASSERT_TRUE(rendering) << rendering.error().message;
+      EXPECT_GT(expected.size(), 43200u * 3);
+      EXPECT_TRUE(bytes(folder_ / name) == expected) << name << ", blocks of " << block;
+      EXPECT_EQ(rendering->peak, recording.peak);
+      EXPECT_EQ(rendering->seconds, 0.9);
+    }
+  }
+}
+
 TEST_F(OfflineTest, PitchAndDecayDoNotDependOnTheSampleRate) {
   ASSERT_TRUE(modal::write_bank(test::single_mode_bank(1234.5, 6), folder_ / "tone.glb"));
   const std::vector<wire::ScoreEvent> events = {
@@ -285,6 +314,41 @@ TEST_F(OfflineTest, AFileThatCannotBeWrittenLeavesNothingBehind) {
   EXPECT_FALSE(write_audio(recording, folder_ / "sound.ogg"));
   EXPECT_EQ(files(), before);
   EXPECT_TRUE(write_audio(recording, folder_ / "LOUD.WAV"));
+}
+
+TEST_F(OfflineTest, ARenderingThatIsCancelledOrCannotBeWrittenLeavesNothingBehind) {
+  const auto files = [this] { return std::distance(std::filesystem::directory_iterator(folder_.path()), {}); };
+  const auto before = files();
+  const OfflineOptions options{.scene = folder_ / "scene.toml", .seconds = 1};
+  int turns = 0;
+  const auto cancelled = render_to_file(options, folder_ / "sound.wav", [&](double) { return ++turns < 50; });
+  ASSERT_FALSE(cancelled);
+  EXPECT_EQ(cancelled.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(files(), before);
+  EXPECT_FALSE(render_to_file(options, folder_ / "sound.ogg", [](double) { return true; }));
+  EXPECT_EQ(files(), before);
+}
+
+// The lengths of a WAV file have 32 bits.
+TEST_F(OfflineTest, ASoundOfMoreThanFourGibibytesIsRf64) {
+  for (const auto& [frames, head] :
+       {std::pair(std::size_t{86400} * 48000, "RF64"), std::pair(std::size_t{3}, "RIFF")}) {
+    auto file = SoundFile::create({folder_ / "day.wav"}, 48000, {.frames = frames});
+    ASSERT_TRUE(file) << file.error().message;
+    const std::vector<float> samples = {0.5f, -0.5f, 0.25f, 0, 0, 1};
+    ASSERT_TRUE(file->write(samples));
+    ASSERT_TRUE(file->finish());
+    std::string begin(4, ' ');
+    std::ifstream(folder_ / "day.wav", std::ios::binary).read(begin.data(), 4);
+    EXPECT_EQ(begin, head);
+    SF_INFO info{};
+    SNDFILE* const read = sf_open((folder_ / "day.wav").c_str(), SFM_READ, &info);
+    ASSERT_TRUE(read);
+    std::vector<float> heard(6);
+    EXPECT_EQ(sf_readf_float(read, heard.data(), 3), 3);
+    sf_close(read);
+    EXPECT_EQ(heard, samples);
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "protocol/schema.h"
 #include "server/query_server.h"
 #include "tests/support/http_client.h"
+#include "tests/support/scarcity.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -109,6 +110,16 @@ TEST_F(QueryTest, ATakenQueryPortIsAnErrorThatSaysSo) {
   const auto second = QueryServer::listen(server_->port(), {"x", "127.0.0.1", 1, objects()});
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find(std::to_string(server_->port())), std::string::npos);
+}
+
+TEST_F(QueryTest, WithoutDescriptorsTheReasonIsNotAPortThatIsTaken) {
+  const auto try_it = [] {
+    test::run_out_of_descriptors();
+    const auto refused = QueryServer::listen(0, {"x", "127.0.0.1", 1, objects()});
+    if (refused) std::_Exit(1);
+    std::_Exit(refused.error().message.find("Too many open files") != std::string::npos ? 0 : 2);
+  };
+  EXPECT_EXIT(try_it(), testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // OSC over TCP, spoken to by liblo's own client and by plain sockets.
 #include "protocol/wire/framing.h"
 #include "tests/server/osc_server_fixture.h"
+#include "tests/support/scarcity.h"
 
 #include <arpa/inet.h>
 #include <lo/lo.h>
@@ -80,6 +81,31 @@ class OscStreamTest : public OscServerTest {
   }
   std::uint16_t tcp_port_ = 0;
 };
+
+// A client that nobody accepts would wait for ever, and poll() would not wait at all.
+TEST(OscStreamAlone, AClientForWhomThereIsNoDescriptorIsTurnedAway) {
+  const auto try_it = [] {
+    auto stream = OscStream::listen({});
+    if (!stream) std::_Exit(1);
+    (*stream)->start([](std::span<const std::byte>, Peer) {});
+    for (int i = 0; i < 2; ++i) {
+      const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+      if (i == 0) test::run_out_of_descriptors();
+      sockaddr_in address{};
+      address.sin_family = AF_INET;
+      address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      address.sin_port = htons((*stream)->port());
+      const timeval limit{.tv_sec = 60, .tv_usec = 0};
+      ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+      if (::connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) std::_Exit(2);
+      std::byte byte{};
+      if (::recv(socket, &byte, 1, 0) != 0) std::_Exit(3);
+      ::close(socket);
+    }
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(try_it(), testing::ExitedWithCode(0), "");
+}
 
 TEST_F(OscStreamTest, AnswersComeBackOverTheTcpConnection) {
   load("bell");

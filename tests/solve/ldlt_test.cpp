@@ -3,13 +3,16 @@
 
 #include "engine/solve/basis.h"
 #include "tests/fem/sample_meshes.h"
+#include "tests/support/scarcity.h"
 
 #include <Eigen/Dense>
 #include <Eigen/SparseLU>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <numeric>
 #include <stdexcept>
+#include <system_error>
 
 namespace ringdown {
 namespace {
@@ -253,6 +256,25 @@ TEST(Tiles, EveryColumnLiesInOneStripWithAllBelowIt) {
     EXPECT_EQ(next, pivots);
     EXPECT_EQ(offset, solve::tiled_size(pivots, below));
   }
+}
+
+// One helper is there already when the next cannot be started, and must not be waited for.
+TEST(Team, ATeamThatGetsTooFewThreadsEndsThoseItHas) {
+#ifdef RINGDOWN_SANITIZE
+  GTEST_SKIP() << "sanitizers map more memory than a limit allows";
+#endif
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto try_it = [] {
+    test::run_out_of_threads(12);
+    ::alarm(60);
+    try {
+      const solve::Team team(8);
+    } catch (const std::system_error&) {
+      std::_Exit(0);
+    }
+    std::_Exit(1);
+  };
+  EXPECT_EXIT(try_it(), testing::ExitedWithCode(0), "");
 }
 
 }  // namespace
