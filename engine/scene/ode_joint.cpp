@@ -4,6 +4,7 @@
 
 #include <ode/ode.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace ringdown::scene {
@@ -33,6 +34,9 @@ OdeJoint::OdeJoint(dxWorld* world, dxBody* body, dxBody* other, const JointDescr
       break;
     case JointType::fixed:
       add_fixed(world, body, other);
+      break;
+    case JointType::free:
+      free_.emplace(world, body, other, description_);
       break;
   }
 }
@@ -93,6 +97,7 @@ double OdeJoint::way() const {
 // = k (target - x - h v) + d (speed - v), is that of a motor for the speed (k (target - x) + d speed) / (h k + d) with
 // the compliance 1 / (h k + d). Such a force stays stable however stiff the drive is.
 void OdeJoint::drive(double part_s) {
+  if (free_) return free_->make_rows(part_s);
   const bool turns = description_.type == JointType::hinge, slides = description_.type == JointType::slider;
   if (description_.limit_stiffness > 0 && (turns || slides)) {
     const SoftConstraint soft = soft_constraint(description_.limit_stiffness, description_.limit_damping, part_s);
@@ -110,7 +115,14 @@ void OdeJoint::drive(double part_s) {
   set(joint_.get(), dParamFMax, drive.most);
 }
 
+bool OdeJoint::keeps_moving() const {
+  const auto moves = [](const JointDrive& drive) { return drive.damping * drive.speed != 0; };
+  return (description_.drive && moves(*description_.drive)) ||
+         std::ranges::any_of(description_.drives, moves, &AxisDrive::drive);
+}
+
 JointDescription OdeJoint::now() const {
+  if (free_) return free_->now();
   JointDescription moved = description_;
   dVector3 vector;
   if (moved.type == JointType::fixed) return moved;

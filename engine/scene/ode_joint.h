@@ -3,8 +3,10 @@
 
 #include "engine/scene/description.h"
 #include "engine/scene/ode_collider.h"
+#include "engine/scene/ode_free_joint.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 struct dxBody;
@@ -15,8 +17,8 @@ namespace ringdown::scene {
 
 using OdeJointPtr = std::unique_ptr<dxJoint, JointDeleter>;
 
-// A joint, with a motor for its friction or its drive if it has one. The bodies may be destroyed first; the joint then
-// joins nothing.
+// A joint, with a motor for its friction or its drive if it has one, or a free joint. The bodies may be destroyed
+// first; the joint then joins nothing.
 class OdeJoint {
  public:
   // Joins two bodies in their present poses; a null `other` stands for the world. Anchor and axis are in world axes.
@@ -26,8 +28,11 @@ class OdeJoint {
   // moved with the bodies.
   [[nodiscard]] JointDescription now() const;
 
-  // Sets the drive's motor and soft limits for a part of a step.
+  // Sets the drive's motor and soft limits, and all that a free joint has, for a part of a step.
   void drive(double part_s);
+
+  // Whether a drive asks for a speed, so that what it moves does not come to rest.
+  [[nodiscard]] bool keeps_moving() const;
 
  private:
   void add_hinge(dxWorld* world, dxBody* body, dxBody* other);
@@ -37,7 +42,8 @@ class OdeJoint {
   [[nodiscard]] double way() const;  // that a hinge has turned or a slider has moved [rad or m]
 
   JointDescription description_;
-  OdeJointPtr joint_, friction_motor_;
+  OdeJointPtr joint_, friction_motor_;  // of all but a free joint
+  std::optional<OdeFreeJoint> free_;
 };
 
 }  // namespace ringdown::scene
