@@ -62,6 +62,7 @@ std::vector<std::string> above_hearing(const SceneDescription& scene, std::span<
 std::optional<std::string> why_silent(const SceneDescription& scene, std::span<const SoundingObject> objects,
                                       const std::string& cure) {
   const std::vector<const BodyDescription*> bodies = all_bodies(scene);
+  if (bodies.empty() && !scene.objects.empty()) return {};  // objects for requests to play
   if (bodies.empty())
     return "nothing in it can sound: it has no bodies, which are what strikes and sounds (in glTF files nodes with a "
            "motion or a collider)";

@@ -17,8 +17,8 @@ inline constexpr std::size_t kMaxNamed = 8;  // bodies that are named one by one
 // their blows is heard.
 std::vector<std::string> above_hearing(const SceneDescription& scene, std::span<const SoundingObject> objects);
 
-// Why nothing in the scene can ever sound, as long as nobody adds to it; nothing where something can. `cure` says what
-// gives a body its sound.
+// Why nothing in the scene can ever sound, as long as nobody adds to it; nothing where something can, or where the
+// scene only has objects for requests to play. `cure` says what gives a body its sound.
 std::optional<std::string> why_silent(const SceneDescription& scene, std::span<const SoundingObject> objects,
                                       const std::string& cure);
 
