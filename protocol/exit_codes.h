@@ -18,6 +18,7 @@ enum class ExitCode : int {
   no_jack = 4,      // no JACK server answers
   port_busy = 5,    // a network port cannot be opened
   no_answer = 6,    // no daemon answered in time
+  silence = 7,      // what was rendered is digital silence
   cancelled = 130,  // SIGINT, as shells count it: 128 + 2
 };
 
@@ -34,6 +35,7 @@ inline constexpr ExitMeaning kExitMeanings[] = {
     {ExitCode::no_jack, "no JACK server"},
     {ExitCode::port_busy, "port busy"},
     {ExitCode::no_answer, "no answer from the daemon"},
+    {ExitCode::silence, "nothing but silence was rendered"},
     {ExitCode::cancelled, "cancelled"},
 };
 

@@ -64,6 +64,9 @@ ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
               arguments.options.sample_rate_hz, 20 * std::log10(static_cast<double>(rendering->peak) + 1e-12));
   if (rendering->peak > 1)
     complain("it exceeds full scale: lower the objects' gain, or keep the float file", ExitCode::ok);
+  const bool asked_for_sound = arguments.options.scene || arguments.score;
+  if (recording->peak == 0 && asked_for_sound)
+    return complain(arguments.output + " is digital silence: nothing that sounds was struck", ExitCode::silence);
   return ExitCode::ok;
 }
 

@@ -325,7 +325,8 @@ void add_nonlinear(const Task& task, const BodyModes& modes, const std::vector<H
   baked.report.carried_share = terms.carried_share;
 }
 
-modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes, const LeftOut& left_out) {
+modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes, const LeftOut& left_out,
+                             double top_hz) {
   return {.generator = "Ringdown " RINGDOWN_VERSION,
           .element = element_text(options.element),
           .unknowns = modes.unknowns,
@@ -333,8 +334,45 @@ modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes,
           // A solve that found fewer than it counted has failed. Its top allows for the strongest damping.
           .counted_modes = modes.rigid + modes.lambda.size() - left_out.above_band,
           .band_low_hz = options.band_low_hz,
-          .band_high_hz = options.band_high_hz,
+          .band_high_hz = top_hz,
           .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};
+}
+
+// What was found of a body that has no mode in its band.
+struct AboveBand {
+  BodyModes modes;
+  std::vector<HeardMode> lowest;
+  double top_hz = 0;  // up to which modes were looked for
+};
+
+// The lowest modes of a body that rings above the band alone: those within a third of an octave from the first. Nothing
+// where none is found.
+Result<std::optional<AboveBand>> find_above_band(const Task& task, const Eigen::VectorXd& gaps_m, BakeReport& report,
+                                                 const Progress& progress) {
+  constexpr double kStep = 4, kHighest_hz = 1e8, kThird = 1.26;
+  for (double top_hz = kStep * task.options.band_high_hz; top_hz < kHighest_hz; top_hz *= kStep) {
+    const double highest_lambda = task.makeup.highest_lambda(top_hz);
+    if (!(highest_lambda > 0)) break;
+    Result<BodyModes> modes = find_body_modes(task, highest_lambda / task.units.lambda(), report, progress);
+    if (!modes) return fail(modes.error());
+    modes->errors += shape_errors(task, gaps_m, *modes);
+    LeftOut left_out;
+    auto heard = modes_in_band(*modes, task.units, loss_of(task, *modes), {task.options.band_low_hz, top_hz}, left_out);
+    if (heard.empty()) continue;
+    const double lowest_hz = heard.front().mode.frequency_hz;
+    std::erase_if(heard, [&](const HeardMode& mode) { return mode.mode.frequency_hz > kThird * lowest_hz; });
+    return AboveBand{*std::move(modes), std::move(heard), top_hz};
+  }
+  return std::nullopt;
+}
+
+// The sentence about a body without a mode in its band.
+Error no_mode(const std::string& name, const BakeOptions& options, std::optional<double> lowest_hz) {
+  char lowest[48] = "";
+  if (lowest_hz) std::snprintf(lowest, sizeof lowest, "; its lowest is at %.4g kHz", *lowest_hz / 1000);
+  return {ErrorKind::bad_input, name + " has no mode between " + std::to_string(std::lround(options.band_low_hz)) +
+                                    " and " + std::to_string(std::lround(options.band_high_hz)) + " Hz" + lowest +
+                                    "; it may be too small or too large (check the unit of its mesh)"};
 }
 
 }  // namespace
@@ -375,27 +413,34 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
     if (auto shallow = check_shallow(*modes->nonlinear, name); !shallow) return fail(shallow.error());
   }
   modes->errors += shape_errors(task, checked.gaps_m, *modes);
-  report.unknowns = modes->unknowns;
-  report.elements = mesh.elements.rows();
-  report.rigid = modes->rigid;
-
   LeftOut left_out;
   std::vector<HeardMode> heard =
       modes_in_band(*modes, units, loss_of(task, *modes), {options.band_low_hz, options.band_high_hz}, left_out);
+  const bool above_band = heard.empty() && left_out.below_band == 0 && left_out.over_damped == 0;
+  double top_hz = options.band_high_hz;
+  if (above_band) {
+    auto above = find_above_band(task, checked.gaps_m, report, progress);
+    if (!above) return fail(above.error().kind, name + ": " + above.error().message);
+    if (!*above || !options.raise_band) {
+      return fail(
+          no_mode(name, options, *above ? std::optional((*above)->lowest.front().mode.frequency_hz) : std::nullopt));
+    }
+    *modes = std::move((*above)->modes);
+    heard = std::move((*above)->lowest);
+    top_hz = (*above)->top_hz;
+  }
+  report.unknowns = modes->unknowns;
+  report.elements = mesh.elements.rows();
+  report.rigid = modes->rigid;
   for (const HeardMode& mode : heard) report.largest_error = std::max(report.largest_error, mode.frequency_error);
-  const bool radiates = options.air && !heard.empty() && report.largest_error <= options.radiation_error;
+  const bool radiates = options.air && !above_band && !heard.empty() && report.largest_error <= options.radiation_error;
   Vec3 origin_m;
   if (radiates) {
     const Result<Vec3> origin = add_radiation(task, *modes, heard, left_out, report, progress);
     if (!origin) return fail(origin.error().kind, name + ": " + origin.error().message);
     origin_m = *origin;
   }
-  if (heard.empty()) {
-    return fail(ErrorKind::bad_input, name + " has no mode between " +
-                                          std::to_string(std::lround(options.band_low_hz)) + " and " +
-                                          std::to_string(std::lround(options.band_high_hz)) +
-                                          " Hz; it may be too small or too large (check the unit of its mesh)");
-  }
+  if (heard.empty()) return fail(no_mode(name, options, {}));
   report.over_damped = left_out.over_damped;
   report.below_band = left_out.below_band;
 
@@ -415,7 +460,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   if (!options.makeup.grain) bank.material->orthotropy.reset();
   bank.held = !options.makeup.supports.empty();
   bank.mass = units.mass(modes->mass);
-  bank.provenance = provenance(options, *modes, left_out);
+  bank.provenance = provenance(options, *modes, left_out, top_hz);
   for (const Part& part : options.makeup.parts) bank.provenance.parts.push_back(part.material.name);
   const Reduced reduced = audition(bank, task, corner_bank(task, heard, *modes, air), bending);
   std::vector<HeardMode> kept;

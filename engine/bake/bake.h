@@ -24,6 +24,7 @@ namespace ringdown::bake {
 struct BakeOptions {
   fem::Element element = fem::Element::kTet20;  // the mesh is brought to its order
   double band_low_hz = 20, band_high_hz = 20000;
+  bool raise_band = false;        // a body that rings above the band alone gets its lowest modes there; else it fails
   double shape_error = 0.03;      // that amplitudes between sample points may have (sample_points.h)
   std::size_t points = 0;         // on the surface, >= 4: so many, whatever the error. 0: as many as shape_error takes
   int most_modes = 4096;          // in the band; a fuller band fails (see solve::EigenRequest)
@@ -90,8 +91,9 @@ struct Baked {
 // (fem/shape_change.h).
 //
 // Fails when a material is not stable, when its makeup does not fit the mesh (fitted_makeup.h), when the eigensolver
-// fails or a second opinion disagrees, when no mode lies in the band, when rounding hides the lowest mode among the
-// rigid motions, or when the body is so far from the origin that a bank's positions would lose it.
+// fails or a second opinion disagrees, when no mode lies in the band (unless options.raise_band says otherwise), when
+// rounding hides the lowest mode among the rigid motions, or when the body is so far from the origin that a bank's
+// positions would lose it.
 Result<Baked> bake(const mesh::CheckedMesh& mesh, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress = {});
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 // Finding the blow
@@ -20,6 +21,7 @@ constexpr double kOverNoise = 4;       // an onset's first sample, over the larg
 constexpr double kOverSilence = 0.01;  // the same, of the largest peak
 constexpr double kAgain_s = 0.3;       // a new blow is louder than the sound was for so long,
 constexpr double kAgain = 2;           // by such a factor
+constexpr double kMinSteps = 4;        // a peak of fewer of the steps that samples were rounded to is rounding noise
 
 double peak_of(std::span<const double> samples) {
   double peak = 0;
@@ -70,15 +72,48 @@ std::size_t lost_in_noise(const std::vector<double>& peaks, std::size_t onset, s
   return std::min(end, onset + 2 * (last - onset));
 }
 
-// Samples at the largest magnitude, where some follow each other; `last` is one past the last.
-std::size_t clipped_samples(std::span<const double> samples, double peak, std::size_t& last) {
-  std::size_t count = 0, run = 0, longest = 0;
-  for (std::size_t n = 0; n < samples.size(); ++n) {
-    run = std::abs(samples[n]) >= 0.9999 * peak ? run + 1 : 0;
-    longest = std::max(longest, run);
-    if (run > 0) ++count, last = n + 1;
+// The smallest step between neighbouring samples that differ: that of the numbers which they were rounded to, if any.
+double smallest_step(std::span<const double> samples) {
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    const double difference = std::abs(samples[n] - samples[n - 1]);
+    if (difference > 0) step = std::min(step, difference);
   }
-  return longest >= kClippedRun ? count : 0;
+  return step;
+}
+
+// A wave that is cut off stands still at its peak and falls steeply on both sides. Where a round peak has three samples
+// that differ by no more than a tolerance, its neighbours lie at most about four tolerances below. The tolerance is
+// that of the comparison, or the step that the samples were rounded to, which is large in a quiet recording.
+struct Plateau {
+  double level, least_fall;
+
+  Plateau(std::span<const double> samples, double peak)
+      : level(0.9999 * peak), least_fall(kSteep * std::max(peak - level, smallest_step(samples))) {}
+
+  [[nodiscard]] bool holds(double sample) const { return std::abs(sample) >= level; }
+  [[nodiscard]] bool falls_to(double sample, double side) const { return side * sample < level - least_fall; }
+
+  static constexpr double kSteep = 6;
+};
+
+// Samples at the largest magnitude, where the wave is cut off there; `last` is one past the last.
+std::size_t clipped_samples(std::span<const double> samples, double peak, std::size_t& last) {
+  const Plateau plateau(samples, peak);
+  std::size_t count = 0;
+  bool clipped = false;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    if (!plateau.holds(samples[n])) continue;
+    const std::size_t first = n;
+    const double side = samples[n] < 0 ? -1 : 1;
+    while (n + 1 < samples.size() && plateau.holds(samples[n + 1]) && side * samples[n + 1] > 0) ++n;
+    count += n + 1 - first;
+    last = n + 1;
+    const bool rises = first == 0 || plateau.falls_to(samples[first - 1], side);
+    const bool falls = n + 1 == samples.size() || plateau.falls_to(samples[n + 1], side);
+    clipped |= n + 1 - first >= kClippedRun && rises && falls;
+  }
+  return clipped ? count : 0;
 }
 
 }  // namespace
@@ -86,7 +121,7 @@ std::size_t clipped_samples(std::span<const double> samples, double peak, std::s
 std::optional<Extent> find_extent(std::span<const double> samples, double sample_rate_hz,
                                   std::optional<std::size_t> from) {
   const double loudest = peak_of(samples);
-  if (!(loudest > 0)) return {};
+  if (!(loudest > 0) || loudest < kMinSteps * smallest_step(samples)) return {};
   const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(kBlock_s * sample_rate_hz));
   const std::vector<double> peaks = peaks_of_blocks(samples, block);
   const double noise = noise_peak(peaks), threshold = std::max(kOverNoise * noise, kOverSilence * loudest);

@@ -12,7 +12,7 @@ struct Extent {
   std::size_t onset = 0;    // the sound rises out of the noise before the largest peak
   std::size_t start = 0;    // the onset, or what follows the last clipped sample
   std::size_t end = 0;      // lost in noise, the next blow, or the end of the recording
-  std::size_t clipped = 0;  // samples at the largest magnitude, if ever kClippedRun of them follow each other
+  std::size_t clipped = 0;  // samples at the largest magnitude, if the wave is cut off there for kClippedRun samples
 };
 
 inline constexpr std::size_t kClippedRun = 3;

@@ -15,6 +15,9 @@
 
 namespace ringdown::modal {
 
+// Nobody hears a tone above.
+inline constexpr double kHighestHeard_hz = 20000;
+
 // Beats below 1 dB.
 inline constexpr double kMinMaskingOffset_db = 25;
 

@@ -10,6 +10,7 @@
 #include <set>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace ringdown::scene {
 namespace {
@@ -57,6 +58,37 @@ class Fields {
   std::string owner_;
   Result<void> result_;
 };
+
+void check_drive(const JointDrive& drive, Fields& fields) {
+  fields.number("drive.stiffness", drive.stiffness, range::kDriveGain)
+      .number("drive.damping", drive.damping, range::kDriveGain)
+      .number("drive.target", drive.target, range::kDriveTarget)
+      .number("drive.speed", drive.speed, range::kDriveTarget)
+      .number("drive.most", drive.most, range::kDriveMost);
+}
+
+void check_free(const JointDescription& joint, Fields& fields) {
+  fields.rotation(joint.rotation)
+      .rotation(joint.end.rotation)
+      .vector("end.position_m", joint.end.position_m, range::kPosition_m)
+      .require(joint.limits.size() <= kMaxJointParts && joint.drives.size() <= kMaxJointParts,
+               "it has more than " + std::to_string(kMaxJointParts) + " limits or drives");
+  for (const AxesLimit& limit : joint.limits) {
+    std::vector<std::size_t> axes = limit.axes;
+    std::ranges::sort(axes);
+    const bool distinct = std::ranges::adjacent_find(axes) == axes.end();
+    fields.require(!axes.empty() && distinct && axes.back() <= 2, "a limit holds one to three of its axes, each once")
+        .number("limits.low", limit.low, range::kAxesLimit)
+        .number("limits.high", limit.high, range::kAxesLimit)
+        .require(limit.low <= limit.high, "the low end of a limit must not be above its high end")
+        .number("limits.stiffness", limit.stiffness, range::kDriveGain)
+        .number("limits.damping", limit.damping, range::kDriveGain);
+  }
+  for (const AxisDrive& drive : joint.drives) {
+    fields.require(drive.axis <= 2, "a drive has one of the axes 0, 1 and 2");
+    check_drive(drive.drive, fields);
+  }
+}
 
 // Every element passes its own check, and no two share a name.
 template <class Things>
@@ -208,13 +240,10 @@ Result<void> check(const JointDescription& joint, std::span<const BodyDescriptio
   fields.number("limit_stiffness", joint.limit_stiffness, range::kDriveGain)
       .number("limit_damping", joint.limit_damping, range::kDriveGain);
   if (joint.drive) {
-    fields.require(hinge || slider, "only a hinge or a slider has a drive")
-        .number("drive.stiffness", joint.drive->stiffness, range::kDriveGain)
-        .number("drive.damping", joint.drive->damping, range::kDriveGain)
-        .number("drive.target", joint.drive->target, range::kDriveTarget)
-        .number("drive.speed", joint.drive->speed, range::kDriveTarget)
-        .number("drive.most", joint.drive->most, range::kDriveMost);
+    fields.require(hinge || slider, "only a hinge or a slider has a drive; a free joint has drives");
+    check_drive(*joint.drive, fields);
   }
+  if (joint.type == JointType::free) check_free(joint, fields);
   if (slider) {
     fields.number("low_m", joint.low_m, range::kPosition_m)
         .number("high_m", joint.high_m, range::kPosition_m)

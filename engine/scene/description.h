@@ -32,6 +32,7 @@ struct MotionPath;  // motion_path.h
 inline constexpr std::size_t kMaxBodies = 1024;  // described, emitted and spawned together
 inline constexpr std::size_t kMaxStatics = 64;
 inline constexpr std::size_t kMaxJoints = 256;
+inline constexpr std::size_t kMaxJointParts = 32;  // limits, and drives, of one free joint
 inline constexpr std::size_t kMaxEmitters = 64;
 inline constexpr std::size_t kMaxObjects = 256;
 inline constexpr std::size_t kMaxMeshPoints = std::size_t{1} << 16;  // of one body's own mesh
@@ -79,6 +80,7 @@ inline constexpr Range kJointFriction_nm{0, 1e6};
 inline constexpr Range kDriveGain{0, 1e9};
 inline constexpr Range kDriveTarget{-1000, 1000};
 inline constexpr Range kDriveMost{0, 1e9};
+inline constexpr Range kAxesLimit{-1000, 1000};  // m or rad
 inline constexpr Range kEvery_s{0.001, 3600};
 inline constexpr Range kFieldOfView_degrees{1, 170};
 inline constexpr Range kTemperature_c{-50, 60};
@@ -188,7 +190,8 @@ enum class JointType {
   hinge,   // allows turning about one axis
   ball,    // allows turning about every axis
   slider,  // allows moving along one axis, without turning
-  fixed    // allows nothing
+  fixed,   // allows nothing
+  free     // allows moving along and turning about every axis, as far as its limits let it
 };
 
 // A spring with a damper, or a motor, along a slider's axis or about a hinge's: its force is stiffness times what is
@@ -199,6 +202,26 @@ struct JointDrive {
   double target = 0, speed = 0;       // from the pose described
   double most = 1e6;                  // of force or torque
   friend bool operator==(const JointDrive&, const JointDrive&) = default;
+};
+
+// A limit of a free joint. Over one axis it bounds the way along the axis, or the twist about it. Over several axes it
+// bounds a distance, or an angle: over two axes, the distance from the third axis, or the angle between the third axes
+// of both frames (a cone); over three axes, the distance of the frames, or the whole angle between them.
+struct AxesLimit {
+  bool turns = false;                 // whether it bounds turning [rad] or moving [m]
+  std::vector<std::size_t> axes;      // of the joint's frame: one to three of 0, 1 and 2, which are x, y and z
+  double low = -1000, high = 1000;    // the widest are no limits
+  double stiffness = 0, damping = 0;  // of a spring beyond the limit, as of a drive; 0: the limit is hard
+  friend bool operator==(const AxesLimit&, const AxesLimit&) = default;
+};
+
+// A drive of a free joint, along an axis of its frame [m, N] or about the axis [rad, N m]. Targets are counted from
+// where both frames agree.
+struct AxisDrive {
+  bool turns = false;
+  std::size_t axis = 0;
+  JointDrive drive;
+  friend bool operator==(const AxisDrive&, const AxisDrive&) = default;
 };
 
 struct JointDescription {
@@ -214,6 +237,15 @@ struct JointDescription {
   double limit_stiffness = 0, limit_damping = 0;  // of the limits, as of a drive; 0: they are hard
   double friction_nm = 0;                         // torque that resists turning
   std::optional<JointDrive> drive;                // hinge, slider
+
+  // A free joint measures the place and the turn of one frame in another. Both are given in the world, as the bodies
+  // are described. The first frame, at anchor_m, is fixed to `other`, or to `body` where `frame_of_body` says so. The
+  // second frame is fixed to the remaining one of the two.
+  Rotation rotation;  // of the first frame
+  Pose end;           // the second frame
+  bool frame_of_body = false;
+  std::vector<AxesLimit> limits;
+  std::vector<AxisDrive> drives;
 };
 
 // Lets bodies into the scene one after the other: the first at the template's start_s, each with its own scatter.

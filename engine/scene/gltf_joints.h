@@ -15,8 +15,8 @@ struct JointEnd {
 };
 
 // Adds the joint of `first`'s node to the scene, whose bodies must all be there. `joint` is the node's `joint` object.
-// What cannot be made is left out, and the document's notes say so: a joint that leaves other freedom than a hinge, a
-// ball joint, a slider or none.
+// A joint becomes a hinge, a ball joint, a slider or a rigid one where it leaves just that freedom, and otherwise a
+// free joint with limits. The document's notes say what cannot be made as it stands there.
 void add_joint(GltfDocument& document, const modal::Field& joint, const JointEnd& first, const JointEnd& second,
                SceneDescription& scene);
 

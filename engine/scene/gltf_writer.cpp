@@ -237,9 +237,9 @@ class GlbScene {
             {"gravityFactor", body.gravity_factor}};
   }
 
-  // A node at the joint's place, below the node of a body, or below none.
-  std::size_t add_end(const std::string& body, const JointDescription& joint, const Rotation& axes) {
-    Pose place{to_file(joint.anchor_m), axes};
+  // A node at a place of the joint, in the file's axes, below the node of a body, or below none.
+  std::size_t add_end(const std::string& body, const JointDescription& joint, const Pose& place) {
+    const Rotation axes = place.rotation;
     const auto found = body_nodes_.find(body);
     if (found == body_nodes_.end())
       return add_node({{"name", joint.name}, {"translation", json_of(place.position_m)}, {"rotation", json_of(axes)}});
@@ -252,8 +252,44 @@ class GlbScene {
     return number;
   }
 
+  static Json drive_of(const JointDrive& drive, bool turns, std::size_t axis) {
+    return {{"type", turns ? "angular" : "linear"}, {"mode", "force"},          {"axis", axis},
+            {"stiffness", drive.stiffness},         {"damping", drive.damping}, {"positionTarget", drive.target},
+            {"velocityTarget", drive.speed},        {"maxForce", drive.most}};
+  }
+
+  // Connects the nodes of both ends.
+  void add_joint(const JointDescription& joint, Json written, std::size_t held, std::size_t connected) {
+    joints_.push_back(std::move(written));
+    nodes_[held]["extensions"][kPhysicsExtension]["joint"] = {
+        {"connectedNode", connected}, {"joint", joints_.size() - 1}, {"enableCollision", joint.collides}};
+  }
+
+  void add_free(const JointDescription& joint) {
+    Json written = {{"limits", Json::array()}};
+    for (const AxesLimit& limit : joint.limits) {
+      Json own = {{limit.turns ? "angularAxes" : "linearAxes", limit.axes}};
+      if (limit.low > range::kAxesLimit.low) own["min"] = limit.low;
+      if (limit.high < range::kAxesLimit.high) own["max"] = limit.high;
+      if (limit.stiffness > 0) own["stiffness"] = limit.stiffness;
+      if (limit.stiffness > 0) own["damping"] = limit.damping;
+      written["limits"].push_back(std::move(own));
+    }
+    for (const AxisDrive& drive : joint.drives)
+      written["drives"].push_back(drive_of(drive.drive, drive.turns, drive.axis));
+    const auto place = [](Vec3 position_m, const Rotation& turn) {
+      return Pose{to_file(position_m), normalized(to_file(turn))};
+    };
+    const std::string &first = joint.frame_of_body ? joint.body : joint.other,
+                      &second = joint.frame_of_body ? joint.other : joint.body;
+    const std::size_t held = add_end(first, joint, place(joint.anchor_m, joint.rotation));
+    const std::size_t connected = add_end(second, joint, place(joint.end.position_m, joint.end.rotation));
+    add_joint(joint, std::move(written), held, connected);
+  }
+
   // The frame's x axis is the joint's axis. The joint holds `other`, or the world, and connects the body.
   void add(const JointDescription& joint) {
+    if (joint.type == JointType::free) return add_free(joint);
     const bool hinge = joint.type == JointType::hinge, slider = joint.type == JointType::slider;
     const Rotation axes =
         hinge || slider ? normalized(turn({1, 0, 0}, to_file((1 / length(joint.axis)) * joint.axis))) : Rotation{};
@@ -276,20 +312,10 @@ class GlbScene {
     }
     if (range.size() > 1) limits.push_back(range);
     Json written = {{"limits", limits}};
-    if (joint.drive) {
-      written["drives"] = Json::array({{{"type", slider ? "linear" : "angular"},
-                                        {"mode", "force"},
-                                        {"axis", 0},
-                                        {"stiffness", joint.drive->stiffness},
-                                        {"damping", joint.drive->damping},
-                                        {"positionTarget", joint.drive->target},
-                                        {"velocityTarget", joint.drive->speed},
-                                        {"maxForce", joint.drive->most}}});
-    }
-    joints_.push_back(std::move(written));
-    const std::size_t held = add_end(joint.other, joint, axes), connected = add_end(joint.body, joint, axes);
-    nodes_[held]["extensions"][kPhysicsExtension]["joint"] = {
-        {"connectedNode", connected}, {"joint", joints_.size() - 1}, {"enableCollision", joint.collides}};
+    if (joint.drive) written["drives"] = Json::array({drive_of(*joint.drive, !slider, 0)});
+    const Pose place{to_file(joint.anchor_m), axes};
+    const std::size_t held = add_end(joint.other, joint, place), connected = add_end(joint.body, joint, place);
+    add_joint(joint, std::move(written), held, connected);
   }
 
   void add(const CameraDescription& camera) {

@@ -57,6 +57,7 @@ struct Collider {
   double gravity_factor = 1;             // of a body
   bool round = false;                    // a sphere
   bool joined = false;                   // by a joint of the scene
+  bool kept_moving = false;              // by a drive that asks for a speed; such a body does not sleep
   bool driven = false;                   // moves as it is told, whatever touches it
   Motion told;                           // of a driven body, in this part of the step
   double elasticity = 1;                 // share of its contacts' restitution that the part of the step has
@@ -79,6 +80,7 @@ struct Collider {
   void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
 
   void fall_asleep();  // at rest, until something touches the body
+  void keep_moving();  // sets kept_moving
 
   // Lets the body fall asleep although ODE knows no contact of it. ODE keeps bodies without joints awake, so that none
   // sleeps in the air.

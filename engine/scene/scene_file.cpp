@@ -88,15 +88,52 @@ void read_combine(TomlTable& table, std::string_view key, Combine& target) {
   if (way >= 0) target = static_cast<Combine>(way);
 }
 
-void read_drive(TomlTable& table, std::optional<JointDrive>& target) {
-  std::optional<TomlTable> own = table.table("drive");
-  if (!own) return;
-  JointDrive& drive = target.emplace();
-  own->number("stiffness", drive.stiffness, range::kDriveGain);
-  own->number("damping", drive.damping, range::kDriveGain);
-  own->number("target", drive.target, range::kDriveTarget);
-  own->number("speed", drive.speed, range::kDriveTarget);
-  own->number("most", drive.most, range::kDriveMost);
+void read_drive(TomlTable& table, JointDrive& drive) {
+  table.number("stiffness", drive.stiffness, range::kDriveGain);
+  table.number("damping", drive.damping, range::kDriveGain);
+  table.number("target", drive.target, range::kDriveTarget);
+  table.number("speed", drive.speed, range::kDriveTarget);
+  table.number("most", drive.most, range::kDriveMost);
+}
+
+// `along = "x"` or `about = ["x", "y"]`: the axes of a limit or a drive of a free joint, and whether it turns about
+// them.
+void read_axes(TomlTable& table, bool& turns, std::vector<std::size_t>& axes) {
+  turns = table.has("about");
+  if (turns == table.has("along")) return table.complain("along", "it needs either along or about, with its axes");
+  std::vector<std::string> names;
+  table.words(turns ? "about" : "along", names, true);
+  for (const std::string& name : names) {
+    if (name != "x" && name != "y" && name != "z") return table.complain("", "an axis is \"x\", \"y\" or \"z\"");
+    axes.push_back(static_cast<std::size_t>(name[0] - 'x'));
+  }
+}
+
+// The frames, limits and drives of a free joint.
+void read_free(TomlTable& table, JointDescription& joint) {
+  read_rotation(table, joint.rotation);
+  joint.end = {joint.anchor_m, joint.rotation};
+  if (auto end = table.table("end")) {
+    end->vector("position_m", joint.end.position_m, range::kPosition_m);
+    read_rotation(*end, joint.end.rotation);
+  }
+  table.boolean("frame_of_body", joint.frame_of_body);
+  for (TomlTable& own : table.tables("limits")) {
+    AxesLimit& limit = joint.limits.emplace_back();
+    read_axes(own, limit.turns, limit.axes);
+    own.number("low", limit.low, range::kAxesLimit);
+    own.number("high", limit.high, range::kAxesLimit);
+    own.number("stiffness", limit.stiffness, range::kDriveGain);
+    own.number("damping", limit.damping, range::kDriveGain);
+  }
+  for (TomlTable& own : table.tables("drives")) {
+    AxisDrive& drive = joint.drives.emplace_back();
+    std::vector<std::size_t> axes;
+    read_axes(own, drive.turns, axes);
+    if (axes.size() > 1) own.complain("", "a drive has one axis");
+    if (!axes.empty()) drive.axis = axes[0];
+    read_drive(own, drive.drive);
+  }
 }
 
 // Reads one file; every function adds to `scene_` or leaves its complaint in the file.
@@ -291,18 +328,18 @@ class SceneReader {
     std::vector<std::string> bodies;
     table.require({"name", "type", "bodies", "anchor_m"});
     table.text("name", joint.name);
-    const int type = table.choice("type", {"hinge", "ball", "slider", "fixed"});
+    const int type = table.choice("type", {"hinge", "ball", "slider", "fixed", "free"});
     if (type >= 0) joint.type = static_cast<JointType>(type);
     const bool hinge = joint.type == JointType::hinge, slider = joint.type == JointType::slider;
     table.words("bodies", bodies, true);
     table.vector("anchor_m", joint.anchor_m, range::kPosition_m);
     table.boolean("collides", joint.collides);
-    if (!slider && joint.type != JointType::fixed)
+    if (hinge || joint.type == JointType::ball)
       table.number("friction_nm", joint.friction_nm, range::kJointFriction_nm);
     if (hinge || slider) {
       table.require({"axis"});
       table.vector("axis", joint.axis, {-1e6, 1e6});
-      read_drive(table, joint.drive);
+      if (auto own = table.table("drive")) read_drive(*own, joint.drive.emplace());
       table.number("limit_stiffness", joint.limit_stiffness, range::kDriveGain);
       table.number("limit_damping", joint.limit_damping, range::kDriveGain);
     }
@@ -313,6 +350,7 @@ class SceneReader {
       table.number("low_m", joint.low_m, range::kPosition_m);
       table.number("high_m", joint.high_m, range::kPosition_m);
     }
+    if (joint.type == JointType::free) read_free(table, joint);
     if (bodies.empty() || bodies.size() > 2) table.complain("bodies", "bodies must name one body or two");
     if (!bodies.empty()) joint.body = bodies[0];
     if (bodies.size() > 1) joint.other = bodies[1];

@@ -18,7 +18,7 @@ const char* name_of(Combine way) {
 }
 
 const char* name_of(JointType type) {
-  static constexpr const char* kNames[] = {"hinge", "ball", "slider", "fixed"};
+  static constexpr const char* kNames[] = {"hinge", "ball", "slider", "fixed", "free"};
   return kNames[static_cast<int>(type)];
 }
 
@@ -110,10 +110,13 @@ class SceneWriter {
   }
 
   // A quaternion, because axis and angle would not come back to the last bit.
+  static std::string text_of_turn(const Rotation& q) {
+    return "rotation = { x = " + text_of(q.x) + ", y = " + text_of(q.y) + ", z = " + text_of(q.z) +
+           ", w = " + text_of(q.w) + " }";
+  }
+
   void write(const Rotation& q) {
-    if (q == Rotation{}) return;
-    text_ += "rotation = { x = " + text_of(q.x) + ", y = " + text_of(q.y) + ", z = " + text_of(q.z) +
-             ", w = " + text_of(q.w) + " }\n";
+    if (q != Rotation{}) text_ += text_of_turn(q) + "\n";
   }
 
   void write(const FrictionSurface& surface) {
@@ -185,10 +188,36 @@ class SceneWriter {
              text_of(mass.orientation[3]) + "] }\n";
   }
 
-  void write(const JointDrive& drive) {
-    text_ += "drive = { stiffness = " + text_of(drive.stiffness) + ", damping = " + text_of(drive.damping) +
-             ", target = " + text_of(drive.target) + ", speed = " + text_of(drive.speed) +
-             ", most = " + text_of(drive.most) + " }\n";
+  static std::string text_of_drive(const JointDrive& drive) {
+    return "stiffness = " + text_of(drive.stiffness) + ", damping = " + text_of(drive.damping) +
+           ", target = " + text_of(drive.target) + ", speed = " + text_of(drive.speed) +
+           ", most = " + text_of(drive.most);
+  }
+
+  static std::string text_of_axes(bool turns, std::span<const std::size_t> axes) {
+    std::string text = turns ? "about = [" : "along = [";
+    for (const std::size_t k : axes) text += std::string(k == axes[0] ? "" : ", ") + "\"" + "xyz"[k] + "\"";
+    return text + "]";
+  }
+
+  void write_free(const JointDescription& joint) {
+    write(joint.rotation);
+    if (joint.end != Pose{joint.anchor_m, joint.rotation}) {
+      text_ +=
+          "end = { position_m = " + text_of(joint.end.position_m) + ", " + text_of_turn(joint.end.rotation) + " }\n";
+    }
+    unless("frame_of_body", joint.frame_of_body, false);
+    if (!joint.limits.empty()) text_ += "limits = [\n";
+    for (const AxesLimit& limit : joint.limits) {
+      text_ += "  { " + text_of_axes(limit.turns, limit.axes) + ", low = " + text_of(limit.low) +
+               ", high = " + text_of(limit.high) + ", stiffness = " + text_of(limit.stiffness) +
+               ", damping = " + text_of(limit.damping) + " },\n";
+    }
+    if (!joint.limits.empty()) text_ += "]\n";
+    if (!joint.drives.empty()) text_ += "drives = [\n";
+    for (const AxisDrive& drive : joint.drives)
+      text_ += "  { " + text_of_axes(drive.turns, {&drive.axis, 1}) + ", " + text_of_drive(drive.drive) + " },\n";
+    if (!joint.drives.empty()) text_ += "]\n";
   }
 
   void write(const BodyDescription& body, const char* kind) {
@@ -225,9 +254,10 @@ class SceneWriter {
     line("anchor_m", joint.anchor_m);
     unless("collides", joint.collides, true);
     unless("friction_nm", joint.friction_nm, 0.0);
+    if (joint.type == JointType::free) write_free(joint);
     if (!hinge && !slider) return;
     line("axis", joint.axis);
-    if (joint.drive) write(*joint.drive);
+    if (joint.drive) text_ += "drive = { " + text_of_drive(*joint.drive) + " }\n";
     unless("limit_stiffness", joint.limit_stiffness, usual.limit_stiffness);
     unless("limit_damping", joint.limit_damping, usual.limit_damping);
     if (hinge) {

@@ -318,6 +318,9 @@ void Simulation::State::join(const BodyJoint& joint) {
   if (joint.other) colliders.at(*joint.other).joined = true;
   if (joint.other && !joint.description.collides) filter.part(joint.body, *joint.other);
   joints.push_back({joint, OdeJoint(world.get(), colliders.at(joint.body).body.get(), other, joint.description)});
+  if (!joints.back().joint.keeps_moving()) return;
+  colliders.at(joint.body).keep_moving();
+  if (joint.other) colliders.at(*joint.other).keep_moving();
 }
 
 // The joints of a body, described as they are now, so that they can be made again.
@@ -348,7 +351,7 @@ void Simulation::State::let_still_bodies_sleep() {
   for_each_awake([this](Collider& collider, IslandState& island) {
     const Motion motion = collider.motion();
     collider.stillness.step({motion.position_m, motion.rotation}, collider.outer_radius_m, step_s);
-    if (collider.stillness.still_s() < kSleepWhenStill_s) island.any_moves = true;
+    if (collider.kept_moving || collider.stillness.still_s() < kSleepWhenStill_s) island.any_moves = true;
   });
   for_each_awake([](Collider& collider, IslandState& island) {
     if (!island.any_moves && island.contacts > 0) collider.fall_asleep();

@@ -3,8 +3,11 @@
 #include "engine/base/folders.h"
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
+#include "engine/modal/gltf_file.h"
 #include "engine/scene/gltf_scene.h"
+#include "engine/scene/gltf_silent.h"
 #include "engine/scene/scene_file.h"
+#include "engine/scene/silence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,6 +68,13 @@ void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, do
   }
 }
 
+// Reads the files beside a glTF file.
+modal::ReadBeside beside(const FileRoots& roots, const std::filesystem::path& path) {
+  return [&roots, path](const std::string& relative, std::size_t limit) {
+    return roots.read(path.parent_path() / relative, limit);
+  };
+}
+
 // What the file has and a scene has not is warned of.
 Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::filesystem::path& path,
                                            const std::function<void(const std::string&)>& warn) {
@@ -72,20 +82,39 @@ Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::fi
   const auto text = roots.read(path, is_gltf ? modal::kMaxBankFileBytes : kMaxTomlFileBytes);
   if (!text) return fail(text.error());
   if (!is_gltf) return scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
-  const modal::ReadBeside beside = [&](const std::string& relative, std::size_t limit) {
-    return roots.read(path.parent_path() / relative, limit);
-  };
-  auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside);
+  auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside(roots, path));
   if (!read) return fail(read.error());
   for (const std::string& note : read->notes) warn("scene: " + note);
   return std::move(read->scene);
+}
+
+// What gives the bodies of a scene file their sound.
+std::string cure_of_silence(const FileRoots& roots, const std::filesystem::path& path) {
+  if (!scene::is_gltf(path)) return "name an [[object]] with a bank in their [[body]]";
+  const std::string bake = "`ringdown bake " + path.string() + "`";
+  const auto text = roots.read(path, modal::kMaxBankFileBytes);
+  if (!text) return bake;
+  const auto glb = modal::parse_gltf(std::as_bytes(std::span(*text)), path.string(), beside(roots, path));
+  const auto silent = glb ? scene::find_silent_bodies(*glb) : fail(glb.error());
+  if (silent && !silent->bodies.empty()) return bake + " gives them banks";
+  return "say in the file what they are made of, by acoustic surfaces with a material (KHR_audio_rigid_bodies), and " +
+         bake + " gives them banks";
+}
+
+// Warns of what will not be heard.
+void warn_of_silence(const scene::SceneDescription& scene, std::span<const scene::SoundingObject> objects,
+                     const std::function<std::string()>& cure, const std::function<void(const std::string&)>& warn) {
+  for (const std::string& sentence : scene::above_hearing(scene, objects)) warn("scene: " + sentence);
+  if (!scene::why_silent(scene, objects, "")) return;
+  warn("scene: " + *scene::why_silent(scene, objects, cure()));
 }
 
 }  // namespace
 
 // Reads a scene of either format.
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
-  auto description = read_below(roots_, path, [this](const std::string& sentence) { rack_.warn(sentence); });
+  const auto warn = [this](const std::string& sentence) { rack_.warn(sentence); };
+  auto description = read_below(roots_, path, warn);
   if (!description) return fail(description.error());
   if (const auto kept = reliefs_.keep(*description); !kept) return fail(kept.error());
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // read before anything changes
@@ -116,6 +145,8 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   for (const ObjectSnapshot& object : rack_.objects()) objects.push_back(as_sounding(*object));
   auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
   if (!world) return fail(world.error().kind, path.string() + ": " + world.error().message);
+  warn_of_silence(
+      *description, objects, [&] { return cure_of_silence(roots_, path); }, warn);
 
   for (const Event& event : listener_events(*description, sets_listener_, frame)) {
     if (!rack_.push(synth::Producer::worker, event)) {

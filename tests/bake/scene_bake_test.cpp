@@ -112,6 +112,29 @@ double rms_shape(const modal::Bank& bank) {
   return std::sqrt(sum / static_cast<double>(bank.shapes.size()));
 }
 
+// The lowest mode of a free sphere is torsional: its wave number times the radius is 2.501, whatever Poisson's ratio
+// (Lamb 1882). This ball rings at 167 kHz.
+TEST(SceneBake, ABallThatRingsAboveHearingGetsItsLowestModes) {
+  constexpr double kRadius_m = 0.008;
+  const TemporaryFolder folder;
+  GltfRoom room;
+  room.add("KHR_implicit_shapes", "shapes", {{"type", "sphere"}, {"sphere", {{"radius", kRadius_m}}}});
+  const std::size_t glazed = add_ceramic(room);
+  Json node = body("Bead", 0, glazed);
+  node.erase("mesh");
+  const std::size_t bead = room.add_node(node);
+  const fs::path file = folder.write("room.glb", room.glb());
+  const Ran ran = bake(file, "--preview");
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_NE(ran.output.find("rings above hearing"), std::string::npos) << ran.output;
+  const modal::Bank bank = bank_of(file, take_apart(content(file)).json, bead);
+  const double shear_m_s = std::sqrt(kYoung_pa / (2 * (1 + kPoisson) * kDensity_kg_m3));
+  const double expected_hz = 2.501 * shear_m_s / (2 * std::numbers::pi * kRadius_m);
+  EXPECT_NEAR(lowest(bank) / expected_hz, 1, 0.02);
+  ASSERT_TRUE(bank.mass);
+  EXPECT_NEAR(bank.mass->mass_kg, kDensity_kg_m3 * 4.0 / 3 * std::numbers::pi * std::pow(kRadius_m, 3), 1e-4);
+}
+
 TEST(SceneBake, BodiesWithAMaterialGetTheirModelsInPlace) {
   constexpr double kLength_m = 0.3, kThick_m = 0.012;
   const TemporaryFolder folder;

@@ -1,5 +1,6 @@
 // Modes found again in recordings whose modes are known.
 #include "engine/fit/sinusoids.h"
+#include "engine/fit/extent.h"
 #include "engine/fit/modes.h"
 #include "engine/modal/bank_file.h"
 #include "tests/fit/recording.h"
@@ -276,6 +277,35 @@ TEST(FitModes, AClippedBeginningIsLeftOutOfTheFit) {
   for (int m = 0; m < 2; ++m) {
     EXPECT_NEAR(cents(fit.modes[m].frequency_hz / tones[m].frequency_hz), 0, 0.02);
     EXPECT_NEAR(fit.modes[m].amplitude, tones[m].amplitude, 0.01 * tones[m].amplitude) << "as if it were not clipped";
+  }
+}
+
+// Round peaks hold a few equal samples where the tone is low, or where the recording is quiet and rounded.
+TEST(FitModes, ARoundPeakIsNotClipped) {
+  for (const double frequency_hz : {30.0, 50.0, 110.0, 233.1}) {
+    for (const double step : {0.0, 1 / 32768.0, 1 / 8388608.0}) {
+      for (const double level : {0.9, 0.03, 3 * step}) {
+        auto samples = struck({{frequency_hz, 2, level, 0.3}, {5 * frequency_hz, 6, 0.1 * level}}, 1, 0.05);
+        for (double& sample : samples) sample = step > 0 ? step * std::round(sample / step) : sample;
+        const auto extent = level > 0 ? find_extent(samples, kRate, {}) : std::nullopt;
+        if (extent) {
+          EXPECT_EQ(extent->clipped, 0U) << frequency_hz << " Hz, in steps of " << step << ", peak " << level;
+        }
+      }
+    }
+  }
+}
+
+TEST(FitModes, ALowToneThatIsCutOffIsClipped) {
+  for (const double frequency_hz : {30.0, 110.0, 1000.0}) {
+    for (const double step : {0.0, 1 / 32768.0}) {
+      auto samples = struck({{frequency_hz, 2, 0.9, 0.3}}, 1, 0.05);
+      for (double& sample : samples) sample = std::clamp(sample, -0.7, 0.7);
+      for (double& sample : samples) sample = step > 0 ? step * std::round(sample / step) : sample;
+      const auto extent = find_extent(samples, kRate, {});
+      ASSERT_TRUE(extent);
+      EXPECT_GT(extent->clipped, 50U) << frequency_hz << " Hz, in steps of " << step;
+    }
   }
 }
 

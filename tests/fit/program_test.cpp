@@ -9,6 +9,10 @@
 #include <sndfile.h>
 
 #include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 
 namespace ringdown::test {
 namespace {
@@ -81,6 +85,107 @@ TEST(FitProgram, ChannelsAreMixedOrChosen) {
   EXPECT_NE(second.output.find(": 1 modes"), std::string::npos) << second.output;
   EXPECT_NE(second.output.find("826.87"), std::string::npos) << "900 Hz at 44.1/48 of its speed: " << second.output;
   EXPECT_EQ(fit({folder / "two.wav", "--channel", "3"}).exit_code, 3);
+}
+
+// The frequencies of the loudest modes in what the program printed, by column.
+std::vector<double> frequencies(const std::string& output) {
+  std::vector<double> found;
+  std::istringstream lines(output);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    double number = 0, frequency_hz = 0;
+    if (words >> number >> frequency_hz && number == static_cast<double>(found.size())) found.push_back(frequency_hz);
+  }
+  return found;
+}
+
+void expect_tones(const Outcome& ran) {
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  for (const Tone& tone : kTones) {
+    EXPECT_TRUE(
+        std::ranges::any_of(frequencies(ran.output), [&](double f) { return std::abs(f - tone.frequency_hz) < 0.01; }))
+        << tone.frequency_hz << " Hz: " << ran.output;
+  }
+  EXPECT_EQ(ran.output.find("clipped"), std::string::npos) << ran.output;
+}
+
+// One channel is the other one turned over, to the last bit, or a little softer and with an offset.
+TEST(FitProgram, TheLoudestOfChannelsThatCancelIsFitted) {
+  const TemporaryFolder folder;
+  for (const auto& [share, offset] : {std::pair(1.0, 0.0), {0.98, 0.02}}) {
+    auto left = struck(kTones, 0.7, 0.1);
+    add_noise(left, 1e-4);
+    std::vector<double> right = left;
+    for (double& sample : right) sample = offset - share * sample;
+    write(folder / "two.wav", {right, left}, 48000, SF_FORMAT_WAV | SF_FORMAT_PCM_24);
+    const Outcome ran = fit({folder / "two.wav"});
+    expect_tones(ran);
+    EXPECT_NE(ran.output.find("cancel each other"), std::string::npos) << ran.output;
+    EXPECT_NE(ran.output.find("--channel"), std::string::npos) << ran.output;
+  }
+  const Outcome chosen = fit({folder / "two.wav", "--channel", "1"});
+  expect_tones(chosen);
+  EXPECT_EQ(chosen.output.find("warning"), std::string::npos) << chosen.output;
+}
+
+TEST(FitProgram, ASilentChannelDoesNotHalveTheLevel) {
+  const TemporaryFolder folder;
+  auto samples = struck({{500, 5, 0.4}}, 0.6, 0.1);
+  add_noise(samples, 1e-4);
+  const std::vector<double> silent(samples.size()), offset(samples.size(), 0.25);
+  write(folder / "one.wav", {samples}, 48000, SF_FORMAT_WAV | SF_FORMAT_FLOAT);
+  const Outcome alone = fit({folder / "one.wav"});
+  ASSERT_EQ(alone.exit_code, 0) << alone.output;
+  for (const auto& other : {silent, offset}) {
+    write(folder / "two.wav", {samples, other}, 48000, SF_FORMAT_WAV | SF_FORMAT_FLOAT);
+    const Outcome ran = fit({folder / "two.wav"});
+    EXPECT_NE(ran.output.find("channel 2 is silent"), std::string::npos) << ran.output;
+    const auto table = [](const std::string& text) { return text.substr(text.find("onset")); };
+    EXPECT_EQ(table(ran.output), table(alone.output));
+  }
+}
+
+// Programs that write into a pipe leave the length of the data 0 in the header.
+TEST(FitProgram, AWaveFileWithoutALengthIsReadToItsEnd) {
+  const TemporaryFolder folder;
+  auto samples = struck(kTones, 0.7, 0.1);
+  add_noise(samples, 1e-4);
+  for (const int format : {SF_FORMAT_PCM_24, SF_FORMAT_FLOAT}) {
+    write(folder / "stream.wav", {samples}, 48000, SF_FORMAT_WAV | format);
+    std::fstream file(folder / "stream.wav", std::ios::in | std::ios::out | std::ios::binary);
+    std::string bytes(std::istreambuf_iterator<char>(file), {});
+    file.clear();
+    const auto data = bytes.find("data");
+    ASSERT_NE(data, std::string::npos);
+    for (const std::size_t at : {std::size_t{4}, data + 4})
+      file.seekp(static_cast<std::streamoff>(at)).write("\0\0\0\0", 4);
+    file.close();
+    expect_tones(fit({folder / "stream.wav"}));
+  }
+}
+
+TEST(FitProgram, WhatCannotBeFittedSaysWhyEachInItsOwnWords) {
+  const TemporaryFolder folder;
+  auto good = struck(kTones, 0.5);
+  std::vector<double> broken = good;
+  broken[4800] = std::nan("");
+  write(folder / "silent.wav", {std::vector<double>(48000)}, 48000, SF_FORMAT_WAV | SF_FORMAT_PCM_16);
+  write(folder / "constant.wav", {std::vector<double>(48000, 0.3)}, 48000, SF_FORMAT_WAV | SF_FORMAT_FLOAT);
+  write(folder / "nothing.wav", {{}}, 48000, SF_FORMAT_WAV | SF_FORMAT_PCM_16);
+  write(folder / "nan.wav", {good, broken}, 48000, SF_FORMAT_WAV | SF_FORMAT_FLOAT);
+  (void)folder.write("empty.wav", "");
+  (void)folder.write("text.wav", "no sound");
+  const std::pair<std::string, std::string> cases[] = {
+      {"silent.wav", "is silent"},      {"constant.wav", "is silent"},
+      {"nothing.wav", "no samples"},    {"nan.wav", "not a number, at 0.1000 s in channel 2"},
+      {"empty.wav", "it has no bytes"}, {"text.wav", "as a sound"}};
+  for (const auto& [name, words] : cases) {
+    const Outcome ran = fit({folder / name});
+    EXPECT_EQ(ran.exit_code, 3) << ran.output;
+    EXPECT_NE(ran.output.find(words), std::string::npos) << ran.output;
+    EXPECT_NE(ran.output.find(name), std::string::npos) << ran.output;
+  }
+  EXPECT_EQ(fit({folder / "nan.wav", "--channel", "1"}).exit_code, 0);
 }
 
 TEST(FitProgram, TheProgramCalibratesABank) {

@@ -55,7 +55,7 @@ class OrdinaryUser : public testing::Test {
   TemporaryFolder home_;
 };
 
-TEST_F(OrdinaryUser, RendersAScene) { expect_made("ringdown render --scene demo --seconds 0.2 -o a.wav", "a.wav"); }
+TEST_F(OrdinaryUser, RendersAScene) { expect_made("ringdown render --scene demo --seconds 1 -o a.wav", "a.wav"); }
 
 TEST_F(OrdinaryUser, BakesAnObject) {
   if (!fs::exists(program("ringdown-bake"))) GTEST_SKIP() << "ringdown-bake is not built";

@@ -256,8 +256,7 @@ void add_joints(std::vector<Case>& cases) {
 // Cases that fail, each with the reason.
 const std::map<std::string, std::string> kKnownToFail{
     {"filter/collideWithSystems, compound", "colliders of one body are one mesh, with one filter"},
-    {"filter/notCollideWithSystems, compound", "colliders of one body are one mesh, with one filter"},
-    {"joint/within a distance", "ODE has no joint that holds two points within a distance of each other"}};
+    {"filter/notCollideWithSystems, compound", "colliders of one body are one mesh, with one filter"}};
 
 TEST(GltfConformance, TheDraftsTestMatrixHoldsButForWhatIsListed) {
   std::vector<Case> cases;

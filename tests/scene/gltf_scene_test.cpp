@@ -295,6 +295,31 @@ TEST(GltfScene, AHingesDriveTurnsAtItsSpeedAndSpringsToItsTarget) {
   EXPECT_NEAR(std::atan2(x.y, x.x), 0.5, 2e-3);
 }
 
+// Two nodes of glTF: a body of 2 kg that creeps along the file's x at 100 N, and the joint that keeps it from turning.
+// The second frame of the joint is the ground's, so that its velocity is the body's with the other sign.
+TEST(GltfScene, AMotorBesideALockedTurnCreepsWithoutTurning) {
+  const std::string joint =
+      R"("physicsMaterials": [{"staticFriction": 0.4, "dynamicFriction": 0.4}], "physicsJoints": [{"limits": [{"angularAxes": [0, 1, 2], "min": 0, "max": 0}],
+         "drives": [{"type": "linear", "mode": "force", "axis": 0, "maxForce": 100, "velocityTarget": -0.003, "damping": 1000000}]}])";
+  const GltfScene read = good(document(
+      node(R"("collider": {"geometry": {"shape": 0}, "physicsMaterial": 0})", R"(, "translation": [0, -0.05, 0])") +
+          "," +
+          node(
+              R"("motion": {"mass": 2}, "collider": {"geometry": {"shape": 1}, "physicsMaterial": 0}, "joint": {"connectedNode": 0, "joint": 0, "enableCollision": true})",
+              R"(, "translation": [0, 0.031, 0])"),
+      R"({"type": "box", "box": {"size": [2, 0.1, 0.4]}}, {"type": "box", "box": {"size": [0.24, 0.06, 0.02]}})",
+      joint));
+  EXPECT_TRUE(read.notes.empty()) << read.notes[0];
+  ASSERT_EQ(read.scene.joints.size(), 1);
+  World world = silent_world(read.scene);
+  const Rotation upright = world.bodies()[1].rotation;
+  run(world, 3);
+  const BodyState body = world.bodies()[1];
+  EXPECT_NEAR(body.center_m.x, 0.009, 2e-4);
+  EXPECT_NEAR(body.center_m.z, 0.03, 1e-3);
+  EXPECT_LT(length(to_rotation_vector(inverse(upright) * body.rotation)), 1e-3);
+}
+
 TEST(GltfScene, JoinedBodiesPassThroughEachOtherUnlessTheyMayCollide) {
   const std::string limits =
       R"("physicsJoints": [{"limits": [{"linearAxes": [0, 1, 2], "max": 0}, {"angularAxes": [0, 1, 2], "max": 0}]}])";

@@ -2,6 +2,7 @@
 #include "engine/scene/gltf_writer.h"
 #include "engine/modal/bank_file.h"
 #include "engine/scene/gltf_scene.h"
+#include "engine/scene/rotation.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/scene_text.h"
 
@@ -135,6 +136,32 @@ TEST(GltfWriter, OtherProgramsFindEveryBodyInItsPlace) {
     EXPECT_EQ(found->shape.type, body.shape.type);
     EXPECT_EQ(found->surface.restitution, body.surface.restitution);
   }
+}
+
+TEST(GltfWriter, OtherProgramsFindAFreeJointsFramesLimitsAndDrives) {
+  auto [scene, banks, bytes] = exported(kPresets / "scenes/demo.toml");
+  const auto body = std::ranges::find(scene.bodies, false, &BodyDescription::fixed);
+  JointDescription joint{.name = "leash", .type = JointType::free, .body = body->name, .anchor_m = {0.1, 0.2, 0.3}};
+  joint.rotation = about({1, 2, 3}, 0.7);
+  joint.end = {{0.15, 0.25, 0.2}, about({1, 2, 3}, 0.9)};
+  joint.frame_of_body = true;
+  joint.limits = {{.axes = {1}, .low = -0.5, .high = 0.6, .stiffness = 30, .damping = 2},
+                  {.turns = true, .axes = {0, 2}, .high = 0.8}};
+  joint.drives = {{.axis = 2, .drive = {.stiffness = 4, .damping = 0.5, .target = 0.1, .speed = -0.2, .most = 7}}};
+  scene.joints = {joint};
+  const auto plain = read_by_others(to_glb(scene, banks).value());
+  ASSERT_TRUE(plain) << plain.error().message;
+  ASSERT_EQ(plain->scene.joints.size(), 1);
+  const JointDescription& found = plain->scene.joints[0];
+  ASSERT_EQ(found.type, JointType::free);
+  EXPECT_EQ(found.body, joint.body);
+  EXPECT_TRUE(found.frame_of_body);
+  EXPECT_EQ(found.limits, joint.limits);
+  EXPECT_EQ(found.drives, joint.drives);
+  EXPECT_LT(length(found.anchor_m - joint.anchor_m), 1e-9);
+  EXPECT_LT(length(found.end.position_m - joint.end.position_m), 1e-9);
+  EXPECT_LT(length(to_rotation_vector(inverse(found.rotation) * joint.rotation)), 1e-9);
+  EXPECT_LT(length(to_rotation_vector(inverse(found.end.rotation) * joint.end.rotation)), 1e-9);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "engine/modal/bank_file.h"
 #include "engine/modal/gltf_file.h"
 #include "engine/modal/gltf_models.h"
+#include "engine/modal/masking.h"
 #include "engine/modal/scaled_bank.h"
 #include "engine/scene/gltf_silent.h"
 
@@ -198,6 +199,7 @@ class SceneBaker {
     if (!recipe) return fail(recipe.error());
     recipe->name = body.name;
     recipe->meshing.unit_m = 1;
+    recipe->options.raise_band = true;
     char title[64];
     std::snprintf(title, sizeof title, " (%zu of %zu)", k + 1, groups.size());
     ProgressLine line(body.name + title, request_.style);
@@ -223,6 +225,8 @@ class SceneBaker {
     std::printf("%s: %zu modes, %.1f to %.1f Hz, %s", bodies[group[0]].name.c_str(), bank.mode_count(), *low, *high,
                 object.baked.report.from_cache ? "from the cache" : "solved");
     if (group.size() > 1) std::printf(", for %zu bodies alike", group.size());
+    if (*low > modal::kHighestHeard_hz)
+      std::printf("; it rings above hearing, and is heard by the click of its blows alone");
     std::printf("\n");
   }
 

@@ -149,6 +149,7 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
   for (const fs::path& path : inputs.sounds) {
     Result<cli::Sound> sound = cli::read_sound(path, std::nullopt);
     if (!sound) return fail(sound.error());
+    if (!sound->note.empty()) complain("warning: " + path.string() + ": " + sound->note, ExitCode::ok);
     Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
     if (!found) return fail(found.error().kind, path.string() + ": " + found.error().message);
     if (found->modes.empty()) {

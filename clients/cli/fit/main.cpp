@@ -54,7 +54,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
          "have in common.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
-  app.add_option("--channel", arguments.channel, "Which channel, 1 is the first; default: the mean of all.")
+  app.add_option("--channel", arguments.channel,
+                 "Which channel, 1 is the first; default: the mean of all, or the loudest where they cancel.")
       ->check(manual::between(1, 1024));
   app.add_option("--from", arguments.options.from_s, "Where the blow is, in seconds; default: where the sound begins.")
       ->check(manual::any_number());
@@ -139,6 +140,7 @@ Result<modal::Bank> bank_of(const fit::Fit& found, const fit::Kept& kept, const 
 ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   const Result<cli::Sound> sound = cli::read_sound(arguments.input, arguments.channel);
   if (!sound) return complain(sound.error());
+  if (!sound->note.empty()) complain("warning: " + arguments.input.string() + ": " + sound->note, ExitCode::ok);
   const Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
   if (!found) return complain({found.error().kind, arguments.input.string() + ": " + found.error().message});

@@ -5,51 +5,213 @@
 
 #include <sndfile.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
 #include <memory>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace ringdown::cli {
 namespace {
 
-// The mean of all channels, or one of them; `channel` counts from 1.
-std::vector<double> samples_of(SNDFILE* file, int channels, std::optional<int> channel) {
+namespace fs = std::filesystem;
+
+using SoundHandle = std::unique_ptr<SNDFILE, int (*)(SNDFILE*)>;
+using Channels = std::vector<std::vector<double>>;
+
+// The mean of channels falls below the level that channels without relation would have by more than this where they
+// cancel: energies, 10 dB.
+constexpr double kCancels = 0.1;
+
+tl::unexpected<Error> refuse(const fs::path& path, const std::string& why) {
+  return fail(ErrorKind::bad_input, path.string() + " " + why);
+}
+
+// Where the samples of a WAV file begin whose header gives them no length although some follow.
+std::optional<std::streamoff> data_without_length(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 12> riff{};
+  file.read(riff.data(), riff.size());
+  const auto is = [](const char* at, std::string_view name) { return std::string_view(at, 4) == name; };
+  if (!file || !is(riff.data(), "RIFF") || !is(riff.data() + 8, "WAVE")) return {};
+  std::array<char, 8> chunk{};
+  while (file.read(chunk.data(), chunk.size())) {
+    std::uint32_t size = 0;
+    for (std::size_t k = 0; k < 4; ++k) size |= std::uint32_t{static_cast<unsigned char>(chunk[4 + k])} << (8 * k);
+    if (is(chunk.data(), "data")) {
+      const std::streamoff at = file.tellg();
+      return size == 0 && file.peek() != std::char_traits<char>::eof() ? std::optional(at) : std::nullopt;
+    }
+    file.seekg(size + size % 2, std::ios::cur);
+  }
+  return {};
+}
+
+// The end of a file, from an offset on, as libsndfile reads it.
+class Tail {
+ public:
+  Tail(const fs::path& path, std::streamoff begin)
+      : file_(path, std::ios::binary), begin_(begin), size_(static_cast<sf_count_t>(fs::file_size(path)) - begin) {
+    file_.seekg(begin);
+  }
+
+  static Tail& of(void* data) { return *static_cast<Tail*>(data); }
+
+  static SF_VIRTUAL_IO calls() {
+    return {.get_filelen = [](void* data) { return of(data).size_; },
+            .seek = [](sf_count_t to, int whence, void* data) { return of(data).seek(to, whence); },
+            .read = [](void* to, sf_count_t count, void* data) { return of(data).read(static_cast<char*>(to), count); },
+            .write = [](const void*, sf_count_t, void*) { return sf_count_t{0}; },
+            .tell = [](void* data) { return of(data).at_; }};
+  }
+
+ private:
+  sf_count_t seek(sf_count_t to, int whence) {
+    at_ = to + (whence == SEEK_CUR ? at_ : whence == SEEK_END ? size_ : 0);
+    file_.clear();
+    file_.seekg(begin_ + at_);
+    return at_;
+  }
+
+  sf_count_t read(char* to, sf_count_t count) {
+    file_.read(to, count);
+    at_ += file_.gcount();
+    return file_.gcount();
+  }
+
+  std::ifstream file_;
+  std::streamoff begin_;
+  sf_count_t size_, at_ = 0;
+};
+
+// Opens such samples in the format that the header gives them.
+SoundHandle open_without_length(Tail& tail, SF_INFO& info) {
+  SF_INFO raw{};
+  raw.samplerate = info.samplerate;
+  raw.channels = info.channels;
+  raw.format = SF_FORMAT_RAW | (info.format & SF_FORMAT_SUBMASK) | SF_ENDIAN_LITTLE;
+  SF_VIRTUAL_IO calls = Tail::calls();
+  SoundHandle file(sf_open_virtual(&calls, SFM_READ, &raw, &tail), sf_close);
+  if (file) info = raw;
+  return file;
+}
+
+// Reads all channels, or the wanted one alone; a sound that is too long is read a little beyond its limit.
+Channels read_channels(SNDFILE* file, const SF_INFO& info, std::optional<int> wanted) {
   constexpr sf_count_t kBlock = 4096;
-  std::vector<double> samples, frames(static_cast<std::size_t>(kBlock * channels));
-  for (sf_count_t count; (count = sf_readf_double(file, frames.data(), kBlock)) > 0;) {
-    for (sf_count_t n = 0; n < count; ++n) {
-      const double* frame = frames.data() + n * channels;
-      double sum = 0;
-      for (int c = 0; c < channels; ++c) sum += frame[c];
-      samples.push_back(channel ? frame[*channel - 1] : sum / channels);
+  const auto count = static_cast<std::size_t>(info.channels);
+  const auto most = static_cast<std::size_t>(kMaxSound_s * info.samplerate);
+  const std::size_t first = wanted ? static_cast<std::size_t>(*wanted - 1) : 0;
+  Channels channels(wanted ? 1 : count);
+  std::vector<double> frames(static_cast<std::size_t>(kBlock) * count);
+  for (sf_count_t read; channels[0].size() <= most && (read = sf_readf_double(file, frames.data(), kBlock)) > 0;) {
+    for (std::size_t n = 0; n < static_cast<std::size_t>(read); ++n) {
+      for (std::size_t c = 0; c < channels.size(); ++c) channels[c].push_back(frames[n * count + first + c]);
     }
   }
-  return samples;
+  return channels;
+}
+
+double mean_of(const std::vector<double>& samples) {
+  double sum = 0;
+  for (const double x : samples) sum += x;
+  return sum / static_cast<double>(samples.size());
+}
+
+// The energy of a sound beside its mean. One that never moves has none, and neither has what rounding leaves of it.
+double energy_of(const std::vector<double>& samples) {
+  constexpr double kRounding = 1e-12;
+  const double mean = mean_of(samples);
+  double sum = 0;
+  for (const double x : samples) sum += (x - mean) * (x - mean);
+  return sum > kRounding * kRounding * mean * mean * static_cast<double>(samples.size()) ? sum : 0;
+}
+
+std::string number(std::size_t channel) { return "channel " + std::to_string(channel + 1); }
+
+// One channel of all that sound, and in `note` what was left out.
+std::vector<double> mix(Channels& channels, std::vector<double> energies, std::string& note) {
+  std::vector<std::size_t> heard;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    if (energies[c] > 0) {
+      heard.push_back(c);
+    } else {
+      note += (note.empty() ? "" : ", ") + number(c);
+    }
+  }
+  if (!note.empty()) note += " is silent and is left out";
+  const auto parts = static_cast<double>(heard.size());
+  std::vector<double> mixed(channels[0].size());
+  double apart = 0;  // the energy that the mean of unrelated channels would have
+  for (const std::size_t c : heard) {
+    for (std::size_t n = 0; n < mixed.size(); ++n) mixed[n] += channels[c][n] / parts;
+    apart += energies[c] / (parts * parts);
+  }
+  if (energy_of(mixed) >= kCancels * apart) return mixed;
+  const auto loudest = static_cast<std::size_t>(std::ranges::max_element(energies) - energies.begin());
+  note = "the channels cancel each other in their mean; " + number(loudest) +
+         (heard.size() > 1 ? ", the loudest," : "") + " is taken alone; --channel takes another";
+  return std::move(channels[loudest]);
+}
+
+// What was read as one channel.
+Result<Sound> sound_of(Channels channels, const SF_INFO& info, std::optional<int> wanted, const fs::path& path) {
+  Sound sound{static_cast<double>(info.samplerate), info.channels, {}, {}};
+  std::vector<double> energies;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const auto wrong = std::ranges::find_if_not(channels[c], [](double x) { return std::isfinite(x); });
+    if (wrong != channels[c].end()) {
+      char time[32];
+      std::snprintf(time, sizeof time, "%.4f", static_cast<double>(wrong - channels[c].begin()) / info.samplerate);
+      return refuse(path, "has a sample that is not a number, at " + std::string(time) + " s in " +
+                              number(wanted ? static_cast<std::size_t>(*wanted - 1) : c) +
+                              (info.channels > 1 ? "; --channel takes another channel" : "; write the file anew"));
+    }
+    energies.push_back(energy_of(channels[c]));
+  }
+  if (std::ranges::all_of(energies, [](double energy) { return energy == 0; })) {
+    return refuse(path, "is silent: no sample of " + (wanted ? number(static_cast<std::size_t>(*wanted - 1)) : "it") +
+                            " differs from the others" +
+                            (wanted && info.channels > 1 ? "; --channel takes another channel" : ""));
+  }
+  sound.samples = mix(channels, std::move(energies), sound.note);
+  return sound;
 }
 
 }  // namespace
 
-Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel) {
+Result<Sound> read_sound(const fs::path& path, std::optional<int> channel) {
+  const std::string unreadable = "cannot read " + path.string() + " as a sound: ";
   std::error_code error;
-  if (const auto status = std::filesystem::status(path, error); !std::filesystem::is_regular_file(status)) {
-    return fail(ErrorKind::bad_input,
-                "cannot read " + path.string() + " as a sound: " +
-                    (std::filesystem::exists(status) ? "it is not a regular file; write the sound "
-                                                       "to one first"
-                                                     : "there is no such file"));
+  if (const auto status = fs::status(path, error); !fs::is_regular_file(status)) {
+    return fail(ErrorKind::bad_input, unreadable + (fs::exists(status) ? "it is not a regular file; write the sound "
+                                                                         "to one first"
+                                                                       : "there is no such file"));
   }
+  if (fs::file_size(path, error) == 0 && !error) return refuse(path, "is empty: it has no bytes; record it anew");
   SF_INFO info{};
-  const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> file(sf_open(path.c_str(), SFM_READ, &info), sf_close);
-  if (!file) return fail(ErrorKind::bad_input, "cannot read " + path.string() + " as a sound: " + sf_strerror(nullptr));
+  std::optional<Tail> tail;  // outlives the sound file that reads it
+  SoundHandle file(sf_open(path.c_str(), SFM_READ, &info), sf_close);
+  if (!file) return fail(ErrorKind::bad_input, unreadable + sf_strerror(nullptr));
   if (channel && (*channel < 1 || *channel > info.channels)) {
-    return fail(ErrorKind::bad_input, path.string() + " has channels 1 to " + std::to_string(info.channels) +
-                                          ", and no channel " + std::to_string(*channel));
+    return refuse(
+        path, "has channels 1 to " + std::to_string(info.channels) + ", and no channel " + std::to_string(*channel));
   }
-  if (info.frames < 1 || info.frames > kMaxSound_s * info.samplerate) {
-    return fail(ErrorKind::bad_input,
-                path.string() + " is empty or longer than ten minutes; cut out the one blow that matters");
+  if (const auto at = info.frames == 0 ? data_without_length(path) : std::nullopt) {
+    file = open_without_length(tail.emplace(path, *at), info);
+    if (!file) return fail(ErrorKind::bad_input, unreadable + sf_strerror(nullptr));
   }
   return within_memory("read " + path.string(), [&]() -> Result<Sound> {
-    return Sound{static_cast<double>(info.samplerate), info.channels, samples_of(file.get(), info.channels, channel)};
+    Channels channels = read_channels(file.get(), info, channel);
+    if (channels[0].empty()) return refuse(path, "is empty: it has a header and no samples; record it anew");
+    if (static_cast<double>(channels[0].size()) > kMaxSound_s * info.samplerate)
+      return refuse(path, "is longer than ten minutes; cut out the one blow that matters");
+    return sound_of(std::move(channels), info, channel, path);
   });
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 namespace ringdown::cli {
@@ -15,12 +16,16 @@ struct Sound {
   double sample_rate_hz = 0;
   int channels = 0;  // of the file
   std::vector<double> samples;
+  std::string note;  // a sentence about channels that were left out, else empty
 };
 
 inline constexpr double kMaxSound_s = 600;
 
-// Reads WAV, FLAC, and every other format of libsndfile; full scale is 1. `channel` counts from 1; without it the mean
-// of all channels is taken.
+// Reads WAV, FLAC, and every other format of libsndfile; full scale is 1. A WAV file whose header gives its data no
+// length, as a program leaves it that writes into a pipe, is read to its end. `channel` counts from 1. Without it the
+// mean of all channels that are not silent is taken, or the loudest one alone where they cancel each other. Fails on
+// files that cannot be read, hold nothing, are longer than kMaxSound_s, are silent, or have a sample that is not a
+// number; each has its own sentence.
 Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel);
 
 // Writes both channels of a stereo file alike: .wav (32-bit float) or .flac, which holds nothing above 1.
