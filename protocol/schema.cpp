@@ -204,14 +204,13 @@ Result<const AddressSpec*> find_address(std::string_view address) {
   return &(*row)->spec;
 }
 
-Result<void> check(const Request& request) {
+std::optional<OutOfRange> find_out_of_range(const Request& request) {
   const Row<Request>& row = request_rows()[request.index()];
   for (std::size_t i = 0; i < row.bindings.size(); ++i) {
-    const ArgumentSpec& argument = row.spec.arguments[i];
-    const Result<void> good = check_range(argument, row.bindings[i].read(request));
-    if (!good) return fail(good.error().kind, std::string(argument.name) + " " + good.error().message);
+    const Result<void> good = check_range(row.spec.arguments[i], row.bindings[i].read(request));
+    if (!good) return OutOfRange{i, good.error().message};
   }
-  return {};
+  return std::nullopt;
 }
 
 Result<Request> parse(const wire::Message& message) {

@@ -67,6 +67,9 @@ class Rack {
   // The object as it is now. Neither locks nor allocates, unless there is none. [any but audio]
   [[nodiscard]] Result<ObjectSnapshot> find(const protocol::ObjectRef& object) const;
 
+  // Whether a point lies on the object or near it (object_state.h). [any but audio]
+  [[nodiscard]] Result<void> check_point(const protocol::ObjectRef& object, Vec3 point_m) const;
+
   // All objects, and all names, in the order of the names. [any but audio]
   [[nodiscard]] std::vector<ObjectSnapshot> objects() const { return objects_.all(); }
   [[nodiscard]] std::shared_ptr<const ObjectTable::Names> names() const { return objects_.names(); }

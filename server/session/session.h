@@ -84,6 +84,7 @@ class Session {
   [[nodiscard]] std::size_t push(const synth::Event& event);
   Result<synth::ObjectNumber> load_object(const protocol::LoadObject& load);
   Result<void> free_object(const protocol::FreeObject& request);
+  Result<void> excite(const protocol::Excite& request);
 
   FileRoots roots_;
   BankReader banks_;

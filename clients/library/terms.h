@@ -1,0 +1,31 @@
+// The words of ringdown.h in place of the protocol's. Private to clients/library. [any thread]
+//
+// Functions of the library make the requests of the protocol, whose ranges hold for both; but a sentence for a C
+// programmer names the function's own parameter ("impulse_ns[2]", not "jz").
+#pragma once
+
+#include "engine/base/result.h"
+#include "protocol/request.h"
+
+#include <cstddef>
+#include <initializer_list>
+#include <utility>
+
+namespace ringdown::library {
+
+// Whether all numbers of a request lie in their ranges. Allocates nothing while they do.
+Result<void> check(const protocol::Request& request);
+
+// Whether an index of that name is below `count`.
+Result<void> check_index(const char* name, std::size_t index, std::size_t count);
+
+// Whether a setting of that name lies in its range; `or_else` ends the sentence about one that does not.
+Result<void> check_within(const char* name, double value, double min, double max, const char* or_else = "");
+
+// The sentence about a pointer that must not be NULL.
+tl::unexpected<Error> missing(const char* name);
+
+// The name of the first pointer that is NULL, or nullptr.
+const char* first_null(std::initializer_list<std::pair<const char*, const void*>> pointers);
+
+}  // namespace ringdown::library
