@@ -42,6 +42,19 @@ public struct Turn {
   public static Turn FromUnity(double x, double y, double z, double w) { return new Turn(w, -x, -y, z); }
   public static Turn FromUnreal(double x, double y, double z, double w) { return new Turn(w, -x, y, -z); }
   public static Turn FromGodot(double x, double y, double z, double w) { return new Turn(w, x, y, z); }
+
+  // Of the listener, by the turn of the engine's camera: Mixer.Listener() wants x to the front, y to the left and z up,
+  // while cameras look along z in Unity, along x in Unreal, and along -z in Godot.
+  public static Turn ListenerFromUnity(double x, double y, double z, double w) { return FromUnity(x, y, z, w) * kAlongMinusZ; }
+  public static Turn ListenerFromUnreal(double x, double y, double z, double w) { return FromUnreal(x, y, z, w); }
+  public static Turn ListenerFromGodot(double x, double y, double z, double w) { return FromGodot(x, y, z, w) * kAlongMinusZ; }
+  static readonly Turn kAlongMinusZ = new Turn(0.5, -0.5, 0.5, 0.5);  // x to -z, y to -x, z to y
+
+  // First b, then a.
+  public static Turn operator *(Turn a, Turn b) {
+    return new Turn(a.W * b.W - a.X * b.X - a.Y * b.Y - a.Z * b.Z, a.W * b.X + a.X * b.W + a.Y * b.Z - a.Z * b.Y,
+                    a.W * b.Y - a.X * b.Z + a.Y * b.W + a.Z * b.X, a.W * b.Z + a.X * b.Y - a.Y * b.X + a.Z * b.W);
+  }
 }
 
 // Room for one struct ringdown_error.
@@ -181,7 +194,7 @@ public sealed class Mixer : IDisposable {
   public void Pose(uint body, Vector position, Turn turn, long frame = 0) {
     eventFailure_.Check(Native.ringdown_pose(handle_, frame, body, ref position, ref turn, eventFailure_.Room));
   }
-  // Its frame has x to the front, y to the left and z up.
+  // Its frame has x to the front, y to the left and z up: Turn.ListenerFromUnity() and the like turn cameras into it.
   public void Listener(Vector position, Turn turn, long frame = 0) {
     eventFailure_.Check(Native.ringdown_listener(handle_, frame, ref position, ref turn, eventFailure_.Room));
   }

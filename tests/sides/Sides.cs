@@ -1,5 +1,6 @@
-// The table of directions through Ringdown.cs: Sides.exe TABLE BANK OUT writes the samples of eight channels, one after
-// the other: left and right, ambisonic channels 0 to 3, and the left and right ear of libmysofa's head.
+// A table of directions through Ringdown.cs: Sides.exe TABLE BANK OUT writes the samples of eight channels, one after
+// the other: left and right, ambisonic channels 0 to 3, and the left and right ear of libmysofa's head. A case whose
+// name begins with that of an engine is in this engine's world.
 using System;
 using System.Collections.Generic;
 using System.Globalization;
@@ -15,11 +16,14 @@ static class Sides {
       for (int k = 0; k < cases.Count; ++k) {
         string[] row = cases[k];
         Func<int, double> number = at => double.Parse(row[1 + at], CultureInfo.InvariantCulture);
-        Func<int, Vector> vector = at => new Vector(number(at), number(at + 1), number(at + 2));
-        Func<int, Turn> turn = at => new Turn(number(at), number(at + 1), number(at + 2), number(at + 3));
+        Func<double, double, double, Vector> place = (x, y, z) => new Vector(x, y, z);
+        Func<double, double, double, double, Turn> turn = (w, x, y, z) => new Turn(w, x, y, z), ears = turn;
+        if (row[0].StartsWith("unity")) { place = Vector.FromUnity; turn = Turn.FromUnity; ears = Turn.ListenerFromUnity; }
+        if (row[0].StartsWith("unreal")) { place = Vector.FromUnreal; turn = Turn.FromUnreal; ears = Turn.ListenerFromUnreal; }
+        if (row[0].StartsWith("godot")) { place = Vector.FromGodot; turn = Turn.FromGodot; ears = Turn.ListenerFromGodot; }
         uint thing = mixer.Add(row[0], bank);
-        mixer.Listener(vector(0), turn(3), k * kSlot);
-        mixer.Pose(thing, vector(7), turn(10), k * kSlot);
+        mixer.Listener(place(number(0), number(1), number(2)), ears(number(3), number(4), number(5), number(6)), k * kSlot);
+        mixer.Pose(thing, place(number(7), number(8), number(9)), turn(number(10), number(11), number(12), number(13)), k * kSlot);
         mixer.Strike(thing, new Vector(0.5, 0.5, 0.5), new Vector(0, 0, 0.02), 0, k * kSlot + kStrike);
       }
       int frames = cases.Count * kSlot;
