@@ -121,6 +121,6 @@ inline protocol::ObjectRef numbered(std::uint32_t object) { return {.name = {}, 
 inline Vec3 vector(const double* xyz) { return {xyz[0], xyz[1], xyz[2]}; }
 
 // The header's quaternions have their real part first.
-inline Rotation rotation(const double* wxyz) { return {.x = wxyz[1], .y = wxyz[2], .z = wxyz[3], .w = wxyz[0]}; }
+inline Rotation rotation(const double* wxyz) { return Rotation::from_wxyz(wxyz[0], wxyz[1], wxyz[2], wxyz[3]); }
 
 }  // namespace ringdown::library

@@ -298,7 +298,7 @@ TEST_F(SessionTest, AListenerHearsAnObjectFromItsPlaceUntilTheyLeave) {
 
 TEST_F(SessionTest, APoseThatIsNotTurnedByAUnitQuaternionIsRefusedInOneSentence) {
   ASSERT_TRUE(session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
-  const Pose unturned{{0, 0, 0}, {0, 0, 0, 0}};
+  const Pose unturned{{0, 0, 0}, Rotation::from_xyzw(0, 0, 0, 0)};
   const std::array<protocol::BulkPose, 2> two = {protocol::BulkPose{0, {}, 0}, protocol::BulkPose{0, unturned, 0}};
   const std::array<Result<void>, 4> refused = {session_.play(protocol::SetPose{{.name = "a"}, unturned}, 0),
                                                session_.play(protocol::SetListener{unturned}, 0),
