@@ -78,8 +78,8 @@ TEST(LibraryExample, OfThePageCompilesAndPlays) {
   if (!installed("cc") || std::string(RINGDOWN_SANITIZERS) != "") GTEST_SKIP() << "no compiler, or one that sanitizes";
   if (!installed("pkg-config")) GTEST_SKIP() << "pkg-config is not installed";
   const TemporaryFolder folder;
-  const Outcome put = run({"cmake", "--install", RINGDOWN_BIN_DIR "/..", "--component", "libringdown", "--prefix",
-                           folder / "first"});
+  const Outcome put =
+      run({"cmake", "--install", RINGDOWN_BIN_DIR "/..", "--component", "libringdown", "--prefix", folder / "first"});
   ASSERT_EQ(put.exit_code, 0) << put.output;
   const auto prefix = folder / "moved";
   std::filesystem::rename(folder / "first", prefix);
