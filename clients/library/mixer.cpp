@@ -179,8 +179,10 @@ ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t obj
   const protocol::SetDamper request{
       numbered(object), {library::vector(point_m), library::vector(direction), damping_ns_m}, number};
   return change(mixer, request, error, [&](session::Rack& rack) -> Result<void> {
+    const auto held = rack.find(request.object);
+    if (!held) return fail(held.error());
     if (damping_ns_m > 0) {
-      if (auto good = rack.check_point(request.object, request.damper.point_m); !good) return good;
+      if (auto good = session::check_point(request.damper.point_m, **held); !good) return good;
     }
     return rack.set_dampers(request.object, {{request.number, request.damper}}, frame);
   });
@@ -206,10 +208,7 @@ ringdown_result ringdown_excite(ringdown_mixer* mixer, uint32_t input, uint32_t 
     return guarded(error, [&] { return missing(name); });
   if (auto good = check_index("input", input, RINGDOWN_MAX_INPUTS); !good) return guarded(error, [&] { return good; });
   const protocol::Excite request{numbered(object), input + 1, library::vector(point_m), library::vector(force_n)};
-  return change(mixer, request, error, [&](session::Rack& rack) -> Result<void> {
-    if (request.force_n != Vec3{}) {
-      if (auto good = rack.check_point(request.object, request.point_m); !good) return good;
-    }
+  return change(mixer, request, error, [&](session::Rack& rack) {
     return rack.excite(input, request.object, request.point_m, request.force_n);
   });
 }

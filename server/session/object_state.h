@@ -44,9 +44,9 @@ struct ObjectState {
 using ObjectSnapshot = std::shared_ptr<const ObjectState>;
 
 // Refuses a point [m, object frame] that is farther from the object's bounding box than the box measures: such a point
-// is no near miss, but in millimetres or in another object's coordinates. Everything that acts at a point of an object
-// calls it. The object has the size that its material gives it. An object
-// of one point may be touched from everywhere. Allocates nothing while it succeeds.
+// is in millimetres, or in another object's coordinates. Requests for whatever acts at a point of an object are checked
+// by it. The object has the size that its material gives it. An object of one point may be touched from everywhere.
+// Allocates nothing while it succeeds. [any]
 Result<void> check_point(Vec3 point_m, const ObjectState& object);
 
 }  // namespace ringdown::session

@@ -28,12 +28,6 @@ Result<ObjectSnapshot> Rack::find(const ObjectRef& ref) const {
   return fail(ErrorKind::bad_input, "there is no object " + shown(ref) + "; it was never loaded, or has been removed");
 }
 
-Result<void> Rack::check_point(const ObjectRef& ref, Vec3 point_m) const {
-  const auto object = find(ref);
-  if (!object) return fail(object.error());
-  return session::check_point(point_m, **object);
-}
-
 bool Rack::push(synth::Producer producer, const Event& event) {
   if (!mixer_.push(producer, event)) return false;
   if (event.type == EventType::gain) objects_.replace(event.object, [&](ObjectState& o) { o.gain = event.value; });
@@ -158,6 +152,7 @@ Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& p
   if (ends && (!excitation || excitation->object != object.number)) {
     return fail(ErrorKind::bad_input, "the input does not excite \"" + object.name + "\", so there is nothing to end");
   }
+  if (const auto good = ends ? Result<void>() : check_point(point_m, object); !good) return good;
   if (object.map->bank().mode_count() > synth::kMaxDrivenColumns) {
     return fail(ErrorKind::too_large, "\"" + object.name + "\" has more than the " +
                                           std::to_string(synth::kMaxDrivenColumns) +

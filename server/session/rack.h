@@ -67,9 +67,6 @@ class Rack {
   // The object as it is now. Neither locks nor allocates, unless there is none. [any but audio]
   [[nodiscard]] Result<ObjectSnapshot> find(const protocol::ObjectRef& object) const;
 
-  // Whether a point lies on the object or near it (object_state.h). [any but audio]
-  [[nodiscard]] Result<void> check_point(const protocol::ObjectRef& object, Vec3 point_m) const;
-
   // All objects, and all names, in the order of the names. [any but audio]
   [[nodiscard]] std::vector<ObjectSnapshot> objects() const { return objects_.all(); }
   [[nodiscard]] std::shared_ptr<const ObjectTable::Names> names() const { return objects_.names(); }
@@ -98,7 +95,8 @@ class Rack {
   Result<void> set_heard(const protocol::ObjectRef& object, bool ObjectState::*flag, bool on);
 
   // Lets an input, counted from 0, excite the object: a sample of 1 is `force_n` at `point_m`, in the object's frame. A
-  // force of 0 ends the excitation. An input excites one object at a time, until that object is freed. [worker]
+  // force of 0 ends the excitation. An input excites one object at a time, until that object is freed. A point far from
+  // the object is refused (check_point()). [worker]
   Result<void> excite(std::size_t input, const protocol::ObjectRef& object, const Vec3& point_m, const Vec3& force_n);
 
   // The inputs that have ever excited an object, and so have a port that stays; bit 0 is the first input. [any]

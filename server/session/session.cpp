@@ -3,17 +3,6 @@
 #include "server/session/request_events.h"
 
 namespace ringdown::session {
-namespace {
-
-// A damper that is taken away may be anywhere.
-Result<void> check_damper(const Rack& rack, const protocol::SetDamper& set) {
-  if (set.damper.damping_ns_m > 0) return rack.check_point(set.object, set.damper.point_m);
-  const auto object = rack.find(set.object);
-  if (!object) return fail(object.error());
-  return {};
-}
-
-}  // namespace
 
 Result<void> Session::check_frame(synth::Frame frame) const {
   const auto latest = rack_.mixer().counters().frames.load(std::memory_order_relaxed) +
@@ -31,7 +20,12 @@ Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame 
 
 Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (auto good = check_frame(frame); !good) return good;
-  return std::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) { return check_damper(rack_, set); }},
+  return std::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) -> Result<void> {
+                      const auto object = rack_.find(set.object);
+                      if (!object) return fail(object.error());
+                      if (!(set.damper.damping_ns_m > 0)) return {};  // taken away from wherever it is said to be
+                      return check_point(set.damper.point_m, **object);
+                    }},
                     request);
 }
 
@@ -95,7 +89,7 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
           [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
           [&](const SetMute& set) { return none(rack_.set_heard(set.object, &ObjectState::mute, set.on)); },
           [&](const SetSolo& set) { return none(rack_.set_heard(set.object, &ObjectState::solo, set.on)); },
-          [&](const Excite& e) { return none(excite(e)); },
+          [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },
           [&](const SceneLoad& scene) { return number(scene_.load(scene.path, frame)); },
           [&](const ScenePause& pause) { return none(scene_.pause(pause.paused)); },
           [&](const SpawnBox& box) { return number(scene_.spawn(box)); },
@@ -113,8 +107,8 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
 }
 
 Answer Session::perform(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
-  return std::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) -> Answer {
-                      if (const auto good = check_damper(rack_, set); !good) return fail(good.error());
+  if (const auto good = check(request, frame); !good) return fail(good.error());
+  return std::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) {
                       return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
                     }},
                     request);
@@ -128,12 +122,6 @@ Result<synth::ObjectNumber> Session::load_object(const protocol::LoadObject& loa
                 "the object has its new bank, but the scene goes on with the old one: " + followed.error().message);
   }
   return number;
-}
-
-Result<void> Session::excite(const protocol::Excite& request) {
-  const bool ends = request.force_n == Vec3{};
-  if (const auto good = ends ? Result<void>() : rack_.check_point(request.object, request.point_m); !good) return good;
-  return rack_.excite(request.input - 1, request.object, request.point_m, request.force_n);
 }
 
 Result<void> Session::free_object(const protocol::FreeObject& request) {

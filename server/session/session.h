@@ -45,8 +45,8 @@ class Session {
   [[nodiscard]] const ScenePlayer& scene() const { return scene_; }
   [[nodiscard]] double sample_rate_hz() const { return rack_.mixer().sample_rate_hz(); }
 
-  // Sends a request to the mixer as events that happen at `frame`. An error names the wrong argument, or says that
-  // events were dropped. [control]
+  // Sends a request to the mixer as events that happen at `frame`. An error says what is wrong, or that events
+  // were dropped. [control]
   Result<void> play(const protocol::MixerRequest& request, synth::Frame frame);
 
   // Whether play() or perform() would accept the request now, if no queue is full. [control]
@@ -84,7 +84,6 @@ class Session {
   [[nodiscard]] std::size_t push(const synth::Event& event);
   Result<synth::ObjectNumber> load_object(const protocol::LoadObject& load);
   Result<void> free_object(const protocol::FreeObject& request);
-  Result<void> excite(const protocol::Excite& request);
 
   FileRoots roots_;
   BankReader banks_;
