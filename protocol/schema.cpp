@@ -212,17 +212,17 @@ Result<const AddressSpec*> find_address(std::string_view address) {
   return &(*row)->spec;
 }
 
-Result<void> check(Request& request) {
+std::optional<OutOfRange> find_out_of_range(Request& request) {
   const Row<Request>& row = request_rows()[request.index()];
   for (std::size_t i = 0; i < row.bindings.size(); ++i) {
     const ArgumentSpec& argument = row.spec.arguments[i];
     if (argument.type != ValueType::number && argument.type != ValueType::integer) continue;
     Value value = row.bindings[i].read(request);
     const Result<void> good = fit(argument, value);
-    if (!good) return fail(good.error().kind, std::string(argument.name) + " " + good.error().message);
+    if (!good) return OutOfRange{i, good.error().message};
     row.bindings[i].write(request, value);
   }
-  return {};
+  return std::nullopt;
 }
 
 Result<Request> parse(const wire::Message& message) {

@@ -81,17 +81,15 @@ Result<const AddressSpec*> find_address(std::string_view address);
 Result<Request> parse(const wire::Message& message);
 Result<Reply> parse_reply(const wire::Message& message);
 
-// Whether the numbers of a request that was made otherwise than by parse() lie in the table's ranges; the error names
-// the argument. A 32-bit float nearest to a limit becomes the limit, as in parse(). Allocates nothing while all are
-// good.
-Result<void> check(Request& request);
-template <class Struct>
-Result<void> check(Struct& one) {
-  Request request(std::move(one));
-  Result<void> good = check(request);
-  one = std::get<Struct>(std::move(request));
-  return good;
-}
+// A number of a request that lies outside of the table's range.
+struct OutOfRange {
+  std::size_t argument = 0;  // index in spec_of(request).arguments
+  std::string complaint;     // "is 3; it must be a number from 0 to 0.1 s"
+};
+
+// The first such number, for requests that were made otherwise than by parse(). In the numbers before it, a 32-bit
+// float nearest to a limit has become the limit, as in parse(). Allocates nothing if there is none.
+std::optional<OutOfRange> find_out_of_range(Request& request);
 
 // The inverse of parse. Requests carry numbers as d, so that nothing is lost; replies as f (reply.h).
 wire::Message format(const Request& request);

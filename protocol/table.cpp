@@ -62,7 +62,7 @@ auto pose(std::string_view sentence) {
 }
 
 const ObjectRef kBell{"bell", std::nullopt};
-const Pose kTurned{{0.5, 0, 1}, {0, 0, 1, 0}};
+const Pose kTurned{{0.5, 0, 1}, Rotation::from_xyzw(0, 0, 1, 0)};
 const BulkPose kPlaced{0, kTurned, 0};
 const BulkStrike kBlow{0, std::nullopt, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005, 0};
 

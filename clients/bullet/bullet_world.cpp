@@ -53,10 +53,8 @@ struct Item {
     const btTransform& frame = body->getWorldTransform();
     btQuaternion q;
     (frame.getBasis() * principal.transpose()).getRotation(q);
-    return {to_vec3(frame.getOrigin()),
-            {q.x(), q.y(), q.z(), q.w()},
-            to_vec3(body->getLinearVelocity()),
-            to_vec3(body->getAngularVelocity())};
+    return {to_vec3(frame.getOrigin()), scene::Rotation::from_xyzw(q.x(), q.y(), q.z(), q.w()),
+            to_vec3(body->getLinearVelocity()), to_vec3(body->getAngularVelocity())};
   }
 };
 

@@ -9,7 +9,7 @@
 //
 // Units are SI: metres, newton seconds, in the object's own frame. ringdown.h is the manual: which thread may call what,
 // and what each number may be. Errors are exceptions with the library's sentence. Unity's world is left-handed and
-// Unreal's in centimetres, too: Vector.FromUnity and the like convert. Rendering and events allocate nothing.
+// Unreal's in centimetres, too: Vector.FromUnity and the like convert. Events, and rendering left and right, allocate nothing.
 using System;
 using System.Runtime.InteropServices;
 
@@ -33,7 +33,7 @@ public struct Vector {
   public static Vector FromGodot(double x, double y, double z) { return new Vector(x, y, z); }
 }
 
-// A turn, as a unit quaternion.
+// A turn, as a unit quaternion, real part first: (1, 0, 0, 0) is not turned.
 [StructLayout(LayoutKind.Sequential)]
 public struct Turn {
   public double W, X, Y, Z;
@@ -42,6 +42,19 @@ public struct Turn {
   public static Turn FromUnity(double x, double y, double z, double w) { return new Turn(w, -x, -y, z); }
   public static Turn FromUnreal(double x, double y, double z, double w) { return new Turn(w, -x, y, -z); }
   public static Turn FromGodot(double x, double y, double z, double w) { return new Turn(w, x, y, z); }
+
+  // Of the listener, by the turn of the engine's camera: Mixer.Listener() wants x to the front, y to the left and z up,
+  // while cameras look along z in Unity, along x in Unreal, and along -z in Godot.
+  public static Turn ListenerFromUnity(double x, double y, double z, double w) { return FromUnity(x, y, z, w) * kAlongMinusZ; }
+  public static Turn ListenerFromUnreal(double x, double y, double z, double w) { return FromUnreal(x, y, z, w); }
+  public static Turn ListenerFromGodot(double x, double y, double z, double w) { return FromGodot(x, y, z, w) * kAlongMinusZ; }
+  static readonly Turn kAlongMinusZ = new Turn(0.5, -0.5, 0.5, 0.5);  // x to -z, y to -x, z to y
+
+  // First b, then a.
+  public static Turn operator *(Turn a, Turn b) {
+    return new Turn(a.W * b.W - a.X * b.X - a.Y * b.Y - a.Z * b.Z, a.W * b.X + a.X * b.W + a.Y * b.Z - a.Z * b.Y,
+                    a.W * b.Y - a.X * b.Z + a.Y * b.W + a.Z * b.X, a.W * b.Z + a.X * b.Y - a.Y * b.X + a.Z * b.W);
+  }
 }
 
 // Room for one struct ringdown_error.
@@ -106,12 +119,25 @@ public sealed class Mixer : IDisposable {
   IntPtr handle_;
   readonly Failure failure_ = new Failure(), eventFailure_ = new Failure();  // of the worker, of control
   float[] left_ = new float[8192], right_ = new float[8192];
+  Native.Block block_ = Native.Block.Empty();
 
-  public Mixer(double sampleRateHz = 48000) {
+  // limiterDb: the ceiling of left and right, -60 to 0, or null. ambisonicOrder: 1 to 3, for Render(left, right,
+  // ambisonics). head: a SOFA file for binaural sound, or "" for the head that libmysofa brings.
+  public Mixer(double sampleRateHz = 48000, double? limiterDb = -1, int ambisonicOrder = 0, string head = null) {
+    const double noLimiter = 1;
     var settings = new Native.Settings();
     Native.ringdown_settings_init(ref settings, (UIntPtr)Marshal.SizeOf(typeof(Native.Settings)));
     settings.SampleRateHz = sampleRateHz;
-    failure_.Check(Native.ringdown_mixer_create(ref settings, out handle_, failure_.Room));
+    settings.Limiter = limiterDb ?? noLimiter;
+    settings.AmbisonicOrder = ambisonicOrder;
+    byte[] file = Failure.Utf8(head);
+    GCHandle pinned = GCHandle.Alloc(file, GCHandleType.Pinned);
+    try {
+      if (file != null) settings.Head = pinned.AddrOfPinnedObject();
+      failure_.Check(Native.ringdown_mixer_create(ref settings, out handle_, failure_.Room));
+    } finally {
+      pinned.Free();
+    }
   }
   ~Mixer() { Dispose(); }
   public void Dispose() {
@@ -168,7 +194,7 @@ public sealed class Mixer : IDisposable {
   public void Pose(uint body, Vector position, Turn turn, long frame = 0) {
     eventFailure_.Check(Native.ringdown_pose(handle_, frame, body, ref position, ref turn, eventFailure_.Room));
   }
-  // Its frame has x to the front, y to the left and z up.
+  // Its frame has x to the front, y to the left and z up: Turn.ListenerFromUnity() and the like turn cameras into it.
   public void Listener(Vector position, Turn turn, long frame = 0) {
     eventFailure_.Check(Native.ringdown_listener(handle_, frame, ref position, ref turn, eventFailure_.Room));
   }
@@ -177,6 +203,24 @@ public sealed class Mixer : IDisposable {
   public void Render(float[] left, float[] right) {
     if (left.Length != right.Length) throw new ArgumentException("left and right must be of one length");
     Native.ringdown_render(handle_, left, right, (UIntPtr)left.Length);
+  }
+  // [audio] Left and right, and the first ambisonic channels: AmbiX, ACN order, SN3D. All are as long as the block.
+  public void Render(float[] left, float[] right, float[][] ambisonics) {
+    if (left.Length != right.Length || Array.Exists(ambisonics, channel => channel.Length != left.Length))
+      throw new ArgumentException("all channels must be of one length");
+    if (ambisonics.Length > Native.kAmbisonicChannels) throw new ArgumentException("there are at most 16 ambisonic channels");
+    var pinned = new GCHandle[2 + ambisonics.Length];
+    try {
+      for (int c = 0; c < pinned.Length; ++c) {
+        pinned[c] = GCHandle.Alloc(c == 0 ? left : c == 1 ? right : ambisonics[c - 2], GCHandleType.Pinned);
+        (c < 2 ? block_.Mix : block_.Ambisonics)[c < 2 ? c : c - 2] = pinned[c].AddrOfPinnedObject();
+      }
+      for (int c = ambisonics.Length; c < Native.kAmbisonicChannels; ++c) block_.Ambisonics[c] = IntPtr.Zero;
+      block_.Frames = (UIntPtr)left.Length;
+      Native.ringdown_render_all(handle_, ref block_);
+    } finally {
+      foreach (GCHandle channel in pinned) if (channel.IsAllocated) channel.Free();
+    }
   }
   // [audio] Adds to interleaved samples, as Unity's OnAudioFilterRead has them; one channel gets the sum of both.
   public void Render(float[] data, int channels) {
@@ -210,6 +254,19 @@ static class Native {
     public int ExactContacts, AmbisonicOrder, Threads;
     public IntPtr Head;
   }
+  internal const int kAmbisonicChannels = 16;
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct Block {
+    public UIntPtr Size, Frames;
+    [MarshalAs(UnmanagedType.ByValArray, SizeConst = 2)] public IntPtr[] Mix;
+    [MarshalAs(UnmanagedType.ByValArray, SizeConst = kAmbisonicChannels)] public IntPtr[] Ambisonics;
+    [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public IntPtr[] Inputs;
+
+    internal static Block Empty() {
+      return new Block { Size = (UIntPtr)Marshal.SizeOf(typeof(Block)), Mix = new IntPtr[2],
+                         Ambisonics = new IntPtr[kAmbisonicChannels], Inputs = new IntPtr[4] };
+    }
+  }
   [StructLayout(LayoutKind.Sequential)]
   internal struct Contact {
     public UIntPtr Size;
@@ -240,6 +297,7 @@ static class Native {
   [DllImport(kLibrary)] internal static extern int ringdown_pose(IntPtr mixer, long frame, uint body, ref Vector position, ref Turn turn, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_listener(IntPtr mixer, long frame, ref Vector position, ref Turn turn, IntPtr error);
   [DllImport(kLibrary)] internal static extern void ringdown_render(IntPtr mixer, [Out] float[] left, [Out] float[] right, UIntPtr frames);
+  [DllImport(kLibrary)] internal static extern void ringdown_render_all(IntPtr mixer, ref Block block);
   [DllImport(kLibrary)] internal static extern long ringdown_now(IntPtr mixer);
   [DllImport(kLibrary)] internal static extern UIntPtr ringdown_latency(IntPtr mixer);
 }

@@ -102,7 +102,8 @@ ringdown_result ringdown_bank_far_field(const ringdown_bank* bank, size_t mode, 
     if (!far_field) return missing("far_field");
     const modal::Bank& known = bank->file.map->bank();
     if (!known.radiation) {
-      return fail(ErrorKind::refused, bank->path + " has no maps of what it radiates; bake it again with --radiation");
+      return fail(ErrorKind::refused,
+                  bank->path + " has no maps of what it radiates; bake it again with `ringdown bake --radiation`");
     }
     if (mode >= known.mode_count()) {
       return fail(ErrorKind::bad_input, "mode is " + std::to_string(mode) + "; the bank has " +

@@ -1,12 +1,11 @@
-// Events: each is made into the request that a message to the daemon would be, checked like that, and pushed as the
-// mixer's event.
+// Events: each becomes the request that a message to the daemon would be, is checked as such a message is, and is
+// pushed as the mixer's event.
 #include "clients/library/handles.h"
 
-#include "protocol/schema.h"
 #include "server/session/request_events.h"
 
 using namespace ringdown;
-using library::guarded, library::missing, library::numbered, library::vector;
+using library::first_null, library::guarded, library::missing, library::numbered, library::vector;
 
 namespace {
 
@@ -27,7 +26,7 @@ ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, const Result<Req
     if (!mixer) return missing("mixer");
     if (!made) return fail(made.error());
     Request request = *made;
-    if (auto good = protocol::check(request); !good) return good;
+    if (auto good = library::check(request); !good) return good;
     if (auto good = check_frame(mixer->rack.mixer(), frame); !good) return good;
     mixer->events.clear();
     if (auto good = session::append_events(request, mixer->rack, frame, mixer->events); !good) return good;
@@ -44,8 +43,8 @@ ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, const Result<Req
   });
 }
 
-Pose pose_of(const double* position_m, const double* wxyz) {
-  return {vector(position_m), {wxyz[0], wxyz[1], wxyz[2], wxyz[3]}};
+Pose pose_of(const double* position_m, const double* rotation_wxyz) {
+  return {vector(position_m), library::rotation(rotation_wxyz)};
 }
 
 ringdown_contact default_contact() {
@@ -98,7 +97,8 @@ void fill_in(Struct* given, std::size_t size, const Struct& ours) {
 
 ringdown_result ringdown_strike(ringdown_mixer* mixer, int64_t frame, uint32_t object, const double point_m[3],
                                 const double impulse_ns[3], double contact_time_s, ringdown_error* error) {
-  if (!point_m || !impulse_ns) return play<protocol::Strike>(mixer, frame, missing("point_m or impulse_ns"), error);
+  if (const char* name = first_null({{"point_m", point_m}, {"impulse_ns", impulse_ns}}))
+    return play<protocol::Strike>(mixer, frame, missing(name), error);
   return play<protocol::Strike>(
       mixer, frame, protocol::Strike{numbered(object), vector(point_m), vector(impulse_ns), contact_time_s}, error);
 }
@@ -205,16 +205,16 @@ ringdown_result ringdown_clear(ringdown_mixer* mixer, int64_t frame, uint32_t ob
 
 ringdown_result ringdown_pose(ringdown_mixer* mixer, int64_t frame, uint32_t object, const double position_m[3],
                               const double rotation_wxyz[4], ringdown_error* error) {
-  if (!position_m || !rotation_wxyz)
-    return play<protocol::SetPose>(mixer, frame, missing("position_m or rotation_wxyz"), error);
+  if (const char* name = first_null({{"position_m", position_m}, {"rotation_wxyz", rotation_wxyz}}))
+    return play<protocol::SetPose>(mixer, frame, missing(name), error);
   return play<protocol::SetPose>(mixer, frame, protocol::SetPose{numbered(object), pose_of(position_m, rotation_wxyz)},
                                  error);
 }
 
 ringdown_result ringdown_listener(ringdown_mixer* mixer, int64_t frame, const double position_m[3],
                                   const double rotation_wxyz[4], ringdown_error* error) {
-  if (!position_m || !rotation_wxyz)
-    return play<protocol::SetListener>(mixer, frame, missing("position_m or rotation_wxyz"), error);
+  if (const char* name = first_null({{"position_m", position_m}, {"rotation_wxyz", rotation_wxyz}}))
+    return play<protocol::SetListener>(mixer, frame, missing(name), error);
   return play<protocol::SetListener>(mixer, frame, protocol::SetListener{pose_of(position_m, rotation_wxyz)}, error);
 }
 

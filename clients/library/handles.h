@@ -3,7 +3,9 @@
 #pragma once
 
 #include "clients/library/ringdown.h"
+#include "clients/library/terms.h"
 #include "engine/base/result.h"
+#include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
 #include "server/session/rack.h"
 
@@ -67,10 +69,6 @@ inline ringdown_result tell(ringdown_result result, std::string_view sentence, r
   return result;
 }
 
-inline tl::unexpected<Error> missing(const char* what) {
-  return fail(ErrorKind::bad_input, std::string(what) + " is NULL; the function needs one");
-}
-
 // Carries out `work`, which returns a Result<void>. No exception leaves it.
 template <class Work>
 ringdown_result guarded(ringdown_error* error, Work work) {
@@ -92,7 +90,8 @@ template <class Struct>
 Result<Struct> taken(const Struct* given, std::size_t size, Struct defaults) {
   if (!given) return missing("the struct");
   if (size < sizeof(std::size_t) || size > 4096) {
-    return fail(ErrorKind::bad_input, "size is " + std::to_string(size) + "; set it to sizeof the struct");
+    return fail(ErrorKind::bad_input, "the first member of the struct is " + std::to_string(size) +
+                                          "; set it to sizeof the struct, as the struct's _init function does");
   }
   const auto* bytes = reinterpret_cast<const unsigned char*>(given);
   const std::size_t known = std::min(size, sizeof(Struct));
@@ -110,7 +109,7 @@ template <class Struct>
 Result<void> give(Struct* given, const Struct& ours) {
   if (!given) return missing("the struct");
   if (given->size < sizeof given->size)
-    return fail(ErrorKind::bad_input, "size is too small; set it to sizeof the struct");
+    return fail(ErrorKind::bad_input, "the struct's size is not set; set it to sizeof the struct");
   const std::size_t size = given->size;
   std::memcpy(given, &ours, std::min(size, sizeof(Struct)));
   given->size = size;
@@ -120,5 +119,8 @@ Result<void> give(Struct* given, const Struct& ours) {
 inline protocol::ObjectRef numbered(std::uint32_t object) { return {.name = {}, .number = object}; }
 
 inline Vec3 vector(const double* xyz) { return {xyz[0], xyz[1], xyz[2]}; }
+
+// The header's quaternions have their real part first.
+inline Rotation rotation(const double* wxyz) { return Rotation::from_wxyz(wxyz[0], wxyz[1], wxyz[2], wxyz[3]); }
 
 }  // namespace ringdown::library

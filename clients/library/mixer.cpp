@@ -8,7 +8,8 @@
 #include <memory>
 
 using namespace ringdown;
-using library::guarded, library::missing, library::numbered;
+using library::check_index, library::check_within, library::first_null, library::guarded, library::missing,
+    library::numbered;
 
 static_assert(static_cast<int>(RINGDOWN_MAX_OBJECTS) == static_cast<int>(synth::kMaxObjects));
 static_assert(static_cast<int>(RINGDOWN_MAX_INPUTS) == static_cast<int>(synth::kMaxInputs));
@@ -17,12 +18,6 @@ static_assert(static_cast<int>(RINGDOWN_MAX_DAMPERS) == static_cast<int>(modal::
 namespace {
 
 constexpr double kNoLimiter_db = 1;
-
-Result<void> within(const char* name, double value, double least, double most) {
-  if (value >= least && value <= most) return {};  // false for NaN
-  return fail(ErrorKind::bad_input, std::string(name) + " is " + std::to_string(value) + "; it must be from " +
-                                        std::to_string(least) + " to " + std::to_string(most));
-}
 
 ringdown_settings defaults() {
   const synth::MixerSettings mixer;
@@ -38,14 +33,16 @@ ringdown_settings defaults() {
           .travel_time = mixer.travel_time};
 }
 
-Result<void> check_sample_rate(double sample_rate_hz) { return within("sample_rate_hz", sample_rate_hz, 8000, 384000); }
+Result<void> check_sample_rate(double sample_rate_hz) {
+  return check_within("sample_rate_hz", sample_rate_hz, 8000, 384000);
+}
 
 Result<synth::MixerSettings> settings_of(const ringdown_settings& given) {
   if (auto good = check_sample_rate(given.sample_rate_hz); !good) return fail(good.error());
-  if (auto good = within("full_scale_pa", given.full_scale_pa, 1e-6, 1e6); !good) return fail(good.error());
-  if (auto good = within("floor_db", given.floor_db, 20, 300); !good) return fail(good.error());
-  if (auto good = within("ambisonic_order", given.ambisonic_order, 0, 3); !good) return fail(good.error());
-  if (auto good = within("threads", given.threads, 1, 64); !good) return fail(good.error());
+  if (auto good = check_within("full_scale_pa", given.full_scale_pa, 1e-6, 1e6); !good) return fail(good.error());
+  if (auto good = check_within("floor_db", given.floor_db, 20, 300); !good) return fail(good.error());
+  if (auto good = check_within("ambisonic_order", given.ambisonic_order, 0, 3); !good) return fail(good.error());
+  if (auto good = check_within("threads", given.threads, 1, 64); !good) return fail(good.error());
   synth::MixerSettings settings;
   settings.full_scale_pa = given.full_scale_pa;
   settings.floor_db = given.floor_db;
@@ -54,7 +51,8 @@ Result<synth::MixerSettings> settings_of(const ringdown_settings& given) {
   settings.travel_time = given.travel_time != 0;
   if (given.ambisonic_order > 0) settings.ambisonic_order = static_cast<std::size_t>(given.ambisonic_order);
   if (given.limiter_db != kNoLimiter_db) {
-    if (auto good = within("limiter_db", given.limiter_db, -60, 0); !good) return fail(good.error());
+    if (auto good = check_within("limiter_db", given.limiter_db, -60, 0, ", or 1 for no limiter"); !good)
+      return fail(good.error());
     settings.limiter_db = given.limiter_db;
   }
   if (given.head) {
@@ -65,12 +63,12 @@ Result<synth::MixerSettings> settings_of(const ringdown_settings& given) {
   return settings;
 }
 
-// Carries out a worker's request on an object, after its numbers were checked against the protocol's ranges.
+// Carries out a worker's request on an object, after its numbers were checked.
 template <class Request, class Work>
 ringdown_result change(ringdown_mixer* mixer, Request& request, ringdown_error* error, Work work) {
   return guarded(error, [&]() -> Result<void> {
     if (!mixer) return missing("mixer");
-    if (auto good = protocol::check(request); !good) return good;
+    if (auto good = library::check(request); !good) return good;
     return work(mixer->rack);
   });
 }
@@ -166,7 +164,7 @@ ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object, co
                                    .density = given->density,
                                    .stiffness = given->stiffness,
                                    .size = given->size}};
-    if (auto good = protocol::check(request); !good) return good;
+    if (auto good = library::check(request); !good) return good;
     return mixer->rack.set_material(request.object, request.scale);
   });
 }
@@ -174,12 +172,17 @@ ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object, co
 ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t number,
                               const double point_m[3], const double direction[3], double damping_ns_m,
                               ringdown_error* error) {
-  if (!point_m || !direction) return guarded(error, [] { return missing("point_m or direction"); });
+  if (const char* name = first_null({{"point_m", point_m}, {"direction", direction}}))
+    return guarded(error, [&] { return missing(name); });
+  if (auto good = check_index("number", number, RINGDOWN_MAX_DAMPERS); !good)
+    return guarded(error, [&] { return good; });
   protocol::SetDamper request{
       numbered(object), {library::vector(point_m), library::vector(direction), damping_ns_m}, number};
   return change(mixer, request, error, [&](session::Rack& rack) -> Result<void> {
-    if (number >= RINGDOWN_MAX_DAMPERS) {
-      return fail(ErrorKind::bad_input, "number is " + std::to_string(number) + "; it must be 0 to 7");
+    const auto held = rack.find(request.object);
+    if (!held) return fail(held.error());
+    if (damping_ns_m > 0) {
+      if (auto good = session::check_point(request.damper.point_m, **held); !good) return good;
     }
     return rack.set_dampers(request.object, {{request.number, request.damper}}, frame);
   });
@@ -201,9 +204,10 @@ ringdown_result ringdown_solo(ringdown_mixer* mixer, uint32_t object, int on, ri
 
 ringdown_result ringdown_excite(ringdown_mixer* mixer, uint32_t input, uint32_t object, const double point_m[3],
                                 const double force_n[3], ringdown_error* error) {
-  if (!point_m || !force_n) return guarded(error, [] { return missing("point_m or force_n"); });
-  protocol::Excite request{numbered(object), input < RINGDOWN_MAX_INPUTS ? input + 1 : 0, library::vector(point_m),
-                           library::vector(force_n)};
+  if (const char* name = first_null({{"point_m", point_m}, {"force_n", force_n}}))
+    return guarded(error, [&] { return missing(name); });
+  if (auto good = check_index("input", input, RINGDOWN_MAX_INPUTS); !good) return guarded(error, [&] { return good; });
+  protocol::Excite request{numbered(object), input + 1, library::vector(point_m), library::vector(force_n)};
   return change(mixer, request, error, [&](session::Rack& rack) {
     return rack.excite(input, request.object, request.point_m, request.force_n);
   });

@@ -16,7 +16,9 @@
  * ringdown_scene.h.
  *
  * UNITS are SI: metres, seconds, newtons, kilograms, Hz, pascals; angles do not occur. Points and impulses of an object
- * are in the object's own frame, the one of its mesh. Frames are right-handed. A left-handed world with y up (Unity:
+ * are in the object's own frame, the one of its mesh. Rotations are unit quaternions w x y z, real part first:
+ * 1 0 0 0 is not turned, cos(a/2) 0 0 sin(a/2) is turned by the angle a about z, from x towards y. Frames are
+ * right-handed. A left-handed world with y up (Unity:
  * x right, y up, z forward) is mapped to a right-handed one by negating one axis of every point, impulse and
  * direction, say z, and the x and y components of every quaternion; centimetres are divided by 100 (impulses in
  * kg cm/s as well).
@@ -36,12 +38,18 @@
  * The three may be one thread or three, and none waits for another. Functions of different mixers never meet. While
  * ringdown_mixer_destroy() or ringdown_set_sample_rate() runs, no other function of that mixer may.
  *
+ * RANGES. A number outside of its range is refused, with a sentence that names the parameter. Where nothing else is
+ * said, each coordinate of a point or position lies within 1e4 m of 0, of an impulse within 1e4 N s, of a force within
+ * 1e6 N, of a direction within 1e3. A point at which something acts on an object must not be farther from the object
+ * than the object is large; it is taken to be in other units or coordinates otherwise.
+ *
  * OWNERSHIP. Whoever opens a bank releases it; mixers hold on to the banks of their objects by themselves, so a bank
  * may be released as soon as it has been added. Arrays that the library returns belong to it, and say how long they
  * live. Strings are UTF-8 and end with 0.
  *
  * ERRORS. A function that can fail returns 0 (RINGDOWN_OK) or what kind of failure it was, and writes one sentence for
- * people into `error` unless that is NULL: what, where, what to do. After a failure nothing has changed. Numbers that
+ * people into `error` unless that is NULL: what, where, what to do. After a failure nothing has changed. Functions
+ * without a result take NULL for their handle and do nothing then. Numbers that
  * are not finite, and null pointers where something is needed, are refused and never crash. No exception leaves the
  * library.
  *
@@ -71,9 +79,10 @@ extern "C" {
 
 typedef enum ringdown_result {
   RINGDOWN_OK = 0,
-  RINGDOWN_BAD_INPUT = 1,    /* a file or an argument is missing, unreadable, or not what it should be */
+  RINGDOWN_BAD_INPUT = 1,    /* a file cannot be opened or is not what it should be; an argument is NULL, out of range, or
+                                the number of no object */
   RINGDOWN_TOO_LARGE = 2,    /* it exceeds a limit: bytes, modes, objects */
-  RINGDOWN_REFUSED = 3,      /* sound, but impossible now: a queue is full, there is no such object any more */
+  RINGDOWN_REFUSED = 3,      /* a good request, but impossible now: a queue is full, the body is fixed */
   RINGDOWN_NO_MEMORY = 4,    /* the computer has not enough memory */
   RINGDOWN_INPUT_OUTPUT = 5  /* the operating system could not read on or start a thread */
 } ringdown_result;
@@ -116,7 +125,7 @@ typedef struct ringdown_bank_info {
   int has_radiation; /* 1: modes have maps of what they radiate in which direction */
 } ringdown_bank_info;
 
-/* Fills as many members as info->size has room for. */
+/* Fills as many members as info->size has room for. Set info->size before. */
 RINGDOWN_API ringdown_result ringdown_bank_describe(const ringdown_bank* bank, ringdown_bank_info* info);
 
 /* Arrays of the bank; they live as long as it does. */
@@ -132,7 +141,7 @@ RINGDOWN_API ringdown_result ringdown_bank_levels_pa(const ringdown_bank* bank, 
 
 /* The far field F of a mode towards `count` directions (count x 3, any length but 0): count x 2 numbers, real and
  * imaginary part [m^2 kg^-1/2]. The pressure at distance r is i rho omega v F exp(ikr)/r for a modal velocity v, with
- * time as exp(-i omega t). Fails without maps. */
+ * time as exp(-i omega t). `mode` < M. RINGDOWN_REFUSED without maps (has_radiation). */
 RINGDOWN_API ringdown_result ringdown_bank_far_field(const ringdown_bank* bank, size_t mode, const double* directions,
                                                      size_t count, float* far_field, ringdown_error* error);
 
@@ -143,13 +152,16 @@ typedef struct ringdown_mixer ringdown_mixer;
 typedef struct ringdown_settings {
   size_t size;
   double sample_rate_hz; /* 8000 ... 384000; default 48000 */
-  double full_scale_pa;  /* the sound pressure at 1 m that becomes a sample of 1; default 20, 117 dB SPL */
+  double full_scale_pa;  /* the sound pressure at 1 m that becomes a sample of 1, 1e-6 ... 1e6; default 20, 117 dB SPL. That
+                            is the sample of one channel that has the whole sound: the left one of an object panned to the
+                            left, or ambisonic channel 0. Left and right share the power of an object in the middle, so
+                            that each has 1/sqrt(2) of it, -3.01 dB: full_scale_pa becomes 0.707 on either side. */
   double limiter_db;     /* ceiling of left and right, -60 ... 0 dB of full scale, or 1: no limiter; default -1. The limiter
                             delays left and right by ringdown_latency() frames. */
   double floor_db;       /* modes so far below full scale rest until the next strike; 20 ... 300, default 120 */
   int exact_contacts;    /* 1: a strike's pulse drives the modes sample by sample while it lasts; default 0 */
-  int ambisonic_order;   /* 1 ... 3: render_ambisonics() writes (order + 1)^2 channels; default 0: none */
-  int threads;           /* that render large scenes, the audio thread among them; default 1 */
+  int ambisonic_order;   /* 1 ... 3: ringdown_render_all() writes (order + 1)^2 channels; default 0: none */
+  int threads;           /* that render large scenes, the audio thread among them, 1 ... 64; default 1 */
   const char* head;      /* binaural left and right: a SOFA file, or "" for the head that libmysofa brings; default NULL:
                             stereo */
   int travel_time;       /* 1: a listener hears what happens when its sound has travelled there; default 0: at once */
@@ -174,16 +186,18 @@ enum { RINGDOWN_MAX_OBJECTS = 1024, RINGDOWN_MAX_DAMPERS = 8, RINGDOWN_MAX_INPUT
 
 /* Adds an object that plays the bank and writes its number to `object`: the number is what all other functions take.
  * An object of that name gets the new bank and keeps its number, and what rings goes on with the old one. A name has 1
- * to 64 letters, digits, '_', '-' or '.'; NULL: "object" and the number. */
+ * to 64 letters, digits, '_', '-' or '.', not all of them digits; NULL: "object" and a number that makes it unused.
+ * RINGDOWN_TOO_LARGE beyond RINGDOWN_MAX_OBJECTS, which counts removed objects until they have faded out. */
 RINGDOWN_API ringdown_result ringdown_add(ringdown_mixer* mixer, const char* name, const ringdown_bank* bank,
                                           uint32_t* object, ringdown_error* error);
 
 /* Takes the object away: what rings fades out within some milliseconds. */
 RINGDOWN_API ringdown_result ringdown_remove(ringdown_mixer* mixer, uint32_t object, ringdown_error* error);
 
-/* Factors on the bank's own material and size, each > 0 (alpha and beta may be 0); all 1 is the bank as baked. What
- * rings is retuned. Exact, without a new bake: stiffness is Young's modulus, size is a length, alpha and beta scale
- * what modes lose to air and support, and to the material. */
+/* Factors on the bank's own material and size; all 1 is the bank as baked. What rings is retuned. Exact, without a new
+ * bake: stiffness is Young's modulus, size is a length, alpha and beta scale what modes lose to air and support, and to
+ * the material. Stiffness and density are 0.001 ... 1000, size 0.01 ... 100, alpha and beta 0 ... 1000. Points of later
+ * calls lie on the object in its new size. */
 typedef struct ringdown_material {
   size_t size_of_struct; /* sizeof(ringdown_material) */
   double stiffness, density, size, alpha, beta;
@@ -193,8 +207,8 @@ RINGDOWN_API ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32
                                                    const ringdown_material* material, ringdown_error* error);
 
 /* Lays a hand or a table on the object: damper `number` < RINGDOWN_MAX_DAMPERS at the point of the surface nearest to
- * point_m resists motion along `direction` (0 0 0: any motion) with damping_ns_m newtons per m/s, from frame `frame`
- * on. Damping 0 takes the damper away. A light touch of a finger is about 0.1, a hand 10. */
+ * point_m resists motion along `direction` (0 0 0: any motion) with damping_ns_m newtons per m/s, 0 ... 1e6, from
+ * frame `frame` on. Damping 0 takes the damper away. A light touch of a finger is about 0.1, a hand 10. */
 RINGDOWN_API ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t number,
                                            const double point_m[3], const double direction[3], double damping_ns_m,
                                            ringdown_error* error);
@@ -204,7 +218,8 @@ RINGDOWN_API ringdown_result ringdown_mute(ringdown_mixer* mixer, uint32_t objec
 RINGDOWN_API ringdown_result ringdown_solo(ringdown_mixer* mixer, uint32_t object, int on, ringdown_error* error);
 
 /* From the next block on, input `input` < RINGDOWN_MAX_INPUTS of ringdown_render_all() pushes the object: a sample of 1
- * is force_n newtons at point_m. A force of 0 0 0 ends that. */
+ * is force_n newtons at the point of its surface nearest to point_m. An input pushes one object at a time. A force of
+ * 0 0 0 ends that, at whatever point. RINGDOWN_TOO_LARGE for an object of more than 4096 modes. */
 RINGDOWN_API ringdown_result ringdown_excite(ringdown_mixer* mixer, uint32_t input, uint32_t object,
                                              const double point_m[3], const double force_n[3], ringdown_error* error);
 
@@ -213,11 +228,12 @@ RINGDOWN_API void ringdown_collect(ringdown_mixer* mixer);
 
 /* ---- Events [control] -------------------------------------------------------------------------------------------- */
 
-/* At most 4096 events may come between two blocks; one more is refused and counted as dropped. */
+/* At most 4096 events may come between two blocks; one more is refused and counted as dropped. At most 512 events happen
+ * in 128 frames: those beyond happen in the 128 frames that follow, in order, and are not counted as late. So a flood
+ * of 4096 events for one frame takes 1024 frames. */
 
-/* Strikes the object: an impulse [N s] at the point of its surface nearest to point_m. A point that is farther from the
- * object than the object is large is refused: it is in other units or in other coordinates. The contact lasts
- * contact_time_s, 0 ... 0.1: about 0.0001 for steel or hard wood, 0.001 for a rubber mallet; 0 is an ideal impulse. */
+/* Strikes the object: an impulse [N s] at the point of its surface nearest to point_m. The contact lasts contact_time_s,
+ * 0 ... 0.1: about 0.0001 for steel or hard wood, 0.001 for a rubber mallet; 0 is an ideal impulse. */
 RINGDOWN_API ringdown_result ringdown_strike(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                              const double point_m[3], const double impulse_ns[3],
                                              double contact_time_s, ringdown_error* error);
@@ -233,14 +249,14 @@ RINGDOWN_API ringdown_result ringdown_click(ringdown_mixer* mixer, int64_t frame
  * and speeds change gradually in between. It ends with a force of 0 0 0, or 0.1 s after the last event. */
 typedef struct ringdown_contact {
   size_t size;
-  uint32_t number;             /* which of the object's contacts */
+  uint32_t number;             /* which of the object's contacts, which has four at once; 0 ... 16777215 */
   double point_m[3];           /* object frame */
   double force_n[3];           /* on the object: normal and friction together */
-  double slip_m_s;             /* speed at which the surfaces slide past each other */
-  double roll_m_s;             /* speed at which the point of contact travels as they roll */
-  double roughness_m;          /* rms height of both surfaces' roughness; default 2e-6 */
-  double correlation_m;        /* longest wavelength of the roughness; default 5e-5 */
-  double spectral_slope;       /* power over spatial frequency falls as f^slope, <= 0; default -2.4 */
+  double slip_m_s;             /* speed at which the surfaces slide past each other, 0 ... 1000 */
+  double roll_m_s;             /* speed at which the point of contact travels as they roll, 0 ... 1000 */
+  double roughness_m;          /* rms height of both surfaces' roughness, 0 ... 0.1; default 2e-6 */
+  double correlation_m;        /* longest wavelength of the roughness, 1e-7 ... 10; default 5e-5 */
+  double spectral_slope;       /* power over spatial frequency falls as f^slope, -10 ... 0; default -2.4 */
 } ringdown_contact;
 RINGDOWN_API void ringdown_contact_init(ringdown_contact* contact, size_t size); /* [any] */
 RINGDOWN_API ringdown_result ringdown_touch(ringdown_mixer* mixer, int64_t frame, uint32_t object,
@@ -253,13 +269,13 @@ RINGDOWN_API ringdown_result ringdown_touch(ringdown_mixer* mixer, int64_t frame
  * then move there in the time since the last call, 2 to 50 ms. A force of 0 lifts the bow. */
 typedef struct ringdown_bow {
   size_t size;
-  uint32_t number;             /* which of the object's bows */
+  uint32_t number;             /* which of the object's bows, 0 ... 16777215 */
   double point_m[3];           /* object frame */
   double direction[3];         /* the way the hair moves, along the surface; any length but 0 */
-  double speed_m_s;            /* negative for the way back */
-  double force_n;              /* how hard it is pressed */
-  double width_m;              /* of the hair; default 0 */
-  double rosin;                /* coefficient of static friction; default 0.8 */
+  double speed_m_s;            /* -100 ... 100, negative for the way back */
+  double force_n;              /* how hard it is pressed, 0 ... 1e5 */
+  double width_m;              /* of the hair, 0 ... 1; default 0 */
+  double rosin;                /* coefficient of static friction, 0 ... 5; default 0.8 */
 } ringdown_bow;
 RINGDOWN_API void ringdown_bow_init(ringdown_bow* bow, size_t size); /* [any] */
 RINGDOWN_API ringdown_result ringdown_draw_bow(ringdown_mixer* mixer, int64_t frame, uint32_t object,
@@ -270,9 +286,10 @@ RINGDOWN_API ringdown_result ringdown_draw_bow(ringdown_mixer* mixer, int64_t fr
 typedef struct ringdown_mallet {
   size_t size;
   double point_m[3];           /* object frame */
-  double velocity_m_s[3];      /* not 0 */
-  double mass_kg;              /* shaft and hand included; default 0.02 */
-  double head;                 /* Hertz's stiffness [N / m^1.5]: 1e5 for yarn, 1e7 (default) for rubber, 1e9 for wood */
+  double velocity_m_s[3];      /* each within 1000, not all 0 */
+  double mass_kg;              /* shaft and hand included, 1e-5 ... 100; default 0.02 */
+  double head;                 /* Hertz's stiffness [N / m^1.5], 1 ... 1e14: 1e5 for yarn, 1e7 (default) for rubber, 1e9
+                                  for wood */
   double bounce;               /* speed after a blow on a wall over that before, 0.01 ... 1; default 0.9 */
 } ringdown_mallet;
 RINGDOWN_API void ringdown_mallet_init(ringdown_mallet* mallet, size_t size); /* [any] */
@@ -283,44 +300,45 @@ RINGDOWN_API ringdown_result ringdown_hit(ringdown_mixer* mixer, int64_t frame, 
  * the two are taken as parallel. A stiffness of 0 parts them. */
 typedef struct ringdown_coupling {
   size_t size;
-  uint32_t number;             /* which of this object's couplings */
+  uint32_t number;             /* which of this object's couplings, 0 ... 16777215 */
   uint32_t other;              /* the other object */
   double point_m[3];           /* where this object is touched, in its frame */
   double other_point_m[3];     /* where the other is, in its own */
   double direction[3];         /* the way in which the other pushes this object; any length but 0 */
-  double weight_n;             /* with which the other rests on this object; default 0: both are held where they are */
-  double gap_m;                /* between the two at rest; negative: pressed together so deep; default 0 */
-  double stiffness;            /* Hertz's [N / m^1.5]; default 1e8 */
-  double friction;             /* coefficient of static friction; default 0.3 */
-  double bounce;               /* speed after an impact over that before; default 0.6 */
-  double mass_kg;              /* of the other, where it rests by its weight; default 0: follows from the weight */
+  double weight_n;             /* with which the other rests on this object, 0 ... 1e5; default 0: both are held where they
+                                  are */
+  double gap_m;                /* between the two at rest, -0.01 ... 0.1; negative: pressed together so deep; default 0 */
+  double stiffness;            /* Hertz's [N / m^1.5], 0 ... 1e14; default 1e8 */
+  double friction;             /* coefficient of static friction, 0 ... 5; default 0.3 */
+  double bounce;               /* speed after an impact over that before, 0.01 ... 1; default 0.6 */
+  double mass_kg;              /* of the other, where it rests by its weight, 0 ... 1e5; default 0: follows from the weight */
 } ringdown_coupling;
 RINGDOWN_API void ringdown_coupling_init(ringdown_coupling* coupling, size_t size); /* [any] */
 RINGDOWN_API ringdown_result ringdown_couple(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                              const ringdown_coupling* coupling, ringdown_error* error);
 
-/* Sets `count` modes going, from mode `first` up, counted from the lowest frequency, each at `amplitude` of full
- * scale. */
+/* Sets `count` modes going, from mode `first` up, counted from the lowest frequency, each at `amplitude` of full scale,
+ * 0 ... 1, before gain and pan. */
 RINGDOWN_API ringdown_result ringdown_ring(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t first,
                                            uint32_t count, double amplitude, ringdown_error* error);
 
-/* Linear gain, 0 ... 100, reached over ramp_s seconds; and pan, -1 left ... 1 right, which counts while nobody listens
- * from a place. */
+/* Linear gain, 0 ... 100, reached over ramp_s seconds, 0 ... 60; and pan at equal power, -1 left ... 1 right, which
+ * counts while nobody listens from a place. */
 RINGDOWN_API ringdown_result ringdown_gain(ringdown_mixer* mixer, int64_t frame, uint32_t object, double gain,
                                            double ramp_s, ringdown_error* error);
 RINGDOWN_API ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double pan,
                                           ringdown_error* error);
 
-/* Fades what rings to silence within ramp_s seconds, or a few milliseconds if that is longer. */
+/* Fades what rings to silence within ramp_s seconds, 0 ... 60, or a few milliseconds if that is longer. */
 RINGDOWN_API ringdown_result ringdown_clear(ringdown_mixer* mixer, int64_t frame, uint32_t object, double ramp_s,
                                             ringdown_error* error);
 
-/* Where the object's frame lies in the world at this frame: position and unit quaternion w x y z. Counts once a
- * listener is set. Poses 30 to 100 times a second are enough: they are interpolated. */
+/* Where the object's frame lies in the world at this frame: position and unit quaternion w x y z, whose length is 1 to
+ * one percent. Counts once a listener is set. Poses 30 to 100 times a second are enough: they are interpolated. */
 RINGDOWN_API ringdown_result ringdown_pose(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                            const double position_m[3], const double rotation_wxyz[4],
                                            ringdown_error* error);
-/* Where the listener's frame lies: x to the front, y to the left, z up. From then on directions, distances, Doppler
+/* Where the listener's frame lies, as in ringdown_pose(): x to the front, y to the left, z up. From then on directions, distances, Doppler
  * shift and absorption by the air are heard. */
 RINGDOWN_API ringdown_result ringdown_listener(ringdown_mixer* mixer, int64_t frame, const double position_m[3],
                                                const double rotation_wxyz[4], ringdown_error* error);
@@ -337,7 +355,7 @@ RINGDOWN_API void ringdown_render(ringdown_mixer* mixer, float* left, float* rig
 /* The same with ambisonic channels and inputs. A NULL pointer is a channel to which nobody listens, which costs
  * nothing, or an input that is silent. */
 typedef struct ringdown_block {
-  size_t size;
+  size_t size;                              /* sizeof the struct; smaller blocks render nothing */
   size_t frames;
   float* mix[2];                            /* left, right */
   float* ambisonics[16];                    /* AmbiX: ACN order, SN3D; without limiter, not delayed */
@@ -355,13 +373,14 @@ typedef struct ringdown_status {
   uint64_t strikes;        /* played so far */
   uint64_t late;           /* events that came after their frame */
   uint64_t dropped;        /* events refused because too many waited */
-  uint64_t refused;        /* strikes on what does not exist any more */
+  uint64_t refused;        /* events whose object had been removed when their frame came, and contacts without room */
   uint64_t not_finite;     /* voices silenced because a state was not a sensible number */
   uint32_t objects;        /* that exist */
   uint32_t sounding;       /* voices that rang in the last block */
   uint32_t ringing_modes;  /* modes that rang in the last block */
   float peak;              /* largest |sample| of the last block */
 } ringdown_status;
+/* Fills as many members as status->size has room for. Set status->size before. */
 RINGDOWN_API ringdown_result ringdown_get_status(const ringdown_mixer* mixer, ringdown_status* status);
 
 #ifdef __cplusplus

@@ -26,8 +26,9 @@ extern "C" {
 
 typedef struct ringdown_scene ringdown_scene;
 
-/* Loads a scene file (docs/use/scenes.md) and the objects that it names into the mixer, and starts it at `frame`. A
- * mixer has at most one scene: that of before must have been destroyed. [worker] */
+/* Loads a scene file (docs/use/scenes.md) or a glTF scene (docs/use/gltf-scenes.md) and the objects that it names into
+ * the mixer, and starts it at `frame`. A mixer has at most one scene: RINGDOWN_REFUSED until the one before it has been
+ * destroyed. [worker] */
 RINGDOWN_API ringdown_result ringdown_scene_load(ringdown_mixer* mixer, const char* path, int64_t frame,
                                                  ringdown_scene** scene, ringdown_error* error);
 /* Ends the scene; what rings goes on ringing, and its objects stay. NULL is allowed. [worker, while no other function of
@@ -35,14 +36,17 @@ RINGDOWN_API ringdown_result ringdown_scene_load(ringdown_mixer* mixer, const ch
 RINGDOWN_API void ringdown_scene_destroy(ringdown_scene* scene);
 
 /* Steps the bodies until all events before `frame` have been sent to the mixer. Call it with a frame that lies a little
- * ahead, 10 to 50 ms. The ring between takes 4096 events, so steps of a second are too long. [worker] */
+ * ahead, 10 to 50 ms. At most 4096 events may come between two blocks, so steps of a second are too long: events beyond
+ * are lost. [worker] */
 RINGDOWN_API void ringdown_scene_advance(ringdown_scene* scene, int64_t frame);
 
-RINGDOWN_API ringdown_result ringdown_scene_pause(ringdown_scene* scene, int paused, ringdown_error* error); /* [worker] */
-/* An impulse [N s] in the scene's axes at the body's centre of mass. [worker] */
+/* Stops the bodies (1) or lets them go on (0); what rings goes on ringing. [worker] */
+RINGDOWN_API ringdown_result ringdown_scene_pause(ringdown_scene* scene, int paused, ringdown_error* error);
+/* An impulse [N s] in the scene's axes at the body's centre of mass. RINGDOWN_REFUSED for a body that is fixed or has not
+ * yet entered the scene. [worker] */
 RINGDOWN_API ringdown_result ringdown_scene_push(ringdown_scene* scene, uint32_t body, const double impulse_ns[3],
                                                  ringdown_error* error);
-/* Removes all bodies. [worker] */
+/* Removes all bodies, and nothing enters the scene any more. [worker] */
 RINGDOWN_API ringdown_result ringdown_scene_clear(ringdown_scene* scene, ringdown_error* error);
 
 RINGDOWN_API double ringdown_scene_duration_s(const ringdown_scene* scene); /* as its file says; 0: for ever. [any] */
@@ -59,7 +63,8 @@ RINGDOWN_API ringdown_result ringdown_scene_find_body(ringdown_scene* scene, con
 /* Where the bodies are now: fills up to `room` places and returns how many bodies there are. [any but audio] */
 typedef struct ringdown_body {
   uint32_t number;
-  double position_m[3], rotation_wxyz[4];
+  double position_m[3];
+  double rotation_wxyz[4]; /* unit quaternion, real part first, as ringdown_pose() takes it */
 } ringdown_body;
 RINGDOWN_API size_t ringdown_scene_poses(const ringdown_scene* scene, ringdown_body* bodies, size_t room);
 

@@ -4,7 +4,7 @@
 
 #include "clients/library/handles.h"
 #include "engine/base/quote.h"
-#include "protocol/schema.h"
+#include "protocol/request.h"
 #include "server/session/scene_player.h"
 
 #include <algorithm>
@@ -89,7 +89,7 @@ ringdown_result ringdown_scene_push(ringdown_scene* scene, uint32_t body, const 
   return on_scene(scene, error, [&](session::ScenePlayer& player) -> Result<void> {
     if (!impulse_ns) return missing("impulse_ns");
     protocol::ScenePush request{static_cast<std::int32_t>(std::min(body, 0x7fffffffu)), library::vector(impulse_ns)};
-    if (auto good = protocol::check(request); !good) return good;
+    if (auto good = library::check(request); !good) return good;
     return player.push(static_cast<scene::BodyId>(request.body), request.impulse_ns);
   });
 }

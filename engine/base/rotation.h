@@ -9,9 +9,23 @@
 
 namespace ringdown {
 
-// Unit quaternion x y z w, as in glTF.
+// A unit quaternion. It is not an aggregate: glTF, banks and our own files write x y z w, while OSC, the C library and
+// ODE write w x y z, so code that makes a rotation from four numbers must name their order.
 struct Rotation {
   double x = 0, y = 0, z = 0, w = 1;
+
+  constexpr Rotation() = default;
+  static constexpr Rotation from_xyzw(double x, double y, double z, double w) RINGDOWN_REALTIME {
+    Rotation made;
+    made.x = x, made.y = y, made.z = z, made.w = w;
+    return made;
+  }
+  static constexpr Rotation from_xyzw(const std::array<double, 4>& q) RINGDOWN_REALTIME {
+    return from_xyzw(q[0], q[1], q[2], q[3]);
+  }
+  static constexpr Rotation from_wxyz(double w, double x, double y, double z) RINGDOWN_REALTIME {
+    return from_xyzw(x, y, z, w);
+  }
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };
 
@@ -65,23 +79,24 @@ inline double norm(const Rotation& q) RINGDOWN_REALTIME {
 // The unit quaternion of one whose norm is not zero.
 inline Rotation normalized(const Rotation& q) RINGDOWN_REALTIME {
   const double scale = 1 / norm(q);
-  return {q.x * scale, q.y * scale, q.z * scale, q.w * scale};
+  return Rotation::from_xyzw(q.x * scale, q.y * scale, q.z * scale, q.w * scale);
 }
 
 // First b, then a.
 inline Rotation operator*(const Rotation& a, const Rotation& b) RINGDOWN_REALTIME {
-  return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-          a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
+  return Rotation::from_xyzw(
+      a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+      a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z);
 }
 
 // The rotation by `angle_rad` about `axis`, which has any length but zero.
 inline Rotation about(Vec3 axis, double angle_rad) {
   const double s = std::sin(angle_rad / 2) / length(axis);
-  return {s * axis.x, s * axis.y, s * axis.z, std::cos(angle_rad / 2)};
+  return Rotation::from_xyzw(s * axis.x, s * axis.y, s * axis.z, std::cos(angle_rad / 2));
 }
 
 // The inverse of a unit quaternion.
-inline Rotation inverse(const Rotation& q) RINGDOWN_REALTIME { return {-q.x, -q.y, -q.z, q.w}; }
+inline Rotation inverse(const Rotation& q) RINGDOWN_REALTIME { return Rotation::from_xyzw(-q.x, -q.y, -q.z, q.w); }
 
 // A vector turned by a unit quaternion.
 inline Vec3 rotated(const Rotation& q, Vec3 v) RINGDOWN_REALTIME {
@@ -93,7 +108,7 @@ inline Vec3 rotated(const Rotation& q, Vec3 v) RINGDOWN_REALTIME {
 inline Rotation from_rotation_vector(Vec3 v) RINGDOWN_REALTIME {
   const double angle = length(v), half = 0.5 * angle;
   const double scale = angle > 1e-9 ? std::sin(half) / angle : 0.5;
-  return {scale * v.x, scale * v.y, scale * v.z, std::cos(half)};
+  return Rotation::from_xyzw(scale * v.x, scale * v.y, scale * v.z, std::cos(half));
 }
 inline Vec3 to_rotation_vector(const Rotation& q) RINGDOWN_REALTIME {
   const double sine = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z), sign = q.w < 0 ? -1 : 1;

@@ -101,7 +101,7 @@ Affine GltfAnimations::local_at(std::size_t node, double time_s) const {
     if (channel.target == Target::translation) place = {v[0], v[1], v[2]};
     if (channel.target == Target::scale) scale = {v[0], v[1], v[2]};
     if (channel.target == Target::rotation) {
-      const Rotation q{v[0], v[1], v[2], v[3]};
+      const Rotation q = Rotation::from_xyzw(v[0], v[1], v[2], v[3]);
       turn = norm(q) > 1e-6 ? normalized(q) : Rotation{};
     }
   }

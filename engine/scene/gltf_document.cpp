@@ -28,13 +28,17 @@ Rotation to_rotation(const Matrix3& m) {
   const double twice = std::sqrt(squares[static_cast<std::size_t>(largest)]), k = 0.5 / twice;
   switch (largest) {
     case 0:
-      return normalized({0.5 * twice, k * (m[0][1] + m[1][0]), k * (m[0][2] + m[2][0]), k * (m[2][1] - m[1][2])});
+      return normalized(
+          Rotation::from_xyzw(0.5 * twice, k * (m[0][1] + m[1][0]), k * (m[0][2] + m[2][0]), k * (m[2][1] - m[1][2])));
     case 1:
-      return normalized({k * (m[0][1] + m[1][0]), 0.5 * twice, k * (m[1][2] + m[2][1]), k * (m[0][2] - m[2][0])});
+      return normalized(
+          Rotation::from_xyzw(k * (m[0][1] + m[1][0]), 0.5 * twice, k * (m[1][2] + m[2][1]), k * (m[0][2] - m[2][0])));
     case 2:
-      return normalized({k * (m[0][2] + m[2][0]), k * (m[1][2] + m[2][1]), 0.5 * twice, k * (m[1][0] - m[0][1])});
+      return normalized(
+          Rotation::from_xyzw(k * (m[0][2] + m[2][0]), k * (m[1][2] + m[2][1]), 0.5 * twice, k * (m[1][0] - m[0][1])));
     default:
-      return normalized({k * (m[2][1] - m[1][2]), k * (m[0][2] - m[2][0]), k * (m[1][0] - m[0][1]), 0.5 * twice});
+      return normalized(
+          Rotation::from_xyzw(k * (m[2][1] - m[1][2]), k * (m[0][2] - m[2][0]), k * (m[1][0] - m[0][1]), 0.5 * twice));
   }
 }
 
@@ -201,9 +205,9 @@ Vec3 GltfDocument::vector(const Field& field, Vec3 fallback) {
 
 Rotation GltfDocument::rotation(const Field& field) {
   if (!field.present()) return {};
-  const Rotation turn =
-      field.size() == 4 ? Rotation{number(field[0], 0), number(field[1], 0), number(field[2], 0), number(field[3], 1)}
-                        : Rotation{0, 0, 0, 0};
+  const Rotation turn = field.size() == 4 ? Rotation::from_xyzw(number(field[0], 0), number(field[1], 0),
+                                                                number(field[2], 0), number(field[3], 1))
+                                          : Rotation::from_xyzw(0, 0, 0, 0);
   if (std::abs(norm(turn) - 1) < 1e-3) return std::abs(norm(turn) - 1) < 1e-15 ? turn : normalized(turn);
   refuse(field.wrong("a unit quaternion"));
   return {};

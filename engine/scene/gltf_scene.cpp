@@ -413,7 +413,7 @@ class GltfSceneReader {
         nodes(), [](const GltfNode& node) { return node.in_scene && node.field["camera"].present(); });
     if (found == nodes().end()) return;
     const Pose pose{found->world.shift_m, parts_of(found->world.linear).rotation};
-    const Rotation forward_left_up{-0.5, 0.5, 0.5, 0.5};  // x to -z, y to -x, z to y
+    const Rotation forward_left_up = Rotation::from_xyzw(-0.5, 0.5, 0.5, 0.5);  // x to -z, y to -x, z to y
     const Field camera = document_.element(found->field["camera"], document_.root()["cameras"]);
     const double yfov_rad = document_.number(camera["perspective"]["yfov"], 0.8);
     scene_.listener = ListenerDescription{.position_m = pose.position_m, .rotation = pose.rotation * forward_left_up};

@@ -28,7 +28,7 @@ using modal::Json;
 Vec3 to_file(Vec3 v) { return {v.x, v.z, -v.y}; }
 Rotation to_file(const Rotation& q) {
   const double h = std::sqrt(0.5);
-  return normalized(Rotation{-h, 0, 0, h} * q);
+  return normalized(Rotation::from_xyzw(-h, 0, 0, h) * q);
 }
 
 Json json_of(Vec3 v) { return Json::array({v.x, v.y, v.z}); }

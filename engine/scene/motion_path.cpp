@@ -11,7 +11,7 @@ namespace {
 // The shorter way from one rotation to another, as axis times angle in the world.
 Vec3 way_between(const Rotation& from, const Rotation& to) {
   Rotation turn = to * inverse(from);
-  if (turn.w < 0) turn = {-turn.x, -turn.y, -turn.z, -turn.w};
+  if (turn.w < 0) turn = Rotation::from_xyzw(-turn.x, -turn.y, -turn.z, -turn.w);
   return to_rotation_vector(normalized(turn));
 }
 

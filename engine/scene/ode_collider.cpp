@@ -26,10 +26,8 @@ bool Collider::awake() const { return movable() && dBodyIsEnabled(body.get()); }
 Motion Collider::motion() const {
   if (!body) return {};
   const dReal* q = dBodyGetQuaternion(body.get());
-  return {to_vec3(dBodyGetPosition(body.get())),
-          {q[1], q[2], q[3], q[0]},
-          to_vec3(dBodyGetLinearVel(body.get())),
-          to_vec3(dBodyGetAngularVel(body.get()))};
+  return {to_vec3(dBodyGetPosition(body.get())), Rotation::from_wxyz(q[0], q[1], q[2], q[3]),
+          to_vec3(dBodyGetLinearVel(body.get())), to_vec3(dBodyGetAngularVel(body.get()))};
 }
 
 void Collider::move(const Motion& motion) {
@@ -126,7 +124,7 @@ Motion Collider::after(const Motion& motion, double time_s) const {
     }
     momentum = next;
     const Vec3 half = 0.5 * h * mean_spin;
-    end.rotation = normalized(end.rotation * Rotation{half.x, half.y, half.z, 1});
+    end.rotation = normalized(end.rotation * Rotation::from_xyzw(half.x, half.y, half.z, 1));
   }
   end.spin_rad_s = to_matrix(end.rotation) * (inverse_inertia * momentum);
   return end;
@@ -138,8 +136,8 @@ void Collider::turn(const Rotation& from, double part_s) {
   Motion start = motion();
   start.rotation = from;
   const Motion end = after(start, part_s);
-  const auto& [x, y, z, w] = end.rotation;
-  const dQuaternion q = {w, x, y, z};
+  const Rotation& r = end.rotation;
+  const dQuaternion q = {r.w, r.x, r.y, r.z};
   dBodySetQuaternion(body.get(), q);
   dBodySetAngularVel(body.get(), end.spin_rad_s.x, end.spin_rad_s.y, end.spin_rad_s.z);
 }

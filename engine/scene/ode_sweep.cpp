@@ -40,8 +40,8 @@ class Flight {
     const Motion motion = collider_.after(start_, time_s);
     const Matrix3 turn = to_matrix(motion.rotation);
     const Vec3 place = motion.position_m + turn * Vec3{offset_[0], offset_[1], offset_[2]};
-    const auto& [x, y, z, w] = motion.rotation;
-    const dQuaternion q = {w, x, y, z};
+    const Rotation& r = motion.rotation;
+    const dQuaternion q = {r.w, r.x, r.y, r.z};
     dGeomSetPosition(geom_, place.x, place.y, place.z);
     dGeomSetQuaternion(geom_, q);
   }

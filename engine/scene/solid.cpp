@@ -48,7 +48,7 @@ RigidMass sphere_mass(double radius, double density, Vec3 center) {
 }
 
 Result<RigidMass> bank_mass(const modal::MassProperties& mass, double density_scale) {
-  const Rotation axes{mass.orientation[0], mass.orientation[1], mass.orientation[2], mass.orientation[3]};
+  const Rotation axes = Rotation::from_xyzw(mass.orientation);
   const Vec3 moments = mass.inertia_kg_m2;
   const double largest = std::max({moments.x, moments.y, moments.z});
   if (!range::kMass_kg.holds(mass.mass_kg * density_scale)) {
@@ -211,8 +211,7 @@ modal::Bank body_of(const modal::Bank& bank, const modal::MaterialScale& scale) 
 }  // namespace
 
 Matrix3 inertia_tensor(const modal::MassProperties& mass) {
-  const auto [x, y, z, w] = mass.orientation;
-  const Matrix3 r = to_matrix(normalized({x, y, z, w}));
+  const Matrix3 r = to_matrix(normalized(Rotation::from_xyzw(mass.orientation)));
   const std::array moments{mass.inertia_kg_m2.x, mass.inertia_kg_m2.y, mass.inertia_kg_m2.z};
   Matrix3 tensor{};
   for (int i = 0; i < 3; ++i) {

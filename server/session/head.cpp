@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <complex>
 #include <cstdlib>
+#include <cstring>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -275,7 +278,9 @@ class Head {
 
 Result<synth::HeadLoader> read_head(const std::filesystem::path& sofa) {
   const std::filesystem::path path = sofa.empty() ? std::filesystem::path(kDefaultHead) : sofa;
-  if (!std::filesystem::exists(path)) return fail(ErrorKind::input_output, "there is no file " + path.string());
+  if (std::ifstream file(path); !file) {
+    return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": " + std::strerror(errno));
+  }
   auto head = std::make_shared<Head>(path);
   constexpr double kUsual_hz = 48000;
   if (const auto tried = head->at(kUsual_hz); !tried) return fail(tried.error());

@@ -53,7 +53,8 @@ class ListenerMemory {
       on = on_;
     } while (begun_ != ended);
     if (!known_) return {};
-    return Listener{on, {{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}}, n[kAir], n[kAir + 1]};
+    const Pose pose{{n[0], n[1], n[2]}, Rotation::from_xyzw(n[3], n[4], n[5], n[6])};
+    return Listener{on, pose, n[kAir], n[kAir + 1]};
   }
 
   // Whether there is a listener now.

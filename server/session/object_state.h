@@ -2,6 +2,8 @@
 #pragma once
 
 #include "engine/base/content_hash.h"
+#include "engine/base/result.h"
+#include "engine/base/vec3.h"
 #include "engine/modal/damper.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
@@ -40,5 +42,11 @@ struct ObjectState {
 
 // An object at one moment. It stays valid for whoever holds it, and so does its bank, whatever is loaded later.
 using ObjectSnapshot = std::shared_ptr<const ObjectState>;
+
+// Refuses a point [m, object frame] that is farther from the object's bounding box than the box measures: such a point
+// is in millimetres, or in another object's coordinates. Requests for whatever acts at a point of an object are checked
+// by it. The object has the size that its material gives it. An object of one point may be touched from everywhere.
+// Allocates nothing while it succeeds. [any]
+Result<void> check_point(Vec3 point_m, const ObjectState& object);
 
 }  // namespace ringdown::session

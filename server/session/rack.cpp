@@ -17,15 +17,15 @@ Result<synth::ObjectNumber> free_number(const ObjectTable& objects, const synth:
   for (synth::ObjectNumber number = 0; number < synth::kMaxObjects; ++number) {
     if (!objects.find(number) && !mixer.in_use(number)) return number;
   }
-  return fail(ErrorKind::too_large, "name: all " + std::to_string(synth::kMaxObjects) +
-                                        " objects are in use; free one with /object/.../free");
+  return fail(ErrorKind::too_large, "all " + std::to_string(synth::kMaxObjects) +
+                                        " objects are in use; remove one, and try again when it has faded out");
 }
 
 }  // namespace
 
 Result<ObjectSnapshot> Rack::find(const ObjectRef& ref) const {
   if (ObjectSnapshot object = ref.number ? objects_.find(*ref.number) : objects_.find(ref.name)) return object;
-  return fail(ErrorKind::bad_input, "object: there is no object " + shown(ref) + "; load one with /load");
+  return fail(ErrorKind::bad_input, "there is no object " + shown(ref) + "; it was never loaded, or has been removed");
 }
 
 bool Rack::push(synth::Producer producer, const Event& event) {
@@ -150,20 +150,20 @@ Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& p
   std::optional<Excitation>& excitation = excitations_[input];
   const bool ends = force_n == Vec3{};
   if (ends && (!excitation || excitation->object != object.number)) {
-    return fail(ErrorKind::bad_input,
-                "input: " + std::to_string(input + 1) + " does not excite \"" + object.name + "\"");
+    return fail(ErrorKind::bad_input, "the input does not excite \"" + object.name + "\", so there is nothing to end");
   }
+  if (const auto good = ends ? Result<void>() : check_point(point_m, object); !good) return good;
   if (object.map->bank().mode_count() > synth::kMaxDrivenColumns) {
-    return fail(ErrorKind::too_large, "object: \"" + object.name + "\" has more than the " +
+    return fail(ErrorKind::too_large, "\"" + object.name + "\" has more than the " +
                                           std::to_string(synth::kMaxDrivenColumns) +
-                                          " modes that an input can excite; bake it with --keep");
+                                          " modes that an input can excite; bake it with `ringdown bake --keep`");
   }
   const std::scoped_lock lock(rate_mutex_);
   const Vec3 impulse_ns = (1 / mixer_.sample_rate_hz()) * force_n;
   const bool taken =
       ends ? mixer_.disconnect_input(input)
            : mixer_.connect_input(input, {.object = object.number, .point_m = point_m, .impulse_ns = impulse_ns});
-  if (!taken) return fail(ErrorKind::refused, "input: too many changes at once; try again");
+  if (!taken) return fail(ErrorKind::refused, "too many changes of inputs at once; try again");
   excitation = ends ? std::nullopt : std::optional(Excitation{object.number, point_m, force_n});
   inputs_ |= 1u << input;
   observers_.report_change();
@@ -178,7 +178,7 @@ Result<void> Rack::assign(const ObjectState& object) {
     warn(object.name + " is heard in the mix only: all " + std::to_string(synth::kMaxBuses) + " ports are taken");
   }
   if (mixer_.assign(object.number, bus)) return {};
-  return fail(ErrorKind::refused, "object: too many changes at once; try again");
+  return fail(ErrorKind::refused, "too many changes of objects at once; try again");
 }
 
 void Rack::collect() {
@@ -201,7 +201,7 @@ Result<void> Rack::free(const ObjectRef& ref) {
   const auto found = find(ref);
   if (!found) return fail(found.error());
   const ObjectSnapshot& object = *found;
-  if (!mixer_.remove(object->number)) return fail(ErrorKind::refused, "object: too many changes at once; try again");
+  if (!mixer_.remove(object->number)) return fail(ErrorKind::refused, "too many changes of objects at once; try again");
   fading_.insert(object->number);
   for (auto& excitation : excitations_) {
     if (excitation && excitation->object == object->number) excitation.reset();
@@ -224,7 +224,7 @@ Result<void> Rack::install(const ObjectState& object, synth::Mixer::Install how,
       std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.dampers, object.modes));
   if (!mixer_.install(object.number, std::move(voice), how, at)) {
     return fail(ErrorKind::refused,
-                "object: " + std::to_string(synth::kMaxVoices) + " voices are still ringing out; try again later");
+                std::to_string(synth::kMaxVoices) + " voices are still ringing out; try again later");
   }
   return {};
 }

@@ -95,7 +95,8 @@ class Rack {
   Result<void> set_heard(const protocol::ObjectRef& object, bool ObjectState::*flag, bool on);
 
   // Lets an input, counted from 0, excite the object: a sample of 1 is `force_n` at `point_m`, in the object's frame. A
-  // force of 0 ends the excitation. An input excites one object at a time, until that object is freed. [worker]
+  // force of 0 ends the excitation. An input excites one object at a time, until that object is freed. A point far from
+  // the object is refused (check_point()). [worker]
   Result<void> excite(std::size_t input, const protocol::ObjectRef& object, const Vec3& point_m, const Vec3& force_n);
 
   // The inputs that have ever excited an object, and so have a port that stays; bit 0 is the first input. [any]

@@ -2,9 +2,7 @@
 
 #include "protocol/bulk.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 namespace ringdown::session {
@@ -13,29 +11,18 @@ namespace {
 using synth::Event;
 using synth::EventType;
 
-tl::unexpected<Error> not_one_of(const char* argument, std::size_t number, std::size_t count, const char* what,
-                                 const ObjectState& object) {
-  return fail(ErrorKind::bad_input, std::string(argument) + ": " + std::to_string(number) + " is not one of the " +
-                                        std::to_string(count) + " " + what + " of \"" + object.name +
-                                        "\", which are numbered from 0");
-}
-
-// A point that is farther from the object's bounding box than the box measures is not a near miss: it is in
-// millimetres, or in another object's coordinates. An object of one point is struck there from everywhere.
-Result<void> check_point(Vec3 point_m, const ObjectState& object) {
-  const modal::SurfaceIndex& surface = object.map->surface();
-  const double size_m = surface.size_m(), distance_m = surface.distance_m(point_m);
-  if (size_m == 0 || distance_m <= size_m) return {};
-  std::array<char, 96> numbers;
-  std::snprintf(numbers.data(), numbers.size(), "%.3g m off the object, which measures %.3g m", distance_m, size_m);
-  return fail(ErrorKind::bad_input, std::string("point: it lies ") + numbers.data() +
-                                        "; points are in metres, in the object's own coordinates");
+// No sentence of this file names an argument or an address, because OSC, the C library and Python have names of their
+// own for both.
+tl::unexpected<Error> no_such(const char* what, std::size_t number, std::size_t count, const ObjectState& object) {
+  return fail(ErrorKind::bad_input, "there is no " + std::string(what) + " " + std::to_string(number) + ": \"" +
+                                        object.name + "\" has " + std::to_string(count) +
+                                        ", which are numbered from 0");
 }
 
 // Single precision on the way may leave a unit quaternion a little longer or shorter.
 Result<void> check_turn(const Rotation& turn) {
   if (std::abs(norm(turn) - 1) <= 0.01) return {};
-  return fail(ErrorKind::bad_input, "qw: qw, qx, qy and qz must be a quaternion of length 1; 1 0 0 0 is not turned");
+  return fail(ErrorKind::bad_input, "the rotation w x y z must be a quaternion of length 1; 1 0 0 0 is not turned");
 }
 
 struct AppendEvents {
@@ -57,7 +44,7 @@ struct AppendEvents {
     const auto object = rack.find(strike.object);
     if (!object) return fail(object.error());
     const std::size_t points = (*object)->map->bank().point_count();
-    if (strike.vertex >= points) return not_one_of("vertex", strike.vertex, points, "sample points", **object);
+    if (strike.vertex >= points) return no_such("sample point", strike.vertex, points, **object);
     return append(**object, {.type = EventType::strike_vertex,
                              .vertex = strike.vertex,
                              .impulse_ns = strike.impulse_ns,
@@ -75,7 +62,7 @@ struct AppendEvents {
       const auto done = one.vertex
                             ? later(protocol::StrikeVertex{object, *one.vertex, one.impulse_ns, one.contact_time_s})
                             : later(protocol::Strike{object, one.point_m, one.impulse_ns, one.contact_time_s});
-      if (!done) return fail(done.error().kind, "record " + std::to_string(i + 1) + " " + done.error().message);
+      if (!done) return fail(done.error().kind, "record " + std::to_string(i + 1) + ": " + done.error().message);
     }
     return {};
   }
@@ -92,7 +79,7 @@ struct AppendEvents {
     const auto object = rack.find(ring.object);
     if (!object) return fail(object.error());
     const std::size_t modes = (*object)->map->bank().mode_count();
-    if (ring.first >= modes) return not_one_of("first", ring.first, modes, "modes", **object);
+    if (ring.first >= modes) return no_such("mode", ring.first, modes, **object);
     return append(**object,
                   {.type = EventType::ring, .vertex = ring.first, .count = ring.count, .value = ring.amplitude});
   }
@@ -109,13 +96,13 @@ struct AppendEvents {
   }
 
   Result<void> operator()(const protocol::SetBow& set) const {
-    return append_touch(set.object, set.point_m, set.touch, set.touch.direction, "dx dy dz");
+    return append_touch(set.object, set.point_m, set.touch, set.touch.direction, "direction");
   }
 
   Result<void> operator()(const protocol::HitMallet& hit) const {
     synth::Touch touch = hit.touch;
     touch.speed_m_s = length(hit.velocity_m_s);
-    return append_touch(hit.object, hit.point_m, touch, hit.velocity_m_s, "vx vy vz");
+    return append_touch(hit.object, hit.point_m, touch, hit.velocity_m_s, "velocity");
   }
 
   Result<void> operator()(const protocol::SetCoupling& set) const {
@@ -126,9 +113,9 @@ struct AppendEvents {
     touch.other = (*other)->number;
     const auto object = rack.find(set.object);
     if (object && (*object)->number == touch.other) {
-      return fail(ErrorKind::bad_input, "other: an object does not touch itself; name another one");
+      return fail(ErrorKind::bad_input, "an object does not touch itself; name another one");
     }
-    return append_touch(set.object, set.point_m, touch, set.touch.direction, "nx ny nz");
+    return append_touch(set.object, set.point_m, touch, set.touch.direction, "direction");
   }
 
   Result<void> operator()(const protocol::Click& click) const {
@@ -152,7 +139,7 @@ struct AppendEvents {
       const auto delay = static_cast<synth::Frame>(std::llround(one.delay_s * rack.mixer().sample_rate_hz()));
       const AppendEvents later{rack, frame + delay, events};
       const auto done = later(protocol::SetPose{{.number = one.object}, one.pose});
-      if (!done) return fail(done.error().kind, "record " + std::to_string(i + 1) + " " + done.error().message);
+      if (!done) return fail(done.error().kind, "record " + std::to_string(i + 1) + ": " + done.error().message);
     }
     return {};
   }
@@ -179,13 +166,13 @@ struct AppendEvents {
 
  private:
   Result<void> append_touch(const protocol::ObjectRef& ref, Vec3 point_m, synth::Touch touch, Vec3 direction,
-                            const char* arguments) const {
+                            const char* what) const {
     const auto object = rack.find(ref);
     if (!object) return fail(object.error());
     if (auto good = check_point(point_m, **object); !good) return good;
     const double size = length(direction);
     if (!(size > 0))
-      return fail(ErrorKind::bad_input, std::string(arguments) + ": must not all be 0; give a direction");
+      return fail(ErrorKind::bad_input, "the " + std::string(what) + " must not be 0 0 0; any length but 0 will do");
     touch.direction = (1 / size) * direction;
     Event event{.type = EventType::touch, .point_m = point_m};
     event.touch = touch;

@@ -27,7 +27,7 @@ scene::SoundingObject as_sounding(const ObjectState& object) {
 
 constexpr double kWarnEvery_s = 0.5;  // of lost time
 
-tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one with /scene/load"); }
+tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one first"); }
 
 // What puts a scene's listener in place. A scene without one ends the one that the scene before it has set (`ends`),
 // but nobody else's.
@@ -150,7 +150,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
 
   for (const Event& event : listener_events(*description, sets_listener_, frame)) {
     if (!rack_.push(synth::Producer::worker, event)) {
-      return fail(ErrorKind::refused, "listener: too many changes at once; try again");
+      return fail(ErrorKind::refused, "too many changes of the listener at once; try again");
     }
   }
   sets_listener_ = description->listener.has_value();

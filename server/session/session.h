@@ -45,8 +45,8 @@ class Session {
   [[nodiscard]] const ScenePlayer& scene() const { return scene_; }
   [[nodiscard]] double sample_rate_hz() const { return rack_.mixer().sample_rate_hz(); }
 
-  // Sends a request to the mixer as events that happen at `frame`. An error names the wrong argument, or says that
-  // events were dropped. [control]
+  // Sends a request to the mixer as events that happen at `frame`. An error says what is wrong, or that events
+  // were dropped. [control]
   Result<void> play(const protocol::MixerRequest& request, synth::Frame frame);
 
   // Whether play() or perform() would accept the request now, if no queue is full. [control]

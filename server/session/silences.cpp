@@ -14,7 +14,7 @@ Result<void> Silences::update(const std::vector<ObjectSnapshot>& objects, const 
     const bool silent = object->mute || (soloed && !object->solo);
     if (silent == silent_.contains(object->number)) continue;
     if (!mixer_.silence(object->number, silent)) {
-      return fail(ErrorKind::refused, "object: too many changes at once; try again");
+      return fail(ErrorKind::refused, "too many changes of objects at once; try again");
     }
     if (silent) {
       silent_.insert(object->number);

@@ -84,7 +84,7 @@ ListenerMemory::Listener read_listener(TomlTable& table) {
   table.boolean("on", listener.on);
   table.vector("position_m", listener.pose.position_m, kPosition_m);
   table.numbers("rotation", turn);
-  if (turn.size() == 4) listener.pose.rotation = {turn[0], turn[1], turn[2], turn[3]};
+  if (turn.size() == 4) listener.pose.rotation = Rotation::from_xyzw(turn[0], turn[1], turn[2], turn[3]);
   if (turn.size() != 4 || std::abs(norm(listener.pose.rotation) - 1) > 1e-6) {
     table.complain("rotation", "rotation must be a quaternion of length 1, [x, y, z, w]");
   }

@@ -73,22 +73,32 @@ TEST(LibraryExample, InCSharpGivesTheBytesOfTheOneInC) {
   EXPECT_NE(refused.output.find("/nonexistent.glb"), std::string::npos) << refused.output;
 }
 
-// The page's own program compiles as C99 and plays.
+// The page's own program and command compile as C99 and play, with the library installed below any folder and moved.
 TEST(LibraryExample, OfThePageCompilesAndPlays) {
   if (!installed("cc") || std::string(RINGDOWN_SANITIZERS) != "") GTEST_SKIP() << "no compiler, or one that sanitizes";
+  if (!installed("pkg-config")) GTEST_SKIP() << "pkg-config is not installed";
   const TemporaryFolder folder;
+  const Outcome put =
+      run({"cmake", "--install", RINGDOWN_BIN_DIR "/..", "--component", "libringdown", "--prefix", folder / "first"});
+  ASSERT_EQ(put.exit_code, 0) << put.output;
+  const auto prefix = folder / "moved";
+  std::filesystem::rename(folder / "first", prefix);
+  std::filesystem::path library;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(prefix)) {
+    if (entry.path().filename() == "ringdown.pc") library = entry.path().parent_path().parent_path();
+  }
+  ASSERT_FALSE(library.empty()) << put.output;
   std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/use/library.md");
   const std::string text{std::istreambuf_iterator<char>(page), {}};
   const std::size_t begin = text.find("```c\n") + 5, end = text.find("```", begin);
   ASSERT_NE(end, text.npos);
   std::ofstream(folder / "bell.c") << text.substr(begin, end - begin);
-  const std::string library = RINGDOWN_BIN_DIR "/../lib";
-  const Outcome made =
-      run({"cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-I" RINGDOWN_SOURCE_DIR "/clients/library",
-           folder / "bell.c", "-o", folder / "bell", "-L" + library, "-lringdown", "-Wl,-rpath," + library});
+  const std::string command = "cc -std=c99 -Wall -Wextra -Werror " + (folder / "bell.c").string() +
+                              " $(pkg-config --cflags --libs ringdown) -o " + (folder / "bell").string();
+  const Outcome made = run({"sh", "-c", command}, {{"PKG_CONFIG_PATH", (library / "pkgconfig").string()}});
   ASSERT_EQ(made.exit_code, 0) << made.output;
   ASSERT_TRUE(modal::write_bank(random_bank(1, 30, 12), folder / "bell.glb"));
-  const Outcome played = run({folder / "bell", folder / "bell.glb"});
+  const Outcome played = run({folder / "bell", folder / "bell.glb"}, {{"LD_LIBRARY_PATH", library.string()}});
   EXPECT_EQ(played.exit_code, 0);
   EXPECT_NE(played.output.find("30 modes ring"), std::string::npos) << played.output;
 }

@@ -1,4 +1,5 @@
-// What the C header promises: sizes of older and later structs, sentences, and handles that know nothing of each other.
+// What the C header promises: arrays of banks, sizes of older and later structs, levels, and mixers that know nothing
+// of each other. errors_test.cpp has what is refused.
 #include "tests/library/mixer_of_banks.h"
 
 #include <gtest/gtest.h>
@@ -75,66 +76,6 @@ TEST(LibraryBank, OfMemoryIsTheBankOfTheFile) {
   bytes.resize(bytes.size() / 2);
   EXPECT_EQ(ringdown_bank_parse(bytes.data(), bytes.size(), "half", &bank, &error), RINGDOWN_BAD_INPUT);
   EXPECT_TRUE(says(error, "half")) << error.sentence;
-}
-
-TEST(LibraryErrors, SayWhatIsWrongAndChangeNothing) {
-  MixerOfBanks mixer(1);
-  ringdown_error error;
-  const auto strike = [&](const std::array<double, 3>& point, const std::array<double, 3>& impulse, double time_s) {
-    return ringdown_strike(mixer.get(), 0, 0, point.data(), impulse.data(), time_s, &error);
-  };
-  EXPECT_EQ(strike({kNan, 0, 0}, kBlow, 0), RINGDOWN_BAD_INPUT);
-  EXPECT_TRUE(says(error, "x is not a number")) << error.sentence;
-  EXPECT_EQ(strike(kTop, {0, 0, std::numeric_limits<double>::infinity()}, 0), RINGDOWN_BAD_INPUT);
-  EXPECT_TRUE(says(error, "jz is infinite")) << error.sentence;
-  EXPECT_EQ(strike(kTop, kBlow, 1), RINGDOWN_BAD_INPUT);
-  EXPECT_TRUE(says(error, "contact_time is 1; it must be a number from 0 to 0.1 s")) << error.sentence;
-  EXPECT_EQ(strike({0, 0, 100}, kBlow, 0), RINGDOWN_BAD_INPUT);
-  EXPECT_TRUE(says(error, "metres")) << error.sentence;
-  EXPECT_EQ(ringdown_strike(mixer.get(), 0, 7, kTop.data(), kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
-  EXPECT_TRUE(says(error, "no object number 7")) << error.sentence;
-  EXPECT_EQ(ringdown_strike_at(mixer.get(), 0, 0, 1000, kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
-  EXPECT_EQ(ringdown_strike_at(mixer.get(), 0, 0, 0xffffffff, kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
-  EXPECT_EQ(ringdown_strike(mixer.get(), 48000LL * 3700, 0, kTop.data(), kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
-  EXPECT_EQ(ringdown_strike(mixer.get(), 0, 0, nullptr, kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
-  EXPECT_EQ(ringdown_strike(nullptr, 0, 0, kTop.data(), kBlow.data(), 0, nullptr), RINGDOWN_BAD_INPUT);
-  EXPECT_EQ(ringdown_hold(mixer.get(), 0, 0, 8, kTop.data(), kTop.data(), 1, &error), RINGDOWN_BAD_INPUT);
-  ringdown_bank* bank = nullptr;
-  EXPECT_EQ(ringdown_bank_open("/nonexistent/bell.glb", &bank, &error), RINGDOWN_BAD_INPUT);
-  EXPECT_TRUE(says(error, "/nonexistent/bell.glb")) << error.sentence;
-  EXPECT_EQ(bank, nullptr);
-
-  std::array<float, 256> left, right;
-  ringdown_render(mixer.get(), left.data(), right.data(), left.size());
-  EXPECT_TRUE(std::ranges::all_of(left, [](float sample) { return sample == 0; }));
-}
-
-// A program that keeps 0.1 s as a 32-bit float hands over 0.1000000015 s.
-TEST(LibraryErrors, ALimitThatWasAFloatIsTheLimit) {
-  MixerOfBanks mixer(1);
-  const auto strike = [&](float time_s) {
-    return ringdown_strike(mixer.get(), 0, 0, kTop.data(), kBlow.data(), static_cast<double>(time_s), nullptr);
-  };
-  EXPECT_EQ(strike(0.1F), RINGDOWN_OK);
-  EXPECT_EQ(strike(std::nextafter(0.1F, 1.0F)), RINGDOWN_BAD_INPUT);
-  ringdown_material material;
-  ringdown_material_init(&material, sizeof material);
-  material.size = static_cast<double>(0.01F);  // below 0.01
-  EXPECT_EQ(ringdown_set_material(mixer.get(), 0, &material, nullptr), RINGDOWN_OK);
-}
-
-TEST(LibraryErrors, AFullQueueRefusesAndCounts) {
-  MixerOfBanks mixer(1);
-  ringdown_error error;
-  int taken = 0;
-  while (ringdown_strike(mixer.get(), 0, 0, kTop.data(), kBlow.data(), 0, &error) == RINGDOWN_OK && taken < 10000)
-    ++taken;
-  EXPECT_EQ(taken, 4096);
-  EXPECT_EQ(error.result, RINGDOWN_REFUSED);
-  ringdown_status status{};
-  status.size = sizeof status;
-  ASSERT_EQ(ringdown_get_status(mixer.get(), &status), RINGDOWN_OK);
-  EXPECT_EQ(status.dropped, 1u);
 }
 
 // A struct of an older header ends earlier; one of a later header has members that we do not know.
@@ -241,6 +182,35 @@ TEST(LibraryRender, InputsPushAndAmbisonicChannelsAreHeard) {
   ringdown_render_all(mixer.get(), &block);
   EXPECT_TRUE(std::ranges::any_of(w, [](float sample) { return sample != 0; }));
   EXPECT_TRUE(std::all_of(w.begin(), w.begin() + 10, [](float sample) { return sample == 0; }));
+}
+
+// The header's figure: an object in the middle has 1/sqrt(2) of full scale on each side, and one at the left all of it
+// there.
+TEST(LibraryRender, SidesShareThePowerOfAnObjectInTheMiddle) {
+  ringdown_settings settings;
+  ringdown_settings_init(&settings, sizeof settings);
+  settings.limiter_db = 1;
+  const TemporaryFolder folder;
+  ASSERT_TRUE(modal::write_bank(single_mode_bank(1000, 0.01), folder / "one.glb"));
+  for (const auto& [pan, wanted_left, wanted_right] :
+       {std::array{0.0, 0.25 * M_SQRT1_2, 0.25 * M_SQRT1_2}, std::array{-1.0, 0.25, 0.0}, std::array{1.0, 0.0, 0.25}}) {
+    ringdown_error error;
+    ringdown_mixer* mixer = nullptr;
+    ringdown_bank* bank = nullptr;
+    std::uint32_t object = 0;
+    ASSERT_EQ(ringdown_mixer_create(&settings, &mixer, &error), RINGDOWN_OK) << error.sentence;
+    ASSERT_EQ(ringdown_bank_open((folder / "one.glb").c_str(), &bank, &error), RINGDOWN_OK) << error.sentence;
+    ASSERT_EQ(ringdown_add(mixer, nullptr, bank, &object, &error), RINGDOWN_OK) << error.sentence;
+    ringdown_bank_release(bank);
+    std::array<float, 9600> left, right;
+    ASSERT_EQ(ringdown_pan(mixer, 0, object, pan, &error), RINGDOWN_OK) << error.sentence;
+    ringdown_render(mixer, left.data(), right.data(), left.size());
+    ASSERT_EQ(ringdown_ring(mixer, 0, object, 0, 1, 0.25, &error), RINGDOWN_OK) << error.sentence;
+    ringdown_render(mixer, left.data(), right.data(), left.size());
+    EXPECT_NEAR(*std::ranges::max_element(left), wanted_left, 0.002) << pan;
+    EXPECT_NEAR(*std::ranges::max_element(right), wanted_right, 0.002) << pan;
+    ringdown_mixer_destroy(mixer);
+  }
 }
 
 // Mixers side by side in threads of their own play what one alone plays.

@@ -166,10 +166,10 @@ Cases object_only_cases(const std::string& verb) {
 Cases pose_cases() {
   const std::string a = "/object/bell/pose";
   return {{{a, {1, 2, 3}, claim<SetPose>([](const SetPose& s) {
-              return s.object == named("bell") && s.pose == Pose{{1, 2, 3}, {0, 0, 0, 1}};
+              return s.object == named("bell") && s.pose == Pose{{1, 2, 3}, Rotation::from_xyzw(0, 0, 0, 1)};
             })},
            {a, {0, 0, 0, 0.5f, 0.5f, -0.5f, 0.5f}, claim<SetPose>([](const SetPose& s) {
-              return s.pose == Pose{{0, 0, 0}, {0.5, -0.5, 0.5, 0.5}};
+              return s.pose == Pose{{0, 0, 0}, Rotation::from_xyzw(0.5, -0.5, 0.5, 0.5)};
             })}},
           {{"/object/b%/pose", {0, 0, 0}, "object"},
            {a, {kNan, 0, 0}, "x"},
@@ -188,7 +188,7 @@ Cases poses_cases() {
 
 Cases listener_cases() {
   return {{{"/listener", {1, 2, 3, 0, 0, 0, 1}, claim<SetListener>([](const SetListener& s) {
-              return s.pose == Pose{{1, 2, 3}, {0, 0, 1, 0}};
+              return s.pose == Pose{{1, 2, 3}, Rotation::from_xyzw(0, 0, 1, 0)};
             })}},
           {{"/listener", {1, 2}, "z"},
            {"/listener", {0, kNan, 0}, "y"},

@@ -30,7 +30,7 @@ TEST(Outline, AStaticBoxesOutlineIsAsDescribed) {
   box.type = StaticType::box;
   box.size_m = {1, 2, 3};
   box.position_m = {4, 5, 6};
-  box.rotation = {0, 0, 2, 0};
+  box.rotation = Rotation::from_xyzw(0, 0, 2, 0);
   const StaticOutline outline = outline_of(box);
   EXPECT_EQ(outline.size_m, (Vec3{1, 2, 3}));
   EXPECT_EQ(outline.position_m, (Vec3{4, 5, 6}));

@@ -248,7 +248,7 @@ TEST(AbsurdInput, ADescriptionFilledWithNonsenseIsRefusedBeforeOdeSeesIt) {
   refused("step_s", [](auto& scene) { scene.step_s = 0; });
   refused("spring", [](auto& scene) { scene.contact.spring_n_m = -1; });
   refused("position_m", [](auto& scene) { scene.bodies[0].position_m.x = kNan; });
-  refused("rotation", [](auto& scene) { scene.bodies[0].rotation = {0, 0, 0, 0}; });
+  refused("rotation", [](auto& scene) { scene.bodies[0].rotation = Rotation::from_xyzw(0, 0, 0, 0); });
   refused("spin_rad_s", [](auto& scene) { scene.bodies[0].spin_rad_s.x = 1e12; });
   refused("restitution", [](auto& scene) { scene.bodies[0].surface.restitution = 1.5; });
   refused("normal", [](auto& scene) { scene.statics[0].normal = {}; });

@@ -281,10 +281,10 @@ TEST(Strike, TurningSceneAndGravityTogetherChangesNothing) {
   const auto landing = [](const Rotation& turn) {
     BodyDescription body = body_of("a", ShapeType::box, to_matrix(turn) * Vec3{0, 0, 0.4});
     const Rotation tilt = about({1, 0.3, 0}, 0.5);  // turn * tilt, as quaternions
-    body.rotation = {turn.w * tilt.x + turn.x * tilt.w + turn.y * tilt.z - turn.z * tilt.y,
-                     turn.w * tilt.y - turn.x * tilt.z + turn.y * tilt.w + turn.z * tilt.x,
-                     turn.w * tilt.z + turn.x * tilt.y - turn.y * tilt.x + turn.z * tilt.w,
-                     turn.w * tilt.w - turn.x * tilt.x - turn.y * tilt.y - turn.z * tilt.z};
+    body.rotation = Rotation::from_xyzw(turn.w * tilt.x + turn.x * tilt.w + turn.y * tilt.z - turn.z * tilt.y,
+                                        turn.w * tilt.y - turn.x * tilt.z + turn.y * tilt.w + turn.z * tilt.x,
+                                        turn.w * tilt.z + turn.x * tilt.y - turn.y * tilt.x + turn.z * tilt.w,
+                                        turn.w * tilt.w - turn.x * tilt.x - turn.y * tilt.y - turn.z * tilt.z);
     SceneDescription scene = scene_of({body});
     scene.gravity_m_s2 = to_matrix(turn) * Vec3{0, 0, -9.81};
     scene.statics[0].normal = to_matrix(turn) * Vec3{0, 0, 1};

@@ -56,7 +56,7 @@ TEST(SurfaceContacts, TwoEdgesAcrossEachOtherTouchAlongTheirCommonPerpendicular)
   const Surface bar = box_surface({0.4, 0.04, 0.04});
   const Rotation on_edge = about({1, 0, 0}, 0.25 * M_PI);
   const double half = 0.02 * std::sqrt(2);
-  const Rotation across = Rotation{-on_edge.x, 0, 0, on_edge.w} * about({0, 0, 1}, 0.5 * M_PI) * on_edge;
+  const Rotation across = Rotation::from_xyzw(-on_edge.x, 0, 0, on_edge.w) * about({0, 0, 1}, 0.5 * M_PI) * on_edge;
   for (const double depth_m : {0.002, -5e-5}) {
     const Vec3 away = transpose(to_matrix(on_edge)) * Vec3{0, 0, 2 * half - depth_m};
     const auto found = contacts(bar, bar, across, away);

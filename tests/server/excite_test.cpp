@@ -61,6 +61,27 @@ TEST_F(Excite, ASampleOfAnInputIsThatForceForAFrame) {
   EXPECT_LE(test::relative_error_db(kicked, struck), -100);
 }
 
+// As strikes are: by the session, which OSC speaks to, for an input and for a hand; and in the object's own size.
+TEST_F(Excite, PointsFarFromTheObjectAreRefused) {
+  const auto refusal = [](const auto& outcome) { return outcome ? std::string() : outcome.error().message; };
+  const auto excite_at = [&](double x) {
+    return refusal(session_.perform(protocol::Excite{{.name = "a"}, 2, {x, 0, 0}, {0, 0, 1}}, 0));
+  };
+  const auto hold_at = [&](double x, double damping) {
+    return refusal(session_.perform(protocol::SetDamper{{.name = "a"}, {{x, 0, 0}, {}, damping}}, 0));
+  };
+  EXPECT_NE(excite_at(100).find("m off the object"), std::string::npos) << excite_at(100);
+  EXPECT_NE(hold_at(100, 1).find("m off the object"), std::string::npos) << hold_at(100, 1);
+  EXPECT_EQ(hold_at(100, 0), "") << "a hand is taken away from wherever it is said to be";
+  EXPECT_EQ(excite_at(1), "");
+  EXPECT_EQ(hold_at(1, 1), "");
+  ASSERT_TRUE(session_.perform(protocol::SetMaterial{{.name = "a"}, {.size = 100}}, 0));
+  EXPECT_EQ(excite_at(100), "");
+  EXPECT_EQ(refusal(session_.play(protocol::Strike{{.name = "a"}, {100, 0, 0}, {0, 0, 1}, 0}, 0)), "");
+  ASSERT_TRUE(session_.perform(protocol::SetMaterial{{.name = "a"}, {.size = 0.01}}, 0));
+  EXPECT_NE(excite_at(1).find("m off the object"), std::string::npos) << "the object measures 2 cm now";
+}
+
 TEST_F(Excite, AnInputsForceIsTheSameAtAnotherRate) {
   ASSERT_TRUE(excite("a", 2, kForce_n));
   session_.change_sample_rate(96000);

@@ -159,6 +159,7 @@ TEST(Head, WhatIsNoSofaFileIsRefusedInOneSentence) {
   const auto missing = read_head(folder / "missing.sofa");
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message.find("missing.sofa"), std::string::npos);
+  EXPECT_EQ(missing.error().kind, ErrorKind::bad_input) << "as a bank that is missing";
   std::ofstream(folder / "text.sofa") << "This is not a SOFA file.";
   const auto text = read_head(folder / "text.sofa");
   ASSERT_FALSE(text);

@@ -41,7 +41,7 @@ struct Daemon {
 TEST_F(StateTest, TheListenerComesBack) {
   Daemon one, other;
   EXPECT_FALSE(session::state_of(one.session).listener) << "there has never been one";
-  const Pose pose{{1, -2, 0.5}, normalized({0.1, 0.2, -0.3, 0.9})};
+  const Pose pose{{1, -2, 0.5}, normalized(Rotation::from_xyzw(0.1, 0.2, -0.3, 0.9))};
   ASSERT_TRUE(one.session.play(protocol::SetListener{pose}, 0));
   ASSERT_TRUE(one.session.play(protocol::SetListenerAir{-5, 80}, 0));
   const auto come_back = [&] {

@@ -60,7 +60,7 @@ Pose on_circle(std::size_t object, double t) {
   const double place = 2.4 * static_cast<double>(object), turns = object % 2 == 0 ? 1.5 * t : 0;
   const Vec3 toward{std::cos(place + turns) * std::cos(place), std::sin(place + turns) * std::cos(place),
                     std::sin(place)};
-  return {2.0 * toward, {0, std::sin(place + t), 0, std::cos(place + t)}};
+  return {2.0 * toward, Rotation::from_xyzw(0, std::sin(place + t), 0, std::cos(place + t))};
 }
 
 constexpr Frame kPoseEvery = 800;  // 60 a second

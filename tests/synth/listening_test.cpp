@@ -45,7 +45,7 @@ modal::Bank bank_of(const std::vector<Tone>& tones) {
   return bank;
 }
 
-Rotation turn_about_z(double angle) { return {0, 0, std::sin(angle / 2), std::cos(angle / 2)}; }
+Rotation turn_about_z(double angle) { return Rotation::from_xyzw(0, 0, std::sin(angle / 2), std::cos(angle / 2)); }
 
 Event pose_at(Frame frame, ObjectNumber object, const Pose& pose) {
   return {
@@ -317,7 +317,7 @@ TEST(Listening, WhateverMovesHoweverIsFiniteAndBounded) {
   for (int i = 0; i < 300; ++i) {
     const double size = std::pow(10, uniform(6));  // micrometres to a thousand kilometres
     const Pose pose{{uniform(size), uniform(size), uniform(size)},
-                    normalized({uniform(1), uniform(1), uniform(1), uniform(1) + 1e-3})};
+                    normalized(Rotation::from_xyzw(uniform(1), uniform(1), uniform(1), uniform(1) + 1e-3))};
     const auto now = static_cast<Frame>(player->left.size());
     player->push(i % 3 == 0 ? listener_at(now + i, pose) : pose_at(now + 2 * i, 0, pose));
     if (i % 7 == 0) player->push(vertex_strike_at(now + 70, 0, 0, {0, 0, 0.05}));
@@ -346,8 +346,9 @@ TEST(Listening, LooksThatWouldCostTooMuchComeRarerByAsMuchAndSteadily) {
 TEST(Listening, PosesThatAreNoNumbersAreRefusedAndChangeNothing) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   auto player = ringing(), undisturbed = ringing();
-  const std::array<Pose, 5> poses = {Pose{{kNan, 0, 0}, {}}, Pose{{0, kInf, 0}, {}}, Pose{{0, 0, 0}, {0, 0, 0, 0}},
-                                     Pose{{0, 0, 0}, {kNan, 0, 0, 1}}, Pose{{0, 0, 1e300}, {}}};
+  const std::array<Pose, 5> poses = {Pose{{kNan, 0, 0}, {}}, Pose{{0, kInf, 0}, {}},
+                                     Pose{{0, 0, 0}, Rotation::from_xyzw(0, 0, 0, 0)},
+                                     Pose{{0, 0, 0}, Rotation::from_xyzw(kNan, 0, 0, 1)}, Pose{{0, 0, 1e300}, {}}};
   for (const Pose& pose : poses) {
     player->push(pose_at(4800, 0, pose));
     player->push(listener_at(4800, pose));

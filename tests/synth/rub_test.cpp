@@ -196,7 +196,8 @@ TEST(Rubs, AreHeardFromBothObjects) {
     EXPECT_TRUE(player.mixer.silence(0, true));
     Touch rub = pressed_by(1, 0.05, 1e-6);
     rub.other = 1, rub.other_point_m = kPlace;
-    rub.to_other = up_in_other.z == 1 ? Rotation{} : Rotation{0, std::numbers::sqrt2 / 2, 0, std::numbers::sqrt2 / 2};
+    rub.to_other =
+        up_in_other.z == 1 ? Rotation{} : Rotation::from_xyzw(0, std::numbers::sqrt2 / 2, 0, std::numbers::sqrt2 / 2);
     player.push(rub_at(0, 0, rub, 0.1));
     player.render(4800);
     return rms(player.left_from(2400).first(2400));

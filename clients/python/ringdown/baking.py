@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any, Callable, List, Optional, Union
 
 from ._core import Bank
-from .errors import Error
+from .errors import Error, InputError
 
 PathLike = Union[str, "os.PathLike[str]"]
 Progress = Callable[[float, str], None]
 
 PATIENCE_S = 10.0  # for a program that was asked to stop
-KINDS = {2: "bad_input", 3: "bad_input", 130: "cancelled"}  # exit codes; any other: failed
+BAD_INPUT = (2, 3)  # exit codes for wrong options and wrong files
+KINDS = {130: "cancelled"}  # other exit codes; any other: failed
 
 
 def bake(
@@ -52,7 +53,7 @@ def bake(
             sentences = [_without_program(line) for line in complaints.read().splitlines() if line.strip()]
         if code != 0:
             sentence = sentences[-1] if sentences else f"ringdown-bake ended with {code} and said nothing"
-            raise Error(sentence, KINDS.get(code, "failed"))
+            raise InputError(sentence) if code in BAD_INPUT else Error(sentence, KINDS.get(code, "failed"))
         for sentence in sentences:
             warnings.warn(sentence, stacklevel=2)
         return Bank.open(bank)
@@ -61,9 +62,8 @@ def bake(
 def _program(given: Optional[PathLike]) -> str:
     found = os.fspath(given) if given is not None else os.environ.get("RINGDOWN_BAKE") or shutil.which("ringdown-bake")
     if not found:
-        raise Error(
-            "there is no ringdown-bake in $PATH: install the package ringdown-bake, or set RINGDOWN_BAKE to the program",
-            "bad_input",
+        raise InputError(
+            "there is no ringdown-bake in $PATH: install the package ringdown-bake, or set RINGDOWN_BAKE to the program"
         )
     return found
 
@@ -86,7 +86,7 @@ def _run(command: List[str], complaints: Any, progress: Optional[Progress]) -> i
             command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=complaints, text=True, errors="replace"
         )
     except OSError as failure:
-        raise Error(f"{command[0]} cannot be started: {failure.strerror}", "bad_input") from failure
+        raise InputError(f"{command[0]} cannot be started: {failure.strerror}") from failure
     assert child.stdout is not None
     try:
         for line in child.stdout:

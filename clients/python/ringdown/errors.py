@@ -1,13 +1,23 @@
-"""The exception of the module."""
+"""The exceptions of the module."""
 
 
 class Error(Exception):
-    """What the library or ringdown-bake refused. The text is one sentence: what, where, what to do.
+    """What Ringdown refused. The text is one sentence: what, where, what to do; nothing has changed.
 
-    `kind` says what kind of failure it was: "bad_input" (a file or an argument is not what it should be), "too_large",
+    `kind` says what kind of failure it was: "bad_input" (then it is an InputError), "too_large" (a limit is exceeded),
     "refused" (impossible now), "no_memory", "input_output", "cancelled" or "failed".
     """
 
     def __init__(self, sentence: str, kind: str = "failed") -> None:
         super().__init__(sentence)
         self.kind = kind
+
+
+class InputError(Error, ValueError):
+    """A value that is not what it should be: a number out of range, an array of the wrong shape, a file without a bank.
+
+    An argument of the wrong type is a TypeError, as everywhere in Python.
+    """
+
+    def __init__(self, sentence: str, kind: str = "bad_input") -> None:
+        super().__init__(sentence, kind)

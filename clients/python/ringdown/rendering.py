@@ -1,6 +1,7 @@
 """Whole pieces as arrays: what `ringdown render` writes to a file, sample for sample."""
 
 import math
+import operator
 import os
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
@@ -8,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._core import Bank, Mixer
+from .errors import InputError
 
 Event = Union[Mapping[str, Any], Sequence[Any]]
 BankOrPath = Union[Bank, str, "os.PathLike[str]"]
@@ -35,30 +37,37 @@ def _timed(event: Event, numbers: Mapping[str, int], rate_hz: float) -> _Timed:
     else:
         names = ("time_s", "object", "point_m", "impulse_ns", "contact_time_s")
         if not 4 <= len(event) <= len(names):
-            raise ValueError(f"a strike is (time_s, object, point_m, impulse_ns[, contact_time_s]), not {event!r}")
+            raise InputError(f"a strike is (time_s, object, point_m, impulse_ns[, contact_time_s]), not {event!r}")
         arguments = dict(zip(names, event))
     do = arguments.pop("do", "strike")
     if do not in TIMED and do not in CHANGES:
-        raise ValueError(f"'{do}' is no event; there are {', '.join(TIMED + CHANGES)}")
+        raise InputError(f"'{do}' is no event; there are {', '.join(TIMED + CHANGES)}")
     if ("time_s" in arguments) == ("frame" in arguments):
-        raise ValueError(f"an event has either a time_s or a frame: {event!r}")
+        raise InputError(f"an event has either a time_s or a frame: {event!r}")
     if "frame" in arguments:
-        frame = int(arguments.pop("frame"))
+        frame = operator.index(arguments.pop("frame"))
     else:
-        frame = _nearest(float(arguments.pop("time_s")) * rate_hz)
+        frame = _nearest(_real(arguments.pop("time_s"), "time_s") * rate_hz)
     if frame < 0:
-        raise ValueError(f"an event comes before the beginning: {event!r}")
+        raise InputError(f"an event comes before the beginning: {event!r}")
     name = arguments.get("object")
     if isinstance(name, str):
         if name not in numbers:
-            raise ValueError(f"there is no object '{name}'; there are {', '.join(numbers) or 'none'}")
+            raise InputError(f"there is no object '{name}'; there are {', '.join(numbers) or 'none'}")
         arguments["object"] = numbers[name]
     return _Timed(frame, do, arguments)
 
 
+def _real(value: Any, name: str) -> float:
+    """A number as a float; not what float() makes of a text."""
+    if isinstance(value, (str, bytes, bytearray)):
+        raise TypeError(f"{name} must be a number, not {value!r}")
+    return float(value)
+
+
 def _nearest(value: float) -> int:
     if not math.isfinite(value):
-        raise ValueError(f"a time is {value}; it must be a finite number")
+        raise InputError(f"a time is {value}; it must be a finite number")
     return math.floor(abs(value) + 0.5) * (1 if value >= 0 else -1)
 
 
@@ -102,7 +111,7 @@ def _play(
     settings: Mapping[str, Any],
 ) -> Floats:
     if block_frames < 1:
-        raise ValueError("block_frames must be at least 1")
+        raise InputError("block_frames must be at least 1")
     mixer = Mixer(**settings)
     numbers = {
         name: mixer.add(bank if isinstance(bank, Bank) else Bank.open(bank), name) for name, bank in objects.items()
@@ -117,7 +126,7 @@ def _play(
     if seconds is None:
         seconds = max(score[-1].frame / rate_hz + TAIL_S if score else 0.0, scene.duration_s if scene else 0.0)
     if not 0 < seconds <= 86400:
-        raise ValueError("there is nothing to render: give events, or a length of 0 to 86400 seconds")
+        raise InputError("there is nothing to render: give events, or a length of 0 to 86400 seconds")
     latency = mixer.latency_frames
     frames = _nearest(seconds * rate_hz) + latency
     piece = _Piece(mixer, scene, frames)

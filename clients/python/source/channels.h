@@ -1,6 +1,8 @@
 // Sound in numpy arrays as the library wants it. [under Python's lock, but write_back()]
 #pragma once
 
+#include <ringdown_python.h>
+
 #include <pybind11/numpy.h>
 
 #include <cstdint>
@@ -10,8 +12,6 @@
 
 namespace ringdown::python {
 
-namespace py = pybind11;
-
 // Channels that the library reads or writes one after the other, on behalf of an array of frames x channels. Where the
 // array's columns are contiguous they are used as they are; otherwise write_back() copies what was rendered.
 class Channels {
@@ -20,10 +20,10 @@ class Channels {
       : frames_(frames), count_(channels) {
     if (!py::isinstance<py::array_t<float>>(array) || array.ndim() != 2 || array.shape(0) != frames ||
         array.shape(1) != static_cast<py::ssize_t>(channels)) {
-      throw py::value_error(std::string(name) + " must be an array of frames x " + std::to_string(channels) +
-                            " numbers of type float32");
+      refuse(std::string(name) + " must be an array of frames x " + std::to_string(channels) +
+             " numbers of type float32");
     }
-    if (!array.writeable()) throw py::value_error(std::string(name) + " cannot be written to");
+    if (!array.writeable()) refuse(std::string(name) + " cannot be written to");
     bytes_ = static_cast<char*>(const_cast<void*>(array.data()));
     stride_ = array.strides(0);
     channel_stride_ = array.strides(1);

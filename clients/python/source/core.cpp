@@ -5,6 +5,7 @@
 #include <pybind11/numpy.h>
 
 #include <complex>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -72,14 +73,14 @@ py::array levels_of(const Bank& bank) {
 
 using Directions = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-py::array far_field_of(const Bank& bank, std::size_t mode, const Directions& directions) {
+py::array far_field_of(const Bank& bank, Whole<std::uint32_t> mode, const Directions& directions) {
   const bool is_one = directions.ndim() == 1 && directions.shape(0) == 3;
   if (!is_one && !(directions.ndim() == 2 && directions.shape(1) == 3)) {
-    throw py::value_error("directions must be an array of N x 3 numbers");
+    refuse("directions must be an array of N x 3 numbers");
   }
   const auto count = static_cast<std::size_t>(directions.size() / 3);
   py::array_t<std::complex<float>> field(count);
-  call(ringdown_bank_far_field, bank.get(), mode, directions.data(), count,
+  call(ringdown_bank_far_field, bank.get(), std::size_t{mode}, directions.data(), count,
        reinterpret_cast<float*>(field.mutable_data()));
   return field;
 }

@@ -19,8 +19,9 @@ const ringdown_bank* native_bank(const py::handle& bank);  // core.cpp
 
 namespace {
 
-using Object = std::uint32_t;
-using FrameOrNow = std::optional<std::int64_t>;
+using Number = Whole<std::uint32_t>;
+using Object = Number;
+using FrameOrNow = std::optional<Whole<std::int64_t>>;
 
 struct Mixer {
   explicit Mixer(const ringdown_settings& settings) : sample_rate_hz(settings.sample_rate_hz) {
@@ -63,13 +64,13 @@ void fill(Mixer& self, py::ssize_t frames, const std::optional<py::array>& stere
     for (std::size_t c = 0; c < 2; ++c) block.mix[c] = mix->channel(c);
   }
   if (ambisonics) {
-    if (self.ambisonic_channels == 0) throw py::value_error("the mixer was made without ambisonic_order");
+    if (self.ambisonic_channels == 0) refuse("the mixer was made without ambisonic_order");
     sphere.emplace(*ambisonics, "ambisonics", frames, self.ambisonic_channels);
     for (std::size_t c = 0; c < self.ambisonic_channels; ++c) block.ambisonics[c] = sphere->channel(c);
   }
   if (inputs && frames > 0) {
     if (inputs->ndim() != 2 || inputs->shape(0) != frames || inputs->shape(1) > RINGDOWN_MAX_INPUTS) {
-      throw py::value_error("inputs must be an array of frames x at most 4 numbers");
+      refuse("inputs must be an array of frames x at most 4 numbers");
     }
     for (py::ssize_t c = 0; c < inputs->shape(1); ++c) block.inputs[c] = inputs->data(0, c);
   }
@@ -86,7 +87,7 @@ void fill(Mixer& self, py::ssize_t frames, const std::optional<py::array>& stere
 // The next frames as an array whose columns are contiguous, so that the library writes into it directly.
 py::array render(Mixer& self, py::ssize_t frames, const Inputs& inputs, bool ambisonic) {
   constexpr py::ssize_t kMaxFrames = py::ssize_t{1} << 40;
-  if (frames < 0 || frames > kMaxFrames) throw py::value_error("frames must be from 0 to 2^40");
+  if (frames < 0 || frames > kMaxFrames) refuse("frames must be from 0 to 2^40");
   const auto size = static_cast<py::ssize_t>(sizeof(float));
   const auto channels = static_cast<py::ssize_t>(ambisonic ? self.ambisonic_channels : 2);
   const py::array_t<float> sound({frames, channels}, {size, size * frames});
@@ -98,8 +99,8 @@ py::array render(Mixer& self, py::ssize_t frames, const Inputs& inputs, bool amb
 std::int64_t at(const Mixer& mixer, const FrameOrNow& frame) { return frame ? *frame : ringdown_now(mixer.handle); }
 
 std::unique_ptr<Mixer> make(double sample_rate_hz, double full_scale_pa, std::optional<double> limiter_db,
-                            double floor_db, bool exact_contacts, bool travel_time, int ambisonic_order, int threads,
-                            const py::object& head) {
+                            double floor_db, bool exact_contacts, bool travel_time, Whole<int> ambisonic_order,
+                            Whole<int> threads, const py::object& head) {
   constexpr double kNoLimiter_db = 1;
   ringdown_settings settings;
   ringdown_settings_init(&settings, sizeof settings);
@@ -113,7 +114,7 @@ std::unique_ptr<Mixer> make(double sample_rate_hz, double full_scale_pa, std::op
   settings.threads = threads;
   const std::string file = head.is_none() ? std::string() : path_of(head);
   if (!head.is_none()) settings.head = c_string(file);
-  if (limiter_db && *limiter_db > 0) raise(RINGDOWN_BAD_INPUT, "limiter_db must be from -60 to 0, or None");
+  if (limiter_db && *limiter_db > 0) refuse("limiter_db must be from -60 to 0, or None");
   auto mixer = std::make_unique<Mixer>(settings);
   const auto order = static_cast<std::size_t>(ambisonic_order);
   if (order > 0) mixer->ambisonic_channels = (order + 1) * (order + 1);
@@ -135,7 +136,9 @@ void add_sound(Class& mixer) {
   mixer
       .def(
           "render",
-          [](Mixer& self, py::ssize_t frames, const Inputs& inputs) { return render(self, frames, inputs, false); },
+          [](Mixer& self, Whole<py::ssize_t> frames, const Inputs& inputs) {
+            return render(self, frames, inputs, false);
+          },
           py::arg("frames"), py::arg("inputs") = py::none(),
           "The next frames of sound, frames x 2 numbers of type float32. While it computes, other threads go on.\n\n"
           "`inputs`, frames x at most 4 numbers, push the objects that excite() names.")
@@ -149,7 +152,9 @@ void add_sound(Class& mixer) {
           " contiguous (order='F'); and one of the ambisonic channels.")
       .def(
           "render_ambisonics",
-          [](Mixer& self, py::ssize_t frames, const Inputs& inputs) { return render(self, frames, inputs, true); },
+          [](Mixer& self, Whole<py::ssize_t> frames, const Inputs& inputs) {
+            return render(self, frames, inputs, true);
+          },
           py::arg("frames"), py::arg("inputs") = py::none(),
           "The next frames as (ambisonic_order + 1)^2 channels: AmbiX, channels in ACN order, SN3D.")
       .def_property_readonly(
@@ -174,7 +179,7 @@ void add_objects(Class& mixer) {
       .def(
           "add",
           [](Mixer& self, const py::object& bank, const std::optional<std::string>& name) {
-            Object object = 0;
+            std::uint32_t object = 0;
             call(ringdown_add, self.handle, name ? c_string(*name) : nullptr, native_bank(bank), &object);
             return object;
           },
@@ -196,7 +201,7 @@ void add_objects(Class& mixer) {
       .def(
           "hold",
           [](Mixer& self, Object object, const Vector& point_m, double damping_ns_m, const Vector& direction,
-             std::uint32_t number, const FrameOrNow& frame) {
+             Number number, const FrameOrNow& frame) {
             call(ringdown_hold, self.handle, at(self, frame), object, number, point_m.data(), direction.data(),
                  damping_ns_m);
           },
@@ -212,7 +217,7 @@ void add_objects(Class& mixer) {
           py::arg("object"), py::arg("on") = true, "While any object is soloed, only soloed ones are heard.")
       .def(
           "excite",
-          [](Mixer& self, std::uint32_t input, Object object, const Vector& point_m, const Vector& force_n) {
+          [](Mixer& self, Number input, Object object, const Vector& point_m, const Vector& force_n) {
             call(ringdown_excite, self.handle, input, object, point_m.data(), force_n.data());
           },
           py::arg("input"), py::arg("object"), py::arg("point_m"), py::arg("force_n"),
@@ -235,7 +240,7 @@ void add_blows(Class& mixer) {
           " steel or hard wood, 0.001 s for a rubber mallet.")
       .def(
           "strike_at",
-          [](Mixer& self, Object object, std::uint32_t point, const Vector& impulse_ns, double contact_time_s,
+          [](Mixer& self, Object object, Number point, const Vector& impulse_ns, double contact_time_s,
              const FrameOrNow& frame) {
             call(ringdown_strike_at, self.handle, at(self, frame), object, point, impulse_ns.data(), contact_time_s);
           },
@@ -251,8 +256,7 @@ void add_blows(Class& mixer) {
       .def(
           "touch",
           [](Mixer& self, Object object, const Vector& point_m, const Vector& force_n, double slip_m_s, double roll_m_s,
-             std::uint32_t number, double roughness_m, double correlation_m, double spectral_slope,
-             const FrameOrNow& frame) {
+             Number number, double roughness_m, double correlation_m, double spectral_slope, const FrameOrNow& frame) {
             ringdown_contact contact;
             ringdown_contact_init(&contact, sizeof contact);
             contact.number = number;
@@ -273,7 +277,7 @@ void add_blows(Class& mixer) {
       .def(
           "bow",
           [](Mixer& self, Object object, const Vector& point_m, const Vector& direction, double speed_m_s,
-             double force_n, double width_m, double rosin, std::uint32_t number, const FrameOrNow& frame) {
+             double force_n, double width_m, double rosin, Number number, const FrameOrNow& frame) {
             ringdown_bow bow;
             ringdown_bow_init(&bow, sizeof bow);
             bow.number = number;
@@ -306,7 +310,7 @@ void add_blows(Class& mixer) {
           "couple",
           [](Mixer& self, Object object, const Vector& point_m, Object other, const Vector& other_point_m,
              const Vector& direction, double weight_n, double gap_m, double stiffness, double friction, double bounce,
-             double mass_kg, std::uint32_t number, const FrameOrNow& frame) {
+             double mass_kg, Number number, const FrameOrNow& frame) {
             ringdown_coupling coupling;
             ringdown_coupling_init(&coupling, sizeof coupling);
             coupling.number = number, coupling.other = other;
@@ -325,8 +329,7 @@ void add_blows(Class& mixer) {
           " `direction` is the way in which the other pushes this one. A stiffness of 0 parts them.")
       .def(
           "ring",
-          [](Mixer& self, Object object, std::uint32_t first, std::uint32_t count, double amplitude,
-             const FrameOrNow& frame) {
+          [](Mixer& self, Object object, Number first, Number count, double amplitude, const FrameOrNow& frame) {
             call(ringdown_ring, self.handle, at(self, frame), object, first, count, amplitude);
           },
           py::arg("object"), py::arg("first") = 0, py::arg("count") = 1, py::arg("amplitude") = 0.1,
@@ -388,20 +391,24 @@ void add_positions(Class& mixer) {
 }  // namespace
 
 void add_mixer(py::module_& module) {
-  Class mixer(module, "Mixer",
-              "What rings: objects that play banks, events with frames, and blocks of sound.\n\n"
-              "Units are SI. Points and impulses are in the object's own frame. Time is counted in sample frames from"
-              " the first frame that the mixer renders; an event without a frame happens at the beginning of the next"
-              " block. At most 4096 events may come between two blocks. Failures raise ringdown.Error.");
-  mixer.def(py::init(&make), py::arg("sample_rate_hz") = 48000.0, py::kw_only(), py::arg("full_scale_pa") = 20.0,
-            py::arg("limiter_db") = -1.0, py::arg("floor_db") = 120.0, py::arg("exact_contacts") = false,
-            py::arg("travel_time") = false, py::arg("ambisonic_order") = 0, py::arg("threads") = 1,
-            py::arg("head") = py::none(),
-            "full_scale_pa: the sound pressure at 1 m that becomes a sample of 1. limiter_db: ceiling of left and"
-            " right, -60 to 0 dB, or None. floor_db: modes so far below full scale rest. exact_contacts: a strike's"
-            " pulse drives the modes sample by sample. travel_time: a listener hears what happens when its sound has"
-            " travelled there, not at once. ambisonic_order: 1 to 3, for render_ambisonics(). head: a SOFA"
-            " file for binaural sound, or '' for the head that libmysofa brings.");
+  Class mixer(
+      module, "Mixer",
+      "What rings: objects that play banks, events with frames, and blocks of sound.\n\n"
+      "Units are SI. Points and impulses are in the object's own frame. Time is counted in sample frames from"
+      " the first frame that the mixer renders; an event without a frame happens at the beginning of the next"
+      " block. At most 4096 events may come between two blocks, and at most 512 happen in 128 frames. Failures raise"
+      " ringdown.Error.");
+  mixer.def(
+      py::init(&make), py::arg("sample_rate_hz") = 48000.0, py::kw_only(), py::arg("full_scale_pa") = 20.0,
+      py::arg("limiter_db") = -1.0, py::arg("floor_db") = 120.0, py::arg("exact_contacts") = false,
+      py::arg("travel_time") = false, py::arg("ambisonic_order") = 0, py::arg("threads") = 1,
+      py::arg("head") = py::none(),
+      "full_scale_pa: the sound pressure at 1 m that becomes a sample of 1; of an object in the middle, 0.707 on either"
+      " side. limiter_db: ceiling of left and"
+      " right, -60 to 0 dB, or None. floor_db: modes so far below full scale rest. exact_contacts: a strike's"
+      " pulse drives the modes sample by sample. travel_time: a listener hears what happens when its sound has"
+      " travelled there, not at once. ambisonic_order: 1 to 3, for render_ambisonics(). head: a SOFA"
+      " file for binaural sound, or '' for the head that libmysofa brings.");
   add_objects(mixer);
   add_blows(mixer);
   add_positions(mixer);

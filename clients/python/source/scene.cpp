@@ -18,12 +18,14 @@ namespace {
 
 class Scene {
  public:
-  Scene(py::object mixer, const py::object& path, std::int64_t frame) : mixer_(std::move(mixer)) {
+  Scene(py::object mixer, const py::object& path, Whole<std::int64_t> frame) : mixer_(std::move(mixer)) {
+    if (!py::hasattr(mixer_, "_capsule")) throw py::type_error("the first argument must be a ringdown.Mixer");
     const auto capsule = mixer_.attr("_capsule")().cast<py::capsule>();
-    if (std::string(capsule.name()) != kMixerCapsule) throw py::type_error("the first argument must be a Mixer");
+    if (std::string(capsule.name()) != kMixerCapsule)
+      throw py::type_error("the first argument must be a ringdown.Mixer");
     const std::string bytes = path_of(path);
     ringdown_scene* scene = nullptr;
-    call(ringdown_scene_load, capsule.get_pointer<ringdown_mixer>(), c_string(bytes), frame, &scene);
+    call(ringdown_scene_load, capsule.get_pointer<ringdown_mixer>(), c_string(bytes), frame.value, &scene);
     scene_.reset(scene);
   }
 
@@ -57,10 +59,11 @@ PYBIND11_MODULE(_scene, module) {
   py::class_<Scene>(
       module, "Scene",
       "Rigid bodies that fall, collide, slide and roll, and sound by a mixer, which has at most one scene.")
-      .def(py::init<py::object, py::object, std::int64_t>(), py::arg("mixer"), py::arg("path"), py::arg("frame") = 0,
+      .def(py::init<py::object, py::object, Whole<std::int64_t>>(), py::arg("mixer"), py::arg("path"),
+           py::arg("frame") = 0,
            "Loads a scene file (.toml) and the objects that it names into the mixer; the scene starts at `frame`.")
       .def(
-          "advance", [](Scene& self, std::int64_t frame) { ringdown_scene_advance(self.get(), frame); },
+          "advance", [](Scene& self, Whole<std::int64_t> frame) { ringdown_scene_advance(self.get(), frame); },
           py::arg("frame"),
           "Steps the bodies until all events before `frame` have been sent to the mixer. A mixer takes 4096 events"
           " between two blocks, so advance 10 to 50 ms at a time.")
@@ -69,7 +72,7 @@ PYBIND11_MODULE(_scene, module) {
           py::arg("paused") = true, "Stops the bodies, or lets them go on.")
       .def(
           "push",
-          [](Scene& self, std::uint32_t body, const Vector& impulse_ns) {
+          [](Scene& self, Whole<std::uint32_t> body, const Vector& impulse_ns) {
             call(ringdown_scene_push, self.get(), body, impulse_ns.data());
           },
           py::arg("body"), py::arg("impulse_ns"), "An impulse [N s], in the scene's axes, at a body's centre of mass.")

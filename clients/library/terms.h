@@ -1,0 +1,40 @@
+// The words of ringdown.h in place of the protocol's. Private to clients/library. [any thread]
+//
+// Functions of the library make the requests of the protocol, whose ranges hold for both; but a sentence for a C
+// programmer names the function's own parameter ("impulse_ns[2]", not "jz").
+#pragma once
+
+#include "engine/base/result.h"
+#include "protocol/request.h"
+
+#include <cstddef>
+#include <initializer_list>
+#include <utility>
+#include <variant>
+
+namespace ringdown::library {
+
+// Whether all numbers of a request lie in their ranges. A 32-bit float nearest to a limit becomes the limit. Allocates
+// nothing while all are good.
+Result<void> check(protocol::Request& request);
+template <class Struct>
+Result<void> check(Struct& one) {
+  protocol::Request request(std::move(one));
+  Result<void> good = check(request);
+  one = std::get<Struct>(std::move(request));
+  return good;
+}
+
+// Whether an index of that name is below `count`.
+Result<void> check_index(const char* name, std::size_t index, std::size_t count);
+
+// Whether a setting of that name lies in its range; `or_else` ends the sentence about one that does not.
+Result<void> check_within(const char* name, double value, double min, double max, const char* or_else = "");
+
+// The sentence about a pointer that must not be NULL.
+tl::unexpected<Error> missing(const char* name);
+
+// The name of the first pointer that is NULL, or nullptr.
+const char* first_null(std::initializer_list<std::pair<const char*, const void*>> pointers);
+
+}  // namespace ringdown::library

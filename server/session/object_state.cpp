@@ -1,0 +1,19 @@
+#include "server/session/object_state.h"
+
+#include <array>
+#include <cstdio>
+
+namespace ringdown::session {
+
+Result<void> check_point(Vec3 point_m, const ObjectState& object) {
+  const modal::SurfaceIndex& surface = object.map->surface();  // of the object in the size of its bank
+  const double scale = object.material.size;
+  const double size_m = scale * surface.size_m(), distance_m = scale * surface.distance_m((1 / scale) * point_m);
+  if (size_m == 0 || distance_m <= size_m) return {};
+  std::array<char, 96> numbers;
+  std::snprintf(numbers.data(), numbers.size(), "%.3g m off the object, which measures %.3g m", distance_m, size_m);
+  return fail(ErrorKind::bad_input, std::string("the point lies ") + numbers.data() +
+                                        "; points are in metres, in the object's own coordinates");
+}
+
+}  // namespace ringdown::session
