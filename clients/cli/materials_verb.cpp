@@ -1,4 +1,4 @@
-#include "clients/cli/pitch.h"
+#include "engine/base/note.h"
 #include "clients/cli/verb.h"
 #include "engine/bake/material_bar.h"
 #include "engine/bake/material_library.h"
