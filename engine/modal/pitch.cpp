@@ -9,9 +9,9 @@
 // their harmonics), the one of the highest score is the pitch, if
 //
 //   its clarity is a half or more, and it holds, with its harmonics, at least as much energy as what competes,
-//   its weight is a half or more, and no other candidate's score comes near its own.
+//   its weight is a half or more, and no candidate but its harmonics comes near its score.
 //
-// Before that, bells: three partials at 2 : 3 : 4 that hold half of the energy give a strike note an octave below the
+// Otherwise, bells: three partials at 2 : 3 : 4 that hold half of the energy give a strike note an octave below the
 // first of the three [Terhardt & Seewann, Acustica 54, 129, 1984].
 #include "engine/modal/pitch.h"
 
@@ -24,6 +24,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -37,13 +38,14 @@ constexpr int kContacts = 32;
 constexpr double kListeningLevel_db = 70;  // SPL of the whole sound: moderate
 constexpr double kOnePartial_cents = 100;  // closer partials fuse
 constexpr double kInTune_cents = 50;       // that harmonics may be off
-constexpr int kHarmonics = 10;             // that support a pitch, by their number
+constexpr double kBell_cents = 75;  // that 2 : 3 : 4 may be off: the third is 4.166 [Fletcher & Rossing, table 21.1]
+constexpr int kHarmonics = 10;      // that support a pitch, by their number
 constexpr double kLeastClarity = 0.5, kLeastWeight = 0.5;
 constexpr double kTie = 0.9;                               // of the best score: as good
 constexpr double kLeastShare = 0.01;                       // of the energy, that a partial alone must hold: -20 dB
 constexpr double kLeastOfGroup = 1e-4, kGroupShare = 0.5;  // or that it must hold when a group holds half of all
 constexpr double kShortestTone_s =
-    0.01;  // time constant; shorter ones click [Doughty & Garner, J. Exp. Psych. 37, 1947]
+    0.01;  // a time constant; shorter ones click [Doughty & Garner, J. Exp. Psych. 37, 1947]
 constexpr double kEndOfPitch_hz = 5000;  // [Attneave & Olson, Am. J. Psych. 84, 1971]
 
 struct Partial {
@@ -219,20 +221,21 @@ bool is_loud(const Candidate& candidate) {
   return candidate.share >= kLeastShare || (candidate.share >= kLeastOfGroup && candidate.group >= kGroupShare);
 }
 
-// The energy of the partial at this frequency; 0 when there is none or it is weak.
-double strong_at(const std::vector<Partial>& partials, double frequency_hz) {
+// The energy of the strongest partial near this frequency, as near as a bell's are; 0 when all are weak.
+double strong_near(const std::vector<Partial>& partials, double frequency_hz) {
+  double strongest = 0;
   for (const Partial& partial : partials) {
-    if (std::abs(cents_between(partial.frequency_hz, frequency_hz)) < kInTune_cents && partial.energy >= kLeastShare)
-      return partial.energy;
+    if (std::abs(cents_between(partial.frequency_hz, frequency_hz)) < kBell_cents && partial.energy >= kLeastShare)
+      strongest = std::max(strongest, partial.energy);
   }
-  return 0;
+  return strongest;
 }
 
 // The strike note of a bell, with the energy of the three partials that give it.
 std::optional<Candidate> strike_note(const std::vector<Partial>& partials) {
   for (const Partial& nominal : partials) {
-    const double third = strong_at(partials, 1.5 * nominal.frequency_hz);
-    const double fourth = strong_at(partials, 2 * nominal.frequency_hz);
+    const double third = strong_near(partials, 1.5 * nominal.frequency_hz);
+    const double fourth = strong_near(partials, 2 * nominal.frequency_hz);
     const double group = nominal.energy + third + fourth;
     if (nominal.energy < kLeastShare || third == 0 || fourth == 0 || group < kGroupShare) continue;
     return Candidate{.frequency_hz = nominal.frequency_hz / 2, .group = group};
@@ -240,7 +243,7 @@ std::optional<Candidate> strike_note(const std::vector<Partial>& partials) {
   return std::nullopt;
 }
 
-// A candidate that may be the pitch, and the one after it.
+// The candidate of the highest score that may be the pitch, and the next one that is no harmonic of it.
 struct Choice {
   Candidate best, next;
   Candidate any;  // the best if none may be
@@ -248,16 +251,18 @@ struct Choice {
 
 Choice choose(const std::vector<Partial>& partials) {
   Choice choice;
+  std::vector<Candidate> candidates;
   for (const Partial& partial : partials) {
     if (!(partial.weight > 0)) continue;
     const Candidate candidate = judge(partials, partial);
     if (candidate.score > choice.any.score) choice.any = candidate;
     if (!is_tone(partial) || !is_loud(candidate)) continue;
-    if (candidate.score > choice.best.score) {
-      choice.next = std::exchange(choice.best, candidate);
-    } else if (candidate.score > choice.next.score) {
-      choice.next = candidate;
-    }
+    if (candidate.score > choice.best.score) choice.best = candidate;
+    candidates.push_back(candidate);
+  }
+  for (const Candidate& candidate : candidates) {
+    const bool is_rival = !harmonic_of(candidate.frequency_hz, choice.best.frequency_hz);
+    if (is_rival && candidate.score > choice.next.score) choice.next = candidate;
   }
   return choice;
 }
@@ -282,10 +287,10 @@ Pitch estimated_pitch(const Bank& bank) {
     return {.hz = {}, .tone_hz = bank.mode_count() > 0 ? bank.frequency_hz[0] : 440, .reason = "no mode is audible"};
   }
   hear(partials);
-  if (const auto bell = strike_note(partials)) return found(bell->frequency_hz, bell->group);
   const Choice choice = choose(partials);
   const std::string reason = objection(choice);
   if (reason.empty()) return found(choice.best.frequency_hz, choice.best.clarity);
+  if (const auto bell = strike_note(partials)) return found(bell->frequency_hz, bell->group);
   const Candidate& nearest = choice.best.score > 0 ? choice.best : choice.any;
   const double tone_hz = nearest.score > 0 ? nearest.frequency_hz : partials.front().frequency_hz;
   return {.hz = {}, .strength = nearest.clarity, .tone_hz = tone_hz, .reason = reason};
