@@ -9,9 +9,9 @@
 // their harmonics), the one of the highest score is the pitch, if
 //
 //   its clarity is a half or more, and it holds, with its harmonics, at least as much energy as what competes,
-//   its weight is a half or more, and no candidate but its harmonics comes near its score.
+//   it is no more than half masked, and no candidate but its harmonics comes near its score.
 //
-// Otherwise, bells: three partials at 2 : 3 : 4 that hold half of the energy give a strike note an octave below the
+// Before that, bells: three partials at 2 : 3 : 4 that hold half of the energy give a strike note an octave below the
 // first of the three [Terhardt & Seewann, Acustica 54, 129, 1984].
 #include "engine/modal/pitch.h"
 
@@ -38,9 +38,9 @@ constexpr int kContacts = 32;
 constexpr double kListeningLevel_db = 70;  // SPL of the whole sound: moderate
 constexpr double kOnePartial_cents = 100;  // closer partials fuse
 constexpr double kInTune_cents = 50;       // that harmonics may be off
-constexpr double kBell_cents = 75;  // that 2 : 3 : 4 may be off: the third is 4.166 [Fletcher & Rossing, table 21.1]
-constexpr int kHarmonics = 10;      // that support a pitch, by their number
-constexpr double kLeastClarity = 0.5, kLeastWeight = 0.5;
+constexpr double kBellOctave_cents = 75;   // that a bell's 4 may be off: it is 4.17 [Fletcher & Rossing, table 21.1]
+constexpr int kHarmonics = 10;             // that support a pitch, by their number
+constexpr double kLeastClarity = 0.5, kLeastAudibility = 0.5;
 constexpr double kTie = 0.9;                               // of the best score: as good
 constexpr double kLeastShare = 0.01;                       // of the energy, that a partial alone must hold: -20 dB
 constexpr double kLeastOfGroup = 1e-4, kGroupShare = 0.5;  // or that it must hold when a group holds half of all
@@ -50,14 +50,15 @@ constexpr double kEndOfPitch_hz = 5000;  // [Attneave & Olson, Am. J. Psych. 84,
 
 struct Partial {
   double frequency_hz = 0, decay_per_s = 0;
-  double energy = 0;   // in the first second, in any unit; later weighted by the ear, as a share of all
-  double loudest = 0;  // energy of the mode that names it
-  double weight = 0;   // of its spectral pitch, 0 (inaudible) to 1
+  double energy = 0;      // in the first second, in any unit; later weighted by the ear, as a share of all
+  double loudest = 0;     // energy of the mode that names it
+  double audibility = 0;  // by how far it stands above what masks it, 0 (inaudible) to 1
+  double weight = 0;      // of its spectral pitch, 0 to 1
 };
 
 struct Candidate {
   double frequency_hz = 0;
-  double score = 0, clarity = 0, weight = 0;
+  double score = 0, clarity = 0, audibility = 0;
   double share = 0, group = 0, rivals = 0;  // of the energy
 };
 
@@ -179,7 +180,8 @@ void hear(std::vector<Partial>& partials) {
     }
     const double above_db = level_db[i] - 10 * std::log10(masking * masking + std::pow(10, threshold_db(f) / 10));
     const double off = f / 700 - 700 / f;
-    partials[i].weight = above_db > 0 ? (1 - std::exp(-above_db / 15)) / std::sqrt(1 + 0.07 * off * off) : 0;
+    partials[i].audibility = above_db > 0 ? 1 - std::exp(-above_db / 15) : 0;
+    partials[i].weight = partials[i].audibility / std::sqrt(1 + 0.07 * off * off);
   }
   for (Partial& partial : partials) partial.energy *= a_weight(partial.frequency_hz);
   const double weighted = sum();
@@ -195,7 +197,7 @@ std::optional<std::pair<int, double>> harmonic_of(double frequency_hz, double fu
 }
 
 Candidate judge(const std::vector<Partial>& partials, const Partial& own) {
-  Candidate candidate{.frequency_hz = own.frequency_hz, .weight = own.weight, .share = own.energy};
+  Candidate candidate{.frequency_hz = own.frequency_hz, .audibility = own.audibility, .share = own.energy};
   double support = 0, rivals = 0;
   for (const Partial& partial : partials) {
     if (!(partial.weight > 0)) continue;
@@ -221,11 +223,11 @@ bool is_loud(const Candidate& candidate) {
   return candidate.share >= kLeastShare || (candidate.share >= kLeastOfGroup && candidate.group >= kGroupShare);
 }
 
-// The energy of the strongest partial near this frequency, as near as a bell's are; 0 when all are weak.
-double strong_near(const std::vector<Partial>& partials, double frequency_hz) {
+// The energy of the strongest partial as near to this frequency; 0 when all are weak.
+double strong_near(const std::vector<Partial>& partials, double frequency_hz, double tolerance_cents) {
   double strongest = 0;
   for (const Partial& partial : partials) {
-    if (std::abs(cents_between(partial.frequency_hz, frequency_hz)) < kBell_cents && partial.energy >= kLeastShare)
+    if (std::abs(cents_between(partial.frequency_hz, frequency_hz)) < tolerance_cents && partial.energy >= kLeastShare)
       strongest = std::max(strongest, partial.energy);
   }
   return strongest;
@@ -234,8 +236,8 @@ double strong_near(const std::vector<Partial>& partials, double frequency_hz) {
 // The strike note of a bell, with the energy of the three partials that give it.
 std::optional<Candidate> strike_note(const std::vector<Partial>& partials) {
   for (const Partial& nominal : partials) {
-    const double third = strong_near(partials, 1.5 * nominal.frequency_hz);
-    const double fourth = strong_near(partials, 2 * nominal.frequency_hz);
+    const double third = strong_near(partials, 1.5 * nominal.frequency_hz, kInTune_cents);
+    const double fourth = strong_near(partials, 2 * nominal.frequency_hz, kBellOctave_cents);
     const double group = nominal.energy + third + fourth;
     if (nominal.energy < kLeastShare || third == 0 || fourth == 0 || group < kGroupShare) continue;
     return Candidate{.frequency_hz = nominal.frequency_hz / 2, .group = group};
@@ -272,7 +274,7 @@ std::string objection(const Choice& choice) {
   const Candidate& best = choice.best;
   if (best.score == 0) return "nothing below 5 kHz rings for long enough";
   if (best.clarity < kLeastClarity || best.group < best.rivals) return "several partials compete within an octave";
-  if (best.weight < kLeastWeight) return "its partials hide each other";
+  if (best.audibility < kLeastAudibility) return "its partials hide each other";
   if (choice.next.score > kTie * best.score) return "two partials have equal claims";
   return "";
 }
@@ -287,10 +289,10 @@ Pitch estimated_pitch(const Bank& bank) {
     return {.hz = {}, .tone_hz = bank.mode_count() > 0 ? bank.frequency_hz[0] : 440, .reason = "no mode is audible"};
   }
   hear(partials);
+  if (const auto bell = strike_note(partials)) return found(bell->frequency_hz, bell->group);
   const Choice choice = choose(partials);
   const std::string reason = objection(choice);
   if (reason.empty()) return found(choice.best.frequency_hz, choice.best.clarity);
-  if (const auto bell = strike_note(partials)) return found(bell->frequency_hz, bell->group);
   const Candidate& nearest = choice.best.score > 0 ? choice.best : choice.any;
   const double tone_hz = nearest.score > 0 ? nearest.frequency_hz : partials.front().frequency_hz;
   return {.hz = {}, .strength = nearest.clarity, .tone_hz = tone_hz, .reason = reason};

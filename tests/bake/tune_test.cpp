@@ -307,6 +307,8 @@ TEST(TuneProgram, TheProgramWritesAnObjectForEachNoteOfAScale) {
   ASSERT_TRUE(low) << low.error().message;
   ASSERT_TRUE(high) << high.error().message;
   EXPECT_EQ(high->name, "As4");
+  EXPECT_DOUBLE_EQ(low->pitch_hz.value_or(0), 440) << "the key's own was A3";
+  EXPECT_NEAR(high->pitch_hz.value_or(0), 466.1638, 1e-4);
   EXPECT_TRUE(fs::equivalent(low->geometry, kPresets / "objects/bar.geo"));
   EXPECT_GT(low->meshing.parameters.at("length"), high->meshing.parameters.at("length"));
   EXPECT_NE(scale.output.find("of the first"), std::string::npos) << scale.output;
