@@ -11,6 +11,7 @@
 #pragma once
 
 #include "engine/modal/bank.h"
+#include "engine/modal/material_scale.h"
 
 #include <optional>
 #include <string>
@@ -30,6 +31,10 @@ Pitch pitch_of(const Bank& bank);
 
 // The estimate alone.
 Pitch estimated_pitch(const Bank& bank);
+
+// The stated pitch of the object in another size and material, which goes as its modes do; nothing when the bank states
+// none, or when it would lie outside of kStatedPitch_hz.
+std::optional<double> scaled_pitch(const Bank& bank, const MaterialScale& scale);
 
 // "220.00 Hz (A3 +0 ct), as its maker states", or "none: several partials compete within an octave; 516.03 Hz comes
 // closest to one".
