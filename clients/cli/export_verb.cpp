@@ -48,8 +48,13 @@ ExitCode export_samples(ExportArguments& arguments, const std::stop_token& stop)
   });
   line.clear();
   if (!made) return complain(made.error());
-  std::printf("%s: %zu samples, %.0f s in all; its own pitch is %.2f Hz, on key %d\n", made->sfz.c_str(), made->samples,
-              made->seconds, made->pitch_hz, made->key);
+  std::printf("%s: %zu samples, %.0f s in all; ", made->sfz.c_str(), made->samples, made->seconds);
+  if (made->no_pitch.empty()) {
+    std::printf("its own pitch is %.2f Hz, on key %d\n", made->pitch_hz, made->key);
+  } else {
+    std::printf("it has no definite pitch (%s): %.2f Hz lies on key %d, which --pitch changes\n",
+                made->no_pitch.c_str(), made->pitch_hz, made->key);
+  }
   return ExitCode::ok;
 }
 
@@ -71,7 +76,8 @@ void add_export_verb(CLI::App& app, ExitCode& outcome) {
   verb->add_option("--step", options.step, "Keys from one size to the next; a sampler transposes between.")
       ->check(manual::between(1, 24))
       ->capture_default_str();
-  verb->add_option("--pitch", options.pitch, "The MIDI key that it sounds in its own size; default: by its modes.")
+  verb->add_option("--pitch", options.pitch,
+                   "The MIDI key that it sounds in its own size; default: by its pitch, which `ringdown info` prints.")
       ->check(manual::between(0, session::kKeys - 1))
       ->type_name("KEY");
   verb->add_option("--velocities", options.velocities, "Layers of velocity: softer blows last longer.")

@@ -1,8 +1,9 @@
-#include "clients/cli/pitch.h"
+#include "engine/base/note.h"
 #include "clients/cli/verb.h"
 #include "engine/base/folders.h"
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
+#include "engine/modal/pitch.h"
 
 #include <CLI/CLI.hpp>
 
@@ -111,6 +112,7 @@ void print_head(const modal::Bank& bank) {
     std::printf("grain      E = %.3g %.3g %.3g Pa, nu = %.3g %.3g %.3g, G = %.3g %.3g %.3g Pa\n", e[0], e[1], e[2],
                 nu[0], nu[1], nu[2], g[0], g[1], g[2]);
   }
+  std::printf("pitch      %s\n", modal::describe(modal::pitch_of(bank)).c_str());
   if (!bank.provenance.parts.empty()) {
     std::string parts;
     for (const std::string& part : bank.provenance.parts) parts += (parts.empty() ? "" : ", ") + part;

@@ -1,4 +1,4 @@
-#include "clients/cli/pitch.h"
+#include "engine/base/note.h"
 #include "clients/cli/verb.h"
 #include "engine/bake/material_bar.h"
 #include "engine/bake/material_library.h"
@@ -94,7 +94,7 @@ double t60_at(const modal::Material& material, double frequency_hz) {
   return modal::t60_s(modal::mode_loss(material.damping_law(), omega * omega).total_per_s());
 }
 
-std::string pitch_of(const modal::Bank& bar) {
+std::string lowest_mode_of(const modal::Bank& bar) {
   if (bar.mode_count() == 0) return "none";
   char text[48];
   std::snprintf(text, sizeof text, "%7.1f Hz  %s", bar.frequency_hz.front(),
@@ -112,8 +112,8 @@ void print_row(const bake::MaterialEntry& entry) {
   const modal::Bank bar = bake::bar_bank(m);
   const double t60 = bar.mode_count() > 0 ? modal::t60_s(bar.decay_per_s.front()) : 0;
   std::printf("%-17s %7.4g %6.3g %7.5g  %-22s %7.2g s %5.2g s %5.2g s  |%s|\n", m.name.c_str(),
-              m.youngs_modulus_pa / 1e9, m.poisson_ratio, m.density_kg_m3, pitch_of(bar).c_str(), t60, t60_at(m, 1000),
-              t60_at(m, 4000), decay_curve(bar).c_str());
+              m.youngs_modulus_pa / 1e9, m.poisson_ratio, m.density_kg_m3, lowest_mode_of(bar).c_str(), t60,
+              t60_at(m, 1000), t60_at(m, 4000), decay_curve(bar).c_str());
 }
 
 // Twelve lines of the level against time.
@@ -200,7 +200,7 @@ ExitCode show(const MaterialsArguments& arguments) {
   if (const auto written = session::write_audio(strike(bar), arguments.sound); !written)
     return complain(written.error());
   std::printf("%s: %.0f s of a bar of %s, %s\n", arguments.sound.c_str(), kSeconds, arguments.name.c_str(),
-              pitch_of(bar).c_str());
+              lowest_mode_of(bar).c_str());
   return ExitCode::ok;
 }
 

@@ -1,5 +1,6 @@
 #include "clients/library/handles.h"
 
+#include "engine/modal/pitch.h"
 #include "engine/modal/radiation_map.h"
 
 using namespace ringdown;
@@ -59,6 +60,18 @@ ringdown_result ringdown_bank_describe(const ringdown_bank* bank, ringdown_bank_
     }
     ours.has_radiation = known.radiation.has_value();
     return library::give(info, ours);
+  });
+}
+
+ringdown_result ringdown_bank_pitch(const ringdown_bank* bank, double* hz, ringdown_pitch* kind) {
+  return guarded(nullptr, [&]() -> Result<void> {
+    if (!bank) return missing("bank");
+    if (!hz) return missing("hz");
+    if (!kind) return missing("kind");
+    const modal::Pitch pitch = modal::pitch_of(bank->file.map->bank());
+    *hz = pitch.tone_hz;
+    *kind = pitch.stated ? RINGDOWN_PITCH_STATED : pitch.hz ? RINGDOWN_PITCH_ESTIMATED : RINGDOWN_PITCH_NONE;
+    return {};
   });
 }
 

@@ -128,6 +128,16 @@ typedef struct ringdown_bank_info {
 /* Fills as many members as info->size has room for. Set info->size before. */
 RINGDOWN_API ringdown_result ringdown_bank_describe(const ringdown_bank* bank, ringdown_bank_info* info);
 
+typedef enum ringdown_pitch {
+  RINGDOWN_PITCH_NONE = 0,      /* it has no definite pitch, as most plates */
+  RINGDOWN_PITCH_ESTIMATED = 1, /* by its modes */
+  RINGDOWN_PITCH_STATED = 2     /* by its maker, in the bank */
+} ringdown_pitch;
+
+/* The pitch of the object in its own size and material [Hz]. Without a definite pitch, the frequency that comes closest
+ * to one, which is always above 0. Takes milliseconds. */
+RINGDOWN_API ringdown_result ringdown_bank_pitch(const ringdown_bank* bank, double* hz, ringdown_pitch* kind);
+
 /* Arrays of the bank; they live as long as it does. */
 RINGDOWN_API const double* ringdown_bank_frequencies_hz(const ringdown_bank* bank);  /* M, damped */
 RINGDOWN_API const double* ringdown_bank_decays_per_s(const ringdown_bank* bank);    /* M, of the amplitude; T60 = 6.91/decay */

@@ -145,6 +145,7 @@ void Instrument::load(const Source& source) {
   const auto embedded = embedded_bytes(embedded_, source);
   auto plan = plan_keys(source, embedded ? std::string_view(*embedded) : std::string_view());
   if (!plan) return report(plan.error().message);
+  if (!plan->notice.empty() && !parameters_.on(Parameter::tuning)) report(plan->notice);
   plan->map.generation = ++generations_;
   plan_ = std::make_unique<KeyPlan>(*std::move(plan));
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -91,9 +92,9 @@ double heard_of_blow(double frequency_hz) {
   return std::abs(std::cos(std::numbers::pi * turns / 2) / (1 - turns * turns));
 }
 
-// The lowest of the modes that send nearly as much energy as any after a blow of wood, or the one that the bank calls
-// the most important, if that is lower. There is no better rule known: people disagree about the pitch of bells.
-double pitch_hz(const ringdown_bank* bank, const std::vector<double>& amplitudes_pa) {
+// The pitch that earlier versions found: the lowest of the modes that send nearly as much energy as any after a blow
+// of wood. Sessions that they saved at concert pitch have sizes by it, so players are told where it differs.
+double pitch_before_hz(const ringdown_bank* bank, const std::vector<double>& amplitudes_pa) {
   const double* const frequencies_hz = ringdown_bank_frequencies_hz(bank);
   const double* const decays_per_s = ringdown_bank_decays_per_s(bank);
   std::vector<double> energies(amplitudes_pa.size());
@@ -126,6 +127,24 @@ Result<void> add_body(const std::filesystem::path& path, std::string_view bytes,
   plan.map.bodies.push_back(*body);
   plan.banks.push_back(*std::move(bank));
   return {};
+}
+
+// Where the pitch differs from what it was taken for before, by more than any ear would call in tune.
+std::string notice_of(const Body& body, const ringdown_bank* bank, const Source& source) {
+  constexpr double kTolerance_octaves = 0.5 / 12;
+  ringdown_bank_info info{};
+  info.size = sizeof info;
+  ringdown_bank_describe(bank, &info);
+  const Shapes shapes{info.modes, info.points, ringdown_bank_shapes(bank), ringdown_bank_points_m(bank)};
+  const double before_hz = pitch_before_hz(bank, audible_pa(bank, shapes, body));
+  if (std::abs(std::log2(body.pitch_hz / before_hz)) < kTolerance_octaves) return "";
+  char text[240];
+  std::snprintf(text, sizeof text,
+                ": at concert pitch its keys are tuned by %.1f Hz; earlier versions took %.1f Hz, so a session saved "
+                "by them sounds %.1f semitones %s",
+                body.pitch_hz, before_hz, 12 * std::abs(std::log2(body.pitch_hz / before_hz)),
+                body.pitch_hz < before_hz ? "higher" : "lower");
+  return source.path.string() + text;
 }
 
 // libringdown refuses blows beside the object, and the audio thread must not make any.
@@ -199,7 +218,10 @@ Result<Body> measure(const ringdown_bank* bank) {
   lay_stations(shapes, {middle[0], middle[1], middle[2]}, body);
   if (info.mass_kg > 0) body.mass_kg = info.mass_kg;
   const std::vector<double> amplitudes_pa = audible_pa(bank, shapes, body);
-  body.pitch_hz = pitch_hz(bank, amplitudes_pa);
+  ringdown_pitch kind = RINGDOWN_PITCH_NONE;
+  if (ringdown_bank_pitch(bank, &body.pitch_hz, &kind) != RINGDOWN_OK) {
+    return fail(ErrorKind::bad_input, "the bank's pitch cannot be found");
+  }
   double power = 0;
   for (const double amplitude : amplitudes_pa) power += amplitude * amplitude / 2;
   body.even_impulse_ns = power > 0 ? kEvenLevel_pa / std::sqrt(power) : kBlow_m_s * body.mass_kg;
@@ -210,6 +232,7 @@ Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded) {
   if (is_note_map(source)) return plan_note_map(source.path);
   KeyPlan plan;
   if (const auto good = add_body(source.path, embedded, plan); !good) return fail(good.error());
+  plan.notice = notice_of(plan.map.bodies[0], plan.banks[0].get(), source);
   for (std::uint32_t key = 0; key < kKeys; ++key) {
     plan.map.keys[key].sounds = true;
     plan.map.keys[key].object = key;

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -38,7 +39,7 @@ struct Body {
     Vec3 position_m, direction;
   };
   std::array<Station, kStations> stations;  // from where the main modes move most to the middle of the object
-  double pitch_hz = 1;                      // of the mode that one would sing
+  double pitch_hz = 1;                      // as ringdown_bank_pitch() has it
   double mass_kg = 1;
   double even_impulse_ns = 0;  // a blow at the first station that gives kEvenLevel_pa
 };
@@ -75,6 +76,7 @@ struct KeyMap {
 struct KeyPlan {
   KeyMap map;
   std::vector<std::shared_ptr<ringdown_bank>> banks;  // one for each of map.bodies
+  std::string notice;  // a sentence for who plays a single bank at concert pitch; or empty
 };
 
 // Reads what the source names; `embedded`: the bytes of its bank, instead of the file. [worker]

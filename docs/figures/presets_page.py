@@ -5,6 +5,7 @@ RINGDOWN is the program. What the page says comes from presets/objects/*.toml an
 """
 import io
 import pathlib
+import re
 import subprocess
 import sys
 import tomllib
@@ -23,9 +24,9 @@ the object answers most, in dB over Hz. T60 is that of this mode. Play one:
     ringdownd --object it=presets/banks/NAME.glb --connect &
     ringdown strike it --vertex 0 --impulse 0,0,-0.01
 
-[Pictures](previews.md) show all modes of one.
+[Pictures](previews.md) show all modes of one. A [pitch](materials.md#pitch) in bold is stated; the others are estimated.
 
-| | object | material | lowest pitch in Hz (note, cents) | T60 [s] |
+| | object | material | pitch in Hz (note, cents) | T60 [s] |
 |---|---|---|---|---|
 """
 
@@ -35,17 +36,23 @@ def info(ringdown, bank):
 
 
 def modes_of(ringdown, bank):
-    """(frequency [Hz], T60 [s], note) of each mode, in the bank's order."""
+    """(frequency [Hz], T60 [s]) of each mode, in the bank's order."""
     modes = []
     for line in info(ringdown, bank).split("\n\n")[1].splitlines()[1:]:
         words = line.split()
-        modes.append((float(words[1]), float(words[2]), " ".join(words[-3:])))
+        modes.append((float(words[1]), float(words[2])))
     return modes
 
 
-def lowest_pitch(modes):
-    frequency, _, note = min(modes)
-    return f"{frequency:.{0 if frequency >= 1000 else 1}f} ({note.removesuffix(' ct')})"
+def pitch_of(ringdown, bank):
+    """As "220.0 (A3 +0)", in bold where it is stated; "none"."""
+    line = next(line for line in info(ringdown, bank).splitlines() if line.startswith("pitch "))
+    found = re.match(r"pitch +([0-9.]+) Hz \((.*) ct\), as (\w+)", line)
+    if not found:
+        return "none"
+    frequency, stated = float(found[1]), found[3] != "estimated"
+    text = f"{frequency:.{0 if frequency >= 1000 else 1}f} ({found[2]})"
+    return f"**{text}**" if stated else text
 
 
 def small_picture(ringdown, bank, path):
@@ -70,7 +77,7 @@ def row(ringdown, path):
     picture = PICTURES / f"{name}.png"
     small_picture(ringdown, bank, picture)
     modes = modes_of(ringdown, bank)
-    return (f"| ![{name}](../figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {lowest_pitch(modes)} "
+    return (f"| ![{name}](../figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {pitch_of(ringdown, bank)} "
             f"| {modes[0][1]:.2g} |\n")
 
 

@@ -420,7 +420,9 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
                                           "it, as youngs_modulus_1_pa");
   }
   Result<BakedObject> object = bake_recipe(*whole, material->material, progress);
-  if (object) object->baked.bank.gain = std::pow(10.0, recipe.gain_db / 20);
+  if (!object) return object;
+  object->baked.bank.gain = std::pow(10.0, recipe.gain_db / 20);
+  object->baked.bank.pitch_hz = recipe.pitch_hz;
   return object;
 }
 

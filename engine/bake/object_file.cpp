@@ -1,6 +1,7 @@
 #include "engine/bake/object_file.h"
 
 #include "engine/bake/makeup_file.h"
+#include "engine/base/note.h"
 #include "engine/base/toml_table.h"
 
 #include <cmath>
@@ -63,6 +64,22 @@ void read_options(TomlTable& file, BakeOptions& options) {
   options.band_high_hz = band[1];
 }
 
+// A note's name, or a frequency in Hz.
+std::optional<double> parse_pitch(const std::string& word) {
+  if (const auto note = note_number(word)) return note_frequency(*note);
+  const Result<double> hz = parse_fraction(word);
+  return hz && !word.ends_with('%') && modal::kStatedPitch_hz.holds(*hz) ? std::optional(*hz) : std::nullopt;
+}
+
+void read_pitch(TomlTable& file, ObjectRecipe& recipe) {
+  std::vector<std::string> words;
+  file.words("pitch", words, false);
+  if (words.empty()) return;
+  recipe.pitch_hz = parse_pitch(words.front());
+  if (!recipe.pitch_hz)
+    file.complain("pitch", "pitch must be a note such as \"A4\" or \"F#3\", or a frequency of 1 to 100000 Hz");
+}
+
 // Surfaces of parts become groups, named as they are seen from the geometry's folder, where they must lie.
 void read_part_surfaces(TomlTable& file, const std::filesystem::path& folder, ObjectRecipe& recipe) {
   for (Part& part : recipe.options.makeup.parts) {
@@ -101,6 +118,7 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   file->fraction("error", recipe.error, kError);
   file->fraction("shape_error", recipe.options.shape_error, kShapeError);
   file->number("gain_db", recipe.gain_db, kGain_db);
+  read_pitch(*file, recipe);
   file->number("budget_s", recipe.budget_s, kBudget_s);
   if (auto good = file->finish(); !good) return fail(good.error());
   return recipe;
@@ -134,6 +152,13 @@ std::string number_text(double value) {
   return text;
 }
 
+// The note's name where the pitch is one of equal temperament, else Hz.
+std::string pitch_text(double pitch_hz) {
+  const int note = static_cast<int>(std::lround(note_of(pitch_hz)));
+  const bool is_note = note >= 0 && note <= 127 && std::abs(pitch_hz / note_frequency(note) - 1) < 1e-6;
+  return is_note ? "\"" + note_word(note) + "\"" : number_text(pitch_hz);
+}
+
 class Lines {
  public:
   explicit Lines(std::string_view text) {
@@ -146,7 +171,7 @@ class Lines {
 
   // Sets a key in the table of that name; "" is the top level of the file.
   void set(const std::string& table, const std::string& key, const std::string& value) {
-    const std::regex line("(\\s*" + key + "\\s*=\\s*)[^#]*?(\\s*(#.*)?)");
+    const std::regex line("(\\s*" + key + "\\s*=\\s*)(?:\"[^\"]*\"|[^#\"])*?(\\s*(#.*)?)");
     auto [at, end] = range(table);
     for (; at < end; ++at) {
       std::smatch found;
@@ -205,6 +230,11 @@ Result<std::string> change_object(std::string_view text, const ObjectChanges& ch
   ObjectRecipe wanted = *before;
   Lines lines(text);
   lines.drop("name");
+  if (changes.pitch_hz) {
+    lines.set("", "pitch", pitch_text(*changes.pitch_hz));
+  } else {
+    lines.drop("pitch");
+  }
   if (changes.mesh_size_m > 0) lines.set("", "mesh_size_m", number_text(changes.mesh_size_m));
   if (!changes.geometry.empty()) {
     lines.set("", "geometry", "\"" + changes.geometry.generic_string() + "\"");
@@ -215,7 +245,8 @@ Result<std::string> change_object(std::string_view text, const ObjectChanges& ch
     wanted.meshing.parameters[key] = std::stod(number_text(value));
   }
   const Result<ObjectRecipe> after = parse_object(lines.text(), "the object");
-  if (!after || after->geometry != wanted.geometry || after->meshing.parameters != wanted.meshing.parameters) {
+  if (!after || after->geometry != wanted.geometry || after->meshing.parameters != wanted.meshing.parameters ||
+      after->pitch_hz.has_value() != changes.pitch_hz.has_value()) {
     return fail(
         ErrorKind::bad_input,
         "the object's file is written in a way that cannot be changed line by line; give each key a line of its "

@@ -22,6 +22,7 @@
 //   coupled = 40                     # of these, the lowest, exchange energy while they are loud; default 0, up to 64
 //   verify = true                    # have a second solver agree, or fail (solve/second_opinion.h); default false
 //   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
+//   pitch = "A4"                     # or 440, in Hz: the note that it is tuned to; default: found by its modes
 //   budget_s = 20                    # processor seconds that a bake of it should not exceed; default: none
 //   [grain]                          # the material's axes (makeup.h); without, the material is isotropic
 //   along = [1, 0, 0]                # of its grain
@@ -55,6 +56,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,6 +74,7 @@ struct ObjectRecipe {
   std::map<std::string, double> figures;  // of the material, by their keys in its file, instead of what stands there
   bool other_material = false;  // `material` is not the object's own: a grain that it has no constants for is left out
   double gain_db = 0;
+  std::optional<double> pitch_hz;  // stated, of the object at its scale and in its material
   double error = 0;  // relative, that the estimate for every frequency in the band must reach; 0: whatever it is
   double most_unknowns = 400'000;  // that `error` may lead to
   bool preview = false;            // coarse and quick; `error` does not count
@@ -98,6 +101,7 @@ struct ObjectChanges {
   std::map<std::string, double> parameters;  // of [parameters]; new ones are added
   double mesh_size_m = 0;                    // 0: as it is
   std::filesystem::path geometry;            // as the file says it; empty: as it is
+  std::optional<double> pitch_hz;            // a note where it is one; nothing: what the file states goes
 };
 
 // `text`, an object file, with these figures; its name goes, so that it is the new file's. Comments and order stay.

@@ -18,6 +18,7 @@
 // Modes stand in order of decreasing perceptual importance, not of pitch. Rigid-body modes are not in it.
 #pragma once
 
+#include "engine/base/range.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/damping.h"
 #include "engine/modal/losses.h"
@@ -65,6 +66,7 @@ struct BankRadiation {
 };
 
 inline constexpr double kPeakBlow_ns = 0.05;
+inline constexpr Range kStatedPitch_hz{1, 1e5};
 
 // How the bank was made; all of it optional, none of it needed to play. Kept in extras.ringdown of the file.
 struct Provenance {
@@ -97,8 +99,9 @@ struct Bank {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::optional<Material> material;
   std::optional<MassProperties> mass;
-  bool held = false;  // supports hold it: it is no free body
-  double gain = 1;    // linear, on all that it sounds: how loud its maker wants it beside others
+  bool held = false;               // supports hold it: it is no free body
+  double gain = 1;                 // linear, on all that it sounds: how loud its maker wants it beside others
+  std::optional<double> pitch_hz;  // that its maker states, in kStatedPitch_hz; without, see pitch.h
   Provenance provenance;
 
   [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }

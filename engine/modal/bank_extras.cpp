@@ -259,6 +259,8 @@ Result<void> read_extras(const Glb& glb, const Field& extras, Bank& bank) {
   };
   if (bank.material) bank.material->orthotropy = read_orthotropy();
   bank.held = extras["held"].present() && extras["held"].json() == Json(true);
+  const double pitch_hz = extras["pitch"].number().value_or(0);
+  if (kStatedPitch_hz.holds(pitch_hz)) bank.pitch_hz = pitch_hz;
   bank.provenance = read_provenance(extras);
   auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());
   if (!radiation) return fail(radiation.error());
@@ -278,6 +280,7 @@ Json extras_json(const Bank& bank, GlbWriter& writer) {
     json["lossFactors"] = loss_factors_json(bank.material->loss_factors);
   if (bank.material && bank.material->orthotropy) json["orthotropic"] = orthotropy_json(*bank.material->orthotropy);
   if (bank.held) json["held"] = true;
+  if (bank.pitch_hz) json["pitch"] = *bank.pitch_hz;
   if (bank.radiation) json["radiation"] = radiation_json(*bank.radiation, writer);
   if (bank.nonlinear) json["nonlinear"] = nonlinear_json(*bank.nonlinear, writer);
   return json;

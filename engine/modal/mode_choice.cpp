@@ -7,7 +7,7 @@ namespace ringdown::modal {
 // All members of a bank are named: a new one that holds modes and is not named here would not compile.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
   auto& [name, frequencies, decays, losses, radiation, nonlinear, errors, shape_errors, positions, shapes, triangles,
-         material, mass, held, gain, provenance] = bank;
+         material, mass, held, gain, pitch, provenance] = bank;
   const auto take = [&order](auto& list, std::size_t width) {
     if (list.empty()) return;
     std::remove_reference_t<decltype(list)> chosen;

@@ -2,6 +2,8 @@
 
 #include "engine/modal/mode_choice.h"
 
+#include <cmath>
+#include <optional>
 #include <vector>
 
 namespace ringdown::modal {
@@ -29,6 +31,10 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
     out.material->damping.alpha_per_s *= scale.alpha;
     out.material->damping.beta_s *= scale.beta;
     if (out.material->orthotropy) out.material->orthotropy = stiffer(*out.material->orthotropy, scale.stiffness);
+  }
+  if (bank.pitch_hz) {
+    const double pitch_hz = *bank.pitch_hz * std::sqrt(lambda_factor(scale));
+    out.pitch_hz = kStatedPitch_hz.holds(pitch_hz) ? std::optional(pitch_hz) : std::nullopt;
   }
   if (ringing.size() < bank.mode_count()) take_modes(out, ringing);
   return out;

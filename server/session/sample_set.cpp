@@ -1,7 +1,9 @@
 #include "server/session/sample_set.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/note.h"
 #include "engine/base/version.h"
+#include "engine/modal/pitch.h"
 #include "server/session/rack.h"
 #include "server/session/sound_file.h"
 
@@ -14,14 +16,10 @@ namespace ringdown::session {
 namespace {
 
 constexpr double kBlow_ns = 0.05;
-constexpr double kPeak = 0.7;          // of the loudest sample, full scale 1: -3 dB
-constexpr double kSilence_db = 80;     // below its own peak a sample ends
-constexpr double kLoudEnough_db = 20;  // a mode so far below the loudest may still be the one that one sings
+constexpr double kPeak = 0.7;       // of the loudest sample, full scale 1: -3 dB
+constexpr double kSilence_db = 80;  // below its own peak a sample ends
 constexpr double kFade_s = 0.03, kPeakWithin_s = 0.3;
 constexpr std::size_t kBlock = 256;
-
-double hz_of(double key) { return 440 * std::exp2((key - 69) / 12); }
-double key_of(double hz) { return 69 + 12 * std::log2(hz / 440); }
 
 // One place of the surface, and the blow that rings the object there.
 struct Place {
@@ -127,16 +125,16 @@ class Maker {
     }
   }
 
-  // The lowest mode among the loud ones.
   void find_pitch() {
-    const std::vector<double> levels = levels_at(places_[0]);
-    const double loud = *std::ranges::max_element(levels) * std::pow(10, -kLoudEnough_db / 20);
-    set_.pitch_hz = std::numeric_limits<double>::infinity();
-    for (std::size_t m = 0; m < levels.size(); ++m) {
-      if (levels[m] >= loud) set_.pitch_hz = std::min(set_.pitch_hz, bank().frequency_hz[m]);
+    if (options_.pitch) {
+      set_.key = *options_.pitch;
+      set_.pitch_hz = note_frequency(set_.key);
+      return;
     }
-    set_.key = options_.pitch.value_or(std::clamp(static_cast<int>(std::lround(key_of(set_.pitch_hz))), 0, kKeys - 1));
-    if (options_.pitch) set_.pitch_hz = hz_of(*options_.pitch);
+    const modal::Pitch pitch = modal::pitch_of(bank());
+    set_.pitch_hz = pitch.tone_hz;
+    set_.no_pitch = pitch.reason;
+    set_.key = std::clamp(static_cast<int>(std::lround(note_of(set_.pitch_hz))), 0, kKeys - 1);
   }
 
   [[nodiscard]] std::vector<Zone> zones() const {
@@ -144,7 +142,7 @@ class Maker {
     std::vector<Zone> zones;
     for (int low = options_.keys->low; low <= options_.keys->high; low += options_.step) {
       const int high = std::min(low + options_.step - 1, options_.keys->high), center = (low + high) / 2;
-      zones.push_back({low, high, center, set_.pitch_hz / hz_of(center)});
+      zones.push_back({low, high, center, set_.pitch_hz / note_frequency(center)});
     }
     return zones;
   }
@@ -230,7 +228,8 @@ class Maker {
     std::ostringstream text;
     text << "// " << (bank().name.empty() ? options_.bank.filename().string() : bank().name)
          << ", rendered from its vibration modes by Ringdown " << kVersion << "\n"
-         << "// Its own pitch is " << set_.pitch_hz << " Hz. A layer of velocities is a contact time; loudness is the\n"
+         << "// " << (set_.no_pitch.empty() ? "Its own pitch is " : "It has no definite pitch; on its key lies ")
+         << set_.pitch_hz << " Hz. A layer of velocities is a contact time; loudness is the\n"
          << "// player's (velocity / 127)^2; a repeated key strikes another "
             "point.\n\n<control>\ndefault_path=samples/\n\n"
          << "<global>\namp_veltrack=100\n";

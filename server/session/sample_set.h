@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace ringdown::session {
@@ -33,7 +34,8 @@ struct SampleSetOptions {
   };
   std::optional<Keys> keys;  // nothing: the object in its own size, on its own key
   int step = 3;              // keys from one size to the next
-  std::optional<int> pitch;  // the MIDI key that the object in its own size sounds; nothing: found by its modes
+  std::optional<int>
+      pitch;  // the MIDI key that the object in its own size sounds; nothing: by its pitch (modal/pitch.h)
 
   int velocities = 5;          // layers
   int strikes = 4;             // that take turns when a key is repeated
@@ -46,9 +48,10 @@ struct SampleSetOptions {
 
 struct SampleSet {
   std::size_t samples = 0;
-  double seconds = 0;  // of all of them
-  double pitch_hz = 0;
-  int key = 0;  // on which the object in its own size lies
+  double seconds = 0;    // of all of them
+  double pitch_hz = 0;   // of the object in its own size, or what comes closest to a pitch
+  int key = 0;           // on which the object in its own size lies
+  std::string no_pitch;  // why it has no definite pitch; "" when it has one, or when the options say it
   std::filesystem::path sfz;
 };
 

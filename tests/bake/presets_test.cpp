@@ -1,5 +1,6 @@
 // The text files: strict reading, and that every preset in the repository is whole.
 #include "engine/bake/bake_object.h"
+#include "engine/bake/input_hash.h"
 #include "engine/bake/material_library.h"
 #include "engine/modal/bank_file.h"
 #include "tests/support/temporary_folder.h"
@@ -149,7 +150,14 @@ TEST(ObjectFile, AnObjectFileRefusesMistakesByLine) {
   EXPECT_EQ(bake::read_object(folder.write("a.toml", good + "scale = 1000\n"))->scale, 1000);
   EXPECT_DOUBLE_EQ(bake::read_object(folder.write("a.toml", good + "error = \"0.1%\"\n"))->error, 1e-3);
   EXPECT_DOUBLE_EQ(bake::read_object(folder.write("a.toml", good + "error = 0.002\n"))->error, 2e-3);
+  EXPECT_FALSE(bake::read_object(folder.write("a.toml", good))->pitch_hz);
+  EXPECT_NEAR(*bake::read_object(folder.write("a.toml", good + "pitch = \"F#3\"\n"))->pitch_hz, 184.9972, 1e-4);
+  EXPECT_DOUBLE_EQ(*bake::read_object(folder.write("a.toml", good + "pitch = 966.1\n"))->pitch_hz, 966.1);
   const std::pair<const char*, const char*> mistakes[] = {
+      {"pitch = \"H4\"", ":3: pitch must be a note such as"},
+      {"pitch = 0.5", ":3: pitch must be a note such as"},
+      {"pitch = \"50%\"", ":3: pitch must be a note such as"},
+      {"pitch = [440]", ":3: pitch must be"},
       {"element = \"hex8\"", ":3: element must be \"tet10\""},
       {"surface_points = 2.5", ":3: surface_points must be a whole number"},
       {"surface_points = 3", ":3: surface_points must be a whole number >= 4"},
@@ -283,6 +291,22 @@ TEST(Presets, EveryBankHasItsObject) {
     EXPECT_TRUE(std::binary_search(names.begin(), names.end(), name)) << name << " has no object";
   }
   EXPECT_LE(bytes, 17'500'000u);
+}
+
+// A bank is what a bake of its object would be: `./run presets`, which gives these two options, bakes none again.
+TEST(Presets, EveryBankIsOfItsObjectAsItStands) {
+  for (const std::string& name : object_names()) {
+    const fs::path file = kPresets / "objects" / (name + ".toml");
+    const auto object = bake::read_object(file);
+    ASSERT_TRUE(object) << object.error().message;
+    const auto hash = bake::input_hash({.object = file,
+                                        .geometry = object->geometry,
+                                        .material = kPresets / "materials" / (object->material + ".toml"),
+                                        .options = {"--compress", "--radiation"}});
+    const fs::path bank = kPresets / "banks" / (name + ".glb");
+    EXPECT_EQ(modal::read_input_hash(bank), hash) << name;
+    EXPECT_EQ(modal::read_bank(bank)->pitch_hz, object->pitch_hz) << name;
+  }
 }
 
 TEST(Presets, EveryObjectHasItsBank) {

@@ -1,5 +1,5 @@
 // ringdown tune: the optimiser against closed forms, families of modes, and a bar that a finer bake finds in tune.
-#include "clients/cli/pitch.h"
+#include "engine/base/note.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/tune_object.h"
 #include "engine/base/atomic_file.h"
@@ -122,15 +122,14 @@ TEST(Tune, TheTunerStopsWhenAskedTo) {
 }
 
 TEST(Pitch, NotesHaveNumbersAndFrequencies) {
-  EXPECT_EQ(cli::note_number("A4"), 69);
-  EXPECT_EQ(cli::note_number("C-1"), 0);
-  EXPECT_EQ(cli::note_number("G9"), 127);
-  for (const char* sharp : {"F#3", "Fs3", "Gb3"}) EXPECT_EQ(cli::note_number(sharp), 54) << sharp;
-  for (const char* none : {"", "H4", "A", "A44", "a4", "G#9", "Cb-1", "4A"})
-    EXPECT_FALSE(cli::note_number(none)) << none;
-  EXPECT_DOUBLE_EQ(cli::note_frequency(69), 440);
-  EXPECT_NEAR(cli::note_frequency(53), 174.614, 1e-3);
-  for (int number = 12; number <= 127; ++number) EXPECT_EQ(cli::note_number(cli::note_word(number)), number);
+  EXPECT_EQ(note_number("A4"), 69);
+  EXPECT_EQ(note_number("C-1"), 0);
+  EXPECT_EQ(note_number("G9"), 127);
+  for (const char* sharp : {"F#3", "Fs3", "Gb3"}) EXPECT_EQ(note_number(sharp), 54) << sharp;
+  for (const char* none : {"", "H4", "A", "A44", "a4", "G#9", "Cb-1", "4A"}) EXPECT_FALSE(note_number(none)) << none;
+  EXPECT_DOUBLE_EQ(note_frequency(69), 440);
+  EXPECT_NEAR(note_frequency(53), 174.614, 1e-3);
+  for (int number = 12; number <= 127; ++number) EXPECT_EQ(note_number(note_word(number)), number);
 }
 
 TEST(ObjectText, AChangedObjectFileChangesFiguresAndKeepsTheRest) {
@@ -150,6 +149,18 @@ TEST(ObjectText, AChangedObjectFileChangesFiguresAndKeepsTheRest) {
   EXPECT_FALSE(bake::change_object("material = \"steel\"\n", {}));
   EXPECT_FALSE(bake::change_object("material = \"steel\"\ngeometry = \"b.geo\"\nparameters = { length = 3 }\n",
                                    {.parameters = {{"length", 4}}}));
+}
+
+TEST(ObjectText, AChangedShapeHasItsOwnPitch) {
+  const std::string text = "material = \"steel\"\npitch = \"F#3\"  # of the old one\ngeometry = \"bar.geo\"\n";
+  const auto pitch_line = [&text](const bake::ObjectChanges& changes) {
+    const std::string changed = bake::change_object(text, changes).value_or("");
+    const std::size_t at = changed.find("pitch");
+    return at == changed.npos ? "" : changed.substr(at, changed.find('\n', at) - at);
+  };
+  EXPECT_EQ(pitch_line({.pitch_hz = 440}), "pitch = \"A4\"  # of the old one");
+  EXPECT_EQ(pitch_line({.pitch_hz = 441}), "pitch = 441  # of the old one");
+  EXPECT_EQ(pitch_line({}), "");
 }
 
 bake::ObjectRecipe bar(double mesh_size_m, fem::Element element) {
@@ -296,6 +307,8 @@ TEST(TuneProgram, TheProgramWritesAnObjectForEachNoteOfAScale) {
   ASSERT_TRUE(low) << low.error().message;
   ASSERT_TRUE(high) << high.error().message;
   EXPECT_EQ(high->name, "As4");
+  EXPECT_DOUBLE_EQ(low->pitch_hz.value_or(0), 440) << "the key's own was A3";
+  EXPECT_NEAR(high->pitch_hz.value_or(0), 466.1638, 1e-4);
   EXPECT_TRUE(fs::equivalent(low->geometry, kPresets / "objects/bar.geo"));
   EXPECT_GT(low->meshing.parameters.at("length"), high->meshing.parameters.at("length"));
   EXPECT_NE(scale.output.find("of the first"), std::string::npos) << scale.output;

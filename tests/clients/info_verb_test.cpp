@@ -24,5 +24,23 @@ TEST(InfoVerb, ABankOfWallsThatAreMeshedTooCoarselySaysSoFirst) {
   EXPECT_NE(output.find("0.4 elements"), std::string::npos) << output;
 }
 
+TEST(InfoVerb, APitchIsPrintedWithWhereItIsFrom) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "tone.glb";
+  modal::Bank bank = single_mode_bank(440, 2);
+  const auto said = [&] {
+    EXPECT_TRUE(modal::write_bank(bank, path));
+    const std::string output = run({RINGDOWN_BIN_DIR "/ringdown", "info", path.string()}).output;
+    const std::size_t at = output.find("\npitch ");
+    return at == output.npos ? output : output.substr(at + 1, output.find('\n', at + 1) - at - 1);
+  };
+  EXPECT_EQ(said(), "pitch      440.00 Hz (A4 +0 ct), as estimated from its modes");
+  bank.pitch_hz = 220;
+  EXPECT_EQ(said(), "pitch      220.00 Hz (A3 +0 ct), as its maker states");
+  bank.pitch_hz.reset();
+  bank.decay_per_s = {1000};
+  EXPECT_TRUE(said().starts_with("pitch      none: ")) << said();
+}
+
 }  // namespace
 }  // namespace ringdown::test

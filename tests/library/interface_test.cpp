@@ -21,6 +21,29 @@ bool says(const ringdown_error& error, const std::string& part) {
   return std::string(error.sentence).find(part) != std::string::npos;
 }
 
+TEST(LibraryBank, SaysThePitchAndWhereItIsFrom) {
+  const TemporaryFolder folder;
+  modal::Bank bank = single_mode_bank(440, 2);
+  const auto pitch_of = [&] {
+    EXPECT_TRUE(modal::write_bank(bank, folder / "a.glb"));
+    ringdown_bank* opened = nullptr;
+    EXPECT_EQ(ringdown_bank_open((folder / "a.glb").c_str(), &opened, nullptr), RINGDOWN_OK);
+    std::pair<double, ringdown_pitch> pitch;
+    EXPECT_EQ(ringdown_bank_pitch(opened, &pitch.first, &pitch.second), RINGDOWN_OK);
+    ringdown_bank_release(opened);
+    return pitch;
+  };
+  EXPECT_EQ(pitch_of(), std::pair(440.0, RINGDOWN_PITCH_ESTIMATED));
+  bank.pitch_hz = 220;
+  EXPECT_EQ(pitch_of(), std::pair(220.0, RINGDOWN_PITCH_STATED));
+  bank.pitch_hz.reset();
+  bank.decay_per_s = {1000};
+  EXPECT_EQ(pitch_of(), std::pair(440.0, RINGDOWN_PITCH_NONE)) << "the frequency that comes closest";
+  double hz = 0;
+  ringdown_pitch kind{};
+  EXPECT_EQ(ringdown_bank_pitch(nullptr, &hz, &kind), RINGDOWN_BAD_INPUT);
+}
+
 TEST(LibraryBank, GivesTheArraysOfTheFile) {
   const TemporaryFolder folder;
   const modal::Bank bank = random_bank(3, 25, 12);

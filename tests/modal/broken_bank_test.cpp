@@ -311,6 +311,22 @@ TEST(BrokenProvenance, ErrorsThatAreNotOneSoundNumberAModeAreNone) {
   EXPECT_EQ(parse(parts.join())->frequency_error, std::vector<double>(modes, 0.01));
 }
 
+TEST(BrokenBank, APitchThatIsNoFrequencyCountsAsAbsent) {
+  GlbParts parts(written(bar_bank(3)));
+  EXPECT_FALSE(parse(parts.join())->pitch_hz);
+  for (const Json& pitch : {Json(0), Json(-440), Json(1e6), Json("A4"), Json(nullptr), Json::array({440})}) {
+    parts.model()["extras"]["ringdown"]["pitch"] = pitch;
+    const auto bank = parse(parts.join());
+    ASSERT_TRUE(bank) << bank.error().message;
+    EXPECT_FALSE(bank->pitch_hz) << pitch;
+  }
+  parts.model()["extras"]["ringdown"]["pitch"] = 233.08;
+  const auto bank = parse(parts.join());
+  ASSERT_TRUE(bank) << bank.error().message;
+  EXPECT_EQ(bank->pitch_hz, 233.08);
+  EXPECT_EQ(parse(written(*bank))->pitch_hz, 233.08) << "written and read again";
+}
+
 // Whatever bytes a file has, reading gives a bank that keeps its promises, or a sentence.
 void flip_at_random(const std::string& good) {
   const std::size_t text = word(good, 12);

@@ -16,6 +16,24 @@ TEST_F(InstrumentTest, KeysHaveConcertPitch) {
   }
 }
 
+TEST(KeyPlan, TunedThingsAreTunedByTheirNotesAndTheirPlayersAreToldWhatChanged) {
+  const auto plan_of = [](const std::string& preset) {
+    const std::string path = RINGDOWN_SOURCE_DIR "/presets/banks/" + preset + ".glb";
+    return plan_keys({path, path}, {}).value();
+  };
+  for (const auto& [name, hz] : {std::pair{"vibraphone-key", 220.0},
+                                 {"xylophone-key", 440.0},
+                                 {"tuning-fork", 440.0},
+                                 {"glockenspiel-bar", 1046.5},
+                                 {"wine-glass", 1136.2}}) {
+    EXPECT_NEAR(plan_of(name).map.bodies[0].pitch_hz / hz, 1, 1e-3) << name;
+  }
+  const std::string notice = plan_of("xylophone-key").notice;
+  EXPECT_NE(notice.find("440.0 Hz"), notice.npos) << notice;
+  EXPECT_NE(notice.find("1320.2 Hz"), notice.npos) << "as before: " << notice;
+  EXPECT_EQ(plan_of("glockenspiel-bar").notice, "") << "as it was";
+}
+
 // The bar is tuned to C6, and a struck wine glass sings with its lowest mode of the rim.
 TEST_F(InstrumentTest, BanksOfManyModesHaveTheirTonesAtThePitchOfTheKey) {
   for (const auto& [name, own_hz] : {std::pair{"glockenspiel-bar", 1046.5}, {"wine-glass", 1136.2}}) {

@@ -1,5 +1,5 @@
 // The `ringdown` program, run for real: what it sends, prints and refuses.
-#include "clients/cli/pitch.h"
+#include "engine/base/note.h"
 #include "tests/server/fake_daemon.h"
 #include "tests/support/temporary_folder.h"
 
@@ -137,13 +137,13 @@ TEST_F(BakeFolder, OneSentenceSaysThatTheBakingSiblingIsMissing) {
 }
 
 TEST(NoteName, NoteNamesFollowEqualTemperament) {
-  EXPECT_EQ(cli::note_name(440), "A4 +0 ct");
-  EXPECT_EQ(cli::note_name(261.6256), "C4 +0 ct");  // middle C
-  EXPECT_EQ(cli::note_name(246.9417), "B3 +0 ct");  // the octave's number changes at C
-  EXPECT_EQ(cli::note_name(27.5), "A0 +0 ct");      // the piano's lowest
-  EXPECT_EQ(cli::note_name(20), "D#0 +49 ct");      // 19.445 Hz, and 1200 log2(20 / 19.445) = 48.7
-  EXPECT_EQ(cli::note_name(450), "A4 +39 ct");      // 1200 log2(45 / 44) = 38.9
-  EXPECT_EQ(cli::note_name(0), "");
+  EXPECT_EQ(note_name(440), "A4 +0 ct");
+  EXPECT_EQ(note_name(261.6256), "C4 +0 ct");  // middle C
+  EXPECT_EQ(note_name(246.9417), "B3 +0 ct");  // the octave's number changes at C
+  EXPECT_EQ(note_name(27.5), "A0 +0 ct");      // the piano's lowest
+  EXPECT_EQ(note_name(20), "D#0 +49 ct");      // 19.445 Hz, and 1200 log2(20 / 19.445) = 48.7
+  EXPECT_EQ(note_name(450), "A4 +39 ct");      // 1200 log2(45 / 44) = 38.9
+  EXPECT_EQ(note_name(0), "");
 }
 
 TEST(RingdownInfo, TheInfoCommandListsEveryModeOfABank) {

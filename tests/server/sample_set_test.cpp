@@ -84,6 +84,30 @@ class SampleSetTest : public testing::Test {
   SampleSetOptions options_;
 };
 
+// Of the bar's modes the one at ten times the pitch is the loudest at first.
+TEST_F(SampleSetTest, ABarLiesOnTheKeyThatItIsTunedTo) {
+  options_.bank = RINGDOWN_SOURCE_DIR "/presets/banks/vibraphone-key.glb";
+  options_.max_s = 0.1;
+  options_.velocities = options_.strikes = 1;
+  const SampleSet set = made();
+  EXPECT_NEAR(set.pitch_hz, 220, 0.1);
+  EXPECT_EQ(set.key, 57);
+  EXPECT_EQ(set.no_pitch, "");
+  EXPECT_EQ(regions_of(set.sfz).at(0).number("pitch_keycenter"), 57);
+}
+
+TEST_F(SampleSetTest, WhatHasNoPitchSaysSoAndTheKeyThatIsAskedForCounts) {
+  options_.bank = RINGDOWN_SOURCE_DIR "/presets/banks/ceramic-tile.glb";
+  options_.max_s = 0.1;
+  options_.velocities = options_.strikes = 1;
+  EXPECT_NE(made().no_pitch, "");
+  options_.folder = folder_ / "again";
+  options_.pitch = 60;
+  const SampleSet set = made();
+  EXPECT_EQ(set.no_pitch, "");
+  EXPECT_EQ(set.key, 60);
+}
+
 TEST_F(SampleSetTest, EveryKeyAndVelocityPlaysOneSampleInTurnAtItsPitch) {
   options_.keys = {60, 70};
   options_.velocities = 3;

@@ -185,7 +185,13 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.unit) recipe.meshing.unit_m = cli::parse_unit(*arguments.unit);
   if (arguments.cavities) recipe.meshing.cavities = true;
   if (arguments.force_coarse) recipe.meshing.force_coarse = true;
-  if (arguments.scale) recipe.scale = *arguments.scale;
+  const bool is_other_body = arguments.material || !arguments.figures.empty() || !arguments.parameters.empty() ||
+                             !arguments.supports.empty() || arguments.unit;
+  if (is_other_body) recipe.pitch_hz.reset();  // the object file states that of its own body
+  if (arguments.scale) {
+    if (recipe.pitch_hz) *recipe.pitch_hz *= recipe.scale / *arguments.scale;
+    recipe.scale = *arguments.scale;
+  }
   recipe.figures = arguments.figures;
   for (const std::string& text : arguments.supports) {
     const Result<bake::Support> support = bake::parse_support(text);

@@ -5,7 +5,7 @@
 // are out of reach or a file cannot be written; cancelled. Nothing is written of an object whose targets were missed.
 #include "clients/cli/long_work.h"
 #include "clients/cli/bake/tune_options.h"
-#include "clients/cli/pitch.h"
+#include "engine/base/note.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/output_file.h"
@@ -57,7 +57,7 @@ void print_table(const std::string& name, const bake::TuneRequest& request, cons
     const std::string label = std::string(bake::family_name(target.family)) + " " + std::to_string(target.mode);
     std::printf("  %-14s %10.3f   %10.3f   %+6.2f         %6.2f       %8.4f  %s\n", label.c_str(), target.frequency_hz,
                 mode.frequency_hz, mode.cents, mode.error_cents, mode.frequency_hz / tuned.found.front().frequency_hz,
-                cli::note_name(mode.frequency_hz).c_str());
+                note_name(mode.frequency_hz).c_str());
   }
   std::fflush(stdout);
 }
@@ -92,6 +92,8 @@ Result<void> write_object(const TuneArguments& arguments, const bake::TuneReques
   changes.parameters.insert(arguments.settings.begin(), arguments.settings.end());
   changes.geometry = geometry_seen_from(request.recipe.geometry, output.parent_path());
   changes.mesh_size_m = tuned.mesh_size_m;
+  const bake::TuneTarget& first = request.targets.front();
+  if (first.mode == 1) changes.pitch_hz = first.frequency_hz;
   const Result<std::string> changed = bake::change_object(*text, changes);
   if (!changed) return fail(changed.error());
   return write_output(output, *changed);
@@ -128,8 +130,8 @@ ExitCode tune_scale(const TuneArguments& arguments, bake::TuneRequest& request, 
   fs::create_directories(arguments.output, error);
   ExitCode worst = ExitCode::ok;
   for (int note = arguments.lowest_note; note <= arguments.highest_note; ++note) {
-    request.targets = cli::targets_at(arguments, cli::note_frequency(note));
-    const fs::path output = arguments.output / (cli::note_word(note) + ".toml");
+    request.targets = cli::targets_at(arguments, note_frequency(note));
+    const fs::path output = arguments.output / (note_word(note) + ".toml");
     const ExitCode code = tune_one(arguments, request, output, stop);
     if (code == ExitCode::cancelled) return code;
     if (code != ExitCode::ok) worst = code;

@@ -1,7 +1,7 @@
 #include "clients/cli/bake/tune_options.h"
 
 #include "clients/cli/bake/options.h"
-#include "clients/cli/pitch.h"
+#include "engine/base/note.h"
 #include "packaging/manual/command_line.h"
 
 #include <cmath>

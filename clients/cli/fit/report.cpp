@@ -1,6 +1,6 @@
 #include "clients/cli/fit/report.h"
 
-#include "clients/cli/pitch.h"
+#include "engine/base/note.h"
 #include "engine/modal/damping.h"
 
 #include <algorithm>

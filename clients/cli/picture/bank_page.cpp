@@ -2,7 +2,7 @@
 
 #include "clients/cli/picture/bank_picture.h"
 #include "clients/cli/picture/view_data.h"
-#include "clients/cli/pitch.h"
+#include "engine/base/note.h"
 #include "engine/modal/damping.h"
 
 #include <algorithm>

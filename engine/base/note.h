@@ -8,14 +8,17 @@
 #include <string>
 #include <string_view>
 
-namespace ringdown::cli {
+namespace ringdown {
+
+// A frequency as a note's number, with fractions: 69.5 is a quarter tone above A4.
+inline double note_of(double frequency_hz) { return 69 + 12 * std::log2(frequency_hz / 440); }
 
 // The nearest note of equal temperament at A4 = 440 Hz and the distance from it: "A4 +0 ct". C4 is middle C.
 // "" when the frequency is not above 0 or not finite.
 inline std::string note_name(double frequency_hz) {
   if (!(frequency_hz > 0) || !std::isfinite(frequency_hz)) return "";
   constexpr const char* kNames[] = {"C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"};
-  const double key = 69 + 12 * std::log2(frequency_hz / 440);  // MIDI's numbering: 60 is middle C
+  const double key = note_of(frequency_hz);  // MIDI's numbering: 60 is middle C
   const double nearest = std::round(key);
   const int octave = static_cast<int>(std::floor(nearest / 12)) - 1;
   const int step = static_cast<int>(nearest - 12 * std::floor(nearest / 12));
@@ -43,7 +46,7 @@ inline std::optional<int> note_number(std::string_view note) {
   return number >= 0 && number <= 127 ? std::optional(number) : std::nullopt;
 }
 
-inline double note_frequency(int number) { return 440 * std::exp2((number - 69) / 12.0); }
+inline double note_frequency(double number) { return 440 * std::exp2((number - 69) / 12); }
 
 // The note's name as part of a file name: "Fs3" for 54.
 inline std::string note_word(int number) {
@@ -51,4 +54,4 @@ inline std::string note_word(int number) {
   return kNames[number % 12] + std::to_string(number / 12 - 1);
 }
 
-}  // namespace ringdown::cli
+}  // namespace ringdown
