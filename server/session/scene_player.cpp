@@ -73,7 +73,7 @@ Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::fi
   if (!text) return fail(text.error());
   if (!is_gltf) return scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
   const modal::ReadBeside beside = [&](const std::string& relative, std::size_t limit) {
-    return roots.read(path.parent_path() / relative, limit);
+    return roots.read_beside(path, relative, limit);
   };
   auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside);
   if (!read) return fail(read.error());
