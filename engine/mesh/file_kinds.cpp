@@ -5,7 +5,6 @@
 #include "engine/mesh/geo_language.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -53,13 +52,6 @@ bool declares_mesh_size(const std::filesystem::path& path) {
   if (!is_of_kind(path, FileKind::program)) return false;
   const Result<std::string> text = read_whole_file(path, kMaxGeoBytes);
   return text && assigns(*text, kMeshSizeName);
-}
-
-bool gmsh_knows_ending(const std::filesystem::path& path) {
-  const FileFormat* format = format_of(path);
-  const std::string ending = path.extension().string();
-  return format && format->known_to_gmsh &&
-         (ending == format->ending || std::ranges::none_of(ending, [](unsigned char c) { return std::islower(c); }));
 }
 
 double unit_in_file(const std::filesystem::path& path) {

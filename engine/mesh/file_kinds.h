@@ -22,10 +22,6 @@ bool is_geometry_file(const std::filesystem::path& path);
 // (Sketch::sized_by_file in body.h).
 bool declares_mesh_size(const std::filesystem::path& path);
 
-// True where gmsh goes by the file's ending, which it knows in small or in capital letters; it takes other files for
-// its own language, unless their first line says otherwise.
-bool gmsh_knows_ending(const std::filesystem::path& path);
-
 // What the file says its unit is, else 1: .step and .iges say it, and gmsh hands them over in millimetres; a .unv may.
 double unit_in_file(const std::filesystem::path& path);
 

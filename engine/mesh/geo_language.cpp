@@ -3,7 +3,6 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/file_format.h"
 #include "engine/base/quote.h"
-#include "engine/mesh/file_kinds.h"
 
 #include <algorithm>
 #include <array>
@@ -246,6 +245,13 @@ std::optional<std::vector<fs::path>> files_named_by_geo(std::string_view text) {
     files.emplace_back(word.quoted);
   }
   return files;
+}
+
+bool gmsh_knows_ending(const std::filesystem::path& path) {
+  const FileFormat* format = format_of(path);
+  const std::string ending = path.extension().string();
+  return format && format->known_to_gmsh &&
+         (ending == format->ending || std::ranges::none_of(ending, [](unsigned char c) { return std::islower(c); }));
 }
 
 Result<void> check_geo(const fs::path& geometry) { return Inspection(geometry).run(); }

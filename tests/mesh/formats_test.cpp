@@ -1,5 +1,6 @@
 // One mesh in every format that gmsh writes: each is read back as the same body.
 #include "engine/bake/bake.h"
+#include "engine/base/file_format.h"
 #include "engine/mesh/body_reader.h"
 #include "engine/mesh/gmsh_reader.h"
 #include "tests/support/temporary_folder.h"
@@ -194,7 +195,9 @@ $EndElements
 TEST(Formats, EndingsMeanTheSameInAnyLetters) {
   const test::TemporaryFolder folder;
   const auto body = [&](const std::string& name) {
-    return mesh::BodyReader(folder.path() / name).read({.mesh_size_m = 0.05, .order = 1, .parameters = {}});
+    mesh::GmshOptions options{.mesh_size_m = 0.05, .order = 1, .parameters = {}};
+    if (has_ending(name, ".brep")) options.unit_m = 0.001;
+    return mesh::BodyReader(folder.path() / name).read(options);
   };
   {
     const mesh::GmshSession session;
