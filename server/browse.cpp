@@ -1,5 +1,7 @@
 #include "server/browse.h"
 
+#include "engine/base/file_format.h"
+
 #include <algorithm>
 #include <set>
 #include <string>
@@ -27,8 +29,8 @@ std::string shown(const fs::path& path, const fs::path& here) {
 void look_at(const fs::directory_entry& entry, const fs::path& here, Kinds& found) {
   std::error_code error;
   if (!entry.is_regular_file(error) || entry.is_symlink(error)) return;
-  const bool is_scene = entry.path().extension() == ".toml" && entry.path().parent_path().filename() == "scenes";
-  if (!is_scene && entry.path().extension() != ".glb") return;
+  const bool is_scene = is_of_kind(entry.path(), FileKind::table) && entry.path().parent_path().filename() == "scenes";
+  if (!is_scene && !has_ending(entry.path(), ".glb")) return;
   const fs::path real = fs::canonical(entry.path(), error);
   if (error || !found.seen.insert(real).second) return;
   (is_scene ? found.scenes : found.banks).insert(shown(entry.path(), here));

@@ -194,7 +194,7 @@ void JackClient::show_inputs(std::uint32_t inputs) {
 }
 
 // jackd takes one byte less than libjack says.
-std::size_t JackClient::max_name_length() { return static_cast<std::size_t>(jack_client_name_size()) - 2; }
+std::size_t max_jack_name_length() { return static_cast<std::size_t>(jack_client_name_size()) - 2; }
 
 std::string JackClient::name() const { return jack_get_client_name(client_); }
 double JackClient::sample_rate_hz() const { return jack_get_sample_rate(client_); }

@@ -34,6 +34,9 @@ struct JackConnection {
   friend auto operator<=>(const JackConnection&, const JackConnection&) = default;
 };
 
+// The longest name that a client can have, in bytes. [any]
+std::size_t max_jack_name_length();
+
 class JackClient {
  public:
   // Returns null when no server answers or the server is full. JACK's threads call `on_change` when the server has
@@ -46,8 +49,6 @@ class JackClient {
   ~JackClient();
   JackClient(const JackClient&) = delete;
   JackClient& operator=(const JackClient&) = delete;
-
-  [[nodiscard]] static std::size_t max_name_length();  // bytes [any]
 
   [[nodiscard]] std::string name() const;                        // the name that the server gave
   [[nodiscard]] bool lost() const { return lost_; }              // the server has gone [any]

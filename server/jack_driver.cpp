@@ -124,7 +124,8 @@ class JackDriver final : public Driver {
     stand_in_ = std::move(*stand_in);
   }
 
-  // What waits for a slow client in freewheel, or is inside our callback, is not a server that has stopped.
+  // Leaves a server that has stopped calling. A server that waits for a slow client in freewheel, or is inside our
+  // callback, has not stopped.
   void leave_if_silent() {
     const std::uint64_t calls = client_->calls();
     const auto silence = watch_.look(calls, client_->freewheels() || calls % 2 == 1, Clock::now());
@@ -288,7 +289,7 @@ class JackDriver final : public Driver {
 }  // namespace
 
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
-  if (const std::size_t most = JackClient::max_name_length(); options.client_name.size() > most) {
+  if (const std::size_t most = max_jack_name_length(); options.client_name.size() > most) {
     return fail(ErrorKind::usage, "--name: JACK takes names of at most " + std::to_string(most) + " bytes, not " +
                                       std::to_string(options.client_name.size()));
   }

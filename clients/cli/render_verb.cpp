@@ -65,7 +65,7 @@ ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
   if (rendering->peak > 1)
     complain("it exceeds full scale: lower the objects' gain, or keep the float file", ExitCode::ok);
   const bool asked_for_sound = arguments.options.scene || arguments.score;
-  if (recording->peak == 0 && asked_for_sound)
+  if (rendering->peak == 0 && asked_for_sound)
     return complain(arguments.output + " is digital silence: nothing that sounds was struck", ExitCode::silence);
   return ExitCode::ok;
 }

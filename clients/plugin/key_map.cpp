@@ -129,7 +129,7 @@ Result<void> add_body(const std::filesystem::path& path, std::string_view bytes,
   return {};
 }
 
-// Where the pitch differs from what it was taken for before, by more than any ear would call in tune.
+// Returns a sentence if earlier versions took another pitch for the bank, by more than any ear would call in tune.
 std::string notice_of(const Body& body, const ringdown_bank* bank, const Source& source) {
   constexpr double kTolerance_octaves = 0.5 / 12;
   ringdown_bank_info info{};

@@ -157,7 +157,7 @@ void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t va
   }
 }
 
-// As RP-015 of the MIDI Association says, which leaves controller 74 as it is.
+// Resets what RP-015 of the MIDI Association lists, which leaves controller 74 as it is.
 void Keyboard::reset_controllers(std::size_t channel, const Stage& stage) RINGDOWN_REALTIME {
   damp_released(keys_.lift_pedals(channel), stage);
   bend(channel, 0, stage);

@@ -1,5 +1,6 @@
 #include "clients/plugin/sources.h"
 
+#include "engine/base/file_format.h"
 #include "engine/base/folders.h"
 
 #include <algorithm>
@@ -56,6 +57,6 @@ Source find_source(std::size_t choice, const std::string& file, const std::files
   return {std::string(preset), presets / (map ? "notes" : "banks") / (std::string(preset) + (map ? ".toml" : ".glb"))};
 }
 
-bool is_note_map(const Source& source) { return source.path.extension() == ".toml"; }
+bool is_note_map(const Source& source) { return is_of_kind(source.path, FileKind::table); }
 
 }  // namespace ringdown::plugin

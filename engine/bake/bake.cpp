@@ -338,7 +338,7 @@ modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes,
           .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};
 }
 
-// What was found of a body that has no mode in its band.
+// The modes of a body that has none in its band.
 struct AboveBand {
   BodyModes modes;
   std::vector<HeardMode> lowest;

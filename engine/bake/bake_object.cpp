@@ -173,12 +173,14 @@ class Baker {
       recipe_.meshing.quick = true;
       recipe_.options.shape_error = std::max(recipe_.options.shape_error, kPreviewShapeError);
     }
-    const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
+    const bool named = recipe_.meshing.mesh_size_m > 0;
     if (!reader_.meshes()) return {};
     if (named && !recipe_.preview) return reader_.is_surface() ? check_named_size() : Result<void>();
     if (!go_on("mesh", 0)) return fail_cancelled();
     const Result<mesh::Sketch> sketch = reader_.sketch(recipe_.meshing, progress());
     if (!sketch) return fail(sketch.error());
+    if (sketch->sized_by_file && !recipe_.preview) return {};
+    if (take_size_from_parameters() && !recipe_.preview) return {};
     const BodyShape shape = measure_shape(sketch->skin, sketch->wall_m);
     const int order = fem::order_of(recipe_.options.element);
     // Frequencies fall with size: the band of a larger object is `scale` times as wide for its unscaled geometry.
@@ -192,6 +194,15 @@ class Baker {
     recipe_.meshing.edge_size_m = choice.edge_size_m;
     object_.choice = choice;
     return {};
+  }
+
+  // A value of mesh_size that the recipe sets, and the .geo file does not use, is the longest edge all the same.
+  bool take_size_from_parameters() {
+    const auto set = recipe_.meshing.parameters.find(mesh::kMeshSizeName);
+    if (set == recipe_.meshing.parameters.end() || !(set->second > 0)) return false;
+    const double unit_m = recipe_.meshing.unit_m.value_or(mesh::unit_in_file(recipe_.geometry));
+    recipe_.meshing.mesh_size_m = unit_m * set->second;
+    return true;
   }
 
   // A size for which not even a multiple of the memory would do is refused before the surface is meshed. Where it means

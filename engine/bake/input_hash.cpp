@@ -2,6 +2,7 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_hash.h"
+#include "engine/base/file_format.h"
 #include "engine/mesh/geo_language.h"
 
 #include <algorithm>
@@ -44,7 +45,7 @@ std::optional<Files> named_by_gltf(std::string_view text) {
 }
 
 std::optional<Files> named_by(const fs::path& path) {
-  const std::string kind = lower(path.extension().string());
+  const std::string kind = ending_of(path);
   if (kind == ".node" || kind == ".ele" || kind == ".face") {
     Files files;
     for (const char* ending : {".node", ".ele", ".face"}) {
@@ -54,11 +55,11 @@ std::optional<Files> named_by(const fs::path& path) {
     }
     return files;
   }
-  const bool has_text = is_one_of(kind, {".geo", ".geo_unrolled", ".bdf", ".nas", ".gltf"});
-  if (!has_text) return Files{};
+  const bool is_program = is_of_kind(path, FileKind::program);
+  if (!is_program && !is_one_of(kind, {".bdf", ".nas", ".gltf"})) return Files{};
   const Result<std::string> text = read_whole_file(path, kMaxFileBytes);
   if (!text) return std::nullopt;
-  if (kind.starts_with(".geo")) return mesh::files_named_by_geo(*text);
+  if (is_program) return mesh::files_named_by_geo(*text);
   if (kind == ".gltf") return named_by_gltf(*text);
   return lower(*text).find("include") == std::string::npos ? std::optional(Files{}) : std::nullopt;
 }

@@ -4,6 +4,7 @@
 #include "engine/modal/loudness.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_choice.h"
+#include "engine/modal/pitch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -114,6 +115,7 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   modal::take_modes(out, order);
   for (modal::Vec3f& point : out.positions) point = modal::rescale(point, scale);
   if (out.mass) out.mass = modal::rescale(*out.mass, scale);
+  out.pitch_hz = modal::scaled_pitch(bank.pitch_hz, scale);
   if (bank.material) out.material = to;
   const double factor = modal::lambda_factor(scale);
   modal::Provenance& made = out.provenance;

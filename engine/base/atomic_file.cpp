@@ -69,6 +69,19 @@ Result<std::string> read_whole_file(const std::filesystem::path& path, std::size
   return read_open_file(descriptor, path.string(), limit_bytes);
 }
 
+Result<std::string> read_file_below(const std::filesystem::path& folder, const std::filesystem::path& relative,
+                                    std::size_t limit_bytes) {
+  std::error_code error;
+  const std::filesystem::path within = std::filesystem::weakly_canonical(std::filesystem::absolute(folder), error);
+  const std::filesystem::path file = std::filesystem::weakly_canonical(within / relative, error);
+  if (error || std::mismatch(within.begin(), within.end(), file.begin(), file.end()).first != within.end()) {
+    return fail(ErrorKind::bad_input, "cannot open " + (folder / relative).string() +
+                                          ": it lies outside of the folder " + within.string() +
+                                          "; put what a file names beside it");
+  }
+  return read_whole_file(file, limit_bytes);
+}
+
 Result<std::string> read_open_file(int descriptor, const std::string& name, std::size_t limit_bytes) {
   struct stat status {};
   std::string text;

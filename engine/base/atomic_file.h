@@ -22,6 +22,11 @@ Result<void> check_writable(const std::filesystem::path& path);
 // Reads the whole file. Fails when the file is not a regular one or is larger than `limit_bytes`.
 Result<std::string> read_whole_file(const std::filesystem::path& path, std::size_t limit_bytes);
 
+// Reads a file that a document in `folder` names. Fails also when the file lies outside of the folder, with all links
+// followed.
+Result<std::string> read_file_below(const std::filesystem::path& folder, const std::filesystem::path& relative,
+                                    std::size_t limit_bytes);
+
 // Reads the whole open file and closes it. `name` stands in error messages for the path.
 Result<std::string> read_open_file(int descriptor, const std::string& name, std::size_t limit_bytes);
 

@@ -238,12 +238,17 @@ std::string packed(const Sketch& sketch) {
   ByteWriter out;
   put(out, sketch.skin);
   out.put(sketch.wall_m);
+  out.put(static_cast<std::int32_t>(sketch.sized_by_file));
   return out.bytes();
 }
 
 bool unpack(std::string_view bytes, Sketch& sketch) {
   ByteReader in(bytes);
-  return get(in, sketch.skin) && get_finite(in, sketch.wall_m) && sketch.wall_m >= 0 && in.finished();
+  std::int32_t sized_by_file = 0;
+  const bool good = get(in, sketch.skin) && get_finite(in, sketch.wall_m) && sketch.wall_m >= 0 &&
+                    in.get(sized_by_file) && (sized_by_file == 0 || sized_by_file == 1) && in.finished();
+  sketch.sized_by_file = sized_by_file == 1;
+  return good;
 }
 
 std::string packed(const PreparedSurface& surface) {
@@ -252,13 +257,14 @@ std::string packed(const PreparedSurface& surface) {
   put(out, surface.found);
   put(out, surface.left);
   put(out, surface.actions);
+  put(out, surface.notes);
   return out.bytes();
 }
 
 bool unpack(std::string_view bytes, PreparedSurface& surface) {
   ByteReader in(bytes);
   return get(in, surface.mesh) && get(in, surface.found) && get(in, surface.left) && get(in, surface.actions) &&
-         in.finished();
+         get(in, surface.notes) && in.finished();
 }
 
 std::string packed(const Error& error) {

@@ -62,6 +62,7 @@ struct Body {
 struct Sketch {
   TriangleMesh skin;
   double wall_m = 0;
+  bool sized_by_file = false;  // a .geo file whose mesh depends on its own variable mesh_size
 };
 
 // A question that ringdown-mesher answers about a file.

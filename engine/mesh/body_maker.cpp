@@ -1,5 +1,6 @@
 #include "engine/mesh/body_maker.h"
 
+#include "engine/base/file_format.h"
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/file_kinds.h"
 #include "engine/mesh/fill.h"
@@ -30,7 +31,7 @@ Result<void> check_unit(const std::filesystem::path& path, const std::optional<d
 }
 
 std::vector<std::string> notes_of(const PreparedSurface& surface) {
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = surface.notes;
   for (const Finding& finding : surface.found.findings) notes.push_back("found: " + describe(finding));
   for (const std::string& action : surface.actions) notes.push_back("repaired: " + action);
   return notes;
@@ -46,6 +47,11 @@ std::string note_of_loss(const CheckedMesh& checked) {
   std::snprintf(text, sizeof text, "its mesh has %s volume than the geometry, as if its skin lay %.2g mm too far %s",
                 gap_m > 0 ? "less" : "more", 1000 * std::abs(gap_m), gap_m > 0 ? "inside" : "outside");
   return text;
+}
+
+Error unknown_format(const std::filesystem::path& path) {
+  return {ErrorKind::bad_input, path.string() + " is not in a format that Ringdown reads, which are " +
+                                    endings_of_bodies() + "; export it as glTF, OBJ, STL or PLY"};
 }
 
 Result<void> check_takes_parts(const std::filesystem::path& path, const GmshOptions& options) {
@@ -66,13 +72,15 @@ Result<const PreparedSurface*> BodyMaker::surface(const GmshOptions& options) {
   if (!surface_ || surface_options_ != wanted) {
     if (!options.parameters.empty())
       return fail(ErrorKind::bad_input, path_.string() + " takes no parameters; only .geo files have them");
-    Result<TriangleMesh> read = read_surface(path_);
+    std::vector<std::string> notes;
+    Result<TriangleMesh> read = read_surface(path_, &notes);
     if (!read) return fail(read.error());
     read->nodes *= wanted.unit_m;
     const Eigen::Index triangles = read->triangles.rows();
     if (wanted.quick && triangles > kManyTriangles)
       *read = simplified(*read, kQuickTriangles, kQuickShare * diagonal_of(*read));
     surface_ = prepare(*read, wanted.cavities ? CavityRule::kInside : CavityRule::kWoundTheOtherWay);
+    surface_->notes = std::move(notes);
     if (read->triangles.rows() < triangles)
       surface_->actions.push_back(note_of_fewer(triangles, read->triangles.rows()));
     surface_options_ = wanted;
@@ -97,6 +105,7 @@ Result<Sketch> BodyMaker::sketch(const GmshOptions& options) {
     const Result<Body> body = make(coarse);
     if (!body) return fail(body.error());
     sketch.skin = skin_of(body->mesh.mesh);
+    sketch.sized_by_file = declares_mesh_size(path_) && depends_on_mesh_size(path_, options, diagonal_of(sketch.skin));
   }
   sketch.wall_m = wall_thickness(sketch.skin);
   return sketch;
@@ -105,7 +114,8 @@ Result<Sketch> BodyMaker::sketch(const GmshOptions& options) {
 Result<Body> BodyMaker::make(const GmshOptions& options, const Progress& progress) {
   if (is_surface_file(path_)) return make_of_surface(options, progress);
   if (auto good = check_takes_parts(path_, options); !good) return fail(good.error());
-  if (is_tet_file(path_)) return make_of_tetrahedra(options);
+  if (!format_of(path_)) return fail(unknown_format(path_));
+  if (is_of_kind(path_, FileKind::tetrahedra)) return make_of_tetrahedra(options);
   const Making making = is_geometry_file(path_) ? Making::kMeshed : Making::kRead;
   return read_with_gmsh(path_, options).map([making](CheckedMesh mesh) {
     Body body{std::move(mesh), making, {}};
@@ -129,7 +139,7 @@ Result<Body> BodyMaker::make_of_tetrahedra(const GmshOptions& options) const {
 Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progress& progress) {
   const Result<const PreparedSurface*> prepared = surface(options);
   if (!prepared) return fail(prepared.error());
-  const auto& [mesh, found, left, actions, rough] = **prepared;
+  const auto& [mesh, found, left, actions, notes, rough] = **prepared;
   Body body;
   body.making = Making::kFilled;
   body.notes = notes_of(**prepared);

@@ -1,11 +1,13 @@
 // From a file to a body of tetrahedra, in the process that reads files: body_reader.h is the way to it from any other.
 // Links GPL code (gmsh, CGAL). [worker]
 //
-// By the file's ending:
-//   .node .ele .veg .inp .tet            tetrahedra, read as they are (tet_file.h)
-//   .obj .stl .ply .off .gltf .glb       a surface (surface_file.h): diagnosed and mended (surface_repair.h), then
-//                                        filled by gmsh (fill.h) where it is sound, else stuffed (stuffed_body.h)
-//   everything else                      gmsh's: a mesh read as it is, or a geometry meshed (gmsh_reader.h)
+// By the kind of the file (engine/base/file_format.h):
+//   tetrahedra            read as they are (tet_file.h)
+//   surface, gltf         a surface (surface_file.h): diagnosed and mended (surface_repair.h), then filled by gmsh
+//                         (fill.h) where it is sound, else stuffed (stuffed_body.h)
+//   gmsh_mesh             a mesh that gmsh reads as it is (gmsh_reader.h)
+//   geometry, program     meshed by gmsh (gmsh_reader.h)
+// Files of other endings are refused with the list of those that are read.
 #pragma once
 
 #include "engine/base/progress.h"

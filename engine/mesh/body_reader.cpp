@@ -3,6 +3,7 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/child_process.h"
 #include "engine/base/content_cache.h"
+#include "engine/base/file_format.h"
 
 #include <gmsh.h>
 
@@ -133,7 +134,7 @@ Result<Body> BodyReader::read(const GmshOptions& options, const Progress& progre
 // It keeps the bytes that the reading process gave back, and they are checked in the same way when they come from it.
 namespace {
 
-constexpr int kFormat = 12;                                    // of an entry, and of how bodies are made
+constexpr int kFormat = 13;                                    // of an entry, and of how bodies are made
 constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;  // bytes; a larger file is read each time
 
 // Words of gmsh's language and of mesh formats by which a result depends on more than the file and its parameters. One
@@ -150,14 +151,7 @@ bool looks_elsewhere(std::string text) {
 
 // Read as text by gmsh's parser, or as a keyword format with includes; other formats stand alone.
 bool is_program(const std::filesystem::path& path) {
-  const std::string extension = path.extension().string();
-  return extension.starts_with(".geo") || extension == ".bdf" || extension == ".nas";
-}
-
-// The body is in several files.
-bool has_companions(const std::filesystem::path& path) {
-  const std::string extension = path.extension().string();
-  return extension == ".gltf" || extension == ".node" || extension == ".ele";
+  return is_of_kind(path, FileKind::program) || has_ending(path, ".bdf") || has_ending(path, ".nas");
 }
 
 // Every option by name: a new one that is not in the key does not compile.
@@ -180,7 +174,8 @@ ContentHash key_of(const std::filesystem::path& path, const std::string& text, c
 
 // Returns true where the content of the file says all that its body depends on.
 bool stands_alone(const std::filesystem::path& path, const std::string& text) {
-  return !has_companions(path) && !(is_program(path) && looks_elsewhere(text));
+  const FileFormat* format = format_of(path);
+  return !(format && format->has_companions) && !(is_program(path) && looks_elsewhere(text));
 }
 
 // The content of a file and of its parts' surfaces says all; none where it does not, or cannot be read.

@@ -49,8 +49,8 @@ class BodyReader {
   // versions of this program's meshing and of gmsh, bit for bit. Not kept are bodies of files that may read others or
   // ask their surroundings (`Include`, `Merge`, `GetEnv` and the like in a .geo or .bdf, a .gltf, TetGen's two), and
   // failures. Options that are for geometries are for surfaces, too, but for edge_size_m. With mesh_size_m = 0 a
-  // surface's own triangles are filled. Fails with one sentence: what gmsh, assimp or check_mesh say, that the file
-  // encloses nothing, or how its reader ended.
+  // surface's own triangles are filled. Fails with one sentence: what gmsh, a reader of ours or check_mesh say, that
+  // the file encloses nothing, or how its reader ended.
   Result<Body> read(const GmshOptions& options, const Progress& progress = {});
 
   // Returns the processor time [s] that the reading process has taken so far; 0 when all came from the cache.

@@ -1,11 +1,10 @@
 #include "engine/mesh/file_kinds.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/file_format.h"
 #include "engine/mesh/geo_language.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -34,45 +33,31 @@ double unit_of_unv(const std::filesystem::path& path) {
   return factor > 0 && std::isfinite(factor) ? 1 / factor : 1;
 }
 
-constexpr std::array kSurfaces = {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"};
-constexpr std::array kGeometries = {".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".xao"};
-
-// In small letters.
-std::string ending_of(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending;
-}
-
-template <std::size_t N>
-bool is_among(const std::string& ending, const std::array<const char*, N>& endings) {
-  return std::find(endings.begin(), endings.end(), ending) != endings.end();
-}
-
 }  // namespace
 
 bool is_body_file(const std::filesystem::path& path) {
-  constexpr std::array kMeshes = {".msh", ".vtk", ".inp", ".unv", ".mesh", ".bdf", ".node", ".veg", ".tet"};
-  const std::string ending = ending_of(path);
-  return is_among(ending, kMeshes) || is_among(ending, kGeometries) ||
-         (is_among(ending, kSurfaces) && ending != ".glb");
+  const FileFormat* format = format_of(path);
+  return format && format->is_body;
 }
 
-bool is_surface_file(const std::filesystem::path& path) { return is_among(ending_of(path), kSurfaces); }
+bool is_surface_file(const std::filesystem::path& path) {
+  return is_of_kind(path, FileKind::surface) || is_of_kind(path, FileKind::gltf);
+}
 
-bool is_geometry_file(const std::filesystem::path& path) { return is_among(path.extension().string(), kGeometries); }
+bool is_geometry_file(const std::filesystem::path& path) {
+  return is_of_kind(path, FileKind::geometry) || is_of_kind(path, FileKind::program);
+}
 
-bool names_mesh_size(const std::filesystem::path& path) {
-  if (path.extension() != ".geo") return false;
+bool declares_mesh_size(const std::filesystem::path& path) {
+  if (!is_of_kind(path, FileKind::program)) return false;
   const Result<std::string> text = read_whole_file(path, kMaxGeoBytes);
-  return text && assigns(*text, "mesh_size");
+  return text && assigns(*text, kMeshSizeName);
 }
 
 double unit_in_file(const std::filesystem::path& path) {
-  constexpr std::array kInMillimetres = {".step", ".stp", ".iges", ".igs"};
-  const bool known = std::find(kInMillimetres.begin(), kInMillimetres.end(), path.extension()) != kInMillimetres.end();
-  if (known) return 0.001;
-  return path.extension() == ".unv" ? unit_of_unv(path) : 1;
+  if (has_ending(path, ".unv")) return unit_of_unv(path);
+  const FileFormat* format = format_of(path);
+  return format ? format->unit_m : 1;
 }
 
 }  // namespace ringdown::mesh

@@ -1,6 +1,7 @@
 #include "engine/mesh/geo_language.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/file_format.h"
 #include "engine/base/quote.h"
 
 #include <algorithm>
@@ -154,10 +155,6 @@ constexpr std::array kRefusals = {Refusal{"SystemCall", "runs a program"},
                                   Refusal{"Abort", "ends the program that reads it"},
                                   Refusal{"Sleep", "stops the program that reads it"}};
 
-// gmsh goes by these endings, and takes a file with another one for its own language, unless its first line says else.
-constexpr std::array kOtherFormats = {".step", ".stp", ".brep", ".iges", ".igs", ".xao", ".mesh", ".vtk", ".unv",
-                                      ".bdf",  ".nas", ".stl",  ".ply",  ".off", ".obj", ".med",  ".cgns"};
-
 // The name of an option's group, as in Print.Text, or of a variable.
 bool is_name(const GeoWord& word) { return word.next == '.' || word.next == '='; }
 
@@ -171,12 +168,12 @@ class Inspection {
   Result<void> run() {
     for (std::size_t next = 0; next < files_.size(); ++next) {
       const fs::path file = files_[next];
-      if (is_one_of(lower(file.extension().string()), kOtherFormats)) continue;
+      if (gmsh_knows_ending(file)) continue;
       std::error_code error;
       if (next > 0 && !fs::exists(file, error)) continue;  // gmsh says so, if it comes to that
       const Result<std::string> text = read_whole_file(file, kMaxGeoBytes);
       if (!text) return fail(text.error());
-      if (lower(file.extension().string()) == ".msh" && text->starts_with("$")) continue;
+      if (is_of_kind(file, FileKind::gmsh_mesh) && text->starts_with("$")) continue;
       if (auto good = inspect(file, *text); !good) return good;
     }
     return {};
@@ -248,6 +245,13 @@ std::optional<std::vector<fs::path>> files_named_by_geo(std::string_view text) {
     files.emplace_back(word.quoted);
   }
   return files;
+}
+
+bool gmsh_knows_ending(const std::filesystem::path& path) {
+  const FileFormat* format = format_of(path);
+  const std::string ending = path.extension().string();
+  return format && format->known_to_gmsh &&
+         (ending == format->ending || std::ranges::none_of(ending, [](unsigned char c) { return std::islower(c); }));
 }
 
 Result<void> check_geo(const fs::path& geometry) { return Inspection(geometry).run(); }

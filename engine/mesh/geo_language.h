@@ -37,6 +37,10 @@ std::optional<std::vector<std::filesystem::path>> files_named_by_geo(std::string
 inline constexpr std::size_t kMaxGeoBytes = std::size_t{64} << 20;
 inline constexpr std::size_t kMaxGeoFiles = 1000;  // that one geometry is followed to
 
+// True where gmsh goes by the file's ending, which it knows in small or in capital letters; it takes other files for
+// its own language, unless their first line says otherwise.
+bool gmsh_knows_ending(const std::filesystem::path& path);
+
 // Fails with a sentence that names the file and the line when a file that gmsh's parser would read, or one that it
 // includes, runs programs, writes files, ends or stops gmsh, or reads a file outside of its folder. Files that gmsh
 // reads as something else than its language are passed over, by their endings.

@@ -1,6 +1,8 @@
 #include "engine/mesh/gmsh_reader.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/file_format.h"
+#include "engine/mesh/cone_tips.h"
 #include "engine/mesh/face_points.h"
 #include "engine/mesh/file_kinds.h"
 #include "engine/mesh/geo_language.h"
@@ -56,7 +58,7 @@ class ParameterFile {
 };
 
 bool has_size_fields(const std::filesystem::path& path) {
-  if (path.extension() != ".geo") return false;
+  if (!is_of_kind(path, FileKind::program)) return false;
   const Result<std::string> text = read_whole_file(path, kMaxGeoBytes);
   if (!text) return false;
   const std::vector<GeoWord> words = words_of_geo(*text);
@@ -68,7 +70,7 @@ bool has_size_fields(const std::filesystem::path& path) {
 
 Result<void> check_parameters(const std::filesystem::path& path, const std::map<std::string, double>& parameters) {
   if (parameters.empty()) return {};
-  if (path.extension() != ".geo") {
+  if (!is_of_kind(path, FileKind::program)) {
     return fail(ErrorKind::bad_input, path.string() + " takes no parameters; only .geo files have them");
   }
   const Result<std::string> text = read_whole_file(path, kMaxGeoBytes);
@@ -239,13 +241,48 @@ tl::unexpected<Error> gmsh_failed(const std::filesystem::path& path, const std::
   return fail(ErrorKind::bad_input, "gmsh cannot make a mesh of " + path.string() + ": " + clause_of(message));
 }
 
+// OpenCASCADE's name of a format, whatever letters the ending is in; gmsh itself takes an ending of small and capital
+// letters for its own language. Empty: none of OpenCASCADE's.
+std::string opencascade_name(const std::filesystem::path& path) {
+  const std::string ending = ending_of(path);
+  if (ending == ".step" || ending == ".stp") return "step";
+  if (ending == ".iges" || ending == ".igs") return "iges";
+  return ending == ".brep" || ending == ".brp" ? "brep" : "";
+}
+
+bool has_partitions() {
+  gmsh::vectorpair volumes;
+  gmsh::model::getEntities(volumes, 3);
+  return std::ranges::any_of(volumes, [](const auto& volume) {
+    std::string type;
+    gmsh::model::getType(3, volume.second, type);
+    return type.starts_with("Partition");
+  });
+}
+
 Result<void> open_file(const std::filesystem::path& path, const GmshOptions& options, double unit_m) {
-  if (path.extension() != ".geo") {
+  if (is_of_kind(path, FileKind::geometry)) {
+    if (const std::string format = opencascade_name(path); !format.empty()) {
+      gmsh::model::add(path.stem().string());
+      gmsh::vectorpair shapes;
+      gmsh::model::occ::importShapes(path.string(), shapes, false, format);
+      gmsh::model::occ::synchronize();
+      return {};
+    }
+  }
+  if (!is_of_kind(path, FileKind::program)) {
+    if (const FileFormat* format = format_of(path); format && format->known_to_gmsh && !gmsh_knows_ending(path)) {
+      return fail(ErrorKind::bad_input, "gmsh knows the ending of " + path.string() +
+                                            " in small or in capital letters only; rename the file");
+    }
+    // The border of a partition is of no use, and gmsh 4.8 fails on that of old files without a mesh of the surface.
+    gmsh::option::setNumber("Mesh.PartitionCreateTopology", 0);
     gmsh::open(path.string());
+    if (has_partitions()) gmsh::model::mesh::unpartition();
     return {};
   }
   std::map<std::string, double> numbers = options.parameters;
-  if (options.mesh_size_m > 0) numbers["mesh_size"] = options.mesh_size_m / unit_m;
+  if (options.mesh_size_m > 0) numbers[kMeshSizeName] = options.mesh_size_m / unit_m;
   const ParameterFile wrapper(path, numbers);
   if (!wrapper.written())
     return fail(ErrorKind::no_memory, "there is no memory for the parameters of " + path.string());
@@ -337,6 +374,7 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
     if (const auto error = session.first_error()) return gmsh_failed(path, *error);
     const bool meshed_here = is_geometry();
     if (meshed_here) {
+      cut_cone_tips();
       if (auto meshed = generate(path, options, unit_m); !meshed) return fail(meshed.error());
     }
     if (const auto error = session.first_error()) return gmsh_failed(path, *error);
@@ -350,7 +388,37 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
   }
 }
 
+// Opens the file with this value of mesh_size, or with its own where that is 0, and meshes its curves.
+Result<std::vector<double>> nodes_on_curves(const std::filesystem::path& path, const GmshOptions& options,
+                                            double mesh_size_m) {
+  const double unit_m = options.unit_m ? *options.unit_m : unit_in_file(path);
+  const GmshSession session;
+  gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
+  GmshOptions sized = options;
+  sized.mesh_size_m = mesh_size_m;
+  std::vector<std::size_t> tags;
+  std::vector<double> coordinates, parametric;
+  try {
+    if (auto opened = open_file(path, sized, unit_m); !opened) return fail(opened.error());
+    if (const auto error = session.first_error()) return gmsh_failed(path, *error);
+    gmsh::model::mesh::generate(1);
+    gmsh::model::mesh::getNodes(tags, coordinates, parametric);
+    return coordinates;
+  } catch (...) {
+    return gmsh_failed(path, session.first_error().value_or(""));
+  }
+}
+
 }  // namespace
+
+bool depends_on_mesh_size(const std::filesystem::path& path, const GmshOptions& options, double length_m) {
+  constexpr std::array kShares = {1.0 / 12, 1.0 / 40};  // of the body's length
+  const Result<std::vector<double>> own = nodes_on_curves(path, options, 0);
+  return std::ranges::any_of(kShares, [&](double share) {
+    const Result<std::vector<double>> other = nodes_on_curves(path, options, share * length_m);
+    return !own || !other || *own != *other;
+  });
+}
 
 Result<void> check_element_count(const std::filesystem::path& path, const Extent& extent, double mesh_size_m) {
   if (!(mesh_size_m > 0)) return {};

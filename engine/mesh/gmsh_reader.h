@@ -6,9 +6,8 @@
 //   a geometry  .geo (parametric), .step, .brep: meshed here, elements curved where the geometry is.
 // A .geo file takes numbers from outside through DefineConstant:
 //   DefineConstant[ length = 350, mesh_size = 10 ];   // defaults, in the file's unit
-// and `mesh_size` is always handed over that way too, for files that place their own nodes (Transfinite,
-// Layers). A .geo file is a program; check_geo() (geo_language.h)
-// refuses what does more than describe a body.
+// and `mesh_size` is always handed over that way too, for files that place their own nodes (Transfinite, Layers). A
+// .geo file is a program; check_geo() (geo_language.h) refuses what does more than describe a body.
 #pragma once
 
 #include "engine/base/result.h"
@@ -31,6 +30,10 @@ namespace ringdown::mesh {
 // Displacement changes within a thickness or so of a sharp edge, however long the waves: edge_size_m is for that. It is
 // not used where a .geo file has size fields of its own.
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options);
+
+// Returns true where the mesh of a .geo file changes with its variable mesh_size. The curves of the body, of this
+// length, are meshed with the file's own value and with two others. Also true where that fails.
+bool depends_on_mesh_size(const std::filesystem::path& path, const GmshOptions& options, double length_m);
 
 // Refuses a mesh size that would fill memory and time, by the number of elements that it means: tetrahedra in
 // a volume, and triangles on an area [m^2], where it is known. Such a body is as long as the diagonal [m].

@@ -1,18 +1,15 @@
 #include "engine/mesh/surface_file.h"
 
-#include <Eigen/LU>
-#include <assimp/DefaultIOSystem.h>
-#include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
+#include "engine/base/atomic_file.h"
+#include "engine/base/file_format.h"
+#include "engine/mesh/gltf_mesh.h"
+#include "engine/mesh/surface_formats.h"
 
-#include <algorithm>
+#include <Eigen/Geometry>
+
 #include <array>
-#include <cctype>
 #include <cmath>
-#include <cstring>
-#include <fstream>
+#include <cstdio>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -20,77 +17,29 @@
 namespace ringdown::mesh {
 namespace {
 
-std::string ending_of(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending;
-}
+using ContentReader = Result<TriangleSoup> (*)(std::string_view content, const std::string& name);
 
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
-  return text.empty() ? "it is no such file" : text;
-}
-
-struct Soup {
-  std::vector<Eigen::RowVector3d> points;
-  std::vector<std::array<std::int32_t, 3>> triangles;
+struct FormatReader {
+  std::string_view ending;
+  ContentReader read;
 };
+constexpr std::array kReaders = {FormatReader{".obj", read_obj}, FormatReader{".stl", read_stl},
+                                 FormatReader{".ply", read_ply}, FormatReader{".off", read_off}};
 
-void add(Soup& soup, const aiMesh& mesh, const aiMatrix4x4& place) {
-  const auto first = static_cast<std::int32_t>(soup.points.size());
-  Eigen::Matrix4d transform;
-  for (unsigned row = 0; row < 4; ++row) {
-    for (unsigned column = 0; column < 4; ++column) transform(row, column) = place[row][column];
+Result<TriangleSoup> read_soup(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": there is no such file");
+  const Result<std::string> content = read_whole_file(path, kMaxSurfaceFileBytes);
+  if (!content) return fail(content.error());
+  if (is_of_kind(path, FileKind::gltf)) return read_gltf_mesh(*content, path, kMaxTriangles);
+  for (const FormatReader& reader : kReaders) {
+    if (has_ending(path, reader.ending)) return reader.read(*content, path.string());
   }
-  const bool mirrored = transform.topLeftCorner<3, 3>().determinant() < 0;
-  for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-    const aiVector3D& at = mesh.mVertices[v];
-    const Eigen::Vector4d moved = transform * Eigen::Vector4d(at.x, at.y, at.z, 1);
-    soup.points.emplace_back(moved.head<3>().transpose());
-  }
-  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-    const aiFace& face = mesh.mFaces[f];
-    if (face.mNumIndices != 3) continue;
-    std::array<std::int32_t, 3> corners{};
-    bool known = true;
-    for (unsigned i = 0; i < 3; ++i) {
-      known = known && face.mIndices[i] < mesh.mNumVertices;
-      corners[i] = first + static_cast<std::int32_t>(face.mIndices[i]);
-    }
-    if (!known) continue;
-    if (mirrored) std::swap(corners[1], corners[2]);
-    soup.triangles.push_back(corners);
-  }
+  return fail(ErrorKind::bad_input, path.string() + " is no file of a surface");
 }
 
-struct Placed {
-  const aiNode* node;
-  aiMatrix4x4 place;
-};
-
-Result<Soup> collect(const aiScene& scene, const std::string& name) {
-  Soup soup;
-  std::vector<Placed> open = {{scene.mRootNode, scene.mRootNode->mTransformation}};
-  while (!open.empty()) {
-    const auto [node, place] = open.back();
-    open.pop_back();
-    for (unsigned m = 0; m < node->mNumMeshes; ++m) {
-      const aiMesh& mesh = *scene.mMeshes[node->mMeshes[m]];
-      if (soup.triangles.size() + mesh.mNumFaces > kMaxTriangles || soup.points.size() > 3 * kMaxTriangles) {
-        return fail(ErrorKind::too_large, name + " has more than " + std::to_string(kMaxTriangles) +
-                                              " triangles; thin it out in a mesh tool first");
-      }
-      add(soup, mesh, place);
-    }
-    for (unsigned c = 0; c < node->mNumChildren; ++c) {
-      open.push_back({node->mChildren[c], place * node->mChildren[c]->mTransformation});
-    }
-  }
-  return soup;
-}
-
-TriangleMesh packed(const Soup& soup) {
+TriangleMesh mesh_of(const TriangleSoup& soup) {
   TriangleMesh mesh;
   mesh.nodes.resize(static_cast<Eigen::Index>(soup.points.size()), 3);
   mesh.triangles.resize(static_cast<Eigen::Index>(soup.triangles.size()), 3);
@@ -101,66 +50,41 @@ TriangleMesh packed(const Soup& soup) {
   return mesh;
 }
 
-// Lets assimp open the file itself and, for glTF, what lies beside it or below: an OBJ names a file of materials, which
-// has no place in a body, and may name any.
-class FolderOnly : public Assimp::DefaultIOSystem {
- public:
-  explicit FolderOnly(const std::filesystem::path& path)
-      : path_(path), whole_folder_(ending_of(path) == ".gltf"), folder_(resolved(path).parent_path()) {}
-
-  [[nodiscard]] bool Exists(const char* name) const override { return may(name) && DefaultIOSystem::Exists(name); }
-  Assimp::IOStream* Open(const char* name, const char* mode) override {
-    return may(name) && std::string_view(mode).starts_with("r") ? DefaultIOSystem::Open(name, mode) : nullptr;
+// Rounding moves a face by up to half of the spacing of numbers, and with it as much volume as that times its area. A
+// note says so where that is more than a thousandth of the volume.
+std::string note_of_rounding(const decltype(TriangleMesh::nodes)& nodes, const Triangles& triangles, double rounding) {
+  constexpr double kMaxShare = 1e-3;
+  const Eigen::RowVector3d origin = nodes.row(triangles(0, 0));
+  double area = 0, volume = 0;
+  for (const auto& row : triangles.rowwise()) {
+    const Eigen::RowVector3d a = nodes.row(row[0]) - origin, b = nodes.row(row[1]) - origin,
+                             c = nodes.row(row[2]) - origin;
+    area += 0.5 * (b - a).cross(c - a).norm();
+    volume += a.dot(b.cross(c)) / 6;
   }
-
- private:
-  static std::filesystem::path resolved(const std::filesystem::path& path) {
-    std::error_code error;
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
-  }
-  [[nodiscard]] bool may(const char* name) const {
-    if (path_ == name) return true;
-    const std::filesystem::path named = resolved(name);
-    return whole_folder_ &&
-           std::mismatch(folder_.begin(), folder_.end(), named.begin(), named.end()).first == folder_.end();
-  }
-
-  std::filesystem::path path_;
-  bool whole_folder_;
-  std::filesystem::path folder_;
-};
-
-Result<Soup> import(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  Assimp::Importer importer;
-  importer.SetIOHandler(new FolderOnly(path));  // the importer's own from here on
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate | aiProcess_SortByPType);
-  if (!scene || !scene->mRootNode)
-    return fail(ErrorKind::bad_input, "cannot read " + name + ": " + one_line(importer.GetErrorString()));
-  return collect(*scene, name);
+  const double share = 0.5 * rounding * area / std::abs(volume);
+  if (!(share > kMaxShare) || !std::isfinite(share)) return "";
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "its coordinates reach %.3g, where 32-bit floats lie %.2g apart, so that its volume may be wrong by up to "
+      "%.2g %%; move it to the origin before it is exported",
+      nodes.cwiseAbs().maxCoeff(), rounding, 100 * share);
+  return text;
 }
 
-// assimp reads what is there of a .glb that was cut off.
-Result<void> check_length(const std::filesystem::path& path) {
-  if (ending_of(path) != ".glb") return {};
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 12> head{};
-  std::uint32_t length = 0;
-  std::error_code error;
-  if (file.read(head.data(), head.size())) std::memcpy(&length, &head[8], sizeof length);
-  if (length <= std::filesystem::file_size(path, error)) return {};
-  return fail(ErrorKind::bad_input,
-              path.string() + " was cut off: it says to be " + std::to_string(length) + " bytes long");
-}
+}  // namespace
 
-Result<TriangleMesh> checked(const std::filesystem::path& path) {
+Result<TriangleMesh> read_surface(const std::filesystem::path& path, std::vector<std::string>* notes) {
   const std::string name = path.string();
-  if (auto whole = check_length(path); !whole) return fail(whole.error());
-  const Result<Soup> soup = import(path);
+  const Result<TriangleSoup> soup = read_soup(path);
   if (!soup) return fail(soup.error());
   if (soup->triangles.empty()) return fail(ErrorKind::bad_input, name + " has no triangles; a body needs a surface");
-  const TriangleMesh mesh = packed(*soup);
+  if (soup->triangles.size() > kMaxTriangles) {
+    return fail(ErrorKind::too_large, name + " has more than " + std::to_string(kMaxTriangles) +
+                                          " triangles; thin it out in a mesh tool first");
+  }
+  const TriangleMesh mesh = mesh_of(*soup);
   for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
     for (int i = 0; i < 3; ++i) {
       if (mesh.nodes.row(mesh.triangles(t, i)).allFinite()) continue;
@@ -170,25 +94,13 @@ Result<TriangleMesh> checked(const std::filesystem::path& path) {
   }
   const double length = diagonal_of(mesh);
   if (!(length > 0)) return fail(ErrorKind::bad_input, name + ": all its points are one; a body needs a surface");
-  return weld(mesh, kWeld * length);
-}
-
-}  // namespace
-
-Result<TriangleMesh> read_surface(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": there is no such file");
+  TriangleMesh welded = weld(mesh, kWeld * length);
+  if (notes) {
+    *notes = soup->notes;
+    if (std::string note = note_of_rounding(welded.nodes, welded.triangles, soup->rounding); !note.empty())
+      notes->push_back(std::move(note));
   }
-  if (std::filesystem::file_size(path, error) > kMaxSurfaceFileBytes) {
-    return fail(ErrorKind::too_large, path.string() + " is larger than " + std::to_string(kMaxSurfaceFileBytes >> 20) +
-                                          " MiB; thin it out first");
-  }
-  try {
-    return checked(path);
-  } catch (const std::exception& exception) {
-    return fail(ErrorKind::bad_input, "cannot read " + path.string() + ": " + one_line(exception.what()));
-  }
+  return welded;
 }
 
 namespace {

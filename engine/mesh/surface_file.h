@@ -1,7 +1,7 @@
-// Surfaces from files, by assimp. [any thread]
+// Surfaces from files. [any thread]
 //
-//   .obj .stl .ply .off   text or binary; their lengths have no unit
-//   .gltf .glb            metres; the nodes' transforms are applied. A bank is one of these
+//   .obj .stl .ply .off   text or binary (surface_formats.h); their lengths have no unit
+//   .gltf .glb            metres (gltf_mesh.h). A bank is one of these
 //
 // Polygons are cut into triangles, all meshes of a file become one, and points that a file repeats, as STL does for
 // every triangle, become one: those within kWeld of the diagonal of the body's box. No other file is opened than those
@@ -13,6 +13,8 @@
 #include "engine/mesh/triangle_mesh.h"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace ringdown::mesh {
 
@@ -22,7 +24,8 @@ inline constexpr std::size_t kMaxSurfaceFileBytes = std::size_t{1} << 30;  // by
 
 // In the file's unit. Fails with one sentence: it is no such file, has no triangles, more than kMaxTriangles, or a
 // coordinate that is not finite.
-Result<TriangleMesh> read_surface(const std::filesystem::path& path);
+// `notes` receives what was read otherwise than the file says, and what its numbers are too coarse for.
+Result<TriangleMesh> read_surface(const std::filesystem::path& path, std::vector<std::string>* notes = nullptr);
 
 // Points within `tolerance` of an earlier one become that one, and points of no triangle are dropped. Triangles stay,
 // also those that so become degenerate. O(V).

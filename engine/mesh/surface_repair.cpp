@@ -364,7 +364,8 @@ class SurfaceRepair {
 RepairedSurface repair(const TriangleMesh& mesh, CavityRule rule) { return SurfaceRepair(mesh, rule).run(); }
 
 PreparedSurface prepare(const TriangleMesh& mesh, CavityRule rule) {
-  PreparedSurface prepared{.mesh = mesh, .found = diagnose(mesh, rule), .left = {}, .actions = {}, .rough = {}};
+  PreparedSurface prepared{
+      .mesh = mesh, .found = diagnose(mesh, rule), .left = {}, .actions = {}, .notes = {}, .rough = {}};
   prepared.left = prepared.found;
   if (prepared.found.sound()) return prepared;
   RepairedSurface repaired = repair(mesh, rule);

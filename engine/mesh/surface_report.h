@@ -63,6 +63,7 @@ struct PreparedSurface {
   TriangleMesh mesh;  // repaired
   SurfaceReport found, left;
   std::vector<std::string> actions;
+  std::vector<std::string> notes;     // of the file's reader
   std::optional<TriangleMesh> rough;  // before noise was smoothed away: how far the body may lie from it; never sent
 };
 

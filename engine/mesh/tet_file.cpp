@@ -1,12 +1,13 @@
 #include "engine/mesh/tet_file.h"
 
+#include "engine/base/file_format.h"
 #include "engine/mesh/inp_file.h"
+#include "engine/mesh/text_lines.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -26,67 +27,12 @@ std::string lower(std::string text) {
   return text;
 }
 
-// Lines of words without comments (#) and empty lines.
-class Lines {
- public:
-  Lines(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {}
-
-  // The words of the next line that has any; none at the end.
-  const std::vector<std::string_view>& next() {
-    words_.clear();
-    while (words_.empty() && at_ < text_.size()) {
-      const std::size_t end = std::min(text_.find('\n', at_), text_.size());
-      ++number_;
-      split(text_.substr(at_, end - at_));
-      at_ = end + 1;
-    }
-    return words_;
-  }
-
-  [[nodiscard]] std::string_view word() const { return words_.front(); }
-
-  [[nodiscard]] std::size_t characters_left() const { return at_ < text_.size() ? text_.size() - at_ : 0; }
-
-  [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const {
-    return fail(ErrorKind::bad_input, name_ + ", line " + std::to_string(number_) + ": " + what);
-  }
-
-  // Word `index` of the line as a whole number or a finite one.
-  template <class Number>
-  bool read(std::size_t index, Number& number) const {
-    if (index >= words_.size()) return false;
-    std::string_view word = words_[index];
-    if (word.starts_with('+')) word.remove_prefix(1);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error != std::errc() || end != word.data() + word.size()) return false;
-    if constexpr (std::is_floating_point_v<Number>) return std::isfinite(number);
-    return true;
-  }
-
- private:
-  void split(std::string_view line) {
-    line = line.substr(0, line.find('#'));
-    constexpr std::string_view kBetween = " \t\r,\f\v";
-    for (std::size_t at = 0; (at = line.find_first_not_of(kBetween, at)) != line.npos;) {
-      const std::size_t end = std::min(line.find_first_of(kBetween, at), line.size());
-      words_.push_back(line.substr(at, end - at));
-      at = end;
-    }
-  }
-
-  std::string_view text_;
-  std::string name_;
-  std::size_t at_ = 0;
-  int number_ = 0;
-  std::vector<std::string_view> words_;
-};
-
 struct Counts {
   std::int64_t rows = 0, second = 0;
 };
 
 // "count second ..." where each number of a row that is announced takes at least two characters of what is left.
-Result<Counts> read_counts(Lines& lines, const char* what) {
+Result<Counts> read_counts(TextLines& lines, const char* what) {
   Counts counts;
   lines.next();
   if (!lines.read(0, counts.rows) || !lines.read(1, counts.second)) {
@@ -102,7 +48,7 @@ Result<Counts> read_counts(Lines& lines, const char* what) {
 }
 
 // Rows "number x y z ...", numbered one by one from 0 or 1. Returns that first number.
-Result<std::int64_t> read_nodes(Lines& lines, std::int64_t count, Points& nodes) {
+Result<std::int64_t> read_nodes(TextLines& lines, std::int64_t count, Points& nodes) {
   nodes.resize(count, 3);
   std::int64_t first = 0;
   for (std::int64_t n = 0; n < count; ++n) {
@@ -120,7 +66,7 @@ Result<std::int64_t> read_nodes(Lines& lines, std::int64_t count, Points& nodes)
 }
 
 // Rows "number a b c d ...", their numbers one by one from any first one. `first`: the number of the first node.
-Result<void> read_elements(Lines& lines, std::int64_t count, std::int64_t first, std::int64_t nodes,
+Result<void> read_elements(TextLines& lines, std::int64_t count, std::int64_t first, std::int64_t nodes,
                            Indices& elements) {
   std::int64_t first_element = 0;
   for (std::int64_t e = 0; e < count; ++e) {
@@ -234,20 +180,15 @@ std::int64_t nodes_by_length(std::span<const std::byte> file, std::size_t header
 
 }  // namespace
 
-bool is_tet_file(const std::filesystem::path& path) {
-  const std::string ending = lower(path.extension().string());
-  return ending == ".node" || ending == ".ele" || ending == ".veg" || ending == ".inp" || ending == ".tet";
-}
-
 Result<TetMesh> read_tetgen(std::string_view node_text, std::string_view ele_text, const std::string& name) {
   TetMesh mesh;
-  Lines node_lines(node_text, name + ".node");
+  TextLines node_lines(node_text, name + ".node");
   const auto node_counts = read_counts(node_lines, "nodes");
   if (!node_counts) return fail(node_counts.error());
   if (node_counts->second != 3) return node_lines.wrong("nodes should have 3 coordinates");
   const auto first = read_nodes(node_lines, node_counts->rows, mesh.nodes);
   if (!first) return fail(first.error());
-  Lines lines(ele_text, name + ".ele");
+  TextLines lines(ele_text, name + ".ele");
   const auto counts = read_counts(lines, "elements");
   if (!counts) return fail(counts.error());
   if (counts->second != 4 && counts->second != 10) return lines.wrong("elements should have 4 or 10 nodes");
@@ -267,7 +208,7 @@ Result<TetMesh> read_tetgen(std::string_view node_text, std::string_view ele_tex
 
 Result<TetMesh> read_vega(std::string_view text, const std::string& name) {
   TetMesh mesh;
-  Lines lines(text, name);
+  TextLines lines(text, name);
   std::int64_t first = 0;
   while (!lines.next().empty()) {
     const std::string word = lower(std::string(lines.word()));
@@ -328,7 +269,7 @@ Result<TetMesh> read_isostuffer(std::span<const std::byte> file, const std::stri
 }
 
 Result<TetMesh> read_tet_file(const std::filesystem::path& path) {
-  const std::string ending = lower(path.extension().string());
+  const std::string ending = ending_of(path);
   if (ending == ".node" || ending == ".ele") {
     const auto nodes = contents(ending == ".node" ? path : sibling(path, ".node"));
     if (!nodes) return fail(nodes.error());

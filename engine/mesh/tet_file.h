@@ -28,9 +28,7 @@
 
 namespace ringdown::mesh {
 
-// True for .node, .ele, .veg, .inp and .tet, in any case.
-bool is_tet_file(const std::filesystem::path& path);
-
+// A file of FileKind::tetrahedra (engine/base/file_format.h).
 Result<TetMesh> read_tet_file(const std::filesystem::path& path);
 
 // Read the mesh from the content of the files. `name` stands in the sentences.

@@ -1,6 +1,7 @@
 #include "engine/modal/bank_file.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/file_format.h"
 #include "engine/base/output_file.h"
 #include "engine/base/version.h"
 #include "engine/base/within_memory.h"
@@ -319,7 +320,7 @@ BankPath split_bank_path(const std::filesystem::path& path) {
     const auto scale = std::from_chars(number.ptr + 1, end, split.scale);
     good = *number.ptr == '@' && scale.ec == std::errc() && scale.ptr == end && kBankPathScale.holds(split.scale);
   }
-  return good && (file.ends_with(".glb") || file.ends_with(".gltf")) ? split : BankPath{path, {}};
+  return good && is_of_kind(split.file, FileKind::gltf) ? split : BankPath{path, {}};
 }
 
 std::filesystem::path bank_path(const BankPath& path) {
@@ -340,11 +341,8 @@ Result<Bank> read_bank(const std::filesystem::path& path) {
   const std::filesystem::path file = split_bank_path(path).file;
   const auto text = read_whole_file(file, kMaxBankFileBytes);
   if (!text) return fail(text.error());
-  const ReadBeside beside = [&file](const std::string& relative, std::size_t limit) {
-    return read_whole_file(file.parent_path() / relative, limit);
-  };
-  const bool is_text = file.extension() == ".gltf";
-  return parse_bank(std::as_bytes(std::span(*text)), path.string(), is_text ? beside : ReadBeside());
+  const bool is_text = has_ending(file, ".gltf");
+  return parse_bank(std::as_bytes(std::span(*text)), path.string(), is_text ? files_beside(file) : ReadBeside());
 }
 
 WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {

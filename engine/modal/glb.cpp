@@ -1,6 +1,7 @@
 #include "engine/modal/glb.h"
 
 #include "engine/base/within_memory.h"
+#include "engine/modal/glb_format.h"
 
 #include <bit>
 #include <algorithm>
@@ -13,148 +14,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF is little-endian; a big-endian port swaps here");
 
-constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr std::size_t kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
-
 std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t offset) {
   std::uint32_t word;
   std::memcpy(&word, bytes.data() + offset, sizeof word);
   return word;
-}
-
-const std::string kMeshopt = "EXT_meshopt_compression";
-// In the order of MeshoptMode and MeshoptFilter.
-constexpr std::array kModes = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
-constexpr std::array kFilters = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
-
-// The elements of an accessor, after every bound was checked: in the binary, or in `unpacked` if they were compressed.
-struct Elements {
-  std::vector<std::byte> unpacked;
-  const std::byte* first = nullptr;
-  std::size_t count = 0, stride = 0;
-  std::size_t component_type = 0;
-};
-
-std::size_t component_size(std::size_t type) {
-  switch (type) {
-    case kUnsignedByte:
-      return 1;
-    case kUnsignedShort:
-      return 2;
-    case kUnsignedInt:
-    case kFloat:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
-// The bytes of the binary chunk that `slice` names: a buffer view, or the extension's object in one.
-Result<std::span<const std::byte>> bytes_of(const Glb& glb, const Field& slice) {
-  const auto buffer = slice["buffer"].index(), offset = slice["byteOffset"].index_or(0);
-  const auto length = slice["byteLength"].index();
-  for (const auto* value : {&buffer, &offset, &length}) {
-    if (!*value) return fail(value->error());
-  }
-  if (*buffer != 0) return slice["buffer"].wrong("0, the file's own binary chunk");
-  const Field chunk = glb.root()["buffers"][0];
-  if (chunk["uri"].present()) return chunk["uri"].wrong("absent: the data must be inside the .glb file");
-  if (*offset > glb.binary.size() || *length > glb.binary.size() - *offset) {
-    return slice["byteLength"].wrong("inside the binary chunk of " + std::to_string(glb.binary.size()) + " bytes");
-  }
-  return glb.binary.subspan(*offset, *length);
-}
-
-// Which of `names` the field says.
-template <std::size_t N>
-Result<std::size_t> choice(const Field& field, const std::array<const char*, N>& names) {
-  const auto found = std::find(names.begin(), names.end(), field.text_or(""));
-  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  std::string expectation;
-  for (const char* name : names) expectation += std::string(expectation.empty() ? "" : " or ") + '"' + name + '"';
-  return field.wrong(expectation);
-}
-
-// The `length` bytes of a compressed buffer view. The view's own `buffer` names a place for them that need not exist.
-Result<std::vector<std::byte>> unpack_view(const Glb& glb, const Field& view, std::size_t length) {
-  const Field packing = view["extensions"][kMeshopt];
-  const auto stream = bytes_of(glb, packing);
-  if (!stream) return fail(stream.error());
-  const auto mode = choice(packing["mode"], kModes);
-  const auto filter = packing["filter"].present() ? choice(packing["filter"], kFilters) : Result<std::size_t>(0);
-  const auto count = packing["count"].index(), stride = packing["byteStride"].index();
-  for (const auto* value : {&mode, &filter, &count, &stride}) {
-    if (!*value) return fail(value->error());
-  }
-  const MeshoptLayout layout{.mode = static_cast<MeshoptMode>(*mode),
-                             .filter = static_cast<MeshoptFilter>(*filter),
-                             .count = *count,
-                             .stride = *stride};
-  if (!is_allowed(layout)) {
-    return packing["byteStride"].wrong("what " + kMeshopt + " allows with this mode, filter and count");
-  }
-  if (view["byteStride"].index_or(*stride).value_or(0) != *stride)
-    return view["byteStride"].wrong("as in its " + kMeshopt);
-  // count * stride cannot overflow: count <= 10^15, stride <= 256.
-  if (length != layout.bytes()) return view["byteLength"].wrong("count times byteStride of its " + kMeshopt);
-  if (length > kMaxUnpackedBytes) return view["byteLength"].wrong("at most " + std::to_string(kMaxUnpackedBytes));
-  if (length / kMaxMeshoptRatio > stream->size()) {
-    return packing["byteLength"].wrong("enough for the view's " + std::to_string(length) + " bytes");
-  }
-  std::vector<std::byte> elements(length);
-  if (!unpack(layout, *stream, elements)) {
-    return fail(ErrorKind::bad_input, packing.path() +
-                                          ": the compressed data are damaged, or of a later version of the " +
-                                          "codec; make the file again, or without compression");
-  }
-  return elements;
-}
-
-Result<Elements> locate(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit) {
-  const auto number = reference.index();
-  if (!number) return fail(number.error());
-  const Field accessor = glb.root()["accessors"][*number];
-  if (!accessor.present()) return reference.wrong("the number of an accessor in the file");
-  const char* type = width == 1 ? "SCALAR" : width == 2 ? "VEC2" : width == 3 ? "VEC3" : "VEC4";
-  if (accessor["type"].text_or("") != type) return accessor["type"].wrong(std::string("\"") + type + "\"");
-  if (accessor["sparse"].present()) return accessor["sparse"].wrong("absent: sparse accessors are not supported");
-
-  const auto component = accessor["componentType"].index();
-  const auto count = accessor["count"].index();
-  const auto offset = accessor["byteOffset"].index_or(0);
-  for (const auto* value : {&component, &count, &offset}) {
-    if (!*value) return fail(value->error());
-  }
-  const std::size_t size = component_size(*component) * width;
-  if (*count < 1 || *count > limit) return accessor["count"].wrong("from 1 to " + std::to_string(limit));
-  if (size == 0) return accessor["componentType"].wrong("a glTF component type");
-
-  const auto view_number = accessor["bufferView"].index();
-  if (!view_number) return fail(view_number.error());
-  const Field view = glb.root()["bufferViews"][*view_number];
-  if (!view.present()) return accessor["bufferView"].wrong("the number of a buffer view in the file");
-  const auto length = view["byteLength"].index();
-  const auto stride = view["byteStride"].index_or(size);
-  for (const auto* value : {&length, &stride}) {
-    if (!*value) return fail(value->error());
-  }
-  if (*stride < size || *stride > 252) return view["byteStride"].wrong("from the element's size to 252");
-  // count * stride cannot overflow: count <= limit <= 2^34, stride <= 252.
-  if (*offset > *length || (*count - 1) * *stride + size > *length - *offset) {
-    return accessor["count"].wrong("small enough to fit its buffer view of " + std::to_string(*length) + " bytes");
-  }
-  Elements elements{.count = *count, .stride = *stride, .component_type = *component};
-  if (view["extensions"][kMeshopt].present()) {
-    auto unpacked = unpack_view(glb, view, *length);
-    if (!unpacked) return fail(unpacked.error());
-    elements.unpacked = std::move(*unpacked);
-    elements.first = elements.unpacked.data() + *offset;
-  } else {
-    const auto bytes = bytes_of(glb, view);
-    if (!bytes) return fail(bytes.error());
-    elements.first = bytes->data() + *offset;
-  }
-  return elements;
 }
 
 // Counts the values of a JSON text and keeps none of them; stops the parser at the first beyond the limit. The names of
@@ -248,12 +111,12 @@ std::string Field::text_or(std::string fallback) const {
 }
 
 // A value takes some 20 times its text in memory, so all of them are counted before the first is kept.
-Result<Json> parse_gltf_json(std::string_view text, const std::string& name) {
+Result<Json> parse_gltf_json(std::string_view text, const std::string& name, std::size_t max_bytes) {
   const auto too_large = [&name](std::size_t limit, const std::string& of_what) {
     return fail(ErrorKind::too_large, name + ": its JSON text has more than " + std::to_string(limit) + " " + of_what +
                                           "; long lists of numbers belong in the binary chunk");
   };
-  if (text.size() > kMaxJsonBytes) return too_large(kMaxJsonBytes, "bytes");
+  if (text.size() > max_bytes) return too_large(max_bytes, "bytes");
   return within_memory("read " + name, [&]() -> Result<Json> {
     JsonCounter counter;
     const bool sound = Json::sax_parse(text, &counter);
@@ -264,8 +127,8 @@ Result<Json> parse_gltf_json(std::string_view text, const std::string& name) {
   });
 }
 
-Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name) {
-  if (bytes.size() < 20 || word_at(bytes, 0) != kMagic) {
+Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name, std::size_t max_json_bytes) {
+  if (bytes.size() < 20 || word_at(bytes, 0) != kGlbMagic) {
     return fail(ErrorKind::bad_input, name + " is not a binary glTF file (.glb); make one with `ringdown bake`");
   }
   if (word_at(bytes, 4) != 2)
@@ -279,7 +142,7 @@ Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name)
   if (word_at(bytes, 16) != kJsonChunk || json_size > bytes.size() - 20) {
     return fail(ErrorKind::bad_input, name + ": the first chunk must be the JSON text and end inside the file");
   }
-  auto json = parse_gltf_json({reinterpret_cast<const char*>(bytes.data()) + 20, json_size}, name);
+  auto json = parse_gltf_json({reinterpret_cast<const char*>(bytes.data()) + 20, json_size}, name, max_json_bytes);
   if (!json) return fail(json.error());
   Glb glb{.json = *std::move(json), .name = name};
   const auto rest = bytes.subspan(20 + json_size);
@@ -290,53 +153,6 @@ Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name)
     glb.binary = rest.subspan(8, word_at(rest, 0));
   }
   return glb;
-}
-
-Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit) {
-  const auto elements = locate(glb, reference, width, limit);
-  if (!elements) return fail(elements.error());
-  if (elements->component_type != kFloat) return reference.wrong("an accessor of component type 5126 (FLOAT)");
-  std::vector<float> values(elements->count * width);
-  for (std::size_t i = 0; i < elements->count; ++i) {
-    std::memcpy(&values[i * width], elements->first + i * elements->stride, width * sizeof(float));
-  }
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!std::isfinite(values[i])) {
-      return fail(ErrorKind::bad_input,
-                  reference.path() + ": element " + std::to_string(i / width) + " is not a finite number");
-    }
-  }
-  return values;
-}
-
-Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& reference, std::size_t limit) {
-  const auto elements = locate(glb, reference, 1, limit);
-  if (!elements) return fail(elements.error());
-  if (elements->component_type == kFloat) return reference.wrong("an accessor of unsigned integers");
-  std::vector<std::uint32_t> values(elements->count, 0);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    std::memcpy(&values[i], elements->first + i * elements->stride, component_size(elements->component_type));
-  }
-  return values;
-}
-
-Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference, std::size_t limit) {
-  const auto elements = locate(glb, reference, 1, limit);
-  if (!elements) return fail(elements.error());
-  if (elements->component_type != kUnsignedByte)
-    return reference.wrong("an accessor of component type 5121 (UNSIGNED_BYTE)");
-  std::vector<std::byte> bytes(elements->count);
-  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = elements->first[i * elements->stride];
-  return bytes;
-}
-
-Result<std::span<const std::byte>> read_view(const Glb& glb, const Field& reference) {
-  const auto number = reference.index();
-  if (!number) return fail(number.error());
-  const Field view = glb.root()["bufferViews"][*number];
-  if (!view.present() || view["extensions"][kMeshopt].present())
-    return reference.wrong("the number of a buffer view in the file that is not compressed");
-  return bytes_of(glb, view);
 }
 
 // Appends `bytes` to the binary, and returns the slice of it that they are.
@@ -360,8 +176,9 @@ std::size_t GlbWriter::add(Json view, Json accessor, Use use) {
 std::size_t GlbWriter::add_packed(const MeshoptLayout& layout, std::span<const std::byte> stream, Json accessor,
                                   Use use) {
   Json packing = append(stream);
-  packing["mode"] = kModes[static_cast<std::size_t>(layout.mode)];
-  if (layout.filter != MeshoptFilter::none) packing["filter"] = kFilters[static_cast<std::size_t>(layout.filter)];
+  packing["mode"] = kMeshoptModes[static_cast<std::size_t>(layout.mode)];
+  if (layout.filter != MeshoptFilter::none)
+    packing["filter"] = kMeshoptFilters[static_cast<std::size_t>(layout.filter)];
   packing["count"] = layout.count;
   packing["byteStride"] = layout.stride;
   Json view = {{"buffer", 1},
@@ -422,8 +239,8 @@ std::vector<std::byte> GlbWriter::finish(Json document) && {
     const auto word = static_cast<std::uint32_t>(value);
     put(std::as_bytes(std::span(&word, 1)));
   };
-  for (const std::size_t word :
-       {std::size_t{kMagic}, std::size_t{2}, 28 + text.size() + binary_.size(), text.size(), std::size_t{kJsonChunk}}) {
+  for (const std::size_t word : {std::size_t{kGlbMagic}, std::size_t{2}, 28 + text.size() + binary_.size(), text.size(),
+                                 std::size_t{kJsonChunk}}) {
     put_word(word);
   }
   put(std::as_bytes(std::span(text)));

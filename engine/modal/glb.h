@@ -59,10 +59,11 @@ inline constexpr std::size_t kMaxJsonBytes = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxJsonValues = std::size_t{1} << 18;
 
 // A document's JSON text.
-Result<Json> parse_gltf_json(std::string_view text, const std::string& name);
+Result<Json> parse_gltf_json(std::string_view text, const std::string& name, std::size_t max_bytes = kMaxJsonBytes);
 
 // `name` stands in error messages where the path would.
-Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name);
+Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name,
+                      std::size_t max_json_bytes = kMaxJsonBytes);
 
 inline constexpr std::size_t kMaxUnpackedBytes = std::size_t{1} << 30;  // of one compressed array
 
@@ -71,6 +72,10 @@ inline constexpr std::size_t kMaxUnpackedBytes = std::size_t{1} << 30;  // of on
 Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit);
 Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& reference, std::size_t limit);
 Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference, std::size_t limit);
+
+// Reads numbers of any component type, also normalized and sparse, where read_floats() reads plain floats. `width` 16
+// is MAT4, by columns. Elements of an accessor without a buffer view are 0.
+Result<std::vector<double>> read_numbers(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit);
 
 // The bytes of the buffer view that `reference` names, which must not be compressed; into the document's binary.
 Result<std::span<const std::byte>> read_view(const Glb& glb, const Field& reference);

@@ -1,5 +1,6 @@
 #include "engine/modal/gltf_file.h"
 
+#include "engine/base/atomic_file.h"
 #include "engine/base/base64.h"
 #include "engine/base/within_memory.h"
 
@@ -140,16 +141,25 @@ Result<std::string> read_uri(const std::string& uri, const std::string& path, st
   if (relative.empty() || relative.starts_with('/') || has_scheme || relative.find('\0') != std::string::npos) {
     return fail(ErrorKind::bad_input, path + ": expected a relative path or a data: URI");
   }
+  if (const auto plain = std::filesystem::path(relative).lexically_normal(); *plain.begin() == "..")
+    return fail(ErrorKind::bad_input, path + " leads out of the file's folder; put what it names beside the file");
   return read_beside(relative, limit);
 }
 
-Result<Glb> parse_gltf(std::span<const std::byte> bytes, const std::string& name, const ReadBeside& read_beside) {
+ReadBeside files_beside(const std::filesystem::path& document) {
+  return [folder = document.parent_path()](const std::string& relative, std::size_t limit) {
+    return read_file_below(folder, relative, limit);
+  };
+}
+
+Result<Glb> parse_gltf(std::span<const std::byte> bytes, const std::string& name, const ReadBeside& read_beside,
+                       std::size_t max_json_bytes) {
   return within_memory("read " + name, [&]() -> Result<Glb> {
     Result<Glb> glb = fail(ErrorKind::bad_input, name);
     if (is_glb(bytes)) {
-      glb = parse_glb(bytes, name);
+      glb = parse_glb(bytes, name, max_json_bytes);
     } else {
-      auto json = parse_gltf_json({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
+      auto json = parse_gltf_json({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name, max_json_bytes);
       if (!json) return fail(json.error());
       glb = Glb{.json = *std::move(json), .name = name};
     }

@@ -1,4 +1,4 @@
-// What the nonlinear terms of a body cannot exceed: a bank with larger ones is refused when it is read. [worker]
+// Limits that the nonlinear terms of a body cannot exceed. A bank with larger ones is refused when it is read. [worker]
 //
 // - Thickness: from a few atoms to a thousand metres.
 // - Stretching: a body that is bent by its own thickness stretches about as hard as it bends. With a_i the amplitude

@@ -303,6 +303,12 @@ Pitch pitch_of(const Bank& bank) {
   return {.hz = bank.pitch_hz, .stated = true, .strength = 1, .tone_hz = *bank.pitch_hz, .reason = {}};
 }
 
+std::optional<double> scaled_pitch(std::optional<double> pitch_hz, const MaterialScale& scale) {
+  if (!pitch_hz) return std::nullopt;
+  const double scaled_hz = *pitch_hz * std::sqrt(lambda_factor(scale));
+  return kStatedPitch_hz.holds(scaled_hz) ? std::optional(scaled_hz) : std::nullopt;
+}
+
 std::string describe(const Pitch& pitch) {
   char text[160];
   if (pitch.hz) {

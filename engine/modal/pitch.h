@@ -1,4 +1,4 @@
-// What pitch a thing has: the one that its bank states, or an estimate from its modes, or none. [worker]
+// The pitch of a thing: the one that its bank states, or an estimate from its modes, or none. [worker]
 //
 //   const Pitch pitch = pitch_of(bank);
 //   if (pitch.hz) ...a musician would name it so...
@@ -11,6 +11,7 @@
 #pragma once
 
 #include "engine/modal/bank.h"
+#include "engine/modal/material_scale.h"
 
 #include <optional>
 #include <string>
@@ -30,6 +31,10 @@ Pitch pitch_of(const Bank& bank);
 
 // The estimate alone.
 Pitch estimated_pitch(const Bank& bank);
+
+// A stated pitch of an object in another size and material, which goes as its modes do; nothing when none is stated, or
+// when it would lie outside of kStatedPitch_hz.
+std::optional<double> scaled_pitch(std::optional<double> pitch_hz, const MaterialScale& scale);
 
 // "220.00 Hz (A3 +0 ct), as its maker states", or "none: several partials compete within an octave; 516.03 Hz comes
 // closest to one".

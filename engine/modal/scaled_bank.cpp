@@ -1,9 +1,8 @@
 #include "engine/modal/scaled_bank.h"
 
 #include "engine/modal/mode_choice.h"
+#include "engine/modal/pitch.h"
 
-#include <cmath>
-#include <optional>
 #include <vector>
 
 namespace ringdown::modal {
@@ -32,10 +31,7 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
     out.material->damping.beta_s *= scale.beta;
     if (out.material->orthotropy) out.material->orthotropy = stiffer(*out.material->orthotropy, scale.stiffness);
   }
-  if (bank.pitch_hz) {
-    const double pitch_hz = *bank.pitch_hz * std::sqrt(lambda_factor(scale));
-    out.pitch_hz = kStatedPitch_hz.holds(pitch_hz) ? std::optional(pitch_hz) : std::nullopt;
-  }
+  out.pitch_hz = scaled_pitch(bank.pitch_hz, scale);
   if (ringing.size() < bank.mode_count()) take_modes(out, ringing);
   return out;
 }

@@ -6,9 +6,9 @@
 
 namespace ringdown::modal {
 
-// Frequencies, the stated pitch, decays, shapes, points, mass, the material and its grain, nonlinear terms and what modes radiate, each
-// scaled exactly (material_scale.h), but for radiation under another stiffness or density, which follows its levels.
-// Modes that become over-damped are left out; the order of the others stays.
+// Frequencies, the stated pitch, decays, shapes, points, mass, the material and its grain, nonlinear terms and what
+// modes radiate, each scaled exactly (material_scale.h), but for radiation under another stiffness or density, which
+// follows its levels. Modes that become over-damped are left out; the order of the others stays.
 Bank scaled(const Bank& bank, const MaterialScale& scale);
 
 }  // namespace ringdown::modal

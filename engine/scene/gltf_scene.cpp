@@ -1,6 +1,7 @@
 #include "engine/scene/gltf_scene.h"
 
 #include "engine/base/content_hash.h"
+#include "engine/base/file_format.h"
 #include "engine/base/object_name.h"
 #include "engine/base/quote.h"
 #include "engine/base/within_memory.h"
@@ -34,8 +35,8 @@ using modal::Field;
 constexpr double kUsualDensity_kg_m3 = 1000;
 
 // Extensions that are read here or that change nothing about a scene's motion and sound.
-constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes", "KHR_collision_shapes",
-                               "KHR_audio_rigid_bodies", "EXT_meshopt_compression"};
+constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes",     "KHR_collision_shapes",
+                               "KHR_audio_rigid_bodies",   "EXT_meshopt_compression", "KHR_mesh_quantization"};
 
 // A collider, and where its node lies.
 struct PlacedCollider {
@@ -469,7 +470,7 @@ std::string fingerprint(const SceneDescription& scene) {
   return hash_of(to_toml(own)).text();
 }
 
-bool is_gltf(const std::filesystem::path& path) { return path.extension() == ".glb" || path.extension() == ".gltf"; }
+bool is_gltf(const std::filesystem::path& path) { return is_of_kind(path, FileKind::gltf); }
 
 Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& path,
                                    const modal::ReadBeside& read_beside) {

@@ -100,7 +100,7 @@ void add_mesh(GltfDocument& document, const Field& mesh, const Affine& map, Shap
       continue;
     }
     const auto positions =
-        modal::read_floats(document.glb(), primitive["attributes"]["POSITION"], 3, 4 * kMaxMeshPoints);
+        modal::read_numbers(document.glb(), primitive["attributes"]["POSITION"], 3, 4 * kMaxMeshPoints);
     if (!positions) return document.refuse(tl::unexpected(positions.error()));
     ShapeMesh part;
     for (std::size_t p = 0; p < positions->size(); p += 3)

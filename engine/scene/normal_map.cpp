@@ -45,8 +45,8 @@ std::optional<Picture> unpack_png(std::span<const std::byte> bytes) {
 // Length in the world along u, for each unit of u: the mean over the triangles, weighted by their areas.
 double length_of_u(GltfDocument& document, const Field& primitive, const Field& coordinates, const Affine& map) {
   constexpr std::size_t kMost = 4 * kMaxMeshPoints;
-  const auto points = modal::read_floats(document.glb(), primitive["attributes"]["POSITION"], 3, kMost);
-  const auto uv = modal::read_floats(document.glb(), coordinates, 2, kMost);
+  const auto points = modal::read_numbers(document.glb(), primitive["attributes"]["POSITION"], 3, kMost);
+  const auto uv = modal::read_numbers(document.glb(), coordinates, 2, kMost);
   if (!points || !uv || uv->size() / 2 != points->size() / 3) return 0;
   std::vector<std::uint32_t> corners;
   if (primitive["indices"].present()) {

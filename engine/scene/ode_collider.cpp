@@ -75,11 +75,6 @@ void Collider::fall_asleep() {
   stillness.reset();
 }
 
-void Collider::keep_moving() {
-  kept_moving = true;
-  dBodySetAutoDisableFlag(body.get(), 0);
-}
-
 void Collider::let_sleep(bool allowed) {
   if (allowed == supported) return;
   supported = allowed;

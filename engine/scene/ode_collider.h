@@ -80,7 +80,6 @@ struct Collider {
   void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
 
   void fall_asleep();  // at rest, until something touches the body
-  void keep_moving();  // sets kept_moving
 
   // Lets the body fall asleep although ODE knows no contact of it. ODE keeps bodies without joints awake, so that none
   // sleeps in the air.

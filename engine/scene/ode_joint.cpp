@@ -42,7 +42,7 @@ constexpr double kMaxReturn = 10;  // at which a lock takes back what it has los
 Pose of(dxBody* body) {
   if (!body) return {};
   const double* q = dBodyGetQuaternion(body);
-  return {to_vec3(dBodyGetPosition(body)), {q[1], q[2], q[3], q[0]}};
+  return {to_vec3(dBodyGetPosition(body)), Rotation::from_wxyz(q[0], q[1], q[2], q[3])};
 }
 
 Pose within(const Pose& outer, const Pose& inner) {
@@ -102,8 +102,9 @@ OdeFreeJoint::Place OdeFreeJoint::place() const {
   return place;
 }
 
-// What a limit bounds, if it has a direction now. A twist about axis k grows with the spin along the mean of the axis
-// in both frames, by 1 / cos(s/2) where the axes stand at an angle s: for the quaternion q, from d/dt 2 atan2(q_k, w).
+// Returns the coordinate that a limit bounds, if it has a direction now. A twist about axis k grows with the spin along
+// the mean of the axis in both frames, by 1 / cos(s/2) where the axes stand at an angle s: for the quaternion q, from
+// d/dt 2 atan2(q_k, w).
 std::optional<OdeFreeJoint::Coordinate> OdeFreeJoint::coordinate(const AxesLimit& limit, const Place& place) const {
   const std::size_t first = limit.axes[0], count = limit.axes.size();
   const auto into_world = [&](Vec3 v) { return v.x * place.axes[0] + v.y * place.axes[1] + v.z * place.axes[2]; };

@@ -313,14 +313,16 @@ void Simulation::State::move_driven(double done_s) {
 }
 
 void Simulation::State::join(const BodyJoint& joint) {
-  dxBody* other = joint.other ? colliders.at(*joint.other).body.get() : nullptr;
-  colliders.at(joint.body).joined = true;
-  if (joint.other) colliders.at(*joint.other).joined = true;
-  if (joint.other && !joint.description.collides) filter.part(joint.body, *joint.other);
-  joints.push_back({joint, OdeJoint(world.get(), colliders.at(joint.body).body.get(), other, joint.description)});
-  if (!joints.back().joint.keeps_moving()) return;
-  colliders.at(joint.body).keep_moving();
-  if (joint.other) colliders.at(*joint.other).keep_moving();
+  Collider* const joined[] = {&colliders.at(joint.body), joint.other ? &colliders.at(*joint.other) : nullptr};
+  dxBody* const other = joined[1] ? joined[1]->body.get() : nullptr;
+  if (other && !joint.description.collides) filter.part(joint.body, *joint.other);
+  joints.push_back({joint, OdeJoint(world.get(), joined[0]->body.get(), other, joint.description)});
+  for (Collider* collider : std::span(joined, other ? 2 : 1)) {
+    collider->joined = true;
+    if (!joints.back().joint.keeps_moving()) continue;
+    collider->kept_moving = true;
+    dBodySetAutoDisableFlag(collider->body.get(), 0);
+  }
 }
 
 // The joints of a body, described as they are now, so that they can be made again.

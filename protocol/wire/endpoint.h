@@ -38,7 +38,7 @@ Result<Endpoint> resolve(const std::string& host, std::uint16_t port);
 // "127.0.0.1:7770" or "[::1]:7770"
 std::string to_text(const Endpoint& endpoint);
 
-// For system calls.
+// An endpoint in the form that system calls take.
 struct SocketAddress {
   sockaddr_storage storage{};
   socklen_t size = sizeof storage;

@@ -35,10 +35,11 @@ class OscSocket {
   // the user asked for another. A taken port is an error whose sentence says so. Nothing shares the port.
   static Result<OscSocket> bind(const Endpoint& endpoint = {});
 
-  // For a server: as bind(), but 127.0.0.1 and 0.0.0.0 are served by IPv6, too (bind_for_server() in endpoint.h).
+  // Binds a server's socket. Other than with bind(), 127.0.0.1 and 0.0.0.0 are served by IPv6, too (bind_for_server()
+  // in endpoint.h).
   static Result<OscSocket> serve(const Endpoint& endpoint);
 
-  // For a client of `server`: bound to the loopback if the server is there, else to any address.
+  // Binds the socket of a client of `server`: to the loopback if the server is there, else to any address.
   static Result<OscSocket> reach(const Endpoint& server);
 
   OscSocket(OscSocket&& other) noexcept;

@@ -1,5 +1,6 @@
 #include "server/session/bank_reader.h"
 
+#include "engine/base/file_format.h"
 #include "engine/base/within_memory.h"
 #include "engine/modal/bank_file.h"
 
@@ -38,10 +39,10 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   const auto [at, model, scale] = modal::split_bank_path(path);
   const auto bytes = roots_.read(at, modal::kMaxBankFileBytes);
   if (!bytes) return fail(bytes.error());
-  const modal::ReadBeside beside = [this, folder = at.parent_path()](const std::string& relative, std::size_t limit) {
-    return roots_.read(folder / relative, limit);
+  const modal::ReadBeside beside = [this, &document = at](const std::string& relative, std::size_t limit) {
+    return roots_.read_beside(document, relative, limit);
   };
-  const bool in_scene = model || at.extension() == ".gltf";  // whose buffers may be in other files
+  const bool in_scene = model || has_ending(at, ".gltf");  // whose buffers may be in other files
   auto file = parse_bank_file(*bytes, path.string(), in_scene ? beside : modal::ReadBeside());
   if (file && in_scene) {
     file->alone = std::make_shared<const std::vector<std::byte>>(modal::to_glb(file->map->bank()));

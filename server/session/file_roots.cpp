@@ -1,6 +1,7 @@
 #include "server/session/file_roots.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/file_format.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -90,6 +91,12 @@ Result<std::string> FileRoots::read(const fs::path& path, std::size_t limit_byte
   return read_open_file(*descriptor, path.string(), limit_bytes);
 }
 
+Result<std::string> FileRoots::read_beside(const fs::path& document, const fs::path& relative,
+                                           std::size_t limit_bytes) const {
+  if (open_everywhere_) return read_file_below(document.parent_path(), relative, limit_bytes);
+  return read(document.parent_path() / relative, limit_bytes);
+}
+
 Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t offset, std::size_t most_bytes) const {
   const auto opened = open(path);
   if (!opened) return fail(opened.error());
@@ -165,7 +172,7 @@ Result<fs::path> FileRoots::writable(const fs::path& path, const WrittenKind& ki
                         return below(target, root.real).has_value();
                       });
   if (!inside) return outside(path);
-  if (target.extension() != kind.ending) {
+  if (!has_ending(target, kind.ending)) {
     return cannot_write(path, "the name must end in " + std::string(kind.ending));
   }
   if (fs::exists(there) && kind.mark.empty()) {

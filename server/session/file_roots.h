@@ -44,6 +44,11 @@ class FileRoots {
   // The whole file. A relative path starts in the current folder.
   [[nodiscard]] Result<std::string> read(const std::filesystem::path& path, std::size_t limit_bytes) const;
 
+  // A file that `document` names, relative to its folder. It lies in that folder or below also where every file may be
+  // opened.
+  [[nodiscard]] Result<std::string> read_beside(const std::filesystem::path& document,
+                                                const std::filesystem::path& relative, std::size_t limit_bytes) const;
+
   // Up to `most_bytes` bytes from `offset` on, and the size of the whole file.
   struct Piece {
     std::vector<std::byte> bytes;

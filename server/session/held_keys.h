@@ -32,8 +32,8 @@ class HeldKeys {
 
   void press(std::size_t key, std::size_t channel) RINGDOWN_REALTIME;
 
-  // What a release on a channel does. absent: nothing, the channel does not hold the key; down: another channel still
-  // holds it; kept: it is up, but a pedal keeps it; free: nothing holds it any more.
+  // The outcome of a release on a channel. absent: the channel does not hold the key, and nothing changes; down:
+  // another channel still holds it; kept: it is up, but a pedal keeps it sounding; free: nothing holds it any more.
   enum class Release : std::uint8_t { absent, down, kept, free };
   Release release(std::size_t key, std::size_t channel) RINGDOWN_REALTIME;
 

@@ -24,7 +24,7 @@ struct Piece {
   std::vector<std::span<const float>> ambisonics;  // all of one length
 };
 
-// What is written: the ambisonic channels where there are some, else left and right.
+// Returns the channels that are written: the ambisonic ones where there are some, else left and right.
 std::vector<std::span<const float>> written_channels(const Piece& piece) {
   return piece.ambisonics.empty() ? std::vector{piece.left, piece.right} : piece.ambisonics;
 }

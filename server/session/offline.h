@@ -46,7 +46,7 @@ using Progress = std::function<bool(double done)>;
 // Renders into memory.
 Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress);
 
-// What render_to_file() has written.
+// The outcome of render_to_file().
 struct Rendering {
   double seconds = 0;
   float peak = 0;  // as in a Recording

@@ -71,7 +71,7 @@ void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, do
 // Reads the files beside a glTF file.
 modal::ReadBeside beside(const FileRoots& roots, const std::filesystem::path& path) {
   return [&roots, path](const std::string& relative, std::size_t limit) {
-    return roots.read(path.parent_path() / relative, limit);
+    return roots.read_beside(path, relative, limit);
   };
 }
 
@@ -88,7 +88,7 @@ Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::fi
   return std::move(read->scene);
 }
 
-// What gives the bodies of a scene file their sound.
+// Tells how the bodies of a scene file get their sound.
 std::string cure_of_silence(const FileRoots& roots, const std::filesystem::path& path) {
   if (!scene::is_gltf(path)) return "name an [[object]] with a bank in their [[body]]";
   const std::string bake = "`ringdown bake " + path.string() + "`";

@@ -1,10 +1,11 @@
 #include "server/session/sound_file.h"
 
+#include "engine/base/file_format.h"
+
 #include <sndfile.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -72,8 +73,7 @@ SoundFile::~SoundFile() = default;
 
 Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz, const SoundFormat& format) {
   const std::filesystem::path path = target.named;
-  std::string ending = path.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = ending_of(path);
   if (ending != ".wav" && ending != ".flac" && !target.is_stream) {
     return cannot_write(path, "its name must end in .wav or .flac, which says the format");
   }

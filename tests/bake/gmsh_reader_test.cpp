@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <iomanip>
 #include <numbers>
 #include <sstream>
@@ -109,6 +110,54 @@ TEST(GmshReader, VolumeThatCannotBeWonBackIsStatedAsAGap) {
   const double lost = std::numbers::pi * 0.005 * 0.005 * 0.03 - volume(*rod);
   EXPECT_GT(lost, 0.03 * volume(*rod));
   EXPECT_NEAR(rod->gaps_m.dot(mesh::face_points(rod->mesh).areas) / lost, 1, 1e-6);
+}
+
+// Without cuts of their mantles, gmsh does not come to an end with these within minutes.
+TEST(GmshReader, SlenderConesAreMeshedToTheirTips) {
+  const TemporaryFolder folder;
+  struct Cone {
+    double end_mm;  // the radius at the end of 100 mm; 5 mm at the beginning
+    const char* rest;
+  };
+  for (const Cone& cone : {Cone{0, ""}, Cone{0.02, ""},
+                           Cone{0,
+                                "Box(9) = {-10, -10, -10, 20, 20, 10}; BooleanUnion{ "
+                                "Volume{1}; Delete; }{ Volume{9}; Delete; }\n"}}) {
+    const std::string text =
+        "SetFactory(\"OpenCASCADE\");\nCone(1) = {0, 0, 0, 0, 0, 100, 5, " + std::to_string(cone.end_mm) + "};\n" +
+        cone.rest + "Physical Volume(\"all\", 3) = {Volume{:}}; Physical Surface(\"skin\", 5) = {Surface{:}};\n";
+    const auto mesh = mesh::read_with_gmsh(folder.write("cone.geo", text), in_millimetres());
+    ASSERT_TRUE(mesh) << text << mesh.error().message;
+    const double r = cone.end_mm, box = *cone.rest == 0 ? 0 : 4000;
+    const double exact = 1e-9 * (std::numbers::pi * 100 * (25 + 5 * r + r * r) / 3 + box);
+    EXPECT_NEAR(volume(*mesh) / exact, 1, 2e-3) << text;
+    EXPECT_EQ(mesh->groups.volumes, std::vector<std::string>{"all"}) << text;
+    EXPECT_TRUE(std::ranges::all_of(mesh->groups.volume_of, [](std::int32_t group) { return group == 0; })) << text;
+    ASSERT_EQ(mesh->groups.surfaces.size(), 1u) << text;
+  }
+}
+
+// A block of 100 x 80 x 6; only the statement that follows may use mesh_size.
+TEST(GmshReader, WhetherAMeshDependsOnItsFilesMeshSizeIsTried) {
+  const TemporaryFolder folder;
+  const std::string box =
+      "SetFactory(\"OpenCASCADE\"); DefineConstant[ mesh_size = 2 ];\nBox(1) = {0, 0, 0, 100, 80, 6};\n";
+  const std::string sheet =
+      "SetFactory(\"OpenCASCADE\"); DefineConstant[ mesh_size = 2 ];\nRectangle(1) = {0, 0, 0, 100, 80};\n";
+  const std::pair<std::string, bool> kFiles[] = {
+      {box, false},
+      {box + "h = 2 * mesh_size; Printf(\"%g\", mesh_size); // mesh_size\n", false},
+      {box + "MeshSize{ PointsOf{ Volume{1}; } } = mesh_size;\n", true},
+      {box + "h = mesh_size; n = Ceil(100 / h) + 1; Transfinite Curve{9} = n;\n", true},
+      {box + "Mesh.MeshSizeMax = mesh_size;\n", true},
+      {box + "Field[1] = MathEval; Field[1].F = Sprintf(\"%g + x / 8\", mesh_size); Background Field = 1;\n", true},
+      {sheet + "Extrude {0, 0, 6} { Surface{1}; Layers{ Ceil(6 / mesh_size) }; }\n", true},
+      {sheet + "Extrude {0, 0, 6} { Surface{1}; Layers{ 3 }; }\n", false},
+  };
+  for (const auto& [text, depends] : kFiles) {
+    const auto path = folder.write("block.geo", text);
+    EXPECT_EQ(mesh::depends_on_mesh_size(path, {.unit_m = 0.001, .parameters = {}}, 0.128), depends) << text;
+  }
 }
 
 TEST(GmshReader, TheSameFileGivesTheSameMesh) {

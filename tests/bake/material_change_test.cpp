@@ -73,6 +73,16 @@ TEST(Change, AChangeOfSizeIsABakeOfTheMeshScaledByHand) {
   }
 }
 
+TEST(Change, AStatedPitchChangesAsTheModesDo) {
+  modal::Bank bar = baked(1, kSteel, 4000);
+  EXPECT_FALSE(bake::change(bar, {.size = 2})->bank.pitch_hz) << "nothing was stated";
+  bar.pitch_hz = 220;
+  EXPECT_DOUBLE_EQ(bake::change(bar, {.size = 2})->bank.pitch_hz.value_or(0), 110);
+  modal::Material light = kSteel;
+  light.density_kg_m3 /= 4;
+  EXPECT_NEAR(bake::change(bar, {.material = light})->bank.pitch_hz.value_or(0), 440, 1e-9);
+}
+
 TEST(Change, AChangeOfMaterialIsABakeInIt) {
   const modal::Bank one = baked(1, kSteel, 16000);
   const auto changed = bake::change(one, {.size = 1.3, .material = kOther});

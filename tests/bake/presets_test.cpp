@@ -302,7 +302,7 @@ TEST(Presets, EveryBankIsOfItsObjectAsItStands) {
     const auto hash = bake::input_hash({.object = file,
                                         .geometry = object->geometry,
                                         .material = kPresets / "materials" / (object->material + ".toml"),
-                                        .options = {"--compress", "--radiation"}});
+                                        .options = {"--radiation", "--compress"}});
     const fs::path bank = kPresets / "banks" / (name + ".glb");
     EXPECT_EQ(modal::read_input_hash(bank), hash) << name;
     EXPECT_EQ(modal::read_bank(bank)->pitch_hz, object->pitch_hz) << name;

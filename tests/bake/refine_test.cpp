@@ -56,6 +56,31 @@ TEST(BodyShape, TheShapeOfABoxIsItsOwn) {
   EXPECT_NEAR(shape.width_m, 0.2, 1e-12);
 }
 
+// A disc of 100 x 1 mm. What its file says of mesh_size counts as far as it uses it; set to a value from outside, it is
+// the longest edge in either case.
+TEST(MeshChoice, AMeshSizeThatAFileDoesNotUseIsChosenOrTaken) {
+  const TemporaryFolder folder;
+  const std::string disc = "Cylinder(1) = {0, 0, 0, 0, 0, 1, 50};\n", start = "SetFactory(\"OpenCASCADE\");\n";
+  const auto elements = [&](const std::string& text, std::map<std::string, double> parameters = {}) -> double {
+    bake::ObjectRecipe recipe = recipe_of(folder.write("disc.geo", text), fem::Element::kTet20, 10e3);
+    recipe.meshing.unit_m = 0.001;
+    recipe.meshing.parameters = std::move(parameters);
+    const auto forecast = bake::forecast(recipe, kSteel);
+    EXPECT_TRUE(forecast) << text;
+    return forecast ? static_cast<double>(forecast->mesh.mesh.elements.rows()) : 0;
+  };
+  const std::string unused = start + "DefineConstant[ mesh_size = 30 ];\n" + disc;
+  const std::string used = unused + "MeshSize{ PointsOf{ Volume{1}; } } = mesh_size; Mesh.MeshSizeMax = mesh_size;\n";
+  const double chosen = elements(start + disc);
+  EXPECT_EQ(elements(unused), chosen);
+  EXPECT_LT(elements(used), 0.5 * chosen);
+  // One layer of prisms between equilateral triangles, three tetrahedra each.
+  for (const double edge : {4.0, 8.0}) {
+    const double triangles = std::numbers::pi * 50 * 50 / (std::sqrt(3) / 4 * edge * edge);
+    EXPECT_NEAR(elements(unused, {{"mesh_size", edge}}) / (3 * triangles), 1, 0.2) << edge;
+  }
+}
+
 TEST(MeshChoice, TheChosenSizeFollowsTheShortestWave) {
   const bake::BodyShape plate{.volume_m3 = 1.6e-4, .thickness_m = 0.004, .width_m = 0.2};
   const bake::BodyShape block{.volume_m3 = 4.8e-4, .thickness_m = 0.0255, .width_m = 0.08};
@@ -121,7 +146,8 @@ TEST(ChosenMesh, AChosenMeshIsFinerAlongTheSharpEdgesOfAPlate) {
 
 TEST(ChosenMesh, AChosenMeshLeavesAGeometryThatNamesItsSizeAlone) {
   const TemporaryFolder folder;
-  const auto path = folder.write("b.geo", "DefineConstant[ mesh_size = 0.03 ];\n" + kBlock);
+  const auto path = folder.write(
+      "b.geo", "DefineConstant[ mesh_size = 0.03 ];\n" + kBlock + "MeshSize{ PointsOf{ Volume{1}; } } = mesh_size;\n");
   const auto object = bake::bake_recipe(recipe_of(path, fem::Element::kTet10, 20e3), kSteel);
   ASSERT_TRUE(object) << object.error().message;
   EXPECT_FALSE(object->choice);

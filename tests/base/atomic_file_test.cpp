@@ -76,6 +76,26 @@ TEST_F(AtomicFile, AFileIsReadUpToTheLimitAndRefusedOneByteAbove) {
   EXPECT_NE(refused.error().message.find("5 bytes"), std::string::npos) << refused.error().message;
 }
 
+TEST_F(AtomicFile, AFileBelowAFolderIsReadAndNoneOutsideOfIt) {
+  fs::create_directories(folder_ / "inside/deep");
+  fs::create_directories(folder_ / "inside-too");
+  for (const char* name : {"inside/a", "inside/deep/b", "inside-too/c", "d"}) std::ofstream(folder_ / name) << name;
+  fs::create_symlink("deep/b", folder_ / "inside/link");
+  fs::create_symlink("../d", folder_ / "inside/leads-out");
+  fs::create_symlink("..", folder_ / "inside/up");
+  fs::create_symlink("inside", folder_ / "alias");
+  const auto read = [&](const char* name) { return read_file_below(folder_ / "inside", name, 100); };
+  EXPECT_EQ(read("a").value_or(""), "inside/a");
+  EXPECT_EQ(read("deep/../deep/b").value_or(""), "inside/deep/b");
+  EXPECT_EQ(read("link").value_or(""), "inside/deep/b");
+  EXPECT_EQ(read_file_below(folder_ / "alias", "a", 100).value_or(""), "inside/a");
+  for (const char* name : {"../d", "deep/../../d", "leads-out", "up/d", "../inside-too/c", "/etc/passwd"}) {
+    const auto outside = read(name);
+    ASSERT_FALSE(outside) << name;
+    EXPECT_NE(outside.error().message.find("outside of the folder"), std::string::npos) << outside.error().message;
+  }
+}
+
 TEST_F(AtomicFile, ReadingWhatIsNotARegularFileFails) {
   EXPECT_FALSE(read_whole_file(folder_.path(), 100));
   EXPECT_FALSE(read_whole_file(folder_ / "absent", 100));

@@ -1,4 +1,4 @@
-// What happens where the system gives no more threads.
+// Teams and helpers where the system gives no more threads.
 #include "engine/base/in_parallel.h"
 #include "engine/base/within_memory.h"
 #include "tests/support/scarcity.h"

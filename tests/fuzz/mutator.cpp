@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a number may become: the ends of its types, and what is hard to divide by.
+// Numbers that replace others: the ends of the types, and what is hard to divide by.
 constexpr const char* kExtremes[] = {"0",      "-0",    "-1",         "1e-320",     "1e-300", "1e-39",
                                      "1e-9",   "1e9",   "1e12",       "3e38",       "4e38",   "1e300",
                                      "-1e308", "1e309", "nan",        "inf",        "-inf",   "65536",

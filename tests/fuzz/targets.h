@@ -17,6 +17,7 @@ void stream(Bytes bytes);  // OSC over TCP, in either framing
 void score(Bytes file);    // OSC scores
 void bank(Bytes file);     // .glb, and ringing what was read
 void mesh(Bytes file);     // the first byte chooses: TetGen, Vega, Abaqus, IsoStuffer
+void surface(Bytes file);  // the first byte chooses: OBJ, STL, PLY, OFF, glTF
 void answer(Bytes bytes);  // of the process that reads mesh files
 void geo(Bytes file);      // what a .geo says, by its names
 void reader(Bytes file);   // mesh files of all kinds, read by that process; the first byte chooses the ending
@@ -43,6 +44,6 @@ inline constexpr Target kTargets[] = {
     {"osc", osc},           {"stream", stream},     {"score", score},   {"bank", bank},   {"mesh", mesh},
     {"scene", scene},       {"material", material}, {"object", object}, {"notes", notes}, {"state", state},
     {"settings", settings}, {"options", options},   {"nsm", nsm},       {"midi", midi},   {"geo", geo},
-    {"answer", answer},     {"reader", reader},     {"http", http},     {"gltf", gltf}};
+    {"answer", answer},     {"reader", reader},     {"http", http},     {"gltf", gltf},   {"surface", surface}};
 
 }  // namespace ringdown::fuzz

@@ -26,7 +26,8 @@ std::string text_of(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// What ends the daemon, its files or what it listens to is what it is meant to obey, and is not sent.
+// Whether a packet asks for what the daemon is meant to obey and would end the attack: to quit, or to write files. Such
+// packets are not sent.
 bool is_command(const std::string& packet) {
   constexpr const char* kCommands[] = {"/quit", "/capture", "/record"};
   return std::ranges::any_of(kCommands, [&](const char* word) { return packet.find(word) != std::string::npos; });

@@ -127,7 +127,7 @@ wire::Message hostile_message(Random& random, const Names& names) {
     const bool lies = !honest && random.one_in(4);
     message.arguments.push_back(lies ? forbidden(argument, random) : valid(argument, names, random));
   }
-  if (!honest && random.one_in(8)) message.arguments.push_back(random.extreme());
+  if (!honest && random.one_in(8)) message.arguments.emplace_back(random.extreme());
   if (!honest && random.one_in(8) && !message.arguments.empty()) message.arguments.pop_back();
   return message;
 }

@@ -10,7 +10,7 @@
 
 namespace ringdown::hostile {
 
-// What messages name.
+// The objects and files that messages name.
 struct Names {
   std::vector<std::string> objects, files;
 };

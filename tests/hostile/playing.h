@@ -1,4 +1,4 @@
-// What goes on while something is attacked: a gong whose modes exchange energy is struck hard, a plate is bowed, and
+// The music under an attack: a gong whose modes exchange energy is struck hard, a plate is bowed, and
 // balls fall in a scene. Shared by the attacks on a session and on a daemon.
 #pragma once
 
@@ -27,7 +27,7 @@ Names names();
 
 // Loads whatever an attacker may have taken away, and sets it going again.
 std::vector<wire::Message> keep_playing();
-// What happens from moment to moment: blows, bows and balls.
+// The next moment's messages: blows, bows and balls.
 std::vector<wire::Message> play_on(Random& random);
 
 }  // namespace ringdown::hostile

@@ -81,9 +81,9 @@ std::unique_ptr<Attack> begin(const std::string& /*name*/) {
 
 std::unique_ptr<Attack> begin_reader(const std::string& name) { return std::make_unique<ReaderAttack>(name); }
 
-// Of how many thousand inputs; those that cost a process or a connection each are fewer.
+// Each kind's share of the inputs. Kinds that cost a process or a connection for each input get less.
 double share_of(const std::string& name) {
-  constexpr std::pair<const char*, double> kShares[] = {{"osc", 40},     {"slip", 25},   {"midi", 20},    {"mesh", 18},
+  constexpr std::pair<const char*, double> kShares[] = {{"osc", 40},     {"stream", 25}, {"midi", 20},    {"mesh", 18},
                                                         {"score", 18},   {"bank", 18},   {"reader", 0.4}, {"http", 4},
                                                         {"settings", 5}, {"options", 5}, {"scene", 8},    {"gltf", 8}};
   const auto* found = std::ranges::find(kShares, name, &std::pair<const char*, double>::first);

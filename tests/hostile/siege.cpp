@@ -105,7 +105,7 @@ Siege::Siege(SiegeOptions options) : options_(std::move(options)), kinds_(all_ki
   tallies_.resize(kinds_.size());
 }
 
-// Those that take longest come first, because they are one slice each.
+// The kinds that take longest come first, because they are one slice each.
 std::vector<Siege::Slice> Siege::slices() const {
   double shares = 0;
   for (const Kind& kind : kinds_) shares += kind.share;

@@ -73,7 +73,7 @@ TEST_F(JackXrun, TheSceneWaitsForASoundThatDoesNotCome) {
   EXPECT_TRUE(waits);
 }
 
-// As PipeWire was seen to do: the server stays, but does not call. It is held longer than the daemon is patient.
+// PipeWire was seen to stay without calling. Here jackd is held for longer than the daemon is patient.
 TEST_F(JackXrun, AServerThatStopsCallingIsLeftAndMetAgain) {
   const auto bank = folder_ / "tone.glb";
   ASSERT_TRUE(modal::write_bank(single_mode_bank(440, 0.1), bank));

@@ -1,5 +1,5 @@
-// What OSC clients of all kinds send to a daemon: switches as true and false, messages without type tags, both framings
-// of TCP, and IPv6.
+// OSC as clients of all kinds send it to a daemon: switches as true and false, messages without type tags, both
+// framings of TCP, and IPv6.
 #include "engine/modal/bank_file.h"
 #include "tests/integration/daemon_fixture.h"
 #include "tests/support/synthetic_bank.h"

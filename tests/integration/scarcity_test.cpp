@@ -36,8 +36,8 @@ class Scarcity : public testing::Test {
     return {"sh", "-c", "ulimit " + limit + "; exec " + program(name) + " " + arguments};
   }
 
-  // It did its work, or its last line, after what a daemon logs, is a sentence that says why not. Where not even the
-  // program can be loaded, the loader says so.
+  // The program did its work, or its last line, after what a daemon logs, is a sentence that says why not. Where not
+  // even the program can be loaded, the loader says so.
   static void expect_one_sentence(const Outcome& outcome, const std::string& name, const std::string& limit) {
     if (outcome.exit_code == 0 || outcome.exit_code == kNotLoaded) return;
     EXPECT_LT(outcome.exit_code, 126) << limit << ": " << outcome.output;

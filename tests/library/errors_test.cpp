@@ -1,5 +1,5 @@
-// What the C library refuses: each number outside the range that the header states, by the name that the header gives
-// it, with a sentence in the words of the header; and what is wrong in the same way is the same kind of failure.
+// Refusals of the C library: each number outside the range that the header states is named as the header names it, in a
+// sentence in the header's words, and like mistakes are one kind of failure.
 #include "clients/library/ringdown_scene.h"
 #include "tests/library/mixer_of_banks.h"
 
@@ -355,7 +355,7 @@ TEST(LibraryErrors, SpeakTheWordsOfTheHeader) {
   ringdown_scene_destroy(scene);
 }
 
-// What is missing or no file of its kind is bad input, whatever it is for.
+// A file that is missing, or is not of its kind, is bad input, whatever it is for.
 TEST(LibraryErrors, OfFilesAreOfOneKind) {
   const TemporaryFolder folder;
   std::ofstream(folder / "text") << "This is no file of Ringdown.";

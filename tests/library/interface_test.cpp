@@ -1,4 +1,4 @@
-// What the C header promises: arrays of banks, sizes of older and later structs, levels, and mixers that know nothing
+// Promises of the C header: arrays of banks, sizes of older and later structs, levels, and mixers that know nothing
 // of each other. errors_test.cpp has what is refused.
 #include "tests/library/mixer_of_banks.h"
 

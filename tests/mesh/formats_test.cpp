@@ -1,5 +1,6 @@
 // One mesh in every format that gmsh writes: each is read back as the same body.
 #include "engine/bake/bake.h"
+#include "engine/base/file_format.h"
 #include "engine/mesh/body_reader.h"
 #include "engine/mesh/gmsh_reader.h"
 #include "tests/support/temporary_folder.h"
@@ -132,6 +133,120 @@ TEST(Formats, AUniversalFileSaysItsUnit) {
   EXPECT_EQ(mesh::unit_in_file(folder.write("silent.unv", "    -1\n  2411\n    -1\n")), 1);
   EXPECT_EQ(mesh::unit_in_file("part.step"), 0.001);
   EXPECT_EQ(mesh::unit_in_file("part.stl"), 1);
+}
+
+// Every element is in one of the three partitions, and in none twice.
+TEST(Formats, PartitionsOfAMeshAreOneBodyWithItsGroups) {
+  const test::TemporaryFolder folder;
+  std::size_t elements = 0;
+  {
+    const mesh::GmshSession session;
+    gmsh::model::add("body");
+    gmsh::model::occ::addBox(0, 0, 0, 0.2, 0.04, 0.02);
+    gmsh::model::occ::synchronize();
+    gmsh::model::addPhysicalGroup(3, {1}, 7);
+    gmsh::model::setPhysicalName(3, 7, "steel");
+    gmsh::option::setNumber("Mesh.MeshSizeMax", 0.02);
+    gmsh::model::mesh::generate(3);
+    std::vector<std::size_t> tags, nodes;
+    gmsh::model::mesh::getElementsByType(4, tags, nodes);
+    elements = tags.size();
+    gmsh::model::mesh::partition(3);
+    for (const Format& format : kFormats) {
+      if (!std::string(format.name).starts_with("msh")) continue;
+      gmsh::option::setNumber("Mesh.MshFileVersion", format.version);
+      gmsh::option::setNumber("Mesh.Binary", format.binary ? 1 : 0);
+      gmsh::write((folder.path() / format.file).string());
+    }
+  }
+  // Two tetrahedra of the elementary entity 1 without a group, in the partitions 1 and 2.
+  const auto old = folder.write("old.msh", R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+5 1 1 1
+$EndNodes
+$Elements
+2
+1 4 4 0 1 1 1 1 2 3 4
+2 4 4 0 1 1 2 2 3 4 5
+$EndElements
+)");
+  const auto halves = mesh::BodyReader(old).read({.parameters = {}});
+  ASSERT_TRUE(halves) << halves.error().message;
+  EXPECT_EQ(halves->mesh.mesh.elements.rows(), 2);
+  for (const Format& format : kFormats) {
+    if (!std::string(format.name).starts_with("msh")) continue;
+    const auto body = mesh::BodyReader(folder.path() / format.file).read({.parameters = {}});
+    ASSERT_TRUE(body) << format.name << ": " << body.error().message;
+    EXPECT_EQ(body->mesh.mesh.elements.rows(), static_cast<Eigen::Index>(elements)) << format.name;
+    EXPECT_EQ(body->mesh.duplicates, 0) << format.name;
+    EXPECT_NEAR(mesh::volume_of(body->mesh.mesh) / (0.2 * 0.04 * 0.02), 1, 1e-12) << format.name;
+    EXPECT_EQ(body->mesh.groups.volumes, std::vector<std::string>{"steel"}) << format.name;
+  }
+}
+
+// Unit, making and mesh are those of the small letters.
+TEST(Formats, EndingsMeanTheSameInAnyLetters) {
+  const test::TemporaryFolder folder;
+  const auto body = [&](const std::string& name) {
+    mesh::GmshOptions options{.mesh_size_m = 0.05, .order = 1, .parameters = {}};
+    if (has_ending(name, ".brep")) options.unit_m = 0.001;
+    return mesh::BodyReader(folder.path() / name).read(options);
+  };
+  {
+    const mesh::GmshSession session;
+    gmsh::model::add("body");
+    gmsh::model::occ::addBox(0, 0, 0, 100, 80, 60);
+    gmsh::model::occ::synchronize();
+    for (const char* name : {"a.step", "a.stp", "a.brep"}) gmsh::write((folder.path() / name).string());
+    gmsh::model::mesh::generate(3);
+    for (const char* name : {"a.vtk", "a.unv", "a.mesh", "a.msh"}) gmsh::write((folder.path() / name).string());
+  }
+  static_cast<void>(folder.write("a.geo", "SetFactory(\"OpenCASCADE\"); Box(1) = {0, 0, 0, 0.1, 0.08, 0.06};\n"));
+  const auto renamed = [&](const std::string& name, const std::string& to) {
+    std::filesystem::copy_file(folder.path() / name, folder.path() / to);
+    return body(to);
+  };
+  const std::pair<const char*, std::vector<const char*>> kNames[] = {{"a.step", {"B.STEP", "b.Step"}},
+                                                                     {"a.stp", {"B.STP", "b.Stp"}},
+                                                                     {"a.brep", {"B.BREP", "b.Brep"}},
+                                                                     {"a.geo", {"B.GEO", "b.Geo"}},
+                                                                     {"a.msh", {"B.MSH", "b.Msh"}},
+                                                                     {"a.vtk", {"B.VTK"}},
+                                                                     {"a.unv", {"B.UNV"}},
+                                                                     {"a.mesh", {"B.MESH"}}};
+  for (const auto& [small, others] : kNames) {
+    const auto right = body(small);
+    ASSERT_TRUE(right) << small << ": " << right.error().message;
+    for (const char* name : others) {
+      const auto other = renamed(small, name);
+      ASSERT_TRUE(other) << name << ": " << other.error().message;
+      EXPECT_EQ(other->making, right->making) << name;
+      EXPECT_EQ(other->mesh.mesh.nodes, right->mesh.mesh.nodes) << name;
+      EXPECT_EQ(mesh::unit_in_file(name), mesh::unit_in_file(small)) << name;
+    }
+  }
+  const auto mixed = renamed("a.vtk", "b.Vtk");
+  ASSERT_FALSE(mixed);
+  EXPECT_NE(mixed.error().message.find("rename"), std::string::npos) << mixed.error().message;
+}
+
+TEST(Formats, AnUnknownFormatIsRefusedWithThoseThatAreRead) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"cup.3mf", "cup.blend", "cup.amf", "cup.usda", "cup.vtu", "cup.fbx", "cup.stl.gz", "cup.dae",
+                           "cup.x3d", "cup", "cup.", ".stl"}) {
+    const auto body = mesh::BodyReader(folder.write(name, "v300 is (no) script")).read({.parameters = {}});
+    ASSERT_FALSE(body) << name;
+    EXPECT_EQ(body.error().kind, ErrorKind::bad_input);
+    for (const char* word : {name, "not in a format", ".stl", ".step", ".msh", "export it as glTF, OBJ, STL or PLY"})
+      EXPECT_NE(body.error().message.find(word), std::string::npos) << body.error().message;
+  }
 }
 
 // gmsh writes STEP in millimetres, whatever its numbers meant; 100 of them come back as 0.1 m.

@@ -37,16 +37,16 @@ bool closed(const mesh::TriangleMesh& surface) {
 }
 
 TEST(Simplify, AFineBallKeepsItsVolumeAndStaysClosed) {
-  constexpr double kRadius = 0.05;
-  const mesh::TriangleMesh ball = test::moved(test::sphere(kRadius, 300), {1, 2, 3});
-  const mesh::TriangleMesh fewer = mesh::simplified(ball, 5000, 0.005 * kRadius);
+  constexpr double kBall = 0.05;
+  const mesh::TriangleMesh ball = test::moved(test::sphere(kBall, 300), {1, 2, 3});
+  const mesh::TriangleMesh fewer = mesh::simplified(ball, 5000, 0.005 * kBall);
   EXPECT_LE(fewer.triangles.rows(), 5000);
   EXPECT_GE(fewer.triangles.rows(), 4900);
   EXPECT_TRUE(closed(fewer));
   for (const auto& at : fewer.nodes.rowwise()) {
-    EXPECT_NEAR((at - Eigen::RowVector3d(1, 2, 3)).norm(), kRadius, 1e-12) << "nodes keep their places";
+    EXPECT_NEAR((at - Eigen::RowVector3d(1, 2, 3)).norm(), kBall, 1e-12) << "nodes keep their places";
   }
-  EXPECT_NEAR(enclosed(fewer) / (4 * std::numbers::pi / 3 * std::pow(kRadius, 3)), 1, 5e-3);
+  EXPECT_NEAR(enclosed(fewer) / (4 * std::numbers::pi / 3 * std::pow(kBall, 3)), 1, 5e-3);
 }
 
 // A box loses triangles and nothing of its volume; a ball keeps what it takes to follow it, however few are wanted.

@@ -157,9 +157,9 @@ TEST(SurfaceRepair, TheRepairVisitsTwiceAsMuchOfASurfaceTwiceAsLarge) {
       {"holes around one point", cone_of_holes},
       {"copies", [](int n) { return test::with_copies(test::cylinder(1, 1, n), 3); }},
   };
-  constexpr int kSize = 60;
+  constexpr int kRows = 60;
   for (const auto& [what, family] : families) {
-    const mesh::TriangleMesh small = family(kSize), large = family(2 * kSize);
+    const mesh::TriangleMesh small = family(kRows), large = family(2 * kRows);
     const double growth = static_cast<double>(large.triangles.rows()) / static_cast<double>(small.triangles.rows());
     const double steps =
         static_cast<double>(mesh::repair(large).steps) / static_cast<double>(mesh::repair(small).steps);

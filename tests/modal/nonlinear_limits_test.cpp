@@ -18,10 +18,10 @@ constexpr double kThickness_m = 0.002;
 // stretches the body over how hard it bends it, when it is bent by its thickness; `curving` the share of a mode's own
 // strain that the functions share.
 Bank plate(double stretching, double curving = 0.5) {
-  Bank bank = test::single_mode_bank(200, 1);
+  Bank bank = ringdown::test::single_mode_bank(200, 1);
   bank.frequency_hz.push_back(300);
   bank.decay_per_s.push_back(1);
-  bank.radiation->maps.modes.push_back(test::even_field(300));
+  bank.radiation->maps.modes.push_back(ringdown::test::even_field(300));
   bank.shapes.insert(bank.shapes.end(), bank.point_count(), {0, 0, 4});
   const double omega[] = {2 * std::numbers::pi * 200, 2 * std::numbers::pi * 300};
   const double amplitude[] = {kThickness_m / 1, kThickness_m / 4};

@@ -57,7 +57,7 @@ TEST(PresetPitch, EveryPresetIsInTheList) {
 }
 
 TEST(PresetPitch, EstimatesFindNineOfTenAndNoneWhereThereIsNone) {
-  // Where the estimate and the list part ways, for all to see. A pitch that is not found, or is another: the bell's hum
+  // The presets for which the estimate and the list part ways: no pitch is found, or another one: the bell's hum
   // is louder than its strike note; the crotale's and the gong's main mode has rivals within an octave.
   const std::set<std::string> missed = {"bronze-bell", "crotale", "gong"};
   // Things that the list calls unpitched, and that have one mode far from others.

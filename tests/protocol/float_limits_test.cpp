@@ -70,12 +70,12 @@ TEST(FloatLimits, AFloatThatWasWidenedIsTheLimitToo) {
 }
 
 TEST(FloatLimits, RequestsMadeWithoutAMessageAreFittedToo) {
-  Strike strike{{"", 0}, {}, {0, 0, 1}, 0.1f};
-  ASSERT_GT(strike.contact_time_s, 0.1);
-  ASSERT_TRUE(check(strike));
-  EXPECT_EQ(strike.contact_time_s, 0.1);
-  strike.contact_time_s = std::nextafter(0.1f, 1.f);
-  EXPECT_FALSE(check(strike));
+  ASSERT_GT(double{0.1f}, 0.1);
+  Request request = Strike{{"", 0}, {}, {0, 0, 1}, 0.1f};
+  ASSERT_FALSE(find_out_of_range(request));
+  EXPECT_EQ(std::get<Strike>(request).contact_time_s, 0.1);
+  request = Strike{{"", 0}, {}, {0, 0, 1}, std::nextafter(0.1f, 1.f)};
+  EXPECT_TRUE(find_out_of_range(request));
 }
 
 TEST(FloatLimits, RecordsOfManyStrikesAreFittedToo) {

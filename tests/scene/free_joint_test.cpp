@@ -78,7 +78,7 @@ TEST(FreeJoint, ABodyThatMayNotTurnFallsAsItWouldAndStaysUpright) {
   EXPECT_LT(turned(world), 1e-6);
 }
 
-// It lands with one lower edge on the edge of a block, which would turn it over.
+// The body lands with one lower edge on the edge of a block, which would turn it over.
 TEST(FreeJoint, ABodyThatMayNotTurnStandsOnItsEdge) {
   SceneDescription scene = with_joint({0, 0, 1}, no_turn());
   StaticDescription block{.name = "block", .type = StaticType::box, .size_m = {0.2, 0.2, 0.2}};

@@ -234,14 +234,17 @@ const std::string kSquare =
                   {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}],
     "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 1, "byteLength": 12}],)";
 
-std::string square_buffers() {
-  const std::vector<float> points{-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1};
+std::string square_buffers(const std::string& points) {
   const std::vector<std::uint16_t> corners{0, 2, 1, 0, 3, 2};
   const auto buffer = [](const std::string& bytes) {
     return R"({"byteLength": )" + std::to_string(bytes.size()) + R"(, "uri": "data:application/octet-stream;base64,)" +
            base64(bytes) + "\"}";
   };
-  return R"("buffers": [)" + buffer(bytes_of(points)) + "," + buffer(bytes_of(corners)) + "]";
+  return R"("buffers": [)" + buffer(points) + "," + buffer(bytes_of(corners)) + "]";
+}
+
+std::string square_buffers() {
+  return square_buffers(bytes_of(std::vector<float>{-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1}));
 }
 
 TEST(GltfScene, AMeshInDataUrisIsAFloor) {
@@ -250,6 +253,22 @@ TEST(GltfScene, AMeshInDataUrisIsAFloor) {
                         node(R"("collider": {"geometry": {"node": 1}})", R"(, "mesh": 0, "scale": [2, 1, 3])"),
                     kBall, "", kSquare + square_buffers()))
           .scene);
+  run(world, 4);
+  expect_near(world.bodies()[0].position_m, {0.3, -0.2, 0.1}, 5e-3);
+}
+
+// The square above in normalized bytes, which gltfpack writes.
+TEST(GltfScene, AMeshOfQuantizedPointsIsAFloor) {
+  const std::vector<std::int8_t> points{-127, 0, -127, 0, 127, 0, -127, 0, 127, 0, 127, 0, -127, 0, 127, 0};
+  std::string square = kSquare;
+  square.replace(square.find("5126"), 4, R"(5120, "normalized": true)");
+  square.replace(square.find(R"("byteLength": 48)"), 16, R"("byteLength": 16, "byteStride": 4)");
+  const GltfScene read = good(document(
+      node(R"("motion": {"mass": 1}, )" + kCollider0, R"(, "translation": [0.3, 0.5, 0.2])") + "," +
+          node(R"("collider": {"geometry": {"node": 1}})", R"(, "mesh": 0, "scale": [2, 1, 3])"),
+      kBall, "", R"(, "extensionsRequired": ["KHR_mesh_quantization"])" + square + square_buffers(bytes_of(points))));
+  EXPECT_TRUE(read.notes.empty());
+  World world = silent_world(read.scene);
   run(world, 4);
   expect_near(world.bodies()[0].position_m, {0.3, -0.2, 0.1}, 5e-3);
 }

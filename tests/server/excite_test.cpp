@@ -25,8 +25,8 @@ class Excite : public testing::Test {
   void load(const std::string& name) {
     ASSERT_TRUE(session_.perform(protocol::LoadObject{name, (folder_ / "a.glb").string()}, 0));
   }
-  auto excite(const std::string& object, std::uint32_t input, double force_n) {
-    return session_.perform(protocol::Excite{{.name = object}, input, {1, 0, 0}, {0, 0, force_n}}, 0);
+  auto excite(const std::string& object, std::uint32_t input, double force_n, Vec3 point_m = {1, 0, 0}) {
+    return session_.perform(protocol::Excite{{.name = object}, input, point_m, {0, 0, force_n}}, 0);
   }
   // The sound when input 2 has a sample of 1 in the first frame.
   test::Samples kick(std::size_t frames = 4800) {
@@ -61,7 +61,8 @@ TEST_F(Excite, ASampleOfAnInputIsThatForceForAFrame) {
   EXPECT_LE(test::relative_error_db(kicked, struck), -100);
 }
 
-// As strikes are: by the session, which OSC speaks to, for an input and for a hand; and in the object's own size.
+// The session, to which OSC speaks, refuses them for inputs and hands as it does for strikes, measured in the object's
+// own size.
 TEST_F(Excite, PointsFarFromTheObjectAreRefused) {
   const auto refusal = [](const auto& outcome) { return outcome ? std::string() : outcome.error().message; };
   const auto excite_at = [&](double x) {
@@ -128,9 +129,11 @@ TEST_F(Excite, AnInputExcitesOneObjectAndEachOfFourServes) {
 TEST_F(Excite, ABankOfMoreModesThanAnInputTakesIsRefused) {
   for (const std::size_t modes : {synth::kMaxDrivenColumns, synth::kMaxDrivenColumns + 1}) {
     const auto path = folder_ / "many.glb";
-    ASSERT_TRUE(modal::write_bank(test::random_bank(1, modes, 20), path));
+    const modal::Bank bank = test::random_bank(1, modes, 20);
+    ASSERT_TRUE(modal::write_bank(bank, path));
     ASSERT_TRUE(session_.perform(protocol::LoadObject{"many", path.string()}, 0));
-    const auto excited = excite("many", 1, kForce_n);
+    const auto& [x, y, z] = bank.positions[0];
+    const auto excited = excite("many", 1, kForce_n, {x, y, z});
     EXPECT_EQ(excited.has_value(), modes == synth::kMaxDrivenColumns);
     const std::string sentence = excited ? "4096" : excited.error().message;
     EXPECT_NE(sentence.find("4096"), std::string::npos) << sentence;

@@ -116,6 +116,17 @@ TEST_P(FileRootsTest, NothingIsReplacedButAFileOfTheSameKind) {
 INSTANTIATE_TEST_SUITE_P(Both, FileRootsTest, testing::Values(FileRoots::Guard::kernel, FileRoots::Guard::path),
                          [](const auto& guard) { return guard.param == FileRoots::Guard::kernel ? "Kernel" : "Path"; });
 
+// Also where every file may be opened, a file opens nothing outside of its own folder.
+TEST_P(FileRootsTest, WhatAFileNamesLiesBesideIt) {
+  for (const FileRoots& roots : {roots_, FileRoots()}) {
+    const fs::path document = folder_ / "inside/room.gltf";
+    EXPECT_EQ(roots.read_beside(document, "a.glb", 100).value_or(""), "good");
+    EXPECT_EQ(roots.read_beside(document, "deep/b.glb", 100).value_or(""), "deep");
+    for (const char* name : {"../secret.glb", "deep/../../secret.glb", "../inside-too/c.glb"})
+      EXPECT_FALSE(roots.read_beside(document, name, 100)) << name;
+  }
+}
+
 TEST(FileRoots, ARootThatIsNotThereIsNamed) {
   const auto roots = FileRoots::only({"/no/such/folder"});
   ASSERT_FALSE(roots);

@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 // The local address the kernel itself states for a UDP port, from /proc/net/udp: eight hex digits of the address.
-// Those of IPv6 have 32 digits, in /proc/net/udp6.
+// Addresses of IPv6 have 32 digits, in /proc/net/udp6.
 std::string kernels_address_of(std::uint16_t port, const char* file = "/proc/net/udp") {
   std::ifstream table(file);
   char wanted[8];
@@ -73,7 +73,7 @@ TEST(OscSocket, AServerAnswersClientsOfBothVersionsOfIp) {
     ASSERT_TRUE(client) << client.error().message;
     clients.push_back(std::move(*client));
   }
-  // Both ask before anything is read, and again: none waits behind the other.
+  // Both clients ask before anything is read, several times: none waits behind the other.
   for (int round = 0; round < 3; ++round) {
     ASSERT_TRUE(clients[0].send_to(*resolve("127.0.0.1", server->port()), Bytes(4)));
     ASSERT_TRUE(clients[1].send_to(*resolve("::1", server->port()), Bytes(8)));

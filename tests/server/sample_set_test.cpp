@@ -84,7 +84,7 @@ class SampleSetTest : public testing::Test {
   SampleSetOptions options_;
 };
 
-// Of the bar's modes the one at ten times the pitch is the loudest at first.
+// The bar's mode at ten times the pitch is its loudest one at first.
 TEST_F(SampleSetTest, ABarLiesOnTheKeyThatItIsTunedTo) {
   options_.bank = RINGDOWN_SOURCE_DIR "/presets/banks/vibraphone-key.glb";
   options_.max_s = 0.1;

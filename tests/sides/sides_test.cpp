@@ -257,7 +257,9 @@ Channels rendered(session::OfflineOptions options, std::size_t frames) {
   const auto take = [&] {
     const auto sound = session::render_offline(options, [](double) { return true; });
     ASSERT_TRUE(sound) << sound.error().message;
-    for (const std::string& warning : sound->warnings) ADD_FAILURE() << warning;
+    for (const std::string& warning : sound->warnings) {
+      if (warning.find("sounds by itself") == warning.npos) ADD_FAILURE() << warning;  // the score strikes what stands
+    }
     channels.push_back(sound->left);
     channels.push_back(sound->right);
     channels.insert(channels.end(), sound->ambisonics.begin(), sound->ambisonics.end());

@@ -31,6 +31,7 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/contact/", {"engine/base/", "engine/contact/"}},
     {"engine/synth/", {"engine/base/", "engine/modal/", "engine/contact/", "engine/synth/"}},
     // the offline half
+    {"engine/mesh/gltf_mesh", {"engine/base/", "engine/mesh/", "engine/modal/gltf_file.h"}},
     {"engine/mesh/", {"engine/base/", "engine/mesh/"}},
     {"engine/fem/", {"engine/base/", "engine/mesh/", "engine/fem/"}},
     {"engine/solve/", {"engine/base/", "engine/mesh/", "engine/fem/", "engine/solve/"}},
@@ -94,7 +95,6 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"cholmod.h", {}, 0},
     {"suitesparse/", {}, 0},
     {"gmsh", {"engine/mesh/"}},
-    {"assimp/", {"engine/mesh/"}, 1},
     {"CGAL/", {"engine/mesh/"}, 4},
     {"meshoptimizer.h", {"engine/modal/meshopt_codec.cpp", "engine/mesh/simplify.cpp"}, 2},
     {"Eigen/",

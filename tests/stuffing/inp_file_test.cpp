@@ -1,5 +1,6 @@
 #include "engine/mesh/inp_file.h"
 
+#include "engine/base/file_format.h"
 #include "engine/mesh/tet_file.h"
 #include "tests/fem/sample_meshes.h"
 #include "tests/support/temporary_folder.h"
@@ -262,8 +263,8 @@ TEST(InpFile, AFaultOfADeckIsReportedWithItsLine) {
 TEST(InpFile, TheEndingInpIsKnownInAnyCase) {
   const test::TemporaryFolder folder;
   expect_same(mesh::read_tet_file(folder.write("part.INP", kDeck)), corner());
-  EXPECT_TRUE(mesh::is_tet_file("part.INP"));
-  EXPECT_FALSE(mesh::is_tet_file("part.inp.gz"));
+  EXPECT_TRUE(is_of_kind("part.INP", FileKind::tetrahedra));
+  EXPECT_FALSE(is_of_kind("part.inp.gz", FileKind::tetrahedra));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "engine/mesh/tet_file.h"
 
+#include "engine/base/file_format.h"
 #include "tests/fem/sample_meshes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -119,8 +120,10 @@ TEST(TetFile, EitherOfTetGensFilesFindsTheOther) {
 }
 
 TEST(TetFile, EndingsOfTetFilesAreKnownInAnyCase) {
-  for (const char* name : {"a.node", "a.ELE", "a.b.veg", "x.Tet"}) EXPECT_TRUE(mesh::is_tet_file(name)) << name;
-  for (const char* name : {"a.msh", "node", "a.tets", "a.veg.obj"}) EXPECT_FALSE(mesh::is_tet_file(name)) << name;
+  for (const char* name : {"a.node", "a.ELE", "a.b.veg", "x.Tet"})
+    EXPECT_TRUE(is_of_kind(name, FileKind::tetrahedra)) << name;
+  for (const char* name : {"a.msh", "node", "a.tets", "a.veg.obj"})
+    EXPECT_FALSE(is_of_kind(name, FileKind::tetrahedra)) << name;
 }
 
 struct WrongTetFile {

@@ -24,9 +24,9 @@ inline void run_out_of_descriptors() {
   set_limit(RLIMIT_NOFILE, static_cast<rlim_t>(next));
 }
 
-// No thread can be started, because its stack finds no room, or one if there are 12 MiB of it. The process must not have
-// ended a thread before, whose stack would be used again: choose the death tests' style "threadsafe". Of no use under
-// sanitizers, which map terabytes.
+// No thread can be started, because its stack finds no room, or one if there are 12 MiB of it. The process must not
+// have ended a thread before, whose stack would be used again: choose the death tests' style "threadsafe". Of no use
+// under sanitizers, which map terabytes.
 inline void run_out_of_threads(rlim_t room_mib = 4) {
   rlim_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;

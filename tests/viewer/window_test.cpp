@@ -353,10 +353,14 @@ TEST(Window, AMutedObjectRingsUnheard) {
   ASSERT_TRUE(studio.until([&] { return model.object("bell")->mute; }));
   EXPECT_TRUE(studio.bell().mute);
   commands.perform(Action::project_test_force);
-  ASSERT_TRUE(studio.until([&] { return model.object("bell")->peak > 0; })) << "it rings";
-  // The notice that told of its level told of the mix, too. What was heard before the mute was complete is held for a
-  // while; then nothing is left, though the bell rings.
+  ASSERT_TRUE(studio.until([&] { return model.load().sounding_objects == 1; })) << "it rings";
+  // What was heard before the mute was complete is held for a while; then nothing is left, though the bell rings.
+  // Notices of load and level come together, so after some more of the former the latter tell of the ringing bell.
   EXPECT_TRUE(studio.until([&] { return model.peak().held == 0 || model.load().sounding_objects == 0; }));
+  for (int notice = 0; notice < 3; ++notice) {
+    const double mean = model.load().mean;
+    ASSERT_TRUE(studio.until([&] { return model.load().mean != mean; }));
+  }
   EXPECT_EQ(model.load().sounding_objects, 1);
   EXPECT_EQ(model.peak().held, 0);
   commands.set_mute(*model.object("bell"), false);

@@ -61,6 +61,7 @@ void print_findings(const mesh::SurfaceReport& report) {
 void print_surface(const mesh::PreparedSurface& surface) {
   std::printf("  surface: %.4g m long, %.4g m2, %.4g m3, %d shell%s\n", surface.found.diagonal_m, surface.found.area_m2,
               surface.found.volume_m3, surface.found.shells, surface.found.shells == 1 ? "" : "s");
+  for (const std::string& note : surface.notes) std::printf("  note: %s\n", note.c_str());
   print_findings(surface.found);
   for (const std::string& action : surface.actions) std::printf("  repaired: %s\n", action.c_str());
   for (const mesh::Finding& finding : surface.left.findings) {

@@ -5,6 +5,7 @@
 #include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/child_process.h"
+#include "engine/base/file_format.h"
 #include "engine/base/in_parallel.h"
 #include "engine/modal/bank_file.h"
 
@@ -43,7 +44,7 @@ std::string number(const char* format, double value) {
   return text;
 }
 
-bool is_object(const FolderJob& job) { return job.input.extension() == ".toml"; }
+bool is_object(const FolderJob& job) { return is_of_kind(job.input, FileKind::table); }
 
 std::vector<std::string> with_material(std::vector<std::string> options, const FolderBake& request,
                                        const FolderJob& job) {

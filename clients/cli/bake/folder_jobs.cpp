@@ -2,6 +2,7 @@
 
 #include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
+#include "engine/base/file_format.h"
 #include "engine/mesh/file_kinds.h"
 
 #include <algorithm>
@@ -58,7 +59,7 @@ Result<FolderContent> content_of(const FolderQuestion& question) {
     return FolderJob{below.string(), input, question.output / (below.string() + ".glb"), ""};
   };
   for (const fs::path& file : *files) {
-    if (file.extension() == ".toml") {
+    if (is_of_kind(file, FileKind::table)) {
       FolderJob job = job_for(file);
       jobs.emplace(job.name, job);
       if (const auto recipe = bake::read_object(file)) note_files(recipe->geometry, true, used);
@@ -72,7 +73,7 @@ Result<FolderContent> content_of(const FolderQuestion& question) {
     if (!mesh::is_body_file(file) || used.contains(canonical_name(file))) continue;
     FolderJob job = job_for(file);
     const auto other = jobs.find(job.name);
-    if (other != jobs.end() && other->second.input.extension() == ".toml") continue;
+    if (other != jobs.end() && is_of_kind(other->second.input, FileKind::table)) continue;
     if (!question.with_shapes) {
       ++content.shapes_without;
     } else if (other != jobs.end()) {

@@ -12,6 +12,7 @@
 #include "engine/bake/input_hash.h"
 #include "engine/bake/makeup_file.h"
 #include "engine/base/content_cache.h"
+#include "engine/base/file_format.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/base/range.h"
@@ -155,7 +156,7 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
 
 Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& arguments) {
   bake::ObjectRecipe recipe;
-  if (input.extension() == ".toml") {
+  if (is_of_kind(input, FileKind::table)) {
     Result<bake::ObjectRecipe> object = bake::read_object(input);
     if (!object) return object;
     recipe = std::move(*object);

@@ -3,6 +3,7 @@
 #include "engine/bake/bake_object.h"
 #include "engine/bake/material_library.h"
 #include "engine/base/atomic_file.h"
+#include "engine/base/file_format.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/base/quote.h"
@@ -175,10 +176,8 @@ class SceneBaker {
 
  private:
   [[nodiscard]] Result<scene::SilentBodies> find(const std::string& bytes) const {
-    const modal::ReadBeside beside = [this](const std::string& relative, std::size_t limit) {
-      return read_whole_file(request_.input.parent_path() / relative, limit);
-    };
-    const auto glb = modal::parse_gltf(std::as_bytes(std::span(bytes)), request_.input.string(), beside);
+    const auto glb = modal::parse_gltf(std::as_bytes(std::span(bytes)), request_.input.string(),
+                                       modal::files_beside(request_.input));
     if (!glb) return fail(glb.error());
     return scene::find_silent_bodies(*glb);
   }
@@ -263,7 +262,7 @@ class SceneBaker {
 }  // namespace
 
 bool has_surfaces(const fs::path& path) {
-  if (path.extension() != ".glb" && path.extension() != ".gltf") return false;
+  if (!is_of_kind(path, FileKind::gltf)) return false;
   const auto bytes = read_whole_file(path, modal::kMaxBankFileBytes);
   if (!bytes) return false;
   modal::Json json;

@@ -3,6 +3,7 @@
 #include "clients/cli/fit/sound.h"
 #include "clients/cli/long_work.h"
 #include "engine/base/child_process.h"
+#include "engine/base/file_format.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/fit/band_powers.h"
@@ -19,7 +20,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <set>
 #include <unistd.h>
 
 namespace {
@@ -69,16 +69,14 @@ struct Inputs {
 
 // `bank` is where the fitted bank goes: no mesh.
 Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
-  static const std::set<std::string> kSounds = {".wav", ".flac", ".aif", ".aiff", ".ogg"};
   std::error_code error;
   Inputs inputs;
   std::vector<fs::path> objects, meshes;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    std::string ending = entry->path().extension().string();
-    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (kSounds.contains(ending)) inputs.sounds.push_back(entry->path());
-    if (ending == ".toml") objects.push_back(entry->path());
-    if (mesh::is_body_file(entry->path()) || ending == ".glb") meshes.push_back(entry->path());
+    const fs::path& file = entry->path();
+    if (is_of_kind(file, FileKind::sound)) inputs.sounds.push_back(file);
+    if (is_of_kind(file, FileKind::table)) objects.push_back(file);
+    if (mesh::is_body_file(file) || is_of_kind(file, FileKind::gltf)) meshes.push_back(file);
   }
   if (meshes.size() > 1) {  // a bank that was written beside the mesh
     std::erase_if(meshes, [&](const fs::path& path) { return path.filename() == bank.filename(); });

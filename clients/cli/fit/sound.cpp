@@ -32,7 +32,7 @@ tl::unexpected<Error> refuse(const fs::path& path, const std::string& why) {
   return fail(ErrorKind::bad_input, path.string() + " " + why);
 }
 
-// Where the samples of a WAV file begin whose header gives them no length although some follow.
+// Returns where the samples of a WAV file begin if its header states no length for them although some follow.
 std::optional<std::streamoff> data_without_length(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::array<char, 12> riff{};
@@ -159,7 +159,7 @@ std::vector<double> mix(Channels& channels, std::vector<double> energies, std::s
   return std::move(channels[loudest]);
 }
 
-// What was read as one channel.
+// Reduces what was read to one channel.
 Result<Sound> sound_of(Channels channels, const SF_INFO& info, std::optional<int> wanted, const fs::path& path) {
   Sound sound{static_cast<double>(info.samplerate), info.channels, {}, {}};
   std::vector<double> energies;

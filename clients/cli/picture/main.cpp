@@ -2,6 +2,7 @@
 #include "clients/cli/picture/bank_page.h"
 #include "clients/cli/picture/bank_picture.h"
 #include "clients/cli/long_work.h"
+#include "engine/base/file_format.h"
 #include "engine/base/output_file.h"
 #include "engine/base/folders.h"
 #include "engine/base/quote.h"
@@ -78,7 +79,7 @@ ExitCode run(int argc, char** argv) {
   Arguments arguments;
   add_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
-  const std::string ending = arguments.output.extension();
+  const std::string ending = ending_of(arguments.output);
   if (ending != ".png" && ending != ".svg" && ending != ".html") {
     return manual::complain_of_usage(app, "--output must end in .png, .svg or .html, not " + quote(ending));
   }

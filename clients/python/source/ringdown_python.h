@@ -123,7 +123,7 @@ struct type_caster<ringdown::python::Numbers<size>> {
     return true;
   }
 
-  // Of a default, for Python's help.
+  // Makes Python's object of a default value, which the help shows.
   static handle cast(const ringdown::python::Numbers<size>& numbers, return_value_policy, handle) {
     tuple all(size);
     for (std::size_t i = 0; i < size; ++i) all[i] = float_(numbers[i]);
