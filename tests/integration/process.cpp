@@ -30,6 +30,9 @@ Process::Process(const std::vector<std::string>& command, const Environment& env
   id_ = ::fork();
   if (id_ != 0) return;
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // a test that is killed takes its JACK server along, which others wait for
+  // Tests that run in the background have signals ignored, which their children would inherit: SIGINT and SIGQUIT by
+  // the shell, SIGHUP by nohup.
+  for (const int number : {SIGINT, SIGQUIT, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU}) std::signal(number, SIG_DFL);
   const int file = ::open(output_.c_str(), O_WRONLY | O_APPEND);
   ::dup2(file, STDOUT_FILENO);
   ::dup2(file, STDERR_FILENO);
