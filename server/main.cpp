@@ -50,7 +50,8 @@ const std::vector<manual::Section> kSections = {
     {"SEE ALSO", {{"ringdown(1), ringdown-bake(1), jackd(1)", "Its clients, what makes banks, and the sound server."}}},
 };
 
-// Whether one of ending_signals() has come. They are blocked in every thread; the main thread takes them.
+// Waits for one of ending_signals() and returns true if one has come. The signals are blocked in every thread; the main
+// thread takes them.
 bool signal_came(std::chrono::milliseconds wait) {
   static const sigset_t signals = ending_signals();
   const timespec time{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};

@@ -14,7 +14,7 @@
 
 namespace ringdown::library {
 
-// Whether all numbers of a request lie in their ranges. A 32-bit float nearest to a limit becomes the limit. Allocates
+// Refuses a request with a number outside of its range. A 32-bit float nearest to a limit becomes the limit. Allocates
 // nothing while all are good.
 Result<void> check(protocol::Request& request);
 template <class Struct>
@@ -25,10 +25,10 @@ Result<void> check(Struct& one) {
   return good;
 }
 
-// Whether an index of that name is below `count`.
+// Refuses an index that is not below `count`; the sentence calls it `name`.
 Result<void> check_index(const char* name, std::size_t index, std::size_t count);
 
-// Whether a setting of that name lies in its range; `or_else` ends the sentence about one that does not.
+// Refuses a setting outside of its range; the sentence calls it `name` and ends with `or_else`.
 Result<void> check_within(const char* name, double value, double min, double max, const char* or_else = "");
 
 // The sentence about a pointer that must not be NULL.

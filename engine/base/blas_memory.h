@@ -1,4 +1,4 @@
-// Whether OpenBLAS gets the memory without which it waits for ever. [main]
+// Asks whether OpenBLAS gets the memory without which it waits for ever. [main]
 #pragma once
 
 #include "engine/base/result.h"

@@ -195,7 +195,7 @@ class GltfMeshReader {
     return add_mesh(meshes()[*number], node.field["weights"], joints, node.world);
   }
 
-  // Whether a joint turns and moves bodies without scaling them.
+  // Returns true if a joint turns and moves bodies without scaling them.
   static bool keeps_lengths(const Eigen::Affine3d& joint) {
     constexpr double kRounding = 1e-4;  // of exporters that write seven digits
     return (joint.linear().transpose() * joint.linear() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <

@@ -94,7 +94,7 @@ class OdeJoint {
   // Sets the drive's motor and soft limits, and all that a free joint has, for a part of a step.
   void drive(double part_s);
 
-  // Whether a drive asks for a speed, so that what it moves does not come to rest.
+  // Returns true if a drive asks for a speed: the bodies of such a joint never come to rest.
   [[nodiscard]] bool keeps_moving() const;
 
  private:

@@ -13,7 +13,7 @@ namespace ringdown::synth {
 namespace {
 
 constexpr float kMostShare = 127;
-constexpr double kMostReach = 1e30;  // relative, at |z| = 1: far beyond modes that are not heard at all
+constexpr double kMaxReach = 1e30;  // relative, at |z| = 1: far beyond modes that are not heard at all
 constexpr double kPerBand = std::numbers::pi / static_cast<double>(kChunkFrames);
 constexpr double kSamePitch = 6e-5;                   // relative: 0.1 cents, below which a mode is left where it is
 constexpr float kGrowth = 1.05F;                      // of the sound, from which all modes are looked at
@@ -86,7 +86,7 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
     const auto relative = [&](std::size_t m) { return b[m * n + l] * displacement * displacement / omega[m]; };
     double reach = 0;
     for (std::size_t m = 0; m < n; ++m) reach = std::max(reach, std::abs(relative(m)));
-    const bool reaches = reach > 0 && reach <= kMostReach;  // beyond, the numbers of the bank are absurd
+    const bool reaches = reach > 0 && reach <= kMaxReach;  // beyond, the numbers of the bank are absurd
     matrix->reach[l] = reaches ? static_cast<float>(reach) : 0.0F;
     for (std::size_t m = 0; m < n && reaches; ++m) {
       const double share = relative(m) / reach;

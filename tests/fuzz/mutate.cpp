@@ -3,7 +3,7 @@
 //
 //   fuzz_reader -max_total_time=60 -max_len=16384 CORPUS...
 //
-// The same inputs come in the same order each time; only their number depends on time.
+// Inputs and their order repeat in every run; only their number depends on time.
 #include "tests/fuzz/mutator.h"
 #include "tests/fuzz/targets.h"
 
@@ -40,11 +40,11 @@ int main(int argc, char** argv) {
   const ringdown::fuzz::Mutator mutator(ringdown::fuzz::inputs_of(corpora));
   std::mt19937_64 random(1);
   const auto end = Clock::now() + std::chrono::duration<double>(std::stod(option(words, "max_total_time", "60")));
-  const auto most_bytes = std::stoul(option(words, "max_len", "16384"));
+  const auto max_bytes = std::stoul(option(words, "max_len", "16384"));
   const fs::path kept = option(words, "artifact_prefix", "") + "crash";  // the last input, while it is tried
   std::size_t count = 0;
   for (; Clock::now() < end; ++count) {
-    const std::string input = mutator.next(random, most_bytes);
+    const std::string input = mutator.next(random, max_bytes);
     std::ofstream(kept, std::ios::binary) << input;
     ringdown::fuzz::RINGDOWN_FUZZ_TARGET(std::as_bytes(std::span(input)));
   }

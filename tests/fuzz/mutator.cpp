@@ -42,10 +42,10 @@ std::vector<std::string> inputs_of(const std::vector<fs::path>& corpora) {
   return inputs;
 }
 
-std::string Mutator::next(std::mt19937_64& random, std::size_t most_bytes) const {
+std::string Mutator::next(std::mt19937_64& random, std::size_t max_bytes) const {
   std::string text = inputs_[below(inputs_.size(), random)];
   for (std::size_t changes = 1 + below(8, random); changes > 0; --changes) change(text, random);
-  return text.substr(0, most_bytes);
+  return text.substr(0, max_bytes);
 }
 
 // The first byte, which often says what kind of file it is, mostly stays.

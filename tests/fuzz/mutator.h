@@ -18,8 +18,8 @@ class Mutator {
   // At least one input.
   explicit Mutator(std::vector<std::string> inputs) : inputs_(std::move(inputs)) {}
 
-  // The same numbers from `random` make the same input, of `most_bytes` at most.
-  [[nodiscard]] std::string next(std::mt19937_64& random, std::size_t most_bytes) const;
+  // Returns the next input, of at most `max_bytes`. Equal numbers from `random` make equal inputs.
+  [[nodiscard]] std::string next(std::mt19937_64& random, std::size_t max_bytes) const;
 
  private:
   void change(std::string& text, std::mt19937_64& random) const;

@@ -10,7 +10,7 @@
 namespace ringdown::hostile {
 namespace {
 
-constexpr std::size_t kMostFrames = 256;  // of a block
+constexpr std::size_t kMaxBlockFrames = 256;  // of a block
 
 std::shared_ptr<const synth::HeadFilters> head(double /*sample_rate_hz*/) {
   auto filters = std::make_shared<synth::HeadFilters>();
@@ -75,7 +75,7 @@ void AttackedSession::play(std::size_t blocks, Random& random) {
   if (turns_ % kTurnsPerBlow == 0) {
     for (const wire::Message& message : play_on(random)) take(message);
   }
-  std::array<float, kMostFrames> input{};
+  std::array<float, kMaxBlockFrames> input{};
   if (random.one_in(4)) {
     for (float& sample : input) sample = static_cast<float>(random.uniform(-1, 1));
     if (random.one_in(4)) input[random.below(input.size())] = static_cast<float>(random.extreme());
@@ -83,7 +83,7 @@ void AttackedSession::play(std::size_t blocks, Random& random) {
   }
   synth::Inputs inputs;
   inputs.fill(input.data());
-  for (; blocks > 0; --blocks) render(1 + random.below(kMostFrames), inputs);
+  for (; blocks > 0; --blocks) render(1 + random.below(kMaxBlockFrames), inputs);
 }
 
 void AttackedSession::expect_alive() {
@@ -91,11 +91,11 @@ void AttackedSession::expect_alive() {
   constexpr int kBlocks = 400;
   for (const char* address : {"/clear", "/scene/clear", "/listener/off"}) take({address, {}});
   for (const std::string& name : *session_->rack().names()) take({"/object/" + name + "/free", {}});
-  for (int block = 0; block < kBlocks; ++block) render(kMostFrames, kNoInputs);
+  for (int block = 0; block < kBlocks; ++block) render(kMaxBlockFrames, kNoInputs);
   take({"/load", {std::string("last"), std::string("plate.glb")}});
   take({"/object/last/strike_vertex", {0, 0.0, 0.0, 1.0}});
   static_cast<void>(outputs_.take_loud());
-  for (int block = 0; block < 8; ++block) render(kMostFrames, kNoInputs);
+  for (int block = 0; block < 8; ++block) render(kMaxBlockFrames, kNoInputs);
   fuzz::expect(outputs_.take_loud(), "an object that is not to blame can be heard after the attack");
 }
 

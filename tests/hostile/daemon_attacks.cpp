@@ -26,8 +26,8 @@ std::string text_of(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Whether a packet asks for what the daemon is meant to obey and would end the attack: to quit, or to write files. Such
-// packets are not sent.
+// Returns true if a packet asks the daemon to quit or to write files, which it is meant to obey. Such packets would end
+// the attack and are not sent.
 bool is_command(const std::string& packet) {
   constexpr const char* kCommands[] = {"/quit", "/capture", "/record"};
   return std::ranges::any_of(kCommands, [&](const char* word) { return packet.find(word) != std::string::npos; });
@@ -84,7 +84,7 @@ class DaemonAttack : public Attack {
   }
 
  private:
-  // Whether all that was sent before has been done. Other answers, which the attack has brought about, are passed over.
+  // Returns true once the daemon has done all that was sent before. Answers to the attack itself are passed over.
   [[nodiscard]] bool answers() {
     daemon_->send({"/sync", {++questions_}});
     daemon_->send({"/status", {}});
