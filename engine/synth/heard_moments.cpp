@@ -76,7 +76,9 @@ class HeardSums {
 template <std::size_t kOrders>
 struct HeardGroup {
   alignas(64) float re[kOrders * kModePadding], im[kOrders * kModePadding];
-  alignas(64) float own_weights[2 * kMoments * kModePadding];  // where time is shifted
+  // where time is shifted:
+  alignas(64) float own_weights[2 * kMoments * kModePadding];
+  alignas(64) double on_re[kModePadding], on_im[kModePadding];  // what moves a state on
   std::uint16_t own_bands[kModePadding];
 };
 
@@ -133,6 +135,21 @@ HWY_INLINE void weigh(Complex s, std::size_t i, Group& group) {
   }
 }
 
+// What a shifted time makes of a group. Not inlined: its exponentials are long, and several functions need it.
+template <class Group>
+HWY_NOINLINE HWY_ATTR void shift(const ModeArrays& modes, std::size_t first, std::size_t frames, Group& group) {
+  const Tag tag;
+  const Hearing& hearing = *modes.hearing;
+  for (std::size_t i = 0; i < kModePadding; i += hn::Lanes(tag)) {
+    const Complex s{hn::Load(tag, hearing.log_re + first + i), hn::Load(tag, hearing.log_im + first + i)};
+    weigh(scaled(s, hearing.rate), i, group);
+    const Complex on = multiply(advance_of(modes, first + i, frames),
+                                exponential(scaled(s, (hearing.rate - 1) * static_cast<double>(frames))));
+    hn::Store(on.re, tag, group.on_re + i);
+    hn::Store(on.im, tag, group.on_im + i);
+  }
+}
+
 // Takes a group's states as they are heard, and moves them on.
 template <Way kWay, std::size_t kOrders>
 HWY_INLINE void take_group(const ModeArrays& modes, std::size_t first, std::size_t frames, EnergyCheck& check,
@@ -149,6 +166,7 @@ HWY_INLINE void take_group(const ModeArrays& modes, std::size_t first, std::size
   const auto times_re = [](Narrow a, Narrow b, Narrow c, Narrow d)
                             HWY_ATTR { return hn::NegMulAdd(b, d, hn::Mul(a, c)); };
   const auto times_im = [](Narrow a, Narrow b, Narrow c, Narrow d) HWY_ATTR { return hn::MulAdd(b, c, hn::Mul(a, d)); };
+  if constexpr (kWay == Way::shifted) shift(modes, first, frames, group);
   RINGDOWN_UNROLL
   for (std::size_t i = 0; i < kModePadding; i += lanes) {
     const std::size_t at = first + i;
@@ -173,7 +191,6 @@ HWY_INLINE void take_group(const ModeArrays& modes, std::size_t first, std::size
       Narrow slope_re = times_re(re, im, step_re, step_im), slope_im = times_im(re, im, step_re, step_im);
       if constexpr (kWay == Way::shifted) {
         const Complex s{hn::Load(tag, hearing.log_re + at), hn::Load(tag, hearing.log_im + at)};
-        weigh(scaled(s, hearing.rate), i, group);
         const Bend bend(hearing.bend, frames);
         const Narrow s_re = hn::DemoteTo(narrow, s.re), s_im = hn::DemoteTo(narrow, s.im);
         const auto by = [&](double c) HWY_ATTR { return hn::Set(narrow, static_cast<float>(c)); };
@@ -186,8 +203,7 @@ HWY_INLINE void take_group(const ModeArrays& modes, std::size_t first, std::size
         put(1, i, hn::MulAdd(curve_re, by(bend.c1), times_re(slope_re, slope_im, ahead_re, ahead_im)),
             hn::MulAdd(curve_im, by(bend.c1), times_im(slope_re, slope_im, ahead_re, ahead_im)));
         put(2, i, hn::Mul(curve_re, by(bend.c2)), hn::Mul(curve_im, by(bend.c2)));
-        const Complex on = multiply(advance_of(modes, at, frames),
-                                    exponential(scaled(s, (hearing.rate - 1) * static_cast<double>(frames))));
+        const Complex on{hn::Load(tag, group.on_re + i), hn::Load(tag, group.on_im + i)};
         store_states(multiply(z, on), modes, at);
         continue;
       } else {
