@@ -2,7 +2,7 @@
 # Tries Ringdown as its user meets it: in a fresh Debian, which mmdebstrap makes in a folder of its own. As root.
 #   fresh_debian.sh packages CACHE FOLDER   installs the .deb files of FOLDER, runs what they brought, removes them
 #   fresh_debian.sh readme CACHE            pastes the commands under README's "Start" into a clone of what is committed,
-#                                           then calls ./run test there; prints how long each took. With
+#                                           then calls ./run test there; prints how long each took, and its processor time. With
 #                                           RINGDOWN_PROOFS set: as continuous integration does
 #   fresh_debian.sh run CACHE VERB...       ./run VERB ... in such a clone
 # SUITE=trixie chooses another Debian than bookworm. The fresh Debian and the packages that it downloads are kept in CACHE.
@@ -37,11 +37,11 @@ inside() { chroot "$root" env -i PATH=/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sb
 
 # The output goes to a log; the lines that say how long something took, or how it ended, are shown.
 timed() {  # timed NAME COMMAND...
-  local name=$1 log=$cache/$suite-$1.log from=$SECONDS code=0
+  local name=$1 log=$cache/$suite-$1.log from=$SECONDS code=0 spent TIMEFORMAT='%U + %S'
   shift
-  inside "$@" >"$log" 2>&1 || code=$?
+  spent=$({ time inside "$@" >"$log" 2>&1; } 2>&1) || code=$?
   sed 's/\x1b\[[0-9]*m//g' "$log" | grep -E '^packages: .* s to| (in|\./run .*:) [0-9]+ s$|^\./run .*: [0-9]+ s$|passed, .* failed|^[^ ]+\.wav: ' || true
-  echo "$suite, $name: $((SECONDS - from)) s, exit $code"
+  echo "$suite, $name: $((SECONDS - from)) s, processor time $spent s, exit $code"
   [ "$code" -eq 0 ] || tail -20 "$log"
   return "$code"
 }

@@ -1,7 +1,3 @@
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "engine/synth/mix_kernel.cpp"
-#include <hwy/foreach_target.h>  // compiles the rest of this file once per instruction set
-
 #include <hwy/highway.h>
 
 #include "engine/synth/mix_kernel.h"

@@ -1,7 +1,3 @@
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "engine/synth/moments.cpp"
-#include <hwy/foreach_target.h>  // compiles the rest of this file once per instruction set
-
 #include <hwy/highway.h>
 
 #include "engine/synth/moments.h"
@@ -142,29 +138,27 @@ HWY_EXPORT(add_moments_here);
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kHalf = kMomentScale, kMiddle = kMomentMiddle, kDecay = kMomentDecay;
-
-double band_centre(std::uint16_t band) { return band * kPi / static_cast<double>(kChunkFrames); }
+double band_centre(std::uint16_t band) { return band * std::numbers::pi / static_cast<double>(kChunkFrames); }
 
 std::complex<double> delta_of(std::complex<double> s) {
-  return (s - std::complex<double>(0, band_centre(band_of(s)))) * kHalf;
+  return (s - std::complex<double>(0, band_centre(band_of(s)))) * kMomentScale;
 }
 }  // namespace
 
 bool takes_moments(std::complex<double> s) {
-  return s.real() <= 0 && -s.real() * kHalf <= 2 * kDecay && s.imag() >= 0 && s.imag() < kPi;
+  return s.real() <= 0 && -s.real() * kMomentScale <= 2 * kMomentDecay && s.imag() >= 0 && s.imag() < std::numbers::pi;
 }
 
 std::uint16_t band_of(std::complex<double> s) {
-  return static_cast<std::uint16_t>(std::lround(s.imag() * static_cast<double>(kChunkFrames) / kPi));
+  return static_cast<std::uint16_t>(std::lround(s.imag() * static_cast<double>(kChunkFrames) / std::numbers::pi));
 }
 
 std::array<std::complex<double>, kMoments> exact_moment_weights(std::complex<double> s) {
   const std::complex<double> delta = delta_of(s);
-  std::complex<double> weight = std::exp(delta * (kMiddle / kHalf));  // from the window's first frame to its middle
+  std::complex<double> weight =
+      std::exp(delta * (kMomentMiddle / kMomentScale));  // from the window's first frame to its middle
   std::array<std::complex<double>, kMoments> weights;
-  for (std::size_t p = 0; p < kMoments; ++p, weight *= delta + kDecay) weights[p] = weight;
+  for (std::size_t p = 0; p < kMoments; ++p, weight *= delta + kMomentDecay) weights[p] = weight;
   return weights;
 }
 
@@ -183,10 +177,10 @@ RINGDOWN_TRUST_REALTIME_BEGIN
 bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
                  const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) RINGDOWN_REALTIME {
   if (modes.hearing != nullptr) return add_heard_moments(modes, moments, active, frames, limits, targets, fade);
-  // Frame j is at t = (j - kMiddle) / kHalf.
+  // Frame j is at t = (j - kMomentMiddle) / kMomentScale.
   const double per_frame = static_cast<double>(fade.to - fade.from) / static_cast<double>(frames);
-  const float level_and_slope[2] = {static_cast<float>(static_cast<double>(fade.from) + per_frame * kMiddle),
-                                    static_cast<float>(per_frame * kHalf)};
+  const float level_and_slope[2] = {static_cast<float>(static_cast<double>(fade.from) + per_frame * kMomentMiddle),
+                                    static_cast<float>(per_frame * kMomentScale)};
   return HWY_DYNAMIC_DISPATCH(add_moments_here)(modes, moments, active, frames, limits, targets.data(), targets.size(),
                                                 fade.none() ? nullptr : level_and_slope);
 }
