@@ -1,7 +1,7 @@
 // Ranges and units of what the tables' rows carry. Private to protocol/.
 #pragma once
 
-#include "protocol/binding.h"
+#include "protocol/fields.h"
 
 #include <cstdint>
 #include <limits>

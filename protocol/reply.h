@@ -5,12 +5,12 @@
 
 #include "engine/base/vec3.h"
 #include "engine/modal/material_scale.h"
+#include "protocol/one_of.h"
 #include "protocol/wire/message.h"
 
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <variant>
 
 namespace ringdown::protocol {
 
@@ -166,8 +166,10 @@ struct NotifyModes {  // /notify.modes
 
 inline constexpr std::int32_t kFrameModulus = 1 << 30;
 
-using Reply = std::variant<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply, BankReply, SceneReply, SceneBody,
-                           SceneStatic, BrowseReply, BrowseFile, NotifyObject, NotifyGroup, NotifyContact, NotifyPeak,
-                           NotifyObjectPeak, NotifyLoad, NotifyBody, NotifyScene, NotifySound, NotifyModes>;
+using Replies = Types<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply, BankReply, SceneReply, SceneBody,
+                      SceneStatic, BrowseReply, BrowseFile, NotifyObject, NotifyGroup, NotifyContact, NotifyPeak,
+                      NotifyObjectPeak, NotifyLoad, NotifyBody, NotifyScene, NotifySound, NotifyModes>;
+using Reply = OneOf<Replies>;
+extern template class OneOf<Replies>;
 
 }  // namespace ringdown::protocol

@@ -2,216 +2,253 @@
 #include "protocol/quantities.h"
 
 namespace ringdown::protocol {
+
+template class OneOf<Replies>;
+
 namespace {
 
 template <class Struct>
-RowOf<Reply, Struct> reply(std::string_view address, const Struct& example, std::string_view sentence,
-                           std::initializer_list<Columns<Reply>> arguments) {
-  return make_row<Reply>(address, sentence, arguments, example);
+Row reply(const Struct& example, const char* address, const char* sentence, std::initializer_list<Columns> arguments) {
+  return make_row(&example, address, sentence, arguments);
 }
 
-std::vector<Row<Reply>> make_reply_rows() {
-  return make_table<Reply>(
-      reply("/done", Done{"/load", 3}, "The request was carried out.",
-            {other<ValueType::any_text, &Done::address>("address", "The request's address."),
-             optional(integer<&Done::number>("number", kCount, "As the request's entry says; absent for most."))}),
-      reply("/fail", Fail{"/load", "cannot open bell.glb: No such file or directory"},
-            "The request was refused, and nothing was changed.",
-            {other<ValueType::any_text, &Fail::address>("address", "The request's address."),
-             other<ValueType::any_text, &Fail::sentence>("sentence", "What is wrong, and with which argument.")}),
-      reply("/status.reply", StatusReply{4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0,  0, 0, 0, 0.042,
-                                         0, 0, 0,   0, 0,     0,   false, 0,     20, 0, 0, 1},
-            "How the daemon is doing.",
-            {integer<&StatusReply::objects>("objects", kCount, "Objects that are loaded, and those that ring."),
-             integer<&StatusReply::sounding_objects>("sounding_objects", kCount, "The same."),
-             integer<&StatusReply::sounding_modes>("sounding_modes", kCount, "Modes that ring."),
-             integer<&StatusReply::bodies>("bodies", kCount, "Bodies of the scene."),
-             number<&StatusReply::sample_rate_hz>("sample_rate", kRate, "Of the audio driver."),
-             integer<&StatusReply::block_frames>("block", kCount, "Frames per block."),
-             number<&StatusReply::load_mean>("load_mean", kLoad,
-                                             "Time spent on a block over its duration, mean of a second."),
-             number<&StatusReply::load_peak>("load_peak", kLoad, "Of the slowest block so far."),
-             integer<&StatusReply::xruns>("xruns", kCount, "Late blocks that the audio server counted."),
-             integer<&StatusReply::dropped_events>("dropped", kCount, "Events lost to a full queue."),
-             integer<&StatusReply::late_events>("late", kCount, "Events that arrived after their time."),
-             integer<&StatusReply::merged_events>("merged", kCount, "Strikes added to others in a flood."),
-             number<&StatusReply::load_p99>("load_p99", kLoad,
-                                            "What 99 of 100 blocks of the last 5 to 10 s stayed below."),
-             integer<&StatusReply::misses>("misses", kCount, "Blocks that took longer than they last."),
-             integer<&StatusReply::own_xruns>("own_xruns", kCount, "Of the xruns, those in which the daemon was late."),
-             integer<&StatusReply::hidden_modes>("hidden_modes", kCount,
-                                                 "Ringing modes that are muted for lack of time."),
-             integer<&StatusReply::shed>("shed", kCount,
-                                         "Chunks in which something was left out or late for lack of time."),
-             number<&StatusReply::slowed_s>("slowed", kLost, "Time that the scene lost because it could not keep up."),
-             number<&StatusReply::skipped_s>("skipped", kLost,
-                                             "Sound that was never made, because the audio server went on without us."),
-             other<ValueType::flag, &StatusReply::recording>("recording", "1 while a score is recorded."),
-             number<&StatusReply::captured_s>("captured", kDuration, "Length of the sound file so far."),
-             number<&StatusReply::full_scale_pa>("full_scale", kPressure,
-                                                 "The sound pressure, 1 m from an object, that is full scale."),
-             integer<&StatusReply::limited>("limited", kCount,
-                                            "Strikes made weaker, because they would have bent a thin object by more "
-                                            "than three times its thickness."),
-             integer<&StatusReply::coupled_objects>("coupled", kCount, "Objects whose modes exchange energy just now."),
-             number<&StatusReply::psi>("psi", kLoad,
-                                       "How true their energy is: an auxiliary variable over what it stands for, of "
-                                       "the object where it is farthest from 1."),
-             optional(other<ValueType::any_text, &StatusReply::capture>("capture",
-                                                                        "The sound file that is being written."))}),
-      reply("/version.reply", VersionReply{"ringdownd", RINGDOWN_VERSION, kProtocolVersion}, "Which program this is.",
-            {other<ValueType::any_text, &VersionReply::program>("program", "Its name and version."),
-             other<ValueType::any_text, &VersionReply::version>("version", "The same."),
-             integer<&VersionReply::protocol>("protocol", kCount,
-                                              "Of this protocol; grows when an address changes its meaning.")}),
-      reply("/synced", Synced{7}, "Everything sent before /sync has been handled.",
-            {integer<&Synced::id>("id", kId, "From /sync.")}),
-      reply("/object.reply",
-            ObjectReply{3,
-                        "bell",
-                        1,
-                        299292,
-                        "5417b50ece5c2d666e8abfc6c0fc1541",
-                        "presets/banks/bronze-bell.glb",
-                        120,
-                        0,
-                        120,
-                        {},
-                        0.5,
-                        0,
-                        false,
-                        false,
-                        "metal"},
-            "What an object is and how it is set.",
-            {integer<&ObjectReply::number>("number", kIndex, "Its number and name."),
-             other<ValueType::any_text, &ObjectReply::name>("name", "The same."),
-             integer<&ObjectReply::version>("version", kCount, "Grows with each new bank."),
-             integer<&ObjectReply::bank_bytes>("bytes", kCount, "Size of the bank's file."),
-             other<ValueType::any_text, &ObjectReply::bank_content>(
-                 "content", "32 hexadecimal digits; the same for the same bank."),
-             other<ValueType::any_text, &ObjectReply::bank>("bank", "The bank's path."),
-             integer<&ObjectReply::modes>("modes", kCount, "Modes of the bank."),
-             integer<&ObjectReply::first_mode>("first", kCount,
-                                               "The modes that /modes left it: the lowest, and how many."),
-             integer<&ObjectReply::selected_modes>("selected", kCount, "The same."),
-             number<&ObjectReply::scale, &modal::MaterialScale::alpha>("alpha", kDampingScale, "As /material set it."),
-             number<&ObjectReply::scale, &modal::MaterialScale::beta>("beta", kDampingScale, "The same."),
-             number<&ObjectReply::scale, &modal::MaterialScale::density>("density", kScale, "The same."),
-             number<&ObjectReply::scale, &modal::MaterialScale::stiffness>("stiffness", kScale, "The same."),
-             number<&ObjectReply::scale, &modal::MaterialScale::size>("size", kSizeScale, "The same."),
-             number<&ObjectReply::gain>("gain", kGain, "As /gain and /pan set them."),
-             number<&ObjectReply::pan>("pan", kPan, "The same."),
-             other<ValueType::flag, &ObjectReply::mute>("mute", "As /mute and /solo set them."),
-             other<ValueType::flag, &ObjectReply::solo>("solo", "The same."),
-             optional(other<ValueType::any_text, &ObjectReply::group>("group", "Absent: none."))}),
-      reply("/bank.reply", BankReply{"bell", 1, 0, 299292, wire::Blob(4)}, "A piece of a bank file.",
-            {other<ValueType::any_text, &BankReply::name>("name", "The object's name."),
-             integer<&BankReply::version>("version", kCount, "Pieces of one version belong together."),
-             integer<&BankReply::offset>("offset", kCount, "Where the piece begins, and the size of the whole file."),
-             integer<&BankReply::total>("total", kCount, "The same."),
-             records<&BankReply::bytes>("bytes", 1, kMaxBankBytes, "The piece.")}),
-      reply("/scene.reply", SceneReply{3, 6, 1, 12, {0, -2, 1}, {0, 0, 0.3}, 50, "presets/scenes/demo.toml"},
-            "What scene is played.",
-            {integer<&SceneReply::version>("version", kCount, "Grows when the description changes."),
-             integer<&SceneReply::bodies>("bodies", kCount, "How many /scene.body and /scene.static follow."),
-             integer<&SceneReply::statics>("statics", kCount, "The same."),
-             number<&SceneReply::duration_s>("duration", kDuration, "Length of a rendering."),
-             vector<&SceneReply::camera_m>({"x", "y", "z"}, kAnyPosition, "Where its camera stands."),
-             vector<&SceneReply::target_m>({"tx", "ty", "tz"}, kAnyPosition, "What its camera looks at."),
-             number<&SceneReply::field_of_view_degrees>("field_of_view", kAngle,
-                                                        "Vertical; 0: the scene names no camera."),
-             optional(other<ValueType::any_text, &SceneReply::file>("file", "Absent: there is no scene."))}),
-      reply("/scene.body", SceneBody{3, 2, "bell", "bell", "convex", {0.2, 0.2, 0.15}, false},
-            "A body of the scene; /notify.body says where it is.",
-            {integer<&SceneBody::version>("version", kCount, "As in /scene.reply."),
-             integer<&SceneBody::id>("body", kCount, "Its number, and its name in the scene file."),
-             other<ValueType::any_text, &SceneBody::name>("name", "The same."),
-             other<ValueType::any_text, &SceneBody::object>("object", "What rings when it is hit; - for none."),
-             other<ValueType::any_text, &SceneBody::shape>("shape", "box, sphere, convex or trimesh."),
-             vector<&SceneBody::size_m>({"sx", "sy", "sz"}, kAnyPosition, "Edges of its bounding box."),
-             other<ValueType::flag, &SceneBody::fixed>("fixed", "1: it hangs in place.")}),
-      reply("/scene.static", SceneStatic{3, 0, "floor", "plane", {}, {}, 0, 0, 0, 1},
-            "A part of the scene that never moves.",
-            {integer<&SceneStatic::version>("version", kCount, "As in /scene.reply."),
-             integer<&SceneStatic::number>("number", kCount, "Its number, from 0, and its name in the scene file."),
-             other<ValueType::any_text, &SceneStatic::name>("name", "The same."),
-             other<ValueType::any_text, &SceneStatic::shape>("shape", "plane or box."),
-             vector<&SceneStatic::size_m>({"sx", "sy", "sz"}, kAnyPosition, "A box's edges."),
-             vector<&SceneStatic::position_m>({"x", "y", "z"}, kAnyPosition,
-                                              "A box's centre; a plane's point nearest to the origin."),
-             number<&SceneStatic::x>(
-                 "qx", kUnit, "Its rotation, a unit quaternion, real part last. A plane faces its turned z axis."),
-             number<&SceneStatic::y>("qy", kUnit, "Its y component."),
-             number<&SceneStatic::z>("qz", kUnit, "Its z component."),
-             number<&SceneStatic::w>("qw", kUnit, "The same.")}),
-      reply("/browse.reply", BrowseReply{2}, "How much there is to load.",
-            {integer<&BrowseReply::files>("files", kCount, "How many /browse.file follow.")}),
-      reply("/browse.file", BrowseFile{0, "scene", "presets/scenes/demo.toml"}, "A file that can be loaded.",
-            {integer<&BrowseFile::number>("number", kCount, "Its number, from 0."),
-             other<ValueType::any_text, &BrowseFile::kind>("kind", "scene or bank."),
-             other<ValueType::any_text, &BrowseFile::path>("path", "For /scene/load or /load.")}),
-      reply("/notify.object", NotifyObject{3, "bell", true},
-            "An object was loaded or freed, or its mute or solo changed.",
-            {integer<&NotifyObject::number>("number", kIndex, "Its number and name."),
-             other<ValueType::any_text, &NotifyObject::name>("name", "The same."),
-             other<ValueType::flag, &NotifyObject::loaded>("loaded", "0: freed; 1: /describe says how it is now.")}),
-      reply("/notify.group", NotifyGroup{3, "bell", "metal"}, "An object joined or left a group.",
-            {integer<&NotifyGroup::number>("number", kIndex, "The object's number and name."),
-             other<ValueType::any_text, &NotifyGroup::name>("name", "The same."),
-             optional(other<ValueType::any_text, &NotifyGroup::group>("group", "Absent: none."))}),
-      reply("/notify.contact", NotifyContact{"bell", {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
-            "An object was struck. At most the last 256 strikes since the last notice are sent.",
-            {other<ValueType::any_text, &NotifyContact::object>("object", "Its name."),
-             vector<&NotifyContact::point_m>({"x", "y", "z"}, kAnyPosition, "Where, in its own frame."),
-             vector<&NotifyContact::impulse_ns>({"jx", "jy", "jz"}, kAnyImpulse, "The impulse it received."),
-             number<&NotifyContact::contact_time_s>("contact_time", kContactTime, "How long the blow lasted.")}),
-      reply("/notify.peak", NotifyPeak{0.25}, "How loud the mix was.",
-            {number<&NotifyPeak::peak>("peak", kPeak, "The largest sample since the last notice; 1 is full scale.")}),
-      reply("/notify.object_peak", NotifyObjectPeak{"bell", 0.25},
-            "How loud a ringing object was; sent once more when it is silent.",
-            {other<ValueType::any_text, &NotifyObjectPeak::object>("object", "Its name."),
-             number<&NotifyObjectPeak::peak>(
-                 "peak", kPeak,
-                 "A bound on its samples since the last notice: the sum of its modes' amplitudes, at its gain. Beyond "
-                 "64 objects (2,048 modes) they are measured in turn.")}),
-      reply("/notify.load", NotifyLoad{0.031, 0.058, 0, 1, 220}, "How the daemon is doing.",
-            {number<&NotifyLoad::mean>("load_mean", kLoad, "As in /status.reply."),
-             number<&NotifyLoad::peak>("load_peak", kLoad, "The same."),
-             integer<&NotifyLoad::xruns>("xruns", kCount, "The same."),
-             integer<&NotifyLoad::sounding_objects>("sounding_objects", kCount, "The same."),
-             integer<&NotifyLoad::sounding_modes>("sounding_modes", kCount, "The same.")}),
-      reply(
-          "/notify.body", NotifyBody{2, "bell", "bell", {0, 0, 1}, 0, 0, 0, 1},
-          "Where a body of the scene is, as the pose of its bank's mesh. A body that is no longer sent has left the "
-          "scene.",
-          {integer<&NotifyBody::id>("body", kCount, "Its number, and its name in the scene file."),
-           other<ValueType::any_text, &NotifyBody::name>("name", "The same."),
-           other<ValueType::any_text, &NotifyBody::object>("object", "What rings when it is hit; - for none."),
-           vector<&NotifyBody::position_m>({"x", "y", "z"}, kAnyPosition, "In the scene's frame."),
-           number<&NotifyBody::x>("qx", kUnit, "Its rotation, a unit quaternion, real part last."),
-           number<&NotifyBody::y>("qy", kUnit, "Its y component."),
-           number<&NotifyBody::z>("qz", kUnit, "Its z component."), number<&NotifyBody::w>("qw", kUnit, "The same.")}),
-      reply("/notify.scene", NotifyScene{3, 2.5, false}, "When the bodies of this notice were there.",
-            {integer<&NotifyScene::version>("version", kCount, "As in /scene.reply."),
-             number<&NotifyScene::time_s>("time", kDuration, "The scene's time."),
-             other<ValueType::flag, &NotifyScene::paused>("paused", "1 while it is paused.")}),
-      reply("/notify.sound", NotifySound{48000, 48000, wire::Blob(8)}, "A piece of the mix, after /watch/sound.",
-            {integer<&NotifySound::frame>("frame", kCount, "The first frame's number, modulo 2^30."),
-             number<&NotifySound::sample_rate_hz>("sample_rate", kRate, "Of the audio driver."),
-             records<&NotifySound::samples>("samples", 8, kMaxSoundFrames,
-                                            "For each frame float32 left and right, big-endian.")}),
-      reply("/notify.modes", NotifyModes{"bell", 0, wire::Blob(4)},
-            "The amplitudes of a watched object's modes, at its gain; 1 is full scale.",
-            {other<ValueType::any_text, &NotifyModes::object>("object", "Its name."),
-             integer<&NotifyModes::first>("first", kCount, "The first mode; 0 has the lowest frequency."),
-             records<&NotifyModes::amplitudes>("amplitudes", 4, kMaxModeAmplitudes, "Each a float32, big-endian.")}));
+Row row(Done& s) {
+  return reply(s = {"/load", 3}, "/done", "The request was carried out.",
+               {any_text(&s.address, "address", "The request's address."),
+                optional(integer(&s.number, "number", kCount, "As the request's entry says; absent for most."))});
+}
+
+Row row(Fail& s) {
+  return reply(s = {"/load", "cannot open bell.glb: No such file or directory"}, "/fail",
+               "The request was refused, and nothing was changed.",
+               {any_text(&s.address, "address", "The request's address."),
+                any_text(&s.sentence, "sentence", "What is wrong, and with which argument.")});
+}
+
+Row row(StatusReply& s) {
+  return reply(
+      s = {4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0, 0, 0, 0, 0.042, 0, 0, 0, 0, 0, 0, false, 0, 20, 0, 0, 1},
+      "/status.reply", "How the daemon is doing.",
+      {integer(&s.objects, "objects", kCount, "Objects that are loaded, and those that ring."),
+       integer(&s.sounding_objects, "sounding_objects", kCount, "The same."),
+       integer(&s.sounding_modes, "sounding_modes", kCount, "Modes that ring."),
+       integer(&s.bodies, "bodies", kCount, "Bodies of the scene."),
+       number(&s.sample_rate_hz, "sample_rate", kRate, "Of the audio driver."),
+       integer(&s.block_frames, "block", kCount, "Frames per block."),
+       number(&s.load_mean, "load_mean", kLoad, "Time spent on a block over its duration, mean of a second."),
+       number(&s.load_peak, "load_peak", kLoad, "Of the slowest block so far."),
+       integer(&s.xruns, "xruns", kCount, "Late blocks that the audio server counted."),
+       integer(&s.dropped_events, "dropped", kCount, "Events lost to a full queue."),
+       integer(&s.late_events, "late", kCount, "Events that arrived after their time."),
+       integer(&s.merged_events, "merged", kCount, "Strikes added to others in a flood."),
+       number(&s.load_p99, "load_p99", kLoad, "What 99 of 100 blocks of the last 5 to 10 s stayed below."),
+       integer(&s.misses, "misses", kCount, "Blocks that took longer than they last."),
+       integer(&s.own_xruns, "own_xruns", kCount, "Of the xruns, those in which the daemon was late."),
+       integer(&s.hidden_modes, "hidden_modes", kCount, "Ringing modes that are muted for lack of time."),
+       integer(&s.shed, "shed", kCount, "Chunks in which something was left out or late for lack of time."),
+       number(&s.slowed_s, "slowed", kLost, "Time that the scene lost because it could not keep up."),
+       number(&s.skipped_s, "skipped", kLost,
+              "Sound that was never made, because the audio server went on without us."),
+       flag(&s.recording, "recording", "1 while a score is recorded."),
+       number(&s.captured_s, "captured", kDuration, "Length of the sound file so far."),
+       number(&s.full_scale_pa, "full_scale", kPressure, "The sound pressure, 1 m from an object, that is full scale."),
+       integer(
+           &s.limited, "limited", kCount,
+           "Strikes made weaker, because they would have bent a thin object by more than three times its thickness."),
+       integer(&s.coupled_objects, "coupled", kCount, "Objects whose modes exchange energy just now."),
+       number(&s.psi, "psi", kLoad,
+              "How true their energy is: an auxiliary variable over what it stands for, of the object where it is "
+              "farthest from 1."),
+       optional(any_text(&s.capture, "capture", "The sound file that is being written."))});
+}
+
+Row row(VersionReply& s) {
+  return reply(
+      s = {"ringdownd", RINGDOWN_VERSION, kProtocolVersion}, "/version.reply", "Which program this is.",
+      {any_text(&s.program, "program", "Its name and version."), any_text(&s.version, "version", "The same."),
+       integer(&s.protocol, "protocol", kCount, "Of this protocol; grows when an address changes its meaning.")});
+}
+
+Row row(Synced& s) {
+  return reply(s = {7}, "/synced", "Everything sent before /sync has been handled.",
+               {integer(&s.id, "id", kId, "From /sync.")});
+}
+
+Row row(ObjectReply& s) {
+  return reply(s = {3,
+                    "bell",
+                    1,
+                    299292,
+                    "5417b50ece5c2d666e8abfc6c0fc1541",
+                    "presets/banks/bronze-bell.glb",
+                    120,
+                    0,
+                    120,
+                    {},
+                    0.5,
+                    0,
+                    false,
+                    false,
+                    "metal"},
+               "/object.reply", "What an object is and how it is set.",
+               {integer(&s.number, "number", kIndex, "Its number and name."), any_text(&s.name, "name", "The same."),
+                integer(&s.version, "version", kCount, "Grows with each new bank."),
+                integer(&s.bank_bytes, "bytes", kCount, "Size of the bank's file."),
+                any_text(&s.bank_content, "content", "32 hexadecimal digits; the same for the same bank."),
+                any_text(&s.bank, "bank", "The bank's path."), integer(&s.modes, "modes", kCount, "Modes of the bank."),
+                integer(&s.first_mode, "first", kCount, "The modes that /modes left it: the lowest, and how many."),
+                integer(&s.selected_modes, "selected", kCount, "The same."),
+                number(&s.scale.alpha, "alpha", kDampingScale, "As /material set it."),
+                number(&s.scale.beta, "beta", kDampingScale, "The same."),
+                number(&s.scale.density, "density", kScale, "The same."),
+                number(&s.scale.stiffness, "stiffness", kScale, "The same."),
+                number(&s.scale.size, "size", kSizeScale, "The same."),
+                number(&s.gain, "gain", kGain, "As /gain and /pan set them."), number(&s.pan, "pan", kPan, "The same."),
+                flag(&s.mute, "mute", "As /mute and /solo set them."), flag(&s.solo, "solo", "The same."),
+                optional(any_text(&s.group, "group", "Absent: none."))});
+}
+
+Row row(BankReply& s) {
+  return reply(
+      s = {"bell", 1, 0, 299292, wire::Blob(4)}, "/bank.reply", "A piece of a bank file.",
+      {any_text(&s.name, "name", "The object's name."),
+       integer(&s.version, "version", kCount, "Pieces of one version belong together."),
+       integer(&s.offset, "offset", kCount, "Where the piece begins, and the size of the whole file."),
+       integer(&s.total, "total", kCount, "The same."), records(&s.bytes, "bytes", 1, kMaxBankBytes, "The piece.")});
+}
+
+Row row(SceneReply& s) {
+  return reply(s = {3, 6, 1, 12, {0, -2, 1}, {0, 0, 0.3}, 50, "presets/scenes/demo.toml"}, "/scene.reply",
+               "What scene is played.",
+               {integer(&s.version, "version", kCount, "Grows when the description changes."),
+                integer(&s.bodies, "bodies", kCount, "How many /scene.body and /scene.static follow."),
+                integer(&s.statics, "statics", kCount, "The same."),
+                number(&s.duration_s, "duration", kDuration, "Length of a rendering."),
+                vector(&s.camera_m, {"x", "y", "z"}, kAnyPosition, "Where its camera stands."),
+                vector(&s.target_m, {"tx", "ty", "tz"}, kAnyPosition, "What its camera looks at."),
+                number(&s.field_of_view_degrees, "field_of_view", kAngle, "Vertical; 0: the scene names no camera."),
+                optional(any_text(&s.file, "file", "Absent: there is no scene."))});
+}
+
+Row row(SceneBody& s) {
+  return reply(
+      s = {3, 2, "bell", "bell", "convex", {0.2, 0.2, 0.15}, false}, "/scene.body",
+      "A body of the scene; /notify.body says where it is.",
+      {integer(&s.version, "version", kCount, "As in /scene.reply."),
+       integer(&s.id, "body", kCount, "Its number, and its name in the scene file."),
+       any_text(&s.name, "name", "The same."), any_text(&s.object, "object", "What rings when it is hit; - for none."),
+       any_text(&s.shape, "shape", "box, sphere, convex or trimesh."),
+       vector(&s.size_m, {"sx", "sy", "sz"}, kAnyPosition, "Edges of its bounding box."),
+       flag(&s.fixed, "fixed", "1: it hangs in place.")});
+}
+
+Row row(SceneStatic& s) {
+  return reply(
+      s = {3, 0, "floor", "plane", {}, {}, 0, 0, 0, 1}, "/scene.static", "A part of the scene that never moves.",
+      {integer(&s.version, "version", kCount, "As in /scene.reply."),
+       integer(&s.number, "number", kCount, "Its number, from 0, and its name in the scene file."),
+       any_text(&s.name, "name", "The same."), any_text(&s.shape, "shape", "plane or box."),
+       vector(&s.size_m, {"sx", "sy", "sz"}, kAnyPosition, "A box's edges."),
+       vector(&s.position_m, {"x", "y", "z"}, kAnyPosition, "A box's centre; a plane's point nearest to the origin."),
+       number(&s.x, "qx", kUnit, "Its rotation, a unit quaternion, real part last. A plane faces its turned z axis."),
+       number(&s.y, "qy", kUnit, "Its y component."), number(&s.z, "qz", kUnit, "Its z component."),
+       number(&s.w, "qw", kUnit, "The same.")});
+}
+
+Row row(BrowseReply& s) {
+  return reply(s = {2}, "/browse.reply", "How much there is to load.",
+               {integer(&s.files, "files", kCount, "How many /browse.file follow.")});
+}
+
+Row row(BrowseFile& s) {
+  return reply(s = {0, "scene", "presets/scenes/demo.toml"}, "/browse.file", "A file that can be loaded.",
+               {integer(&s.number, "number", kCount, "Its number, from 0."),
+                any_text(&s.kind, "kind", "scene or bank."), any_text(&s.path, "path", "For /scene/load or /load.")});
+}
+
+Row row(NotifyObject& s) {
+  return reply(s = {3, "bell", true}, "/notify.object", "An object was loaded or freed, or its mute or solo changed.",
+               {integer(&s.number, "number", kIndex, "Its number and name."), any_text(&s.name, "name", "The same."),
+                flag(&s.loaded, "loaded", "0: freed; 1: /describe says how it is now.")});
+}
+
+Row row(NotifyGroup& s) {
+  return reply(s = {3, "bell", "metal"}, "/notify.group", "An object joined or left a group.",
+               {integer(&s.number, "number", kIndex, "The object's number and name."),
+                any_text(&s.name, "name", "The same."), optional(any_text(&s.group, "group", "Absent: none."))});
+}
+
+Row row(NotifyContact& s) {
+  return reply(s = {"bell", {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005}, "/notify.contact",
+               "An object was struck. At most the last 256 strikes since the last notice are sent.",
+               {any_text(&s.object, "object", "Its name."),
+                vector(&s.point_m, {"x", "y", "z"}, kAnyPosition, "Where, in its own frame."),
+                vector(&s.impulse_ns, {"jx", "jy", "jz"}, kAnyImpulse, "The impulse it received."),
+                number(&s.contact_time_s, "contact_time", kContactTime, "How long the blow lasted.")});
+}
+
+Row row(NotifyPeak& s) {
+  return reply(s = {0.25}, "/notify.peak", "How loud the mix was.",
+               {number(&s.peak, "peak", kPeak, "The largest sample since the last notice; 1 is full scale.")});
+}
+
+Row row(NotifyObjectPeak& s) {
+  return reply(s = {"bell", 0.25}, "/notify.object_peak",
+               "How loud a ringing object was; sent once more when it is silent.",
+               {any_text(&s.object, "object", "Its name."),
+                number(&s.peak, "peak", kPeak,
+                       "A bound on its samples since the last notice: the sum of its modes' amplitudes, at its gain. "
+                       "Beyond 64 objects (2,048 modes) they are measured in turn.")});
+}
+
+Row row(NotifyLoad& s) {
+  return reply(s = {0.031, 0.058, 0, 1, 220}, "/notify.load", "How the daemon is doing.",
+               {number(&s.mean, "load_mean", kLoad, "As in /status.reply."),
+                number(&s.peak, "load_peak", kLoad, "The same."), integer(&s.xruns, "xruns", kCount, "The same."),
+                integer(&s.sounding_objects, "sounding_objects", kCount, "The same."),
+                integer(&s.sounding_modes, "sounding_modes", kCount, "The same.")});
+}
+
+Row row(NotifyBody& s) {
+  return reply(
+      s = {2, "bell", "bell", {0, 0, 1}, 0, 0, 0, 1}, "/notify.body",
+      "Where a body of the scene is, as the pose of its bank's mesh. A body that is no longer sent has left the scene.",
+      {integer(&s.id, "body", kCount, "Its number, and its name in the scene file."),
+       any_text(&s.name, "name", "The same."), any_text(&s.object, "object", "What rings when it is hit; - for none."),
+       vector(&s.position_m, {"x", "y", "z"}, kAnyPosition, "In the scene's frame."),
+       number(&s.x, "qx", kUnit, "Its rotation, a unit quaternion, real part last."),
+       number(&s.y, "qy", kUnit, "Its y component."), number(&s.z, "qz", kUnit, "Its z component."),
+       number(&s.w, "qw", kUnit, "The same.")});
+}
+
+Row row(NotifyScene& s) {
+  return reply(
+      s = {3, 2.5, false}, "/notify.scene", "When the bodies of this notice were there.",
+      {integer(&s.version, "version", kCount, "As in /scene.reply."),
+       number(&s.time_s, "time", kDuration, "The scene's time."), flag(&s.paused, "paused", "1 while it is paused.")});
+}
+
+Row row(NotifySound& s) {
+  return reply(
+      s = {48000, 48000, wire::Blob(8)}, "/notify.sound", "A piece of the mix, after /watch/sound.",
+      {integer(&s.frame, "frame", kCount, "The first frame's number, modulo 2^30."),
+       number(&s.sample_rate_hz, "sample_rate", kRate, "Of the audio driver."),
+       records(&s.samples, "samples", 8, kMaxSoundFrames, "For each frame float32 left and right, big-endian.")});
+}
+
+Row row(NotifyModes& s) {
+  return reply(s = {"bell", 0, wire::Blob(4)}, "/notify.modes",
+               "The amplitudes of a watched object's modes, at its gain; 1 is full scale.",
+               {any_text(&s.object, "object", "Its name."),
+                integer(&s.first, "first", kCount, "The first mode; 0 has the lowest frequency."),
+                records(&s.amplitudes, "amplitudes", 4, kMaxModeAmplitudes, "Each a float32, big-endian.")});
 }
 
 }  // namespace
 
-const std::vector<Row<Reply>>& reply_rows() {
-  static const std::vector<Row<Reply>> rows = make_reply_rows();
-  return rows;
+const Table<Replies>& reply_table() {
+  static const Table<Replies> table = make_table(Replies(), [](auto& reply) { return row(reply); });
+  return table;
 }
 
 }  // namespace ringdown::protocol

@@ -2,6 +2,8 @@
 
 namespace ringdown::protocol {
 
+template class OneOf<Requests>;
+
 Request request_for(const synth::Event& event, const ObjectRef& object) {
   switch (event.type) {
     case synth::EventType::strike:

@@ -11,12 +11,12 @@
 #include "engine/modal/mode_range.h"
 #include "engine/synth/event.h"
 #include "protocol/defaults.h"
+#include "protocol/one_of.h"
 #include "protocol/wire/message.h"
 
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace ringdown::protocol {
@@ -238,13 +238,14 @@ struct Sync {       // /sync
 };
 struct Quit {};  // /quit
 
-using Request =
-    std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetDamper, SetGroup, SetMute, SetSolo,
-                 RingModes, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ClearObject, SetContact, SetBow,
-                 HitMallet, SetCoupling, Click, SetPose, PoseMany, SetListener, ListenerOff, SetListenerAir, FreeObject,
-                 LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush,
-                 SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart, RecordStop,
-                 CaptureStart, CaptureStop, Status, Version, Sync, Quit>;
+using Requests = Types<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetDamper, SetGroup, SetMute,
+                       SetSolo, RingModes, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ClearObject,
+                       SetContact, SetBow, HitMallet, SetCoupling, Click, SetPose, PoseMany, SetListener, ListenerOff,
+                       SetListenerAir, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
+                       SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene,
+                       RecordStart, RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>;
+using Request = OneOf<Requests>;
+extern template class OneOf<Requests>;
 
 // The request that would make this event of `object`.
 Request request_for(const synth::Event& event, const ObjectRef& object);

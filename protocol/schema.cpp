@@ -1,7 +1,7 @@
 #include "protocol/schema.h"
 
-#include "protocol/binding.h"
 #include "protocol/convert.h"
+#include "protocol/fields.h"
 #include "protocol/names.h"
 
 #include <algorithm>
@@ -15,10 +15,9 @@ namespace {
 
 constexpr std::string_view kPlaceholder = "{object}";
 
-template <class Any>
-std::vector<AddressSpec> specs_of(const std::vector<Row<Any>>& rows) {
+std::vector<AddressSpec> specs_of(const std::vector<Row>& rows) {
   std::vector<AddressSpec> specs;
-  for (const Row<Any>& row : rows) specs.push_back(row.spec);
+  for (const Row& row : rows) specs.push_back(row.spec);
   return specs;
 }
 
@@ -63,32 +62,31 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 // Finds the row of an address by hashing, in a time that does not depend on the number of rows or objects.
-template <class Any>
 struct Index {
-  std::unordered_map<std::string_view, const Row<Any>*> plain, of_object;  // the latter by what follows the object
+  std::unordered_map<std::string_view, std::size_t> plain, of_object;  // the latter by what follows the object
 
-  explicit Index(const std::vector<Row<Any>>& rows) {
-    for (const Row<Any>& row : rows) {
-      (row.spec.arguments_in_address() ? of_object : plain)[without_object(row.spec.address)] = &row;
+  explicit Index(const std::vector<Row>& rows) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const AddressSpec& spec = rows[i].spec;
+      (spec.arguments_in_address() ? of_object : plain)[without_object(spec.address)] = i;
     }
   }
-  [[nodiscard]] const Row<Any>* find(std::string_view address) const {
+  [[nodiscard]] std::optional<std::size_t> find(std::string_view address) const {
     const auto& rows = address.starts_with(kObjectPrefix) ? of_object : plain;
     const auto found = rows.find(without_object(address));
-    return found == rows.end() ? nullptr : found->second;
+    return found == rows.end() ? std::nullopt : std::optional(found->second);
   }
 };
 
-template <class Any>
-Result<const Row<Any>*> find_row(const std::vector<Row<Any>>& rows, std::string_view address) {
+// The number of the row.
+Result<std::size_t> find_row(const std::vector<Row>& rows, const Index& index, std::string_view address) {
   constexpr std::size_t kMaxAddress = 256;
   if (address.size() > kMaxAddress)
     return fail(ErrorKind::bad_input, quote(address) + " is no address: it is too long");
-  static const Index<Any> index(rows);
-  if (const Row<Any>* row = index.find(address)) return row;
+  if (const auto row = index.find(address)) return *row;
   const std::string skeleton = skeleton_of(address);
-  const auto distance = [&](const Row<Any>& row) { return edit_distance(skeleton, row.spec.address); };
-  const Row<Any>& nearest = *std::ranges::min_element(rows, {}, distance);
+  const auto distance = [&](const Row& row) { return edit_distance(skeleton, row.spec.address); };
+  const Row& nearest = *std::ranges::min_element(rows, {}, distance);
   return fail(ErrorKind::bad_input,
               quote(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
 }
@@ -115,9 +113,8 @@ bool is_tag(const wire::Argument& argument, char type) {
   return tag && tag->type == type;
 }
 
-// The row's struct, filled from the address and the arguments.
-template <class Any>
-Result<Any> parse_row(const Row<Any>& row, const wire::Message& message) {
+// Fills the row's struct at `base` from the address and the arguments.
+Result<void> parse_row(const Row& row, const wire::Message& message, void* base) {
   const AddressSpec& spec = row.spec;
   const std::size_t in_address = spec.arguments_in_address();
   const std::size_t most = spec.arguments.size() - in_address;
@@ -127,7 +124,6 @@ Result<Any> parse_row(const Row<Any>& row, const wire::Message& message) {
     return fail(ErrorKind::bad_input, message.address + ": argument " + std::to_string(most + 1) +
                                           " is one too many; it takes " + argument_names(spec));
   }
-  Any any = row.blank;
   for (std::size_t i = 0; i < spec.arguments.size(); ++i) {
     const ArgumentSpec& argument = spec.arguments[i];
     const std::size_t position = i < in_address ? 0 : i - in_address + 1;
@@ -141,18 +137,16 @@ Result<Any> parse_row(const Row<Any>& row, const wire::Message& message) {
         position == 0 ? wire::Argument(std::string(object_in(message.address))) : message.arguments[position - 1];
     const Result<Value> value = convert(argument, given);
     if (!value) return fail(value.error().kind, about(message, argument, position, value.error().message));
-    row.bindings[i].write(any, *value);
+    row.fields[i].write(base, *value);
   }
-  return any;
+  return {};
 }
 
 // Requests keep every digit; replies use only what Pure Data can read.
-wire::Argument number_argument(const Request&, double value) { return value; }
-wire::Argument number_argument(const Reply&, double value) { return static_cast<float>(value); }
-
-template <class Any>
-wire::Argument to_argument(const Any& any, const Value& value) {
-  if (const auto* number = std::get_if<double>(&value)) return number_argument(any, *number);
+wire::Argument to_argument(const Value& value, bool is_request) {
+  if (const auto* number = std::get_if<double>(&value)) {
+    return is_request ? wire::Argument(*number) : wire::Argument(static_cast<float>(*number));
+  }
   if (const auto* integer = std::get_if<std::int32_t>(&value)) return *integer;
   if (const auto* blob = std::get_if<wire::Blob>(&value)) return *blob;
   if (const auto* object = std::get_if<ObjectRef>(&value); object && object->number) {
@@ -174,82 +168,96 @@ wire::Argument from_word(const ArgumentSpec& spec, const std::string& word) {
 
 }  // namespace
 
-template <class Any>
-wire::Message format_row(const Row<Any>& row, const Any& any) {
+wire::Message format_row(const Row& row, const void* base) {
   wire::Message message{std::string(row.spec.address), {}};
-  for (std::size_t i = 0; i < row.bindings.size(); ++i) {
-    const Value value = row.bindings[i].read(any);
+  for (std::size_t i = 0; i < row.fields.size(); ++i) {
+    const Value value = row.fields[i].read(base);
     const ArgumentSpec& spec = row.spec.arguments[i];
     const bool absent = std::holds_alternative<std::monostate>(value);
     if (absent && spec.type != ValueType::object_or_none) break;
     if (i < row.spec.arguments_in_address()) {
       message.address = replace_once(message.address, kPlaceholder, value_text(value));
     } else {
-      message.arguments.push_back(to_argument(any, value));
+      message.arguments.push_back(to_argument(value, row.spec.lane.has_value()));
     }
   }
   return message;
 }
-template wire::Message format_row(const Row<Request>&, const Request&);
-template wire::Message format_row(const Row<Reply>&, const Reply&);
 
 std::span<const AddressSpec> addresses() {
-  static const std::vector<AddressSpec> specs = specs_of(request_rows());
+  static const std::vector<AddressSpec> specs = specs_of(request_table().rows);
   return specs;
 }
 
 std::span<const AddressSpec> reply_addresses() {
-  static const std::vector<AddressSpec> specs = specs_of(reply_rows());
+  static const std::vector<AddressSpec> specs = specs_of(reply_table().rows);
   return specs;
 }
 
 const AddressSpec& spec_of(const Request& request) { return addresses()[request.index()]; }
 const AddressSpec& spec_of(const Reply& reply) { return reply_addresses()[reply.index()]; }
 
+namespace {
+
+Result<std::size_t> find_request(std::string_view address) {
+  static const Index index(request_table().rows);
+  return find_row(request_table().rows, index, address);
+}
+
+template <class List>
+Result<OneOf<List>> parse_any(const Table<List>& table, std::size_t row, const wire::Message& message) {
+  OneOf<List> any = table.blanks[row];
+  if (const auto good = parse_row(table.rows[row], message, any.address()); !good) return fail(good.error());
+  return any;
+}
+
+}  // namespace
+
 Result<const AddressSpec*> find_address(std::string_view address) {
-  const auto row = find_row(request_rows(), address);
-  if (!row) return fail(row.error());
-  return &(*row)->spec;
+  return find_request(address).map([](std::size_t row) { return &request_table().rows[row].spec; });
 }
 
 std::optional<OutOfRange> find_out_of_range(Request& request) {
-  const Row<Request>& row = request_rows()[request.index()];
-  for (std::size_t i = 0; i < row.bindings.size(); ++i) {
+  const Row& row = request_table().rows[request.index()];
+  for (std::size_t i = 0; i < row.fields.size(); ++i) {
     const ArgumentSpec& argument = row.spec.arguments[i];
     if (argument.type != ValueType::number && argument.type != ValueType::integer) continue;
-    Value value = row.bindings[i].read(request);
+    Value value = row.fields[i].read(request.address());
     const Result<void> good = fit(argument, value);
     if (!good) return OutOfRange{i, good.error().message};
-    row.bindings[i].write(request, value);
+    row.fields[i].write(request.address(), value);
   }
   return std::nullopt;
 }
 
 Result<Request> parse(const wire::Message& message) {
-  const auto row = find_row(request_rows(), message.address);
+  const auto row = find_request(message.address);
   if (!row) return fail(row.error());
-  return parse_row(**row, message);
+  return parse_any(request_table(), *row, message);
 }
 
 Result<Reply> parse_reply(const wire::Message& message) {
-  const auto row = find_row(reply_rows(), message.address);
+  static const Index index(reply_table().rows);
+  const auto row = find_row(reply_table().rows, index, message.address);
   if (!row) return fail(row.error());
-  return parse_row(**row, message);
+  return parse_any(reply_table(), *row, message);
 }
 
-wire::Message format(const Request& request) { return format_row(request_rows()[request.index()], request); }
-wire::Message format(const Reply& reply) { return format_row(reply_rows()[reply.index()], reply); }
+wire::Message format(const Request& request) {
+  return format_row(request_table().rows[request.index()], request.address());
+}
+wire::Message format(const Reply& reply) { return format_row(reply_table().rows[reply.index()], reply.address()); }
 
 Result<wire::Message> compose(std::string_view address, std::span<const std::string> words) {
-  const auto row = find_row(request_rows(), address);
+  const auto row = find_request(address);
   if (!row) return fail(row.error());
-  const AddressSpec& spec = (*row)->spec;
+  const AddressSpec& spec = request_table().rows[*row].spec;
   const auto wanted = std::span(spec.arguments).subspan(spec.arguments_in_address());
   wire::Message message{std::string(address), {}};
   for (std::size_t i = 0; i < words.size(); ++i) {
     message.arguments.push_back(i < wanted.size() ? from_word(wanted[i], words[i]) : wire::Argument(words[i]));
   }
-  if (const Result<Request> request = parse_row(**row, message); !request) return fail(request.error());
+  if (const auto request = parse_any(request_table(), *row, message); !request) return fail(request.error());
   return message;
 }
 

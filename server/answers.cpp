@@ -31,7 +31,7 @@ void AnswerPorts::send(Peer to, std::span<const std::byte> packet) {
 }
 
 void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply) {
-  if (const auto* refusal = std::get_if<protocol::Fail>(&reply)) {
+  if (const auto* refusal = reply.get_if<protocol::Fail>()) {
     ports.refusals.add(to_text(to.endpoint), refusal->sentence);
   }
   ports.send(to, wire::encode(protocol::format(reply)));

@@ -223,16 +223,16 @@ void OscServer::handle(const wire::Message& message, synth::Frame frame, Peer fr
   const std::string& address = message.address;
   auto request = protocol::parse(message);
   if (!request) return answer(*ports_, from, Fail{address, request.error().message});
-  std::visit(Overloaded{
-                 [&](protocol::MixerRequest&& r) { take(std::move(r), frame, address, from); },
-                 [&](protocol::TimedWorkerRequest&& r) { take(std::move(r), frame, address, from); },
-                 [&](const protocol::WorkerRequest& r) { perform(r, 0, address, from); },
-                 [&](const protocol::FileRequest& r) { write(r, address, from); },
-                 [&](const protocol::Question& r) { ask(r, address, from); },
-                 [&](const protocol::SubscriptionRequest& r) { subscribe(r, address, from); },
-                 [&](const protocol::DaemonRequest& r) { answer_at_once(r, address, from); },
-             },
-             protocol::in_its_lane(*std::move(request)));
+  protocol::visit(Overloaded{
+                      [&](protocol::MixerRequest&& r) { take(std::move(r), frame, address, from); },
+                      [&](protocol::TimedWorkerRequest&& r) { take(std::move(r), frame, address, from); },
+                      [&](const protocol::WorkerRequest& r) { perform(r, 0, address, from); },
+                      [&](const protocol::FileRequest& r) { write(r, address, from); },
+                      [&](const protocol::Question& r) { ask(r, address, from); },
+                      [&](const protocol::SubscriptionRequest& r) { subscribe(r, address, from); },
+                      [&](const protocol::DaemonRequest& r) { answer_at_once(r, address, from); },
+                  },
+                  protocol::in_its_lane(*std::move(request)));
 }
 
 // Carries a request out if its frame is near; otherwise puts it into the schedule.
@@ -243,21 +243,21 @@ void OscServer::take(Schedule::Request request, synth::Frame frame, const std::s
 }
 
 Result<void> OscServer::schedule(Schedule::Request request, synth::Frame frame, const std::string& address, Peer from) {
-  auto good = std::visit([&](const auto& r) { return parts_.session.check(r, frame); }, request);
+  auto good = protocol::visit([&](const auto& r) { return parts_.session.check(r, frame); }, request);
   if (!good) return good;
   if (schedule_.add({frame, std::move(request), address, from})) return {};
   return parts_.session.drop(1, std::to_string(kMaxScheduled) + " timed requests are waiting already");
 }
 
 void OscServer::carry_out(const Schedule::Request& request, synth::Frame frame, const std::string& address, Peer from) {
-  std::visit(Overloaded{
-                 [&](const protocol::MixerRequest& r) {
-                   const auto played = parts_.session.play(r, frame);
-                   if (!played) answer(*ports_, from, Fail{address, address + ": " + played.error().message});
-                 },
-                 [&](const protocol::TimedWorkerRequest& r) { perform(r, frame, address, from); },
-             },
-             request);
+  protocol::visit(Overloaded{
+                      [&](const protocol::MixerRequest& r) {
+                        const auto played = parts_.session.play(r, frame);
+                        if (!played) answer(*ports_, from, Fail{address, address + ": " + played.error().message});
+                      },
+                      [&](const protocol::TimedWorkerRequest& r) { perform(r, frame, address, from); },
+                  },
+                  request);
 }
 
 void OscServer::carry_out_what_is_near() {
@@ -286,7 +286,7 @@ void OscServer::write(const protocol::FileRequest& request, const std::string& a
   post(
       [ports = ports_, &session = parts_.session, recorder = parts_.recorder, capture = parts_.capture, request,
        address, from] {
-        answer(*ports, from, std::visit(WriteFile{session, recorder, capture}, request), address);
+        answer(*ports, from, protocol::visit(WriteFile{session, recorder, capture}, request), address);
       },
       address, from);
 }
@@ -298,7 +298,7 @@ void OscServer::ask(const protocol::Question& question, const std::string& addre
 }
 
 void OscServer::subscribe(const protocol::SubscriptionRequest& request, const std::string& address, Peer from) {
-  const Result<void> done = std::visit(
+  const Result<void> done = protocol::visit(
       Overloaded{
           [&](const protocol::Notify& notify) -> Result<void> {
             if (notify.on) return notifier_.subscribe(from, notify.rate_hz);
@@ -313,7 +313,7 @@ void OscServer::subscribe(const protocol::SubscriptionRequest& request, const st
 }
 
 void OscServer::answer_at_once(const protocol::DaemonRequest& request, const std::string& address, Peer from) {
-  std::visit(
+  protocol::visit(
       Overloaded{
           [&](const protocol::Status&) { answer(*ports_, from, status()); },
           [&](const protocol::Version&) {

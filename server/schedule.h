@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace ringdown::server {
@@ -19,7 +18,7 @@ inline constexpr std::size_t kMaxScheduled = 16384;  // requests
 class Schedule {
  public:
   // Requests that happen at a frame of their own (protocol/lanes.h).
-  using Request = std::variant<protocol::MixerRequest, protocol::TimedWorkerRequest>;
+  using Request = protocol::OneOf<protocol::Types<protocol::MixerRequest, protocol::TimedWorkerRequest>>;
 
   struct Entry {
     synth::Frame frame = 0;

@@ -73,7 +73,7 @@ ExitCode play(const Options& options, const scene::SceneDescription& scene, bull
   for (const wire::Message& message : options.no_load ? std::vector<wire::Message>() : setup_messages(scene)) {
     const auto reply = link->ask(message, std::chrono::seconds(5));
     if (!reply) return complain(reply.error().message, ExitCode::no_answer);
-    if (const auto* no = std::get_if<protocol::Fail>(&*reply)) return complain(no->sentence, ExitCode::failure);
+    if (const auto* no = reply->get_if<protocol::Fail>()) return complain(no->sentence, ExitCode::failure);
   }
   auto sender = server::EventSender::open(options.to);
   if (!sender) return complain(sender.error().message, ExitCode::usage);

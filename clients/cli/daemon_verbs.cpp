@@ -54,8 +54,8 @@ ExitCode ask_and_print(const DaemonOptions& options, const wire::Message& messag
   const auto timeout = std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(options.timeout_s));
   const auto reply = link->ask(message, timeout);
   if (!reply) return complain(reply.error().message, ExitCode::no_answer);
-  if (const auto* fail = std::get_if<protocol::Fail>(&*reply)) return complain(fail->sentence, ExitCode::failure);
-  if (!std::holds_alternative<protocol::Synced>(*reply)) print(*reply);
+  if (const auto* fail = reply->get_if<protocol::Fail>()) return complain(fail->sentence, ExitCode::failure);
+  if (!reply->holds<protocol::Synced>()) print(*reply);
   return ExitCode::ok;
 }
 

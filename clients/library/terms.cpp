@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdio>
 #include <optional>
+#include <span>
 #include <string>
-#include <variant>
 
 namespace ringdown::library {
 namespace {
@@ -75,18 +75,20 @@ constexpr std::array kNames<protocol::Excite> = {kObject, Name{"input"}, kPoint,
 template <>
 constexpr std::array kNames<protocol::ScenePush> = {Name{"body"}, kImpulse};
 
+template <class... Structs>
+std::span<const Name> names_of(std::size_t index, protocol::Types<Structs...>) {
+  static constexpr std::span<const Name> kAll[] = {kNames<Structs>...};
+  return kAll[index];
+}
+
 std::optional<std::string> name_of(const protocol::Request& request, std::size_t argument) {
-  return std::visit(
-      [&]<class One>(const One&) -> std::optional<std::string> {
-        for (const Name& name : kNames<One>) {
-          if (argument < name.numbers) {
-            return name.numbers == 1 ? name.text : std::string(name.text) + "[" + std::to_string(argument) + "]";
-          }
-          argument -= name.numbers;
-        }
-        return std::nullopt;
-      },
-      request);
+  for (const Name& name : names_of(request.index(), protocol::Requests())) {
+    if (argument < name.numbers) {
+      return name.numbers == 1 ? name.text : std::string(name.text) + "[" + std::to_string(argument) + "]";
+    }
+    argument -= name.numbers;
+  }
+  return std::nullopt;
 }
 
 std::string text_of(double value) {

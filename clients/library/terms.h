@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <initializer_list>
 #include <utility>
-#include <variant>
 
 namespace ringdown::library {
 
@@ -21,7 +20,7 @@ template <class Struct>
 Result<void> check(Struct& one) {
   protocol::Request request(std::move(one));
   Result<void> good = check(request);
-  one = std::get<Struct>(std::move(request));
+  one = std::move(request.get<Struct>());
   return good;
 }
 

@@ -1,7 +1,5 @@
 #include "clients/viewer/edits.h"
 
-#include <variant>
-
 namespace ringdown::viewer {
 namespace {
 
@@ -11,19 +9,19 @@ constexpr double kConfirmedWithin_s = 1;
 
 // Applies a request to `adjustment`. Returns the name of the object, or nothing when the request sets nothing there.
 std::optional<std::string> apply(const Request& request, Adjustment& adjustment) {
-  if (const auto* material = std::get_if<protocol::SetMaterial>(&request)) {
+  if (const auto* material = request.get_if<protocol::SetMaterial>()) {
     adjustment.scale = material->scale;
     return material->object.name;
   }
-  if (const auto* gain = std::get_if<protocol::SetGain>(&request)) {
+  if (const auto* gain = request.get_if<protocol::SetGain>()) {
     adjustment.gain = gain->gain;
     return gain->object.name;
   }
-  if (const auto* pan = std::get_if<protocol::SetPan>(&request)) {
+  if (const auto* pan = request.get_if<protocol::SetPan>()) {
     adjustment.pan = pan->pan;
     return pan->object.name;
   }
-  if (const auto* modes = std::get_if<protocol::SelectModes>(&request)) {
+  if (const auto* modes = request.get_if<protocol::SelectModes>()) {
     adjustment.range = modes->range;
     return modes->object.name;
   }
@@ -32,10 +30,10 @@ std::optional<std::string> apply(const Request& request, Adjustment& adjustment)
 
 // The request that sets what `request` sets as it is in `adjustment`.
 Request reverted(Request request, const Adjustment& adjustment) {
-  if (auto* material = std::get_if<protocol::SetMaterial>(&request)) material->scale = adjustment.scale;
-  if (auto* gain = std::get_if<protocol::SetGain>(&request)) gain->gain = adjustment.gain;
-  if (auto* pan = std::get_if<protocol::SetPan>(&request)) pan->pan = adjustment.pan;
-  if (auto* modes = std::get_if<protocol::SelectModes>(&request)) modes->range = adjustment.range;
+  if (auto* material = request.get_if<protocol::SetMaterial>()) material->scale = adjustment.scale;
+  if (auto* gain = request.get_if<protocol::SetGain>()) gain->gain = adjustment.gain;
+  if (auto* pan = request.get_if<protocol::SetPan>()) pan->pan = adjustment.pan;
+  if (auto* modes = request.get_if<protocol::SelectModes>()) modes->range = adjustment.range;
   return request;
 }
 

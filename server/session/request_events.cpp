@@ -204,7 +204,7 @@ struct AppendEvents {
 
 Result<void> append_events(const protocol::MixerRequest& request, const Rack& rack, synth::Frame frame,
                            std::vector<Event>& events) {
-  return std::visit(AppendEvents{rack, frame, events}, request);
+  return protocol::visit(AppendEvents{rack, frame, events}, request);
 }
 
 }  // namespace ringdown::session

@@ -20,13 +20,13 @@ Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame 
 
 Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (auto good = check_frame(frame); !good) return good;
-  return std::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) -> Result<void> {
-                      const auto object = rack_.find(set.object);
-                      if (!object) return fail(object.error());
-                      if (!(set.damper.damping_ns_m > 0)) return {};  // taken away from wherever it is said to be
-                      return check_point(set.damper.point_m, **object);
-                    }},
-                    request);
+  return protocol::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) -> Result<void> {
+                           const auto object = rack_.find(set.object);
+                           if (!object) return fail(object.error());
+                           if (!(set.damper.damping_ns_m > 0)) return {};  // taken away from wherever it is said to be
+                           return check_point(set.damper.point_m, **object);
+                         }},
+                         request);
 }
 
 Result<void> Session::play(const protocol::MixerRequest& request, synth::Frame frame) {
@@ -80,7 +80,7 @@ Answer none(const Result<void>& outcome) {
 
 Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame frame) {
   using namespace protocol;
-  return std::visit(
+  return protocol::visit(
       Overloaded{
           [&](const LoadObject& load) { return number(load_object(load)); },
           [&](const FreeObject& object) { return none(free_object(object)); },
@@ -108,10 +108,10 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
 
 Answer Session::perform(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (const auto good = check(request, frame); !good) return fail(good.error());
-  return std::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) {
-                      return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
-                    }},
-                    request);
+  return protocol::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) {
+                           return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
+                         }},
+                         request);
 }
 
 Result<synth::ObjectNumber> Session::load_object(const protocol::LoadObject& load) {

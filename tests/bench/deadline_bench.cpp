@@ -33,7 +33,7 @@ void Table::line(const std::string& text) {
 std::optional<protocol::StatusReply> status(test::Daemon& daemon) {
   daemon.send({"/status", {}});
   const auto reply = daemon.reply(std::chrono::seconds(5));
-  const auto* status = reply ? std::get_if<protocol::StatusReply>(&*reply) : nullptr;
+  const auto* status = reply ? reply->get_if<protocol::StatusReply>() : nullptr;
   return status ? std::optional(*status) : std::nullopt;
 }
 

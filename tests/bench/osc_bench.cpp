@@ -36,7 +36,7 @@ std::optional<protocol::StatusReply> ask_status(wire::OscSocket& socket, wire::E
     if (!socket.receive(datagram, std::chrono::milliseconds(10))) continue;
     const auto messages = wire::decode_packet(datagram.bytes);
     const auto reply = messages ? protocol::parse_reply(messages->front().message) : fail(messages.error());
-    if (const auto* status = reply ? std::get_if<protocol::StatusReply>(&*reply) : nullptr) return *status;
+    if (const auto* status = reply ? reply->get_if<protocol::StatusReply>() : nullptr) return *status;
   }
   return std::nullopt;
 }

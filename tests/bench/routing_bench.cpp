@@ -62,7 +62,7 @@ class Ours {
     auto request = protocol::parse(message);
     if (!request) return;
     const protocol::LaneRequest lane = protocol::in_its_lane(std::move(*request));
-    const auto* const played = std::get_if<protocol::MixerRequest>(&lane);
+    const auto* const played = lane.get_if<protocol::MixerRequest>();
     taken += played && session_.check(*played, 0);
   }
 

@@ -103,7 +103,7 @@ class Daemon {
 
   void serve(Model& model, double now_s) const {
     for (const protocol::Request& request : model.wants(now_s)) {
-      const auto* wanted = std::get_if<protocol::ReadBank>(&request);
+      const auto* wanted = request.get_if<protocol::ReadBank>();
       if (!wanted) continue;
       const int body = std::stoi(wanted->object.name.substr(wanted->object.name.find('-') + 1));
       model.apply(test::piece_of(file_of(body), wanted->object.name, 1, wanted->offset, wanted->bytes), now_s);

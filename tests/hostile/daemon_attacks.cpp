@@ -92,9 +92,9 @@ class DaemonAttack : public Attack {
       const auto replies = daemon_->packet();
       if (replies.empty()) return false;
       for (const protocol::Reply& reply : replies) {
-        const auto* done = std::get_if<protocol::Synced>(&reply);
+        const auto* done = reply.get_if<protocol::Synced>();
         synced = synced || (done && done->id == questions_);
-        status = status || std::holds_alternative<protocol::StatusReply>(reply);
+        status = status || reply.holds<protocol::StatusReply>();
       }
     }
     return true;

@@ -88,8 +88,8 @@ std::optional<Struct> ask_for(Daemon& daemon, const wire::Message& message) {
     const auto replies = daemon.packet();
     if (replies.empty()) return std::nullopt;
     for (const protocol::Reply& reply : replies) {
-      if (const auto* wanted = std::get_if<Struct>(&reply)) return *wanted;
-      if (std::holds_alternative<protocol::Fail>(reply)) return std::nullopt;
+      if (const auto* wanted = reply.get_if<Struct>()) return *wanted;
+      if (reply.holds<protocol::Fail>()) return std::nullopt;
     }
   }
 }

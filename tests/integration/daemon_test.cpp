@@ -38,10 +38,10 @@ class DaemonTest : public testing::Test {
   Reply expect(Daemon& daemon, const Message& message) {
     const auto reply = daemon.ask(message);
     EXPECT_TRUE(reply) << "no answer to " << message.address;
-    const auto* expected = reply ? std::get_if<Reply>(&*reply) : nullptr;
+    const auto* expected = reply ? reply->get_if<Reply>() : nullptr;
     if (expected) return *expected;
     if (reply) ADD_FAILURE() << message.address << " was answered by " << protocol::format(*reply).address;
-    if (const auto* refusal = reply ? std::get_if<Fail>(&*reply) : nullptr) ADD_FAILURE() << refusal->sentence;
+    if (const auto* refusal = reply ? reply->get_if<Fail>() : nullptr) ADD_FAILURE() << refusal->sentence;
     return {};
   }
 
@@ -232,7 +232,7 @@ TEST_F(DaemonTest, WithoutAvahiTheDaemonIsNotAnnouncedAndSaysSoOnce) {
   Daemon daemon({"--driver", "null", "--zeroconf"}, {{"DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nowhere/bus"}});
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   ASSERT_TRUE(daemon.process().wait_for_output("not announced by Zeroconf")) << daemon.process().output();
-  EXPECT_TRUE(std::holds_alternative<protocol::StatusReply>(*daemon.ask({"/status", {}})));
+  EXPECT_TRUE(daemon.ask({"/status", {}})->holds<protocol::StatusReply>());
   daemon.process().send_signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
   const std::string output = daemon.process().output();

@@ -78,9 +78,9 @@ TEST_F(JackInput, AnInputIsMadeAndMovedByMessages) {
   const auto excite = [&](double force_n) {
     return daemon.ask(protocol::format(protocol::Excite{{.name = "tone"}, 3, {1, 0, 0}, {0, 0, force_n}}));
   };
-  ASSERT_TRUE(std::holds_alternative<protocol::Done>(*excite(kForce_n)));
+  ASSERT_TRUE(excite(kForce_n)->holds<protocol::Done>());
   EXPECT_GT(loudness(48000, "ringdown:in_3"), 1e-3);
-  ASSERT_TRUE(std::holds_alternative<protocol::Done>(*excite(0)));
+  ASSERT_TRUE(excite(0)->holds<protocol::Done>());
   ASSERT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 0; }));
   JackRecorder client(server_.name(), "studio", 480000, JackRecorder::From::call);
   ASSERT_TRUE(client.connect("studio:audio_out", "ringdown:in_3"));

@@ -46,8 +46,8 @@ TEST_F(JackPorts, EachObjectHasAPortThatOthersComingAndGoingDoNotTouch) {
 TEST_F(JackPorts, AGroupSharesAPortInWhichItsObjectsAreHeard) {
   Daemon daemon({"--ports", "groups", "--object", low_, "--object", high_}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
-  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/low/group", {"bells"}})));
-  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/high/group", {"bells"}})));
+  EXPECT_TRUE(daemon.ask({"/object/low/group", {"bells"}})->holds<protocol::Done>());
+  EXPECT_TRUE(daemon.ask({"/object/high/group", {"bells"}})->holds<protocol::Done>());
   ASSERT_TRUE(becomes_true([&] { return exists("ringdown:bells"); }));
   daemon.send(strike("low"));
   daemon.send(strike("high"));
@@ -62,8 +62,8 @@ TEST_F(JackPorts, AGroupSharesAPortInWhichItsObjectsAreHeard) {
   for (const double pitch_hz : {300., 1200.}) {
     EXPECT_GT(bells.magnitude[static_cast<std::size_t>(std::lround(pitch_hz / bells.bin_hz))], 1e-3) << pitch_hz;
   }
-  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/low/group", {}})));
-  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/high/group", {}})));
+  EXPECT_TRUE(daemon.ask({"/object/low/group", {}})->holds<protocol::Done>());
+  EXPECT_TRUE(daemon.ask({"/object/high/group", {}})->holds<protocol::Done>());
   EXPECT_TRUE(becomes_true([&] { return !exists("ringdown:bells"); }));
 }
 

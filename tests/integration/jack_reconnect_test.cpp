@@ -134,7 +134,7 @@ TEST_F(JackReconnect, WithoutAServerTimePassesAndMessagesAreServed) {
   ASSERT_TRUE(becomes_true([&] { return daemon.process().output().find("went away") != std::string::npos; }));
   EXPECT_TRUE(becomes_true([&] { return daemon.send(strike("tone")), status(daemon)->sounding_objects == 1; }));
   EXPECT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 0; })) << "it dies away in silence";
-  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/tone/free", {}})));
+  EXPECT_TRUE(daemon.ask({"/object/tone/free", {}})->holds<protocol::Done>());
   daemon.process().send_signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
 }

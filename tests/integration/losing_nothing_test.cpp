@@ -174,17 +174,17 @@ TEST_F(LosingNothing, ARecordingThatCannotBeWrittenGoesOnAndIsWrittenElsewhere) 
   Daemon daemon({"--driver", "null", "--object", bell(), "--root", folder_.path().string()});
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   const auto too_long = daemon.ask({"/record/start", {path(std::string(248, 'n') + ".osc")}});
-  ASSERT_TRUE(too_long && std::holds_alternative<Fail>(*too_long)) << "what cannot be written is refused at the start";
+  ASSERT_TRUE(too_long && too_long->holds<Fail>()) << "what cannot be written is refused at the start";
   ASSERT_TRUE(done(daemon, {"/record/start", {path("gone/a.osc")}}));
   strike(daemon, 10);
   ASSERT_TRUE(sync(daemon));
   fs::remove_all(folder_ / "gone");
   const auto refused = daemon.ask({"/record/stop", {}});
-  ASSERT_TRUE(refused && std::holds_alternative<Fail>(*refused));
-  EXPECT_NE(std::get<Fail>(*refused).sentence.find("the recording goes on"), std::string::npos)
-      << std::get<Fail>(*refused).sentence;
+  ASSERT_TRUE(refused && refused->holds<Fail>());
+  EXPECT_NE(refused->get<Fail>().sentence.find("the recording goes on"), std::string::npos)
+      << refused->get<Fail>().sentence;
   const auto outside = daemon.ask({"/record/stop", {"/tmp/ringdown-outside.osc"}});
-  EXPECT_TRUE(outside && std::holds_alternative<Fail>(*outside)) << "a path from a message stays in the roots";
+  EXPECT_TRUE(outside && outside->holds<Fail>()) << "a path from a message stays in the roots";
   strike(daemon, 5);
   ASSERT_TRUE(done(daemon, {"/record/stop", {path("b.osc")}}));
   EXPECT_EQ(strikes_in(folder_ / "b.osc"), 15u);

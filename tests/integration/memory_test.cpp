@@ -45,7 +45,7 @@ modal::Bank large_bank() {
 
 std::string refusal_of_loading(Daemon& daemon, const std::filesystem::path& bank) {
   const auto reply = daemon.ask({"/load", {"bell", bank.string()}});
-  const auto* refusal = reply ? std::get_if<Fail>(&*reply) : nullptr;
+  const auto* refusal = reply ? reply->get_if<Fail>() : nullptr;
   return refusal ? refusal->sentence : "";
 }
 

@@ -62,10 +62,10 @@ TEST_F(OscDoors, AMessageWithoutTypeTagsIsServed) {
     if (!client->receive(datagram, kPatience)) return protocol::Done{};
     return *protocol::parse_reply(wire::decode_packet(datagram.bytes)->front().message);
   };
-  EXPECT_TRUE(std::holds_alternative<protocol::StatusReply>(ask(std::string("/status\0", 8))));
+  EXPECT_TRUE(ask(std::string("/status\0", 8)).holds<protocol::StatusReply>());
   const auto refused = ask(std::string("/object/low/gain\0\0\0\0\x3f\0\0\0", 24));
-  ASSERT_TRUE(std::holds_alternative<protocol::Fail>(refused));
-  EXPECT_NE(std::get<protocol::Fail>(refused).sentence.find("type tags are missing"), std::string::npos);
+  ASSERT_TRUE(refused.holds<protocol::Fail>());
+  EXPECT_NE(refused.get<protocol::Fail>().sentence.find("type tags are missing"), std::string::npos);
 }
 
 // oscsend frames by lengths, connects, sends and leaves.

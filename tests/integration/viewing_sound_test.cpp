@@ -154,7 +154,7 @@ TEST_F(ViewingSound, TheSoundThatIsToldIsWhatJackGetsSampleBySample) {
   Told told;
   const auto listen = [&] {
     for (const protocol::Reply& reply : daemon.packet(100ms)) {
-      if (const auto* sound = std::get_if<protocol::NotifySound>(&reply)) told.add(*sound);
+      if (const auto* sound = reply.get_if<protocol::NotifySound>()) told.add(*sound);
     }
   };
   ASSERT_TRUE(becomes_true([&] { return listen(), !told.left.empty() && told.left.back() != 0; }));

@@ -60,7 +60,7 @@ TEST_F(Viewing, ToldAmplitudesFallAsTheBankSays) {
 
   double worst = 0, lowest = kBegin;
   ASSERT_TRUE(follow(daemon, [&](const protocol::Reply& reply) {
-    const auto* modes = std::get_if<protocol::NotifyModes>(&reply);
+    const auto* modes = reply.get_if<protocol::NotifyModes>();
     if (!modes) return false;
     const auto amplitudes = wire::decode_floats(modes->amplitudes);
     EXPECT_EQ(amplitudes.size(), 3u);
@@ -105,9 +105,9 @@ TEST_F(Viewing, TheDemoIsDescribedAsItsFileSays) {
   std::map<std::string, protocol::SceneBody> bodies;
   std::vector<protocol::SceneStatic> statics;
   ASSERT_TRUE(follow(daemon, [&](const protocol::Reply& reply) {
-    if (const auto* scene = std::get_if<protocol::SceneReply>(&reply)) head = *scene;
-    if (const auto* body = std::get_if<protocol::SceneBody>(&reply)) bodies[body->name] = *body;
-    if (const auto* still = std::get_if<protocol::SceneStatic>(&reply)) statics.push_back(*still);
+    if (const auto* scene = reply.get_if<protocol::SceneReply>()) head = *scene;
+    if (const auto* body = reply.get_if<protocol::SceneBody>()) bodies[body->name] = *body;
+    if (const auto* still = reply.get_if<protocol::SceneStatic>()) statics.push_back(*still);
     return head && bodies.size() == static_cast<std::size_t>(head->bodies) &&
            statics.size() == static_cast<std::size_t>(head->statics);
   }));
@@ -137,8 +137,8 @@ TEST_F(Viewing, APushedBodyMovesByItsImpulseOverItsMass) {
   const auto where = [&](const std::function<bool(double, Vec3)>& wanted) {
     double time_s = 0;
     return follow(daemon, [&](const protocol::Reply& reply) {
-      if (const auto* scene = std::get_if<protocol::NotifyScene>(&reply)) time_s = scene->time_s;
-      const auto* body = std::get_if<protocol::NotifyBody>(&reply);
+      if (const auto* scene = reply.get_if<protocol::NotifyScene>()) time_s = scene->time_s;
+      const auto* body = reply.get_if<protocol::NotifyBody>();
       return body && wanted(time_s, body->position_m);
     });
   };

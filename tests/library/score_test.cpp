@@ -218,7 +218,7 @@ TEST_F(Score, OfTenThousandEventsGivesTheSamplesOfRingdownRender) {
     const std::size_t end = std::min(begin + kBlock, left.size());
     for (; next < score.size() && score[next].frame < static_cast<std::int64_t>(end); ++next) {
       Player player{mixer, score[next].frame};
-      ASSERT_EQ(std::visit(player, score[next].request), RINGDOWN_OK) << player.error.sentence;
+      ASSERT_EQ(protocol::visit(player, score[next].request), RINGDOWN_OK) << player.error.sentence;
     }
     ringdown_render(mixer, left.data() + begin, right.data() + begin, end - begin);
     ringdown_collect(mixer);

@@ -63,9 +63,9 @@ TEST(FloatLimits, AFloatThatWasWidenedIsTheLimitToo) {
   };
   const auto hit = mallet(1e-5f, 1e14f, 0.01f);
   ASSERT_TRUE(hit) << hit.error().message;
-  EXPECT_EQ(std::get<HitMallet>(*hit).touch.mass_kg, 1e-5);
-  EXPECT_EQ(std::get<HitMallet>(*hit).touch.stiffness, 1e14);
-  EXPECT_EQ(std::get<HitMallet>(*hit).touch.bounce, 0.01);
+  EXPECT_EQ(hit->get<HitMallet>().touch.mass_kg, 1e-5);
+  EXPECT_EQ(hit->get<HitMallet>().touch.stiffness, 1e14);
+  EXPECT_EQ(hit->get<HitMallet>().touch.bounce, 0.01);
   EXPECT_FALSE(mallet(std::nextafter(1e-5, 0.0), 1e7, 0.5)) << "no float, and too small";
 }
 
@@ -73,7 +73,7 @@ TEST(FloatLimits, RequestsMadeWithoutAMessageAreFittedToo) {
   ASSERT_GT(double{0.1f}, 0.1);
   Request request = Strike{{"", 0}, {}, {0, 0, 1}, 0.1f};
   ASSERT_FALSE(find_out_of_range(request));
-  EXPECT_EQ(std::get<Strike>(request).contact_time_s, 0.1);
+  EXPECT_EQ(request.get<Strike>().contact_time_s, 0.1);
   request = Strike{{"", 0}, {}, {0, 0, 1}, std::nextafter(0.1f, 1.f)};
   EXPECT_TRUE(find_out_of_range(request));
 }
@@ -92,7 +92,7 @@ TEST(FloatLimits, RecordsOfManyStrikesAreFittedToo) {
 TEST(FloatLimits, AReplyAtALimitIsReadAsThisLimit) {
   const auto read = parse_reply(format(Reply(NotifyContact{"bell", {}, {}, 0.1})));
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(std::get<NotifyContact>(*read).contact_time_s, 0.1);
+  EXPECT_EQ(read->get<NotifyContact>().contact_time_s, 0.1);
 }
 
 }  // namespace

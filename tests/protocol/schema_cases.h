@@ -42,13 +42,13 @@ inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 template <class Struct>
 Claim claim(std::function<bool(const Struct&)> predicate) {
   return [predicate](const Request& request) {
-    const auto* parsed = std::get_if<Struct>(&request);
+    const auto* parsed = request.get_if<Struct>();
     return parsed && predicate(*parsed);
   };
 }
 template <class Struct>
 Claim is_a() {
-  return [](const Request& request) { return std::holds_alternative<Struct>(request); };
+  return [](const Request& request) { return request.holds<Struct>(); };
 }
 
 // Of everything that touches an object for some time.

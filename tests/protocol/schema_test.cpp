@@ -26,8 +26,8 @@ TEST(Schema, EveryAddressHasCasesAndEveryArgumentIsRefusedByOne) {
 }
 
 TEST(Schema, TheTableStandsInTheOrderOfTheAlternatives) {
-  ASSERT_EQ(addresses().size(), std::variant_size_v<Request>);
-  ASSERT_EQ(reply_addresses().size(), std::variant_size_v<Reply>);
+  ASSERT_EQ(addresses().size(), Requests::kCount);
+  ASSERT_EQ(reply_addresses().size(), Replies::kCount);
   for (std::size_t i = 0; i < addresses().size(); ++i) {
     const Result<Request> request = parse(addresses()[i].example);
     ASSERT_TRUE(request) << request.error().message;

@@ -128,8 +128,8 @@ TEST_F(CapacityTest, ANoticeTellsTheLastContacts) {
     const auto messages = wire::decode_packet(packet).value();
     for (const wire::TimedMessage& timed : messages) {
       const auto reply = protocol::parse_reply(timed.message).value();
-      if (const auto* contact = std::get_if<protocol::NotifyContact>(&reply)) contacts.push_back(*contact);
-      if (std::holds_alternative<protocol::NotifyPeak>(reply)) told.release();  // after the last contact
+      if (const auto* contact = reply.get_if<protocol::NotifyContact>()) contacts.push_back(*contact);
+      if (reply.holds<protocol::NotifyPeak>()) told.release();  // after the last contact
     }
   });
   const auto next_notice = [&] {

@@ -51,9 +51,9 @@ class DescribeTest : public OscServerTest {
     std::vector<protocol::Reply> replies;
     do {
       const auto some = notice(client_);
-      if (some.empty() || !std::holds_alternative<Head>(some.front()) == replies.empty()) return {};
+      if (some.empty() || !some.front().holds<Head>() == replies.empty()) return {};
       replies.insert(replies.end(), some.begin(), some.end());
-    } while (replies.size() < 1 + static_cast<std::size_t>(more(std::get<Head>(replies.front()))));
+    } while (replies.size() < 1 + static_cast<std::size_t>(more(replies.front().get<Head>())));
     return replies;
   }
   std::vector<protocol::Reply> scene() {
@@ -62,13 +62,13 @@ class DescribeTest : public OscServerTest {
   }
   std::int32_t scene_version() {
     const auto replies = scene();
-    return replies.empty() ? -1 : std::get<protocol::SceneReply>(replies.front()).version;
+    return replies.empty() ? -1 : replies.front().get<protocol::SceneReply>().version;
   }
   template <class Struct>
   std::optional<Struct> ask(const Message& message) {
     send(message);
     const auto answer = reply();
-    const auto* wanted = answer ? std::get_if<Struct>(&*answer) : nullptr;
+    const auto* wanted = answer ? answer->get_if<Struct>() : nullptr;
     return wanted ? std::optional(*wanted) : std::nullopt;
   }
   std::optional<protocol::ObjectReply> bell() { return ask<protocol::ObjectReply>({"/object/bell/describe", {}}); }
@@ -146,11 +146,11 @@ TEST_F(DescribeTest, ASceneIsDescribedWithAllItsParts) {
   serve();
   auto replies = scene();
   ASSERT_EQ(replies.size(), 1u);
-  EXPECT_FALSE(std::get<protocol::SceneReply>(replies[0]).file);
+  EXPECT_FALSE(replies[0].get<protocol::SceneReply>().file);
   load_scene();
   replies = scene();
   ASSERT_EQ(replies.size(), 4u);
-  const auto head = std::get<protocol::SceneReply>(replies[0]);
+  const auto head = replies[0].get<protocol::SceneReply>();
   EXPECT_EQ(head.bodies, 1);
   EXPECT_EQ(head.statics, 2);
   EXPECT_EQ(head.duration_s, 7);
@@ -158,13 +158,13 @@ TEST_F(DescribeTest, ASceneIsDescribedWithAllItsParts) {
   EXPECT_EQ(head.target_m, (Vec3{0, 0, 0.5}));
   EXPECT_EQ(head.field_of_view_degrees, 40);
   EXPECT_EQ(head.file, (folder_ / "drop.toml").string());
-  const auto body = std::get<protocol::SceneBody>(replies[1]);
+  const auto body = replies[1].get<protocol::SceneBody>();
   EXPECT_EQ(body.version, head.version);
   EXPECT_EQ(body.name, "ball");
   EXPECT_EQ(body.object, "bell");
   EXPECT_EQ(body.shape, "sphere");
   EXPECT_NEAR(body.size_m.x, 0.1, 1e-7);
-  const auto floor = std::get<protocol::SceneStatic>(replies[2]), wall = std::get<protocol::SceneStatic>(replies[3]);
+  const auto floor = replies[2].get<protocol::SceneStatic>(), wall = replies[3].get<protocol::SceneStatic>();
   EXPECT_EQ(floor.shape, "plane");
   EXPECT_EQ(wall.number, 1);
   EXPECT_EQ(wall.shape, "box");
@@ -212,14 +212,14 @@ TEST_F(DescribeTest, NoticesSayWhenTheirPosesAre) {
   for (int i = 0; i < 1000; ++i) {
     const auto told = notice(client_);
     const auto scene =
-        std::ranges::find_if(told, [](const auto& r) { return std::holds_alternative<protocol::NotifyScene>(r); });
-    if (scene == told.end() || !std::get<protocol::NotifyScene>(*scene).paused) continue;
+        std::ranges::find_if(told, [](const protocol::Reply& r) { return r.holds<protocol::NotifyScene>(); });
+    if (scene == told.end() || !scene->get<protocol::NotifyScene>().paused) continue;
     const auto body =
-        std::ranges::find_if(told, [](const auto& r) { return std::holds_alternative<protocol::NotifyBody>(r); });
+        std::ranges::find_if(told, [](const protocol::Reply& r) { return r.holds<protocol::NotifyBody>(); });
     ASSERT_NE(body, told.end());
-    const auto [version, time_s, paused] = std::get<protocol::NotifyScene>(*scene);
+    const auto [version, time_s, paused] = scene->get<protocol::NotifyScene>();
     EXPECT_NEAR(time_s, fall_s, 0.01);
-    EXPECT_NEAR(std::get<protocol::NotifyBody>(*body).position_m.z, 1 - 0.5 * 9.81 * time_s * time_s, 1e-3);
+    EXPECT_NEAR(body->get<protocol::NotifyBody>().position_m.z, 1 - 0.5 * 9.81 * time_s * time_s, 1e-3);
     send({"/notify", {0}});
     sync();
     EXPECT_EQ(version, scene_version());

@@ -80,8 +80,8 @@ class FakeDaemon {
 
   void handle(const TimedMessage& timed, Endpoint from) {
     const auto request = protocol::parse(timed.message);
-    if (request && std::holds_alternative<protocol::Sync>(*request) && timed.message.arguments.size() == 1) {
-      const protocol::Reply synced = protocol::Synced{std::get<protocol::Sync>(*request).id};
+    if (request && request->holds<protocol::Sync>() && timed.message.arguments.size() == 1) {
+      const protocol::Reply synced = protocol::Synced{request->get<protocol::Sync>().id};
       ASSERT_TRUE(socket_.send_to(from, encode(protocol::format(synced))));
       return;
     }
@@ -105,7 +105,7 @@ class FakeDaemon {
 inline Strike strike_in(const TimedMessage& timed) {
   const auto request = protocol::parse(timed.message);
   EXPECT_TRUE(request) << request.error().message;
-  const auto* strike = request ? std::get_if<Strike>(&*request) : nullptr;
+  const auto* strike = request ? request->get_if<Strike>() : nullptr;
   EXPECT_TRUE(strike) << timed.message.address;
   return strike ? *strike : Strike{};
 }

@@ -54,7 +54,7 @@ TEST(OscClients, PythonRainsManyBlowsInFewMessages) {
   for (std::size_t i = 1; i < 3; ++i) {
     const auto request = protocol::parse(received[i].message);
     ASSERT_TRUE(request) << request.error().message;
-    const auto some = protocol::decode_strikes(std::get<protocol::StrikeMany>(*request).records);
+    const auto some = protocol::decode_strikes(request->get<protocol::StrikeMany>().records);
     ASSERT_TRUE(some) << some.error().message;
     blows.insert(blows.end(), some->begin(), some->end());
   }

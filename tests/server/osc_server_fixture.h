@@ -101,7 +101,7 @@ std::optional<Struct> wait_for(wire::OscSocket& socket, const std::function<bool
     const auto replies = notice(socket);
     if (replies.empty()) return std::nullopt;
     for (const protocol::Reply& reply : replies) {
-      const auto* found = std::get_if<Struct>(&reply);
+      const auto* found = reply.get_if<Struct>();
       if (found && wanted(*found)) return *found;
     }
   }
@@ -144,7 +144,7 @@ class OscServerTest : public testing::Test {
   std::string refusal(const Message& message) {
     send(message);
     const auto answer = reply();
-    const auto* refused = answer ? std::get_if<protocol::Fail>(&*answer) : nullptr;
+    const auto* refused = answer ? answer->get_if<protocol::Fail>() : nullptr;
     return refused ? refused->sentence : "";
   }
   // Returns when all that was sent has been taken up.
@@ -153,7 +153,7 @@ class OscServerTest : public testing::Test {
     for (;;) {
       const auto answer = reply();
       ASSERT_TRUE(answer);
-      const auto* synced = std::get_if<protocol::Synced>(&*answer);
+      const auto* synced = answer->get_if<protocol::Synced>();
       if (synced && synced->id == syncs_) return;
     }
   }
@@ -162,7 +162,7 @@ class OscServerTest : public testing::Test {
   bool is_silent() {
     send({"/sync", {++syncs_}});
     const auto answer = reply();
-    return answer && std::holds_alternative<protocol::Synced>(*answer);
+    return answer && answer->holds<protocol::Synced>();
   }
 
   // Lets time pass until `unix_s`; the schedule has then given to the mixer what should sound until then.

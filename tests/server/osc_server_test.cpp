@@ -94,8 +94,8 @@ TEST_F(OscServerTest, EventsMayLieAheadUpToLimitsOfNumberAndTime) {
   const double far = time_.unix_s() + session::kMaxAhead_s;
   send_at(far + 60, strike("tick"));
   const auto refused = reply();
-  ASSERT_TRUE(refused && std::holds_alternative<protocol::Fail>(*refused));
-  EXPECT_NE(std::get<protocol::Fail>(*refused).sentence.find("ahead"), std::string::npos);
+  ASSERT_TRUE(refused && refused->holds<protocol::Fail>());
+  EXPECT_NE(refused->get<protocol::Fail>().sentence.find("ahead"), std::string::npos);
   send_at(time_.unix_s() + 1e8, strike("tick"));
   ASSERT_TRUE(reply());
 
@@ -108,8 +108,8 @@ TEST_F(OscServerTest, EventsMayLieAheadUpToLimitsOfNumberAndTime) {
   EXPECT_EQ(session_.dropped(), 0u) << "at the limit";
   send_at(far - 60, strike("tick"));
   const auto full = reply();
-  ASSERT_TRUE(full && std::holds_alternative<protocol::Fail>(*full));
-  EXPECT_NE(std::get<protocol::Fail>(*full).sentence.find("dropped"), std::string::npos);
+  ASSERT_TRUE(full && full->holds<protocol::Fail>());
+  EXPECT_NE(full->get<protocol::Fail>().sentence.find("dropped"), std::string::npos);
   EXPECT_EQ(session_.dropped(), 1u);
   const Frame before = session_.rack().mixer().counters().frames;
   send(strike("tick"));
@@ -193,7 +193,7 @@ TEST_F(OscServerTest, SubscribersHearHowLoudEachObjectIs) {
   EXPECT_TRUE(wait_for<protocol::NotifyLoad>(client_, [](const auto&) { return true; }));
   for (int i = 0; i < 5; ++i) {
     for (const protocol::Reply& reply : notice(client_)) {
-      EXPECT_FALSE(std::holds_alternative<protocol::NotifyObjectPeak>(reply)) << "once is enough";
+      EXPECT_FALSE(reply.holds<protocol::NotifyObjectPeak>()) << "once is enough";
     }
   }
 }
@@ -219,7 +219,7 @@ TEST_F(OscServerTest, ARecordedSessionNamesWhatWasThereAndWhatWasPlayed) {
   sync();
   const auto score = folder_ / "session.osc";
   send({"/record/start", {score.string()}});
-  ASSERT_TRUE(std::holds_alternative<protocol::Done>(*reply()));
+  ASSERT_TRUE(reply()->holds<protocol::Done>());
   EXPECT_NE(refusal({"/record/start", {score.string()}}).find("already"), std::string::npos);
   send(strike("bell"));
   send({"/object/bell/material", {1, 1, 1, 4}});
@@ -227,8 +227,8 @@ TEST_F(OscServerTest, ARecordedSessionNamesWhatWasThereAndWhatWasPlayed) {
   onsets_until_now();
   send({"/record/stop", {}});
   const auto stopped = reply();
-  ASSERT_TRUE(stopped && std::holds_alternative<protocol::Done>(*stopped));
-  EXPECT_EQ(std::get<protocol::Done>(*stopped).number, 4);
+  ASSERT_TRUE(stopped && stopped->holds<protocol::Done>());
+  EXPECT_EQ(stopped->get<protocol::Done>().number, 4);
   const auto events = wire::read_score(score);
   ASSERT_TRUE(events) << events.error().message;
   std::vector<std::string> addresses;
@@ -237,7 +237,7 @@ TEST_F(OscServerTest, ARecordedSessionNamesWhatWasThereAndWhatWasPlayed) {
                                                  "/object/bell/strike", "/c_set"}));
   EXPECT_NE(refusal({"/record/stop", {}}).find("nothing"), std::string::npos);
   send({"/record/start", {score.string()}});
-  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*reply())) << "a score may replace a score";
+  EXPECT_TRUE(reply()->holds<protocol::Done>()) << "a score may replace a score";
 }
 
 TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
@@ -336,8 +336,8 @@ TEST_F(OscServerTest, ASenderWhoseTimeTagsCountFrom1970IsToldOnce) {
   EXPECT_TRUE(is_silent()) << "a bundle that is only late is no such thing";
   send_tagged(tag_of(time_.unix_s()));
   const auto told = reply();
-  ASSERT_TRUE(told && std::holds_alternative<protocol::Fail>(*told));
-  EXPECT_NE(std::get<protocol::Fail>(*told).sentence.find("2208988800"), std::string::npos);
+  ASSERT_TRUE(told && told->holds<protocol::Fail>());
+  EXPECT_NE(told->get<protocol::Fail>().sentence.find("2208988800"), std::string::npos);
   send_tagged(tag_of(time_.unix_s() + 1));
   EXPECT_TRUE(is_silent()) << "told once";
 }
@@ -348,8 +348,8 @@ TEST_F(OscServerTest, ScenesAndSoundsAreWrittenWithoutReplacingWhatIsThere) {
   const auto ask = [&](const Message& message) -> std::string {
     send(message);
     for (const auto& reply : notice(client_)) {
-      if (const auto* fail = std::get_if<protocol::Fail>(&reply)) return fail->sentence;
-      if (std::get_if<protocol::Done>(&reply)) return "done";
+      if (const auto* fail = reply.get_if<protocol::Fail>()) return fail->sentence;
+      if (reply.get_if<protocol::Done>()) return "done";
     }
     return "no answer";
   };

@@ -113,13 +113,13 @@ TEST_F(OscStreamTest, AnswersComeBackOverTheTcpConnection) {
   client.send(strike("bell"));
   client.send({"/sync", {7}});
   const auto synced = client.reply();
-  ASSERT_TRUE(synced && std::holds_alternative<protocol::Synced>(*synced));
-  EXPECT_EQ(std::get<protocol::Synced>(*synced).id, 7);
+  ASSERT_TRUE(synced && synced->holds<protocol::Synced>());
+  EXPECT_EQ(synced->get<protocol::Synced>().id, 7);
   onsets_until_now();
   EXPECT_EQ(session_.rack().mixer().counters().strikes, 1u);
   client.send({"/no/such/address", {}});
   const auto refused = client.reply();
-  EXPECT_TRUE(refused && std::holds_alternative<protocol::Fail>(*refused));
+  EXPECT_TRUE(refused && refused->holds<protocol::Fail>());
 }
 
 // Two strikes that come 30 ms apart while the server's thread cannot run keep their distance and their latency.
@@ -157,8 +157,8 @@ TEST_F(OscStreamTest, ClientsOfBothFramingsAreAnsweredInTheirOwn) {
     for (TcpClient* client : {&slip, &counted}) {
       client->send({"/sync", {id}});
       const auto synced = client->reply();
-      ASSERT_TRUE(synced && std::holds_alternative<protocol::Synced>(*synced));
-      EXPECT_EQ(std::get<protocol::Synced>(*synced).id, id);
+      ASSERT_TRUE(synced && synced->holds<protocol::Synced>());
+      EXPECT_EQ(synced->get<protocol::Synced>().id, id);
     }
   }
   counted.send({"/notify", {true, 100.f}});
@@ -212,7 +212,7 @@ TEST_F(OscStreamTest, ManyMessagesAtOnceArriveAllAndInOrder) {
   std::thread sender([&] { client.send_raw(stream); });
   for (int i = 0; i < 5000; ++i) {
     const auto answer = client.reply();
-    ASSERT_TRUE(answer && std::holds_alternative<protocol::VersionReply>(*answer)) << i;
+    ASSERT_TRUE(answer && answer->holds<protocol::VersionReply>()) << i;
   }
   sender.join();
 }

@@ -45,7 +45,7 @@ class StrikePathTest : public testing::Test {
     const test::RealtimeScope scope;
     auto request = protocol::parse(message);
     const auto lane = protocol::in_its_lane(*std::move(request));
-    played_ = session_.play(std::get<protocol::MixerRequest>(lane), 0).has_value();
+    played_ = session_.play(lane.get<protocol::MixerRequest>(), 0).has_value();
     return scope.seen();
   }
 

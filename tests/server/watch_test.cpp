@@ -37,14 +37,14 @@ class WatchTest : public OscServerTest {
   protocol::ObjectReply described() {
     send({"/object/bell/describe", {}});
     const auto answer = reply();
-    return answer ? std::get<protocol::ObjectReply>(*answer) : protocol::ObjectReply{};
+    return answer ? answer->get<protocol::ObjectReply>() : protocol::ObjectReply{};
   }
   // Notices may come before the answer.
   bool done(const Message& message) {
     send(message);
     while (const auto answer = reply()) {
-      if (std::holds_alternative<protocol::Done>(*answer)) return true;
-      if (std::holds_alternative<protocol::Fail>(*answer)) return false;
+      if (answer->holds<protocol::Done>()) return true;
+      if (answer->holds<protocol::Fail>()) return false;
     }
     return false;
   }
@@ -132,7 +132,7 @@ TEST_F(WatchTest, TheSoundIsToldFrameByFrameThoughNoticesAreRare) {
   test::Samples heard;
   for (int i = 0; i < 1000 && heard.size() < wanted.size(); ++i) {
     for (const protocol::Reply& told : notice(client_)) {
-      const auto* sound = std::get_if<protocol::NotifySound>(&told);
+      const auto* sound = told.get_if<protocol::NotifySound>();
       if (!sound) continue;
       EXPECT_EQ(sound->frame, first + static_cast<std::int32_t>(heard.size()));
       EXPECT_EQ(sound->sample_rate_hz, kRate);

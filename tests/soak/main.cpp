@@ -119,8 +119,8 @@ std::optional<StatusReply> Soak::catch_up() {
   for (bool synced = false; !synced || !status;) {
     const auto reply = daemon_->reply();
     if (!reply) return std::nullopt;
-    if (const auto* found = std::get_if<StatusReply>(&*reply)) status = *found;
-    synced = synced || std::holds_alternative<ringdown::protocol::Synced>(*reply);
+    if (const auto* found = reply->get_if<StatusReply>()) status = *found;
+    synced = synced || reply->holds<ringdown::protocol::Synced>();
   }
   return status;
 }

@@ -18,7 +18,7 @@ using Subject = BankTransfer::Subject;
 
 std::vector<protocol::ReadBank> asked(BankTransfer& transfer, double now_s) {
   std::vector<protocol::ReadBank> questions;
-  for (const auto& request : transfer.wants(now_s)) questions.push_back(std::get<protocol::ReadBank>(request));
+  for (const auto& request : transfer.wants(now_s)) questions.push_back(request.get<protocol::ReadBank>());
   return questions;
 }
 

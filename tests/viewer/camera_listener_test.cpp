@@ -35,7 +35,7 @@ TEST(CameraListener, TellsWhenTheCameraMovesNowAndThenBesidesAndOnceWhenItEnds) 
   EXPECT_TRUE(listener.update(camera, true, 2)) << "a scene may have brought a listener of its own";
   const auto end = listener.update(camera, false, 2.02);
   ASSERT_TRUE(end);
-  EXPECT_TRUE(std::holds_alternative<protocol::ListenerOff>(*end));
+  EXPECT_TRUE(end->holds<protocol::ListenerOff>());
   EXPECT_FALSE(listener.update(camera, false, 2.04));
 }
 

@@ -36,7 +36,7 @@ struct Desk {
   [[nodiscard]] std::vector<Kind> of() const {
     std::vector<Kind> found;
     for (const Request& request : sent) {
-      if (const auto* kind = std::get_if<Kind>(&request)) found.push_back(*kind);
+      if (const auto* kind = request.get_if<Kind>()) found.push_back(*kind);
     }
     return found;
   }

@@ -111,7 +111,7 @@ TEST(DaemonClient, TheClientConnectsReportsObjectsAndLeaves) {
     DaemonClient client(at(daemon.port()), 60);
     ASSERT_TRUE(becomes_true([&] {
       for (const auto& reply : client.take().replies) {
-        const auto* object = std::get_if<protocol::NotifyObject>(&reply);
+        const auto* object = reply.get_if<protocol::NotifyObject>();
         told |= object && object->name == "bell" && object->loaded;
       }
       return told;
@@ -275,7 +275,7 @@ TEST(DaemonClient, TheClientUnsubscribesAtItsEnd) {
   while (daemon.receive(datagram, 0ms)) {
     const auto messages = wire::decode_packet(datagram.bytes);
     const auto request = protocol::parse(messages.value().front().message);
-    if (const auto* notify = std::get_if<protocol::Notify>(&*request)) last = *notify;
+    if (const auto* notify = request->get_if<protocol::Notify>()) last = *notify;
   }
   ASSERT_TRUE(last);
   EXPECT_FALSE(last->on);
@@ -294,7 +294,7 @@ TEST(DaemonClient, DatagramsFromOtherAddressesAreIgnored) {
   says(daemon, "right");
   std::vector<protocol::Reply> replies;
   ASSERT_TRUE(becomes_true([&] { return !(replies = client.take().replies).empty(); }));
-  EXPECT_EQ(std::get<protocol::Fail>(replies.front()).sentence, "right");
+  EXPECT_EQ(replies.front().get<protocol::Fail>().sentence, "right");
 }
 
 TEST(BoundedQueue, AFullQueueDropsTheNewestOrTheOldestAsAsked) {

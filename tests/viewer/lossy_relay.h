@@ -28,7 +28,7 @@ class LossyRelay {
     const std::scoped_lock lock(mutex_);
     std::vector<Kind> found;
     for (const protocol::Request& request : asked_) {
-      if (const auto* kind = std::get_if<Kind>(&request)) found.push_back(*kind);
+      if (const auto* kind = request.get_if<Kind>()) found.push_back(*kind);
     }
     return found;
   }

@@ -38,7 +38,7 @@ class ModelTest : public testing::Test {
   std::vector<Struct> asked(double now_s) {
     std::vector<Struct> found;
     for (const auto& request : model.wants(now_s)) {
-      if (const auto* wanted = std::get_if<Struct>(&request)) found.push_back(*wanted);
+      if (const auto* wanted = request.get_if<Struct>()) found.push_back(*wanted);
     }
     return found;
   }
@@ -104,7 +104,7 @@ TEST_F(ModelTest, ObjectsWhoseNoticeWasLostAreAskedForAllTheSame) {
   silent.apply(described("bell"), 0);
   const auto requests = silent.wants(0);
   EXPECT_TRUE(std::ranges::any_of(requests, [](const auto& request) {
-    const auto* describe = std::get_if<protocol::DescribeObject>(&request);
+    const auto* describe = request.get_if<protocol::DescribeObject>();
     return describe && describe->object.name == "*";
   }));
 }

@@ -131,12 +131,12 @@ class Studio {
   // The daemon's own word.
   protocol::StatusReply status() {
     const auto reply = daemon_.ask(protocol::format(protocol::Request(protocol::Status{})));
-    const auto* status = reply ? std::get_if<protocol::StatusReply>(&*reply) : nullptr;
+    const auto* status = reply ? reply->get_if<protocol::StatusReply>() : nullptr;
     return status ? *status : protocol::StatusReply{.objects = -1, .bodies = -1};
   }
   protocol::ObjectReply bell() {
     const auto reply = daemon_.ask(protocol::format(protocol::Request(protocol::DescribeObject{{"bell", {}}})));
-    const auto* object = reply ? std::get_if<protocol::ObjectReply>(&*reply) : nullptr;
+    const auto* object = reply ? reply->get_if<protocol::ObjectReply>() : nullptr;
     return object ? *object : protocol::ObjectReply{};
   }
   // A key of the pane that has the focus, and what the daemon then says of the bell.

@@ -218,9 +218,9 @@ void DaemonClient::Connection::take(const wire::Datagram& datagram) {
     }
     auto reply = protocol::parse_reply(message);
     if (!reply) continue;
-    const auto* done = std::get_if<protocol::Done>(&*reply);
+    const auto* done = reply->get_if<protocol::Done>();
     if (done && done->address == "/notify") continue;
-    const auto* refusal = std::get_if<protocol::Fail>(&*reply);
+    const auto* refusal = reply->get_if<protocol::Fail>();
     if (refusal && refusal->address == "/notify")
       say(Kind::connecting, "The daemon at " + url_ + " refused: " + refusal->sentence);
     const std::scoped_lock lock(mutex_);
