@@ -40,7 +40,7 @@ Request reverted(Request request, const Adjustment& adjustment) {
 }  // namespace
 
 void History::note(const std::string& what, Request before, Request after, double now_s) {
-  entries_.resize(done_);
+  entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(done_), entries_.end());
   if (!entries_.empty() && entries_.back().what == what && now_s - entries_.back().when_s < kOneGesture_s) {
     entries_.back().after = std::move(after);
     entries_.back().when_s = now_s;

@@ -74,7 +74,7 @@ Result<std::size_t> Recorder::stop(Frame frame, std::optional<std::filesystem::p
   if (const auto written = write_(score, *path); !written) return fail(written.error());
   const std::scoped_lock lock(mutex_);
   records_ = false;
-  entries_ = {};
+  entries_ = std::vector<Entry>();
   if (left_out_ > 0) {
     rack_.warn(path->string() + ": " + std::to_string(left_out_) + " events beyond " + std::to_string(kMaxRecorded) +
                " are not in it");
@@ -95,7 +95,7 @@ std::vector<wire::ScoreEvent> Recorder::score_until(Frame frame) {
   return score;
 }
 
-void Recorder::add(Frame frame, std::variant<Played, Message> what) {
+void Recorder::add(Frame frame, What what) {
   if (entries_.size() == kMaxRecorded) {
     ++left_out_;
   } else {
@@ -109,8 +109,8 @@ std::size_t Recorder::left_out() const {
 }
 
 Message Recorder::message_of(const Entry& entry) const {
-  if (const auto* message = std::get_if<Message>(&entry.what)) return *message;
-  const auto& [event, name] = std::get<Played>(entry.what);
+  if (const auto* message = entry.what.get_if<Message>()) return *message;
+  const auto& [event, name] = entry.what.get<Played>();
   return protocol::format(protocol::request_for(event, {.name = name}));
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "protocol/one_of.h"
 #include "protocol/wire/message.h"
 #include "server/session/observers.h"
 #include "server/session/rack.h"
@@ -19,7 +20,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace ringdown::session {
@@ -55,11 +55,12 @@ class Recorder final : public Observer {
     synth::Event event;
     std::string name;  // the name of its object
   };
+  using What = protocol::OneOf<protocol::Types<Played, wire::Message>>;
   struct Entry {
     synth::Frame frame;
-    std::variant<Played, wire::Message> what;
+    What what;
   };
-  void add(synth::Frame frame, std::variant<Played, wire::Message> what);
+  void add(synth::Frame frame, What what);
   [[nodiscard]] std::vector<wire::ScoreEvent> score_until(synth::Frame frame);
   [[nodiscard]] wire::Message message_of(const Entry& entry) const;
 

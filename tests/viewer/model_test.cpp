@@ -103,7 +103,7 @@ TEST_F(ModelTest, ObjectsWhoseNoticeWasLostAreAskedForAllTheSame) {
   silent.apply(protocol::StatusReply{.objects = 2}, 0);
   silent.apply(described("bell"), 0);
   const auto requests = silent.wants(0);
-  EXPECT_TRUE(std::ranges::any_of(requests, [](const auto& request) {
+  EXPECT_TRUE(std::ranges::any_of(requests, [](const protocol::Request& request) {
     const auto* describe = request.get_if<protocol::DescribeObject>();
     return describe && describe->object.name == "*";
   }));
