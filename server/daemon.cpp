@@ -4,14 +4,13 @@
 #include "engine/base/output_file.h"
 #include "protocol/wire/score.h"
 #include "server/latency.h"
+#include "server/log.h"
 #include "server/osc_server.h"
 #include "server/remote_strikes.h"
 #include "server/session/file_roots.h"
 #include "server/session/offline.h"
 #include "server/turns.h"
 #include "server/zeroconf.h"
-
-#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <thread>
@@ -58,7 +57,7 @@ Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
   if (!endpoint) return fail(endpoint.error());
   auto stream = OscStream::listen(*endpoint);
   if (!stream) return fail(stream.error());
-  spdlog::info("OSC by TCP on {}:{}", options.address, (*stream)->port());
+  log_info("OSC by TCP on {}:{}", options.address, (*stream)->port());
   return std::shared_ptr<OscStream>(std::move(*stream));
 }
 
@@ -67,7 +66,7 @@ Result<std::unique_ptr<QueryServer>> open_query(const DaemonOptions& options, st
   if (!options.query_port) return nullptr;
   auto query = QueryServer::listen(*options.query_port,
                                    {options.jack_name, options.address, osc_port, [&rack] { return rack.names(); }});
-  if (query) spdlog::info("OSCQuery on http://{}:{}", options.address, (*query)->port());
+  if (query) log_info("OSCQuery on http://{}:{}", options.address, (*query)->port());
   return query;
 }
 
@@ -176,8 +175,8 @@ Result<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   auto socket = wire::OscSocket::serve(*endpoint);
   if (!socket) return fail(socket.error());
   if (!endpoint->is_loopback()) {
-    spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon",
-                 options.address);
+    log_warning("listening on {}: anyone who can reach this address can play, load files and stop the daemon",
+                options.address);
   }
   auto manager = join_manager(options);
   if (!manager) return fail(manager.error());
@@ -235,7 +234,7 @@ Daemon::~Daemon() = default;
 
 void Daemon::configure() {
   session::Rack& rack = session_.rack();
-  rack.set_on_warning([](const std::string& sentence) { spdlog::warn("{}", sentence); });
+  rack.set_on_warning([](const std::string& sentence) { log_warning("{}", sentence); });
   Driver& driver = *driver_;  // the driver itself uses it while it ends, when driver_ is null already
   rack.observers().set_on_change([&driver] { driver.program_changed(); });
   synth::MixerSettings settings = options_.mixer;
@@ -315,13 +314,13 @@ Result<void> Daemon::play(wire::OscSocket socket) {
                                        .notes_played = rack.observers().notes_played()});
   if (!started) return started;
   service_ = std::make_unique<Service>(*this, std::move(socket));
-  spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options_.address, port,
-               rack.names()->size(), driver_->sample_rate_hz(), driver_->block_frames(), synth::kernel_target());
+  log_info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options_.address, port,
+           rack.names()->size(), driver_->sample_rate_hz(), driver_->block_frames(), synth::kernel_target());
   return {};
 }
 
 Result<void> Daemon::finish() {
-  spdlog::info("stopping");
+  log_info("stopping");
   session_.scene().give_up();
   service_.reset();
   driver_.reset();

@@ -11,8 +11,7 @@
 #include "server/driver.h"
 #include "server/jack_client.h"
 #include "server/load_meter.h"
-
-#include <spdlog/spdlog.h>
+#include "server/log.h"
 
 #include <algorithm>
 #include <mutex>
@@ -100,7 +99,7 @@ class JackDriver final : public Driver {
       if (!client_) {
         meet_server();
       } else if (client_->lost()) {
-        spdlog::warn("the JACK server went away; what rings goes on in silence until it is back");
+        log_warning("the JACK server went away; what rings goes on in silence until it is back");
         leave_server();
       } else {
         leave_if_silent();
@@ -117,7 +116,7 @@ class JackDriver final : public Driver {
   void go_on_alone() {
     auto stand_in = open_null(sample_rate_hz_, block_frames_);
     if (const auto started = (*stand_in)->start(*program_); !started) {
-      spdlog::warn("time stands still until a JACK server is there: {}", started.error().message);
+      log_warning("time stands still until a JACK server is there: {}", started.error().message);
       return;
     }
     const std::scoped_lock lock(mutex_);
@@ -130,11 +129,11 @@ class JackDriver final : public Driver {
     const std::uint64_t calls = client_->calls();
     const auto silence = watch_.look(calls, client_->freewheels() || calls % 2 == 1, Clock::now());
     const double silence_s = std::chrono::duration<double>(silence).count();
-    if (watch_.was_called() && std::exchange(pause_, {}) != Clock::duration::zero()) spdlog::info("JACK calls again");
+    if (watch_.was_called() && std::exchange(pause_, {}) != Clock::duration::zero()) log_info("JACK calls again");
     const double block_s = static_cast<double>(client_->block_frames()) / sample_rate_hz_;
     if (silence < kPatience || silence_s < kPatientBlocks * block_s) return;
     if (pause_ == Clock::duration::zero()) {
-      spdlog::warn(
+      log_warning(
           "JACK has not called for {:.1f} s, though its server is there; the daemon leaves it and connects again, and "
           "what rings goes on in silence until then",
           silence_s);
@@ -179,7 +178,7 @@ class JackDriver final : public Driver {
     watch_ = {};
     if (!started) return leave_server();
     if (pause_ != Clock::duration::zero()) return;
-    spdlog::info("a JACK server is there: {:.0f} Hz, blocks of {}", sample_rate_hz_.load(), block_frames_);
+    log_info("a JACK server is there: {:.0f} Hz, blocks of {}", sample_rate_hz_.load(), block_frames_);
   }
 
   void look_after_client() {
@@ -200,7 +199,7 @@ class JackDriver final : public Driver {
     program_->change_sample_rate(rate);
     sample_rate_hz_ = rate;
     client_->go_on();
-    spdlog::info("JACK's sample rate is now {:.0f} Hz", rate);
+    log_info("JACK's sample rate is now {:.0f} Hz", rate);
   }
 
   // A server that ends stops its audio, disconnects its ports, and tells us last, which may take long where the machine
@@ -219,16 +218,16 @@ class JackDriver final : public Driver {
 
   void report_losses() {
     if (const std::uint64_t dropped = midi_->dropped(); dropped != dropped_notes_) {
-      spdlog::warn("{} notes lost: more events at once than the mixer takes", dropped - dropped_notes_);
+      log_warning("{} notes lost: more events at once than the mixer takes", dropped - dropped_notes_);
       dropped_notes_ = dropped;
     }
     const Load load = meter_->read();
     if (load.xruns > load.own_xruns && !std::exchange(reported_foreign_, true)) {
-      spdlog::info("JACK reports an xrun that is not ours: another client or the server was late; /status counts them");
+      log_info("JACK reports an xrun that is not ours: another client or the server was late; /status counts them");
     }
     const auto late = load.own_xruns - reported_own_;
     if (late == 0 || Clock::now() - reported_at_ < 10s) return;
-    spdlog::warn(
+    log_warning(
         "{} of our making, {:.2f} s of sound skipped so far; the callback's load is {:.2f}, its 99th percentile "
         "{:.2f}, "
         "its peak {:.2f}",
@@ -303,7 +302,7 @@ Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
         "no JACK server answers, or it has no port left for us; start one (jackd or PipeWire), wait for one with "
         "--wait, or run with --driver null or --driver wav");
   }
-  if (!client) spdlog::info("no JACK server answers yet; waiting for one");
+  if (!client) log_info("no JACK server answers yet; waiting for one");
   return std::make_unique<JackDriver>(options, bell, meter, midi, std::move(client));
 }
 

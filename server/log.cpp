@@ -139,6 +139,10 @@ void LineWriter::report_dropped() {
   report({});
 }
 
+void log_line(LogLevel level, fmt::string_view format, fmt::format_args values) {
+  spdlog::log(level == LogLevel::info ? spdlog::level::info : spdlog::level::warn, "{}", fmt::vformat(format, values));
+}
+
 Log::Log(int descriptor) : writer_(std::make_shared<LineWriter>(descriptor)) {
   const bool colored = ::isatty(descriptor) == 1;
   auto logger = std::make_shared<spdlog::logger>("ringdownd", std::make_shared<LogSink>(writer_, colored));

@@ -1,7 +1,7 @@
 // The daemon's log: lines on the standard error that never wait for whoever reads them.
 //
-//   Log log(STDERR_FILENO);              // spdlog's default logger from now on  [main, before other threads start]
-//   spdlog::warn("...");                 // [any but audio]
+//   Log log(STDERR_FILENO);              // where lines go from now on  [main, before other threads start]
+//   log_warning("{} is gone", name);     // in fmt's format  [any but audio]
 //   log.report_dropped();                // now and then  [main]
 //   return log.complain(error);          // the last words before an exit  [main]
 //
@@ -12,6 +12,8 @@
 
 #include "engine/base/result.h"
 #include "protocol/exit_codes.h"
+
+#include <fmt/core.h>
 
 #include <chrono>
 #include <cstddef>
@@ -52,6 +54,20 @@ class LineWriter {
   std::string rest_;         // of a line that was written in part
   std::size_t dropped_ = 0;  // lines since the last report
 };
+
+enum class LogLevel { info, warning };
+
+// Logs a line of `format` and its values. spdlog, which writes it, is compiled in log.cpp alone. [any but audio]
+void log_line(LogLevel level, fmt::string_view format, fmt::format_args values);
+
+template <class... Values>
+void log_info(fmt::format_string<Values...> format, Values&&... values) {
+  log_line(LogLevel::info, format, fmt::make_format_args(values...));
+}
+template <class... Values>
+void log_warning(fmt::format_string<Values...> format, Values&&... values) {
+  log_line(LogLevel::warning, format, fmt::make_format_args(values...));
+}
 
 class Log {
  public:

@@ -12,8 +12,6 @@
 #include "server/session/offline.h"
 #include "server/settings.h"
 
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -56,7 +54,7 @@ bool signal_came(std::chrono::milliseconds wait) {
   static const sigset_t signals = ending_signals();
   const timespec time{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};
   const int signal = sigtimedwait(&signals, nullptr, &time);
-  if (signal > 0) spdlog::info("SIG{} came", sigabbrev_np(signal));
+  if (signal > 0) log_info("SIG{} came", sigabbrev_np(signal));
   return signal > 0;
 }
 
@@ -83,8 +81,8 @@ ExitCode render_to_file(const DaemonOptions& options, Log& log) {
                                                   .mixer = options.mixer},
                                                  options.output, [](double) { return !signal_came(0ms); });
   if (!rendering) return log.complain(rendering.error());
-  for (const std::string& warning : rendering->warnings) spdlog::warn("{}", warning);
-  spdlog::info("wrote {}, {:.2f} s", options.output.string(), rendering->seconds);
+  for (const std::string& warning : rendering->warnings) log_warning("{}", warning);
+  log_info("wrote {}, {:.2f} s", options.output.string(), rendering->seconds);
   return ExitCode::ok;
 }
 
@@ -125,14 +123,13 @@ int main(int argc, char** argv) {
 
   DaemonOptions options;
   std::optional<std::string> settings;
-  CLI::App app("Rings solid objects: a JACK client, struck by OSC messages.", "ringdownd");
-  manual::add_common_options(app);
+  manual::App app("Rings solid objects: a JACK client, struck by OSC messages.", "ringdownd");
   add_options(app, options);
   app.add_option("--settings", settings,
                  "TOML file of options by their long names; none reads none (ringdown/ringdownd.toml in "
                  "$XDG_CONFIG_HOME, if there is one)")
       ->type_name("FILE")
-      ->configurable(false);
+      ->not_in_settings();
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return static_cast<int>(*ended);
   if (const auto file = settings_file(settings)) {
     if (const auto read = read_settings(app, *file); !read) return static_cast<int>(log.complain(read.error()));

@@ -14,14 +14,14 @@ namespace {
 
 std::filesystem::path found(const std::string& option, const std::string& given, PresetKind kind) {
   const auto path = preset_or_file(given, kind);
-  if (!path) throw CLI::ValidationError(option, path.error().message);
+  if (!path) throw manual::WrongValue{option, path.error().message};
   return *path;
 }
 
 std::pair<std::string, std::filesystem::path> parse_object(const std::string& text) {
   const auto equals = text.find('=');
   if (equals == text.npos || !is_object_name(text.substr(0, equals))) {
-    throw CLI::ValidationError("--object", "'" + text + "' is not NAME=BANK, where NAME is of A-Z a-z 0-9 _ . -");
+    throw manual::WrongValue{"--object", "'" + text + "' is not NAME=BANK, where NAME is of A-Z a-z 0-9 _ . -"};
   }
   return {text.substr(0, equals), found("--object", text.substr(equals + 1), PresetKind::bank)};
 }
@@ -33,8 +33,8 @@ Vec3 parse_vector(const std::string& text, const std::string& whole, double most
                     static_cast<std::size_t>(used) == text.size() && std::abs(v.x) <= most && std::abs(v.y) <= most &&
                     std::abs(v.z) <= most;
   if (good) return v;
-  throw CLI::ValidationError("--input", "'" + whole + "': '" + text + "' is not X,Y,Z, each number at most " +
-                                            std::to_string(static_cast<int>(most)));
+  throw manual::WrongValue{"--input", "'" + whole + "': '" + text + "' is not X,Y,Z, each number at most " +
+                                          std::to_string(static_cast<int>(most))};
 }
 
 DaemonOptions::Input parse_input(const std::string& text) {
@@ -47,7 +47,7 @@ DaemonOptions::Input parse_input(const std::string& text) {
     }
   }
   if (parts.size() > 3 || !is_object_name(parts[0])) {
-    throw CLI::ValidationError("--input", "'" + text + "' is not OBJECT, OBJECT:X,Y,Z or OBJECT:X,Y,Z:FX,FY,FZ");
+    throw manual::WrongValue{"--input", "'" + text + "' is not OBJECT, OBJECT:X,Y,Z or OBJECT:X,Y,Z:FX,FY,FZ"};
   }
   DaemonOptions::Input input{.object = parts[0]};
   if (parts.size() > 1) input.point_m = parse_vector(parts[1], text, 1e4);
@@ -57,11 +57,11 @@ DaemonOptions::Input parse_input(const std::string& text) {
 
 Latency parse_latency_option(const std::string& text) {
   const auto latency = parse_latency(text);
-  if (!latency) throw CLI::ValidationError("--latency", latency.error().message);
+  if (!latency) throw manual::WrongValue{"--latency", latency.error().message};
   return *latency;
 }
 
-void add_what_to_play(CLI::App& app, DaemonOptions& options) {
+void add_what_to_play(manual::App& app, DaemonOptions& options) {
   const auto take_objects = [&options](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) options.objects.push_back(parse_object(text));
   };
@@ -85,20 +85,20 @@ void add_what_to_play(CLI::App& app, DaemonOptions& options) {
       ->type_name("FILE");
 }
 
-void add_driver(CLI::App& app, DaemonOptions& options) {
+void add_driver(manual::App& app, DaemonOptions& options) {
   const std::map<std::string, DaemonOptions::DriverKind> drivers = {{"jack", DaemonOptions::DriverKind::jack},
                                                                     {"wav", DaemonOptions::DriverKind::wav},
                                                                     {"null", DaemonOptions::DriverKind::null}};
   const std::map<std::string, session::PortMode> ports = {
       {"mix", session::PortMode::mix}, {"objects", session::PortMode::objects}, {"groups", session::PortMode::groups}};
-  app.add_option("--driver", options.driver, "jack; wav: render the scene to a file at full speed; null: no sound")
-      ->transform(CLI::CheckedTransformer(drivers).description(""))
+  app.add_choice("--driver", options.driver, drivers,
+                 "jack; wav: render the scene to a file at full speed; null: no sound")
       ->type_name("jack|wav|null");
   app.add_option("--name", options.jack_name, "Name of the JACK client")->capture_default_str();
   app.add_flag("--connect", options.connect, "Connect to the speakers (JACK)");
   app.add_flag("--wait", options.wait, "Start without a JACK server, and wait for one");
-  app.add_option("--ports", options.ports, "JACK outputs beside the stereo mix: none, one per object, one per group")
-      ->transform(CLI::CheckedTransformer(ports).description(""))
+  app.add_choice("--ports", options.ports, ports,
+                 "JACK outputs beside the stereo mix: none, one per object, one per group")
       ->type_name("mix|objects|groups");
   app.add_option_function<std::string>(
          "--notes",
@@ -107,7 +107,7 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
       ->type_name("FILE");
   const auto take_inputs = [&options](const std::vector<std::string>& texts) {
     if (texts.size() > protocol::kMaxInputs) {
-      throw CLI::ValidationError("--input", "there are " + std::to_string(protocol::kMaxInputs) + " inputs at most");
+      throw manual::WrongValue{"--input", "there are " + std::to_string(protocol::kMaxInputs) + " inputs at most"};
     }
     for (const std::string& text : texts) options.inputs.push_back(parse_input(text));
   };
@@ -130,8 +130,8 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
       ->capture_default_str();
 }
 
-void add_osc(CLI::App& app, DaemonOptions& options) {
-  const CLI::Validator port = manual::between(0, 65535);
+void add_osc(manual::App& app, DaemonOptions& options) {
+  const manual::Check port = manual::between(0, 65535);
   app.add_option("--port", options.port, "UDP port for OSC; 0 takes any free one")->check(port)->capture_default_str();
   app.add_option("--address", options.address, "Address to listen on; others than this machine's own let strangers in")
       ->capture_default_str();
@@ -155,7 +155,7 @@ void add_osc(CLI::App& app, DaemonOptions& options) {
       ->type_name("MS");
 }
 
-void add_mixer(CLI::App& app, DaemonOptions& options) {
+void add_mixer(manual::App& app, DaemonOptions& options) {
   app.add_option("--threads", options.mixer.threads, "Threads that mix big scenes, JACK's among them; the others spin")
       ->check(manual::between(1, 64))
       ->capture_default_str();
@@ -169,7 +169,7 @@ void add_mixer(CLI::App& app, DaemonOptions& options) {
 
 }  // namespace
 
-void add_options(CLI::App& app, DaemonOptions& options) {
+void add_options(manual::App& app, DaemonOptions& options) {
   add_what_to_play(app, options);
   add_driver(app, options);
   add_osc(app, options);

@@ -1,7 +1,7 @@
 // The options of ringdownd, and the one table that its command line and --help are made from. [main]
 //
 //   DaemonOptions options;
-//   CLI::App app;
+//   manual::App app;
 //   add_options(app, options);  // app fills options when it parses; options must outlive it
 //
 // A new option is a member of DaemonOptions and a row in options.cpp.
@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-namespace CLI {
+namespace ringdown::manual {
 class App;
 }
 
@@ -62,7 +62,7 @@ struct DaemonOptions {
 };
 
 // Adds all options to the app. A wrong value (a number out of range, an object without a name) ends the parsing with a
-// CLI::ParseError that names the option.
-void add_options(CLI::App& app, DaemonOptions& options);
+// sentence that names the option.
+void add_options(manual::App& app, DaemonOptions& options);
 
 }  // namespace ringdown::server

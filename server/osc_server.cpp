@@ -6,11 +6,10 @@
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
 #include "server/describe.h"
+#include "server/log.h"
 #include "server/session/scene_save.h"
 #include "server/session/state.h"
 #include "server/turns.h"
-
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -146,8 +145,8 @@ void OscServer::adopt_priority() {
   if (priority == priority_) return;
   priority_ = priority;
   if (const auto set = share_.set_priority(priority); !set) {
-    spdlog::info("OSC has no real-time priority ({}): messages may come late when the machine is busy",
-                 set.error().message);
+    log_info("OSC has no real-time priority ({}): messages may come late when the machine is busy",
+             set.error().message);
   }
 }
 

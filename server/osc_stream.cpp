@@ -2,9 +2,8 @@
 
 #include "protocol/wire/framing.h"
 #include "protocol/wire/packet.h"
+#include "server/log.h"
 #include "server/refusal_log.h"
-
-#include <spdlog/spdlog.h>
 
 #include <array>
 #include <cerrno>
@@ -175,7 +174,7 @@ void OscStream::Impl::accept_one(int listener) {
 
 // A client that waits to be accepted makes poll() return at once, again and again.
 void OscStream::Impl::turn_one_away(int listener) {
-  spdlog::warn("a TCP client of OSC was turned away: {}; raise the limit (ulimit -n)", std::strerror(errno));
+  log_warning("a TCP client of OSC was turned away: {}; raise the limit (ulimit -n)", std::strerror(errno));
   spare = wire::Descriptor();
   wire::Descriptor(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC));
   spare = open_spare();

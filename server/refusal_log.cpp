@@ -1,12 +1,12 @@
 #include "server/refusal_log.h"
 
-#include <spdlog/spdlog.h>
+#include "server/log.h"
 
 #include <utility>
 
 namespace ringdown::server {
 
-RefusalLog::RefusalLog() : RefusalLog([](const std::string& line) { spdlog::warn("{}", line); }, Clock::now) {}
+RefusalLog::RefusalLog() : RefusalLog([](const std::string& line) { log_warning("{}", line); }, Clock::now) {}
 
 RefusalLog::RefusalLog(Write write, std::function<Clock::time_point()> now)
     : write_(std::move(write)), now_(std::move(now)) {}

@@ -1,8 +1,7 @@
 #include "server/settings.h"
 
 #include "engine/base/toml_table.h"
-
-#include <CLI/CLI.hpp>
+#include "packaging/manual/command_line.h"
 
 #include <cstdlib>
 
@@ -12,14 +11,14 @@ namespace {
 namespace fs = std::filesystem;
 
 // The value of a key as words of a command line; empty when the file does not have the key or the value is wrong.
-std::vector<std::string> words_of(TomlTable& file, const std::string& key, const CLI::Option& option) {
+std::vector<std::string> words_of(TomlTable& file, const manual::App::Key& key) {
   std::vector<std::string> words;
-  if (option.get_expected_max() == 0) {
+  if (key.is_switch) {
     bool on = false;
-    if (file.has(key)) file.boolean(key, on);
-    if (file.has(key)) words = {on ? "true" : "false"};
+    if (file.has(key.name)) file.boolean(key.name, on);
+    if (file.has(key.name)) words = {on ? "true" : "false"};
   } else {
-    file.words(key, words, option.get_items_expected_max() > 1);
+    file.words(key.name, words, key.is_list);
   }
   return words;
 }
@@ -44,19 +43,14 @@ std::optional<fs::path> settings_file(const std::optional<std::string>& named) {
   return fs::exists(usual, error) ? std::optional(usual) : std::nullopt;
 }
 
-Result<void> read_settings(CLI::App& app, const fs::path& path) {
+Result<void> read_settings(manual::App& app, const fs::path& path) {
   Result<TomlTable> file = TomlTable::read(path);
   if (!file) return fail(file.error());
-  for (CLI::Option* option : app.get_options()) {
-    if (!option->get_configurable() || option->get_lnames().empty()) continue;
-    const std::string& key = option->get_lnames().front();
-    const std::vector<std::string> words = words_of(*file, key, *option);
-    if (words.empty() || option->count() > 0) continue;
-    try {
-      option->add_result(words);
-      option->run_callback();
-    } catch (const CLI::Error& error) {
-      file->complain(key, error.what() + std::string("; ringdownd --help says what may stand here"));
+  for (const manual::App::Key& key : app.keys()) {
+    const std::vector<std::string> words = words_of(*file, key);
+    if (words.empty() || key.given) continue;
+    if (const std::string wrong = app.set(key.name, words); !wrong.empty()) {
+      file->complain(key.name, wrong + "; ringdownd --help says what may stand here");
     }
   }
   return file->finish();

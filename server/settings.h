@@ -14,7 +14,7 @@
 #include <optional>
 #include <string>
 
-namespace CLI {
+namespace ringdown::manual {
 class App;
 }
 
@@ -29,6 +29,6 @@ std::optional<std::filesystem::path> settings_file(const std::optional<std::stri
 
 // Call after app.parse(). Gives every option of `app` that the command line does not name the value that stands in the
 // file. An error begins with path:line and names the key.
-Result<void> read_settings(CLI::App& app, const std::filesystem::path& path);
+Result<void> read_settings(manual::App& app, const std::filesystem::path& path);
 
 }  // namespace ringdown::server

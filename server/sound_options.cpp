@@ -17,23 +17,22 @@ constexpr double kLimiter_db = -1;
 
 }  // namespace
 
-void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
+void add_sound_options(manual::App& app, synth::MixerSettings& settings) {
   const std::map<std::string, bool> contacts = {{"spectrum", false}, {"exact", true}};
   app.add_option("--floor", settings.floor_db, "Modes this many dB below full scale rest until they are struck")
       ->check(manual::between(20.0, 300.0))
       ->capture_default_str();
   app.add_flag_function(
          "--masking",
-         [](std::int64_t) {
+         [] {
            std::fputs(
                "--masking does nothing any more and will be refused by the next release: it left sound out "
                "and saved no time; --budget leaves out what there is no time for\n",
                stderr);
          })
-      ->group("");
-  app.add_option("--contacts", settings.exact_contacts,
+      ->hidden();
+  app.add_choice("--contacts", settings.exact_contacts, contacts,
                  "How a blow acts: by its spectrum, or exact, sample by sample as long as it lasts")
-      ->transform(CLI::CheckedTransformer(contacts).description(""))
       ->type_name("spectrum|exact")
       ->default_str("spectrum");
   app.add_option("--full-scale", settings.full_scale_pa,
@@ -44,7 +43,7 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
   // CLI11 checks no empty text where an option needs no value.
   settings.limiter_db = kLimiter_db;
   const auto take_limiter = [&settings](const std::string& text) {
-    if (text.empty()) throw CLI::ValidationError("--limiter", "'' is not a number from -60 to 0");
+    if (text.empty()) throw manual::WrongValue{"--limiter", "'' is not a number from -60 to 0"};
     settings.limiter_db.reset();
     if (text != "off") settings.limiter_db = std::strtod(text.c_str(), nullptr);  // checked below
   };
@@ -56,7 +55,7 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
                                        "let it pass full scale")
       ->expected(0, 1)
       ->default_str("-1")
-      ->check(CLI::Validator(check_limiter, "from -60 to 0, or off"))
+      ->check(manual::Check(check_limiter, "from -60 to 0, or off"))
       ->type_name("DB|off");
   app.add_option("--ambisonics", settings.ambisonic_order,
                  "Also render the sound field around the listener: AmbiX of this order, (N + 1)^2 channels")
@@ -66,7 +65,7 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
                "Let a listener hear what happens when its sound has travelled the way; without, at once");
   const auto take_head = [&settings](const std::string& sofa) {
     auto head = session::read_head(sofa);
-    if (!head) throw CLI::ValidationError("--binaural", head.error().message);
+    if (!head) throw manual::WrongValue{"--binaural", head.error().message};
     settings.head = *std::move(head);
   };
   app.add_option_function<std::string>(

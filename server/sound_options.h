@@ -2,7 +2,7 @@
 // [main]
 #pragma once
 
-namespace CLI {
+namespace ringdown::manual {
 class App;
 }
 namespace ringdown::synth {
@@ -13,6 +13,6 @@ namespace ringdown::server {
 
 // Adds --floor, --contacts, --full-scale, --limiter, --ambisonics and --binaural, which write to `settings`: it must
 // outlive the app. The limiter is on by default. --masking is accepted but only prints that it has no effect any more.
-void add_sound_options(CLI::App& app, synth::MixerSettings& settings);
+void add_sound_options(manual::App& app, synth::MixerSettings& settings);
 
 }  // namespace ringdown::server

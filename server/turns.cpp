@@ -1,8 +1,7 @@
 #include "server/turns.h"
 
 #include "engine/base/within_memory.h"
-
-#include <spdlog/spdlog.h>
+#include "server/log.h"
 
 #include <chrono>
 #include <thread>
@@ -16,7 +15,7 @@ void take_turns(const std::string& what, const std::stop_token& stop, const std:
       return {};
     });
     if (taken) continue;
-    spdlog::warn("{}", taken.error().message);
+    log_warning("{}", taken.error().message);
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
 }

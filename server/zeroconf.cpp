@@ -1,13 +1,13 @@
 #include "server/zeroconf.h"
 
+#include "server/log.h"
+
 #include <avahi-client/client.h>
 #include <avahi-client/publish.h>
 #include <avahi-common/alternative.h>
 #include <avahi-common/error.h>
 #include <avahi-common/malloc.h>
 #include <avahi-common/thread-watch.h>
-#include <spdlog/spdlog.h>
-
 #include <utility>
 
 namespace ringdown::server {
@@ -41,7 +41,7 @@ struct Zeroconf::Avahi {
 
   void complain(int error) {
     if (!std::exchange(complained, true)) {
-      spdlog::warn("not announced by Zeroconf: {}; is avahi-daemon running?", avahi_strerror(error));
+      log_warning("not announced by Zeroconf: {}; is avahi-daemon running?", avahi_strerror(error));
     }
   }
 
@@ -74,7 +74,7 @@ struct Zeroconf::Avahi {
     if (error == AVAHI_ERR_COLLISION) return take_another_name(group);
     if (error >= 0) error = avahi_entry_group_commit(group);
     if (error < 0) return complain(error);
-    spdlog::info("announced by Zeroconf as \"{}\"", name);
+    log_info("announced by Zeroconf as \"{}\"", name);
   }
 
   int add(const char* type, std::uint16_t port) {

@@ -135,8 +135,7 @@ ExitCode run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Plays a scene in the physics engine Bullet, and a daemon with it.", "ringdown-bullet");
-  manual::add_common_options(app);
+  manual::App app("Plays a scene in the physics engine Bullet, and a daemon with it.", "ringdown-bullet");
   app.add_option("scene", options.scene, "Scene file (docs/use/scenes.md)")->type_name("FILE")->required();
   app.add_option("--to", options.to, "The daemon")->type_name("URL")->capture_default_str();
   app.add_option("--events", options.events, "Send nothing: write an OSC score, for `ringdown render --events`")

@@ -39,7 +39,7 @@ void print(const protocol::Reply& reply) {
   }
 }
 
-void add_daemon_options(CLI::App& verb, DaemonOptions& options) {
+void add_daemon_options(manual::App& verb, DaemonOptions& options) {
   verb.add_option("--to", options.url, "The daemon.")->capture_default_str()->type_name("URL");
   verb.add_option("--timeout", options.timeout_s, "How long to wait for its answer.")
       ->capture_default_str()
@@ -78,7 +78,7 @@ std::string help_for(std::string_view verb, std::string_view name) {
 
 // Appends "1,2,3" as three words.
 void append_three(std::vector<std::string>& words, const std::string& list) {
-  const std::vector<std::string> parts = CLI::detail::split(list, ',');
+  const std::vector<std::string> parts = manual::split_at_commas(list);
   words.insert(words.end(), parts.begin(), parts.end());
 }
 
@@ -112,9 +112,9 @@ ExitCode send(const SendOptions& options) {
 
 }  // namespace
 
-void add_strike_verb(CLI::App& app, ExitCode& outcome) {
+void add_strike_verb(manual::App& app, ExitCode& outcome) {
   auto options = std::make_shared<StrikeOptions>();
-  CLI::App* verb = app.add_subcommand("strike", std::string(spec_of("strike").sentence));
+  manual::App* verb = app.add_subcommand("strike", std::string(spec_of("strike").sentence));
   verb->add_option("object", options->object, help_for("strike", "object"))->required();
   auto* where = verb->add_option_group("where", "one of these two");
   where->add_option("--at", options->point, help_for("strike", "x"))->type_name("X,Y,Z")->check(manual::any_vector());
@@ -133,9 +133,9 @@ void add_strike_verb(CLI::App& app, ExitCode& outcome) {
   verb->callback([options, &outcome] { outcome = strike(*options); });
 }
 
-void add_send_verb(CLI::App& app, ExitCode& outcome) {
+void add_send_verb(manual::App& app, ExitCode& outcome) {
   auto options = std::make_shared<SendOptions>();
-  CLI::App* verb = app.add_subcommand("send", "Sends any message of the protocol and prints the daemon's answer.");
+  manual::App* verb = app.add_subcommand("send", "Sends any message of the protocol and prints the daemon's answer.");
   verb->add_option("address", options->address, "Such as /status or /object/bell/gain; `ringdown protocol` lists all.")
       ->required();
   verb->add_option("arguments", options->words, "What the address takes, such as 0.5");

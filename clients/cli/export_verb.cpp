@@ -60,10 +60,10 @@ ExitCode export_samples(ExportArguments& arguments, const std::stop_token& stop)
 
 }  // namespace
 
-void add_export_verb(CLI::App& app, ExitCode& outcome) {
+void add_export_verb(manual::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<ExportArguments>();
   session::SampleSetOptions& options = arguments->options;
-  CLI::App* verb = app.add_subcommand("export", "Renders a bank as samples and an SFZ file, for any sampler.");
+  manual::App* verb = app.add_subcommand("export", "Renders a bank as samples and an SFZ file, for any sampler.");
   verb->add_option("bank", arguments->bank, "The bank: a .glb file, or the name of a preset.")
       ->type_name("FILE")
       ->required();

@@ -4,8 +4,7 @@
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
 #include "engine/modal/pitch.h"
-
-#include <CLI/CLI.hpp>
+#include "packaging/manual/command_line.h"
 
 #include <algorithm>
 #include <cmath>
@@ -180,9 +179,9 @@ ExitCode info(const std::string& given) {
 
 }  // namespace
 
-void add_info_verb(CLI::App& app, ExitCode& outcome) {
+void add_info_verb(manual::App& app, ExitCode& outcome) {
   auto bank = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order.");
+  manual::App* verb = app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order.");
   verb->add_option("bank", *bank, "The bank: a .glb file, or the name of a preset.")->type_name("FILE")->required();
   verb->callback([bank, &outcome] { outcome = info(*bank); });
 }

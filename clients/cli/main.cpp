@@ -25,22 +25,22 @@ ExitCode become(const std::string& name, std::vector<std::string> arguments) {
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
   ::execv(program.c_str(), words.data());
-  return complain({ErrorKind::refused,
-                   "cannot run " + program + ": " + std::strerror(errno) +
-                       "; it is a program of its own, from ./run build or a package of its own (docs/use/start.md)"});
+  return complain({ErrorKind::refused, "cannot run " + program + ": " + std::strerror(errno) +
+                                           "; it is a program of its own: ./run build " +
+                                           name.substr(name.find('-') + 1) +
+                                           " builds it, and there are packages (docs/use/start.md)"});
 }
 
 // A verb that is a program of its own, ringdown-NAME, because it links what this program should not.
-void add_program_verb(CLI::App& app, ExitCode& outcome, const std::string& name, const std::string& sentence) {
-  CLI::App* verb = app.add_subcommand(name, sentence + " See ringdown " + name + " --help.");
-  verb->set_help_flag();  // --help goes to the other program
-  verb->prefix_command();
-  verb->callback([verb, name, &outcome] { outcome = become("ringdown-" + name, verb->remaining()); });
+void add_program_verb(manual::App& app, ExitCode& outcome, const std::string& name, const std::string& sentence) {
+  app.add_passing_verb(
+      name, sentence + " See ringdown " + name + " --help.",
+      [name, &outcome](std::vector<std::string> words) { outcome = become("ringdown-" + name, words); });
 }
 
-void add_protocol_verb(CLI::App& app, ExitCode& outcome) {
+void add_protocol_verb(manual::App& app, ExitCode& outcome) {
   auto as_markdown = std::make_shared<bool>(false);
-  CLI::App* verb = app.add_subcommand("protocol", "Lists every OSC address with its arguments.");
+  manual::App* verb = app.add_subcommand("protocol", "Lists every OSC address with its arguments.");
   verb->add_flag("--markdown", *as_markdown, "The whole manual, as in docs/reference/protocol.md.");
   verb->callback([as_markdown, &outcome] {
     const std::string text = *as_markdown ? protocol::markdown() : protocol::overview();
@@ -65,8 +65,7 @@ const std::vector<manual::Section> kSections = {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Solid objects as playable, physically exact sound.", "ringdown");
-  manual::add_common_options(app);
+  manual::App app("Solid objects as playable, physically exact sound.", "ringdown");
   app.require_subcommand(1);
   ExitCode outcome = ExitCode::ok;
   add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");

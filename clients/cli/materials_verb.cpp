@@ -5,9 +5,8 @@
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/synth/mixer.h"
+#include "packaging/manual/command_line.h"
 #include "server/session/offline.h"
-
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -216,12 +215,13 @@ ExitCode materials(MaterialsArguments arguments) {
 
 }  // namespace
 
-void add_materials_verb(CLI::App& app, ExitCode& outcome) {
+void add_materials_verb(manual::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<MaterialsArguments>();
-  CLI::App* verb = app.add_subcommand(
+  manual::App* verb = app.add_subcommand(
       "materials", "Lists the materials, with what a bar of each sounds like, or shows one of them.");
-  CLI::Option* name = verb->add_option("name", arguments->name, "The material to show, with the source of each figure.")
-                          ->type_name("NAME");
+  manual::Option* name =
+      verb->add_option("name", arguments->name, "The material to show, with the source of each figure.")
+          ->type_name("NAME");
   verb->add_option("--materials", arguments->folder, "Folder of materials (default: the presets').")
       ->type_name("FOLDER");
   verb->add_option("--sound", arguments->sound,

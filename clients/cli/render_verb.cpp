@@ -72,10 +72,10 @@ ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
 
 }  // namespace
 
-void add_render_verb(CLI::App& app, ExitCode& outcome) {
+void add_render_verb(manual::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<RenderArguments>();
   session::OfflineOptions& options = arguments->options;
-  CLI::App* verb = app.add_subcommand("render", "Renders a scene or an OSC score to a sound file, without a clock.");
+  manual::App* verb = app.add_subcommand("render", "Renders a scene or an OSC score to a sound file, without a clock.");
   verb->add_option("--scene", options.scene, "Scene: a file (docs/use/scenes.md), or the name of a preset like demo.")
       ->type_name("FILE");
   verb->add_option("--events", arguments->score, "OSC score, the format of scsynth's non-real-time mode.")

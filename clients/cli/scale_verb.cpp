@@ -77,9 +77,10 @@ ExitCode scale(const ScaleArguments& arguments) {
 
 }  // namespace
 
-void add_scale_verb(CLI::App& app, ExitCode& outcome) {
+void add_scale_verb(manual::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<ScaleArguments>();
-  CLI::App* verb = app.add_subcommand("scale", "Writes a bank in another size or material; exact, without its mesh.");
+  manual::App* verb =
+      app.add_subcommand("scale", "Writes a bank in another size or material; exact, without its mesh.");
   verb->add_option("bank", arguments->bank, "The bank: a .glb file, or the name of a preset.")
       ->type_name("FILE")
       ->required();

@@ -5,8 +5,7 @@
 #include "engine/modal/bank_file.h"
 #include "engine/scene/gltf_writer.h"
 #include "engine/scene/scene_file.h"
-
-#include <CLI/CLI.hpp>
+#include "packaging/manual/command_line.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -43,11 +42,11 @@ ExitCode export_scene(const SceneArguments& arguments) {
 
 }  // namespace
 
-void add_scene_verb(CLI::App& app, ExitCode& outcome) {
+void add_scene_verb(manual::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<SceneArguments>();
-  CLI::App* verb = app.add_subcommand("scene", "Works on scenes.");
+  manual::App* verb = app.add_subcommand("scene", "Works on scenes.");
   verb->require_subcommand(1);
-  CLI::App* to_gltf =
+  manual::App* to_gltf =
       verb->add_subcommand("export", "Writes a scene with its banks as a .glb file, for other programs.");
   to_gltf->add_option("scene", arguments->scene, "The scene: a .toml file, or the name of a preset.")
       ->type_name("FILE")

@@ -7,7 +7,7 @@
 
 #include "protocol/exit_codes.h"
 
-namespace CLI {
+namespace ringdown::manual {
 class App;
 }
 
@@ -16,13 +16,13 @@ namespace ringdown::cli {
 using protocol::complain;
 using protocol::ExitCode;
 
-void add_strike_verb(CLI::App& app, ExitCode& outcome);     // rings an object in a running daemon
-void add_send_verb(CLI::App& app, ExitCode& outcome);       // any other message of the protocol
-void add_info_verb(CLI::App& app, ExitCode& outcome);       // the modes of a bank as a table
-void add_materials_verb(CLI::App& app, ExitCode& outcome);  // the materials, and a bar of each
-void add_scale_verb(CLI::App& app, ExitCode& outcome);      // a bank in another size and material
-void add_export_verb(CLI::App& app, ExitCode& outcome);     // a bank as samples for a sampler
-void add_scene_verb(CLI::App& app, ExitCode& outcome);      // a scene as glTF
-void add_render_verb(CLI::App& app, ExitCode& outcome);     // a scene or a score to a sound file
+void add_strike_verb(manual::App& app, ExitCode& outcome);     // rings an object in a running daemon
+void add_send_verb(manual::App& app, ExitCode& outcome);       // any other message of the protocol
+void add_info_verb(manual::App& app, ExitCode& outcome);       // the modes of a bank as a table
+void add_materials_verb(manual::App& app, ExitCode& outcome);  // the materials, and a bar of each
+void add_scale_verb(manual::App& app, ExitCode& outcome);      // a bank in another size and material
+void add_export_verb(manual::App& app, ExitCode& outcome);     // a bank as samples for a sampler
+void add_scene_verb(manual::App& app, ExitCode& outcome);      // a scene as glTF
+void add_render_verb(manual::App& app, ExitCode& outcome);     // a scene or a score to a sound file
 
 }  // namespace ringdown::cli

@@ -47,7 +47,7 @@ std::vector<manual::Section> sections() {
   return all;
 }
 
-void add_options(CLI::App& app, Arguments& arguments) {
+void add_options(manual::App& app, Arguments& arguments) {
   app.add_option("--to", arguments.to,
                  "The daemon, as osc.udp://HOST:PORT; default: the last one, first this computer's.")
       ->type_name("URL");
@@ -55,10 +55,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
       app.add_option("--scene", arguments.scene, "A scene that the daemon is to load, where the daemon finds it.")
           ->type_name("FILE");
   app.add_option("--only", arguments.only, "Shows one pane alone.")
-      ->check(CLI::IsMember({"scene", "sound"}).description(""))
+      ->check(manual::one_of({"scene", "sound"}))
       ->type_name("scene|sound");
   app.add_option("--theme", arguments.theme, "Dark or light; default: as last time.")
-      ->check(CLI::IsMember({"dark", "light"}).description(""))
+      ->check(manual::one_of({"dark", "light"}))
       ->type_name("dark|light");
   app.add_option("--scale", arguments.scale, "Of text and controls; default: as last time, first the display's.")
       ->check(manual::between(0.5, 8.0));
@@ -127,8 +127,7 @@ ExitCode show(const Arguments& arguments, Pane only) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("A window onto Ringdown: see a scene, strike it, tune it.", "ringdown-viewer");
-  manual::add_common_options(app);
+  manual::App app("A window onto Ringdown: see a scene, strike it, tune it.", "ringdown-viewer");
   Arguments arguments;
   add_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, sections())) return static_cast<int>(*ended);

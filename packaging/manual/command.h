@@ -4,13 +4,11 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace ringdown::manual {
 
-struct Option {
+class App;
+
+struct OptionRow {
   std::vector<std::string> names;  // "-o", "--output"; an argument without dashes is given by its position
   std::string value;               // what follows it: "FILE", "jack|wav|null"; empty for a switch
   std::string accepted;            // "from 8000 to 768000", or empty
@@ -25,12 +23,12 @@ struct Option {
 
 struct Command {
   std::string name, sentence;
-  std::vector<Option> options;
+  std::vector<OptionRow> options;
   std::vector<Command> commands;  // verbs
   bool passes_on = false;         // everything after its name goes to another program
 };
 
-// The rows of `app`, hidden options left out. CLI11 gives out the checks of an option only where it may be changed.
-Command command_of(CLI::App& app);
+// The rows of `app` (command_line.h), hidden options left out.
+Command command_of(App& app);
 
 }  // namespace ringdown::manual

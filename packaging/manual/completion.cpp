@@ -19,7 +19,7 @@ std::string function_name(std::string program) {
 // The rows of `case "$verb $before"`: what may follow an option.
 std::string bash_value_cases(const Command& command, const std::string& verb) {
   std::string text;
-  for (const Option& option : command.options) {
+  for (const OptionRow& option : command.options) {
     if (option.by_place() || option.value.empty()) continue;
     std::vector<std::string> patterns;
     for (const std::string& name : option.names) patterns.push_back("'" + verb + " " + name + "'");
@@ -35,7 +35,7 @@ std::string bash_value_cases(const Command& command, const std::string& verb) {
 
 std::string bash_option_words(const Command& command) {
   std::vector<std::string> words;
-  for (const Option& option : command.options) {
+  for (const OptionRow& option : command.options) {
     if (!option.by_place()) words.insert(words.end(), option.names.begin(), option.names.end());
   }
   return joined(words, " ");
@@ -72,12 +72,12 @@ std::string zsh_quoted(const std::string& text) {
   return out;
 }
 
-std::string zsh_action(const Option& option) {
+std::string zsh_action(const OptionRow& option) {
   const std::string words = joined(option.choices(), " ");
   return words.empty() ? (option.wants_file() ? "_files" : " ") : "(" + words + ")";
 }
 
-std::string zsh_argument(const Option& option) {
+std::string zsh_argument(const OptionRow& option) {
   if (option.by_place()) return "'*:" + zsh_quoted(option.names[0]) + ":_files'";
   const std::string exclusive = joined(option.names, " "), alternatives = joined(option.names, ",");
   std::string what = "[" + zsh_quoted(option.sentence) + "]";
@@ -89,7 +89,7 @@ std::string zsh_argument(const Option& option) {
 
 std::string zsh_arguments(const Command& command, const std::string& indent) {
   std::string text;
-  for (const Option& option : command.options) text += " \\\n" + indent + zsh_argument(option);
+  for (const OptionRow& option : command.options) text += " \\\n" + indent + zsh_argument(option);
   return text;
 }
 
@@ -107,7 +107,7 @@ std::string fish_quoted(const std::string& text) {
   return out + "'";
 }
 
-std::string fish_row(const std::string& program, const Option& option, const std::string& condition) {
+std::string fish_row(const std::string& program, const OptionRow& option, const std::string& condition) {
   std::string text = "complete -c " + program + condition;
   for (const std::string& name : option.names) {
     text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
@@ -120,7 +120,7 @@ std::string fish_row(const std::string& program, const Option& option, const std
 
 std::string fish_rows(const std::string& program, const Command& command, const std::string& condition) {
   std::string text;
-  for (const Option& option : command.options) {
+  for (const OptionRow& option : command.options) {
     if (!option.by_place()) text += fish_row(program, option, condition);
   }
   return text;

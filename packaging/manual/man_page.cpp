@@ -32,7 +32,7 @@ std::string upper(std::string text) {
   return text;
 }
 
-std::string sentence_of(const Option& option) {
+std::string sentence_of(const OptionRow& option) {
   std::string text = option.sentence;
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   if (!option.accepted.empty()) text += "; " + option.accepted;
@@ -41,7 +41,7 @@ std::string sentence_of(const Option& option) {
   return text + ".";
 }
 
-std::string entry_of(const Option& option) {
+std::string entry_of(const OptionRow& option) {
   std::string term;
   for (const std::string& name : option.names) {
     if (!term.empty()) term += ", ";
@@ -53,14 +53,14 @@ std::string entry_of(const Option& option) {
 
 std::string options_of(const Command& command) {
   std::string text;
-  for (const Option& option : command.options) text += entry_of(option);
+  for (const OptionRow& option : command.options) text += entry_of(option);
   return text;
 }
 
 std::string synopsis(const Command& command) {
   std::string line = bold(command.name);
   if (!command.options.empty()) line += " [" + italic("OPTION") + "]...";
-  for (const Option& option : command.options) {
+  for (const OptionRow& option : command.options) {
     if (option.by_place())
       line += option.required ? " " + italic(option.names[0]) : " [" + italic(option.names[0]) + "]";
   }

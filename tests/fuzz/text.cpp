@@ -2,13 +2,12 @@
 #include "engine/bake/object_file.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/world.h"
+#include "packaging/manual/command_line.h"
 #include "server/options.h"
 #include "server/session/note_map.h"
 #include "server/session/state.h"
 #include "server/settings.h"
 #include "tests/fuzz/targets.h"
-
-#include <CLI/CLI.hpp>
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -85,7 +84,7 @@ void settings(Bytes file) {
   if (text_of(file).find("masking") != std::string_view::npos) return;  // it prints
   const MemoryFile kept(text_of(file));
   server::DaemonOptions options;
-  CLI::App app("", "ringdownd");
+  manual::App app("", "ringdownd");
   server::add_options(app, options);
   if (server::read_settings(app, kept.path())) check_numbers(options);
 }
@@ -93,17 +92,12 @@ void settings(Bytes file) {
 void options(Bytes words) {
   if (text_of(words).find("--masking") != std::string_view::npos) return;  // it prints
   server::DaemonOptions options;
-  CLI::App app("", "ringdownd");
+  manual::App app("", "ringdownd");
   server::add_options(app, options);
   std::vector<std::string> arguments;
   std::istringstream lines{std::string(text_of(words))};
-  for (std::string line; std::getline(lines, line);)
-    arguments.insert(arguments.begin(), line);  // CLI11 reads backwards
-  try {
-    app.parse(arguments);
-    check_numbers(options);
-  } catch (const CLI::ParseError&) {
-  }
+  for (std::string line; std::getline(lines, line);) arguments.push_back(line);
+  if (app.take(arguments).empty()) check_numbers(options);
 }
 
 }  // namespace ringdown::fuzz

@@ -1,10 +1,10 @@
 // The man pages and completion scripts that the programs write: nothing that --help has is missing there, and the tools
 // that read them, groff and the shells themselves, find no fault.
 #include "packaging/manual/command.h"
+#include "packaging/manual/command_line.h"
 #include "packaging/manual/man_page.h"
 #include "tests/integration/process.h"
 
-#include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -154,7 +154,7 @@ TEST(Manual, FishCompletesOptionsAndVerbs) {
 
 // What the text of an option must not do to the page around it.
 TEST(Manual, TheManPageShowsEveryCharacterOfAnOptionsText) {
-  CLI::App app("Does - what's said.", "thing");
+  manual::App app("Does - what's said.", "thing");
   std::string value;
   app.add_option("--dash-ed", value, ".starts with a dot, a \\ and 'quotes'");
   const std::string page = manual::man_page(manual::command_of(app), {});

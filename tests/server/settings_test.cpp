@@ -1,15 +1,17 @@
 // The settings file: the same options as the command line's, by their long names.
 #include "server/settings.h"
 
+#include "packaging/manual/command_line.h"
 #include "server/options.h"
 #include "tests/support/temporary_folder.h"
 
-#include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <sstream>
 #include <unistd.h>
 
 namespace ringdown::server {
@@ -23,9 +25,10 @@ class Settings : public testing::Test {
   Result<DaemonOptions> read(const std::string& text, const std::string& command_line = "") {
     std::ofstream(file_) << text;
     DaemonOptions options;
-    CLI::App app("", "ringdownd");
+    manual::App app("", "ringdownd");
     add_options(app, options);
-    app.parse(command_line);
+    std::istringstream words(command_line);
+    EXPECT_EQ(app.take({std::istream_iterator<std::string>(words), {}}), "");
     if (auto good = read_settings(app, file_); !good) return fail(good.error());
     return options;
   }

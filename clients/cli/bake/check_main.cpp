@@ -15,8 +15,6 @@
 #include "engine/mesh/tet_mesh.h"
 #include "packaging/manual/command_line.h"
 
-#include <CLI/CLI.hpp>
-
 #include <cstdio>
 
 namespace {
@@ -147,12 +145,11 @@ Result<void> check_mesh(const CheckRequest& request, const Progress& progress) {
 }
 
 ExitCode run(int argc, char** argv) {
-  CLI::App app("Looks at a file before it is baked.", "ringdown-check");
-  manual::add_common_options(app);
+  manual::App app("Looks at a file before it is baked.", "ringdown-check");
   app.require_subcommand(1);
   CheckRequest request;
   std::optional<std::string> unit;
-  CLI::App* verb =
+  manual::App* verb =
       app.add_subcommand("mesh", "Faults of a surface, of tetrahedra or of a geometry, and what they lead to.");
   verb->add_option("file", request.file, "a surface (.stl .obj .ply .glb), a geometry or a mesh")
       ->type_name("FILE")

@@ -12,7 +12,7 @@ constexpr auto kForOne = {"--name", "--update", "--progress-lines"};
 
 }  // namespace
 
-void add_folder_options(CLI::App& app, FolderBake& request, bool& update, bool& progress_lines) {
+void add_folder_options(manual::App& app, FolderBake& request, bool& update, bool& progress_lines) {
   app.add_option("-j,--jobs", request.jobs, "of a folder: how many at a time (default: as many as processors)")
       ->check(manual::between(1, 4096));
   app.add_flag("--recursive", request.recursive, "of a folder: of the folders in it, too");
@@ -23,7 +23,7 @@ void add_folder_options(CLI::App& app, FolderBake& request, bool& update, bool& 
   app.add_flag("--progress-lines", progress_lines, "for programs: progress as lines 'FRACTION STAGE' on stdout");
 }
 
-Result<void> choose_folder(const CLI::App& app, const std::filesystem::path& input, FolderBake& request) {
+Result<void> choose_folder(const manual::App& app, const std::filesystem::path& input, FolderBake& request) {
   std::error_code error;
   const bool is_folder = std::filesystem::is_directory(input, error);
   const bool is_there = std::filesystem::exists(input, error);
@@ -37,18 +37,18 @@ Result<void> choose_folder(const CLI::App& app, const std::filesystem::path& inp
   return {};
 }
 
-std::vector<std::string> shaping_options(const CLI::App& app) {
-  return given_options(
-      app, {"--output", "--material", "--materials", "--jobs", "--recursive", "--force", "--check-budgets", "--update",
-            "--progress", "--progress-lines", "--quiet", "--no-cache", "--processes", "--verify"});
+std::vector<std::string> shaping_options(const manual::App& app) {
+  return app.given_options({"--output", "--material", "--materials", "--jobs", "--recursive", "--force",
+                            "--check-budgets", "--update", "--progress", "--progress-lines", "--quiet", "--no-cache",
+                            "--processes", "--verify"});
 }
 
-protocol::ExitCode run_folder_bake(const CLI::App& app, FolderBake request) {
+protocol::ExitCode run_folder_bake(const manual::App& app, FolderBake request) {
   constexpr std::chrono::seconds kPatience{10};  // its children end within one
   if (request.output.empty()) request.output = request.folder;
   request.hashed = shaping_options(app);
-  request.options = given_options(
-      app, {"--output", "--material", "--jobs", "--recursive", "--force", "--check-budgets", "--progress", "--quiet"});
+  request.options = app.given_options(
+      {"--output", "--material", "--jobs", "--recursive", "--force", "--check-budgets", "--progress", "--quiet"});
   return run_cancellable([&request](const std::stop_token& stop) { return bake_folder(request, stop); }, kPatience);
 }
 

@@ -19,8 +19,6 @@
 #include "engine/modal/bank_file.h"
 #include "packaging/manual/command_line.h"
 
-#include <CLI/CLI.hpp>
-
 #include <cstdio>
 #include <new>
 #include <unistd.h>
@@ -58,7 +56,7 @@ struct Settings {
   std::vector<std::string> parameters, figures;
 };
 
-void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
+void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("input", arguments.input,
                  "an object (.toml), a surface (.stl .obj .ply .glb), a geometry (.geo .step .brep), a mesh (.msh .vtk "
                  "...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
@@ -132,7 +130,7 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
     const Result<void> good = parse_fraction(text).and_then([](double e) { return check_range(e, bake::kError); });
     return good ? std::string() : good.error().message;
   };
-  CLI::Option* error =
+  manual::Option* error =
       app.add_option("--error", arguments.error,
                      "refine until the estimated error of every frequency is below this: 0.1%, or 0.001")
           ->type_name("PERCENT")
@@ -277,7 +275,7 @@ ExitCode bake_scene(const Arguments& arguments, const std::stop_token& stop) {
   return cli::bake_scene(request, stop);
 }
 
-ExitCode bake_folder(const CLI::App& app, const Arguments& arguments) {
+ExitCode bake_folder(const manual::App& app, const Arguments& arguments) {
   cli::FolderBake request = arguments.folder;
   request.output = arguments.output;
   request.materials = arguments.materials;
@@ -305,8 +303,7 @@ const std::vector<manual::Section> kSections = {
 };
 
 ExitCode run(int argc, char** argv) {
-  CLI::App app("Bakes an object's shape and material into a bank of its modes.", "ringdown-bake");
-  manual::add_common_options(app);
+  manual::App app("Bakes an object's shape and material into a bank of its modes.", "ringdown-bake");
   Arguments arguments;
   Settings settings;
   add_options(app, arguments, settings);

@@ -10,10 +10,6 @@
 #include <string_view>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace ringdown::cli {
 
 inline constexpr const char* kUnitHelp =
@@ -32,9 +28,5 @@ std::optional<double> parse_number(const std::string& text);
 // sentence.
 Result<void> read_settings(const std::string& option, const std::vector<std::string>& settings,
                            std::map<std::string, double>& values);
-
-// The options that the command line has, as words for another one: {"--keep", "100", "--preview"}, in the order of
-// --help. Leaves out `except` (with dashes) and arguments that stand by their place.
-std::vector<std::string> given_options(const CLI::App& app, std::initializer_list<std::string_view> except);
 
 }  // namespace ringdown::cli

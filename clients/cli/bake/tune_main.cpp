@@ -14,8 +14,6 @@
 #include "engine/base/toml_table.h"
 #include "packaging/manual/command_line.h"
 
-#include <CLI/CLI.hpp>
-
 #include <cstdio>
 #include <unistd.h>
 
@@ -168,9 +166,8 @@ const std::vector<manual::Section> kSections = {
 };
 
 ExitCode run(int argc, char** argv) {
-  CLI::App app("Finds the parameters of an object's geometry at which its modes have the frequencies that you name.",
-               "ringdown-tune");
-  manual::add_common_options(app);
+  manual::App app("Finds the parameters of an object's geometry at which its modes have the frequencies that you name.",
+                  "ringdown-tune");
   cli::TuneWords words;
   TuneArguments arguments;
   cli::add_tune_options(app, arguments, words);

@@ -79,7 +79,7 @@ Result<void> read_scale(const std::string& text, TuneArguments& arguments) {
 
 }  // namespace
 
-void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words) {
+void add_tune_options(manual::App& app, TuneArguments& arguments, TuneWords& words) {
   app.add_option("input", arguments.input, "an object (.toml) whose geometry is a .geo with parameters")
       ->type_name("FILE")
       ->required();

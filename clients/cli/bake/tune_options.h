@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
+namespace ringdown::manual {
 class App;
 }
 
@@ -40,7 +40,7 @@ struct TuneWords {
   std::vector<double> strike;
 };
 
-void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words);
+void add_tune_options(manual::App& app, TuneArguments& arguments, TuneWords& words);
 
 // Parses the words. Fails with what is wrong and the right way to write it.
 Result<void> read_words(const TuneWords& words, TuneArguments& arguments);

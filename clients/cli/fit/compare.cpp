@@ -14,8 +14,6 @@
 #include "engine/modal/scaled_bank.h"
 #include "packaging/manual/command_line.h"
 
-#include <CLI/CLI.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -38,7 +36,7 @@ struct CompareArguments {
   fit::CalibrateOptions match{.tolerance_cents = 30, .most_tuning_cents = 250};
 };
 
-void add_compare_options(CLI::App& app, CompareArguments& arguments) {
+void add_compare_options(manual::App& app, CompareArguments& arguments) {
   app.add_option(
          "folder", arguments.folder,
          "Recordings of one blow each, and the thing's shape: one object file (.toml), or one mesh and --material.")
@@ -275,8 +273,7 @@ const std::vector<manual::Section> kCompareSections = {
 };
 
 ExitCode run_compare(int argc, char** argv) {
-  CLI::App app("Holds recordings of a thing against its baked bank.", "ringdown-compare");
-  manual::add_common_options(app);
+  manual::App app("Holds recordings of a thing against its baked bank.", "ringdown-compare");
   CompareArguments arguments;
   add_compare_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, kCompareSections)) return *ended;

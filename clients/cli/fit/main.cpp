@@ -11,8 +11,6 @@
 #include "engine/modal/loudness.h"
 #include "packaging/manual/command_line.h"
 
-#include <CLI/CLI.hpp>
-
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -38,7 +36,7 @@ struct Arguments {
   fit::CalibrateOptions match;
 };
 
-void add_options(CLI::App& app, Arguments& arguments) {
+void add_options(manual::App& app, Arguments& arguments) {
   app.add_option("wave", arguments.input, "The recording of one blow: WAV, FLAC, AIFF, ...")
       ->type_name("FILE")
       ->required();
@@ -172,8 +170,7 @@ const std::vector<manual::Section> kSections = {
 };
 
 ExitCode run(int argc, char** argv) {
-  CLI::App app("Finds the modes of a struck object in a recording.", "ringdown-fit");
-  manual::add_common_options(app);
+  manual::App app("Finds the modes of a struck object in a recording.", "ringdown-fit");
   Arguments arguments;
   add_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;

@@ -9,8 +9,6 @@
 #include "engine/modal/bank_file.h"
 #include "packaging/manual/command_line.h"
 
-#include <CLI/CLI.hpp>
-
 #include <filesystem>
 
 namespace {
@@ -26,7 +24,7 @@ struct Arguments {
   bool small = false;
 };
 
-void add_options(CLI::App& app, Arguments& arguments) {
+void add_options(manual::App& app, Arguments& arguments) {
   app.add_option("bank", arguments.bank, "The bank: a .glb file, or the name of a preset.")
       ->type_name("FILE")
       ->required();
@@ -74,8 +72,7 @@ const std::vector<manual::Section> kSections = {
 };
 
 ExitCode run(int argc, char** argv) {
-  CLI::App app("Draws a bank: its shapes, the spectrum of a blow, its decays.", "ringdown-picture");
-  manual::add_common_options(app);
+  manual::App app("Draws a bank: its shapes, the spectrum of a blow, its decays.", "ringdown-picture");
   Arguments arguments;
   add_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
