@@ -24,7 +24,7 @@
 #endif
 
 #if defined(__SSE2__)
-#include <immintrin.h>
+#include <xmmintrin.h>
 #endif
 
 namespace ringdown {

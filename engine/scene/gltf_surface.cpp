@@ -1,5 +1,7 @@
 #include "engine/scene/gltf_surface.h"
 
+#include "engine/scene/gltf_document.h"
+
 #include <algorithm>
 
 namespace ringdown::scene {

@@ -3,13 +3,18 @@
 
 #include "engine/modal/surface_relief.h"
 #include "engine/scene/description.h"
-#include "engine/scene/gltf_document.h"
 
 #include <memory>
 #include <optional>
 #include <vector>
 
+namespace ringdown::modal {
+class Field;
+}
+
 namespace ringdown::scene {
+
+class GltfDocument;
 
 // Reads the finish and the waviness of an `acousticSurfaces` element; what it leaves out, or an absent one, has the
 // draft's default values.

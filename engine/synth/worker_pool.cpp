@@ -6,6 +6,10 @@
 #include <sched.h>
 #include <utility>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace ringdown::synth {
 namespace {
 
