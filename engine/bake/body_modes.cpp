@@ -1,8 +1,8 @@
 #include "engine/bake/body_modes.h"
 
 #include "engine/base/byte_stream.h"
+#include "engine/dense/decompositions.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -205,9 +205,9 @@ modal::MassProperties mass_properties(const mesh::TetMesh& mesh, const fem::Spar
   const Eigen::MatrixXd arm = mesh.nodes.rowwise() - center;
   const Eigen::Matrix3d second = arm.transpose() * (node_mass * arm);
   const Eigen::Matrix3d inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(inertia);
-  const Eigen::Vector3d& moments = principal.eigenvalues();
-  const Eigen::Quaterniond turn(principal_frame(principal.eigenvectors()));
+  const dense::Spectrum3 principal = dense::spectrum_of_3(inertia);
+  const Eigen::Vector3d& moments = principal.values;
+  const Eigen::Quaterniond turn(principal_frame(principal.vectors));
   return {.mass_kg = mass,
           .center_of_mass_m = {center[0], center[1], center[2]},
           .inertia_kg_m2 = {moments[0], moments[1], moments[2]},

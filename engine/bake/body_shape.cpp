@@ -1,8 +1,8 @@
 #include "engine/bake/body_shape.h"
 
+#include "engine/dense/decompositions.h"
 #include "engine/mesh/boundary.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -90,11 +90,11 @@ class Moments {
     const mesh::Points normals = normals_of(skin);
     const double area = 0.5 * normals.rowwise().norm().sum();
     const Eigen::Matrix3d spread = second_ / volume_ - first_.transpose() * first_ / (volume_ * volume_);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(spread, Eigen::EigenvaluesOnly);
+    const dense::Spectrum3 principal = dense::spectrum_of_3(spread);
     return {.volume_m3 = std::abs(volume_),
             .thickness_m = 2 * std::abs(volume_) / area,
             .wall_m = 0,
-            .width_m = std::sqrt(12 * std::max(principal.eigenvalues()[1], 0.0)),
+            .width_m = std::sqrt(12 * std::max(principal.values[1], 0.0)),
             .length_m = extent(skin.nodes),
             .bend_per_m = bend_of(skin, normals)};
   }

@@ -1,6 +1,8 @@
 #include "engine/bake/mode_family.h"
 
-#include <Eigen/Cholesky>
+#include "engine/dense/decompositions.h"
+#include "engine/dense/products.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -11,7 +13,7 @@
 //
 // In the axes of the body, the displacement of every point is fitted by motions of whole cross-sections: each of its
 // three components is a polynomial along the body, plus one that grows with the distance across it (bending tilts a
-// section, twist turns it). The least-squares fit has the same matrix for all modes, so it is factored once (Sections).
+// section, twist turns it). The least-squares fit has the same matrix for all modes, so it is set up once (Sections).
 // The energy of each part of the fit over that of the motion is the part's share; the family with the largest share has
 // the mode, if it explains at least half of the motion.
 namespace ringdown::bake {
@@ -68,9 +70,8 @@ class Sections {
     // turns it.
     parts_.resize(count, 3 * degrees);
     parts_ << basis, places_.col(1).asDiagonal() * basis, places_.col(2).asDiagonal() * basis;
-    Eigen::MatrixXd normal = parts_.transpose() * parts_;
-    normal.diagonal() *= 1 + kRidge;
-    fit_.compute(normal);
+    normal_ = dense::transposed_product(parts_, parts_);
+    normal_.diagonal() *= 1 + kRidge;
     degrees_ = degrees;
   }
 
@@ -81,7 +82,7 @@ class Sections {
       const modal::Vec3f& u = bank.shape(mode, static_cast<std::size_t>(p));
       shape.row(p) = axes_.transpose() * Vector3d(u[0], u[1], u[2]);
     }
-    const MatrixXd fit = fit_.solve(parts_.transpose() * shape);
+    const MatrixXd fit = dense::solve_symmetric(normal_, dense::transposed_product(parts_, shape));
     const auto energy = [&](int component, int part) {
       return (parts_.middleCols(part * n, n) * fit.col(component).segment(part * n, n)).squaredNorm();
     };
@@ -95,7 +96,7 @@ class Sections {
   Eigen::Matrix3d axes_;
   Eigen::MatrixXd places_;  // P x 3: along, strike, across, from the centre
   MatrixXd parts_;          // P x 3 degrees
-  Eigen::LDLT<MatrixXd> fit_;
+  MatrixXd normal_;         // of the fit
   Index degrees_ = 1;
 };
 

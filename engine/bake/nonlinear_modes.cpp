@@ -1,13 +1,11 @@
 #include "engine/bake/nonlinear_modes.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/dense/decompositions.h"
+#include "engine/dense/products.h"
 #include "engine/fem/blas_threads.h"
 #include "engine/fem/quadratic_strain.h"
 #include "engine/solve/slaved_response.h"
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +51,7 @@ class Operator {
       if (!step()) return false;
       forces.col(s) = strain_.force(mixture(x, s));
     }
-    modal = shapes_.transpose() * forces;
+    modal = dense::transposed_product(shapes_, forces);
     const MatrixXd answers = response_(forces);
     y.resize(m * m, x.cols());
     for (Index s = 0; s < x.cols(); ++s) {
@@ -91,19 +89,14 @@ MatrixXd random_pairs(Index modes, Index count, std::mt19937& random) {
   return pairs;
 }
 
-MatrixXd orthonormal(const MatrixXd& y) {
-  const Eigen::HouseholderQR<MatrixXd> qr(y);
-  return qr.householderQ() * MatrixXd::Identity(y.rows(), y.cols());
-}
-
 // C^(-1/2) without the directions that are rounding: s x r.
 MatrixXd inverse_root(const MatrixXd& c) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(0.5 * (c + c.transpose()));
-  const VectorXd& values = solved.eigenvalues();
+  const dense::Spectrum solved = dense::spectrum(0.5 * (c + c.transpose()));
+  const VectorXd& values = solved.values;
   Index first = 0;
   while (first < values.size() && values[first] <= kRounding * values[values.size() - 1]) ++first;
   const Index count = values.size() - first;
-  return solved.eigenvectors().rightCols(count) * values.tail(count).cwiseSqrt().cwiseInverse().asDiagonal();
+  return solved.vectors.rightCols(count) * values.tail(count).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
 // The largest change of a low mode's own quartic term by the forces that condensing leaves out, over that term or,
@@ -175,23 +168,24 @@ Result<NonlinearModes> find_nonlinear(const mesh::TetMesh& unit_mesh, const fem:
   std::mt19937 random(31);
   MatrixXd x = random_pairs(m, count, random), y, modal;
   if (!apply.apply(x, y, modal, go_on)) return fail_cancelled();
-  x = orthonormal(y);
+  x = dense::orthonormal_basis(std::move(y));
   if (!apply.apply(x, y, modal, go_on)) return fail_cancelled();
-  const MatrixXd root = inverse_root(x.transpose() * y);
-  const MatrixXd pairs = y * root;  // H of each field, over omega_i omega_j
-  const Eigen::BDCSVD<MatrixXd> svd(pairs, Eigen::ComputeThinV);
+  const MatrixXd root = inverse_root(dense::transposed_product(x, y));
+  const MatrixXd pairs = dense::product(y, root);  // H of each field, over omega_i omega_j
+  const dense::Spectrum sizes = dense::spectrum(dense::transposed_product(pairs, pairs));
   const Index kept_fields = std::min<Index>(wanted, pairs.cols());
-  const MatrixXd turn = svd.matrixV().leftCols(kept_fields);
-  const MatrixXd best = pairs * turn;
+  const MatrixXd turn = sizes.vectors.rightCols(kept_fields).rowwise().reverse();
+  const MatrixXd best = dense::product(pairs, turn);
 
   NonlinearModes result;
   result.bending = lower_triangles(best, omega);
-  result.curving = (modal * root * turn).transpose();
+  result.curving = dense::product(dense::product(modal, root), turn).transpose();
   if (count < most) {
     const MatrixXd probes = random_pairs(m, kProbes, random);
     MatrixXd answers;
     if (!apply.apply(probes, answers, modal, go_on)) return fail_cancelled();
-    const double missing = (probes.cwiseProduct(answers).sum() - (best.transpose() * probes).squaredNorm()) / kProbes;
+    const double missing =
+        (probes.cwiseProduct(answers).sum() - dense::transposed_product(best, probes).squaredNorm()) / kProbes;
     result.residual = std::max(0.0, missing) / (std::max(0.0, missing) + best.squaredNorm());
   }
   result.membrane_share = (result.curving.colwise().squaredNorm().transpose().cwiseQuotient(lambda)).maxCoeff();

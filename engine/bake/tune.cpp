@@ -1,8 +1,7 @@
 #include "engine/bake/tune.h"
 
 #include "engine/base/progress.h"
-
-#include <Eigen/Cholesky>
+#include "engine/dense/decompositions.h"
 
 #include <algorithm>
 #include <optional>
@@ -112,7 +111,7 @@ class Tuner {
       }
       MatrixXd normal = slopes.transpose() * slopes;
       normal.diagonal().array() += damping_ * scale;
-      VectorXd step = -normal.ldlt().solve(slopes.transpose() * cents_);
+      VectorXd step = -dense::solve_symmetric(normal, slopes.transpose() * cents_);
       const double longest = step.cwiseAbs().maxCoeff();
       if (longest > kMaxStep) step *= kMaxStep / longest;
       bool inside = true;

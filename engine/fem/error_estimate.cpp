@@ -1,10 +1,10 @@
 #include "engine/fem/error_estimate.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/dense/decompositions.h"
+#include "engine/dense/products.h"
 #include "engine/fem/blas_threads.h"
 #include "engine/fem/surplus.h"
-
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -87,9 +87,10 @@ void SurplusProblem::add_residual(const SurplusMatrices& matrices, Eigen::Index 
       for (int i = 0; i < 3; ++i) values(i * n + a, m) = shapes(3 * space_.nodes(e, a) + i, m);
     }
   }
-  Eigen::MatrixXd local = matrices.coupling * values;
+  Eigen::MatrixXd local = dense::product(matrices.coupling, values);
   values *= lambda.asDiagonal();
-  for (int i = 0; i < 3; ++i) local.middleRows(i * w, w).noalias() -= matrices.mass * values.middleRows(i * n, n);
+  for (int i = 0; i < 3; ++i)
+    dense::add_product(local.middleRows(i * w, w), -1, matrices.mass, values.middleRows(i * n, n));
   Rows rows = Rows::Zero(3 * w, kModesAtOnce);
   rows.leftCols(shapes.cols()) = local.cast<float>();
   for (int i = 0; i < 3; ++i) {
@@ -225,7 +226,7 @@ void SurplusProblem::invert_parts() {
       }
     }
   }
-  for (const Eigen::MatrixXd& energy : energies) inverses_.push_back(energy.inverse().cast<float>());
+  for (const Eigen::MatrixXd& energy : energies) inverses_.push_back(dense::inverse(energy).cast<float>());
 }
 
 Rows SurplusProblem::energy_times(const Rows& x) const {

@@ -1,6 +1,7 @@
 #include "engine/fem/holding.h"
 
-#include <Eigen/Eigenvalues>
+#include "engine/dense/decompositions.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -19,9 +20,9 @@ struct GaussRule {
   explicit GaussRule(int count) {
     MatrixXd jacobi = MatrixXd::Zero(count, count);
     for (int k = 1; k < count; ++k) jacobi(k, k - 1) = k / std::sqrt(4.0 * k * k - 1);
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(jacobi);
-    points = (1 + solved.eigenvalues().array()) / 2;
-    weights = solved.eigenvectors().row(0).array().square();
+    const dense::Spectrum solved = dense::spectrum(jacobi);
+    points = (1 + solved.values.array()) / 2;
+    weights = solved.vectors.row(0).array().square();
   }
   Eigen::ArrayXd points, weights;
 };
@@ -226,8 +227,8 @@ int free_motions(const mesh::TetMesh& mesh, const Holding& holding) {
   for (const Layer& layer : holding.layers) add(layer.faces, &layer);
   int free = 0;
   for (const Motions& matrix : resisted) {
-    const Eigen::SelfAdjointEigenSolver<Motions> solved(matrix, Eigen::EigenvaluesOnly);
-    free += static_cast<int>((solved.eigenvalues().array() <= kRank * solved.eigenvalues()[5]).count());
+    const Eigen::VectorXd values = dense::eigenvalues(matrix);
+    free += static_cast<int>((values.array() <= kRank * values[5]).count());
   }
   return free;
 }

@@ -1,6 +1,7 @@
 #include "engine/fem/mode_energy.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/dense/products.h"
 #include "engine/fem/blas_threads.h"
 #include "engine/fem/element.h"
 
@@ -23,11 +24,11 @@ ModeEnergy mode_energy(const mesh::TetMesh& mesh, const Solid& solid, const std:
       for (Eigen::Index a = 0; a < n; ++a)
         values.middleRows<3>(3 * a) = shapes.middleRows<3>(3 * Eigen::Index{mesh.elements(e, a)});
       const int part = part_of.empty() ? 0 : part_of[e];
-      pushed.noalias() = stiffness * values;
+      dense::set_product(pushed, stiffness, values);
       sums[thread].strain.row(part) += values.cwiseProduct(pushed).colwise().sum();
       for (int i = 0; i < 3; ++i) {
         const Eigen::MatrixXd along = values(Eigen::seqN(i, n, 3), Eigen::all);
-        pushed.topRows(n).noalias() = mass * along;
+        dense::set_product(pushed.topRows(n), mass, along);
         sums[thread].motion.row(part) += along.cwiseProduct(pushed.topRows(n)).colwise().sum();
       }
     }

@@ -1,6 +1,7 @@
 #include "engine/fem/quadratic_strain.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/dense/products.h"
 
 #include <Eigen/LU>
 
@@ -115,7 +116,7 @@ void QuadraticStrain::load(const Rows& mixed, Eigen::Index first, Eigen::Index c
       for (Eigen::Index b = 0; b <= a; ++b) batch.pairs(pair++, e) = pairs(b, a);
     }
   }
-  batch.strains.noalias() = from_pairs_ * batch.pairs;
+  batch.strains = dense::product(from_pairs_, batch.pairs);
 }
 
 // At each point three rows: d u_k / d xi_j in row j.
@@ -124,12 +125,12 @@ Eigen::MatrixXd QuadraticStrain::reference_slopes(const Eigen::VectorXd& u, Eige
   for (Eigen::Index a = 0; a < moved.rows(); ++a) {
     moved.row(a) = u.segment<3>(3 * mesh_.elements(element, a)).transpose();
   }
-  return gradients_ * moved;
+  return dense::product(gradients_, moved);
 }
 
 // `stresses` has three rows for each point: J^-T times the weighted stress.
 void QuadraticStrain::add_force(const Eigen::MatrixXd& stresses, Eigen::Index element, Eigen::VectorXd& force) const {
-  const Eigen::MatrixXd at_nodes = gradients_.transpose() * stresses;
+  const Eigen::MatrixXd at_nodes = dense::transposed_product(gradients_, stresses);
   for (Eigen::Index a = 0; a < at_nodes.rows(); ++a) {
     force.segment<3>(3 * mesh_.elements(element, a)) += at_nodes.row(a).transpose();
   }
@@ -185,7 +186,7 @@ Eigen::MatrixXd QuadraticStrain::products(const Eigen::MatrixXd& mixture, const 
         }
       }
     }
-    batch.pairs.noalias() = from_pairs_.transpose() * batch.strains;  // stiffnesses, their diagonals halved
+    batch.pairs = dense::transposed_product(from_pairs_, batch.strains);  // stiffnesses, their diagonals halved
     Eigen::MatrixXd stiffness(n, n);
     for (Eigen::Index e = 0; e < count; ++e) {
       Eigen::Index pair = 0;

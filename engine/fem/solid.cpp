@@ -1,8 +1,6 @@
 #include "engine/fem/solid.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include "engine/dense/decompositions.h"
 
 #include <cmath>
 
@@ -29,7 +27,7 @@ bool is_positive(const Matrix6& matrix) {
   if (!matrix.allFinite() || !(diagonal > 0).all()) return false;
   const Eigen::Matrix<double, 6, 1> scale = diagonal.rsqrt().matrix();
   const Matrix6 scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Matrix6>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0] > kSingular;
+  return dense::eigenvalues(scaled)[0] > kSingular;
 }
 
 }  // namespace
@@ -66,13 +64,13 @@ Result<Matrix6> orthotropic_stiffness(const EngineeringConstants& constants) {
                 "no stable solid has these Poisson's ratios together with these moduli: nu_ij must stay below "
                 "sqrt(E_i / E_j), and all three within 1 - nu12 nu21 - nu23 nu32 - nu13 nu31 - 2 nu21 nu32 nu13 > 0");
   }
-  return Matrix6(s.inverse());
+  return Matrix6(dense::inverse(s));
 }
 
 // A modulus E (1 + i eta) gives S the imaginary part -eta / E, and C = S^-1 then has C (eta / E) C. Between two axes of
 // different loss the geometric mean keeps what is lost positive.
 Matrix6 lost_stiffness(const EngineeringConstants& constants, const Eigen::Array<double, 6, 1>& eta) {
-  const Matrix6 s = compliance(constants), c = s.inverse();
+  const Matrix6 s = compliance(constants), c = dense::inverse(s);
   Matrix6 lost = Matrix6::Zero();
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) lost(i, j) = s(i, j) * std::sqrt(eta[i] * eta[j]);

@@ -1,6 +1,8 @@
 #include "engine/fem/surplus.h"
 
-#include <Eigen/Cholesky>
+#include "engine/dense/decompositions.h"
+#include "engine/dense/products.h"
+
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -259,9 +261,10 @@ SurplusElement::SurplusElement(int order) : w_(surplus_per_element(order)), n_(m
     shapes_.col(q) = mesh::interpolation(order, at);
     gradients_.emplace_back(all, 3);
     gradients_.back() << surplus_gradient(order, at), mesh::interpolation_gradient(order, at);
-    straight_products_ += weights_[q] * gradients_.back().reshaped() * gradients_.back().reshaped().transpose();
+    const Eigen::MatrixXd column = gradients_.back().reshaped();
+    dense::add_product(straight_products_, weights_[q], column, column.transpose());
   }
-  straight_mass_ = surplus_ * weights_.asDiagonal() * shapes_.transpose();
+  straight_mass_ = dense::product_transposed(surplus_ * weights_.asDiagonal(), shapes_);
 }
 
 MatrixXd SurplusElement::gradient_products(const mesh::ElementNodes& nodes, MatrixXd& mass) const {
@@ -288,9 +291,8 @@ MatrixXd SurplusElement::gradient_products(const mesh::ElementNodes& nodes, Matr
     volumes[q] = weights_[q] * std::abs(jacobian.determinant());
     gradients.col(q).reshaped(all, 3) = gradients_[q] * jacobian.inverse().transpose();
   }
-  mass = surplus_ * volumes.asDiagonal() * shapes_.transpose();
-  const MatrixXd weighted = gradients * volumes.asDiagonal();
-  return weighted * gradients.transpose();
+  mass = dense::product_transposed(surplus_ * volumes.asDiagonal(), shapes_);
+  return dense::product_transposed(gradients * volumes.asDiagonal(), gradients);
 }
 
 Eigen::MatrixXf SurplusElement::relaxed(const MatrixXd& products, const mesh::ElementNodes& nodes,
@@ -303,11 +305,12 @@ Eigen::MatrixXf SurplusElement::relaxed(const MatrixXd& products, const mesh::El
   MatrixXd energy = part(0, w_, 0, w_);
   MatrixXd lower = part(w_, n_, w_, n_);
   const MatrixXd rigid = rigid_motions(nodes);
-  lower += lower.diagonal().mean() * rigid * rigid.transpose();  // K is singular there, and W meets none of it
-  const Eigen::LLT<MatrixXd> factors(lower);
-  if (factors.info() == Eigen::Success) {
-    const MatrixXd half = factors.matrixL().solve(part(w_, n_, 0, w_));
-    energy -= kRelaxed * half.transpose() * half;
+  lower +=
+      lower.diagonal().mean() * dense::product_transposed(rigid, rigid);  // K is singular there, and W meets none of it
+  if (dense::cholesky(lower)) {
+    MatrixXd half = part(w_, n_, 0, w_);
+    dense::solve_lower(lower, half);
+    energy -= kRelaxed * dense::transposed_product(half, half);
   }
   return energy.cast<float>();
 }

@@ -1,8 +1,8 @@
 #include "engine/mesh/denoise.h"
 
+#include "engine/dense/decompositions.h"
 #include "engine/mesh/surface_check.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -150,10 +150,10 @@ class Denoising {
       }
       way /= static_cast<double>(fan.size());
       middle *= 1.5 / static_cast<double>(fan.size());  // of the neighbours, not of the triangles
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(planes);
+      const dense::Spectrum3 axes = dense::spectrum_of_3(planes);
       for (int i = 0; i < 2; ++i) {
-        const RowVector3d axis = axes.eigenvectors().col(i).transpose();
-        if (axes.eigenvalues()[i] < kFreeShare * axes.eigenvalues()[2]) way += kAlong * middle.dot(axis) * axis;
+        const RowVector3d axis = axes.vectors.col(i).transpose();
+        if (axes.values[i] < kFreeShare * axes.values[2]) way += kAlong * middle.dot(axis) * axis;
       }
       next.row(node) += way;
     }

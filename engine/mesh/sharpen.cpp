@@ -1,8 +1,8 @@
 #include "engine/mesh/sharpen.h"
 
+#include "engine/dense/decompositions.h"
 #include "engine/mesh/bcc_lattice.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -105,12 +105,12 @@ class Sharpener {
       right += plane.normal * plane.normal.dot(plane.point - at(node));
     }
     if (least > kSharpCosine) return false;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(normal);
+    const dense::Spectrum3 solver = dense::spectrum_of_3(normal);
     Vector3d step = Vector3d::Zero();
     for (int k = 0; k < 3; ++k) {
-      if (solver.eigenvalues()[k] < 0.03 * solver.eigenvalues()[2]) continue;
-      const Vector3d direction = solver.eigenvectors().col(k);
-      step += direction * direction.dot(right) / solver.eigenvalues()[k];
+      if (solver.values[k] < 0.03 * solver.values[2]) continue;
+      const Vector3d direction = solver.vectors.col(k);
+      step += direction * direction.dot(right) / solver.values[k];
     }
     target = at(node) + step;
     if (step.norm() < kMinMove * size_ || (target - own.point).norm() > kMaxMove * size_) return false;

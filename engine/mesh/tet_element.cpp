@@ -1,6 +1,8 @@
 #include "engine/mesh/tet_element.h"
 
-#include <Eigen/Eigenvalues>
+#include "engine/dense/decompositions.h"
+
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cassert>
@@ -137,8 +139,8 @@ LineRule gauss_jacobi(int count, int power) {
       jacobi(n, n - 1) = jacobi(n - 1, n) = std::sqrt(square);
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(jacobi);
-  return {(0.5 * (1 + solved.eigenvalues().array())).matrix(), solved.eigenvectors().row(0).array().square().matrix()};
+  const dense::Spectrum solved = dense::spectrum(jacobi);
+  return {(0.5 * (1 + solved.values.array())).matrix(), solved.vectors.row(0).array().square().matrix()};
 }
 
 std::vector<QuadraturePoint> conical_product(int count) {

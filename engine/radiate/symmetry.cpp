@@ -1,9 +1,9 @@
 #include "engine/radiate/symmetry.h"
 
+#include "engine/dense/decompositions.h"
 #include "engine/radiate/panels.h"
 #include "engine/radiate/surface_search.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -139,12 +139,12 @@ Vector best_around(const MirrorTrial& trial, const Vector& first, const Vector& 
 
 std::vector<Vector> candidates(const MirrorTrial& trial) {
   std::vector<Vector> found = {Vector::UnitX(), Vector::UnitY(), Vector::UnitZ()};
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(trial.moments());
-  for (int i = 0; i < 3; ++i) found.emplace_back(principal.eigenvectors().col(i));
+  const dense::Spectrum3 principal = dense::spectrum_of_3(trial.moments());
+  for (int i = 0; i < 3; ++i) found.emplace_back(principal.vectors.col(i));
   for (const Vector& normal : face_normals(trial.panels())) found.push_back(normal);
   for (int i = 0; i < 2; ++i) {
-    const Eigen::Vector3d& values = principal.eigenvalues();
-    const Eigen::Matrix3d& axes = principal.eigenvectors();
+    const Eigen::Vector3d& values = principal.values;
+    const Eigen::Matrix3d& axes = principal.vectors;
     if (values[i + 1] - values[i] > kAlike * values[i + 1]) continue;
     constexpr int kSteps = 36;
     double best = std::numeric_limits<double>::infinity(), at = 0;

@@ -7,11 +7,11 @@
 // values have converged. The iteration ends when the window is complete or the basis is full.
 #include "engine/solve/block_lanczos.h"
 
+#include "engine/dense/decompositions.h"
 #include "engine/solve/basis.h"
 #include "engine/solve/methods.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -162,37 +162,38 @@ class Iteration {
       Small gram = inner_products(team_, next_, mass_next_);
       gram = (0.5 * (gram + gram.transpose())).eval();
       if (pass == 0) {
-        const Eigen::SelfAdjointEigenSolver<Small> spectrum(gram);
-        if (spectrum.eigenvalues()[0] <= 1e-18 * spectrum.eigenvalues()[kWidth - 1]) return rescue(spectrum);
+        const dense::Spectrum spectrum = dense::spectrum(gram);
+        if (spectrum.values[0] <= 1e-18 * spectrum.values[kWidth - 1]) return rescue(spectrum);
         // The first pass divides along the principal axes, because the condition may be up to 1e9 (Stathopoulos & Wu,
         // SIAM J. Sci. Comput. 23, 2002).
-        const auto root = spectrum.eigenvalues().cwiseSqrt();
-        const Small inverse = root.cwiseInverse().asDiagonal() * spectrum.eigenvectors().transpose();
+        const auto root = spectrum.values.cwiseSqrt();
+        const Small inverse = root.cwiseInverse().asDiagonal() * spectrum.vectors.transpose();
         combine_in_place(team_, inverse, next_);
-        factor = root.asDiagonal() * spectrum.eigenvectors().transpose();
+        factor = root.asDiagonal() * spectrum.vectors.transpose();
         system_.times_mass(next_, mass_next_);
       } else {
-        const Eigen::LLT<Small> cholesky(gram);
-        const Small inverse = cholesky.matrixL().solve(Small::Identity());
+        MatrixXd lower = gram, identity = Small::Identity();
+        dense::cholesky(lower);
+        dense::solve_lower(lower, identity);
+        const Small inverse = identity;
         combine_in_place(team_, inverse, next_);
         combine_in_place(team_, inverse, mass_next_);
-        factor = cholesky.matrixU() * factor;
+        factor = Small(lower).triangularView<Eigen::Lower>().transpose() * factor;
       }
     }
     return factor;
   }
 
   // normalize() for a block whose vectors are linearly dependent.
-  template <class Spectrum>
-  Small rescue(const Spectrum& spectrum) {
+  Small rescue(const dense::Spectrum& spectrum) {
     Small factor = Small::Zero();
-    combine_in_place(team_, spectrum.eigenvectors().transpose(), next_);
+    combine_in_place(team_, spectrum.vectors.transpose(), next_);
     std::normal_distribution<double> normal;
     for (int i = 0; i < kWidth; ++i) {
-      const double square = spectrum.eigenvalues()[i];
-      if (square > 1e-20 * spectrum.eigenvalues()[kWidth - 1] && square > 0) {
+      const double square = spectrum.values[i];
+      if (square > 1e-20 * spectrum.values[kWidth - 1] && square > 0) {
         next_.row(i) /= std::sqrt(square);
-        factor.row(i) = std::sqrt(square) * spectrum.eigenvectors().col(i).transpose();
+        factor.row(i) = std::sqrt(square) * spectrum.vectors.col(i).transpose();
       } else {
         for (Eigen::Index u = 0; u < next_.cols(); ++u) next_(i, u) = normal(random_);
       }

@@ -2,12 +2,11 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/base/quote.h"
+#include "engine/dense/decompositions.h"
 #include "engine/fem/blas_threads.h"
 #include "engine/solve/methods.h"
 #include "engine/solve/second_opinion.h"
 #include "engine/solve/spectra.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <array>
@@ -80,13 +79,13 @@ Result<Eigenmodes> solve_dense(const fem::System& system) {
   const Eigen::MatrixXd stiffness = Eigen::MatrixXd(system.stiffness).selfadjointView<Eigen::Lower>();
   const Eigen::MatrixXd mass =
       fem::mass_times(system.node_mass, Eigen::MatrixXd::Identity(stiffness.rows(), stiffness.rows()));
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solved(stiffness, mass);
-  if (solved.info() != Eigen::Success) {
+  std::optional<dense::Spectrum> solved = dense::generalized_spectrum(stiffness, mass);
+  if (!solved) {
     return fail(ErrorKind::bad_input, "the mass of the mesh is not positive; check the mesh for flat elements");
   }
   Eigenmodes modes;
-  modes.lambda = solved.eigenvalues();
-  modes.shapes = solved.eigenvectors();
+  modes.lambda = std::move(solved->values);
+  modes.shapes = std::move(solved->vectors);
   return modes;
 }
 

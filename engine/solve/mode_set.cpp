@@ -1,6 +1,6 @@
 #include "engine/solve/mode_set.h"
 
-#include <Eigen/Eigenvalues>
+#include "engine/dense/decompositions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,14 +64,12 @@ void ModeSet::join_at(double lambda) {
 
   Eigen::MatrixXd x(system_.unknowns(), last - first);
   for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = (first + i)->shape();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(project(system_, &OrderedSystem::times_mass, x));
-  const Eigen::Index kept = (gram.eigenvalues().array() > kCopies).count();
-  x = (x *
-       (gram.eigenvectors().rightCols(kept) * gram.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal()))
-          .eval();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(project(system_, &OrderedSystem::times_stiffness, x));
-  const auto joined = std::make_shared<const Eigen::MatrixXd>(x * ritz.eigenvectors());
-  for (Eigen::Index i = 0; i < kept; ++i) *(first + i) = {ritz.eigenvalues()[i], joined, i};
+  const dense::Spectrum gram = dense::spectrum(project(system_, &OrderedSystem::times_mass, x));
+  const Eigen::Index kept = (gram.values.array() > kCopies).count();
+  x = (x * (gram.vectors.rightCols(kept) * gram.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal())).eval();
+  const dense::Spectrum ritz = dense::spectrum(project(system_, &OrderedSystem::times_stiffness, x));
+  const auto joined = std::make_shared<const Eigen::MatrixXd>(x * ritz.vectors);
+  for (Eigen::Index i = 0; i < kept; ++i) *(first + i) = {ritz.values[i], joined, i};
   modes_.erase(first + kept, last);
 }
 

@@ -11,10 +11,10 @@
 // factorization counted there, so none is missing.
 #include "engine/solve/second_opinion.h"
 
+#include "engine/dense/decompositions.h"
+#include "engine/dense/products.h"
 #include "engine/solve/methods.h"
 #include "engine/solve/spectra.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -92,13 +92,14 @@ int comparable(const NearModes& near, const Band& band) {
 // `ours`: the largest principal angle of the two. 1 when the columns of `ours` are not linearly independent.
 double angle_between(const fem::SparseMatrix& node_mass, const MatrixXd& ours, const MatrixXd& theirs) {
   const MatrixXd scaled = ours.colwise().normalized(), heavy = fem::mass_times(node_mass, scaled);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(scaled.transpose() * heavy);
-  if (!(gram.eigenvalues()[0] > 1e-6 * gram.eigenvalues().tail<1>()[0])) return 1;
+  const dense::Spectrum gram = dense::spectrum(dense::transposed_product(scaled, heavy));
+  if (!(gram.values[0] > 1e-6 * gram.values.tail<1>()[0])) return 1;
   const MatrixXd inverse =
-      gram.eigenvectors() * gram.eigenvalues().cwiseInverse().asDiagonal() * gram.eigenvectors().transpose();
-  const MatrixXd outside = theirs - scaled * (inverse * (heavy.transpose() * theirs));
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> squares(outside.transpose() * fem::mass_times(node_mass, outside));
-  return std::sqrt(std::max(0.0, squares.eigenvalues().tail<1>()[0]));
+      dense::product_transposed(gram.vectors * gram.values.cwiseInverse().asDiagonal(), gram.vectors);
+  MatrixXd outside = theirs;
+  dense::add_product(outside, -1, scaled, dense::product(inverse, dense::transposed_product(heavy, theirs)));
+  const VectorXd squares = dense::eigenvalues(dense::transposed_product(outside, fem::mass_times(node_mass, outside)));
+  return std::sqrt(std::max(0.0, squares.tail<1>()[0]));
 }
 
 double largest_residual(const fem::System& system, const VectorXd& lambda, const MatrixXd& shapes) {

@@ -1,8 +1,9 @@
 #include "engine/solve/spectra.h"
 
+#include "engine/dense/decompositions.h"
+#include "engine/dense/products.h"
 #include "engine/solve/methods.h"
 
-#include <Eigen/Cholesky>
 #include <Spectra/SymGEigsShiftSolver.h>
 
 #include <algorithm>
@@ -108,8 +109,9 @@ MatrixXd purified(const Pencil& pencil, const MatrixXd& shapes) {
 MatrixXd orthonormal(const fem::SparseMatrix& node_mass, MatrixXd shapes, const MatrixXd& locked) {
   for (int pass = 0; pass < 2; ++pass) {
     if (locked.cols() > 0) shapes -= locked * (locked.transpose() * fem::mass_times(node_mass, shapes)).eval();
-    const Eigen::LLT<MatrixXd> cholesky(shapes.transpose() * fem::mass_times(node_mass, shapes));
-    cholesky.matrixU().solveInPlace<Eigen::OnTheRight>(shapes);
+    MatrixXd lower = dense::transposed_product(shapes, fem::mass_times(node_mass, shapes));
+    dense::cholesky(lower);
+    dense::divide_by_upper(lower, shapes);
   }
   return shapes;
 }
