@@ -57,7 +57,7 @@ Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
   if (!endpoint) return fail(endpoint.error());
   auto stream = OscStream::listen(*endpoint);
   if (!stream) return fail(stream.error());
-  log_info("OSC by TCP on {}:{}", options.address, (*stream)->port());
+  log_info("OSC by TCP on " + options.address + ":" + std::to_string((*stream)->port()));
   return std::shared_ptr<OscStream>(std::move(*stream));
 }
 
@@ -66,7 +66,7 @@ Result<std::unique_ptr<QueryServer>> open_query(const DaemonOptions& options, st
   if (!options.query_port) return nullptr;
   auto query = QueryServer::listen(*options.query_port,
                                    {options.jack_name, options.address, osc_port, [&rack] { return rack.names(); }});
-  if (query) log_info("OSCQuery on http://{}:{}", options.address, (*query)->port());
+  if (query) log_info("OSCQuery on http://" + options.address + ":" + std::to_string((*query)->port()));
   return query;
 }
 
@@ -175,8 +175,8 @@ Result<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   auto socket = wire::OscSocket::serve(*endpoint);
   if (!socket) return fail(socket.error());
   if (!endpoint->is_loopback()) {
-    log_warning("listening on {}: anyone who can reach this address can play, load files and stop the daemon",
-                options.address);
+    log_warning("listening on " + options.address +
+                ": anyone who can reach this address can play, load files and stop the daemon");
   }
   auto manager = join_manager(options);
   if (!manager) return fail(manager.error());
@@ -234,7 +234,7 @@ Daemon::~Daemon() = default;
 
 void Daemon::configure() {
   session::Rack& rack = session_.rack();
-  rack.set_on_warning([](const std::string& sentence) { log_warning("{}", sentence); });
+  rack.set_on_warning(log_warning);
   Driver& driver = *driver_;  // the driver itself uses it while it ends, when driver_ is null already
   rack.observers().set_on_change([&driver] { driver.program_changed(); });
   synth::MixerSettings settings = options_.mixer;
@@ -314,8 +314,9 @@ Result<void> Daemon::play(wire::OscSocket socket) {
                                        .notes_played = rack.observers().notes_played()});
   if (!started) return started;
   service_ = std::make_unique<Service>(*this, std::move(socket));
-  log_info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options_.address, port,
-           rack.names()->size(), driver_->sample_rate_hz(), driver_->block_frames(), synth::kernel_target());
+  log_info("ready: OSC on " + options_.address + ":" + std::to_string(port) + ", " +
+           std::to_string(rack.names()->size()) + " objects, " + fixed(driver_->sample_rate_hz(), 0) +
+           " Hz, blocks of " + std::to_string(driver_->block_frames()) + ", " + synth::kernel_target() + " kernel");
   return {};
 }
 

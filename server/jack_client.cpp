@@ -168,7 +168,7 @@ void JackClient::show_buses(const std::map<std::size_t, std::string>& names) {
   for (const auto& [bus, name] : names) {
     const auto before = buses_.find(bus);
     if (before != buses_.end() && before->second == name) continue;
-    if (!add_port(kFirstBus + bus, name)) log_warning("JACK has no port for {}: it is heard in the mix only", name);
+    if (!add_port(kFirstBus + bus, name)) log_warning("JACK has no port for " + name + ": it is heard in the mix only");
   }
   buses_ = names;
 }
@@ -189,7 +189,7 @@ void JackClient::show_inputs(std::uint32_t inputs) {
   if (std::exchange(shown_inputs_, inputs) == inputs) return;
   for (std::size_t input = 0; input < inputs_.size(); ++input) {
     if ((inputs >> input & 1) == 0 || inputs_[input] || add_input(input)) continue;
-    log_warning("JACK has no port for input {}", input + 1);
+    log_warning("JACK has no port for input " + std::to_string(input + 1));
   }
 }
 

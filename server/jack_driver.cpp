@@ -116,7 +116,7 @@ class JackDriver final : public Driver {
   void go_on_alone() {
     auto stand_in = open_null(sample_rate_hz_, block_frames_);
     if (const auto started = (*stand_in)->start(*program_); !started) {
-      log_warning("time stands still until a JACK server is there: {}", started.error().message);
+      log_warning("time stands still until a JACK server is there: " + started.error().message);
       return;
     }
     const std::scoped_lock lock(mutex_);
@@ -133,10 +133,9 @@ class JackDriver final : public Driver {
     const double block_s = static_cast<double>(client_->block_frames()) / sample_rate_hz_;
     if (silence < kPatience || silence_s < kPatientBlocks * block_s) return;
     if (pause_ == Clock::duration::zero()) {
-      log_warning(
-          "JACK has not called for {:.1f} s, though its server is there; the daemon leaves it and connects again, and "
-          "what rings goes on in silence until then",
-          silence_s);
+      log_warning("JACK has not called for " + fixed(silence_s, 1) +
+                  " s, though its server is there; the daemon leaves it and connects again, and "
+                  "what rings goes on in silence until then");
     }
     leave_server();
     meter_->note_stall(silence_s);
@@ -178,7 +177,8 @@ class JackDriver final : public Driver {
     watch_ = {};
     if (!started) return leave_server();
     if (pause_ != Clock::duration::zero()) return;
-    log_info("a JACK server is there: {:.0f} Hz, blocks of {}", sample_rate_hz_.load(), block_frames_);
+    log_info("a JACK server is there: " + fixed(sample_rate_hz_, 0) + " Hz, blocks of " +
+             std::to_string(block_frames_));
   }
 
   void look_after_client() {
@@ -199,7 +199,7 @@ class JackDriver final : public Driver {
     program_->change_sample_rate(rate);
     sample_rate_hz_ = rate;
     client_->go_on();
-    log_info("JACK's sample rate is now {:.0f} Hz", rate);
+    log_info("JACK's sample rate is now " + fixed(rate, 0) + " Hz");
   }
 
   // A server that ends stops its audio, disconnects its ports, and tells us last, which may take long where the machine
@@ -218,7 +218,7 @@ class JackDriver final : public Driver {
 
   void report_losses() {
     if (const std::uint64_t dropped = midi_->dropped(); dropped != dropped_notes_) {
-      log_warning("{} notes lost: more events at once than the mixer takes", dropped - dropped_notes_);
+      log_warning(std::to_string(dropped - dropped_notes_) + " notes lost: more events at once than the mixer takes");
       dropped_notes_ = dropped;
     }
     const Load load = meter_->read();
@@ -227,11 +227,9 @@ class JackDriver final : public Driver {
     }
     const auto late = load.own_xruns - reported_own_;
     if (late == 0 || Clock::now() - reported_at_ < 10s) return;
-    log_warning(
-        "{} of our making, {:.2f} s of sound skipped so far; the callback's load is {:.2f}, its 99th percentile "
-        "{:.2f}, "
-        "its peak {:.2f}",
-        late == 1 ? "an xrun" : std::to_string(late) + " xruns", load.skipped_s, load.mean, load.p99, load.peak);
+    log_warning((late == 1 ? "an xrun" : std::to_string(late) + " xruns") + " of our making, " +
+                fixed(load.skipped_s, 2) + " s of sound skipped so far; the callback's load is " + fixed(load.mean, 2) +
+                ", its 99th percentile " + fixed(load.p99, 2) + ", its peak " + fixed(load.peak, 2));
     reported_own_ = load.own_xruns;
     reported_at_ = Clock::now();
   }

@@ -1,12 +1,11 @@
 #include "server/log.h"
 
-#include <spdlog/pattern_formatter.h>
-#include <spdlog/sinks/base_sink.h>
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <climits>
+#include <cstdio>
+#include <ctime>
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -25,45 +24,7 @@ bool waits_for_room(int descriptor, milliseconds patience) {
   return ::poll(&room, 1, static_cast<int>(patience.count())) > 0 && room.revents == POLLOUT;
 }
 
-// Colours for the level's name, as terminals know them.
-const char* color_of(spdlog::level::level_enum level) {
-  switch (level) {
-    case spdlog::level::warn:
-      return "\033[33m\033[1m";
-    case spdlog::level::err:
-    case spdlog::level::critical:
-      return "\033[31m\033[1m";
-    case spdlog::level::trace:
-    case spdlog::level::debug:
-    case spdlog::level::info:
-    case spdlog::level::off:
-    case spdlog::level::n_levels:
-      return "\033[32m";
-  }
-  return "";
-}
-
-class LogSink final : public spdlog::sinks::base_sink<std::mutex> {
- public:
-  LogSink(std::shared_ptr<LineWriter> writer, bool colored) : writer_(std::move(writer)), colored_(colored) {}
-
- private:
-  void sink_it_(const spdlog::details::log_msg& message) override {
-    spdlog::memory_buf_t text;
-    message.color_range_start = message.color_range_end = 0;
-    formatter_->format(message, text);
-    std::string line(text.data(), text.size());
-    if (colored_ && message.color_range_end > message.color_range_start) {
-      line.insert(message.color_range_end, "\033[m");
-      line.insert(message.color_range_start, color_of(message.level));
-    }
-    writer_->write(line);
-  }
-  void flush_() override {}
-
-  std::shared_ptr<LineWriter> writer_;
-  bool colored_;
-};
+std::atomic<Log*> current = nullptr;
 
 }  // namespace
 
@@ -139,19 +100,41 @@ void LineWriter::report_dropped() {
   report({});
 }
 
-void log_line(LogLevel level, fmt::string_view format, fmt::format_args values) {
-  spdlog::log(level == LogLevel::info ? spdlog::level::info : spdlog::level::warn, "{}", fmt::vformat(format, values));
+std::string fixed(double value, int decimals) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  return text;
 }
 
-Log::Log(int descriptor) : writer_(std::make_shared<LineWriter>(descriptor)) {
-  const bool colored = ::isatty(descriptor) == 1;
-  auto logger = std::make_shared<spdlog::logger>("ringdownd", std::make_shared<LogSink>(writer_, colored));
-  logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
-  spdlog::set_default_logger(std::move(logger));
+// Colours are for the level's name, as terminals know them.
+void Log::write(const char* level, const char* color, std::string_view sentence) {
+  const auto now = std::chrono::system_clock::now();
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
+  const auto rest = std::chrono::floor<milliseconds>(now.time_since_epoch()) % std::chrono::seconds(1);
+  std::tm local{};
+  ::localtime_r(&seconds, &local);
+  char time[32];
+  std::snprintf(time, sizeof time, "%02d:%02d:%02d.%03d ", local.tm_hour, local.tm_min, local.tm_sec,
+                static_cast<int>(rest.count()));
+  std::string line = time;
+  line += colored_ ? color + std::string(level) + "\033[m" : level;
+  writer_.write(line.append(" ").append(sentence).append("\n"));
 }
+
+void log_info(std::string_view sentence) {
+  if (Log* const log = current) log->write("info", "\033[32m", sentence);
+}
+
+void log_warning(std::string_view sentence) {
+  if (Log* const log = current) log->write("warning", "\033[33m\033[1m", sentence);
+}
+
+Log::Log(int descriptor) : writer_(descriptor), colored_(::isatty(descriptor) == 1) { current = this; }
+
+Log::~Log() { current = nullptr; }
 
 protocol::ExitCode Log::complain(const Error& error) {
-  writer_->write(std::string(program_invocation_short_name) + ": " + error.message + "\n", std::chrono::seconds(1));
+  writer_.write(std::string(program_invocation_short_name) + ": " + error.message + "\n", std::chrono::seconds(1));
   return protocol::exit_code_of(error.kind);
 }
 

@@ -1,7 +1,7 @@
 // The daemon's log: lines on the standard error that never wait for whoever reads them.
 //
 //   Log log(STDERR_FILENO);              // where lines go from now on  [main, before other threads start]
-//   log_warning("{} is gone", name);     // in fmt's format  [any but audio]
+//   log_warning("...");                  // [any but audio]
 //   log.report_dropped();                // now and then  [main]
 //   return log.complain(error);          // the last words before an exit  [main]
 //
@@ -13,11 +13,8 @@
 #include "engine/base/result.h"
 #include "protocol/exit_codes.h"
 
-#include <fmt/core.h>
-
 #include <chrono>
 #include <cstddef>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -55,32 +52,34 @@ class LineWriter {
   std::size_t dropped_ = 0;  // lines since the last report
 };
 
-enum class LogLevel { info, warning };
+// Lines of the log: "12:34:56.789 info ready". Without a Log they go nowhere. [any but audio]
+void log_info(std::string_view sentence);
+void log_warning(std::string_view sentence);
 
-// Logs a line of `format` and its values. spdlog, which writes it, is compiled in log.cpp alone. [any but audio]
-void log_line(LogLevel level, fmt::string_view format, fmt::format_args values);
+// A number with so many decimals, for such a sentence.
+std::string fixed(double value, int decimals);
 
-template <class... Values>
-void log_info(fmt::format_string<Values...> format, Values&&... values) {
-  log_line(LogLevel::info, format, fmt::make_format_args(values...));
-}
-template <class... Values>
-void log_warning(fmt::format_string<Values...> format, Values&&... values) {
-  log_line(LogLevel::warning, format, fmt::make_format_args(values...));
-}
-
+// Where the process's lines of the log go, as long as it lives.
 class Log {
  public:
   // Writes to `descriptor`, in colours if it is a terminal.
   explicit Log(int descriptor);
+  ~Log();
+  Log(const Log&) = delete;
+  Log& operator=(const Log&) = delete;
 
-  void report_dropped() { writer_->report_dropped(); }
+  void report_dropped() { writer_.report_dropped(); }
 
   // As protocol::complain(), but waits for room no longer than a second.
   protocol::ExitCode complain(const Error& error);
 
  private:
-  std::shared_ptr<LineWriter> writer_;
+  friend void log_info(std::string_view sentence);
+  friend void log_warning(std::string_view sentence);
+  void write(const char* level, const char* color, std::string_view sentence);
+
+  LineWriter writer_;
+  bool colored_;
 };
 
 }  // namespace ringdown::server

@@ -34,8 +34,8 @@ Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, s
     return fail(socket.error().kind,
                 "NSM_URL: the session manager must run on this computer: " + socket.error().message);
   if (!manager->is_loopback()) {
-    log_warning("listening on {} for the session manager: anyone who can reach this address can speak for it",
-                to_text(socket->endpoint()));
+    log_warning("listening on " + to_text(socket->endpoint()) +
+                " for the session manager: anyone who can reach this address can speak for it");
   }
   std::unique_ptr<NsmClient> client(new NsmClient(std::move(*socket), *manager));
   client->send({"/nsm/server/announce", {"Ringdown", "", "ringdownd", kVersionMajor, kVersionMinor, ::getpid()}});
@@ -97,7 +97,7 @@ void NsmClient::run(const std::stop_token& stop) {
 
 void NsmClient::answer(const std::string& address, const Result<void>& outcome) {
   if (outcome) return send({"/reply", {address, "OK"}});
-  log_warning("{}: {}", address, outcome.error().message);
+  log_warning(address + ": " + outcome.error().message);
   send({"/error", {address, address == "/nsm/client/save" ? kSaveFailed : kGeneralError, outcome.error().message}});
 }
 

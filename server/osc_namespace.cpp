@@ -5,21 +5,23 @@
 #include "protocol/names.h"
 #include "protocol/schema.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <map>
 #include <utility>
 
 namespace ringdown::server {
 namespace {
 
-using nlohmann::json;
 using protocol::AddressSpec;
 using protocol::ArgumentSpec;
 using protocol::ValueType;
 
 constexpr std::string_view kPlaceholder = "{object}";
-constexpr int kContainer = 0, kWriteOnly = 2;  // OSCQuery's ACCESS
+constexpr const char *kContainer = "0", *kWriteOnly = "2";  // OSCQuery's ACCESS
 
 char type_of(const ArgumentSpec& argument) {
   switch (argument.type) {
@@ -44,75 +46,140 @@ bool has_range(const ArgumentSpec& argument) {
   return argument.type == ValueType::number || argument.type == ValueType::integer || argument.type == ValueType::flag;
 }
 
-// The attributes of an address that are the same for every object.
-json leaf(const AddressSpec& spec) {
-  std::string types;
-  json ranges = json::array(), units = json::array();
-  for (const ArgumentSpec& argument : std::span(spec.arguments).subspan(spec.arguments_in_address())) {
-    types += type_of(argument);
-    ranges.push_back(has_range(argument) ? json{{"MIN", argument.least}, {"MAX", argument.most}} : json(nullptr));
-    units.push_back(argument.unit);
+// JSON's texts: a string, a number, an array of values, an object of values.
+std::string json_of(std::string_view text) {
+  std::string json = "\"";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < ' ') {
+      char code[8];
+      std::snprintf(code, sizeof code, "\\u%04x", static_cast<unsigned>(c));
+      json += code;
+      continue;
+    }
+    if (c == '"' || c == '\\') json += '\\';
+    json += c;
   }
-  json node = {{"ACCESS", kWriteOnly}, {"DESCRIPTION", signature(spec) + ": " + std::string(spec.sentence)}};
-  if (types.empty()) return node;
-  node.update({{"TYPE", types}, {"RANGE", ranges}, {"UNIT", units}});
-  return node;
+  return json + '"';
 }
 
-// Puts `node` at `path`, and makes the containers above it.
-void place(json& root, const std::string& path, const json& node) {
-  json* at = &root;
+std::string json_of(double number) {
+  char text[64];
+  const double size = std::abs(number);
+  const bool is_short = size == 0 || (size >= 1e-4 && size < 1e15);
+  const auto format = is_short ? std::chars_format::fixed : std::chars_format::scientific;
+  std::string json(text, std::to_chars(text, std::end(text), number, format).ptr);
+  if (json.find_first_of(".e") == json.npos) json += ".0";
+  return json;
+}
+
+std::string array_of(const std::vector<std::string>& values) {
+  std::string json;
+  for (const std::string& value : values) json += (json.empty() ? "" : ",") + value;
+  return "[" + json + "]";
+}
+
+using Attributes = std::map<std::string, std::string>;  // name, value as JSON
+
+std::string object_of(const Attributes& attributes) {
+  std::string json;
+  for (const auto& [name, value] : attributes) json += (json.empty() ? "" : ",") + json_of(name) + ":" + value;
+  return "{" + json + "}";
+}
+
+// A place in the namespace.
+struct Node {
+  Attributes attributes;
+  std::map<std::string, Node> contents;
+
+  // With CONTENTS, all that is below it.
+  [[nodiscard]] Attributes all() const {
+    Attributes all = attributes;
+    Attributes below;
+    for (const auto& [name, node] : contents) below[name] = object_of(node.all());
+    if (!below.empty()) all["CONTENTS"] = object_of(below);
+    return all;
+  }
+};
+
+// The attributes of an address that are the same for every object.
+Attributes attributes_of(const AddressSpec& spec) {
+  std::string types;
+  std::vector<std::string> ranges, units;
+  for (const ArgumentSpec& argument : std::span(spec.arguments).subspan(spec.arguments_in_address())) {
+    types += type_of(argument);
+    ranges.push_back(
+        has_range(argument) ? object_of({{"MIN", json_of(argument.least)}, {"MAX", json_of(argument.most)}}) : "null");
+    units.push_back(json_of(argument.unit));
+  }
+  Attributes attributes = {{"ACCESS", kWriteOnly},
+                           {"DESCRIPTION", json_of(signature(spec) + ": " + std::string(spec.sentence))}};
+  if (types.empty()) return attributes;
+  attributes["TYPE"] = json_of(types);
+  attributes["RANGE"] = array_of(ranges);
+  attributes["UNIT"] = array_of(units);
+  return attributes;
+}
+
+// Puts an address at `path`, and makes the containers above it.
+void place(Node& root, const std::string& path, const Attributes& attributes) {
+  Node* at = &root;
   for (std::size_t slash = 0; slash != path.npos;) {
     const std::size_t next = path.find('/', slash + 1);
-    json& child = (*at)["CONTENTS"][path.substr(slash + 1, next == path.npos ? next : next - slash - 1)];
-    if (child.is_null()) child = {{"ACCESS", kContainer}, {"FULL_PATH", path.substr(0, next)}};
+    Node& child = at->contents[path.substr(slash + 1, next == path.npos ? next : next - slash - 1)];
+    if (child.attributes.empty()) {
+      child.attributes = {{"ACCESS", kContainer}, {"FULL_PATH", json_of(path.substr(0, next))}};
+    }
     at = &child;
     slash = next;
   }
-  at->update(node);  // it may be a container as well: /clear, /scene/clear
+  // It may be a container as well: /clear, /scene/clear.
+  for (const auto& [name, value] : attributes) at->attributes[name] = value;
 }
 
-json make_namespace(bool with_object) {
-  json root = {{"FULL_PATH", "/"}, {"ACCESS", kContainer}, {"DESCRIPTION", "Ringdown: solid objects that ring"}};
+Node make_namespace(bool with_object) {
+  Node root;
+  root.attributes = {{"FULL_PATH", json_of("/")},
+                     {"ACCESS", kContainer},
+                     {"DESCRIPTION", json_of("Ringdown: solid objects that ring")}};
   for (const AddressSpec& spec : protocol::addresses()) {
     std::string path(spec.address);
     if (spec.arguments_in_address() > 0) {
       if (!with_object) continue;
       path.replace(path.find(kPlaceholder), kPlaceholder.size(), 1, Description::kAnyObject);
     }
-    place(root, path, leaf(spec));
+    place(root, path, attributes_of(spec));
   }
   return root;
 }
 
 // The namespace without objects, or with one whose name is kAnyObject.
-const json& whole_namespace(bool with_object) {
-  static const json without = make_namespace(false), with = make_namespace(true);
+const Node& whole_namespace(bool with_object) {
+  static const Node without = make_namespace(false), with = make_namespace(true);
   return with_object ? with : without;
 }
 
-struct Node {
-  const json* tree;
+struct Place {
+  const Node* node;
   std::string object;  // the name that stands for kAnyObject; empty where the path names no object
 };
 
-Result<Node> node_at(const std::string& path, const std::vector<std::string>& names) {
-  Node node{&whole_namespace(!names.empty()), ""};
+Result<Place> place_at(const std::string& path, const std::vector<std::string>& names) {
+  Place place{&whole_namespace(!names.empty()), ""};
   for (std::size_t slash = 0; slash + 1 < path.size();) {
     const std::size_t next = std::min(path.find('/', slash + 1), path.size());
     std::string name = path.substr(slash + 1, next - slash - 1);
     const bool asks_for_any = name.find(Description::kAnyObject) != name.npos;
     if (path.substr(0, slash + 1) == protocol::kObjectPrefix && std::ranges::find(names, name) != names.end()) {
-      node.object = std::exchange(name, std::string(1, Description::kAnyObject));
+      place.object = std::exchange(name, std::string(1, Description::kAnyObject));
     }
-    const auto contents = node.tree->find("CONTENTS");
-    if (asks_for_any || contents == node.tree->end() || !contents->contains(name)) {
+    const auto below = place.node->contents.find(name);
+    if (asks_for_any || below == place.node->contents.end()) {
       return fail(ErrorKind::bad_input, "there is no address " + path);
     }
-    node.tree = &(*contents)[name];
+    place.node = &below->second;
     slash = next;
   }
-  return node;
+  return place;
 }
 
 std::string with_name(std::string text, std::string_view name) {
@@ -160,31 +227,34 @@ std::size_t Description::read(std::span<char> target) {
 }
 
 Result<Description> describe(std::string_view path, std::string_view attribute, const ObjectNames& names) {
-  const auto node = node_at(std::string(path), *names);
-  if (!node) return fail(node.error());
+  const auto place = place_at(std::string(path), *names);
+  if (!place) return fail(place.error());
+  const Attributes all = place->node->all();
   std::string text;
   if (attribute.empty()) {
-    text = node->tree->dump();
-  } else if (const auto found = node->tree->find(attribute); found != node->tree->end()) {
-    text = json{{std::string(attribute), *found}}.dump();
+    text = object_of(all);
+  } else if (const auto found = all.find(std::string(attribute)); found != all.end()) {
+    text = object_of(Attributes{*found});
   }
-  if (!node->object.empty()) return Description(with_name(std::move(text), node->object));
-  const std::string key = std::string("\"") + Description::kAnyObject + "\":";
+  if (!place->object.empty()) return Description(with_name(std::move(text), place->object));
+  const std::string any_object(1, Description::kAnyObject);
+  const std::string key = json_of(any_object) + ":";
   const std::size_t at = text.find(key);
   if (at == text.npos) return Description(std::move(text));
-  const json& object = whole_namespace(true)["CONTENTS"]["object"]["CONTENTS"][std::string(1, Description::kAnyObject)];
-  std::string each = key + object.dump();
+  const Node& objects = whole_namespace(true).contents.at("object");
+  std::string each = key + object_of(objects.contents.at(any_object).all());
   return Description(text.substr(0, at), each, text.substr(at + each.size()), names);
 }
 
 std::string describe_host(const std::string& name, const std::string& osc_address, std::uint16_t osc_port) {
-  return json{
-      {"NAME", name},
-      {"OSC_IP", osc_address},
-      {"OSC_PORT", osc_port},
-      {"OSC_TRANSPORT", "UDP"},
-      {"EXTENSIONS", {{"ACCESS", true}, {"DESCRIPTION", true}, {"RANGE", true}, {"TYPE", true}, {"UNIT", true}}}}
-      .dump();
+  const std::string yes = "true";
+  return object_of(
+      {{"NAME", json_of(name)},
+       {"OSC_IP", json_of(osc_address)},
+       {"OSC_PORT", std::to_string(osc_port)},
+       {"OSC_TRANSPORT", json_of("UDP")},
+       {"EXTENSIONS",
+        object_of({{"ACCESS", yes}, {"DESCRIPTION", yes}, {"RANGE", yes}, {"TYPE", yes}, {"UNIT", yes}})}});
 }
 
 }  // namespace ringdown::server

@@ -145,8 +145,8 @@ void OscServer::adopt_priority() {
   if (priority == priority_) return;
   priority_ = priority;
   if (const auto set = share_.set_priority(priority); !set) {
-    log_info("OSC has no real-time priority ({}): messages may come late when the machine is busy",
-             set.error().message);
+    log_info("OSC has no real-time priority (" + set.error().message +
+             "): messages may come late when the machine is busy");
   }
 }
 

@@ -6,7 +6,7 @@
 
 namespace ringdown::server {
 
-RefusalLog::RefusalLog() : RefusalLog([](const std::string& line) { log_warning("{}", line); }, Clock::now) {}
+RefusalLog::RefusalLog() : RefusalLog(log_warning, Clock::now) {}
 
 RefusalLog::RefusalLog(Write write, std::function<Clock::time_point()> now)
     : write_(std::move(write)), now_(std::move(now)) {}

@@ -15,7 +15,7 @@ void take_turns(const std::string& what, const std::stop_token& stop, const std:
       return {};
     });
     if (taken) continue;
-    log_warning("{}", taken.error().message);
+    log_warning(taken.error().message);
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
 }

@@ -41,7 +41,7 @@ struct Zeroconf::Avahi {
 
   void complain(int error) {
     if (!std::exchange(complained, true)) {
-      log_warning("not announced by Zeroconf: {}; is avahi-daemon running?", avahi_strerror(error));
+      log_warning("not announced by Zeroconf: " + std::string(avahi_strerror(error)) + "; is avahi-daemon running?");
     }
   }
 
@@ -74,7 +74,7 @@ struct Zeroconf::Avahi {
     if (error == AVAHI_ERR_COLLISION) return take_another_name(group);
     if (error >= 0) error = avahi_entry_group_commit(group);
     if (error < 0) return complain(error);
-    log_info("announced by Zeroconf as \"{}\"", name);
+    log_info("announced by Zeroconf as \"" + name + "\"");
   }
 
   int add(const char* type, std::uint16_t port) {
