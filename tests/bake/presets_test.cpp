@@ -193,7 +193,8 @@ TEST(ObjectFile, AnObjectFileRefusesMistakesByLine) {
 TEST(ObjectFile, TheGainInDecibelsOfAnObjectFileIsTheBanksLinearOne) {
   const TemporaryFolder folder;
   const auto gain_of = [&](const std::string& line) {
-    const std::string text = "material = \"steel\"\nunit_m = 0.001\nelement = \"tet4\"\nsurface_points = 20\n";
+    const std::string text =
+        "material = \"steel\"\nunit_m = 0.001\nelement = \"tet4\"\nmesh_size_m = 0.03\nsurface_points = 20\n";
     const auto recipe = bake::read_object(folder.write(
         "a.toml", text + "geometry = \"" + (kPresets / "objects/box.geo").string() + "\"\n" + line + "\n"));
     EXPECT_TRUE(recipe) << recipe.error().message;
