@@ -16,7 +16,7 @@
 #include <functional>
 #include <numbers>
 
-namespace ringdown {
+namespace ringdown::amplitude_test {
 namespace {
 
 using Eigen::Index;
@@ -308,4 +308,4 @@ TEST(StrikeAtAllPoints, ABankWithAllPointsOfAFineMeshIsRight) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::amplitude_test

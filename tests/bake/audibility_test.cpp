@@ -15,7 +15,7 @@
 #include <random>
 #include <span>
 
-namespace ringdown {
+namespace ringdown::audibility_test {
 namespace {
 
 using modal::Bank;
@@ -274,4 +274,4 @@ TEST(Reduce, ABakedBankSaysWhatWasLeftOut) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::audibility_test

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
-namespace ringdown {
+namespace ringdown::bake_cost_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,4 +49,4 @@ TEST(BakeCost, TheModesOfMostFreePresetsAreExpectedWithinAFactorOfTwo) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::bake_cost_test

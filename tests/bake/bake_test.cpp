@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace ringdown {
+namespace ringdown::bake_test {
 namespace {
 
 const Eigen::Vector3d kSize(0.2, 0.02, 0.01);
@@ -231,4 +231,4 @@ TEST(AWeighting, TheWeightingIsThatOfTheStandardsTable) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::bake_test

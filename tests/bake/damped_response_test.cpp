@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ringdown {
+namespace ringdown::damped_response_test {
 namespace {
 
 using modal::RayleighDamping;
@@ -56,4 +56,4 @@ TEST(ImpulseResponse, TheImpulseResponseStartsWithUnitVelocity) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::damped_response_test

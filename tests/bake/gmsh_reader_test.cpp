@@ -11,7 +11,7 @@
 #include <numbers>
 #include <sstream>
 
-namespace ringdown {
+namespace ringdown::gmsh_reader_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -250,4 +250,4 @@ Extrude {0, 0, 1} { Surface{e2[1]}; Layers{1}; Recombine; }
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::gmsh_reader_test

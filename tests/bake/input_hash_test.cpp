@@ -8,7 +8,7 @@
 
 #include <set>
 
-namespace ringdown::bake {
+namespace ringdown::bake::input_hash_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -85,4 +85,4 @@ TEST(InputHash, TheInputHashDependsOnContentAndNotOnPlace) {
 }
 
 }  // namespace
-}  // namespace ringdown::bake
+}  // namespace ringdown::bake::input_hash_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace ringdown {
+namespace ringdown::material_bar_test {
 namespace {
 
 const modal::Material kSteel = {"steel", 210e9, 0.31, 7800, {5, 3e-8}};
@@ -96,4 +96,4 @@ TEST(MaterialBar, ABarThatIsAllDampingIsEmpty) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::material_bar_test

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-namespace ringdown {
+namespace ringdown::material_change_test {
 namespace {
 
 const modal::Material kSteel = {"steel", 200e9, 0.3, 7850, {5, 3e-8}}, kOther = {"other", 61e9, 0.3, 1930, {0.3, 2e-7}};
@@ -176,4 +176,4 @@ TEST(Change, AChangeLeavesOutWhatNoLongerRingsAndRefusesWhatItCannotKnow) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::material_change_test

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <functional>
 
-namespace ringdown {
+namespace ringdown::mesh_cache_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ TEST(MeshCache, AMeshFromTheCacheIsCheckedLikeAnyOther) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::mesh_cache_test

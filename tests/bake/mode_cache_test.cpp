@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-namespace ringdown {
+namespace ringdown::mode_cache_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -283,4 +283,4 @@ TEST(ModeCache, TheCacheRemembersWhereARelativesModesWere) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::mode_cache_test

@@ -15,7 +15,7 @@ modal::Bank plate_bank() {
 }
 
 TEST(NonlinearBank, AFileKeepsEveryTerm) {
-  const TemporaryFolder folder;
+  const ringdown::test::TemporaryFolder folder;
   modal::Bank bank = plate_bank();
   bank.nonlinear->residual = 0.25;
   bank.nonlinear->errors.assign(kModes, 0.125);
@@ -34,7 +34,7 @@ TEST(NonlinearBank, AFileKeepsEveryTerm) {
 }
 
 TEST(NonlinearBank, AFileWhoseArraysDoNotFitIsRefused) {
-  const TemporaryFolder folder;
+  const ringdown::test::TemporaryFolder folder;
   modal::Bank bank = plate_bank();
   bank.nonlinear->bending.pop_back();
   const auto path = folder.path() / "plate.glb";

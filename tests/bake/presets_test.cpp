@@ -13,7 +13,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace ringdown {
+namespace ringdown::presets_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -407,4 +407,4 @@ TEST(Presets, ThePlateRingsAsAKirchhoffPlate) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::presets_test

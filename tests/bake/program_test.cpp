@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace ringdown {
+namespace ringdown::program_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -235,4 +235,4 @@ TEST(BakeProgram, ControlCLeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::program_test

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ringdown {
+namespace ringdown::radiation_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -103,4 +103,4 @@ TEST_F(BakedRadiation, ABakeThatWillBeRefinedDoesNotRadiate) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::radiation_test

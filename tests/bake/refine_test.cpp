@@ -13,7 +13,7 @@
 #include <numbers>
 #include <span>
 
-namespace ringdown {
+namespace ringdown::refine_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -226,4 +226,4 @@ TEST(Preview, APreviewIsQuickCoarseAndSaysItsError) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::refine_test

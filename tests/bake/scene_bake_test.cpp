@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using modal::Json;
-using scene::test::GltfRoom;
+using test::GltfRoom;
 using test::TemporaryFolder;
 
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";

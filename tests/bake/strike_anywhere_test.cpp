@@ -14,7 +14,7 @@
 
 #include <cstdio>
 
-namespace ringdown {
+namespace ringdown::strike_anywhere_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -92,4 +92,4 @@ INSTANTIATE_TEST_SUITE_P(FiveBodies, StrikeAnywhere, testing::Values("plate", "b
                          [](const auto& body) { return std::string(body.param); });
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::strike_anywhere_test

@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-namespace ringdown {
+namespace ringdown::assembly_test {
 namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
@@ -263,4 +263,4 @@ TEST(ReportErrata, TheLostFactorTwoLowersEveryPitchBySixSemitones) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::assembly_test

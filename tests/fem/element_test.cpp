@@ -7,7 +7,7 @@
 
 #include <numeric>
 
-namespace ringdown {
+namespace ringdown::element_test {
 namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
@@ -222,4 +222,4 @@ TEST(Quadrature, ARuleIsExactUpToItsDegree) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::element_test

@@ -11,7 +11,7 @@
 #include <map>
 #include <set>
 
-namespace ringdown {
+namespace ringdown::mesh_test {
 namespace {
 
 const Eigen::Vector3d kSize(0.1, 0.08, 0.06);
@@ -374,4 +374,4 @@ TEST(Split, SplittingMakesEightOfEachAndIsTheSameBody) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::mesh_test

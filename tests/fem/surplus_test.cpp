@@ -7,7 +7,7 @@
 
 #include <map>
 
-namespace ringdown {
+namespace ringdown::surplus_test {
 namespace {
 
 TEST(SurplusBasis, TheSurplusSpansWithTheShapeFunctionsWhatOneDegreeMoreSpans) {
@@ -87,4 +87,4 @@ TEST(SurplusSpace, NeighboursAgreeOnTheFaceBetweenThem) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::surplus_test

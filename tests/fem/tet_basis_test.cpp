@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace ringdown {
+namespace ringdown::tet_basis_test {
 namespace {
 
 Eigen::Vector4d random_point(std::mt19937& random) {
@@ -94,4 +94,4 @@ TEST(TetBasisOrder, TheOrderIsKnownByTheNumberOfNodes) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::tet_basis_test

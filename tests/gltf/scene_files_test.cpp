@@ -74,7 +74,7 @@ TEST_F(SceneFiles, EveryPresetSceneKeepsTheDraftsRules) {
 }
 
 TEST_F(SceneFiles, TheRulesFindWhatBreaksThem) {
-  scene::test::GltfRoom good;
+  test::GltfRoom good;
   good.add("KHR_implicit_shapes", "shapes", {{"type", "box"}, {"box", {{"size", {1, 1, 1}}}}});
   good.add("KHR_physics_rigid_bodies", "physicsMaterials", {{"staticFriction", 0.5}});
   good.add("KHR_audio_rigid_bodies", "acousticSurfaces", {{"roughness", 1e-6}});
@@ -84,7 +84,7 @@ TEST_F(SceneFiles, TheRulesFindWhatBreaksThem) {
   node["extensions"]["KHR_audio_rigid_bodies"] = {{"acousticSurface", 0}};
   good.add_node(node);
   const auto faults = [&](const std::function<void(Json&)>& change) {
-    scene::test::GltfRoom room = good;
+    test::GltfRoom room = good;
     change(room.json);
     return SceneFiles::node("check_scene.js", {folder_.write("room.glb", room.glb())});
   };

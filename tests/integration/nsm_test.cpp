@@ -89,7 +89,7 @@ TEST_F(NsmTest, ASessionUnderNsmIsOpenedSavedEndedAndComesBack) {
     const auto bank = std::filesystem::current_path() / ("nsm-test-" + std::to_string(::getpid()) + ".glb");
     std::filesystem::copy_file(bank_, bank, std::filesystem::copy_options::overwrite_existing);
     const auto loaded = daemon->ask({"/load", {"tone", bank.string()}});
-    ASSERT_TRUE(loaded && std::holds_alternative<protocol::Done>(*loaded));
+    ASSERT_TRUE(loaded && loaded->holds<protocol::Done>());
     daemon->send({"/object/tone/gain", {0.25f}});
     ASSERT_TRUE(daemon->ask({"/object/tone/group", {"metal"}}));
     manager.send({"/nsm/client/save", {}});

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-namespace ringdown::test {
+namespace ringdown::test::errors_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -394,4 +394,4 @@ TEST(LibraryEvents, BeyondThoseOf128FramesHappenInTheNext) {
 }
 
 }  // namespace
-}  // namespace ringdown::test
+}  // namespace ringdown::test::errors_test

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <fstream>
 
-namespace ringdown::test {
+namespace ringdown::test::example_test {
 namespace {
 
 constexpr double kRate_hz = 48000, kPitch_hz = 1000, kDecay_per_s = 60;
@@ -104,4 +104,4 @@ TEST(LibraryExample, OfThePageCompilesAndPlays) {
 }
 
 }  // namespace
-}  // namespace ringdown::test
+}  // namespace ringdown::test::example_test

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace ringdown::test {
+namespace ringdown::test::interface_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -260,4 +260,4 @@ TEST(LibraryInstances, AreIndependent) {
 }
 
 }  // namespace
-}  // namespace ringdown::test
+}  // namespace ringdown::test::interface_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ringdown::test {
+namespace ringdown::test::realtime_test {
 namespace {
 
 TEST(LibraryOnTheAudioThread, NeitherEventsNorBlocksAllocateLockOrCallTheSystem) {
@@ -57,4 +57,4 @@ TEST(LibraryOnTheAudioThread, NeitherEventsNorBlocksAllocateLockOrCallTheSystem)
 }
 
 }  // namespace
-}  // namespace ringdown::test
+}  // namespace ringdown::test::realtime_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace ringdown::test {
+namespace ringdown::test::scene_test {
 namespace {
 
 const std::string kScene = RINGDOWN_SOURCE_DIR "/presets/scenes/dominoes.toml";
@@ -80,4 +80,4 @@ TEST(LibraryScene, GivesTheSamplesOfRingdownRender) {
 }
 
 }  // namespace
-}  // namespace ringdown::test
+}  // namespace ringdown::test::scene_test

@@ -10,7 +10,7 @@
 
 #include <random>
 
-namespace ringdown::test {
+namespace ringdown::test::score_test {
 namespace {
 
 using protocol::ObjectRef;
@@ -237,4 +237,4 @@ TEST_F(Score, OfTenThousandEventsGivesTheSamplesOfRingdownRender) {
 }
 
 }  // namespace
-}  // namespace ringdown::test
+}  // namespace ringdown::test::score_test

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace ringdown {
+namespace ringdown::solver_test {
 namespace {
 
 radiate::Body shaking_box() {
@@ -112,4 +112,4 @@ TEST(Radiation, RefusesOpenSurfacesThoseTurnedInsideOutAndFlowOfTheWrongSize) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::solver_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ringdown {
+namespace ringdown::sphere_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -135,4 +135,4 @@ TEST(RadiatingSphere, WithAMovingCapRadiatesAsTheSeriesSays) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::sphere_test

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ringdown {
+namespace ringdown::surface_power_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -85,4 +85,4 @@ TEST(SurfacePower, OfABendingPlateIsThatOfTheFarField) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::surface_power_test

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <map>
 
-namespace ringdown {
+namespace ringdown::symmetry_test {
 namespace {
 
 void turn_and_shift(mesh::TriangleMesh& surface) {
@@ -71,4 +71,4 @@ TEST(Symmetry, OfAPartRadiatesAsTheWholeSurface) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::symmetry_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ringdown {
+namespace ringdown::thin_body_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -184,4 +184,4 @@ TEST(SourceInside, OfWallsOfTwoMillimetresIsHeardWithinHalfADecibel) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::thin_body_test

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ringdown::scene {
+namespace ringdown::scene::bearing_test {
 namespace {
 
 using test::body_of;
@@ -120,4 +120,4 @@ TEST(Bearing, ReliefsAreSmoothedOverWhatBears) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::bearing_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-namespace ringdown::scene {
+namespace ringdown::scene::contact_life_test {
 namespace {
 
 constexpr double kStep_s = 0.001, kRepeat_s = 0.01;
@@ -120,4 +120,4 @@ TEST(Lasting, RollSpeedIsHowFastTheContactTravelsOverBothSurfaces) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::contact_life_test

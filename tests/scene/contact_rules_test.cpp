@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ringdown::scene {
+namespace ringdown::scene::contact_rules_test {
 namespace {
 
 TEST(SoftConstraint, ASoftConstraintFollowsFromSpringDamperAndStep) {
@@ -62,4 +62,4 @@ TEST(Surface, VariancesOfTexturesAdd) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::contact_rules_test

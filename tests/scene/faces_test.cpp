@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ringdown::scene {
+namespace ringdown::scene::faces_test {
 namespace {
 
 constexpr Matrix3 kStraight{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -70,4 +70,4 @@ TEST(Faces, FacesOnACornerOrAnEdgeShareNothing) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::faces_test

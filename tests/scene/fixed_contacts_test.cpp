@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace ringdown::scene {
+namespace ringdown::scene::fixed_contacts_test {
 namespace {
 
 constexpr double kSoftness = 5e-5;
@@ -153,4 +153,4 @@ TEST(FixedContacts, ABodyThatLandsOnACornerHasFrictionInProportionToItsOwnLoad) 
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::fixed_contacts_test

@@ -12,7 +12,7 @@
 #include <functional>
 #include <numbers>
 
-namespace ringdown::scene {
+namespace ringdown::scene::free_joint_test {
 namespace {
 
 using test::box_bank;
@@ -298,4 +298,4 @@ TEST(FreeJoint, WrongLimitsAreRefusedWithASentence) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::free_joint_test

@@ -12,12 +12,12 @@
 #include <cmath>
 #include <numbers>
 
-namespace ringdown::scene {
+namespace ringdown::scene::gltf_animation_test {
 namespace {
 
 using modal::Json;
 using test::GltfRoom;
-using test::run;
+using test::run_until;
 using test::silent_world;
 
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
@@ -73,7 +73,7 @@ TEST(GltfAnimation, AKinematicBodyKeepsItsVelocityAndNothingStopsIt) {
   const GltfScene scene = read(made);
   EXPECT_TRUE(scene.notes.empty());
   World world = silent_world(scene.scene);
-  run(world, 1.5);
+  run_until(world, 1.5);
   expect_near(world.bodies()[0].position_m, {1.5, 0, 0}, 1e-6);
   expect_near(rotated(world.bodies()[0].rotation, {1, 0, 0}), {std::cos(3.0), std::sin(3.0), 0}, 1e-6);
   EXPECT_GT(world.bodies()[1].position_m.x, 1.2) << "pushed along";
@@ -87,14 +87,14 @@ TEST(GltfAnimation, AMovingFloorCarriesWhatLiesOnIt) {
   animate(made, floor, "translation", {0, 1, 2}, {0, 0, 0, 0.5F, 0, 0, 0, 0, 0});
   const GltfScene scene = read(made);
   World world = silent_world(scene.scene);
-  run(world, 0.9);
+  run_until(world, 0.9);
   expect_near(world.bodies()[0].position_m, {0.45, 0, 0}, 1e-6);
   EXPECT_NEAR(world.bodies()[1].position_m.x, 0.45, 0.03);
   EXPECT_NEAR(world.bodies()[1].velocity_m_s.x, 0.5, 1e-3);
-  run(world, 1.8);
+  run_until(world, 1.8);
   expect_near(world.bodies()[0].position_m, {0.1, 0, 0}, 1e-6);
   EXPECT_NEAR(world.bodies()[1].velocity_m_s.x, -0.5, 1e-3);
-  run(world, 2.5);  // over and over
+  run_until(world, 2.5);  // over and over
   expect_near(world.bodies()[0].position_m, {0.25, 0, 0}, 1e-6);
 }
 
@@ -158,4 +158,4 @@ TEST(GltfAnimation, BrokenAnimationsAreRefused) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::gltf_animation_test

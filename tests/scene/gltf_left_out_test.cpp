@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace ringdown::scene {
+namespace ringdown::scene::gltf_left_out_test {
 namespace {
 
 using test::document;
@@ -19,7 +19,7 @@ using test::kBox;
 using test::kCollider0;
 using test::kCollider1;
 using test::node;
-using test::run;
+using test::run_until;
 using test::silent_world;
 
 TEST(GltfLeftOut, WhatIsNotPlayedIsNamedOnce) {
@@ -82,7 +82,7 @@ TEST(GltfLeftOut, BodiesFallThroughTriggers) {
                     kBall));
   ASSERT_EQ(read.scene.bodies.size(), 1);
   World world = silent_world(read.scene);
-  run(world, 1);
+  run_until(world, 1);
   EXPECT_LT(length(world.bodies()[0].position_m - Vec3{0, 0, 3 - 0.5 * 9.81}), 1e-9);
 }
 
@@ -98,7 +98,7 @@ TEST(GltfLeftOut, DoubleSidedPlanesHoldBodiesOnBothSides) {
                         kBall + R"(, {"type": "plane", "plane": {)" + ends + R"("doubleSided": true}})"));
       EXPECT_EQ(read.notes.size(), ends.empty() ? 1 : 0);
       World world = silent_world(read.scene);
-      run(world, 4);
+      run_until(world, 4);
       const std::vector<BodyState> ended = world.bodies();
       EXPECT_NEAR(ended[0].position_m.z, 0.101, 1e-3) << ends << scale;  // the sheet is 2 mm thick
       EXPECT_NEAR(ended[1].position_m.z, -0.101, 1e-3) << ends << scale;
@@ -107,4 +107,4 @@ TEST(GltfLeftOut, DoubleSidedPlanesHoldBodiesOnBothSides) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::gltf_left_out_test

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace ringdown::scene::test {
+namespace ringdown::test {
 
 class GltfRoom {
  public:
@@ -122,4 +122,4 @@ class GltfRoom {
   }
 };
 
-}  // namespace ringdown::scene::test
+}  // namespace ringdown::test

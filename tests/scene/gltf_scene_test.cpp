@@ -15,7 +15,7 @@
 #include <numbers>
 #include <string>
 
-namespace ringdown::scene {
+namespace ringdown::scene::gltf_scene_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -31,7 +31,7 @@ using test::kCollider1;
 using test::kPlane;
 using test::node;
 using test::parse;
-using test::run;
+using test::run_until;
 using test::silent_world;
 
 void expect_near(Vec3 a, Vec3 b, double tolerance) {
@@ -45,10 +45,10 @@ TEST(GltfScene, ABallFallsAlongMinusYOfTheFileAndRestsOnAPlane) {
                     kBall + "," + kPlane));
   EXPECT_TRUE(read.notes.empty());
   World world = silent_world(read.scene);
-  run(world, 0.5);
+  run_until(world, 0.5);
   // y of the file is our z, and z of the file our -y.
   expect_near(world.bodies()[0].position_m, {1, -3, 5 - 0.5 * kG * 0.25}, 1e-9);
-  run(world, 6);
+  run_until(world, 6);
   expect_near(world.bodies()[0].position_m, {1, -3, 1.1}, 1e-3);
 }
 
@@ -106,7 +106,7 @@ TEST(GltfScene, AGravityFactorScalesTheFall) {
                   R"(, "translation": [)" + std::to_string(k) + ", 0, 0]");
   }
   World world = silent_world(good(document(nodes, kBall)).scene);
-  run(world, 0.4);
+  run_until(world, 0.4);
   for (std::size_t k = 0; k < factors.size(); ++k)
     EXPECT_NEAR(world.bodies()[k].position_m.z, -0.5 * kG * factors[k] * 0.16, 1e-9) << factors[k];
 }
@@ -121,7 +121,7 @@ double bounce(const std::string& of_ball, const std::string& of_plane) {
                     kBall + "," + kPlane,
                     R"("physicsMaterials": [)" + material(of_ball) + "," + material(of_plane) + "]"))
           .scene);
-  run(world, std::sqrt(2 / kG) + 0.02);
+  run_until(world, std::sqrt(2 / kG) + 0.02);
   double highest = 0;
   for (int k = 0; k < 500; ++k) {
     world.step();
@@ -150,7 +150,7 @@ TEST(GltfScene, DynamicFrictionActsOnWhatSlides) {
               R"({"type": "box", "box": {"size": [0.4, 0.4, 0.4]}}, )" + kPlane,
               R"("physicsMaterials": [{"staticFriction": 0.9, "dynamicFriction": 0.3}])"))
           .scene);
-  run(world, 3);
+  run_until(world, 3);
   EXPECT_NEAR(world.bodies()[0].position_m.x, 9 / (2 * 0.3 * kG),
               0.02);  // v^2 / (2 mu g)
 }
@@ -163,7 +163,7 @@ TEST(GltfScene, FiltersSayWhoCollides) {
                           "," + node(R"("collider": {"geometry": {"shape": 1}, "collisionFilter": 1})"),
                       kBall + "," + kPlane, R"("collisionFilters": [{)" + of_ball + "}, {" + of_plane + "}]"))
             .scene);
-    run(world, 0.6);
+    run_until(world, 0.6);
     return world.bodies()[0].position_m.z < 0;
   };
   const std::string is_a = R"("collisionSystems": ["a"])", is_b = R"("collisionSystems": ["b"])";
@@ -190,7 +190,7 @@ TEST(GltfScene, EveryShapeRestsOnAPlane) {
                                        "," + node(kCollider1),
                                    shape + "," + kPlane))
                          .scene);
-    run(world, 3);
+    run_until(world, 3);
     EXPECT_NEAR(world.bodies()[0].position_m.z, height, 2e-3) << shape;
   }
 }
@@ -203,7 +203,7 @@ TEST(GltfScene, ACapsuleLiesDown) {
                    "," + node(kCollider1),
                R"({"type": "capsule", "capsule": {"height": 0.5, "radiusTop": 0.1, "radiusBottom": 0.1}}, )" + kPlane))
           .scene);
-  run(world, 6);
+  run_until(world, 6);
   EXPECT_NEAR(world.bodies()[0].position_m.z, 0.1, 5e-3);
 }
 
@@ -222,7 +222,7 @@ TEST(GltfScene, SeveralCollidersMakeOneBody) {
   const double top = 1.0 * 0.1 * 1.2, leg = 0.1 * 0.95 * 0.6;
   expect_near(read.scene.bodies[0].mass->center_of_mass_m, {0, (top * 1 + 2 * leg * 0.5) / (top + 2 * leg), 0}, 1e-9);
   World world = silent_world(read.scene);
-  run(world, 2);
+  run_until(world, 2);
   EXPECT_NEAR(world.bodies()[0].position_m.z, -0.025,
               3e-3);  // the legs end 0.025 above the node
 }
@@ -253,7 +253,7 @@ TEST(GltfScene, AMeshInDataUrisIsAFloor) {
                         node(R"("collider": {"geometry": {"node": 1}})", R"(, "mesh": 0, "scale": [2, 1, 3])"),
                     kBall, "", kSquare + square_buffers()))
           .scene);
-  run(world, 4);
+  run_until(world, 4);
   expect_near(world.bodies()[0].position_m, {0.3, -0.2, 0.1}, 5e-3);
 }
 
@@ -269,7 +269,7 @@ TEST(GltfScene, AMeshOfQuantizedPointsIsAFloor) {
       kBall, "", R"(, "extensionsRequired": ["KHR_mesh_quantization"])" + square + square_buffers(bytes_of(points))));
   EXPECT_TRUE(read.notes.empty());
   World world = silent_world(read.scene);
-  run(world, 4);
+  run_until(world, 4);
   expect_near(world.bodies()[0].position_m, {0.3, -0.2, 0.1}, 5e-3);
 }
 
@@ -282,7 +282,7 @@ TEST(GltfScene, ASliderFallsToItsLimitAndAFixedJointHolds) {
                          node(R"("joint": {"connectedNode": 1, "joint": 0})", R"(, "translation": [0, 2, 0])"),
                      kBall, R"("physicsJoints": [{"limits": [)" + limits + "]}]"))
             .scene);
-    run(world, 2);
+    run_until(world, 2);
     return world.bodies()[0].position_m;
   };
   const std::string no_turn = R"({"angularAxes": [0, 1, 2], "min": 0, "max": 0})";
@@ -303,7 +303,7 @@ TEST(GltfScene, AHingesDriveTurnsAtItsSpeedAndSpringsToItsTarget) {
                          "drives": [{"type": "angular", "axis": 1, )" +
                     drive + "}]}]"))
             .scene);
-    run(world, seconds);
+    run_until(world, seconds);
     return world.bodies()[0];
   };
   const BodyState steady = turned(R"("mode": "force", "velocityTarget": 2, "damping": 5)", 2);
@@ -332,7 +332,7 @@ TEST(GltfScene, AMotorBesideALockedTurnCreepsWithoutTurning) {
   ASSERT_EQ(read.scene.joints.size(), 1);
   World world = silent_world(read.scene);
   const Rotation upright = world.bodies()[1].rotation;
-  run(world, 3);
+  run_until(world, 3);
   const BodyState body = world.bodies()[1];
   EXPECT_NEAR(body.center_m.x, 0.009, 2e-4);
   EXPECT_NEAR(body.center_m.z, 0.03, 1e-3);
@@ -475,4 +475,4 @@ TEST(GltfScene, DamagedDocumentsNeverEndTheProcess) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::gltf_scene_test

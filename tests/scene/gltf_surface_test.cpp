@@ -14,7 +14,7 @@
 #include <map>
 #include <numbers>
 
-namespace ringdown::scene {
+namespace ringdown::scene::gltf_surface_test {
 namespace {
 
 using modal::Json;
@@ -245,4 +245,4 @@ TEST(GltfSurface, ReliefsOfEndedScenesAreKeptOnce) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::gltf_surface_test

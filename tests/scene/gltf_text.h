@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-namespace ringdown::scene::test {
+namespace ringdown::test {
 
-inline Result<GltfScene> parse(const std::string& text) {
+inline Result<scene::GltfScene> parse(const std::string& text) {
   const modal::ReadBeside none = [](const std::string& relative, std::size_t) -> Result<std::string> {
     return fail(ErrorKind::bad_input, "no file " + relative);
   };
-  return parse_gltf_scene(std::as_bytes(std::span(text)), "room.gltf", none);
+  return scene::parse_gltf_scene(std::as_bytes(std::span(text)), "room.gltf", none);
 }
 
 // A document of nodes, shapes, and further members of the physics extension and of the whole.
@@ -41,19 +41,19 @@ inline const std::string kPlane = R"({"type": "plane", "plane": {}})";
 inline const std::string kCollider0 = R"("collider": {"geometry": {"shape": 0}})";
 inline const std::string kCollider1 = R"("collider": {"geometry": {"shape": 1}})";
 
-inline GltfScene good(const std::string& text) {
+inline scene::GltfScene good(const std::string& text) {
   auto read = parse(text);
   EXPECT_TRUE(read) << read.error().message;
-  return read.value_or(GltfScene());
+  return read.value_or(scene::GltfScene());
 }
 
-inline World silent_world(const SceneDescription& scene) {
-  auto world = World::create(scene, {}, 48000);
+inline scene::World silent_world(const scene::SceneDescription& scene) {
+  auto world = scene::World::create(scene, {}, 48000);
   if (!world) throw std::runtime_error(world.error().message);
   return std::move(*world);
 }
 
-inline void run(World& world, double seconds) {
+inline void run_until(scene::World& world, double seconds) {
   while (world.time_s() < seconds - 1e-9) world.step();
 }
 
@@ -76,4 +76,4 @@ std::string bytes_of(const std::vector<T>& values) {
   return bytes;
 }
 
-}  // namespace ringdown::scene::test
+}  // namespace ringdown::test

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace ringdown::scene {
+namespace ringdown::scene::gltf_writer_test {
 namespace {
 
 const std::filesystem::path kPresets = std::filesystem::path(RINGDOWN_SOURCE_DIR) / "presets";
@@ -165,4 +165,4 @@ TEST(GltfWriter, OtherProgramsFindAFreeJointsFramesLimitsAndDrives) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::gltf_writer_test

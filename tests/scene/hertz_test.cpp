@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ringdown::scene {
+namespace ringdown::scene::hertz_test {
 namespace {
 
 constexpr Elastic kSteel{2e11, 0.3}, kRubber{1e8, 0.49};
@@ -122,4 +122,4 @@ TEST(ContactTime, ABanksMaterialCountsForTheContactTime) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::hertz_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace ringdown::scene {
+namespace ringdown::scene::hull_test {
 namespace {
 
 std::vector<Vec3> points_on_sphere(std::size_t count, double radius) {
@@ -58,4 +58,4 @@ TEST(Hull, AHullOfFlatOrTooFewPointsIsRefused) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::hull_test

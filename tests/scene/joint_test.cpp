@@ -9,7 +9,7 @@
 #include <numbers>
 #include <set>
 
-namespace ringdown::scene {
+namespace ringdown::scene::joint_test {
 namespace {
 
 using test::body_of;
@@ -224,4 +224,4 @@ TEST(Emitter, AnEmittersBodiesCountAmongThoseOfTheScene) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::joint_test

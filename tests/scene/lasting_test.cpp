@@ -8,7 +8,7 @@
 #include <map>
 #include <numbers>
 
-namespace ringdown::scene {
+namespace ringdown::scene::lasting_test {
 namespace {
 
 using synth::Event;
@@ -272,4 +272,4 @@ TEST(Contact, AStackThatSettlesHasNoContactThatLasts) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::lasting_test

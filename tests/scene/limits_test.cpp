@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <string>
 
-namespace ringdown::scene {
+namespace ringdown::scene::limits_test {
 namespace {
 
 using test::box_bank;
@@ -122,4 +122,4 @@ TEST(Limits, ASceneMayHaveStaticsUpToTheLimitAndNoMore) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::limits_test

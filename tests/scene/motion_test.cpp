@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace ringdown::scene {
+namespace ringdown::scene::motion_test {
 namespace {
 
 using test::body_of;
@@ -104,4 +104,4 @@ TEST(Motion, ABoxSlidesToAStopByCoulombsLaw) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::motion_test

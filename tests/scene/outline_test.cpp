@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ringdown::scene {
+namespace ringdown::scene::outline_test {
 namespace {
 
 void expect_near(Vec3 a, Vec3 b, double tolerance = 1e-12) {
@@ -80,4 +80,4 @@ TEST(Outline, ABankOfAnotherSizeMakesAnotherBody) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::outline_test

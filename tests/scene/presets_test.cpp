@@ -14,7 +14,7 @@
 #include <map>
 #include <tuple>
 
-namespace ringdown::scene {
+namespace ringdown::scene::presets_test {
 namespace {
 
 const std::filesystem::path kPresets = std::filesystem::path(RINGDOWN_SOURCE_DIR) / "presets";
@@ -175,4 +175,4 @@ INSTANTIATE_TEST_SUITE_P(Of, RestingPreset,
                          });
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::presets_test

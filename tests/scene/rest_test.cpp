@@ -6,7 +6,7 @@
 
 #include <map>
 
-namespace ringdown::scene {
+namespace ringdown::scene::rest_test {
 namespace {
 
 using test::body_of;
@@ -175,4 +175,4 @@ TEST(Rest, TheFloorDampsNothingWhereSeveralBodiesShareAnObjectOrTheSceneSaysSo) 
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::rest_test

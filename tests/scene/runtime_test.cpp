@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace ringdown::scene {
+namespace ringdown::scene::runtime_test {
 namespace {
 
 using test::body_of;
@@ -292,4 +292,4 @@ TEST(Stress, APileUsesTheIterativeSolverAndIsStillTheSameTwice) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::runtime_test

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace ringdown::scene {
+namespace ringdown::scene::scene_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -344,4 +344,4 @@ TEST_F(SceneFile, TooManyBodiesInASceneFileAreRefused) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::scene_file_test

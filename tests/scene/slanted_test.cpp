@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ringdown::test {
+namespace ringdown::test::slanted_test {
 namespace {
 
 // What a plane gives a body of mass m and moment of inertia I, all motion in the plane of x and z, at a point r from
@@ -122,4 +122,4 @@ TEST(SlantedLanding, ABoxsImpulseIsTheClosedFormsAtAnyAngleAndFriction) {
 }
 
 }  // namespace
-}  // namespace ringdown::test
+}  // namespace ringdown::test::slanted_test

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace ringdown::scene {
+namespace ringdown::scene::solid_test {
 namespace {
 
 constexpr Vec3 kSize{0.1, 0.2, 0.3}, kCenter{1, 2, 3};
@@ -117,4 +117,4 @@ TEST(Solid, ASolidThatWouldEndTheProcessInOdeIsRefused) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::solid_test

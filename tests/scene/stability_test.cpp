@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace ringdown::scene {
+namespace ringdown::scene::stability_test {
 namespace {
 
 using test::body_of;
@@ -468,4 +468,4 @@ TEST(Stability, SleepingBodiesGiveNoEventsAndWakeWhenTouched) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::stability_test

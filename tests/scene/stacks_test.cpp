@@ -12,7 +12,7 @@
 #include <random>
 #include <string>
 
-namespace ringdown::scene {
+namespace ringdown::scene::stacks_test {
 namespace {
 
 constexpr double kRest_m_s = 0.01;
@@ -139,4 +139,4 @@ TEST(Stacks, BodiesThatOverlapArePartedWithoutSpeed) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::stacks_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <ostream>
 
-namespace ringdown::scene {
+namespace ringdown::scene::strike_test {
 namespace {
 
 using synth::Event;
@@ -362,4 +362,4 @@ TEST(Strike, TheSameSeedGivesTheSameEventsBitForBit) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::strike_test

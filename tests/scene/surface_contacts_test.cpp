@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ringdown::scene {
+namespace ringdown::scene::surface_contacts_test {
 namespace {
 
 constexpr Vec3 kBar{0.4, 0.04, 0.02};
@@ -85,4 +85,4 @@ TEST(SurfaceContacts, TheThicknessOfAPlateIsNearlyItsHeight) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::surface_contacts_test

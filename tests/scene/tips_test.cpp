@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace ringdown::scene {
+namespace ringdown::scene::tips_test {
 namespace {
 
 using test::box_bank;
@@ -226,4 +226,4 @@ TEST(Tips, OfAFlyingRodMeetTheRimOfAWall) {
 }
 
 }  // namespace
-}  // namespace ringdown::scene
+}  // namespace ringdown::scene::tips_test

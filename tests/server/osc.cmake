@@ -6,4 +6,4 @@ ringdown_test(osc_test
               LINK ringdown_osc ringdown_protocol PkgConfig::LIBLO)
 add_dependencies(osc_test ringdown)
 # The daemon's parts inside the test's own process.
-ringdown_test(osc_server_test SOURCES capacity_test.cpp describe_test.cpp frame_clock_test.cpp limits_test.cpp log_test.cpp osc_namespace_test.cpp osc_server_test.cpp osc_stream_test.cpp realtime_share_test.cpp state_test.cpp watch_test.cpp LINK ringdown_daemon ringdown_test_support PkgConfig::LIBLO)
+ringdown_test(osc_server_test ALIKE SOURCES capacity_test.cpp describe_test.cpp frame_clock_test.cpp limits_test.cpp log_test.cpp osc_namespace_test.cpp osc_server_test.cpp osc_stream_test.cpp realtime_share_test.cpp state_test.cpp watch_test.cpp LINK ringdown_daemon ringdown_test_support PkgConfig::LIBLO)

@@ -13,7 +13,7 @@
 #include <fstream>
 #include <numbers>
 
-namespace ringdown {
+namespace ringdown::distributed_test {
 namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
@@ -146,4 +146,4 @@ TEST_F(Files, ModesOfAnotherMeshAreRefused) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::distributed_test

@@ -6,7 +6,7 @@
 #include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
-namespace ringdown {
+namespace ringdown::eigensolver_test {
 namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
@@ -225,4 +225,4 @@ TEST(Eigensolver, ASolveRefusesMoreModesThanAllowed) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::eigensolver_test

@@ -13,7 +13,7 @@
 #include <numeric>
 #include <span>
 
-namespace ringdown {
+namespace ringdown::error_estimate_test {
 namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850}, kSoft{200e9, 0.49, 7850};
@@ -166,4 +166,4 @@ TEST(ErrorEstimateOfAnyMesh, EstimatedErrorFallsAsFastAsTheTrueOne) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::error_estimate_test

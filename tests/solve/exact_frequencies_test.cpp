@@ -12,7 +12,7 @@
 #include <fstream>
 #include <numbers>
 
-namespace ringdown {
+namespace ringdown::exact_frequencies_test {
 namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850}, kSoft{200e9, 0.49, 7850};
@@ -176,4 +176,4 @@ TEST(LinearTetrahedra, LinearTetrahedraAreFarTooStiffInBending) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::exact_frequencies_test

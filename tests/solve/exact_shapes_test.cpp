@@ -16,7 +16,7 @@
 #include <functional>
 #include <numbers>
 
-namespace ringdown {
+namespace ringdown::exact_shapes_test {
 namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
@@ -132,4 +132,4 @@ TEST(ExactShapes, ShapesOfASphereSpanTheClosedForm) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::exact_shapes_test

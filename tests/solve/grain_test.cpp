@@ -15,7 +15,7 @@
 #include <span>
 #include <string_view>
 
-namespace ringdown {
+namespace ringdown::grain_test {
 namespace {
 
 constexpr fem::Elastic kSteelLike{200e9, 0.3, 7850};
@@ -161,4 +161,4 @@ TEST(Grain, WhatAModeLosesIsTheSensitivityOfItsEigenvalue) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::grain_test

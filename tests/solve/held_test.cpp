@@ -10,7 +10,7 @@
 #include <numbers>
 #include <span>
 
-namespace ringdown {
+namespace ringdown::held_test {
 namespace {
 
 constexpr fem::Elastic kSteelBar{200e9, 0.3, 7850};
@@ -226,4 +226,4 @@ TEST(Held, TheErrorEstimateKnowsWhatHoldsABody) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::held_test

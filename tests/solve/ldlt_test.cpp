@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <system_error>
 
-namespace ringdown {
+namespace ringdown::ldlt_test {
 namespace {
 
 using solve::Block;
@@ -278,4 +278,4 @@ TEST(Team, ATeamThatGetsTooFewThreadsEndsThoseItHas) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::ldlt_test

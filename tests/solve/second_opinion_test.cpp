@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace ringdown {
+namespace ringdown::second_opinion_test {
 namespace {
 
 using solve::Method;
@@ -175,4 +175,4 @@ TEST_F(SpoiledModes, ModesOfOtherMatricesAreFoundByTheirResiduals) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::second_opinion_test

@@ -11,7 +11,7 @@
 #include <functional>
 #include <numbers>
 
-namespace ringdown {
+namespace ringdown::shape_change_test {
 namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
@@ -86,4 +86,4 @@ TEST(ShapeChange, ALongerBarAndAThickerOneAreForeseen) {
 }
 
 }  // namespace
-}  // namespace ringdown
+}  // namespace ringdown::shape_change_test

@@ -28,7 +28,7 @@ constexpr int kWidth = 480, kHeight = 300;
 // A glass bar that falls onto a stone slab, and a camera in front of them. Colliders name shapes as the add-on writes
 // them, filters have its systems, and joints its nodes; a lamp is there as in every file from Blender.
 fs::path write_room(const TemporaryFolder& folder) {
-  scene::test::GltfRoom room;
+  test::GltfRoom room;
   const char* shapes = "KHR_collision_shapes";
   room.json["extensionsUsed"] = {kPhysics, shapes, kAudio, "KHR_lights_punctual"};
   room.json["extensions"]["KHR_lights_punctual"]["lights"] = {
