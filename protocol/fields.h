@@ -1,4 +1,4 @@
-// What a row of the table is made of: its arguments, each with the member that it fills. Private to protocol/.
+// The arguments of a row of the table, each with the member that it fills. Private to protocol/.
 //
 //   number(&strike.contact_time_s, "contact_time", kContactTime, "How long the blow lasts.")
 //

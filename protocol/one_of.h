@@ -30,7 +30,7 @@ struct Types {
   template <class T>
   static constexpr bool kHas = (std::is_same_v<T, Alternatives> || ...);
 
-  // Where T stands in the list, which must have it.
+  // The position of T in the list, which must have it.
   template <class T>
   static constexpr std::size_t index_of() {
     static_assert(kHas<T>, "this type is not in the list");
@@ -43,7 +43,7 @@ struct Types {
 
 namespace detail {
 
-// What can be done with a value of some type.
+// The operations on a value of one type.
 struct Operations {
   void (*copy)(void* to, const void* from);
   void (*move)(void* to, void* from) noexcept;
@@ -120,7 +120,7 @@ class OneOf<Types<Alternatives...>> {
   [[nodiscard]] T* get_if() {
     return holds<T>() ? &get<T>() : nullptr;
   }
-  // Where the value is, whatever its type.
+  // The address of the value, whatever its type.
   [[nodiscard]] const void* address() const { return storage_; }
   [[nodiscard]] void* address() { return storage_; }
 

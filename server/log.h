@@ -59,7 +59,7 @@ void log_warning(std::string_view sentence);
 // A number with so many decimals, for such a sentence.
 std::string fixed(double value, int decimals);
 
-// Where the process's lines of the log go, as long as it lives.
+// A Log takes the log's lines of the whole process as long as it lives.
 class Log {
  public:
   // Writes to `descriptor`, in colours if it is a terminal.

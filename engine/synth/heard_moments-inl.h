@@ -131,7 +131,8 @@ HWY_INLINE void weigh(Complex s, std::size_t i, Group& group) {
   }
 }
 
-// What a shifted time makes of a group. Not inlined: its exponentials are long, and several functions need it.
+// Finds a group's weights and steps where time is shifted. It is not inlined: its exponentials are long, and several
+// functions need it.
 template <class Group>
 HWY_NOINLINE HWY_ATTR void shift(const ModeArrays& modes, std::size_t first, std::size_t frames, Group& group) {
   const Tag tag;

@@ -1,4 +1,4 @@
-// What a machine's speed is measured by: ./run build --times compiles this file beside the player and states build
+// This file measures a machine's speed: ./run build --times compiles it beside the player and states build
 // times in units of it, so that a quarter more is a quarter more on any machine. It never changes: a change would move
 // every figure in seconds.tsv. It parses standard headers and instantiates and optimises templates, as the project
 // does.

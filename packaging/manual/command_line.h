@@ -142,7 +142,7 @@ class App {
   // --help. Leaves out `except` (with dashes) and arguments that stand by their place.
   [[nodiscard]] std::vector<std::string> given_options(std::initializer_list<std::string_view> except) const;
 
-  // What may stand in a settings file: the options with long names.
+  // An option that may stand in a settings file: one with a long name.
   struct Key {
     std::string name;  // without dashes
     bool is_switch, is_list;

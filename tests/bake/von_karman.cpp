@@ -43,11 +43,11 @@ struct Legendre {
 };
 
 // All products a_i(x) b_j(y) at the points (x, y) of a tensor grid, or at a list of points.
-Eigen::MatrixXd products(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, int most_total) {
+Eigen::MatrixXd products(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, int max_total) {
   std::vector<Eigen::VectorXd> columns;
   for (Eigen::Index i = 0; i < a.cols(); ++i) {
     for (Eigen::Index j = 0; j < b.cols(); ++j) {
-      if (i + j <= most_total) columns.emplace_back(a.col(i).cwiseProduct(b.col(j)));
+      if (i + j <= max_total) columns.emplace_back(a.col(i).cwiseProduct(b.col(j)));
     }
   }
   Eigen::MatrixXd all(a.rows(), static_cast<Eigen::Index>(columns.size()));
@@ -95,9 +95,9 @@ PlateTerms plate(const Eigen::VectorXd& x, const Eigen::VectorXd& y, const Eigen
     return rows;
   };
   const Legendre c(membrane_degree, x), d(membrane_degree, y);
-  const int most_in_plane = total ? membrane_degree : all;
-  const Eigen::MatrixXd ux = products(c.first, d.value, most_in_plane) / scale,
-                        uy = products(c.value, d.first, most_in_plane) / scale;
+  const int max_in_plane = total ? membrane_degree : all;
+  const Eigen::MatrixXd ux = products(c.first, d.value, max_in_plane) / scale,
+                        uy = products(c.value, d.first, max_in_plane) / scale;
   const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(ux.rows(), ux.cols());
   Eigen::MatrixXd in_plane(3 * points, 2 * ux.cols());
   in_plane << field(ux, zero, uy), field(zero, uy, ux);
