@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Compares the frequencies of the banks in two folders, those of their folders too, but with --flat.
+"""Compares the frequencies of the banks in two folders and in the folders below them; with --of-fresh only of those that FRESH has.
 
-usage: compare_banks.py [--flat] KEPT FRESH
+usage: compare_banks.py [--of-fresh] KEPT FRESH
 
 FRESH has all modes of the band, KEPT perhaps the most important ones only, which depend on what modes radiate. Prints each
 bank with a frequency that FRESH has not within 1e-5, or that is in one of the folders only. Exit code 1 when there is one.
@@ -25,12 +25,12 @@ def frequencies(path):
     return sorted(math.hypot(f, d / (2 * math.pi)) for f, d in zip(damped, decays))
 
 
-def banks_below(folder, flat):
+def banks_below(folder):
     return {
         os.path.relpath(os.path.join(root, name), folder)
         for root, _, files in os.walk(folder)
         for name in files
-        if name.endswith(".glb") and not (flat and root != folder)
+        if name.endswith(".glb")
     }
 
 
@@ -48,11 +48,11 @@ def difference(kept, fresh):
 
 
 def main():
-    flat, folders = "--flat" in sys.argv, [word for word in sys.argv[1:] if word != "--flat"]
+    of_fresh, folders = "--of-fresh" in sys.argv, [word for word in sys.argv[1:] if word != "--of-fresh"]
     if len(folders) != 2:
         sys.exit(__doc__)
     kept, fresh = folders
-    names, faults = sorted(banks_below(kept, flat) | banks_below(fresh, flat)), 0
+    names, faults = sorted(banks_below(fresh) if of_fresh else banks_below(kept) | banks_below(fresh)), 0
     for name in names:
         sentence = difference(os.path.join(kept, name), os.path.join(fresh, name))
         if sentence:
