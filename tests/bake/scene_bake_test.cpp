@@ -238,10 +238,10 @@ TEST(SceneBake, NonlinearTermsFollowTheArraysThatWereThere) {
   const TemporaryFolder folder;
   GltfRoom room;
   constexpr double kThickness_m = 0.003;
-  room.add("KHR_implicit_shapes", "shapes", {{"type", "box"}, {"box", {{"size", {0.2, 0.15, kThickness_m}}}}});
-  room.add_node(body("Sheet", room.add_box("Sheet", {0.2, 0.15, kThickness_m}), add_ceramic(room)));
+  room.add("KHR_implicit_shapes", "shapes", {{"type", "box"}, {"box", {{"size", {0.1, 0.08, kThickness_m}}}}});
+  room.add_node(body("Sheet", room.add_box("Sheet", {0.1, 0.08, kThickness_m}), add_ceramic(room)));
   const fs::path file = folder.write("room.glb", room.glb());
-  const Ran ran = bake(file, "--band 20 3000 --nonlinear 4");
+  const Ran ran = bake(file, "--band 20 10000 --nonlinear 4");
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   const modal::Bank bank = bank_of(file, take_apart(content(file)).json, 0);
   ASSERT_TRUE(bank.nonlinear);

@@ -45,7 +45,7 @@ fs::path BoxFolder::write(const std::string& name, const std::string& text) cons
 
 void BoxFolder::box(const std::string& name, int length_mm, const std::string& more) const {
   write("objects/" + name + ".toml", "material = \"stuff\"\ngeometry = \"" + (objects() / "box.geo").string() +
-                                         "\"\nunit_m = 0.001\nelement = \"tet4\"\n" + more +
+                                         "\"\nunit_m = 0.001\nmesh_size_m = 0.02\nelement = \"tet4\"\n" + more +
                                          "\n[parameters]\nlength = " + std::to_string(length_mm) + "\n");
 }
 

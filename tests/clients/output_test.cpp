@@ -5,13 +5,17 @@
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
+#include <sndfile.hh>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <random>
 #include <thread>
 
@@ -30,14 +34,20 @@ std::string content(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// A tetrahedron's surface, a second of two decaying tones, a scene without objects.
+// A tetrahedron's surface, a quarter of a second of a decaying tone, a scene without objects.
 void write_inputs(const fs::path& folder) {
   std::ofstream(folder / "solid.ply")
       << "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
          "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
          "0 0 0\n.1 0 0\n0 .1 0\n0 0 .1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
   std::ofstream(folder / "still.toml") << "[scene]\nduration_s = 0.1\n";
-  run({program("ringdown"), "materials", "steel", "--sound", folder / "blow.wav"});
+  std::array<double, 12000> tone{};
+  for (std::size_t n = 0; n < tone.size(); ++n) {
+    const double t_s = static_cast<double>(n) / 48000;
+    tone[n] = 0.5 * std::exp(-30 * t_s) * std::sin(2 * std::numbers::pi * 700 * t_s);
+  }
+  SndfileHandle(folder / "blow.wav", SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_FLOAT, 1, 48000)
+      .write(tone.data(), tone.size());
 }
 
 struct Writer {

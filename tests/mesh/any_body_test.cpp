@@ -50,7 +50,7 @@ const std::map<std::string, Shape>& shapes() {
       {"bar", {"Box(1) = {0, 0, 0, 0.2, 0.02, 0.01};", test::box({0, 0, 0}, {0.2, 0.02, 0.01}), 0.012, 12e3}},
       {"ball", {"Sphere(1) = {0, 0, 0, 0.05};", test::sphere(0.05, 48), 0.025, 50e3}},
       {"rod", {"Cylinder(1) = {0, 0, 0, 0, 0, 0.15, 0.02};", test::cylinder(0.02, 0.15, 48), 0.015, 20e3}},
-      {"ring", {"Torus(1) = {0, 0, 0, 0.05, 0.012};", test::torus(0.05, 0.012, 32), 0.015, 16e3}},
+      {"ring", {"Torus(1) = {0, 0, 0, 0.05, 0.012};", test::torus(0.05, 0.012, 32), 0.02, 16e3}},
       {"tube",
        {"Cylinder(1) = {0, 0, 0, 0, 0, 0.1, 0.03}; Cylinder(2) = {0, 0, 0, 0, 0, 0.1, 0.024}; "
         "BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };",
@@ -58,11 +58,11 @@ const std::map<std::string, Shape>& shapes() {
       {"cup",
        {"Cylinder(1) = {0, 0, 0, 0, 0, 0.08, 0.04}; Cylinder(2) = {0, 0, 0.006, 0, 0, 0.08, 0.034}; "
         "BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };",
-        test::cup(0.04, 0.08, 0.006, 64), 0.015, 14e3}},
+        test::cup(0.04, 0.08, 0.006, 64), 0.02, 14e3}},
       {"bowl",
        {"Sphere(1) = {0, 0, 0, 0.05, -Pi/2, 0}; Sphere(2) = {0, 0, 0, 0.044}; "
         "BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };",
-        test::bowl(0.05, 0.006, 64), 0.015, 14e3}},
+        test::bowl(0.05, 0.006, 64), 0.02, 14e3}},
       {"L",
        {"Box(1) = {0, 0, 0, 0.12, 0.04, 0.02}; Box(2) = {0, 0.04, 0, 0.06, 0.04, 0.02}; "
         "BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };",

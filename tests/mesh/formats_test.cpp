@@ -53,6 +53,7 @@ std::vector<double> notes_of(const mesh::CheckedMesh& mesh) {
   bake::BakeOptions options;
   options.element = fem::Element::kTet10;
   options.band_high_hz = 35e3;
+  options.points = 40;
   const auto baked = bake::bake(mesh, ceramic, options, "body");
   if (!baked) return {};
   std::vector<double> notes = baked->bank.frequency_hz;

@@ -55,7 +55,7 @@ bool same(const synth::Event& a, const synth::Event& b) {
 TEST_P(BlockSize, TheEventsOfASceneAreTheSameInBlocksOfAnySize) {
   const auto reference = events_in_blocks(GetParam(), 256);
   EXPECT_GT(reference.size(), 5u);
-  for (const Frame block : {1, 64, 255, 1024, 8192}) {
+  for (const Frame block : {1, 255, 8192}) {
     const auto events = events_in_blocks(GetParam(), block);
     EXPECT_TRUE(std::ranges::equal(events, reference, same)) << "blocks of " << block;
   }

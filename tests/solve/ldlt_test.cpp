@@ -112,7 +112,7 @@ TEST_P(Threads, OneVectorIsSolvedForLikeOneOfEight) {
 }
 
 TEST_P(Threads, NegativePivotsCountEigenvalues) {
-  const fem::System system = box_system({3, 2, 2});
+  const fem::System system = box_system({2, 2, 1});
   const Eigen::MatrixXd mass = mass_matrix(system), stiffness = full(system.stiffness);
   const Eigen::VectorXd exact =
       Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness, mass).eigenvalues();

@@ -43,7 +43,7 @@ std::vector<Sample> samples() {
           {"boxes through each other", joined(box, moved(box, {0.3, 0.25, 0.2}, some_turn())), 0.1},
           {"doubled and turned", with_turned(with_doubled(sphere, 0.3), 0.02), 0.17, 4 * pi / 3},
           {"soup of large triangles", random_soup(80, 0.6, 4), 0.16},
-          {"soup of small triangles", random_soup(1500, 0.15, 5), 0.08},
+          {"soup of small triangles", random_soup(900, 0.15, 5), 0.08},
           {"open box", with_holes(box, 0.3, 9), 0.1}};
 }
 
