@@ -46,7 +46,7 @@ void RealtimeShare::turn() {
     begin_s_ = now_s;
     used_s_ = used_s;
     if (!raised_) raised_ = system_.set_priority(priority_) == 0;
-  } else if (raised_ && used_s - used_s_ >= kMost_s) {
+  } else if (raised_ && used_s - used_s_ >= kMax_s) {
     raised_ = system_.set_priority(0) != 0;
   }
 }

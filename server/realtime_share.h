@@ -17,7 +17,7 @@ namespace ringdown::server {
 
 class RealtimeShare {
  public:
-  static constexpr double kPeriod_s = 0.02, kMost_s = 0.01;
+  static constexpr double kPeriod_s = 0.02, kMax_s = 0.01;
 
   // The functions of the system that a share uses; tests replace them.
   struct System {

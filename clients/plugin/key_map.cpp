@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLeadingModes = 8;  // decide where an object moves most, as without a note map in the daemon
 constexpr double kBlow_m_s = 0.1;         // what a blow gives the object as a whole, likewise
-constexpr double kLeastSize = 0.01, kMostSize = 100;  // what libringdown takes
+constexpr double kMinSize = 0.01, kMaxSize = 100;  // what libringdown takes
 constexpr double kLowest_hz = 20, kHighest_hz = 20000;
 constexpr double kPitchContact_s = 2e-4,
                  kEnoughEnergy = 0.01;  // of the mode with most: that of the pitch may have less
@@ -254,7 +254,7 @@ double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterV
     const double material = std::sqrt(parameters[Parameter::stiffness] / parameters[Parameter::density]);
     size *= map.body_of(object).pitch_hz * material / wanted_hz;
   }
-  return std::clamp(size, kLeastSize, kMostSize);
+  return std::clamp(size, kMinSize, kMaxSize);
 }
 
 // A body that is s times as large has s^3 times the mass. Its modes move 1/s^(3/2) times as much per impulse and

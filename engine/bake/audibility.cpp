@@ -69,18 +69,18 @@ struct Heard {
 
 std::vector<Heard> heard_at(const modal::Bank& bank, const Eigen::Ref<const Eigen::VectorXd>& amplitudes) {
   std::vector<Heard> heard;
-  double loudest = -INFINITY, most_collected = -INFINITY;
+  double loudest = -INFINITY, max_collected = -INFINITY;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double power = std::pow(amplitudes[static_cast<Eigen::Index>(m)], 2), decay = bank.decay_per_s[m];
     heard.push_back({db(power), db(power * collected_s(decay)), -20 * decay / std::numbers::ln10, bank.frequency_hz[m],
                      modal::bark(bank.frequency_hz[m])});
     loudest = std::max(loudest, heard.back().start_db);
-    most_collected = std::max(most_collected, heard.back().collected_db);
+    max_collected = std::max(max_collected, heard.back().collected_db);
   }
   if (std::isinf(loudest)) return {};  // a point where nothing moves
   for (Heard& mode : heard) {
     mode.start_db += kLoudest_db - loudest;
-    mode.collected_db += kLoudest_db - most_collected;
+    mode.collected_db += kLoudest_db - max_collected;
   }
   return heard;
 }

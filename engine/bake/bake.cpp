@@ -59,7 +59,7 @@ Result<void> check_options(const BakeOptions& options) {
     return fail(ErrorKind::bad_input, "a bank needs at least 4 surface points");
   if (!(options.shape_error > 0 && options.shape_error < 1))
     return fail(ErrorKind::bad_input, "the error of shapes must be above 0 and below 1");
-  if (options.most_modes < 1) return fail(ErrorKind::bad_input, "a bank needs at least 1 mode");
+  if (options.max_modes < 1) return fail(ErrorKind::bad_input, "a bank needs at least 1 mode");
   if (!(options.floor_db >= 0 && options.floor_db <= 1000))
     return fail(ErrorKind::bad_input, "the floor must be from 0 to 1000 dB");
   return {};
@@ -100,12 +100,12 @@ Result<void> check_place(const mesh::Points& nodes, double length_m) {
 Result<void> check_count(double volume_m3, const modal::Material& material, const BakeOptions& options,
                          double highest_lambda) {
   const double count = debye_count(volume_m3, material, highest_lambda);
-  if (count <= 4.0 * options.most_modes) return {};
+  if (count <= 4.0 * options.max_modes) return {};
   char text[32];
   std::snprintf(text, sizeof text, "%.2g", count);
   return fail(ErrorKind::too_large,
               std::string("about ") + text + " modes lie below " + std::to_string(std::lround(options.band_high_hz)) +
-                  " Hz, and a bank holds " + std::to_string(options.most_modes) +
+                  " Hz, and a bank holds " + std::to_string(options.max_modes) +
                   ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
 }
 
@@ -245,7 +245,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
 // The modes of the body up to `top`: from the cache, or solved and put there.
 Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& report, const Progress& progress) {
   solve::EigenRequest request{.highest_lambda = kHeadroom * top,
-                              .most_modes = task.options.most_modes,
+                              .max_modes = task.options.max_modes,
                               .method = task.options.solver,
                               .rigid = task.makeup.free_motions,
                               .processes = task.options.processes,
@@ -258,7 +258,7 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   const BodyQuestion question{task.unit_mesh,       task.surface.nodes.size(),
                               task.options.element, task.material.poisson_ratio,
                               request.tolerance,    task.makeup.key};
-  auto kept = cache.find(question, top, request.most_modes);
+  auto kept = cache.find(question, top, request.max_modes);
   const NonlinearCache terms{ContentCache(task.options.cache)};
   if (kept && task.options.nonlinear > 0) kept->nonlinear = terms.find(*kept, task.options.nonlinear);
   if (kept && kept->errors.size() == kept->lambda.size() && (kept->verified || !request.verify) &&

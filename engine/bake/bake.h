@@ -27,7 +27,7 @@ struct BakeOptions {
   bool raise_band = false;        // a body that rings above the band alone gets its lowest modes there; else it fails
   double shape_error = 0.03;      // that amplitudes between sample points may have (sample_points.h)
   std::size_t points = 0;         // on the surface, >= 4: so many, whatever the error. 0: as many as shape_error takes
-  int most_modes = 4096;          // in the band; a fuller band fails (see solve::EigenRequest)
+  int max_modes = 4096;           // in the band; a fuller band fails (see solve::EigenRequest)
   int keep_modes = 0;             // the most important ones go into the bank; 0: all
   std::optional<modal::Air> air;  // that the modes radiate into (body_radiation.h); nothing: radiation is not computed
   double radiation_error = HUGE_VAL;  // only when no frequency's estimated error is above this

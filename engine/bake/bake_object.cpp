@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t kMaxGeometry = 16 << 20;                            // bytes hashed for a family's name
 constexpr double kMinStepSize = 0.4, kMaxStepSize = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
 constexpr double kSmallAtBends = 0.6;  // of the chosen size: the mean of elements' longest edges
-constexpr double kPreviewUnknowns = 5000, kMostPreviewUnknowns = 50e3, kPreviewShapeError = 0.1;
+constexpr double kPreviewUnknowns = 5000, kMaxPreviewUnknowns = 50e3, kPreviewShapeError = 0.1;
 constexpr Eigen::Index kPreviewElements = 10'000;  // of a mesh from a file, that order 2 is still quick with
 
 // Meshes of one geometry with the same parameters, however fine and of whatever material.
@@ -208,14 +208,14 @@ class Baker {
   // A size for which not even a multiple of the memory would do is refused before the surface is meshed. Where it means
   // more elements than anybody meshes, or the surface encloses nothing (and no number can be told), the reader refuses.
   Result<void> check_named_size() {
-    constexpr double kTimes = 3, kMostUnknowns = 1e8;  // the number of unknowns is only a guess so far
+    constexpr double kTimes = 3, kMaxUnknowns = 1e8;  // the number of unknowns is only a guess so far
     const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing, progress());
     if (!surface) return fail(surface.error());
     mesh::TriangleMesh sized = (*surface)->mesh;
     const BakeCost cost = expected_cost(measure_shape(sized, 0), recipe_.meshing.mesh_size_m, recipe_.options.element,
                                         stand_in_, recipe_.options.band_high_hz);
     const double free_bytes = free_memory_bytes();
-    if (!(cost.memory_bytes > kTimes * free_bytes) || cost.unknowns > kMostUnknowns) return {};
+    if (!(cost.memory_bytes > kTimes * free_bytes) || cost.unknowns > kMaxUnknowns) return {};
     sized.nodes *= recipe_.scale;
     ask_about_size(measure_shape(sized, 0));
     const Result<void> fits = check_memory(cost, free_bytes, recipe_.name);
@@ -224,7 +224,7 @@ class Baker {
 
   void ask_about_size(const BodyShape& shape) {
     object_.question =
-        question_size(shape, stand_in_, recipe_.options.band_high_hz, recipe_.options.most_modes, recipe_.geometry,
+        question_size(shape, stand_in_, recipe_.options.band_high_hz, recipe_.options.max_modes, recipe_.geometry,
                       recipe_.meshing.unit_m.value_or(mesh::unit_in_file(recipe_.geometry)));
   }
 
@@ -234,7 +234,7 @@ class Baker {
   Result<void> mesh() {
     if (auto meshed = mesh_once(); !meshed) return meshed;
     const bool sized_here = reader_.is_surface() && object_.choice && object_.making == mesh::Making::kFilled;
-    const double most = recipe_.preview ? kMostPreviewUnknowns : 1.5 * kMaxChosenUnknowns;
+    const double most = recipe_.preview ? kMaxPreviewUnknowns : 1.5 * kMaxChosenUnknowns;
     const double unknowns = sized_here ? cost().unknowns : 0;
     if (unknowns <= most) return {};
     const int order = fem::order_of(recipe_.options.element);
@@ -286,7 +286,7 @@ class Baker {
   // Estimates the errors of nonlinear terms: how far a coarser mesh of the same geometry is from them. Leaves them
   // unknown where no coarser mesh can be made.
   Result<void> compare_nonlinear() {
-    constexpr double kCoarser = 1.4, kMostElements = 0.85, kBandMargin = 1.1;
+    constexpr double kCoarser = 1.4, kMaxElementShare = 0.85, kBandMargin = 1.1;
     modal::Bank& bank = object_.baked.bank;
     if (!bank.nonlinear || !reader_.meshes() || recipe_.preview) return {};
     mesh::GmshOptions meshing = recipe_.meshing;
@@ -295,7 +295,7 @@ class Baker {
     meshing.edge_size_m *= kCoarser;
     Result<mesh::Body> body = reader_.read(meshing, progress());
     if (!body || static_cast<double>(body->mesh.mesh.elements.rows()) >
-                     kMostElements * static_cast<double>(object_.mesh.mesh.elements.rows())) {
+                     kMaxElementShare * static_cast<double>(object_.mesh.mesh.elements.rows())) {
       return {};
     }
     body->mesh.mesh.nodes *= recipe_.scale;
@@ -331,12 +331,12 @@ class Baker {
       return unknowns() * estimated_unknowns(shape, step * now, order) / estimated_unknowns(shape, now, order);
     };
     const double step = std::clamp(wanted, kMinStepSize, kMaxStepSize);
-    const bool too_many = unknowns_at(std::min(wanted, kMaxStepSize)) > recipe_.most_unknowns;
-    if (too_many && order < mesh::kMaxOrder && unknowns() * growth(order) <= recipe_.most_unknowns) {
+    const bool too_many = unknowns_at(std::min(wanted, kMaxStepSize)) > recipe_.max_unknowns;
+    if (too_many && order < mesh::kMaxOrder && unknowns() * growth(order) <= recipe_.max_unknowns) {
       set_order(order + 1);
       return false;
     }
-    if (unknowns_at(step) > recipe_.most_unknowns)
+    if (unknowns_at(step) > recipe_.max_unknowns)
       return fail(ErrorKind::too_large, out_of_reach(more_than_most(unknowns_at(step))));
     recipe_.meshing.mesh_size_m = step * now;
     recipe_.meshing.edge_size_m *= step;
@@ -349,7 +349,7 @@ class Baker {
     const int order = fem::order_of(recipe_.options.element);
     const bool raise = order < mesh::kMaxOrder;
     const double next = unknowns() * (raise ? growth(order) : 8);
-    if (next > recipe_.most_unknowns) return fail(ErrorKind::too_large, out_of_reach(more_than_most(next)));
+    if (next > recipe_.max_unknowns) return fail(ErrorKind::too_large, out_of_reach(more_than_most(next)));
     if (raise) {
       set_order(order + 1);
     } else {
@@ -373,7 +373,7 @@ class Baker {
   [[nodiscard]] std::string more_than_most(double wanted) const {
     char text[80];
     std::snprintf(text, sizeof text, "the next round would take about %.2g million unknowns, more than %.2g",
-                  wanted / 1e6, recipe_.most_unknowns / 1e6);
+                  wanted / 1e6, recipe_.max_unknowns / 1e6);
     return text;
   }
 

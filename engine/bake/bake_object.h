@@ -7,7 +7,7 @@
 //   that would take too many unknowns, the order rises instead;
 //   a mesh from a file keeps its nodes: the order rises up to 4, then each element is split into eight.
 //
-// It stops before a round of more than recipe.most_unknowns.
+// It stops before a round of more than recipe.max_unknowns.
 //
 // With recipe.preview it is meshed coarsely instead, of order 2, so that it takes a second or less.
 #pragma once

@@ -153,13 +153,13 @@ std::optional<BodyModes> unpacked(std::string_view bytes, const BodyQuestion& qu
 
 }  // namespace
 
-std::optional<BodyModes> ModeCache::find(const BodyQuestion& question, double top, int most_modes) const {
+std::optional<BodyModes> ModeCache::find(const BodyQuestion& question, double top, int max_modes) const {
   const auto kept = cache_.find(kModes, key_of(question));
   if (!kept) return std::nullopt;
   auto modes = unpacked(*kept, question);
   if (!modes || !(modes->complete_to >= top)) return std::nullopt;
   modes = up_to(std::move(*modes), top);
-  if (modes->lambda.size() > most_modes) return std::nullopt;
+  if (modes->lambda.size() > max_modes) return std::nullopt;
   return modes;
 }
 

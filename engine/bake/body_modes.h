@@ -63,7 +63,7 @@ double characteristic_length(const mesh::Points& nodes);
 //
 //   const ModeCache cache{ContentCache(folder)};
 //   const BodyQuestion question{unit_mesh, surface.nodes.size(), element, nu, tolerance};
-//   if (auto modes = cache.find(question, top, most_modes)) ...no need to solve...
+//   if (auto modes = cache.find(question, top, max_modes)) ...no need to solve...
 //
 // The key is the hash of all that the unit-free eigenproblem depends on: the elements' node numbers, the nodes in units
 // of the body's length, the kind of element, Poisson's ratio, the solver's tolerance, what makes a body more than one
@@ -87,8 +87,8 @@ class ModeCache {
  public:
   explicit ModeCache(ContentCache cache) : cache_(std::move(cache)) {}
 
-  // All modes up to `top` (free of units), when an entry has them and they are no more than `most_modes`.
-  [[nodiscard]] std::optional<BodyModes> find(const BodyQuestion& question, double top, int most_modes) const;
+  // All modes up to `top` (free of units), when an entry has them and they are no more than `max_modes`.
+  [[nodiscard]] std::optional<BodyModes> find(const BodyQuestion& question, double top, int max_modes) const;
 
   // Replaces the entry of the same key: call it when find() had none.
   Result<void> store(const BodyQuestion& question, const BodyModes& modes) const;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kNonlinearKind = "nonlinear";
 constexpr int kNonlinearFormat = 3;  // raise it also when find_nonlinear() gives other results
-constexpr double kMostCarried = 0.25;
+constexpr double kMaxCarried = 0.25;
 
 template <class Matrix>
 std::span<const double> all_of(const Matrix& matrix) {
@@ -61,12 +61,12 @@ Result<void> NonlinearCache::store(const BodyModes& modes, const NonlinearModes&
 }
 
 Result<void> check_shallow(const NonlinearModes& terms, const std::string& name) {
-  if (terms.carried_share <= kMostCarried) return {};
+  if (terms.carried_share <= kMaxCarried) return {};
   return fail(ErrorKind::bad_input,
               name +
                   " is too deep a shell for nonlinear modes: the stress of its own bending, carried along, changes " +
                   as_percent(terms.carried_share) + " of what its stretching gives, and more than " +
-                  as_percent(kMostCarried) + " is not modelled; bake it without --nonlinear");
+                  as_percent(kMaxCarried) + " is not modelled; bake it without --nonlinear");
 }
 
 std::optional<modal::NonlinearTerms> bank_terms(const NonlinearModes& terms, const std::vector<HeardMode>& kept,

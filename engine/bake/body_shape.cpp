@@ -140,12 +140,12 @@ double estimated_unknowns(const BodyShape& shape, double size_m, int order) {
 }
 
 MeshChoice choose_mesh(const BodyShape& shape, const modal::Material& material, double band_high_hz, int order,
-                       double most_unknowns) {
+                       double max_unknowns) {
   MeshChoice choice{.shortest_wave_m = shortest_wave(shape, material, band_high_hz)};
   choice.size_m = std::min({choice.shortest_wave_m / kElementsPerWave[order - 1], kSizeInSection * shape.width_m,
                             (order + 1) * thickness_of(shape)});
   choice.wall_m = shape.wall_m;
-  const double finest = size_for(shape, most_unknowns, order);
+  const double finest = size_for(shape, max_unknowns, order);
   choice.bounded = choice.size_m < finest;
   choice.size_m = std::max(choice.size_m, finest);
   if (!choice.bounded) choice.edge_size_m = std::min(choice.size_m, shape.thickness_m / kElementsPerThicknessAtEdges);
@@ -185,7 +185,7 @@ std::string length_text(double metres) {
 // The limits of a bank.
 struct Limits {
   double band_high_hz;
-  int most_modes;
+  int max_modes;
 };
 
 double modes_below(const BodyShape& shape, const modal::Material& material, const Limits& limits) {
@@ -196,7 +196,7 @@ enum class Sound { kGood, kSilent, kCrowded };
 
 Sound sound_of(const BodyShape& shape, const modal::Material& material, const Limits& limits) {
   if (guessed_lowest_hz(shape, material) > limits.band_high_hz) return Sound::kSilent;
-  return modes_below(shape, material, limits) > limits.most_modes ? Sound::kCrowded : Sound::kGood;
+  return modes_below(shape, material, limits) > limits.max_modes ? Sound::kCrowded : Sound::kGood;
 }
 
 }  // namespace
@@ -221,9 +221,9 @@ double debye_count(double volume_m3, const modal::Material& material, double lam
   return volume_m3 * std::pow(lambda, 1.5) / (6 * std::numbers::pi * std::numbers::pi) * slowness;
 }
 
-std::string question_size(const BodyShape& shape, const modal::Material& material, double band_high_hz, int most_modes,
+std::string question_size(const BodyShape& shape, const modal::Material& material, double band_high_hz, int max_modes,
                           const std::filesystem::path& path, double unit_m) {
-  const Limits limits{band_high_hz, most_modes};
+  const Limits limits{band_high_hz, max_modes};
   const Sound sound = sound_of(shape, material, limits);
   if (sound == Sound::kGood) return "";
   char trouble[120];

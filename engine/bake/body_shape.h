@@ -38,14 +38,14 @@ struct MeshChoice {
   double size_m = 0, edge_size_m = 0;  // as in mesh::GmshOptions
   double shortest_wave_m = 0;
   double wall_m = 0;     // the thinnest wall, which counted as the thickness; 0: not known
-  bool bounded = false;  // made coarser than the wave asks, to keep within most_unknowns
+  bool bounded = false;  // made coarser than the wave asks, to keep within max_unknowns
 };
 
 // Guessed from the volume; true within a factor of two for gmsh's meshes.
 double estimated_unknowns(const BodyShape& shape, double size_m, int order);
 
 MeshChoice choose_mesh(const BodyShape& shape, const modal::Material& material, double band_high_hz, int order,
-                       double most_unknowns);
+                       double max_unknowns);
 
 // Chooses the size that gives about `unknowns` unknowns, however short the waves are.
 MeshChoice choose_coarse_mesh(const BodyShape& shape, int order, double unknowns);
@@ -60,10 +60,10 @@ double guessed_lowest_hz(const BodyShape& shape, const modal::Material& material
 double debye_count(double volume_m3, const modal::Material& material, double lambda);
 
 // Whether a body can be as large as its file says, when a bank of it should go up to `band_high_hz` and hold at most
-// `most_modes`. Nothing where the size may be meant. Else one sentence that says how large the body is, what would be
+// `max_modes`. Nothing where the size may be meant. Else one sentence that says how large the body is, what would be
 // wrong with its sound, and with which unit it would be right: "cup.stl is 95 m long, ...; if its unit is the
 // millimetre (--unit mm), it is 95 mm long and its lowest note about 1200 Hz".
-std::string question_size(const BodyShape& shape, const modal::Material& material, double band_high_hz, int most_modes,
+std::string question_size(const BodyShape& shape, const modal::Material& material, double band_high_hz, int max_modes,
                           const std::filesystem::path& path, double unit_m);
 
 }  // namespace ringdown::bake

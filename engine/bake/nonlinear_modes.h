@@ -41,7 +41,7 @@ struct NonlinearModes {
   [[nodiscard]] Eigen::MatrixXd matrix(Eigen::Index k) const;  // H^k, M x M
 };
 
-inline constexpr int kMostNonlinearModes = 300;  // modal::kMaxNonlinearModes
+inline constexpr int kMaxNonlinearModes = 300;  // modal::kMaxNonlinearModes
 
 // How many fields B_k there are for M modes.
 int nonlinear_functions(int modes);

@@ -46,7 +46,7 @@ void read_options(TomlTable& file, BakeOptions& options) {
   file.boolean("verify", options.verify);
   read_air(file, options);
   std::uint64_t nonlinear = 0;
-  file.whole("nonlinear", nonlinear, 0, kMostNonlinearModes);
+  file.whole("nonlinear", nonlinear, 0, kMaxNonlinearModes);
   options.nonlinear = static_cast<int>(nonlinear);
   std::uint64_t coupled = 0;
   file.whole("coupled", coupled, 0, modal::kMaxCoupled);

@@ -76,9 +76,9 @@ struct ObjectRecipe {
   double gain_db = 0;
   std::optional<double> pitch_hz;  // stated, of the object at its scale and in its material
   double error = 0;  // relative, that the estimate for every frequency in the band must reach; 0: whatever it is
-  double most_unknowns = 400'000;  // that `error` may lead to
-  bool preview = false;            // coarse and quick; `error` does not count
-  double budget_s = 0;             // of processor time, which `ringdown bake FOLDER` compares with; 0: none
+  double max_unknowns = 400'000;  // that `error` may lead to
+  bool preview = false;           // coarse and quick; `error` does not count
+  double budget_s = 0;            // of processor time, which `ringdown bake FOLDER` compares with; 0: none
 };
 
 inline constexpr Range kScale{1e-3, 1e3};

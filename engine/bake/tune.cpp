@@ -66,7 +66,7 @@ class Tuner {
 
  private:
   [[nodiscard]] bool reached() const { return worst(cents_) <= options_.tolerance_cents; }
-  [[nodiscard]] bool affordable() const { return evaluations_ < options_.most_evaluations; }
+  [[nodiscard]] bool affordable() const { return evaluations_ < options_.max_evaluations; }
   static double worst(const VectorXd& cents) { return cents.size() == 0 ? 0 : cents.cwiseAbs().maxCoeff(); }
 
   Result<VectorXd> evaluate(const VectorXd& at) {

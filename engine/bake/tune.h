@@ -33,7 +33,7 @@ using CentsOf = std::function<Result<Eigen::VectorXd>(const Eigen::VectorXd& par
 
 struct TuneOptions {
   double tolerance_cents = 0.3;  // every residual, to stop
-  int most_evaluations = 80;
+  int max_evaluations = 80;
   double probe = 0.01;     // a forward difference's step, of high - low
   Eigen::MatrixXd slopes;  // residuals x parameters [cents per (high - low)], from an earlier run; empty: measured
   std::function<bool()> stopped;  // asked before each evaluation

@@ -75,10 +75,10 @@ class ObjectTuner {
   }
 
   // Leaves the best parameters as the variables' start, and what they give in found_.
-  Result<void> round(std::string_view stage, double tolerance_cents, int most_bakes) {
+  Result<void> round(std::string_view stage, double tolerance_cents, int max_bakes) {
     stage_ = stage;
     best_cents_ = -1;
-    TuneOptions options{.tolerance_cents = tolerance_cents, .most_evaluations = most_bakes, .slopes = best_.slopes};
+    TuneOptions options{.tolerance_cents = tolerance_cents, .max_evaluations = max_bakes, .slopes = best_.slopes};
     options.stopped = [this] { return stopped_; };
     const CentsOf cents_of = [this](const VectorXd& at) { return evaluate(at); };
     Result<Tuned> tuned = tune(variables_, cents_of, options);

@@ -68,7 +68,7 @@ std::optional<std::string> ContentCache::find(std::string_view kind, const Conte
   const fs::path path = file_of(kind, key);
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return std::nullopt;
-  Result<std::string> file = read_whole_file(path, most_bytes_);
+  Result<std::string> file = read_whole_file(path, max_bytes_);
   Header header;
   if (file && ByteReader(*file).get(header)) {
     file->erase(0, sizeof header);
@@ -82,7 +82,7 @@ std::optional<std::string> ContentCache::find(std::string_view kind, const Conte
 }
 
 Result<void> ContentCache::store(std::string_view kind, const ContentHash& key, std::string_view content) const {
-  if (content.size() > most_bytes_ / 4) return {};
+  if (content.size() > max_bytes_ / 4) return {};
   std::error_code error;
   if (!fs::exists(folder_, error)) {
     fs::create_directories(folder_, error);
@@ -101,7 +101,7 @@ void ContentCache::make_room() const {
   for (const Kept& file : files) bytes += file.bytes;
   std::sort(files.begin(), files.end(), [](const Kept& a, const Kept& b) { return a.used < b.used; });
   for (const Kept& oldest : files) {
-    if (bytes <= most_bytes_) return;
+    if (bytes <= max_bytes_) return;
     std::error_code error;
     if (fs::remove(oldest.path, error) || !error) bytes -= oldest.bytes;
   }

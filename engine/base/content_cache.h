@@ -27,8 +27,8 @@ inline constexpr std::uintmax_t kMaxCacheBytes = std::uintmax_t{2} << 30;
 class ContentCache {
  public:
   // The folder need not exist yet.
-  explicit ContentCache(std::filesystem::path folder, std::uintmax_t most_bytes = kMaxCacheBytes)
-      : folder_(std::move(folder)), most_bytes_(most_bytes) {}
+  explicit ContentCache(std::filesystem::path folder, std::uintmax_t max_bytes = kMaxCacheBytes)
+      : folder_(std::move(folder)), max_bytes_(max_bytes) {}
 
   // The stored content, which counts as used from now on. `kind` is a word of lower-case letters.
   [[nodiscard]] std::optional<std::string> find(std::string_view kind, const ContentHash& key) const;
@@ -42,7 +42,7 @@ class ContentCache {
   void make_room() const;
 
   std::filesystem::path folder_;
-  std::uintmax_t most_bytes_;
+  std::uintmax_t max_bytes_;
 };
 
 // $RINGDOWN_CACHE, else $XDG_CACHE_HOME/ringdown, else ~/.cache/ringdown; nothing when none of the three is set. As the

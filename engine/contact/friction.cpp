@@ -31,15 +31,15 @@ double size_of(const Along& a) RINGDOWN_REALTIME {
 
 Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const Along& free_m,
                                  const AlongCompliance& compliance_m_n, double step_s) RINGDOWN_REALTIME {
-  const double most_n = law.static_coefficient * normal_n;
-  constexpr double kLeast_n = 1e-12;  // less would bend bristles by denormal numbers
-  if (!(most_n > kLeast_n)) {
+  const double max_n = law.static_coefficient * normal_n;
+  constexpr double kMin_n = 1e-12;  // less would bend bristles by denormal numbers
+  if (!(max_n > kMin_n)) {
     release();
     return {};
   }
   double bend = size_of(bend_);
-  if (bend * law.bristle_n_m > most_n) {  // pressed less than before: the bristles let go of what they cannot hold
-    const double keep = most_n / (law.bristle_n_m * bend);
+  if (bend * law.bristle_n_m > max_n) {  // pressed less than before: the bristles let go of what they cannot hold
+    const double keep = max_n / (law.bristle_n_m * bend);
     bend_ = {keep * bend_[0], keep * bend_[1]};
     bend *= keep;
   }
@@ -84,11 +84,11 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
 
   const double end = size_of({bend_[0] + trial.slide_m[0], bend_[1] + trial.slide_m[1]});
   if (end > bend && end > stuck) {
-    constexpr int kMostTrials = 8;
-    constexpr double kPrecision = 1e-7, kMostHaste = 4;
+    constexpr int kMaxTrials = 8;
+    constexpr double kPrecision = 1e-7, kMaxHaste = 4;
     double x = std::max(slip_m_s_, trial.speed_m_s), other = 0, at_other = 0, before = 0, at_before = 0;
     bool bracketed = false;
-    for (int i = 0; i < kMostTrials; ++i) {
+    for (int i = 0; i < kMaxTrials; ++i) {
       trial = slide(rate_at(x));
       const double residual = trial.speed_m_s - x;
       slip =
@@ -104,7 +104,7 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
         next = (x * at_other - other * residual) / (at_other - residual);
       } else if (i > 0) {
         const double slope = (residual - at_before) / (x - before);
-        const double haste = slope < 0 ? std::clamp(-1 / slope, 1.0, kMostHaste) : kMostHaste;
+        const double haste = slope < 0 ? std::clamp(-1 / slope, 1.0, kMaxHaste) : kMaxHaste;
         next = x + haste * residual;
       }
       before = x, at_before = residual;

@@ -19,7 +19,7 @@
 namespace ringdown::fem {
 namespace {
 
-constexpr int kMostThreads = 4;             // each has a copy of the shapes' size
+constexpr int kMaxThreads = 4;              // each has a copy of the shapes' size
 constexpr Eigen::Index kFewElements = 200;  // for a thread
 constexpr Eigen::Index kBatch = 16;
 
@@ -48,7 +48,7 @@ QuadraticStrain::QuadraticStrain(const mesh::TetMesh& mesh, const Elastic& elast
     : mesh_(mesh),
       elastic_(elastic),
       threads_(std::clamp(static_cast<int>(mesh.elements.rows() / kFewElements), 1,
-                          std::min(thread_count(threads), kMostThreads))),
+                          std::min(thread_count(threads), kMaxThreads))),
       modes_(shapes.cols()),
       shapes_(shapes),
       places_(mesh.elements.rows()) {

@@ -112,7 +112,7 @@ BandPowers band_powers(std::span<const double> samples, double sample_rate_hz, s
 
 std::vector<double> band_noise(std::span<const double> samples, double sample_rate_hz, std::size_t onset) {
   constexpr std::size_t kMinCells = 5, kGuard = 2;  // the second: a window reaches that far into its neighbours
-  constexpr auto kMostCells = static_cast<std::size_t>(kMostSilence_s / kCell_s);
+  constexpr auto kMaxCells = static_cast<std::size_t>(kMaxSilence_s / kCell_s);
   constexpr double kLeast = 1e-8;  // 80 dB below the loudest cell: what no ear misses
   const std::size_t step = samples_of_cell(sample_rate_hz);
   const BandPowers after = band_powers(samples, sample_rate_hz, onset);
@@ -120,8 +120,7 @@ std::vector<double> band_noise(std::span<const double> samples, double sample_ra
   const bool silence_before = onset / step >= kMinCells + kGuard;
   const std::size_t end = silence_before ? onset - kGuard * step : 0;
   const BandPowers quiet =
-      silence_before ? band_powers(samples.first(end).last(std::min(end, kMostCells * step)), sample_rate_hz, 0)
-                     : after;
+      silence_before ? band_powers(samples.first(end).last(std::min(end, kMaxCells * step)), sample_rate_hz, 0) : after;
   std::vector<double> noise(quiet.bands(), least);
   for (std::size_t b = 0; b < quiet.bands() && quiet.cells > 0; ++b) {
     const auto row = quiet.values.begin() + static_cast<std::ptrdiff_t>(b * quiet.cells);
@@ -160,7 +159,7 @@ std::vector<bool> sure_cells(const BandPowers& powers, std::span<const double> n
 // Gauss and Newton's steps to the gain, from that which makes the mean of the differences 0.
 double distance_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise) {
   constexpr int kSteps = 8;
-  constexpr double kMostStep_db = 6;
+  constexpr double kMaxStep_db = 6;
   const std::vector<ComparedCell> cells = compared(recorded, model, noise, heard_cells(recorded, noise));
   if (cells.empty()) return NAN;
   const auto count = static_cast<double>(cells.size());
@@ -176,7 +175,7 @@ double distance_db(const BandPowers& recorded, const BandPowers& model, std::spa
     if (step == 0) {
       gain_db = sum / count;
     } else if (slopes > 0) {
-      gain_db += std::clamp(along / slopes, -kMostStep_db, kMostStep_db);
+      gain_db += std::clamp(along / slopes, -kMaxStep_db, kMaxStep_db);
     }
   }
   return nearest;

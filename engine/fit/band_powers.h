@@ -10,7 +10,7 @@
 namespace ringdown::fit {
 
 inline constexpr double kCell_s = 0.01;
-inline constexpr double kMostSilence_s = 0.25;  // looked at before an onset: longer ago another blow may have been
+inline constexpr double kMaxSilence_s = 0.25;  // looked at before an onset: longer ago another blow may have been
 
 // Centres of the third-octave bands from 80 Hz to 16 kHz that lie below half the sample rate [Hz].
 std::vector<double> band_centres_hz(double sample_rate_hz);

@@ -17,7 +17,7 @@ namespace {
 constexpr double kSlowestBurst_per_s = 12, kFastestBurst_per_s = 1500;  // T60 from half a second to 5 ms
 constexpr int kDecays = 40;
 constexpr double kLevelStep_db = 1, kLowestLevel_db = -45, kHighestLevel_db = 12;
-constexpr double kMostCells = 60;     // after the onset: later than 0.6 s nothing is a burst
+constexpr double kMaxCells = 60;      // after the onset: later than 0.6 s nothing is a burst
 constexpr double kWorth_db = 0.5;     // of the distance in a pair of bands: a burst that gains less is left out
 constexpr double kBurstCycles = 0.5;  // frequency over decay at least, or the band's sound is all in its neighbours
 constexpr int kCorrections = 4;
@@ -112,7 +112,7 @@ void fit_pair(const Target& target, std::size_t pair, Burst& burst) {
 
 // Moves each level by what modes and burst together are too loud or too soft in the cells where the burst is heard.
 void correct_levels(const Target& target, const BandPowers& model, const BandPowers& alone, Burst& burst) {
-  constexpr double kMost_db = 6, kPart = 0.7;
+  constexpr double kMax_db = 6, kPart = 0.7;
   for (std::size_t b = 0; b < burst.level.size(); ++b) {
     if (burst.level[b] == 0) continue;
     double sum = 0, weight = 0;
@@ -123,7 +123,7 @@ void correct_levels(const Target& target, const BandPowers& model, const BandPow
       sum += w * (power_db(target.recorded.power(b, c)) - power_db(model.power(b, c) + target.noise[b]));
       weight += w;
     }
-    if (weight > 0.1) burst.level[b] *= std::pow(10, std::clamp(kPart * sum / weight, -kMost_db, kMost_db) / 20);
+    if (weight > 0.1) burst.level[b] *= std::pow(10, std::clamp(kPart * sum / weight, -kMax_db, kMax_db) / 20);
   }
 }
 
@@ -203,13 +203,13 @@ Burst fit_burst(std::span<const double> recording, double sample_rate_hz, std::s
   const std::vector<double> of_modes = played_from(played, sample_rate_hz, onset, recording.size());
   target.sure = sure_cells(target.recorded, target.noise);
   target.modes = band_powers(of_modes, sample_rate_hz, onset);
-  target.cells = std::min(target.recorded.cells, static_cast<std::size_t>(kMostCells));
+  target.cells = std::min(target.recorded.cells, static_cast<std::size_t>(kMaxCells));
   Burst burst{.centre_hz = target.recorded.centre_hz,
               .level = std::vector<double>(target.recorded.bands()),
               .decay_per_s = std::vector<double>((target.recorded.bands() + kBandsOfDecay - 1) / kBandsOfDecay)};
   for (std::size_t pair = 0; pair < burst.decay_per_s.size(); ++pair) fit_pair(target, pair, burst);
   const std::size_t samples =
-      std::min(recording.size(), onset + static_cast<std::size_t>(kMostCells * kCell_s * sample_rate_hz));
+      std::min(recording.size(), onset + static_cast<std::size_t>(kMaxCells * kCell_s * sample_rate_hz));
   for (int round = 0; round <= kCorrections && !burst.silent(); ++round) {
     const std::vector<double> alone = played_from(burst_modes(burst), sample_rate_hz, onset, samples);
     const BandPowers of_burst = band_powers(alone, sample_rate_hz, onset);

@@ -15,8 +15,8 @@
 namespace ringdown::fit {
 namespace {
 
-constexpr double kSame_cents = 4;       // two recordings' estimates of one mode
-constexpr double kMostDecay_ratio = 3;  // what differs more is another mode at the same pitch
+constexpr double kSame_cents = 4;      // two recordings' estimates of one mode
+constexpr double kMaxDecay_ratio = 3;  // what differs more is another mode at the same pitch
 
 double cents_between(double a, double b) { return 1200 * std::log2(a / b); }
 
@@ -94,7 +94,7 @@ struct Merged {
 
   [[nodiscard]] bool takes(const Mode& other, std::size_t recording) const {
     return std::abs(cents_between(other.frequency_hz, mode.frequency_hz)) < kSame_cents &&
-           std::abs(std::log(other.decay_per_s / mode.decay_per_s)) < std::log(kMostDecay_ratio) &&
+           std::abs(std::log(other.decay_per_s / mode.decay_per_s)) < std::log(kMaxDecay_ratio) &&
            std::ranges::find(recordings, recording) == recordings.end();
   }
   void take(const Mode& other, double other_weight, std::size_t recording) {
@@ -154,7 +154,7 @@ NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks
   NuChoice choice;
   double nearest = INFINITY;
   for (double nu = low; nu <= high + 1e-9; nu += kNuStep) {
-    const auto [square, tuning] = best_at(nu, options.around_cents, options.most_tuning_cents, kTuningStep);
+    const auto [square, tuning] = best_at(nu, options.around_cents, options.max_tuning_cents, kTuningStep);
     if (square < nearest) nearest = square, choice.poisson_ratio = nu, choice.tuning_cents = tuning;
   }
   const auto [square, tuning] = best_at(choice.poisson_ratio, choice.tuning_cents, kTuningStep, 0.05);

@@ -86,13 +86,13 @@ double smallest_step(std::span<const double> samples) {
 // that differ by no more than a tolerance, its neighbours lie at most about four tolerances below. The tolerance is
 // that of the comparison, or the step that the samples were rounded to, which is large in a quiet recording.
 struct Plateau {
-  double level, least_fall;
+  double level, min_fall;
 
   Plateau(std::span<const double> samples, double peak)
-      : level(0.9999 * peak), least_fall(kSteep * std::max(peak - level, smallest_step(samples))) {}
+      : level(0.9999 * peak), min_fall(kSteep * std::max(peak - level, smallest_step(samples))) {}
 
   [[nodiscard]] bool holds(double sample) const { return std::abs(sample) >= level; }
-  [[nodiscard]] bool falls_to(double sample, double side) const { return side * sample < level - least_fall; }
+  [[nodiscard]] bool falls_to(double sample, double side) const { return side * sample < level - min_fall; }
 
   static constexpr double kSteep = 6;
 };

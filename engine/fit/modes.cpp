@@ -150,7 +150,7 @@ bool prune(std::vector<Mode>& modes, const Options& options) {
   const double least = loudest * std::pow(10, -options.floor_db / 20);
   std::erase_if(modes, [&](const Mode& mode) { return mode.amplitude < least; });
   std::ranges::sort(modes, std::greater{}, energy);
-  modes.resize(std::min(modes.size(), options.most_modes));
+  modes.resize(std::min(modes.size(), options.max_modes));
   std::ranges::sort(modes, {}, &Mode::frequency_hz);
   return modes.size() < before;
 }
@@ -206,7 +206,7 @@ std::vector<Mode> search_all(std::span<const double> sound, double rate, const O
     if (fresh.empty()) continue;
     modes.insert(modes.end(), fresh.begin(), fresh.end());
     fit_amplitudes_beside(sound, rate, modes, found, length);
-    prune(modes, {.floor_db = options.floor_db + 20, .most_modes = kMaxModes});
+    prune(modes, {.floor_db = options.floor_db + 20, .max_modes = kMaxModes});
     left = difference(sound, synthesise(modes, rate, sound.size()));
   }
   return modes;
@@ -248,7 +248,7 @@ Result<void> check(std::span<const double> samples, double rate, const Options& 
     return fail(ErrorKind::bad_input,
                 "the band must begin at 1 Hz or above, end above its beginning, and begin below half the sample rate");
   }
-  if (!(options.floor_db > 0) || options.most_modes == 0 || options.most_modes > kMaxModes) {
+  if (!(options.floor_db > 0) || options.max_modes == 0 || options.max_modes > kMaxModes) {
     return fail(ErrorKind::bad_input,
                 "the floor must be above 0 dB, and the number of modes from 1 to " + std::to_string(kMaxModes));
   }
@@ -276,7 +276,7 @@ Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, co
   Fit fit{.modes = search_all(sound, sample_rate_hz, options), .clipped = extent->clipped};
   const auto before = std::span(centred)
                           .first(extent->onset)
-                          .last(std::min(extent->onset, static_cast<std::size_t>(kMostSilence_s * sample_rate_hz)));
+                          .last(std::min(extent->onset, static_cast<std::size_t>(kMaxSilence_s * sample_rate_hz)));
   const bool silence_before = static_cast<double>(before.size()) > kSilence_s * sample_rate_hz;
   const std::optional<double> noise = silence_before ? std::optional(mean_square(before)) : std::nullopt;
   add_short_modes(sound, sample_rate_hz, options, noise, fit.modes);

@@ -25,7 +25,7 @@ namespace ringdown::fit {
 struct Options {
   double low_hz = 20, high_hz = 20000;  // where modes are looked for; the top is at most 0.98 of half the sample rate
   double floor_db = 80;                 // modes whose amplitude lies further below the loudest's are dropped
-  std::size_t most_modes = 1000;        // those of most energy stay
+  std::size_t max_modes = 1000;         // those of most energy stay
   std::optional<double> from_s;         // where the blow is; otherwise it is found
   int threads = 0;                      // 0: one for each processor
 };
@@ -44,7 +44,7 @@ inline constexpr double kMaxLength_s = 8;     // of the sound that is looked at
 inline constexpr double kMinLength_s = 0.05;  // shorter recordings are refused
 inline constexpr double kMinRate_hz = 8000;   // of samples
 inline constexpr double kMaxRate_hz = 768000;
-inline constexpr std::size_t kMaxModes = 4000;  // of Options::most_modes
+inline constexpr std::size_t kMaxModes = 4000;  // of Options::max_modes
 
 // `samples`: one channel. No modes at all where there is nothing but noise. Fails when it is too short, a sample is no
 // number, or the options make no sense. About ten seconds for eight of sound, on one processor.

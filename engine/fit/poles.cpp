@@ -234,10 +234,10 @@ bool weed(std::vector<Term>& terms, double least, double share) {
 }  // namespace
 
 std::vector<Term> refine(const VectorXcd& signal, const std::vector<Complex>& poles) {
-  const double most_growth = 3.0 / static_cast<double>(signal.size());
+  const double max_growth = 3.0 / static_cast<double>(signal.size());
   std::vector<Term> terms;
   for (const Complex pole : poles) {
-    if (pole.real() < most_growth) terms.push_back({.pole = pole});
+    if (pole.real() < max_growth) terms.push_back({.pole = pole});
   }
   if (terms.empty()) return {};
   // First with the poles as they are, which is quick, then with poles that are refined.

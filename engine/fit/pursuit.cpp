@@ -17,7 +17,7 @@ constexpr double kDecays_per_s[] = {25, 50, 100, 180, 320, 560, 1000, 1600};
 constexpr double kFastestAtom_per_s = 2000;
 constexpr double kAtomCycles = 0.5;    // frequency over decay, at least: below, it is a thud without pitch
 constexpr double kAtomOverNoise = 30;  // energy of an atom over that of noise on one of its two coordinates
-constexpr double kLeastPart = 0.01;    // of what is left: an atom that explains less is noise of the sound itself
+constexpr double kMinPart = 0.01;      // of what is left: an atom that explains less is noise of the sound itself
 constexpr int kSteps = 12;
 
 struct Atom {
@@ -86,9 +86,9 @@ std::vector<Mode> pursue(std::span<const double> left, double sample_rate_hz, co
   const std::span<const double> sound = left.first(most);
   std::vector<double> rest(sound.begin(), sound.end());
   std::vector<Mode> modes;
-  while (modes.size() < options.most_modes) {
+  while (modes.size() < options.max_modes) {
     const Atom atom = climb(rest, sample_rate_hz, best_on_grid(rest, sample_rate_hz, options), options);
-    if (!(atom.energy > kAtomOverNoise * options.noise) || atom.energy < kLeastPart * square_sum_of(rest)) break;
+    if (!(atom.energy > kAtomOverNoise * options.noise) || atom.energy < kMinPart * square_sum_of(rest)) break;
     const double error = std::sqrt(options.noise / atom.energy);  // of an amplitude, relative
     modes.push_back({.frequency_hz = atom.frequency_hz,
                      .decay_per_s = atom.decay_per_s,

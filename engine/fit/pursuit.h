@@ -14,7 +14,7 @@ namespace ringdown::fit {
 
 struct PursuitOptions {
   double low_hz = 20, high_hz = 20000;
-  std::size_t most_modes = 40;
+  std::size_t max_modes = 40;
   double noise = 0;  // mean square of the samples' noise
 };
 

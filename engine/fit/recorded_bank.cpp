@@ -68,7 +68,7 @@ double score(const std::vector<Match>& matches, double tolerance) {
 double find_tuning(std::span<const Mode> recorded, const Sorted& baked, const CalibrateOptions& options) {
   double best = options.around_cents, best_score = 0;
   const double narrow = std::min(8.0, options.tolerance_cents);
-  for (double tuning = 0; tuning <= options.most_tuning_cents; ++tuning) {
+  for (double tuning = 0; tuning <= options.max_tuning_cents; ++tuning) {
     for (const double sign : {1.0, -1.0}) {
       const double candidate = options.around_cents + sign * tuning;
       const double s = score(match(recorded, baked, candidate, narrow), narrow);

@@ -33,9 +33,9 @@ struct Calibration {
 };
 
 struct CalibrateOptions {
-  double tolerance_cents = 30;     // a match is no further off, after the common factor
-  double most_tuning_cents = 200;  // the largest common factor that is looked for, up or down
-  double around_cents = 0;         // from here
+  double tolerance_cents = 30;    // a match is no further off, after the common factor
+  double max_tuning_cents = 200;  // the largest common factor that is looked for, up or down
+  double around_cents = 0;        // from here
 };
 
 // Fails when fewer than kMinMatches modes match: then it is another thing, or another kind of blow.

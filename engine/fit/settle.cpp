@@ -22,8 +22,8 @@ constexpr double kNear_db = 2;        // of a mode's cells: nearer ones stay as 
 constexpr double kNearBeside_db = 1;  // of all cells, beside the burst: then it is near enough
 constexpr int kKeepRounds = 2;
 constexpr double kHalf = 0.5;
-constexpr double kMostLevel_db = 6;           // in a round
-constexpr double kMostDecay = 1.5;            // a factor
+constexpr double kMaxLevel_db = 6;            // in a round
+constexpr double kMaxDecay = 1.5;             // a factor
 constexpr double kSettledDecay_per_s = 2000;  // at most
 constexpr double kPerNeper_db = 8.685889638;
 
@@ -74,23 +74,23 @@ void settle_mode(const Recorded& recorded, const BandPowers& model, Mode& mode) 
     line.add(std::min(own / played, 1.0), t, power_db(std::max(wanted, noise)) - power_db(played));
   }
   if (line.rms() < kNear_db) return;
-  const double level = std::clamp(kHalf * line.start(), -kMostLevel_db, kMostLevel_db);
+  const double level = std::clamp(kHalf * line.start(), -kMaxLevel_db, kMaxLevel_db);
   mode.amplitude *= std::pow(10, level / 20);
   const double decay = mode.decay_per_s - kHalf * line.slope() / kPerNeper_db;
   mode.decay_per_s =
-      std::min(std::clamp(decay, mode.decay_per_s / kMostDecay, mode.decay_per_s * kMostDecay), kSettledDecay_per_s);
+      std::min(std::clamp(decay, mode.decay_per_s / kMaxDecay, mode.decay_per_s * kMaxDecay), kSettledDecay_per_s);
 }
 
 // Turns the signs of the loudest modes, one after the other, as long as that brings the sum nearer.
 void turn_signs(const Recorded& recorded, double rate, std::size_t onset, std::size_t samples, std::vector<Mode>& modes,
                 double nearest) {
-  constexpr std::size_t kMostTurned = 40;
+  constexpr std::size_t kMaxTurned = 40;
   constexpr double kGain_db = 0.02;
   std::vector<std::size_t> order(modes.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::sort(order, std::greater{},
                     [&](std::size_t m) { return std::pow(modes[m].amplitude, 2) / modes[m].decay_per_s; });
-  order.resize(std::min(order.size(), kMostTurned));
+  order.resize(std::min(order.size(), kMaxTurned));
   std::vector<double> sum = played_from(modes, rate, onset, samples);
   for (const std::size_t m : order) {
     const std::vector<double> own = played_from({&modes[m], 1}, rate, onset, samples);
@@ -108,7 +108,7 @@ void turn_signs(const Recorded& recorded, double rate, std::size_t onset, std::s
 void vary(std::span<const double> recording, double rate, std::size_t onset, std::span<const double> beside,
           std::vector<Mode>& modes) {
   constexpr double kLook_s = 0.5, kShort_per_s = 12, kGain_db = 0.01;
-  constexpr std::size_t kMostVaried = 60;
+  constexpr std::size_t kMaxVaried = 60;
   constexpr int kSweeps = 3;
   constexpr std::array<std::array<double, 2>, 7> kTries = {
       {{0, 1}, {0.7, 1}, {1.4, 1}, {1, 1.4}, {1, 0.7}, {-1, 1}, {0.8, 1.8}}};  // of amplitude and decay
@@ -119,7 +119,7 @@ void vary(std::span<const double> recording, double rate, std::size_t onset, std
     if (modes[m].decay_per_s > kShort_per_s) order.push_back(m);
   }
   std::ranges::sort(order, std::greater{}, [&](std::size_t m) { return modes[m].amplitude; });
-  order.resize(std::min(order.size(), kMostVaried));
+  order.resize(std::min(order.size(), kMaxVaried));
   std::vector<double> sum = played_from(modes, rate, onset, samples);
   for (std::size_t n = 0; n < samples && n < beside.size(); ++n) sum[n] += beside[n];
   const auto off = [&](const std::vector<double>& sound) { return recorded.off_db(band_powers(sound, rate, onset)); };

@@ -50,11 +50,11 @@ void put_matrix(ByteWriter& out, const Matrix& matrix) {
 }
 
 template <class Matrix>
-bool get_matrix(ByteReader& in, Matrix& matrix, std::int64_t least_columns, std::int64_t most_columns) {
+bool get_matrix(ByteReader& in, Matrix& matrix, std::int64_t min_columns, std::int64_t max_columns) {
   using Number = typename Matrix::Scalar;
   std::int64_t columns = 0;
   std::vector<Number> numbers;
-  if (!in.get(columns) || columns < least_columns || columns > most_columns || !in.get_list(numbers)) return false;
+  if (!in.get(columns) || columns < min_columns || columns > max_columns || !in.get_list(numbers)) return false;
   const auto count = static_cast<std::int64_t>(numbers.size());
   if (count % columns != 0) return false;
   matrix = Eigen::Map<const Matrix>(numbers.data(), count / columns, columns);

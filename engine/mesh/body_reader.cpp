@@ -28,12 +28,12 @@ double from_environment(const char* name, double usual) {
 
 // Half of the computer's memory, but not more than any mesh needs that can be solved.
 HelperLimits limits_here() {
-  constexpr double kMost_mib = 16384;
+  constexpr double kMax_mib = 16384;
   const double all_mib =
       static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1048576;
   HelperLimits limits;
   limits.processor_s = from_environment("RINGDOWN_MESH_SECONDS", limits.processor_s);
-  const double mib = from_environment("RINGDOWN_MESH_MIB", std::min(kMost_mib, all_mib / 2));
+  const double mib = from_environment("RINGDOWN_MESH_MIB", std::min(kMax_mib, all_mib / 2));
   limits.memory_bytes = static_cast<std::uint64_t>(mib * 1048576);
   return limits;
 }

@@ -43,7 +43,7 @@ Vec3 row(const Points& list, Eigen::Index i) { return {list(i, 0), list(i, 1), l
 double cosine_between(Vec3 a, Vec3 b) { return dot(a, b) / std::max(length(a) * length(b), 1e-300); }
 
 // The cosine of the least angle.
-double least_angle_cosine(const std::array<Vec3, 3>& v) {
+double min_angle_cosine(const std::array<Vec3, 3>& v) {
   const Vec3 a = v[1] - v[0], b = v[2] - v[1], c = v[0] - v[2];
   return std::max({-cosine_between(a, c), -cosine_between(b, a), -cosine_between(c, b)});
 }
@@ -145,10 +145,10 @@ class Coarsening::Mesh {
   [[nodiscard]] Vec3 normal(const Facet& f) const {
     return cross(points_[f[1]] - points_[f[0]], points_[f[2]] - points_[f[0]]);
   }
-  [[nodiscard]] double least_cosine(const Facet& f) const { return least_angle_cosine(corners(f)); }
+  [[nodiscard]] double min_cosine(const Facet& f) const { return min_angle_cosine(corners(f)); }
 
   // By how much the cosine of the least angle exceeds that of kMinAngle_deg; 0 for facets that are wide enough.
-  [[nodiscard]] double narrowness(const Facet& f) const { return std::max(0.0, least_cosine(f) - kNarrowCosine); }
+  [[nodiscard]] double narrowness(const Facet& f) const { return std::max(0.0, min_cosine(f) - kNarrowCosine); }
 
   // Projects the sample onto the nearest of the facets that face its way; the cost is infinite when none does.
   [[nodiscard]] Projection project(std::uint32_t s, const std::vector<std::pair<std::uint32_t, Facet>>& facets,
@@ -353,8 +353,8 @@ class Coarsening::Mesh {
     Change change{.old = beside, .made = {{beside[0], {a, d, c}}, {beside[1], {d, b, c}}}};
     double before = -1, after = -1, turn = 1;
     for (int i = 0; i < 2; ++i) {
-      before = std::max(before, least_cosine(facets_[beside[i]]));
-      after = std::max(after, least_cosine(change.made[i].second));
+      before = std::max(before, min_cosine(facets_[beside[i]]));
+      after = std::max(after, min_cosine(change.made[i].second));
       for (const std::uint32_t f : beside)
         turn = std::min(turn, cosine_between(normal(change.made[i].second), normal(facets_[f])));
     }
@@ -375,7 +375,7 @@ class Coarsening::Mesh {
     std::vector<Vec3> turned;
     std::vector<std::uint32_t> samples;
     for (const std::uint32_t f : around_[p]) {
-      widest = std::max(widest, least_cosine(facets_[f]));
+      widest = std::max(widest, min_cosine(facets_[f]));
       turned.push_back(normal(facets_[f]));
       samples.insert(samples.end(), on_[f].begin(), on_[f].end());
     }
@@ -385,7 +385,7 @@ class Coarsening::Mesh {
       double narrowest = -1, turn = 1;
       for (std::size_t i = 0; i < turned.size(); ++i) {
         const Facet& facet = facets_[around_[p][i]];
-        narrowest = std::max(narrowest, least_cosine(facet));
+        narrowest = std::max(narrowest, min_cosine(facet));
         turn = std::min(turn, cosine_between(normal(facet), turned[i]));
       }
       if (turn < kFlat || narrowest > widest - kWider) continue;
@@ -425,7 +425,7 @@ class Coarsening::Mesh {
         for (const std::uint32_t q : ring(p)) changed = (p < q && flip(p, q)) || changed;
       }
       for (std::uint32_t f = 0; f < facets_.size(); ++f) {
-        for (int i = 0; i < 3 && facets_[f][0] != kNone && least_cosine(facets_[f]) > kNarrowCosine; ++i) {
+        for (int i = 0; i < 3 && facets_[f][0] != kNone && min_cosine(facets_[f]) > kNarrowCosine; ++i) {
           changed = shift(facets_[f][i]) || changed;
         }
       }

@@ -31,7 +31,7 @@ constexpr double kMaxDeviation = 1 / 7.0;  // of the thickness at that place
 constexpr double kQuickDeviation = 0.3;    // of a preview, whose nodes are put back on the surface as well
 constexpr double kMaxLeaving = 0.03;       // of the area, where triangles may leave the surface farther than that
 // If all were of the shortest edges, at the first try and at later ones.
-constexpr double kFirstTriangles = 12e3, kFirstQuickTriangles = 4000, kMostTriangles = 40e3;
+constexpr double kFirstTriangles = 12e3, kFirstQuickTriangles = 4000, kMaxFirstTriangles = 40e3;
 constexpr double kLeave = 0.8;  // of the most they may deviate, so that few go beyond
 constexpr double kFiner = 0.6, kFewerDegrees = 0.85;
 constexpr int kMaxTries = 4;
@@ -230,7 +230,7 @@ Result<Sized> sized(const PartedSurface& parted, const FillOptions& options) {
     } else {
       return Sized{remeshed->mesh, lengths.longest_m / kEdgePerSize};
     }
-    lengths.shortest_m = std::max(kFiner * lengths.shortest_m, edge_of(kMostTriangles));
+    lengths.shortest_m = std::max(kFiner * lengths.shortest_m, edge_of(kMaxFirstTriangles));
     lengths.turn_deg *= kFewerDegrees;
     if (attempt > 0) lengths.longest_m *= kFiner;
   }
@@ -238,7 +238,7 @@ Result<Sized> sized(const PartedSurface& parted, const FillOptions& options) {
 }
 
 // The surface's own triangles serve in place of those of the wanted size when they are no more than this.
-double most_own_triangles(const PartedSurface& parted, double size_m) {
+double max_own_triangles(const PartedSurface& parted, double size_m) {
   constexpr double kTimes = 4, kAlways = 2000;
   return kAlways + kTimes * area_of(parted.mesh) / (std::sqrt(3) / 4 * size_m * size_m);
 }
@@ -326,7 +326,7 @@ Result<Filled> fill_parts(const PartedSurface& parted, const FillOptions& option
     why = mesh.error().message;
   }
   if (options.size_m > 0 &&
-      static_cast<double>(parted.mesh.triangles.rows()) > most_own_triangles(parted, options.size_m))
+      static_cast<double>(parted.mesh.triangles.rows()) > max_own_triangles(parted, options.size_m))
     return fail(ErrorKind::bad_input, why + ", and its own are far more than that size asks for");
   Result<CheckedMesh> mesh = fill_as_it_is(parted.mesh, parted, options.size_m, name);
   if (!mesh) return fail(mesh.error());

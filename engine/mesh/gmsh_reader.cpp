@@ -329,7 +329,7 @@ Result<CheckedMesh> take_open(const std::filesystem::path& path, double unit_m, 
 // evenly over the skin, as a gap that the estimated errors of the frequencies then include.
 constexpr double kMaxLoss = 2e-3;                 // of the volume, or gain
 constexpr std::array kElementsAround = {10, 16};  // a circle, in the second and the third mesh
-constexpr double kSmallestAtBends = 0.25;         // of the mesh size
+constexpr double kMinAtBends = 0.25;              // of the mesh size
 
 struct Loss {
   double volume_m3 = 0;  // that the mesh lacks; below zero where it has more than the geometry
@@ -349,7 +349,7 @@ Result<CheckedMesh> mesh_bends_finer(const std::filesystem::path& path, const Gm
     gmsh::model::mesh::clear();
     gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", around);
     if (options.mesh_size_m > 0) {
-      gmsh::option::setNumber("Mesh.MeshSizeMin", kSmallestAtBends * options.mesh_size_m / unit_m);
+      gmsh::option::setNumber("Mesh.MeshSizeMin", kMinAtBends * options.mesh_size_m / unit_m);
     }
     if (auto meshed = generate(path, options, unit_m); !meshed) return best;
     Result<CheckedMesh> finer = take_open(path, unit_m, true);

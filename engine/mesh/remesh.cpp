@@ -203,7 +203,7 @@ class GradedRemeshing {
   // by an angle along them leaves it by e / 6 times that angle in its middle.
   std::vector<Mesh::Face_index> faces_to_grow(const EdgeLengths& lengths, double level_m, double growth) {
     const std::vector<double> ways = ways_to_leave(lengths);
-    const double most_turn = lengths.turn_deg / growth * std::numbers::pi / 180;
+    const double max_turn = lengths.turn_deg / growth * std::numbers::pi / 180;
     std::vector<Eigen::Vector3d> face_normals(mesh_.number_of_faces() + mesh_.number_of_removed_faces());
     std::vector<Eigen::Vector3d> node_normals(mesh_.number_of_vertices() + mesh_.number_of_removed_vertices(),
                                               Eigen::Vector3d::Zero());
@@ -223,11 +223,11 @@ class GradedRemeshing {
       const double turn = turn_along(e, face_normals, node_normals);
       const auto h = mesh_.halfedge(e);
       const double leave_m = std::min(ways[mesh_.face(h)], ways[mesh_.face(mesh_.opposite(h))]);
-      if (turn <= most_turn && turn * level_m * growth * growth / 6 <= leave_m) continue;
+      if (turn <= max_turn && turn * level_m * growth * growth / 6 <= leave_m) continue;
       bent[mesh_.source(mesh_.halfedge(e))] = bent[mesh_.target(mesh_.halfedge(e))] = true;
     }
     for (const auto v : mesh_.vertices()) {
-      if (turn_of_crease(v) > kTurnOfCrease * most_turn) bent[v] = true;
+      if (turn_of_crease(v) > kTurnOfCrease * max_turn) bent[v] = true;
     }
     for (const auto f : mesh_.faces()) {
       if (!done_[f]) continue;

@@ -7,7 +7,7 @@
 
 namespace ringdown::mesh {
 
-TriangleMesh simplified(const TriangleMesh& surface, std::size_t triangles, double most_m) {
+TriangleMesh simplified(const TriangleMesh& surface, std::size_t triangles, double max_m) {
   const auto corners = static_cast<std::size_t>(surface.triangles.size());
   if (corners <= 3 * triangles) return surface;
   const Eigen::RowVector3d low = surface.nodes.colwise().minCoeff();
@@ -18,7 +18,7 @@ TriangleMesh simplified(const TriangleMesh& surface, std::size_t triangles, doub
   const std::vector<unsigned> from(surface.triangles.data(), surface.triangles.data() + corners);
   std::vector<unsigned> to(corners);
   to.resize(meshopt_simplify(to.data(), from.data(), corners, places.data(), count, kStride, 3 * triangles,
-                             static_cast<float>(most_m / extent), 0, nullptr));
+                             static_cast<float>(max_m / extent), 0, nullptr));
   TriangleMesh fewer{.nodes = surface.nodes, .triangles = Triangles(static_cast<Eigen::Index>(to.size() / 3), 3)};
   std::copy(to.begin(), to.end(), fewer.triangles.data());
   drop_unused_nodes(fewer);

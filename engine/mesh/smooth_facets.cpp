@@ -47,7 +47,7 @@ SmoothFacets::SmoothFacets(const TriangleMesh& surface)
     angles.push_back({angle_at(t, 0), angle_at(t, 1), angle_at(t, 2)});
   }
   const TriangleFans fans(surface);
-  const std::vector<double> smooth = least_smooth_cosines(fans);
+  const std::vector<double> smooth = min_smooth_cosines(fans);
   const auto normal_at = [&](Eigen::Index t, int i) {
     const std::int32_t node = surface.triangles(t, i);
     const auto fan = fans.at(node);
@@ -80,7 +80,7 @@ SmoothFacets::SmoothFacets(const TriangleMesh& surface)
 // several times sharper are edges of the body, such as the rings where its profile has corners. Scanners cut at about
 // equal lengths, so that where a body bends most, as at an animal's ears, all edges are several times sharper than most
 // elsewhere. So an edge of the body is one that is also several times sharper than most around it.
-std::vector<double> SmoothFacets::least_smooth_cosines(const TriangleFans& fans) const {
+std::vector<double> SmoothFacets::min_smooth_cosines(const TriangleFans& fans) const {
   const double sharp = kSharpAngle_deg * std::numbers::pi / 180;
   const auto middle_of = [](std::vector<double>& angles) {
     if (angles.empty()) return 0.0;

@@ -31,7 +31,7 @@ class SmoothFacets {
     return surface_.nodes.row(surface_.triangles(t, i)).transpose();
   }
   // Returns for each node the cosine of the largest angle between two triangles there that stand for one curve.
-  [[nodiscard]] std::vector<double> least_smooth_cosines(const TriangleFans& fans) const;
+  [[nodiscard]] std::vector<double> min_smooth_cosines(const TriangleFans& fans) const;
 
   const TriangleMesh& surface_;
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> normals_;  // of each triangle; 0 where it has no area

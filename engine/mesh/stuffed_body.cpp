@@ -29,7 +29,7 @@ constexpr double kCellsPerWall = 2;
 constexpr double kSkinCells = 60;        // along the diagonal at least, so that the skin follows the shape
 constexpr double kElementsPerCell = 12;  // of the lattice
 constexpr double kMaxSkinElements = 3e6, kMaxSolvedElements = 40e3;
-constexpr double kLeastKept = 0.5, kSmallerCells = 0.75, kMaxForcedElements = 2 * kMaxSolvedElements;
+constexpr double kMinKept = 0.5, kSmallerCells = 0.75, kMaxForcedElements = 2 * kMaxSolvedElements;
 constexpr double kVanishing = 0.6;  // of a cell: of plates so thin, askew in the lattice, at most a seventh is left
 
 struct Cells {
@@ -66,22 +66,22 @@ class StuffedBody {
   }
 
  private:
-  [[nodiscard]] Cells cells_for(double largest_m, double most_elements) const {
+  [[nodiscard]] Cells cells_for(double largest_m, double max_elements) const {
     Cells cells;
     cells.wanted_m = wall_m_ > 0 ? std::min(largest_m, wall_m_ / kCellsPerWall) : largest_m;
-    cells.size_m = std::max(cells.wanted_m, finest_m(most_elements));
+    cells.size_m = std::max(cells.wanted_m, finest_m(max_elements));
     return cells;
   }
 
-  [[nodiscard]] double finest_m(double most_elements) const {
+  [[nodiscard]] double finest_m(double max_elements) const {
     const double points = 2 * box_.prod() / (0.8 * kMaxLatticePoints);
-    return std::max(std::cbrt(kElementsPerCell * volume_m3_ / most_elements), std::cbrt(points));
+    return std::max(std::cbrt(kElementsPerCell * volume_m3_ / max_elements), std::cbrt(points));
   }
 
   // Returns the finest size of cells by force: half of the body in finer ones would take too many elements.
-  [[nodiscard]] double finest_forced_m() const { return finest_m(kMaxForcedElements / kLeastKept); }
+  [[nodiscard]] double finest_forced_m() const { return finest_m(kMaxForcedElements / kMinKept); }
 
-  [[nodiscard]] Result<void> check_walls(const Cells& cells, double most_elements) const {
+  [[nodiscard]] Result<void> check_walls(const Cells& cells, double max_elements) const {
     if (!(wall_m_ > 0) || cells.size_m <= wall_m_) return {};
     const bool vanish = wall_m_ < kVanishing * finest_forced_m();
     if (force_ && !vanish) return {};
@@ -92,7 +92,7 @@ class StuffedBody {
         " has walls of %.3g mm, which cells of %.3g mm would follow: some %.1e elements, more than %.0e; the "
         "finest that can be made, %.3g mm, would tear them. Mend the surface where `ringdown check mesh` says "
         "that it is not sound, so that gmsh can fill it%s",
-        1000 * wall_m_, 1000 * cells.wanted_m, elements, most_elements, 1000 * cells.size_m,
+        1000 * wall_m_, 1000 * cells.wanted_m, elements, max_elements, 1000 * cells.size_m,
         vanish ? "; with --force-coarse nothing would be left of such walls"
                : ", or take a wrong sound with --force-coarse");
     return fail(ErrorKind::too_large, name_ + text);
@@ -105,7 +105,7 @@ class StuffedBody {
     if (force_ && wall_m_ > 0) cells.size_m = std::clamp(wall_m_ / kVanishing, finest, std::max(finest, cells.size_m));
     Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
     const auto is_enough = [this](const Result<Stuffed>& made) {
-      return made ? volume_of(made->mesh) >= kLeastKept * volume_m3_ : made.error().kind == ErrorKind::cancelled;
+      return made ? volume_of(made->mesh) >= kMinKept * volume_m3_ : made.error().kind == ErrorKind::cancelled;
     };
     for (double size_m = cells.size_m; force_ && !is_enough(stuffed) && size_m > finest;) {
       size_m = std::max(kSmallerCells * size_m, finest);

@@ -69,14 +69,14 @@ std::vector<ModeLoss> read_losses(const Field& field, const std::vector<double>&
 
 // Empty unless it is a list of pairs, frequency above 0 and ascending, loss factor above 0.
 std::vector<LossFactor> read_loss_factors(const Field& list) {
-  constexpr double kMostHz = 1e9, kMostEta = 10, kLeastEta = 1e-12;
+  constexpr double kMaxHz = 1e9, kMaxEta = 10, kMinEta = 1e-12;
   std::vector<LossFactor> factors;
   if (list.size() > kMaxLossFactors) return {};
   for (std::size_t i = 0; i < list.size(); ++i) {
     const LossFactor point{list[i][0].number().value_or(0), list[i][1].number().value_or(0)};
     const double before_hz = factors.empty() ? 0 : factors.back().frequency_hz;
-    if (!(point.frequency_hz > before_hz && point.frequency_hz <= kMostHz)) return {};
-    if (!(point.eta >= kLeastEta && point.eta <= kMostEta)) return {};
+    if (!(point.frequency_hz > before_hz && point.frequency_hz <= kMaxHz)) return {};
+    if (!(point.eta >= kMinEta && point.eta <= kMaxEta)) return {};
     factors.push_back(point);
   }
   return factors;
@@ -136,9 +136,9 @@ double number_in(const Result<double>& read, double low, double high, double oth
 
 Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const Field& field, std::size_t modes) {
   constexpr double kLeast = 1e-6, kMost = 1e6;  // in SI units, of anything in which sound travels
-  constexpr std::size_t kMostBytes = 32768;     // of a mode
+  constexpr std::size_t kMaxBytes = 32768;      // of a mode
   if (!field["maps"].present()) return std::nullopt;
-  const auto bytes = read_bytes(glb, field["maps"], kMostBytes * (modes + 1));
+  const auto bytes = read_bytes(glb, field["maps"], kMaxBytes * (modes + 1));
   if (!bytes) return fail(bytes.error());
   auto maps = unpack(*bytes, field["maps"].path());
   if (!maps) return fail(maps.error());

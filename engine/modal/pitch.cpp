@@ -40,10 +40,10 @@ constexpr double kOnePartial_cents = 100;  // closer partials fuse
 constexpr double kInTune_cents = 50;       // that harmonics may be off
 constexpr double kBellOctave_cents = 75;   // that a bell's 4 may be off: it is 4.17 [Fletcher & Rossing, table 21.1]
 constexpr int kHarmonics = 10;             // that support a pitch, by their number
-constexpr double kLeastClarity = 0.5, kLeastAudibility = 0.5;
-constexpr double kTie = 0.9;                               // of the best score: as good
-constexpr double kLeastShare = 0.01;                       // of the energy, that a partial alone must hold: -20 dB
-constexpr double kLeastOfGroup = 1e-4, kGroupShare = 0.5;  // or that it must hold when a group holds half of all
+constexpr double kMinClarity = 0.5, kMinAudibility = 0.5;
+constexpr double kTie = 0.9;                             // of the best score: as good
+constexpr double kMinShare = 0.01;                       // of the energy, that a partial alone must hold: -20 dB
+constexpr double kMinOfGroup = 1e-4, kGroupShare = 0.5;  // or that it must hold when a group holds half of all
 constexpr double kShortestTone_s =
     0.01;  // a time constant; shorter ones click [Doughty & Garner, J. Exp. Psych. 37, 1947]
 constexpr double kEndOfPitch_hz = 5000;  // [Attneave & Olson, Am. J. Psych. 84, 1971]
@@ -220,14 +220,14 @@ bool is_tone(const Partial& partial) {
 }
 
 bool is_loud(const Candidate& candidate) {
-  return candidate.share >= kLeastShare || (candidate.share >= kLeastOfGroup && candidate.group >= kGroupShare);
+  return candidate.share >= kMinShare || (candidate.share >= kMinOfGroup && candidate.group >= kGroupShare);
 }
 
 // The energy of the strongest partial as near to this frequency; 0 when all are weak.
 double strong_near(const std::vector<Partial>& partials, double frequency_hz, double tolerance_cents) {
   double strongest = 0;
   for (const Partial& partial : partials) {
-    if (std::abs(cents_between(partial.frequency_hz, frequency_hz)) < tolerance_cents && partial.energy >= kLeastShare)
+    if (std::abs(cents_between(partial.frequency_hz, frequency_hz)) < tolerance_cents && partial.energy >= kMinShare)
       strongest = std::max(strongest, partial.energy);
   }
   return strongest;
@@ -239,7 +239,7 @@ std::optional<Candidate> strike_note(const std::vector<Partial>& partials) {
     const double third = strong_near(partials, 1.5 * nominal.frequency_hz, kInTune_cents);
     const double fourth = strong_near(partials, 2 * nominal.frequency_hz, kBellOctave_cents);
     const double group = nominal.energy + third + fourth;
-    if (nominal.energy < kLeastShare || third == 0 || fourth == 0 || group < kGroupShare) continue;
+    if (nominal.energy < kMinShare || third == 0 || fourth == 0 || group < kGroupShare) continue;
     return Candidate{.frequency_hz = nominal.frequency_hz / 2, .group = group};
   }
   return std::nullopt;
@@ -273,8 +273,8 @@ Choice choose(const std::vector<Partial>& partials) {
 std::string objection(const Choice& choice) {
   const Candidate& best = choice.best;
   if (best.score == 0) return "nothing below 5 kHz rings for long enough";
-  if (best.clarity < kLeastClarity || best.group < best.rivals) return "several partials compete within an octave";
-  if (best.audibility < kLeastAudibility) return "its partials hide each other";
+  if (best.clarity < kMinClarity || best.group < best.rivals) return "several partials compete within an octave";
+  if (best.audibility < kMinAudibility) return "its partials hide each other";
   if (choice.next.score > kTie * best.score) return "two partials have equal claims";
   return "";
 }

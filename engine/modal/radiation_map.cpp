@@ -152,9 +152,9 @@ std::vector<FarField::Term> terms_of(std::span<const std::complex<double>> coeff
 namespace {
 
 constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kMostLevels = 64, kMostModes = std::size_t{1} << 20;
+constexpr std::size_t kMaxLevels = 64, kMaxModes = std::size_t{1} << 20;
 constexpr float kLevelStep_db = 0.01F;
-constexpr int kMostUnits = 8191;  // a value's most, either way: two bytes
+constexpr int kMaxUnits = 8191;  // a value's most, either way: two bytes
 
 void put(std::vector<std::byte>& out, std::uint32_t value, int bytes) {
   for (int b = 0; b < bytes; ++b) out.push_back(static_cast<std::byte>(value >> (8 * b) & 0xFF));
@@ -215,7 +215,7 @@ double unit_for(const FarField& field, double error) {
   for (const FarField::Term& term : field.terms) {
     largest = std::max({largest, std::abs(term.value.real()), std::abs(term.value.imag())});
   }
-  const double finest = largest / kMostUnits;
+  const double finest = largest / kMaxUnits;
   double unit = finest;
   while (unit > 0 && unit * std::numbers::sqrt2 < 2 * largest) {
     if (rounding_error(field, unit * std::numbers::sqrt2) > error) break;
@@ -228,7 +228,7 @@ void pack_mode(const FarField& field, double error, PackedMaps& out) {
   const double unit = field.unit > 0 ? field.unit : static_cast<float>(unit_for(field, error));
   const std::vector<Rounded> terms = unit > 0 ? round_terms(field, unit) : std::vector<Rounded>{};
   const double own = rms(field);
-  const std::size_t levels = own > 0 ? std::min(field.levels.size(), kMostLevels) : 0;
+  const std::size_t levels = own > 0 ? std::min(field.levels.size(), kMaxLevels) : 0;
   put_float(out.bytes, field.wavenumber_rad_m);
   put_float(out.bytes, unit);
   put(out.bytes, static_cast<std::uint32_t>(terms.size()), 2);
@@ -263,9 +263,9 @@ struct Reader {
     return value;
   }
   std::uint32_t short_number() {
-    constexpr int kMostBits = 14;
+    constexpr int kMaxBits = 14;
     std::uint32_t value = 0;
-    for (int bit = 0; bit < kMostBits; bit += 7) {
+    for (int bit = 0; bit < kMaxBits; bit += 7) {
       const std::uint32_t byte = number(1);
       value |= (byte & 127) << bit;
       if (byte < 128) return value;
@@ -285,7 +285,7 @@ struct Reader {
 bool read_mode(Reader& in, FarField& field) {
   const float wavenumber = in.real(), unit = in.real();
   const std::uint32_t terms = in.number(2), levels = in.number(1);
-  if (!in.sound || !(wavenumber > 0) || unit < 0 || levels > kMostLevels || terms > in.rest.size() / 3) return false;
+  if (!in.sound || !(wavenumber > 0) || unit < 0 || levels > kMaxLevels || terms > in.rest.size() / 3) return false;
   field.wavenumber_rad_m = wavenumber;
   field.unit = unit;
   std::vector<float> ratios;
@@ -312,8 +312,8 @@ bool read_mode(Reader& in, FarField& field) {
 
 }  // namespace
 
-PackedMaps pack(const RadiationMaps& maps, std::size_t most_bytes) {
-  constexpr double kCoarser = 1.25, kMostError = 0.5;
+PackedMaps pack(const RadiationMaps& maps, std::size_t max_bytes) {
+  constexpr double kCoarser = 1.25, kMaxError = 0.5;
   PackedMaps packed;
   for (double error = kPackingError;; error *= kCoarser) {
     packed = {};
@@ -321,7 +321,7 @@ PackedMaps pack(const RadiationMaps& maps, std::size_t most_bytes) {
     put(packed.bytes, static_cast<std::uint32_t>(maps.modes.size()), 4);
     for (const double at : {maps.origin_m.x, maps.origin_m.y, maps.origin_m.z}) put_float(packed.bytes, at);
     for (const FarField& field : maps.modes) pack_mode(field, error, packed);
-    if (packed.bytes.size() <= most_bytes || error > kMostError) return packed;
+    if (packed.bytes.size() <= max_bytes || error > kMaxError) return packed;
   }
 }
 
@@ -334,8 +334,8 @@ Result<RadiationMaps> unpack(std::span<const std::byte> bytes, std::string_view 
   if (in.sound && version != kVersion) return broken("have version " + std::to_string(version) + ", not 1");
   RadiationMaps maps;
   maps.origin_m = {in.real(), in.real(), in.real()};
-  constexpr std::size_t kFewestBytes = 11;  // of a mode
-  if (!in.sound || modes > kMostModes || modes > in.rest.size() / kFewestBytes) return broken("are cut off");
+  constexpr std::size_t kMinBytes = 11;  // of a mode
+  if (!in.sound || modes > kMaxModes || modes > in.rest.size() / kMinBytes) return broken("are cut off");
   maps.modes.resize(modes);
   for (std::size_t m = 0; m < modes; ++m) {
     if (!read_mode(in, maps.modes[m])) return broken("are damaged at mode " + std::to_string(m));

@@ -98,7 +98,7 @@ std::vector<FarField::Term> terms_of(std::span<const std::complex<double>> coeff
 
 // Maps as bytes: numbers little-endian, a term as the step from the one before and two whole numbers of units that
 // each mode has for itself, each of one byte or two. What is lost is at most `error` rms, relative to each mode's rms
-// over directions; larger errors are taken, as small as possible, when it would not fit into `most_bytes`. Maps that
+// over directions; larger errors are taken, as small as possible, when it would not fit into `max_bytes`. Maps that
 // have been packed once keep their units, so that a second time loses nothing.
 struct PackedMaps {
   std::vector<std::byte> bytes;
@@ -106,7 +106,7 @@ struct PackedMaps {
 };
 inline constexpr double kPackingError = 0.01;
 inline constexpr std::size_t kMaxPackedBytesPerMode = 750;  // 150 kB for 200 modes
-PackedMaps pack(const RadiationMaps& maps, std::size_t most_bytes);
+PackedMaps pack(const RadiationMaps& maps, std::size_t max_bytes);
 inline PackedMaps pack(const RadiationMaps& maps) {
   return pack(maps, kMaxPackedBytesPerMode * maps.modes.size() + 32);
 }

@@ -9,7 +9,7 @@
 namespace ringdown::radiate {
 
 FlowSamples flow_of(const mesh::TriangleMesh& surface, const std::vector<Eigen::MatrixX3d>& displacement,
-                    double most_edge_m) {
+                    double max_edge_m) {
   struct Patch {
     Eigen::Index triangle;
     int parts;                               // that each side of the triangle is divided into
@@ -20,7 +20,7 @@ FlowSamples flow_of(const mesh::TriangleMesh& surface, const std::vector<Eigen::
     const auto node = [&](int i) { return Eigen::Vector3d(surface.nodes.row(surface.triangles(t, i)).transpose()); };
     double longest = 0;
     for (int i = 0; i < 3; ++i) longest = std::max(longest, (node(i) - node((i + 1) % 3)).norm());
-    const int parts = most_edge_m > 0 ? std::max(1, static_cast<int>(std::ceil(longest / most_edge_m))) : 1;
+    const int parts = max_edge_m > 0 ? std::max(1, static_cast<int>(std::ceil(longest / max_edge_m))) : 1;
     const auto at = [&](int i, int j) {
       return Eigen::Vector3d(1 - static_cast<double>(i + j) / parts, static_cast<double>(i) / parts,
                              static_cast<double>(j) / parts);

@@ -20,9 +20,9 @@ struct FlowSamples {
 };
 
 // The flow of shapes that are linear on flat triangles: displacement[m] is V x 3 [kg^-1/2] at the nodes. Three samples
-// a triangle, exact in the integral; triangles with sides longer than `most_edge_m` are divided first (0: none is).
+// a triangle, exact in the integral; triangles with sides longer than `max_edge_m` are divided first (0: none is).
 FlowSamples flow_of(const mesh::TriangleMesh& surface, const std::vector<Eigen::MatrixX3d>& displacement,
-                    double most_edge_m = 0);
+                    double max_edge_m = 0);
 
 struct Body {
   mesh::TriangleMesh surface;        // closed; may be of several closed pieces; finer than the waves it radiates

@@ -21,13 +21,13 @@
 namespace ringdown::radiate {
 namespace {
 
-constexpr double kSameWave = 0.004;      // modes whose wavenumbers differ by less are solved at their mean
-constexpr int kFewestUnknowns = 500;     // a skin of fewer does not show the body's form
-constexpr double kMostForShapes = 3000;  // unknowns of a skin that a pattern asks for and no wave in the air
+constexpr double kSameWave = 0.004;     // modes whose wavenumbers differ by less are solved at their mean
+constexpr int kMinUnknowns = 500;       // a skin of fewer does not show the body's form
+constexpr double kMaxForShapes = 3000;  // unknowns of a skin that a pattern asks for and no wave in the air
 constexpr double kCoarser = std::numbers::sqrt2;
-constexpr int kMostRounds = 5;                  // of solving what missed on finer skins
-constexpr double kFarOff = 4;                   // times the error that is wanted: such a mode passes over a skin
-constexpr double kMostBytes = 3.5 * (1 << 30);  // of all threads' matrices together
+constexpr int kMaxRounds = 5;                  // of solving what missed on finer skins
+constexpr double kFarOff = 4;                  // times the error that is wanted: such a mode passes over a skin
+constexpr double kMaxBytes = 3.5 * (1 << 30);  // of all threads' matrices together
 constexpr double kSharedSpan = 0.5;  // of k times the body's radius, in which one elimination preconditions all
 
 // A task is what one thread solves: modes at wavenumbers close to each other, in descending order, on one skin and the
@@ -67,7 +67,7 @@ class Solver {
     if (const auto chosen = choose_skins(); !chosen) return fail(chosen.error());
     std::vector<int> wanted(modes_);
     std::iota(wanted.begin(), wanted.end(), 0);
-    for (int round = 0; round < kMostRounds && !wanted.empty(); ++round) {
+    for (int round = 0; round < kMaxRounds && !wanted.empty(); ++round) {
       std::vector<Task> tasks = tasks_for(wanted);
       if (round == 0) add_levels_to(tasks);
       if (const auto done = run(tasks, round); !done) return fail(done.error());
@@ -75,7 +75,7 @@ class Solver {
       for (const int m : wanted) {
         const RadiatedMode mode = report_of(m);
         const bool far_off = mode.error_db > kFarOff * wanted_error_db(mode.relative_db);
-        found_[m].grade = std::min(found_[m].grade + (far_off ? 2 : 1), finest_grade(most_nodes()));
+        found_[m].grade = std::min(found_[m].grade + (far_off ? 2 : 1), finest_grade(max_nodes()));
       }
     }
     return report();
@@ -87,18 +87,18 @@ class Solver {
   }
   [[nodiscard]] double side_for_wave(double k) const { return 2 * std::numbers::pi / (k * options_.panels_per_wave); }
 
-  // Skins of grade 1 have kFewestUnknowns nodes, those of the next grade twice as many; grade 0 is only compared with.
+  // Skins of grade 1 have kMinUnknowns nodes, those of the next grade twice as many; grade 0 is only compared with.
   [[nodiscard]] double side_of(int grade) const {
-    const double coarsest = std::sqrt(original_.panels->area() / kFewestUnknowns * 2 / std::sqrt(3.0));
+    const double coarsest = std::sqrt(original_.panels->area() / kMinUnknowns * 2 / std::sqrt(3.0));
     return coarsest * std::pow(kCoarser, 1 - grade);
   }
-  [[nodiscard]] static int finest_grade(double most_nodes) {
-    return 1 + std::max(0, static_cast<int>(std::log2(most_nodes / kFewestUnknowns)));
+  [[nodiscard]] static int finest_grade(double max_nodes) {
+    return 1 + std::max(0, static_cast<int>(std::log2(max_nodes / kMinUnknowns)));
   }
-  [[nodiscard]] double most_nodes() const {
-    return options_.most_unknowns * (symmetry_.mirrors == 0 ? 1 : std::exp2((symmetry_.mirrors + 1) / 2.0));
+  [[nodiscard]] double max_nodes() const {
+    return options_.max_unknowns * (symmetry_.mirrors == 0 ? 1 : std::exp2((symmetry_.mirrors + 1) / 2.0));
   }
-  [[nodiscard]] bool may_be_finer(int grade) const { return grade < finest_grade(most_nodes()); }
+  [[nodiscard]] bool may_be_finer(int grade) const { return grade < finest_grade(max_nodes()); }
   // With two or three mirror planes the coarsest skin has 1,000 nodes: irregularities of the part recur in its images,
   // and cancel less than those of a whole skin.
   [[nodiscard]] int coarsest_grade() const { return symmetry_.mirrors > 1 ? 2 : 1; }
@@ -117,7 +117,7 @@ class Solver {
 
   // Each mode's skin: by the wave in the air, then finer while its own pattern asks for it.
   Result<void> choose_skins() {
-    const int finest = finest_grade(most_nodes()), for_shapes = finest_grade(std::min(most_nodes(), kMostForShapes));
+    const int finest = finest_grade(max_nodes()), for_shapes = finest_grade(std::min(max_nodes(), kMaxForShapes));
     for (int m = 0; m < modes_; ++m) found_[m].grade = grade_for(side_for_wave(wavenumber(m)), finest);
     for (int grade = 1; grade <= finest; ++grade) {
       if (std::none_of(found_.begin(), found_.end(), [&](const Finding& f) { return f.grade == grade; })) continue;
@@ -229,7 +229,7 @@ class Solver {
       const auto own = band_of(tasks);
       const auto progress = [&](const Task& task) {
         done += cost_of(task);
-        return go_on("radiation", (round + done / all) / kMostRounds);
+        return go_on("radiation", (round + done / all) / kMaxRounds);
       };
       if (!run_band(own, progress)) return fail_cancelled();
       tasks = tasks.subspan(own.size());
@@ -243,7 +243,7 @@ class Solver {
 
   // How many threads there is memory for.
   [[nodiscard]] int threads_for(const Skin& skin, double shared_bytes) const {
-    return std::clamp(static_cast<int>((kMostBytes - shared_bytes) / wave_memory_bytes(skin)), 1,
+    return std::clamp(static_cast<int>((kMaxBytes - shared_bytes) / wave_memory_bytes(skin)), 1,
                       thread_count(options_.threads));
   }
 
@@ -252,7 +252,7 @@ class Solver {
     const Task& first = tasks.front();
     const Skin& skin = skins_.at(first.grade);
     const double band_bytes = band_memory_bytes(skin);
-    const bool shares = !first.levels && band_bytes + wave_memory_bytes(skin) <= kMostBytes;
+    const bool shares = !first.levels && band_bytes + wave_memory_bytes(skin) <= kMaxBytes;
     const int threads = threads_for(skin, shares ? band_bytes : 0);
     std::optional<BandPair> bands;
     if (!first.levels) {
@@ -301,7 +301,7 @@ class Solver {
       found.finer_rms = answer.finer_rms[column];
       found.source_db = answer.source_db;
       found.field.wavenumber_rad_m = wavenumber(m);
-      found.field.terms = modal::terms_of(std::span(values.data(), values.size()), kSmallestTerm);
+      found.field.terms = modal::terms_of(std::span(values.data(), values.size()), kMinTerm);
     }
     if (answer.eliminated) ++eliminations_;
   }
@@ -383,7 +383,7 @@ class Solver {
     return !options_.progress || options_.progress(stage, fraction);
   }
 
-  static constexpr double kSmallestTerm = 1e-4;
+  static constexpr double kMinTerm = 1e-4;
 
   const Original& original_;
   const Symmetry symmetry_;

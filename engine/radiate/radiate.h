@@ -29,7 +29,7 @@ struct Options {
   // Nodes of the finest surface, to which modes come that miss wanted_error_db() on coarser ones; with s mirror planes
   // 2^((s + 1)/2) times as many. A thread takes 12 bytes times the square of the nodes, over 2^s, all share 30 where
   // that leaves room for it; fewer threads run where all together is more than 3.5 GiB.
-  int most_unknowns = 8000;
+  int max_unknowns = 8000;
   bool symmetry = true;      // looks for mirror planes and uses them
   double range_octaves = 1;  // levels are given this far below and, up to the highest mode, above a mode's own k
 };
@@ -57,7 +57,7 @@ struct Radiation {
 };
 
 // Fails when the surface is not closed or turned inside out, when sizes do not agree (bad_input), when memory does not
-// suffice (no_memory), or with ErrorKind::cancelled. A mode that cannot be resolved by `most_unknowns` is no failure:
+// suffice (no_memory), or with ErrorKind::cancelled. A mode that cannot be resolved by `max_unknowns` is no failure:
 // its error and reason say so. About a minute of one core for a bell of 30 cm up to 12 kHz.
 Result<Radiation> solve(const Body& body, const modal::Air& air, const Options& options = {});
 

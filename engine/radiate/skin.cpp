@@ -15,7 +15,7 @@
 namespace ringdown::radiate {
 namespace {
 
-constexpr int kMostWallTriangles = 3000;
+constexpr int kMaxWallTriangles = 3000;
 
 mesh::TriangleMesh mesh_of(const Panels& panels) {
   mesh::TriangleMesh mesh;
@@ -210,9 +210,9 @@ Result<Original> Original::of(const Body& body, int mirrors) {
   original.mirrors = mirrors;
   original.part = mirror_part_of(mesh_of(*original.panels), mirrors);
   original.walls = original.panels;
-  if (original.panels->triangle_count() > kMostWallTriangles) {
+  if (original.panels->triangle_count() > kMaxWallTriangles) {
     auto coarse =
-        panels_of(retile(mesh_of(*original.panels), side_for(original.panels->area(), kMostWallTriangles / 2.0)));
+        panels_of(retile(mesh_of(*original.panels), side_for(original.panels->area(), kMaxWallTriangles / 2.0)));
     if (!coarse) return fail(coarse.error());
     original.walls = std::make_shared<const Panels>(std::move(*coarse));
   }

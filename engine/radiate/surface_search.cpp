@@ -8,7 +8,7 @@ namespace ringdown::radiate {
 namespace {
 
 constexpr double kFacing = 0.5;
-constexpr int kMostCells = 96;  // along an axis
+constexpr int kMaxCells = 96;  // along an axis
 
 // The nearest point of a triangle. (Ericson, Real-Time Collision Detection, 2005, section 5.1.5.)
 SurfacePlace nearest_on(const Panels& panels, int triangle, const Eigen::Vector3d& p) {
@@ -38,7 +38,7 @@ SurfaceSearch::SurfaceSearch(const Panels& panels) : panels_(panels) {
   low_ = panels.nodes.colwise().minCoeff().transpose();
   const Eigen::Vector3d size = panels.nodes.colwise().maxCoeff().transpose() - low_;
   double side = std::sqrt(panels.area() / panels.triangle_count()) * 2;
-  side = std::max(side, size.maxCoeff() / kMostCells);
+  side = std::max(side, size.maxCoeff() / kMaxCells);
   cell_ = side;
   for (int c = 0; c < 3; ++c) count_[c] = static_cast<int>(size[c] / cell_) + 1;
   triangles_.resize(static_cast<std::size_t>(count_[0]) * count_[1] * count_[2]);

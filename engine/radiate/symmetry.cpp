@@ -18,7 +18,7 @@
 namespace ringdown::radiate {
 namespace {
 
-constexpr int kMostSamples = 800;
+constexpr int kMaxSamples = 800;
 constexpr double kAlike = 0.03;  // relative difference of moments whose axes may lie anywhere in their plane
 
 using Vector = Eigen::Vector3d;
@@ -35,7 +35,7 @@ class MirrorTrial {
       const Vector sum = corners.rowwise().sum();
       moments_ += panels.areas[t] / 12 * (corners * corners.transpose() + sum * sum.transpose());
     }
-    step_ = std::max(1, panels.triangle_count() / kMostSamples);
+    step_ = std::max(1, panels.triangle_count() / kMaxSamples);
     most_ = kMirrorDistance + roughness() / radius();
   }
 

@@ -10,9 +10,9 @@
 namespace ringdown::radiate {
 namespace {
 
-constexpr int kFewestIterated = 1500;  // unknowns; fewer are eliminated
-constexpr int kMostSteps = 80;
-constexpr double kSmallestPart = 1e-4;  // of a flow in a class, beside the whole; smaller ones are left out
+constexpr int kMinIterated = 1500;  // unknowns; fewer are eliminated
+constexpr int kMaxSteps = 80;
+constexpr double kMinPart = 1e-4;  // of a flow in a class, beside the whole; smaller ones are left out
 // The power's error falls with the square of the side or faster, and so halves or better from one grade to the next:
 // when half of the last step is added, no more than half a step is left.
 constexpr double kExtrapolation = 0.5;  // of the step from the coarser skin to the finer
@@ -53,7 +53,7 @@ std::vector<ClassPart> parts_of(const std::vector<Eigen::MatrixXcf>& flows) {
   for (std::size_t c = 0; c < flows.size(); ++c) {
     for (Eigen::Index column = 0; column < whole.size(); ++column) {
       const double share = flows.size() == 1 ? 1 : std::sqrt(flows[c].col(column).squaredNorm() / whole[column]);
-      if (!(share >= kSmallestPart)) continue;
+      if (!(share >= kMinPart)) continue;
       parts[c].columns.push_back(column);
       parts[c].residuals.push_back(kResidual / share);
     }
@@ -97,8 +97,8 @@ Eigen::MatrixXcd fields_of(const WaveQuestion& question, const Skin& skin, const
   return fields;
 }
 
-Directions directions_of(const WaveQuestion& question, int most_degree) {
-  return directions_for(std::min(most_degree, degree_for(question.wavenumber_rad_m, question.radius_m)));
+Directions directions_of(const WaveQuestion& question, int max_degree) {
+  return directions_for(std::min(max_degree, degree_for(question.wavenumber_rad_m, question.radius_m)));
 }
 
 Eigen::VectorXd rms_of(const Directions& directions, const Eigen::MatrixXcd& fields) {
@@ -109,7 +109,7 @@ Eigen::VectorXd rms_of(const Directions& directions, const Eigen::MatrixXcd& fie
 // returned false.
 Eigen::MatrixXcf layers_of(ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const std::vector<double>& residuals,
                            const Preconditioner& precondition, const std::function<bool()>& go_on, bool& eliminated) {
-  Eigen::MatrixXcf layers = iterate(matrix, flow, residuals, precondition, kMostSteps, go_on);
+  Eigen::MatrixXcf layers = iterate(matrix, flow, residuals, precondition, kMaxSteps, go_on);
   if (layers.size() != 0) return layers;
   eliminated = true;
   if (go_on()) layers = Elimination(matrix).solve(flow);
@@ -199,7 +199,7 @@ bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, W
       if (part.columns.empty()) continue;
       ComplexMatrix& matrix = memory.fine[c];
       Eigen::MatrixXcf layers = flows[c](Eigen::all, part.columns);
-      if (matrix.rows() >= kFewestIterated) {
+      if (matrix.rows() >= kMinIterated) {
         const auto precondition = on_finer(fine, own_class, matrix, eliminated[c], bands.continuation);
         layers = layers_of(matrix, layers, part.residuals, precondition, go_on, answer.eliminated);
       } else {
@@ -228,8 +228,8 @@ bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, W
 }
 
 Eigen::VectorXd rms_on(const WaveQuestion& question, const Skin& skin, WaveMemory& memory) {
-  constexpr int kMostDegree = 33;
-  const Directions directions = directions_of(question, kMostDegree);
+  constexpr int kMaxDegree = 33;
+  const Directions directions = directions_of(question, kMaxDegree);
   const std::vector<double> coupling = coupling_of(skin, question.wavenumber_rad_m);
   class_matrices(skin, question.wavenumber_rad_m, coupling, memory.factors);
   const std::vector<Eigen::MatrixXcf> flows = flows_for(question, skin, false);

@@ -29,8 +29,8 @@ struct Krylov {
   double first = 0, residual = 0;
   bool done = false;
 
-  explicit Krylov(int most_steps)
-      : triangle(Eigen::MatrixXcd::Zero(most_steps + 1, most_steps)), right(Eigen::VectorXcd::Zero(most_steps + 1)) {}
+  explicit Krylov(int max_steps)
+      : triangle(Eigen::MatrixXcd::Zero(max_steps + 1, max_steps)), right(Eigen::VectorXcd::Zero(max_steps + 1)) {}
   void start(const Eigen::VectorXcf& from, double wanted) {
     residual = wanted;
     first = from.norm();
@@ -189,10 +189,10 @@ Eigen::MatrixXcf multiply(const ComplexMatrix& matrix, const Eigen::MatrixXcf& c
 }
 
 Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow,
-                         const std::vector<double>& residuals, const Preconditioner& precondition, int most_steps,
+                         const std::vector<double>& residuals, const Preconditioner& precondition, int max_steps,
                          const std::function<bool()>& go_on) {
   const Eigen::MatrixXcf right = precondition(flow);
-  std::vector<Krylov> columns(flow.cols(), Krylov(most_steps));
+  std::vector<Krylov> columns(flow.cols(), Krylov(max_steps));
   for (Eigen::Index m = 0; m < flow.cols(); ++m) columns[m].start(right.col(m), residuals[m]);
   for (int step = 0;; ++step) {
     std::vector<Eigen::Index> active;
@@ -200,7 +200,7 @@ Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& fl
       if (!columns[m].done) active.push_back(m);
     }
     if (active.empty()) break;
-    if (step == most_steps || !go_on()) return {};
+    if (step == max_steps || !go_on()) return {};
     Eigen::MatrixXcf last(flow.rows(), static_cast<Eigen::Index>(active.size()));
     for (Eigen::Index a = 0; a < last.cols(); ++a) last.col(a) = columns[active[a]].basis.back();
     const Eigen::MatrixXcf next = precondition(multiply(matrix, last));

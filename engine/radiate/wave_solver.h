@@ -30,10 +30,10 @@ inline constexpr double kResidual = 3e-5;  // relative, of the preconditioned eq
 
 // The layers (V x M) for given flows, by GMRES to a residual for each. All right-hand sides are advanced in step,
 // so that the matrix is read once for all of them. `precondition` returns nearly the solutions for right-hand sides, by
-// a linear map. Empty when `most_steps` do not suffice, or when `go_on`, asked between steps, returns false.
+// a linear map. Empty when `max_steps` do not suffice, or when `go_on`, asked between steps, returns false.
 using Preconditioner = std::function<Eigen::MatrixXcf(const Eigen::MatrixXcf&)>;
 Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow,
-                         const std::vector<double>& residuals, const Preconditioner& precondition, int most_steps,
+                         const std::vector<double>& residuals, const Preconditioner& precondition, int max_steps,
                          const std::function<bool()>& go_on);
 
 }  // namespace ringdown::radiate

@@ -43,7 +43,7 @@ void ContactLives::add(const PairContact& contact, double now_s) {
   life.slides = life.slides + weight * contact.slide_m_s;
   life.slip += weight * length(contact.slide_m_s);
   life.weight += weight;
-  life.most_roll = std::max(life.most_roll, contact.most_roll_m_s);
+  life.max_roll = std::max(life.max_roll, contact.max_roll_m_s);
   add_way(life, contact);
   life.latest = contact;
 }
@@ -75,8 +75,8 @@ ContactReport ContactLives::report(BodyPair pair, const Life& life) const {
   // The contact point of a sliding body stays where it is on one of the surfaces; only rolling moves it over both.
   if (life.rolled > 0) {
     const double way_m = std::min(length(life.over_first_m), length(life.over_second_m));
-    result.roll_m_s = std::min(way_m / (life.rolled * step_s_), life.most_roll);
-    const double most = life.most_roll + result.slip_m_s;
+    result.roll_m_s = std::min(way_m / (life.rolled * step_s_), life.max_roll);
+    const double most = life.max_roll + result.slip_m_s;
     result.over_first_m_s = std::min(length(life.over_first_m) / (life.rolled * step_s_), most);
     result.over_second_m_s = std::min(length(life.over_second_m) / (life.rolled * step_s_), most);
   }
@@ -94,7 +94,7 @@ std::span<const ContactReport> ContactLives::advance(double now_s) {
       if (!latest.ends || life.reported) reports_.push_back(latest);
       life.reported = !latest.ends;
       life.steps = life.rolled = 0;
-      life.weight = life.slip = life.most_roll = 0;
+      life.weight = life.slip = life.max_roll = 0;
       life.impulse_ns = life.moment = life.normals = life.slides = life.over_first_m = life.over_second_m = {};
     }
     life.touched_before = std::exchange(life.touches, false);

@@ -30,12 +30,12 @@ inline constexpr double kMinContactSpeed_m_s = 0.01;
 // The contact of one pair in one step: all its points together. World axes.
 struct PairContact {
   BodyPair pair;
-  Vec3 point_m;              // mean of the contact points, weighted by their force
-  Vec3 impulse_ns;           // on the first body
-  Vec3 normal;               // mean direction in which the first body leaves the second
-  Vec3 slide_m_s;            // of the first body's surface past the second's
-  double most_roll_m_s = 0;  // bound on the rolling speed: spin times the distance to a centre of mass
-  Motion first, second;      // a static's is that of the origin at rest
+  Vec3 point_m;             // mean of the contact points, weighted by their force
+  Vec3 impulse_ns;          // on the first body
+  Vec3 normal;              // mean direction in which the first body leaves the second
+  Vec3 slide_m_s;           // of the first body's surface past the second's
+  double max_roll_m_s = 0;  // bound on the rolling speed: spin times the distance to a centre of mass
+  Motion first, second;     // a static's is that of the origin at rest
 };
 
 // What a lasting contact was like since its last report.
@@ -78,7 +78,7 @@ class ContactLives {
     // Sums since the last report:
     int steps = 0;
     Vec3 impulse_ns, moment, normals, slides;
-    double weight = 0, slip = 0, most_roll = 0;
+    double weight = 0, slip = 0, max_roll = 0;
     Vec3 over_first_m, over_second_m;  // way of the contact point over both surfaces, in world axes
     int rolled = 0;                    // number of steps in that way
     bool touched_before = false;       // in the last step

@@ -55,7 +55,7 @@ std::optional<PairContact> combine_points(BodyPair pair, std::span<const Contact
   const auto arm = [&](const ContactSide& side, const Motion& motion) {
     return side.mass ? length(all.point_m - motion.position_m) : 0.0;
   };
-  all.most_roll_m_s = turning * std::max(arm(first, all.first), arm(second, all.second));
+  all.max_roll_m_s = turning * std::max(arm(first, all.first), arm(second, all.second));
   return all;
 }
 
@@ -169,7 +169,7 @@ void ContactSounds::process_pair(BodyPair pair, std::span<const ContactPoint* co
 
 // How long faces that meet touch (bearing.h): where a surface has a waviness, and the points span a patch.
 std::optional<double> ContactSounds::face_time_s(std::span<const ContactPoint* const> points) const {
-  constexpr double kSmallest_m2 = 1e-10;
+  constexpr double kMin_m2 = 1e-10;
   const ContactPoint& last = *points.back();
   const ContactSide *body = find(sides_, last.body), *other = find(sides_, last.other);
   if (points.size() < 3 || !body || !other || !(body->surface.waviness || other->surface.waviness)) return {};
@@ -185,7 +185,7 @@ std::optional<double> ContactSounds::face_time_s(std::span<const ContactPoint* c
     approach_m_s = std::max(approach_m_s, point->approach_m_s);
   }
   const double area_m2 = patch_area(places, last.normal);
-  if (!(weight > 0) || !(area_m2 > kSmallest_m2)) return {};
+  if (!(weight > 0) || !(area_m2 > kMin_m2)) return {};
   ContactPoint all = last;
   all.point_m = (1 / weight) * middle_m;
   const double time_s =
@@ -229,10 +229,10 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
   const Vec3 impulse_ns = (straight ? 1 : -1) * point.impulse_ns;
   const Vec3 way = (1 / length(impulse_ns)) * impulse_ns;
   constexpr double kHertz = 2.94;  // contact time over depth, times speed
-  constexpr double kLeastBounce = 0.05;
+  constexpr double kMinBounce = 0.05;
   // Bodies that share an impact with others, or graze an edge, give less than they would alone.
   const double pushed_m_s = length(impulse_ns) * inverse_mass;
-  const double speed = std::min(point.approach_m_s, pushed_m_s / (1 + kLeastBounce));
+  const double speed = std::min(point.approach_m_s, pushed_m_s / (1 + kMinBounce));
   event.type = synth::EventType::touch;
   event.object = *struck.object;
   event.point_m = to_object(straight ? point.motions->of_body : point.motions->of_other, struck, point.point_m);
@@ -243,7 +243,7 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
   event.touch.mass_kg = 1 / inverse_mass;
   event.touch.stiffness =
       1.25 * event.touch.mass_kg * speed * speed / std::pow(event.contact_time_s * speed / kHertz, 2.5);
-  event.touch.bounce = std::clamp(pushed_m_s / speed - 1, kLeastBounce, 1.0);
+  event.touch.bounce = std::clamp(pushed_m_s / speed - 1, kMinBounce, 1.0);
   if (head.object && *head.object != *struck.object) {
     event.touch.other = *head.object;
     event.touch.other_point_m =

@@ -167,12 +167,12 @@ class System {
 };
 
 // Bounds the two rows of a contact's friction. A row at a bound stays at that side.
-void bound(System& system, int row, double most_ns) {
+void bound(System& system, int row, double max_ns) {
   for (int k = row; k < row + 2; ++k) {
     Row& across = system.row(k);
-    across.low = -most_ns;
-    across.high = most_ns;
-    if (most_ns == 0 && across.at == At::free) across.at = At::low;
+    across.low = -max_ns;
+    across.high = max_ns;
+    if (max_ns == 0 && across.at == At::free) across.at = At::low;
   }
 }
 

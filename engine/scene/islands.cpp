@@ -68,7 +68,7 @@ void Islands::join(Collider& body, Collider* other) {
   if (other) other->island.exempt = true;
 }
 
-std::size_t Islands::most_contacts() const {
+std::size_t Islands::max_contacts() const {
   std::size_t most = 0;
   for (const Link& link : links_) most = std::max(most, ++root_of(*link.body).island.contacts);
   return most;

@@ -35,7 +35,7 @@ class Islands {
   void join(Collider& body, Collider* other);
 
   // The number of contact points of the island that has the most.
-  [[nodiscard]] std::size_t most_contacts() const;
+  [[nodiscard]] std::size_t max_contacts() const;
 
   // Returns true where the body touches only what cannot move, and has no joints.
   [[nodiscard]] static bool is_alone(const Collider& body) { return !body.island.has_others && !body.island.exempt; }

@@ -11,7 +11,7 @@ namespace ringdown::scene {
 namespace {
 
 // The largest share of its kinetic energy that a body pays at a time.
-constexpr double kMostPaid = 0.9;
+constexpr double kMaxPaid = 0.9;
 
 }  // namespace
 
@@ -126,8 +126,8 @@ Motion Collider::after(const Motion& motion, double time_s) const {
 }
 
 void Collider::turn(const Rotation& from, double part_s) {
-  constexpr double kLeastTurn_rad = 1e-13;  // below that, ODE's own turn is as good
-  if (!(length(to_vec3(dBodyGetAngularVel(body.get()))) * part_s > kLeastTurn_rad)) return;
+  constexpr double kMinTurn_rad = 1e-13;  // below that, ODE's own turn is as good
+  if (!(length(to_vec3(dBodyGetAngularVel(body.get()))) * part_s > kMinTurn_rad)) return;
   Motion start = motion();
   start.rotation = from;
   const Motion end = after(start, part_s);
@@ -155,7 +155,7 @@ void Collider::pay_for_lifts() {
   const Motion now = motion();
   const Vec3 spin = transpose(to_matrix(now.rotation)) * now.spin_rad_s;
   const double kinetic_j = 0.5 * (mass_kg * dot(now.velocity_m_s, now.velocity_m_s) + dot(spin, inertia * spin));
-  const double paid_j = std::min(lifted_j, kMostPaid * kinetic_j);
+  const double paid_j = std::min(lifted_j, kMaxPaid * kinetic_j);
   if (!(paid_j > 0)) return;
   lifted_j -= paid_j;
   slow(std::sqrt(1 - paid_j / kinetic_j), {});

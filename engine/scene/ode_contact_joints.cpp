@@ -322,8 +322,8 @@ void ContactJoints::move_bodies_apart() {
   if (!solver_pushes_) {
     overlaps_.clear();
     const auto ask = [this](Collider& body, Collider& other, const ContactPoint& point) {
-      const double most_m_s = is_hull(body) || is_hull(other) ? kMaxWayOut_m_s : kMaxCorrection_m_s;
-      overlaps_.push_back({&body, &other, &point, most_m_s * part_s_});
+      const double max_m_s = is_hull(body) || is_hull(other) ? kMaxWayOut_m_s : kMaxCorrection_m_s;
+      overlaps_.push_back({&body, &other, &point, max_m_s * part_s_});
     };
     for (const Further& further : further_) ask(*further.body, *further.other, further.point);
     for (std::size_t k = part_begin_; k < points_.size(); ++k) {

@@ -33,7 +33,7 @@ void Partings::limit(std::span<Overlap> overlaps, double part_s) {
       pair.touches = true, pair.differ = false;
       pair.normal = normal, pair.deepest_m = 0;
       const double wall_m = std::min(overlap.body->shape.surface.thickness_m, overlap.other->shape.surface.thickness_m);
-      pair.limit_s = kWayOut * wall_m * part_s / overlap.most_m;
+      pair.limit_s = kWayOut * wall_m * part_s / overlap.max_m;
     }
     pair.deepest_m = std::max(pair.deepest_m, overlap.point->depth_m);
     if (dot(normal, pair.normal) < kOneDirection) pair.differ = true;
@@ -48,7 +48,7 @@ void Partings::limit(std::span<Overlap> overlaps, double part_s) {
   for (Overlap& overlap : overlaps) {
     if (!are_meshes(overlap)) continue;
     const Parting& pair = pairs_[pair_of(overlap)];
-    if (pair.differ && pair.tried_s > pair.limit_s) overlap.most_m = 0;
+    if (pair.differ && pair.tried_s > pair.limit_s) overlap.max_m = 0;
   }
 }
 

@@ -13,7 +13,7 @@ namespace ringdown::scene {
 
 class Partings {
  public:
-  // Sets `most_m` to 0 in those overlaps of a part of a step whose bodies have been moved apart for long enough.
+  // Sets `max_m` to 0 in those overlaps of a part of a step whose bodies have been moved apart for long enough.
   void limit(std::span<Overlap> overlaps, double part_s);
 
  private:

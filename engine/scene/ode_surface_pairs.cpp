@@ -66,7 +66,7 @@ int SurfacePairs::find(const Collider& first, const Collider& second, double par
     const Motion of_first = first.motion(), of_second = second.motion();
     DepthLimit limit;
     limit.standing_m = kDeepest * std::min(one.thickness_m, two.thickness_m);
-    limit.most_m = limit.standing_m + 2 * part_s * (fastest_m_s(first) + fastest_m_s(second));
+    limit.max_m = limit.standing_m + 2 * part_s * (fastest_m_s(first) + fastest_m_s(second));
     limit.came_in_m = [&](Vec3 point, Vec3 normal) {
       const Vec3 world_m = base.position + base.rotation * point;
       const Vec3 approach = of_second.velocity_at(world_m) - of_first.velocity_at(world_m);

@@ -20,11 +20,11 @@ namespace {
 constexpr int kSweeps = 10;
 
 // Smaller ways are rounding errors of the solver.
-constexpr double kLeast_m = 1e-9;
+constexpr double kMin_m = 1e-9;
 
 // The most height that a body owes energy for. Trembling lifts bodies by hundredths of a millimetre; what has been
 // moved out of a deep overlap should fall freely soon.
-constexpr double kMostOwed_m = 2e-4;
+constexpr double kMaxOwed_m = 2e-4;
 
 struct Shift {
   Vec3 way_m, turn_rad;
@@ -82,7 +82,7 @@ class Carried {
 double wanted_m(const Overlap& overlap, Vec3 apart_m, const Correction& correction) {
   const ContactPoint& point = *overlap.point;
   const double too_deep_m = point.depth_m - correction.allowed_m;
-  const double way_m = too_deep_m > 0 ? std::min(correction.share * too_deep_m, overlap.most_m) : too_deep_m;
+  const double way_m = too_deep_m > 0 ? std::min(correction.share * too_deep_m, overlap.max_m) : too_deep_m;
   return way_m - dot(apart_m, point.normal);
 }
 
@@ -109,7 +109,7 @@ void move_apart(std::span<const Overlap> overlaps, const Correction& correction,
                       overlap.other->movable() ? &island_of(*overlap.other) : nullptr};
   };
   for (const Overlap& overlap : overlaps) {
-    if (wanted_at(overlap) <= kLeast_m) continue;
+    if (wanted_at(overlap) <= kMin_m) continue;
     for (Collider* island : islands_of(overlap)) islands.push_back(island);
   }
   if (islands.empty()) return;
@@ -141,7 +141,7 @@ void move_apart(std::span<const Overlap> overlaps, const Correction& correction,
     collider->shift(shift.way_m, shift.turn_rad);
     const double weight_n = collider->mass_kg * std::abs(collider->gravity_factor) * length(gravity_m_s2);
     const double gained_j = -collider->mass_kg * collider->gravity_factor * dot(gravity_m_s2, shift.way_m);
-    collider->lifted_j = std::clamp(collider->lifted_j + gained_j, 0.0, kMostOwed_m * weight_n);
+    collider->lifted_j = std::clamp(collider->lifted_j + gained_j, 0.0, kMaxOwed_m * weight_n);
   }
 }
 

@@ -13,7 +13,7 @@ namespace ringdown::scene {
 struct Overlap {
   Collider *body, *other;
   const ContactPoint* point;  // as found, before the bodies moved
-  double most_m;              // the farthest that the point may be moved apart in this part of the step
+  double max_m;               // the farthest that the point may be moved apart in this part of the step
 };
 
 struct Correction {

@@ -40,7 +40,7 @@ void RestingContacts::add(const PairContact& contact, std::span<const ContactPoi
   Life& life = lives_[contact.pair];
   life.touches = true;
   life.moves =
-      life.moves || length(contact.slide_m_s) > kMinContactSpeed_m_s || contact.most_roll_m_s > kMinContactSpeed_m_s;
+      life.moves || length(contact.slide_m_s) > kMinContactSpeed_m_s || contact.max_roll_m_s > kMinContactSpeed_m_s;
   life.latest.pair = contact.pair;
   life.latest.first = contact.first, life.latest.second = contact.second;
   life.latest.points.clear();

@@ -59,7 +59,7 @@ constexpr double kGain = 1e-9, kGainByIteration = 1e-2;
 constexpr int kMaxRounds = 6;
 
 // The exact solver's time grows with the cube of an island's contact points, and a long step leaves more time.
-std::size_t most_exact_contacts(double step_s) {
+std::size_t max_exact_contacts(double step_s) {
   return static_cast<std::size_t>(kMaxExactContacts * std::cbrt(step_s / 0.002));
 }
 
@@ -110,7 +110,7 @@ struct Simulation::State {
   bool has_driven = false;  // whether a body moves as it is told
   double driven_s = 0;      // of the step, at the part's beginning
   unsigned long seed, parts = 0;
-  std::size_t most_exact;
+  std::size_t max_exact;
   std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
   std::unique_ptr<dxSpace, SpaceDeleter> space{dSimpleSpaceCreate(nullptr)};
   ContactJoints contacts;
@@ -134,7 +134,7 @@ Simulation::State::State(const SceneDescription& scene)
       damper_ns_m(scene.contact.damper_ns_m),
       gravity_m_s2(scene.gravity_m_s2),
       seed(static_cast<unsigned long>(scene.seed)),
-      most_exact(most_exact_contacts(scene.step_s)),
+      max_exact(max_exact_contacts(scene.step_s)),
       contacts(world.get(), scene) {
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
   dWorldSetContactMaxCorrectingVel(world.get(), kMaxCorrection_m_s);
@@ -252,7 +252,7 @@ void Simulation::State::add_gravity() {
 }
 
 void Simulation::State::solve() {
-  exact = islands.most_contacts() <= most_exact;
+  exact = islands.max_contacts() <= max_exact;
   contacts.hand_over(exact, islands);
   if (exact) {
     contacts.push_lone_bodies();

@@ -19,7 +19,7 @@ namespace {
 constexpr double kSlack = 0.02;
 
 // Sine of the least angle between two edges that touch in a point.
-constexpr double kLeastCrossing = 0.02;
+constexpr double kMinCrossing = 0.02;
 
 // A corner this far beside a triangle is still over it, so that none falls between two triangles.
 constexpr double kRounding_m = 1e-9;
@@ -93,7 +93,7 @@ class Search {
  private:
   void touch(Vec3 point, const SurfaceCorner& corner, const Matrix3& turn, const SurfaceTriangle& triangle) {
     const double distance_m = dot(point - triangle.corners[0], triangle.normal);
-    if (distance_m > margin_m_ || distance_m < -limit_.most_m) return;
+    if (distance_m > margin_m_ || distance_m < -limit_.max_m) return;
     for (int k = 0; k < 3; ++k) {
       if (dot(point - triangle.corners[k], triangle.inwards[k]) < -kRounding_m) return;
     }
@@ -108,15 +108,15 @@ class Search {
     const Vec3 across = cross(d, e);
     const double size2 = dot(across, across);
     const double off = dot(apart, across);
-    if (off * off > size2 * limit_.most_m * limit_.most_m && off * off > size2 * margin_m_ * margin_m_) return;
-    if (size2 < kLeastCrossing * kLeastCrossing * dot(d, d) * dot(e, e)) return;
+    if (off * off > size2 * limit_.max_m * limit_.max_m && off * off > size2 * margin_m_ * margin_m_) return;
+    if (size2 < kMinCrossing * kMinCrossing * dot(d, d) * dot(e, e)) return;
     const double s = dot(cross(apart, e), across) / size2, t = dot(cross(apart, d), across) / size2;
     if (s < 0 || s > 1 || t < 0 || t > 1) return;
     Vec3 normal = (1 / std::sqrt(size2)) * across;
     if (dot(normal, two.normal + two.other_normal) < 0) normal = -1 * normal;
     const Vec3 on_two = two.from + t * e;
     const double distance_m = dot(one.from + s * d - on_two, normal);
-    if (distance_m > margin_m_ || distance_m < -limit_.most_m) return;
+    if (distance_m > margin_m_ || distance_m < -limit_.max_m) return;
     if (between(normal, two) && between(-1 * normal, one)) add(on_two, normal, -distance_m);
   }
 
@@ -147,7 +147,7 @@ void find_surface_contacts(const Surface& first, const Surface& second, const Re
     return SurfaceContact{carry(pose, contact.point), -1 * (pose.rotation * contact.normal), contact.depth_m};
   };
   std::vector<SurfaceContact> in_first;
-  const DepthLimit limit_in_first{limit.standing_m, limit.most_m, [&](Vec3 point, Vec3 normal) {
+  const DepthLimit limit_in_first{limit.standing_m, limit.max_m, [&](Vec3 point, Vec3 normal) {
                                     const SurfaceContact there = in_second({point, normal});
                                     return limit.came_in_m(there.point, there.normal);
                                   }};

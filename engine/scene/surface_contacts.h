@@ -29,7 +29,7 @@ struct RelativePose {
 // How deep features may be in each other to count at all.
 struct DepthLimit {
   double standing_m = 0;                                     // of bodies that do not approach each other
-  double most_m = 0;                                         // of the fastest
+  double max_m = 0;                                          // of the fastest
   std::function<double(Vec3 point, Vec3 normal)> came_in_m;  // how far they may have come into each other at a point
 };
 

@@ -18,10 +18,10 @@ namespace ringdown::solve {
 // shift.
 struct Window {
   double low = 0;
-  int left = 0;          // eigenvalues in [low, sigma)
-  int right = 0;         // how many more from sigma on ...
-  double high = 0;       // ... where `right` are all in [sigma, high), or infinity: then the `right` nearest, or more
-  int most_vectors = 0;  // of the basis
+  int left = 0;         // eigenvalues in [low, sigma)
+  int right = 0;        // how many more from sigma on ...
+  double high = 0;      // ... where `right` are all in [sigma, high), or infinity: then the `right` nearest, or more
+  int max_vectors = 0;  // of the basis
   double tolerance = 1e-9;  // on the residual of theta, relative
 };
 

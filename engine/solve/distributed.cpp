@@ -30,7 +30,7 @@ Result<void> write_system(const fs::path& path, const fem::System& system, const
                              .mass_entries = system.node_mass.nonZeros(),
                              .highest_lambda = request.highest_lambda,
                              .tolerance = request.tolerance,
-                             .most_modes = request.most_modes + kRigidRoom};
+                             .max_modes = request.max_modes + kRigidRoom};
   return write_problem(path, header, view_of(stiffness), view_of(system.node_mass));
 }
 

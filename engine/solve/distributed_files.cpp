@@ -57,7 +57,7 @@ Result<void> write_whole(const fs::path& path, const std::function<void(std::ofs
 bool sane(const ProblemHeader& h) {
   return h.nodes > 0 && h.nodes <= kMaxNodes && h.stiffness_entries >= 0 && h.stiffness_entries <= kMaxEntries &&
          h.mass_entries >= 0 && h.mass_entries <= kMaxEntries && h.highest_lambda > 0 && h.tolerance > 0 &&
-         h.most_modes > 0;
+         h.max_modes > 0;
 }
 
 std::int64_t file_bytes(const fs::path& path) {

@@ -25,7 +25,7 @@ struct ProblemHeader {
   std::int64_t mass_entries = 0;
   double highest_lambda = 0;
   double tolerance = 0;
-  std::int64_t most_modes = 0;
+  std::int64_t max_modes = 0;
 };
 
 struct ModesHeader {

@@ -60,7 +60,7 @@ int count_below(const Eigen::VectorXd& lambda, double limit) {
 }
 
 Error too_many_modes(const EigenRequest& request) {
-  return {ErrorKind::too_large, "more than " + std::to_string(request.most_modes) +
+  return {ErrorKind::too_large, "more than " + std::to_string(request.max_modes) +
                                     " modes lie in the band; narrow the band or allow more modes"};
 }
 
@@ -150,7 +150,7 @@ Result<void> Solve::finish(Eigenmodes& modes) {
   modes.lambda.conservativeResize(count);
   modes.shapes.conservativeResize(Eigen::NoChange, count);
   modes.rigid = request_.rigid >= 0 ? std::min(request_.rigid, modes.counted) : count_below(modes.lambda, rigid_limit_);
-  if (modes.counted - modes.rigid > request_.most_modes) return fail(too_many_modes(request_));
+  if (modes.counted - modes.rigid > request_.max_modes) return fail(too_many_modes(request_));
   modes.residuals = pencil_->ordered().residuals(modes.lambda, modes.shapes);
   modes.residuals.head(modes.rigid).setZero();
   if (!opinion_) return {};
@@ -167,7 +167,7 @@ Result<Eigenmodes> Solve::run() {
   }
   const Result<Count> top = count_at_top();
   if (!top) return fail(top.error());
-  if (top->below > 2 * request_.most_modes + 1000) return fail(too_many_modes(request_));
+  if (top->below > 2 * request_.max_modes + 1000) return fail(too_many_modes(request_));
   const Method method = choose(request_.method, system_.unknowns(), top->below);
   if (request_.verify) {
     opinion_.emplace(method == Method::kSpectra ? Method::kBlockLanczos : Method::kSpectra,

@@ -33,7 +33,7 @@ Result<Method> parse_method(std::string_view name);
 
 struct EigenRequest {
   double highest_lambda = 0;  // [rad^2/s^2], > 0
-  int most_modes = 4096;      // more than these fail, instead of filling the memory
+  int max_modes = 4096;       // more than these fail, instead of filling the memory
   double tolerance = 1e-9;    // relative, on 1 / (lambda - sigma)
   Method method = Method::kAutomatic;
   int threads = 0;  // 0: as many as there are processors
@@ -75,7 +75,7 @@ struct Eigenmodes {
 
 // Fails when the system cannot be factored (a mesh or material that is not sound), when the iteration does not
 // converge, when modes found and counted disagree, when the second opinion disagrees, when there are more than
-// most_modes, or when cancelled. Results
+// max_modes, or when cancelled. Results
 // repeat bit for bit on one machine with one number of threads.
 Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& request, const Progress& progress = {});
 

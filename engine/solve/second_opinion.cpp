@@ -202,7 +202,7 @@ Pairs nearest_pairs(Method by, const Pencil& pencil, const Count& shift, int wan
                       .left = std::min(wanted, shift.below),
                       .right = wanted,
                       .high = std::numeric_limits<double>::infinity(),
-                      .most_vectors = 8 * wanted + 40 * kWidth,
+                      .max_vectors = 8 * wanted + 40 * kWidth,
                       .tolerance = tolerance};
   constexpr unsigned kSeed = 1000;  // not one of solve_block_lanczos()
   Pairs pairs = block_lanczos(pencil, window, none, kSeed, keep_going);

@@ -144,7 +144,7 @@ Result<void> Slicer::slice() {
                       .left = shift->below - done_.below,
                       .right = last ? right : std::min(right, static_cast<int>(0.5 * each)),
                       .high = last ? top_.lambda : kInfinity,
-                      .most_vectors = static_cast<int>(4 * each) + 40 * kWidth,
+                      .max_vectors = static_cast<int>(4 * each) + 40 * kWidth,
                       .tolerance = request_.tolerance};
   const double seam = done_.lambda;
   iterate(window, Eigen::MatrixXd(pencil_.unknowns(), 0));
@@ -175,7 +175,7 @@ Result<void> Slicer::repair(const Count& low, const Count& high) {
     window.left = shift->below - low.below - modes_.count(low.lambda, shift->lambda);
     window.right = high.below - shift->below - modes_.count(shift->lambda, high.lambda);
     if (window.left < 0 || window.right < 0) break;
-    window.most_vectors = 4 * (window.left + window.right) + 40 * kWidth;
+    window.max_vectors = 4 * (window.left + window.right) + 40 * kWidth;
     const double margin = 1e-3 * high.lambda;
     iterate(window, modes_.shapes(low.lambda - margin, high.lambda + margin));
   }

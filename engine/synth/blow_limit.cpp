@@ -26,7 +26,7 @@ void detune(const GlideMatrix& matrix, const float* squares, Row& x0) RINGDOWN_R
 }  // namespace
 
 double blow_limit(const GlideMatrix& matrix, const float* squares, const double* amplitudes) RINGDOWN_REALTIME {
-  constexpr double kMost = (kMostThicknesses / kCrest) * (kMostThicknesses / kCrest);
+  constexpr double kMost = (kMaxThicknesses / kCrest) * (kMaxThicknesses / kCrest);
   const std::size_t n = matrix.columns.size();
   const float* const bend = matrix.bend.data();
   Row blow;

@@ -1,4 +1,4 @@
-// Thin objects are not struck through: a blow that would bend one by more than kMostThicknesses is made weaker, because
+// Thin objects are not struck through: a blow that would bend one by more than kMaxThicknesses is made weaker, because
 // the equation of nonlinear.h holds no further (docs/how/nonlinear.md).
 #pragma once
 
@@ -8,7 +8,7 @@ namespace ringdown::synth {
 
 struct GlideMatrix;
 
-inline constexpr double kMostThicknesses = 3;
+inline constexpr double kMaxThicknesses = 3;
 inline constexpr double kCrest = 1.7;  // of the sixteen lowest modes of a struck plate, in the full equations
 
 // How much of a blow an object can take, 0 ... 1. `squares` has |z|^2 of its gliding modes before the blow, and

@@ -55,7 +55,7 @@ double forces_of_many(const CoupledArrays& terms, const float* HWY_RESTRICT q, f
   const FloatTag tag;
   constexpr std::size_t kLanes = hn::MaxLanes(FloatTag());
   const std::size_t n = terms.stride;
-  alignas(64) float y[kMostCoupledStride];
+  alignas(64) float y[kMaxCoupledStride];
   for (std::size_t i = 0; i < n; ++i) gradient[i] = 0;
   double energy = 0;
   const float* HWY_RESTRICT row = terms.bending;

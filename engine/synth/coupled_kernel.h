@@ -10,14 +10,14 @@ namespace ringdown::synth {
 
 inline constexpr std::size_t kCoupledPadding = 16;  // modes are padded with zeros to a multiple of this
 
-inline constexpr std::size_t kMostCoupledStride = 304;
+inline constexpr std::size_t kMaxCoupledStride = 304;
 
 // K functions of M modes, M padded to `stride`; 64-byte aligned.
 struct CoupledArrays {
   const float* bending = nullptr;  // K x stride x stride: H^k, symmetric
   const float* curving = nullptr;  // K x stride: g
   std::size_t functions = 0;
-  std::size_t stride = 0;  // a multiple of kCoupledPadding, at most kMostCoupledStride; up to 64 is fast
+  std::size_t stride = 0;  // a multiple of kCoupledPadding, at most kMaxCoupledStride; up to 64 is fast
 };
 
 // For displacements q (`stride` floats): the gradient of V = sum over k of [ (g_k . q) t_k + 1/2 t_k^2 ],

@@ -16,7 +16,7 @@
 namespace ringdown::synth {
 namespace {
 
-static_assert(modal::kMaxCoupled <= kMostCoupledStride);
+static_assert(modal::kMaxCoupled <= kMaxCoupledStride);
 
 constexpr double kShiftOverEnergy = 20;  // C over the energy, at least
 constexpr double kPsiControl_per_s = 300;

@@ -12,16 +12,16 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr float kMostShare = 127;
+constexpr float kMaxShare = 127;
 constexpr double kMaxReach = 1e30;  // relative, at |z| = 1: far beyond modes that are not heard at all
 constexpr double kPerBand = std::numbers::pi / static_cast<double>(kChunkFrames);
-constexpr double kSamePitch = 6e-5;                   // relative: 0.1 cents, below which a mode is left where it is
-constexpr float kGrowth = 1.05F;                      // of the sound, from which all modes are looked at
-constexpr float kFastChange = 1.2e-3F;                // relative, two cents, in which all modes are looked at once
-constexpr float kSlowChange = 3e-4F;                  // the same, that may pass without a look
-constexpr float kLeastShare = 0.1F;                   // of what pitches may move, that they are taken to move
-constexpr float kMostCalls = 8, kMostCalmCalls = 64;  // from look to look
-constexpr double kLeastX = -0.5, kMostX = 3;          // pitches from 0.7 to 2 times their own
+constexpr double kSamePitch = 6e-5;                 // relative: 0.1 cents, below which a mode is left where it is
+constexpr float kGrowth = 1.05F;                    // of the sound, from which all modes are looked at
+constexpr float kFastChange = 1.2e-3F;              // relative, two cents, in which all modes are looked at once
+constexpr float kSlowChange = 3e-4F;                // the same, that may pass without a look
+constexpr float kMinShare = 0.1F;                   // of what pitches may move, that they are taken to move
+constexpr float kMaxCalls = 8, kMaxCalmCalls = 64;  // from look to look
+constexpr double kMinX = -0.5, kMaxX = 3;           // pitches from 0.7 to 2 times their own
 
 // How far the surface moves where it moves most, for a displacement of 1 of a mode [kg^-1/2].
 double largest_shape(const modal::Bank& bank, std::size_t mode) {
@@ -36,7 +36,7 @@ double largest_shape(const modal::Bank& bank, std::size_t mode) {
 }  // namespace
 
 double stiffened(double x0) RINGDOWN_REALTIME {
-  if (x0 <= 0) return std::max(x0, kLeastX);
+  if (x0 <= 0) return std::max(x0, kMinX);
   return 0.75 * (std::sqrt(1 + 8.0 / 3 * x0) - 1);
 }
 
@@ -92,7 +92,7 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
       const double share = relative(m) / reach;
       if (!(std::abs(share) <= 1)) continue;  // not a number
       matrix->shares[(m / kModePadding * n + l) * kModePadding + m % kModePadding] =
-          static_cast<std::int8_t>(std::lround(kMostShare * share));
+          static_cast<std::int8_t>(std::lround(kMaxShare * share));
     }
   }
   return matrix;
@@ -114,7 +114,7 @@ std::array<float, kModePadding> GlideMatrix::detuned(std::size_t block, const fl
   for (; l < n; ++l) add(l, 0);
   std::array<float, kModePadding> x0;
   for (std::size_t i = 0; i < kModePadding; ++i)
-    x0.data()[i] = (2 / kMostShare) * ((sums[0][i] + sums[1][i]) + (sums[2][i] + sums[3][i]));
+    x0.data()[i] = (2 / kMaxShare) * ((sums[0][i] + sums[1][i]) + (sums[2][i] + sums[3][i]));
   return x0;
 }
 
@@ -161,14 +161,14 @@ void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_RE
   }
   const float total = (sums[0] + sums[1]) + (sums[2] + sums[3]);
   const bool begins = !active_;
-  active_ = total > (begins ? 1.0F : 0.5F) * kLeastDetuning;
+  active_ = total > (begins ? 1.0F : 0.5F) * kMinDetuning;
   const bool anew = begins || moments != moments_, all = anew || total > kGrowth * total_;
   if (all) share_ = 1, next_ = 0;
   const float could_change = std::abs(total - total_), change = share_ * could_change;
   could_move_ += could_change;
   const float calls = 1.0F + static_cast<float>(waited_);
   const float until_slow_change = kSlowChange * calls / std::max(change, 1e-9F);
-  const float next = std::clamp(until_slow_change, 1.0F, active_ ? kMostCalls : kMostCalmCalls);
+  const float next = std::clamp(until_slow_change, 1.0F, active_ ? kMaxCalls : kMaxCalmCalls);
   wait_ = waited_ = active_ && all ? 0 : static_cast<std::uint32_t>(next) - 1;
   total_ = total;
   if (!active_) return;
@@ -181,7 +181,7 @@ void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_RE
     look_at_block(next_, anew);
     if (++next_ < most) continue;
     next_ = 0;
-    if (!all) share_ = std::clamp(moved_ / std::max(could_move_, 1e-9F), kLeastShare, 1.0F);
+    if (!all) share_ = std::clamp(moved_ / std::max(could_move_, 1e-9F), kMinShare, 1.0F);
     moved_ = could_move_ = 0;
   }
 }
@@ -193,7 +193,7 @@ void Glide::look_at_block(std::size_t block, bool anew) RINGDOWN_REALTIME {
   std::size_t group = columns_;  // none
   for (std::size_t m = first; m < end; ++m) {
     const std::size_t c = matrix_.columns.data()[m];
-    const double omega = own_im[c], x = std::min(stiffened(static_cast<double>(x0.data()[m - first])), kMostX);
+    const double omega = own_im[c], x = std::min(stiffened(static_cast<double>(x0.data()[m - first])), kMaxX);
     const double delta = std::min(omega * (std::sqrt(1 + x) - 1), 0.999 * std::numbers::pi - omega);
     const double moved = std::abs(delta - delta_.data()[c]);
     moved_ = std::max(moved_, static_cast<float>(moved / omega));

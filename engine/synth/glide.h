@@ -10,7 +10,7 @@
 // which is harmonic balance of Duffing's oscillator at given energy, and agrees to first order.
 //
 // The matrix belongs to the table that voices share; a Glide is one voice's, with poles and tables of its own that the
-// kernels are given in place of the table's as soon as a mode is detuned by more than kLeastDetuning.
+// kernels are given in place of the table's as soon as a mode is detuned by more than kMinDetuning.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -31,7 +31,7 @@ namespace ringdown::synth {
 class ModeTable;
 
 inline constexpr std::size_t kMaxGlidingModes = 100;  // the lowest; M^2 numbers, and 8 M^3 bytes while a table is made
-inline constexpr float kLeastDetuning = 1e-5F;        // relative: 0.017 cents
+inline constexpr float kMinDetuning = 1e-5F;          // relative: 0.017 cents
 
 // A mode that is played and has nonlinear terms.
 struct GlidingMode {

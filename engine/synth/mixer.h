@@ -66,7 +66,7 @@ struct MixerSettings {
 
   // How many modes of a voice may exchange energy, where its bank wants as many: the 64 lowest by default, 300 where
   // there is no hurry (coupled_modes.h). Fixed once an object has a voice.
-  std::size_t most_coupled = 64;
+  std::size_t max_coupled = 64;
 
   // Threads that render big scenes, the audio thread among them. With more than one, rounding depends on which thread
   // renders what.
@@ -111,7 +111,7 @@ class Mixer {
                                                      const modal::Dampers& dampers = {},
                                                      modal::ModeRange modes = {}) const {
     return voices_.table_for(map, material, dampers, modes, sample_rate_hz(),
-                             {settings_.full_scale_pa, settings_.most_coupled,
+                             {settings_.full_scale_pa, settings_.max_coupled,
                               settings_.ambisonic_order.has_value() || settings_.head != nullptr});
   }
 

@@ -130,7 +130,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   std::vector<double> output_per_velocity = weight_;
   for (double& output : output_per_velocity) output /= modal::shape_factor(material);
   glide = GlideMatrix::of(*this, material, output_per_velocity);
-  coupled = CoupledTable::of(*this, material, output_per_velocity, settings.most_coupled);
+  coupled = CoupledTable::of(*this, material, output_per_velocity, settings.max_coupled);
 }
 
 // Fills in the last column.

@@ -33,7 +33,7 @@ struct CoupledTable;
 // What all tables of a mixer have in common.
 struct TableSettings {
   double full_scale_pa = modal::kFullScale_pa;  // a pressure of this at 1 m becomes an amplitude of 1
-  std::size_t most_coupled = 64;                // modes of a voice that may exchange energy (coupled_modes.h)
+  std::size_t max_coupled = 64;                 // modes of a voice that may exchange energy (coupled_modes.h)
   bool field = false;                           // objects are heard in ambisonic channels
 };
 

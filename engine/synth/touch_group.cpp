@@ -16,7 +16,7 @@ alignas(64) constexpr std::array<double, kMaxTouchColumns> kZeros{};
 
 constexpr double kMinBowRamp_s = 0.002, kMaxBowRamp_s = 0.05;
 constexpr double kMalletLeaves_s = 0.003;  // it has left when it needs so long to come back at its speed
-constexpr double kMostMallet_s = 2;        // and at the latest after that time
+constexpr double kMaxMallet_s = 2;         // and at the latest after that time
 constexpr double kRubFade_s = 0.005;       // in which the load goes when no event of a rub has come for long
 
 // Where a pair of freedoms stands in the triangle of all pairs.
@@ -390,7 +390,7 @@ void TouchGroup::close_finished(Frame now) RINGDOWN_REALTIME {
     if (how.kind == Touch::Kind::mallet) {
       const double away = -touch->contact.pressed.depth_m();
       over = (touch->rigid.speed_m_s > 0 && away > kMalletLeaves_s * touch->rigid.speed_m_s) ||
-             now - touch->since > static_cast<Frame>(kMostMallet_s * rate_hz);
+             now - touch->since > static_cast<Frame>(kMaxMallet_s * rate_hz);
     }
     if (over) end_touch(*touch);
   }

@@ -6,26 +6,26 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr double kMostTouchForce_n = 1e6, kMostTouchSpeed_m_s = 1e3;
+constexpr double kMaxTouchForce_n = 1e6, kMaxTouchSpeed_m_s = 1e3;
 
 // Not-a-number lies in no range.
 bool is_sane(const Touch& t) RINGDOWN_REALTIME {
   const auto within = [](double value, double least, double most)
                           RINGDOWN_REALTIME { return value >= least && value <= most; };
   if (t.kind == Touch::Kind::rub && t.force_n == 0) return true;  // it ends, wherever it was
-  const bool common = std::abs(dot(t.direction, t.direction) - 1) < 1e-6 && within(t.force_n, 0, kMostTouchForce_n) &&
+  const bool common = std::abs(dot(t.direction, t.direction) - 1) < 1e-6 && within(t.force_n, 0, kMaxTouchForce_n) &&
                       within(t.friction, 0, 10) && within(t.bounce, 0.01, 1);
   if (t.kind == Touch::Kind::bow) {
-    return common && within(t.speed_m_s, -kMostTouchSpeed_m_s, kMostTouchSpeed_m_s) && within(t.width_m, 0, 1);
+    return common && within(t.speed_m_s, -kMaxTouchSpeed_m_s, kMaxTouchSpeed_m_s) && within(t.width_m, 0, 1);
   }
   const bool pressed = t.stiffness == 0 || within(t.stiffness, 1, 1e15);
   const bool whole = pressed && t.stiffness > 0 && std::isfinite(dot(t.other_point_m, t.other_point_m));
   if (t.kind == Touch::Kind::rub) {
     return common && whole && within(t.mass_kg, 1e-9, 1e6) && within(t.sliding, 0, 1) &&
-           length(t.slide_m_s) <= kMostTouchSpeed_m_s;
+           length(t.slide_m_s) <= kMaxTouchSpeed_m_s;
   }
   if (t.kind == Touch::Kind::mallet) {
-    return common && whole && within(t.mass_kg, 1e-6, 1e3) && within(t.speed_m_s, 0, kMostTouchSpeed_m_s);
+    return common && whole && within(t.mass_kg, 1e-6, 1e3) && within(t.speed_m_s, 0, kMaxTouchSpeed_m_s);
   }
   return common && pressed && within(t.mass_kg, 0, 1e6) && within(t.gap_m, -0.1, 1) && t.other < kMaxObjects &&
          std::isfinite(dot(t.other_point_m, t.other_point_m));

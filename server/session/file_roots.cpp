@@ -97,7 +97,7 @@ Result<std::string> FileRoots::read_beside(const fs::path& document, const fs::p
   return read(document.parent_path() / relative, limit_bytes);
 }
 
-Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t offset, std::size_t most_bytes) const {
+Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t offset, std::size_t max_bytes) const {
   const auto opened = open(path);
   if (!opened) return fail(opened.error());
   struct Closer {
@@ -109,7 +109,7 @@ Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t
     return fail(ErrorKind::bad_input, "cannot read " + path.string() + ": it is not a regular file");
   }
   Piece piece{.total = static_cast<std::size_t>(status.st_size)};
-  piece.bytes.resize(std::min(most_bytes, piece.total - std::min(offset, piece.total)));
+  piece.bytes.resize(std::min(max_bytes, piece.total - std::min(offset, piece.total)));
   for (std::size_t filled = 0; filled < piece.bytes.size();) {
     const ssize_t got = ::pread(file.descriptor, piece.bytes.data() + filled, piece.bytes.size() - filled,
                                 static_cast<off_t>(offset + filled));

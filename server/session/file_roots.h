@@ -49,13 +49,13 @@ class FileRoots {
   [[nodiscard]] Result<std::string> read_beside(const std::filesystem::path& document,
                                                 const std::filesystem::path& relative, std::size_t limit_bytes) const;
 
-  // Up to `most_bytes` bytes from `offset` on, and the size of the whole file.
+  // Up to `max_bytes` bytes from `offset` on, and the size of the whole file.
   struct Piece {
     std::vector<std::byte> bytes;
     std::size_t total = 0;
   };
   [[nodiscard]] Result<Piece> read_piece(const std::filesystem::path& path, std::size_t offset,
-                                         std::size_t most_bytes) const;
+                                         std::size_t max_bytes) const;
 
   // The folders, as they were given; none when every file may be opened.
   [[nodiscard]] std::vector<std::filesystem::path> folders() const;

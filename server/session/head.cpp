@@ -45,7 +45,7 @@ constexpr double kBefore_s = 0.0004;    // of that, for what the fit puts before
 constexpr double kToMiddle_s = 0.0003;  // from the nearest ear to the middle of the head
 constexpr double kBegins = 0.02;        // share of the largest sample at which a response begins
 constexpr double kNear_rad = 0.25;
-constexpr std::size_t kLeastDirections = kDirections / 2;
+constexpr std::size_t kMinDirections = kDirections / 2;
 constexpr const char* kDefaultHead = "/usr/share/libmysofa/default.sofa";
 
 // Points of a sphere along a spiral, each for the same area.
@@ -88,14 +88,14 @@ Result<Responses> measure(const std::filesystem::path& path, double sample_rate_
                                           " is not a SOFA file of a head's impulse responses that libmysofa " +
                                           "reads (its error " + std::to_string(error) + ")");
   }
-  constexpr double kMostDelay_s = 0.01;
-  const std::size_t room = static_cast<std::size_t>(taps) + static_cast<std::size_t>(kMostDelay_s * sample_rate_hz);
+  constexpr double kMaxDelay_s = 0.01;
+  const std::size_t room = static_cast<std::size_t>(taps) + static_cast<std::size_t>(kMaxDelay_s * sample_rate_hz);
   Responses whole{room, {}, {}};
   for (std::size_t k = 0; k < kDirections; ++k) {
     if (knows(*sofa, direction(k))) whole.directions.push_back(direction(k));
   }
   const std::size_t count = whole.directions.size();
-  if (count < kLeastDirections) {
+  if (count < kMinDirections) {
     return fail(ErrorKind::bad_input, path.string() + " has responses from less than half of all directions");
   }
   whole.samples.resize(count * 2 * room);
@@ -108,7 +108,7 @@ Result<Responses> measure(const std::filesystem::path& path, double sample_rate_
                            ear.data(), other.data(), &delay_s[0], &delay_s[1]);
     for (std::size_t e = 0; e < 2; ++e) {
       const std::vector<float>& response = e == 0 ? ear : other;
-      const double delay = std::clamp(delay_s[e] * sample_rate_hz, 0.0, kMostDelay_s * sample_rate_hz);
+      const double delay = std::clamp(delay_s[e] * sample_rate_hz, 0.0, kMaxDelay_s * sample_rate_hz);
       float* const to = &whole.samples[(2 * k + e) * room];
       std::copy_n(response.data(), taps, to + std::lround(delay));
       const float largest =

@@ -94,7 +94,7 @@ class Run {
   Result<void> prepare() {
     synth::MixerSettings settings = options_.mixer;
     settings.budget = 0;
-    settings.most_coupled = modal::kMaxCoupled;
+    settings.max_coupled = modal::kMaxCoupled;
     session_.rack().mixer().configure(settings);
     for (const auto& [name, bank] : options_.objects) {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());

@@ -100,14 +100,14 @@ Result<bool> SoundCapture::write_pieces(SoundFile& file, Frame first) {
     if (early >= piece->frames || !more) continue;
     more = piece->sample_rate_hz == sample_rate_hz_;
     if (!more) continue;
-    const auto begin = std::min(early + static_cast<std::size_t>(piece->frame - first), most_frames_);
-    const std::size_t end = std::min(begin + piece->frames - early, most_frames_);
+    const auto begin = std::min(early + static_cast<std::size_t>(piece->frame - first), max_frames_);
+    const std::size_t end = std::min(begin + piece->frames - early, max_frames_);
     samples.insert(samples.end(), 2 * (begin - frames), 0.0f);
     lost_ += begin - frames;
     const auto from = piece->samples.begin() + static_cast<std::ptrdiff_t>(2 * early);
     samples.insert(samples.end(), from, from + static_cast<std::ptrdiff_t>(2 * (end - begin)));
     frames = end;
-    more = frames < most_frames_;
+    more = frames < max_frames_;
   }
   if (const auto written = file.write(samples); !written) return fail(written.error());
   frames_ = frames;

@@ -26,9 +26,9 @@ inline constexpr std::size_t kMaxCapturedFrames = std::size_t{1} << 28;  // of a
 
 class SoundCapture {
  public:
-  // `rack` must outlive the capture. A file has at most `most_frames`.
-  explicit SoundCapture(Rack& rack, std::size_t most_frames = kMaxCapturedFrames)
-      : rack_(rack), most_frames_(most_frames) {}
+  // `rack` must outlive the capture. A file has at most `max_frames`.
+  explicit SoundCapture(Rack& rack, std::size_t max_frames = kMaxCapturedFrames)
+      : rack_(rack), max_frames_(max_frames) {}
   ~SoundCapture() = default;  // completes the file
   SoundCapture(const SoundCapture&) = delete;
   SoundCapture& operator=(const SoundCapture&) = delete;
@@ -57,7 +57,7 @@ class SoundCapture {
   [[nodiscard]] bool writes() const;
 
   Rack& rack_;
-  const std::size_t most_frames_;
+  const std::size_t max_frames_;
   double sample_rate_hz_ = 0;               // of the file
   std::size_t lost_ = 0;                    // capture's thread: frames that the tap dropped
   std::atomic<std::size_t> frames_ = 0;     // in the file

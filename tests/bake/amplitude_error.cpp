@@ -146,7 +146,7 @@ Result<Solution> kept_solution(const mesh::TetMesh& mesh, const modal::Material&
   const bake::BodyQuestion question{unit_mesh, CurvedSkin(solution.mesh).nodes().size(), options.element,
                                     material.poisson_ratio, solve::EigenRequest{}.tolerance};
   const double top = modal::highest_lambda_in_band(options.band_high_hz, material.damping) / units.lambda();
-  const auto modes = bake::ModeCache(ContentCache(options.cache)).find(question, top, options.most_modes);
+  const auto modes = bake::ModeCache(ContentCache(options.cache)).find(question, top, options.max_modes);
   if (!modes) return fail(ErrorKind::bad_input, "the cache " + options.cache.string() + " does not hold its modes");
   solution.frequency_hz.resize(modes->lambda.size());
   for (Eigen::Index m = 0; m < modes->lambda.size(); ++m)

@@ -234,7 +234,7 @@ TEST(BankSurface, HolesFlatTrianglesAndLostVolumeAreCounted) {
   EXPECT_EQ(whole.open_edges, 0u);
   EXPECT_EQ(whole.flat, 0u);
   EXPECT_EQ(whole.needles, 0u);
-  EXPECT_NEAR(whole.least_angle_deg, 45, 1e-3);
+  EXPECT_NEAR(whole.min_angle_deg, 45, 1e-3);
   EXPECT_NEAR(whole.volume_error, 0, 1e-6);
 
   modal::Bank open = box;

@@ -207,7 +207,7 @@ TEST(Bake, ABakeRefusesWithOneSentence) {
             std::string::npos);
   EXPECT_NE(refusal(bar(), steel(), {.band_low_hz = 40, .band_high_hz = 30}).find("the band must"), std::string::npos);
   EXPECT_NE(refusal(bar(), steel(), {.points = 3}).find("at least 4 surface points"), std::string::npos);
-  EXPECT_NE(refusal(bar(), steel(), {.most_modes = 3}).find("more than 3 modes"), std::string::npos);
+  EXPECT_NE(refusal(bar(), steel(), {.max_modes = 3}).find("more than 3 modes"), std::string::npos);
   EXPECT_NE(refusal(bar(), steel(3, 1), {}).find("damped so strongly"), std::string::npos);
   mesh::CheckedMesh in_millimetres = bar();  // 200 m long, when its numbers are taken for metres
   in_millimetres.mesh.nodes *= 1000;

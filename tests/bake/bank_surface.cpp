@@ -20,7 +20,7 @@ double angle_deg(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
 }
 
-double least_angle(const std::array<Vector3d, 3>& corner) {
+double min_angle(const std::array<Vector3d, 3>& corner) {
   double least = 180;
   for (int k = 0; k < 3; ++k) {
     const Vector3d& at = corner[k];
@@ -46,7 +46,7 @@ BankSurface look_at_surface(const modal::Bank& bank) {
       edges[{bank.triangles[t][k], bank.triangles[t][(k + 1) % 3]}].push_back(t);
     }
     normals.push_back((corner[1] - corner[0]).cross(corner[2] - corner[0]));
-    angles.push_back(least_angle(corner));
+    angles.push_back(min_angle(corner));
     volume += corner[0].dot(corner[1].cross(corner[2])) / 6;
     if (angles.back() < kFlatDeg) ++found.flat;
   }
@@ -61,7 +61,7 @@ BankSurface look_at_surface(const modal::Bank& bank) {
   }
   for (std::size_t t = 0; t < angles.size(); ++t) {
     if (!smooth[t]) continue;
-    found.least_angle_deg = std::min(found.least_angle_deg, angles[t]);
+    found.min_angle_deg = std::min(found.min_angle_deg, angles[t]);
     if (angles[t] < kNeedleDeg) ++found.needles;
   }
   found.volume_error = volume / (bank.mass->mass_kg / bank.material->density_kg_m3) - 1;

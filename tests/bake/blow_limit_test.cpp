@@ -69,7 +69,7 @@ TEST(BlowLimit, WhatRingsCountsExchangingEnergyOrNot) {
     voice.coupling.add_squares(of.data());
     for (std::size_t m = 0; m < kModes; ++m) squares += of[m] * voice.table().glide->bend[m];
     if (coupled > 0) {
-      EXPECT_GT(squares, std::pow(kMostThicknesses / kCrest, 2)) << "stiffened ones bend less";
+      EXPECT_GT(squares, std::pow(kMaxThicknesses / kCrest, 2)) << "stiffened ones bend less";
     }
   }
 }
@@ -115,7 +115,7 @@ TEST(CoupledForces, AreTheGradientOfTheEnergyForAnyNumberOfModes) {
 TEST(CoupledModes, AreAsManyAsTheMixerAllows) {
   const auto map = map_of(steel_plate(), true, kModes);
   const auto modes_of = [&](std::size_t most) {
-    return ModeTable(map, modal::MaterialScale{}, kRate_hz, {}, {}, {.most_coupled = most}).coupled->columns.size();
+    return ModeTable(map, modal::MaterialScale{}, kRate_hz, {}, {}, {.max_coupled = most}).coupled->columns.size();
   };
   EXPECT_EQ(modes_of(64), std::size_t{kModes});
   EXPECT_EQ(modes_of(6), 6u);

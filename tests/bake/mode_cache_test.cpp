@@ -158,7 +158,7 @@ TEST(ModeCache, TheCacheCoversNarrowerBandsAndGrowsWithWiderOnes) {
 TEST(ModeCache, TooManyModesAreRefusedAllTheSame) {
   const TemporaryFolder folder;
   (void)baked(folder.path());
-  const auto refused = bake::bake(bar(), kSteel, {.most_modes = 3, .cache = folder.path()}, "bar");
+  const auto refused = bake::bake(bar(), kSteel, {.max_modes = 3, .cache = folder.path()}, "bar");
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("more than 3 modes"), std::string::npos);
 }

@@ -194,7 +194,7 @@ TEST(AskedError, ABakeWithAnAskedErrorSaysHowFarItCameWhenItCannotBeReached) {
   const TemporaryFolder folder;
   auto recipe = recipe_of(write_mesh(folder, test::box_mesh({2, 2, 1}, {0.1, 0.08, 0.06})), fem::Element::kTet4, 40e3);
   recipe.error = 1e-7;
-  recipe.most_unknowns = 2000;
+  recipe.max_unknowns = 2000;
   const auto object = bake::bake_recipe(recipe, kSteel);
   ASSERT_FALSE(object);
   EXPECT_NE(object.error().message.find("body: the error stays at "), std::string::npos) << object.error().message;

@@ -84,7 +84,7 @@ TEST_P(StrikeAnywhere, EveryModeHasItsAmplitude) {
   const test::BankSurface surface = test::look_at_surface(*bank);
   EXPECT_EQ(surface.open_edges, 0u);
   EXPECT_EQ(surface.flat, 0u);
-  EXPECT_EQ(surface.needles, 0u) << "least angle " << surface.least_angle_deg << " degrees";
+  EXPECT_EQ(surface.needles, 0u) << "least angle " << surface.min_angle_deg << " degrees";
   EXPECT_NEAR(surface.volume_error, 0, 0.01);
 }
 

@@ -90,7 +90,7 @@ TEST(Tune, TheTunerFollowsACurvedValley) {
     return (VectorXd(2) << 10 * (p[1] - p[0] * p[0]), 1 - p[0]).finished();
   };
   const auto tuned = bake::tune({{"x", -2, 2, -1.2}, {"y", -1, 3, 1}}, cents_of,
-                                {.tolerance_cents = 1e-5, .most_evaluations = 300, .probe = 1e-5});
+                                {.tolerance_cents = 1e-5, .max_evaluations = 300, .probe = 1e-5});
   ASSERT_TRUE(tuned);
   EXPECT_TRUE(tuned->reached) << tuned->cents.transpose();
 }

@@ -56,8 +56,7 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--object", a.amplitude.objects, "amplitude: object files instead of six presets");
   app.add_flag("--all", a.amplitude.all, "amplitude: all presets");
   app.add_option("--bank", a.amplitude.bank, "amplitude: a bank of the object to measure beside the one that is baked");
-  app.add_option("--points", a.amplitude.most_points,
-                 "amplitude: surface points of baked banks; several make a series");
+  app.add_option("--points", a.amplitude.max_points, "amplitude: surface points of baked banks; several make a series");
   app.add_flag("--compress", a.amplitude.compress, "amplitude: baked banks are compressed, as the presets are");
   app.add_option("--by-mode", a.amplitude.by_mode, "amplitude: a .tsv to write with a line for each mode");
   app.add_option("--cache", a.amplitude.cache, "amplitude: folder of solutions (default: that of ringdown-bake)");

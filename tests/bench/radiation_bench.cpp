@@ -180,7 +180,7 @@ void print_levels(const std::string& name, const radiate::Body& body) {
 // Errors of a sample of the modes, beside the finest solution, against the processor time that all modes take.
 int compare(const radiate::Body& body, const std::vector<int>& sample) {
   const auto finest = radiate::solve(with_modes(body, sample), {},
-                                     {.threads = 1, .panels_per_wave = 6, .most_unknowns = 8000, .range_octaves = 0});
+                                     {.threads = 1, .panels_per_wave = 6, .max_unknowns = 8000, .range_octaves = 0});
   if (!finest) {
     std::fprintf(stderr, "%s\n", finest.error().message.c_str());
     return 1;
@@ -190,7 +190,7 @@ int compare(const radiate::Body& body, const std::vector<int>& sample) {
   std::printf("way,setting,unknowns,processor_s,median_db,worst_db\n");
   for (const int most : {1000, 2000, 4000, 8000}) {
     const double start = processor_seconds();
-    const auto ours = radiate::solve(body, {}, {.threads = 1, .most_unknowns = most, .range_octaves = 0});
+    const auto ours = radiate::solve(body, {}, {.threads = 1, .max_unknowns = most, .range_octaves = 0});
     const double seconds = processor_seconds() - start;
     if (!ours) continue;
     std::vector<double> errors_db;
@@ -222,7 +222,7 @@ int run(int count, char** arguments) {
       "a line for each mode, too: #, Hz, dB beside a pulsating sphere, decay by radiation and the bank's [1/s], the "
       "error of a source inside and the change from a coarser surface [dB], terms of the map");
   app.add_option("--panels-per-wave", options.panels_per_wave, "sides of triangles in a wavelength");
-  app.add_option("--most-unknowns", options.most_unknowns, "nodes of the finest surface without mirror planes");
+  app.add_option("--max-unknowns", options.max_unknowns, "nodes of the finest surface without mirror planes");
   bool whole = false;
   app.add_flag("--no-symmetry", whole, "mirror planes are not used");
   app.add_option("--threads", options.threads, "threads");
@@ -254,7 +254,7 @@ int run(int count, char** arguments) {
     print_surface_powers(body, sample_of(body, surface_size));
     return 0;
   }
-  if (levels) std::printf("bank,levels,median_db,most_db,worst_db\n");
+  if (levels) std::printf("bank,levels,median_db,max_db,worst_db\n");
   if (!levels)
     std::printf(
         "bank,modes,highest_hz,mirrors,unknowns,eliminations,processor_s,wall_s,packed_bytes,packing_error,median_"

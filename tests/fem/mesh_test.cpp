@@ -73,7 +73,7 @@ TEST_P(MeshOfOrder, AMeshOfAnyOrderHasItsElementsTurnedThatAreInsideOut) {
 }
 
 // The smallest det J of the mesh in many points at random, over that of the straight element.
-double least_jacobian(const mesh::TetMesh& mesh) {
+double min_jacobian(const mesh::TetMesh& mesh) {
   std::mt19937 random(3);
   std::exponential_distribution<double> part;
   double least = 1;
@@ -93,11 +93,11 @@ TEST(CheckMesh, TheCheckTakesCurvatureFromElementsThatFold) {
     for (const double shift : {0.05, 0.5}) {
       mesh::TetMesh box = mesh::to_order(test::box_mesh({1, 1, 1}, kSize), order);
       box.nodes.row(box.elements(0, 4)) += shift * Eigen::RowVector3d(1, 0.8, 0.6);
-      ASSERT_LT(least_jacobian(box), 0);
+      ASSERT_LT(min_jacobian(box), 0);
       const auto checked = mesh::check_mesh(box, "folded");
       ASSERT_TRUE(checked);
       EXPECT_GE(checked->straightened, 1);
-      EXPECT_GT(least_jacobian(checked->mesh), 0);
+      EXPECT_GT(min_jacobian(checked->mesh), 0);
       EXPECT_EQ(test::checked(checked->mesh).straightened, 0);
     }
   }
@@ -274,7 +274,7 @@ TEST_P(MeshOfOrder, FlowThroughCurvedFacesIsExact) {
   EXPECT_NEAR(volumes[0] / enclosed_volume(surface, mesh.nodes), 1, 0.02);
 }
 
-double least_angle_deg(const mesh::Points& nodes, const std::array<std::uint32_t, 3>& triangle) {
+double min_angle_deg(const mesh::Points& nodes, const std::array<std::uint32_t, 3>& triangle) {
   double least = 180;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d at = nodes.row(triangle[i]);
@@ -316,7 +316,7 @@ TEST(Surface, CoarseningKeepsPointsWhereAFieldBendsAndTheSurfaceClosed) {
     EXPECT_NEAR(enclosed_volume(left, everywhere) / (0.4 * 0.1 * 0.04), 1, 0.01);
     std::set<std::uint32_t> waving, resting;
     for (const auto& triangle : left.triangles) {
-      EXPECT_GE(least_angle_deg(now, triangle), 20);
+      EXPECT_GE(min_angle_deg(now, triangle), 20);
       for (const std::uint32_t p : triangle) (now(p, 0) > 0.2 ? waving : resting).insert(p);
     }
     EXPECT_GT(waving.size(), (points == 400 ? 3 : 1) * resting.size()) << "few triangles must grow slowly";

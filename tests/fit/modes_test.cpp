@@ -341,7 +341,7 @@ TEST(FitModes, OptionsBoundWhatIsFound) {
   EXPECT_EQ(fitted(samples).modes.size(), 4u);
   EXPECT_EQ(fitted(samples, {.floor_db = 30}).modes.size(), 3u);
   EXPECT_EQ(fitted(samples, {.low_hz = 500, .high_hz = 3000}).modes.size(), 2u);
-  const Fit two = fitted(samples, {.most_modes = 2});
+  const Fit two = fitted(samples, {.max_modes = 2});
   ASSERT_EQ(two.modes.size(), 2u);
   EXPECT_NEAR(two.modes[1].frequency_hz, 900, 0.01);
 }
@@ -355,8 +355,8 @@ TEST(FitModes, TheFitRefusesWhatItCannotRead) {
   EXPECT_FALSE(fit_modes(long_one, 4000));
   EXPECT_FALSE(fit_modes(long_one, kRate, {.low_hz = 900, .high_hz = 800}));
   EXPECT_FALSE(fit_modes(long_one, kRate, {.floor_db = 0}));
-  EXPECT_FALSE(fit_modes(long_one, kRate, {.most_modes = kMaxModes + 1}));
-  EXPECT_TRUE(fit_modes(long_one, kRate, {.most_modes = kMaxModes}));
+  EXPECT_FALSE(fit_modes(long_one, kRate, {.max_modes = kMaxModes + 1}));
+  EXPECT_TRUE(fit_modes(long_one, kRate, {.max_modes = kMaxModes}));
   EXPECT_FALSE(fit_modes(long_one, kRate, {.from_s = 0.99}));
 }
 

@@ -42,8 +42,8 @@ void gltf(Bytes file) {
       for (const Vec3& p : body.surface.points_m) expect(std::isfinite(length(p)), "points are finite");
     }
   }
-  constexpr std::size_t kMostBodies = 64;  // of which a few steps take no time
-  if (read->scene.bodies.size() <= kMostBodies) {
+  constexpr std::size_t kMaxBodies = 64;  // of which a few steps take no time
+  if (read->scene.bodies.size() <= kMaxBodies) {
     scene::SceneDescription quiet = read->scene;
     quiet.objects.clear();
     for (scene::BodyDescription& body : quiet.bodies) body.object.clear();

@@ -32,7 +32,7 @@ struct Score {
 };
 struct Sound {
   std::vector<float> left, right;
-  std::uint32_t most_modes = 0;  // that rang in one block, where the library says so
+  std::uint32_t max_modes = 0;  // that rang in one block, where the library says so
 };
 
 // Plays the score in blocks of the sizes given, over and over.
@@ -136,7 +136,7 @@ Sound by_library(const Score& score, double contact_s, const Instrument& instrum
       ringdown_status status{};
       status.size = sizeof status;
       ringdown_get_status(mixer, &status);
-      sound.most_modes = std::max(sound.most_modes, status.ringing_modes);
+      sound.max_modes = std::max(sound.max_modes, status.ringing_modes);
     }
   };
   std::map<int, std::uint32_t> objects;
@@ -205,8 +205,8 @@ TEST_P(EveryFormat, PlaysTenThousandNotesOnAsManyModesAsTheLibraryDoes) {
   const double difference = difference_db(expected, play(*host, score, {256}));
   EXPECT_LT(difference, -120);
   RecordProperty("difference_db", std::to_string(difference));
-  EXPECT_GE(expected.most_modes, 10'000u);
-  std::printf("%zu notes, %u modes at once: %.1f dB from the library\n", score.events.size(), expected.most_modes,
+  EXPECT_GE(expected.max_modes, 10'000u);
+  std::printf("%zu notes, %u modes at once: %.1f dB from the library\n", score.events.size(), expected.max_modes,
               difference);
 }
 

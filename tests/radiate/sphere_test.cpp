@@ -49,7 +49,7 @@ TEST(RadiatingSphere, VibratingInHarmonicsOfDegreeZeroToEightRadiatesAsHankelFun
         surface, 9, [&](int n, const auto& at, const auto&) { return harmonic(n, m_of(n), at); }, 0.01);
     const auto radiation = radiate::solve(
         body, {},
-        {.threads = 1, .panels_per_wave = 4.5, .panels_per_shape = 14, .most_unknowns = 2600, .range_octaves = 0});
+        {.threads = 1, .panels_per_wave = 4.5, .panels_per_shape = 14, .max_unknowns = 2600, .range_octaves = 0});
     ASSERT_TRUE(radiation) << radiation.error().message;
     for (int n = 0; n <= 8; ++n) {
       if (below_pulsation_db(n, ka) > 50) continue;
@@ -103,7 +103,7 @@ TEST(RadiatingSphere, IsNoFartherFromHankelFunctionsThanTheErrorThatEachModeStat
       body.surface, static_cast<int>(modes.size()),
       [&](int i, const auto& at, const auto&) { return harmonic(modes[i].first, modes[i].first / 2, at); }, 0.01);
   const auto radiation = radiate::solve(
-      body, {}, {.threads = 1, .panels_per_wave = 2, .panels_per_shape = 4, .most_unknowns = 2000, .range_octaves = 0});
+      body, {}, {.threads = 1, .panels_per_wave = 2, .panels_per_shape = 4, .max_unknowns = 2000, .range_octaves = 0});
   ASSERT_TRUE(radiation) << radiation.error().message;
   for (std::size_t i = 0; i < modes.size(); ++i) {
     const auto [n, ka] = modes[i];

@@ -24,7 +24,7 @@ TEST(RadiatingDisc, OscillatingAlongItsAxisIsTheKnownDipoleAtLowFrequencies) {
   for (const double ka : kas) body.frequency_hz.push_back(ka * modal::Air{}.sound_speed_m_s / (2 * kPi));
   body.flow = sample(
       surface, 3, [](int, const auto&, const Eigen::Vector3d& normal) { return normal[2]; }, 0.1);
-  const auto radiation = radiate::solve(body, {}, {.threads = 1, .most_unknowns = 2000, .range_octaves = 0});
+  const auto radiation = radiate::solve(body, {}, {.threads = 1, .max_unknowns = 2000, .range_octaves = 0});
   ASSERT_TRUE(radiation) << radiation.error().message;
   for (std::size_t i = 0; i < kas.size(); ++i) {
     const double expected = kas[i] * 8 / 3 / (4 * kPi) / std::sqrt(3.0);
@@ -53,7 +53,7 @@ TEST(RadiatingPlate, WithBothFacesMovingOutwardRadiatesAsRayleighsIntegralSays) 
         return std::abs(normal[2]) > 0.5 ? shape(modes[m], at[0], at[1]) : 0.0;
       },
       0.004);
-  const auto radiation = radiate::solve(body, {}, {.threads = 1, .most_unknowns = 2000, .range_octaves = 0});
+  const auto radiation = radiate::solve(body, {}, {.threads = 1, .max_unknowns = 2000, .range_octaves = 0});
   ASSERT_TRUE(radiation) << radiation.error().message;
   for (std::size_t m = 0; m < modes.size(); ++m) {
     const double k = wavenumber_of(modes[m].frequency_hz);
@@ -91,7 +91,7 @@ TEST(RadiatingPlate, BendingAboveCoincidenceIsDampedByTheAirAsTheInfinitePlate) 
                std::sin(up * kPi * (at[1] / height + 0.5));
       },
       0.004);
-  const auto radiation = radiate::solve(body, {}, {.threads = 1, .most_unknowns = 2000, .range_octaves = 0});
+  const auto radiation = radiate::solve(body, {}, {.threads = 1, .max_unknowns = 2000, .range_octaves = 0});
   ASSERT_TRUE(radiation) << radiation.error().message;
   const modal::Air air;
   const double expected =
@@ -117,7 +117,7 @@ mesh::TriangleMesh surface_of(const std::string& preset) {
 
 // A point source inside sends F = exp(-ik d.y) / (4 pi) through any surface around it. Its flow is complex, so that two
 // modes at each frequency carry its real and imaginary part.
-void expect_source_inside(const mesh::TriangleMesh& surface, const Eigen::Vector3d& inside, double most_db,
+void expect_source_inside(const mesh::TriangleMesh& surface, const Eigen::Vector3d& inside, double max_db,
                           const std::string& name) {
   const std::vector<double> frequencies = {300, 3000};
   radiate::Body body{.surface = surface, .flow = {}, .frequency_hz = {}};
@@ -131,7 +131,7 @@ void expect_source_inside(const mesh::TriangleMesh& surface, const Eigen::Vector
         return m % 2 == 0 ? flow.real() : flow.imag();
       },
       0.02, inside);
-  const auto radiation = radiate::solve(body, {}, {.threads = 1, .most_unknowns = 1200, .range_octaves = 0});
+  const auto radiation = radiate::solve(body, {}, {.threads = 1, .max_unknowns = 1200, .range_octaves = 0});
   ASSERT_TRUE(radiation) << name << ": " << radiation.error().message;
   for (std::size_t f = 0; f < frequencies.size(); ++f) {
     double power = 0;
@@ -141,7 +141,7 @@ void expect_source_inside(const mesh::TriangleMesh& surface, const Eigen::Vector
       sum[term.harmonic] += std::complex<double>(0, 1) * std::complex<double>(term.value);
     }
     for (const auto& [number, value] : sum) power += std::norm(value);
-    EXPECT_NEAR(10 * std::log10(power * 4 * kPi), 0, most_db) << name << ", " << frequencies[f] << " Hz";
+    EXPECT_NEAR(10 * std::log10(power * 4 * kPi), 0, max_db) << name << ", " << frequencies[f] << " Hz";
   }
 }
 

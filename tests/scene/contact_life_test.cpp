@@ -106,7 +106,7 @@ double roll_of_ball(double radius, double velocity, double spin) {
                      .rotation = about({0, 1, 0}, spin * now_s),
                      .velocity_m_s = {velocity, 0, 0},
                      .spin_rad_s = {0, spin, 0}};
-    contact.most_roll_m_s = radius * std::abs(spin);
+    contact.max_roll_m_s = radius * std::abs(spin);
     step(lives, contact, now_s, last);
   }
   return last.roll_m_s;

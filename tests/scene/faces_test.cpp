@@ -34,17 +34,17 @@ TEST(Faces, FacesOfTwoBoxesShareTheRectangleWhereOneLiesOnTheOther) {
   const PosedFaces lower{faces, kStraight, {0, 0, 0}}, upper{faces, kStraight, {0.5, -0.25, 1.99}};
   const FaceContact contact = share_of_faces(upper, lower, {0, 0, 1});
   ASSERT_EQ(contact.points.size(), 4u);
-  double least_x = 9, most_x = -9, least_y = 9, most_y = -9;
+  double min_x = 9, max_x = -9, min_y = 9, max_y = -9;
   for (const auto& [point, depth] : contact.points) {
     EXPECT_NEAR(depth, 0.01, 1e-12);
     EXPECT_NEAR(point.z, 0.995, 1e-12) << "half way";
-    least_x = std::min(least_x, point.x), most_x = std::max(most_x, point.x);
-    least_y = std::min(least_y, point.y), most_y = std::max(most_y, point.y);
+    min_x = std::min(min_x, point.x), max_x = std::max(max_x, point.x);
+    min_y = std::min(min_y, point.y), max_y = std::max(max_y, point.y);
   }
-  EXPECT_NEAR(least_x, -0.5, 1e-12);
-  EXPECT_NEAR(most_x, 1, 1e-12);
-  EXPECT_NEAR(least_y, -1, 1e-12);
-  EXPECT_NEAR(most_y, 0.75, 1e-12);
+  EXPECT_NEAR(min_x, -0.5, 1e-12);
+  EXPECT_NEAR(max_x, 1, 1e-12);
+  EXPECT_NEAR(min_y, -1, 1e-12);
+  EXPECT_NEAR(max_y, 0.75, 1e-12);
   EXPECT_NEAR(length(contact.normal - Vec3{0, 0, 1}), 0, 1e-12);
 }
 

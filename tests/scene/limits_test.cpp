@@ -52,7 +52,7 @@ TEST(Limits, AFullSceneOfBoxesThatLandAndSlideLosesNoEvent) {
     ASSERT_TRUE(world.spawn(box));
   }
   const synth::Event* const room = world.step().events.data();
-  std::size_t strikes = 0, clicks = 0, most_contacts = 0;
+  std::size_t strikes = 0, clicks = 0, max_contacts = 0;
   while (world.time_s() < 0.1) {
     const StepReport report = world.step();
     EXPECT_EQ(report.events.data(), room);
@@ -60,11 +60,11 @@ TEST(Limits, AFullSceneOfBoxesThatLandAndSlideLosesNoEvent) {
     strikes += std::ranges::count(report.events, synth::EventType::strike, &synth::Event::type);
     clicks += std::ranges::count(report.events, synth::EventType::click, &synth::Event::type);
     const auto contacts = std::ranges::count(report.events, synth::EventType::contact, &synth::Event::type);
-    most_contacts = std::max(most_contacts, static_cast<std::size_t>(contacts));
+    max_contacts = std::max(max_contacts, static_cast<std::size_t>(contacts));
   }
   EXPECT_EQ(strikes, 4 * kMaxBodies);
   EXPECT_EQ(clicks, kMaxBodies);
-  EXPECT_EQ(most_contacts, kMaxBodies);
+  EXPECT_EQ(max_contacts, kMaxBodies);
 }
 
 // Each box meets the floor with four corners, and the first one, perhaps, a wall with four more.

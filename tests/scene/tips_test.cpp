@@ -106,13 +106,13 @@ bool deviates(const BodyState& body, const Shot& shot) {
 double beyond(const World& world, Vec3 size_m) {
   const auto states = world.bodies();
   const Matrix3 turn = to_matrix(states[0].rotation);
-  double most_m = -INFINITY;
+  double max_m = -INFINITY;
   for (const Vec3& corner : corners(size_m, {1, 0, 0}, 0, {})) {
     Vec3 place = states[0].position_m + turn * corner;
     if (states.size() > 1) place = transpose(to_matrix(states[1].rotation)) * (place - states[1].position_m);
-    most_m = std::max(most_m, place.x);
+    max_m = std::max(max_m, place.x);
   }
-  return most_m;
+  return max_m;
 }
 
 // Empty when the body was stopped by the wall at the right time, and no corner got past the middle of the wall until

@@ -84,7 +84,7 @@ TEST(Distributed, SlepcRefusesMoreModesThanAllowedInOneSentence) {
   SKIP_WITHOUT_SLEPC();
   const fem::System system = block({3, 2, 2});
   const auto modes = solve::solve_modes(
-      system, {.highest_lambda = lambda_of(60e3), .most_modes = 3, .method = solve::Method::kSlepc, .processes = 1});
+      system, {.highest_lambda = lambda_of(60e3), .max_modes = 3, .method = solve::Method::kSlepc, .processes = 1});
   ASSERT_FALSE(modes);
   EXPECT_NE(modes.error().message.find("modes lie in the band"), std::string::npos) << modes.error().message;
   EXPECT_EQ(modes.error().message.find('\n'), std::string::npos);
@@ -100,7 +100,7 @@ TEST_F(Files, AProblemFileThatIsCutShortIsRefused) {
   const std::array<int, 4> starts = {0, 1, 2, 3}, columns = {0, 1, 2, 0};
   const std::array<double, 4> values = {5, 6, 7, 0};
   const solve::ProblemHeader header{
-      .nodes = 1, .stiffness_entries = 3, .mass_entries = 1, .highest_lambda = 1, .tolerance = 1e-9, .most_modes = 9};
+      .nodes = 1, .stiffness_entries = 3, .mass_entries = 1, .highest_lambda = 1, .tolerance = 1e-9, .max_modes = 9};
   const auto path = folder_ / "problem";
   ASSERT_TRUE(
       solve::write_problem(path, header, {starts, std::span(columns).first(3), std::span(values).first(3)},
@@ -121,7 +121,7 @@ TEST_F(Files, AProblemFileWithColumnsOutsideTheMatrixIsRefused) {
   const std::array<int, 4> starts = {0, 1, 2, 3}, columns = {0, 3, 2, 0};
   const std::array<double, 4> values = {5, 6, 7, 0};
   const solve::ProblemHeader header{
-      .nodes = 1, .stiffness_entries = 3, .mass_entries = 1, .highest_lambda = 1, .tolerance = 1e-9, .most_modes = 9};
+      .nodes = 1, .stiffness_entries = 3, .mass_entries = 1, .highest_lambda = 1, .tolerance = 1e-9, .max_modes = 9};
   const auto path = folder_ / "problem";
   ASSERT_TRUE(
       solve::write_problem(path, header, {starts, std::span(columns).first(3), std::span(values).first(3)},

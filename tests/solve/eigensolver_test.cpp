@@ -218,8 +218,8 @@ TEST(Eigensolver, ASolveRefusesMoreModesThanAllowed) {
   const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));
   const double top = lambda_of(80e3);
   const int present = modes_below(system, top) - 6;
-  EXPECT_TRUE(solve::solve_modes(system, {.highest_lambda = top, .most_modes = present}));
-  const auto fewer = solve::solve_modes(system, {.highest_lambda = top, .most_modes = present - 1});
+  EXPECT_TRUE(solve::solve_modes(system, {.highest_lambda = top, .max_modes = present}));
+  const auto fewer = solve::solve_modes(system, {.highest_lambda = top, .max_modes = present - 1});
   ASSERT_FALSE(fewer);
   EXPECT_NE(fewer.error().message.find("more than " + std::to_string(present - 1) + " modes"), std::string::npos);
 }

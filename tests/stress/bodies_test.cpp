@@ -78,7 +78,7 @@ Body one_element(int order) {
           .limit = 1e-9,
           .oracle = "Rayleigh-Ritz of the same degree",
           .element = test::element_of(mesh),
-          .least_modes = order == 1 ? std::size_t{5} : std::size_t{10}};
+          .min_modes = order == 1 ? std::size_t{5} : std::size_t{10}};
 }
 
 // Thin bodies ---------------------------------------------------------------------------------------------------------
@@ -125,7 +125,7 @@ Body wire_with_slivers() {
           .truth_hz = slender_truth({1, 0.001, 0.001}, {50, 3, 3}, 80),
           .limit = 2e-2,
           .oracle = kRitz,
-          .least_modes = 56,
+          .min_modes = 56,
           .shortfall = 1.8};
 }
 
@@ -155,7 +155,7 @@ Body shell(int level, std::size_t least, double shortfall) {
           .truth_hz = thin_sphere(0.1, 0.0002, 8),
           .limit = 1e-3,
           .oracle = "Junger & Feit's thin shell",
-          .least_modes = least,
+          .min_modes = least,
           .shortfall = shortfall};
 }
 

@@ -48,7 +48,7 @@ fem::Elastic elastic(const modal::Material& material) {
 }
 
 void expect_baked(const Body& body) {
-  const std::size_t there = modes_below_a_gap(body.truth_hz, body.limit, body.least_modes);
+  const std::size_t there = modes_below_a_gap(body.truth_hz, body.limit, body.min_modes);
   ASSERT_LT(there, body.truth_hz.size()) << "no gap: compute more of the truth";
   const double top = body.truth_hz[there] * (1 - 0.1 * body.limit);
   const auto checked = mesh::check_mesh(body.mesh, body.name);

@@ -22,7 +22,7 @@ struct Body {
   std::string oracle;
   modal::Material material = kSteel;
   fem::Element element = fem::Element::kTet20;
-  std::size_t least_modes = 10;
+  std::size_t min_modes = 10;
   int rigid = 6;
   double shortfall = 1;  // the worst error is at most so many times what the bank itself states
 };

@@ -220,7 +220,7 @@ TEST(StressEndurance, TenThousandStrikesASecondOnAThousandObjects) {
   }
   const std::uint64_t count = 10000 * static_cast<std::uint64_t>(seconds);
   std::uint64_t pushed = 0;
-  std::uint32_t most_modes = 0;
+  std::uint32_t max_modes = 0;
   // In no order within a block, on any object.
   while (pushed < count) {
     std::vector<Event> strikes;
@@ -236,7 +236,7 @@ TEST(StressEndurance, TenThousandStrikesASecondOnAThousandObjects) {
     std::ranges::stable_sort(strikes, {}, &Event::frame);
     for (const Event& strike : strikes) exact[strike.object].strike(strike);
     heard.block(kBlock);
-    most_modes = std::max(most_modes, heard.mixer.counters().ringing_modes.load());
+    max_modes = std::max(max_modes, heard.mixer.counters().ringing_modes.load());
   }
   const Frame first = heard.now();
   heard.block(kBlock);
@@ -253,8 +253,7 @@ TEST(StressEndurance, TenThousandStrikesASecondOnAThousandObjects) {
   EXPECT_TRUE(heard.all_finite);
   const double error = relative_error_db(to_doubles(heard.left), wanted);
   EXPECT_LT(error, -110);
-  enter({"10,000 strikes a second",
-         text("1,000 objects of 10 modes, %d s, up to %u modes at once", seconds, most_modes),
+  enter({"10,000 strikes a second", text("1,000 objects of 10 modes, %d s, up to %u modes at once", seconds, max_modes),
          text("%llu of %llu played, %llu late; sum of all %.1f dB of the closed form",
               static_cast<unsigned long long>(seen.strikes.load()), static_cast<unsigned long long>(count),
               static_cast<unsigned long long>(seen.late.load()), error),

@@ -101,7 +101,7 @@ class BoundedObject {
     fade(now, FadeOut::kMinFrames);
     if (current_) tails_.push_back(*current_);
     current_.reset();
-    least_gain_ = 1;  // its number starts afresh, with gain 1, once the tails have died away
+    min_gain_ = 1;  // its number starts afresh, with gain 1, once the tails have died away
   }
   void apply(const Event& event, double rate, double floor) {
     const double ramp_s = std::max(event.ramp_s, 0.005);
@@ -136,9 +136,7 @@ class BoundedObject {
   [[nodiscard]] bool plays(const Event& event) const {
     return current_ && (event.type == EventType::strike || event.vertex < current_->voice.map()->bank().point_count());
   }
-  [[nodiscard]] double gain(Frame frame) const {
-    return std::max(least_gain_, frame < settled_ ? gain_ : settled_gain_);
-  }
+  [[nodiscard]] double gain(Frame frame) const { return std::max(min_gain_, frame < settled_ ? gain_ : settled_gain_); }
   void fade(Frame frame, Frame frames) {
     if (current_) current_->fade(frame, frames);
     for (BoundedVoice& tail : tails_) tail.fade(frame, frames);
@@ -146,7 +144,7 @@ class BoundedObject {
 
   std::optional<BoundedVoice> current_;
   std::vector<BoundedVoice> tails_;
-  double gain_ = 1, settled_gain_ = 1, least_gain_ = 0;
+  double gain_ = 1, settled_gain_ = 1, min_gain_ = 0;
   Frame settled_ = 0;
   double struck_ = 0, block_gain_ = 1;  // of the block
 };

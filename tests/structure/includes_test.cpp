@@ -75,11 +75,11 @@ const std::vector<FolderRule> kFolderRules = {
 };
 
 // A third-party header whose name begins with `header` may be included by files whose path begins with one of
-// `allowed`, and by at most `most_files` of them; by headers of ours only if they are `shown` in one of these folders.
+// `allowed`, and by at most `max_files` of them; by headers of ours only if they are `shown` in one of these folders.
 struct LibraryRule {
   std::string header;
   std::vector<std::string> allowed;
-  std::size_t most_files = 1000;
+  std::size_t max_files = 1000;
   std::vector<std::string> shown = {};
 };
 
@@ -263,8 +263,8 @@ TEST(Structure, ThirdPartyHeadersStayWhereTheyBelong) {
     }
   }
   for (const LibraryRule& rule : kLibraryRules) {
-    EXPECT_LE(users[rule.header].size(), rule.most_files)
-        << "<" << rule.header << "> is private to " << rule.most_files << " file(s), but is included by "
+    EXPECT_LE(users[rule.header].size(), rule.max_files)
+        << "<" << rule.header << "> is private to " << rule.max_files << " file(s), but is included by "
         << testing::PrintToString(users[rule.header]);
   }
 }

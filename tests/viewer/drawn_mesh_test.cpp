@@ -35,7 +35,7 @@ modal::Bank drum(std::uint32_t sides) {
   return bank;
 }
 
-void expect_unit_and_outwards(const DrawnMesh& mesh, float least_cosine = 0.9F) {
+void expect_unit_and_outwards(const DrawnMesh& mesh, float min_cosine = 0.9F) {
   ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
   ASSERT_EQ(mesh.origins.size(), mesh.positions.size());
   for (const auto& t : mesh.triangles) {
@@ -44,7 +44,7 @@ void expect_unit_and_outwards(const DrawnMesh& mesh, float least_cosine = 0.9F) 
     if (glm::length(area) < 1e-9F) continue;
     for (const std::uint32_t corner : t) {
       EXPECT_NEAR(glm::length(mesh.normals[corner]), 1, 1e-5);
-      EXPECT_GT(glm::dot(glm::normalize(area), mesh.normals[corner]), least_cosine);
+      EXPECT_GT(glm::dot(glm::normalize(area), mesh.normals[corner]), min_cosine);
     }
   }
 }

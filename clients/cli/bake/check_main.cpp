@@ -138,7 +138,7 @@ Result<void> check_mesh(const CheckRequest& request, const Progress& progress) {
   const double unit_m = request.unit_m.value_or(mesh::unit_in_file(request.file));
   const bake::BakeOptions usual;
   const std::string question =
-      bake::question_size(shape, material->material, usual.band_high_hz, usual.most_modes, request.file, unit_m);
+      bake::question_size(shape, material->material, usual.band_high_hz, usual.max_modes, request.file, unit_m);
   if (!question.empty()) std::printf("  is this size meant? %s\n", question.c_str());
   std::fflush(stdout);
   return {};

@@ -113,7 +113,7 @@ void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
   app.add_option(
          "--nonlinear", arguments.nonlinear,
          "how many of the lowest modes bend each other's pitch when struck hard; for thin bodies (default: none)")
-      ->check(manual::between(0, bake::kMostNonlinearModes));
+      ->check(manual::between(0, bake::kMaxNonlinearModes));
   app.add_option("--coupled", arguments.coupled,
                  "how many of these, the lowest, exchange energy while they are loud: a gong's build-up, up to half a "
                  "core for each object (default: none)")

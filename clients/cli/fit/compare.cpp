@@ -33,7 +33,7 @@ struct CompareArguments {
   double top_hz = 12000;
   bool keep_nu = false;
   fit::Options options;
-  fit::CalibrateOptions match{.tolerance_cents = 30, .most_tuning_cents = 250};
+  fit::CalibrateOptions match{.tolerance_cents = 30, .max_tuning_cents = 250};
 };
 
 void add_compare_options(manual::App& app, CompareArguments& arguments) {
@@ -112,7 +112,7 @@ class Baker {
     const Result<fs::path> program = find_beside("ringdown-bake");
     if (!program) return fail(program.error());
     const fs::path to = folder_ / "baked.glb";
-    const double top_hz = std::exp2(arguments_.match.most_tuning_cents / 1200) * arguments_.top_hz;
+    const double top_hz = std::exp2(arguments_.match.max_tuning_cents / 1200) * arguments_.top_hz;
     ChildRequest request{.command = {program->string(), inputs_.shape.string(), "-o", to.string(), "--quiet", "--band",
                                      "20", std::to_string(top_hz)},
                          .keep_going = [this] { return !stop_.stop_requested(); }};
@@ -173,7 +173,7 @@ Result<fit::NuChoice> choose_between(Baker& baker, fit::CalibrateOptions match, 
     banks[i] = std::move(*bank);
     choices[i] = {nu, &banks[i]};
   }
-  if (around_cents != 0) match.most_tuning_cents = 2 * match.tolerance_cents, match.around_cents = around_cents;
+  if (around_cents != 0) match.max_tuning_cents = 2 * match.tolerance_cents, match.around_cents = around_cents;
   return fit::choose_nu(heard, choices, match);
 }
 
@@ -244,7 +244,7 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   }
   if (around_cents != 0) {  // where E/rho and nu were searched together
     arguments.match.around_cents = around_cents;
-    arguments.match.most_tuning_cents = arguments.match.tolerance_cents;
+    arguments.match.max_tuning_cents = arguments.match.tolerance_cents;
   }
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
   Result<fit::Calibration> calibration = fit::calibrate(c.heard, c.bank, arguments.match);

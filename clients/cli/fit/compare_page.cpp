@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kWidth = 760, kHeight = 220, kLeft = 46, kBottom = 26;
 constexpr double kLow_hz = 60, kHigh_hz = 16000;
-constexpr double kMostDecay_s = 1.5;
+constexpr double kMaxDecay_s = 1.5;
 constexpr const char* kRecorded = "#D55E00";
 constexpr const char* kBaked = "#0072B2";
 
@@ -76,11 +76,11 @@ struct Picture {
   }
 };
 
-std::span<const double> from_onset(const ComparedSound& s, double most_s) {
+std::span<const double> from_onset(const ComparedSound& s, double max_s) {
   const double rate = s.sound.sample_rate_hz;
   const auto count = s.sound.samples.size();
   const auto first = std::min(count, static_cast<std::size_t>(s.found.onset_s * rate));
-  const auto last = std::min(count, static_cast<std::size_t>(std::min(s.found.end_s, s.found.onset_s + most_s) * rate));
+  const auto last = std::min(count, static_cast<std::size_t>(std::min(s.found.end_s, s.found.onset_s + max_s) * rate));
   return std::span(s.sound.samples).subspan(first, std::max(last, first) - first);
 }
 
@@ -118,7 +118,7 @@ std::string decays(const ComparedSound& s) {
   constexpr double kSpan_db = 70, kLabel_db = 5;
   constexpr std::size_t kFirst = 2, kStep = 6, kOctave = 3;  // bands
   const double rate = s.sound.sample_rate_hz;
-  const auto part = from_onset(s, kMostDecay_s);
+  const auto part = from_onset(s, kMaxDecay_s);
   const auto recorded = fit::band_powers(part, rate, 0);
   const auto baked = fit::band_powers(fit::synthesise(s.baked, rate, part.size()), rate, 0);
   const auto noise = fit::band_noise(s.sound.samples, rate, static_cast<std::size_t>(s.found.onset_s * rate));
@@ -221,9 +221,9 @@ const char* judged(const Comparison& c) {
 
 // True when what was fitted is hardly a matter of one material's samples.
 bool is_far_from_material(const Comparison& c) {
-  constexpr double kMostStiffness = 1.25, kMostNu = 0.15;
-  return std::abs(std::log(c.stiffness())) > std::log(kMostStiffness) ||
-         std::abs(c.poisson_ratio - c.given_poisson_ratio) > kMostNu;
+  constexpr double kMaxStiffness = 1.25, kMaxNu = 0.15;
+  return std::abs(std::log(c.stiffness())) > std::log(kMaxStiffness) ||
+         std::abs(c.poisson_ratio - c.given_poisson_ratio) > kMaxNu;
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ void add_options(manual::App& app, Arguments& arguments) {
   app.add_option("--floor", arguments.options.floor_db, "Drop modes that begin more dB than this below the loudest.")
       ->check(manual::between(1.0, 200.0))
       ->capture_default_str();
-  app.add_option("--max-modes", arguments.options.most_modes, "Keep so many, those of most energy.")
+  app.add_option("--max-modes", arguments.options.max_modes, "Keep so many, those of most energy.")
       ->check(manual::between(std::size_t{1}, fit::kMaxModes))
       ->capture_default_str();
   app.add_option("--impulse", arguments.impulse,

@@ -135,7 +135,7 @@ Solved solve_band(const Pencil& pencil, const SolveProgress& progress) {
   Solved solved;
   set_up(solver, solved);
   const int expected = inertia_of(solver).counted;
-  if (expected > pencil.header.most_modes) {
+  if (expected > pencil.header.max_modes) {
     give_up(std::to_string(expected) + " modes lie in the band; narrow the band or allow more modes");
   }
   KSP solve = nullptr;

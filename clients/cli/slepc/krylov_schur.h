@@ -23,7 +23,7 @@ struct Solved {
 
 // All modes below highest_lambda: SLEPc slices the spectrum, and by Sylvester's law of inertia knows how many lie in
 // each slice. Factors by MUMPS, which works over all processes. Gives up unless as many are found as were counted, or
-// when there are more than most_modes.
+// when there are more than max_modes.
 Solved solve_band(const Pencil& pencil, const SolveProgress& progress);
 
 // The first `count` modes, from one factorisation, uncounted: for comparison. PETSc's own options choose what factors:

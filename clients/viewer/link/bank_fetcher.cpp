@@ -50,10 +50,10 @@ void BankFetcher::add_requests(KnownObjects& objects, const std::string& chosen,
 void BankFetcher::begin_transfer(KnownObjects& objects, const std::string& chosen, double now_s) {
   KnownObject* object = next_to_fetch(objects, chosen, now_s);
   if (!object) return;
-  if (bytes_held(objects) + static_cast<std::size_t>(std::max(0, object->bank_bytes)) > most_bytes_) {
+  if (bytes_held(objects) + static_cast<std::size_t>(std::max(0, object->bank_bytes)) > max_bytes_) {
     object->bank_fault = "the bank of " + object->name +
                          " is not fetched: with it, those of all objects would have more than " +
-                         std::to_string(most_bytes_) + " bytes";
+                         std::to_string(max_bytes_) + " bytes";
     object->bank_retry_at_s = now_s + kRetry_s;
     return;
   }

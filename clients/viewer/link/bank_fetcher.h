@@ -18,7 +18,7 @@ class BankFetcher {
  public:
   static constexpr std::size_t kMaxBytesTotal = std::size_t{1} << 30;  // of all banks together, as files
 
-  explicit BankFetcher(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+  explicit BankFetcher(std::size_t max_bytes) : max_bytes_(max_bytes) {}
 
   void take(const protocol::BankReply& piece);
   void refuse(const std::string& object, const std::string& sentence);
@@ -31,7 +31,7 @@ class BankFetcher {
   void share_banks(KnownObjects& objects);
   void begin_transfer(KnownObjects& objects, const std::string& chosen, double now_s);
 
-  std::size_t most_bytes_;
+  std::size_t max_bytes_;
   std::optional<BankTransfer> transfer_;
   std::map<std::string, std::weak_ptr<const KnownBank>> banks_;  // by content
 };

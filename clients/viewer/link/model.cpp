@@ -31,14 +31,14 @@ bool is_own_question(std::string_view address) {
 
 }  // namespace
 
-Model::Model(double notice_rate_hz, std::size_t most_bank_bytes)
+Model::Model(double notice_rate_hz, std::size_t max_bank_bytes)
     : notice_rate_hz_(notice_rate_hz),
-      most_bank_bytes_(most_bank_bytes),
-      banks_(most_bank_bytes),
+      max_bank_bytes_(max_bank_bytes),
+      banks_(max_bank_bytes),
       scene_(1 / notice_rate_hz) {}
 
 void Model::restart() {
-  Model fresh(notice_rate_hz_, most_bank_bytes_);
+  Model fresh(notice_rate_hz_, max_bank_bytes_);
   fresh.chosen_ = std::move(chosen_);
   fresh.sound_watch_.want(sound_watch_.wanted());
   *this = std::move(fresh);

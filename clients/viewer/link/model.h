@@ -55,8 +55,8 @@ class Model {
   static constexpr std::size_t kMaxMessages = 64;
   static constexpr double kPeakHold_s = 1;
 
-  // `notice_rate_hz` is the client's; `most_bank_bytes` bounds the size of all banks together.
-  explicit Model(double notice_rate_hz, std::size_t most_bank_bytes = BankFetcher::kMaxBytesTotal);
+  // `notice_rate_hz` is the client's; `max_bank_bytes` bounds the size of all banks together.
+  explicit Model(double notice_rate_hz, std::size_t max_bank_bytes = BankFetcher::kMaxBytesTotal);
 
   void apply(const protocol::Reply& reply, double now_s);
   Requests wants(double now_s);
@@ -94,7 +94,7 @@ class Model {
   void add_message(KnownMessage message);
 
   double notice_rate_hz_;
-  std::size_t most_bank_bytes_;
+  std::size_t max_bank_bytes_;
   bool has_daemon_ = false;  // whether anything has come, so that there is somebody to ask
   KnownObjects objects_;
   BankFetcher banks_;

@@ -135,7 +135,7 @@ class Measuring {
     const fs::path beside = plan_.bank.empty() ? preset_bank(object) : plan_.bank;
     const fs::path file = plan_.folder / (object.stem().string() + ".glb");
     const modal::Compression compression = plan_.compress ? modal::Compression::meshopt : modal::Compression::none;
-    std::vector<std::size_t> sizes = plan_.most_points;
+    std::vector<std::size_t> sizes = plan_.max_points;
     if (sizes.empty()) sizes = {recipe->options.points};
     for (const std::size_t size : sizes) {
       bake::ObjectRecipe sized = *recipe;

@@ -18,8 +18,8 @@ struct AmplitudePlan {
   std::filesystem::path cache;                 // folder of solutions
   std::filesystem::path folder;                // for the banks that are baked
   std::filesystem::path csv;                   // a row for each bank
-  std::filesystem::path by_mode;         // tsv: object, bank, points, frequency [Hz], error of each mode; empty: none
-  std::vector<std::size_t> most_points;  // of baked banks, one of each, instead of the object's; empty: the object's
+  std::filesystem::path by_mode;        // tsv: object, bank, points, frequency [Hz], error of each mode; empty: none
+  std::vector<std::size_t> max_points;  // of baked banks, one of each, instead of the object's; empty: the object's
 };
 
 // Bakes each object, and measures the bank as written and read back, and the preset's bank beside it when there is one
