@@ -116,12 +116,29 @@ TEST(Documents, EveryLinkLeadsToAFileAndItsHeading) {
   EXPECT_GT(count, 50u);
 }
 
+TEST(Documents, TheIndexListsEveryPage) {
+  const std::string index = text_of(kRoot / "docs/README.md");
+  for (const fs::path& page : files_below({"docs"}, {".md"})) {
+    const std::string name = fs::relative(page, kRoot / "docs").string();
+    if (name == "README.md" || name.starts_with("figures/")) continue;
+    EXPECT_NE(index.find("](" + name), index.npos) << "docs/README.md does not list " << name;
+  }
+}
+
+TEST(Documents, TheReadmeCountsMaterialsRightly) {
+  std::size_t count = 0;
+  for (const auto& entry : fs::directory_iterator(kRoot / "presets/materials"))
+    count += entry.path().extension() == ".toml";
+  EXPECT_NE(text_of(kRoot / "README.md").find("one of " + std::to_string(count) + " materials"), std::string::npos)
+      << count;
+}
+
 TEST(Documents, EveryPathBelowDocsThatAFileNamesExists) {
   const std::regex path(R"((?:^|[^\w/.-])(docs/[\w./-]*[a-z0-9])(?!\w|[\w-]*\$))");
   std::vector<fs::path> files =
       files_below({"engine", "protocol", "server", "clients", "packaging", "presets", "tests", "docs"},
                   {".cpp", ".h", ".txt", ".py", ".sh", ".md", ".toml", ".geo", ".js", ".scd", ".pd", ".in", ".1"});
-  for (const char* name : {"run", "README.md", "SECURITY.md", "CMakeLists.txt", "packages.txt"})
+  for (const char* name : {"run", "README.md", "CONTRIBUTING.md", "SECURITY.md", "CMakeLists.txt", "packages.txt"})
     files.push_back(kRoot / name);
   std::size_t count = 0;
   for (const fs::path& file : files) {
