@@ -1,7 +1,7 @@
 #include "protocol/exit_codes.h"
 
 #include "engine/base/blas_memory.h"
-#include "engine/base/signals.h"
+#include "engine/base/process/signals.h"
 #include "engine/base/within_memory.h"
 
 #include <cerrno>

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/scene/rest_damping.h"
+#include "engine/scene/contact/rest_damping.h"
 #include "engine/synth/event.h"
 #include "protocol/wire/socket.h"
 

@@ -1,6 +1,6 @@
 #include "server/program.h"
 
-#include "engine/base/signals.h"
+#include "engine/base/process/signals.h"
 #include "engine/base/within_memory.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/exit_codes.h"

@@ -10,7 +10,7 @@
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
 #include "engine/scene/description.h"
-#include "engine/scene/contact_sounds.h"
+#include "engine/scene/contact/contact_sounds.h"
 #include "engine/synth/event.h"
 
 #include <memory>

@@ -3,7 +3,7 @@
 #include "engine/base/folders.h"
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
-#include "engine/modal/pitch.h"
+#include "engine/modal/hearing/pitch.h"
 #include "packaging/manual/command_line.h"
 
 #include <algorithm>

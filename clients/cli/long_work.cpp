@@ -1,7 +1,7 @@
 #include "clients/cli/long_work.h"
 
-#include "engine/base/sandbox.h"
-#include "engine/base/signals.h"
+#include "engine/base/process/sandbox.h"
+#include "engine/base/process/signals.h"
 
 #include <atomic>
 #include <cmath>

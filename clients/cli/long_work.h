@@ -49,7 +49,7 @@ protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::s
                                    std::chrono::milliseconds patience = std::chrono::seconds(1));
 
 // Says on stderr what the kernel lacks of the sandbox in which mesh files are read, if anything
-// (engine/base/sandbox.h). [main]
+// (engine/base/process/sandbox.h). [main]
 void warn_of_open_sandbox();
 
 // Says why `output` was not written, and returns the exit code for it.

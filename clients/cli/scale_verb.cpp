@@ -1,6 +1,6 @@
 #include "clients/cli/verb.h"
-#include "engine/bake/material_change.h"
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_change.h"
+#include "engine/materials/material_library.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/modal/bank_file.h"

@@ -3,7 +3,7 @@
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/modal/bank_file.h"
-#include "engine/scene/gltf_writer.h"
+#include "engine/scene/gltf/writer.h"
 #include "engine/scene/scene_file.h"
 #include "packaging/manual/command_line.h"
 

@@ -1,6 +1,6 @@
 #include "clients/library/handles.h"
 
-#include "engine/modal/pitch.h"
+#include "engine/modal/hearing/pitch.h"
 #include "engine/modal/radiation_map.h"
 
 using namespace ringdown;

@@ -1,6 +1,6 @@
 #include "clients/viewer/material_choice.h"
 
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "engine/base/folders.h"
 #include "engine/base/range.h"
 

@@ -1,6 +1,6 @@
 #include "clients/viewer/mode_list.h"
 
-#include "engine/modal/loudness.h"
+#include "engine/modal/hearing/loudness.h"
 #include "engine/modal/material_scale.h"
 
 #include <algorithm>

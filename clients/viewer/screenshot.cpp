@@ -1,7 +1,7 @@
 #include "clients/viewer/screenshot.h"
 
 #include "clients/viewer/app.h"
-#include "engine/base/child_process.h"
+#include "engine/base/process/child_process.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,8 +1,8 @@
 #include "engine/bake/audibility.h"
 
-#include "engine/bake/importance.h"
-#include "engine/modal/loudness.h"
-#include "engine/modal/masking.h"
+#include "engine/materials/importance.h"
+#include "engine/modal/hearing/loudness.h"
+#include "engine/modal/hearing/masking.h"
 #include "engine/modal/mode_choice.h"
 
 #include <Eigen/Dense>

@@ -11,7 +11,8 @@
 //
 // - floor: both its first level and the energy that the ear collects of it in 0.2 s are more than floor_db below those
 //   of the loudest mode there;
-// - masking: one louder mode hides it (engine/modal/masking.h) from its start until it has fallen to the floor; the
+// - masking: one louder mode hides it (engine/modal/hearing/masking.h) from its start until it has fallen to the floor;
+// the
 //   loudest mode is taken as 60 dB SPL (played louder it hides more). Because levels are followed in time, a masker
 //   that dies sooner does not mask. A mode that is itself dropped hides nothing.
 //

@@ -1,7 +1,7 @@
 #include "engine/bake/bake_object.h"
 
 #include "engine/bake/fitted_makeup.h"
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/free_memory.h"

@@ -1,7 +1,7 @@
 #include "engine/bake/heard_modes.h"
 
-#include "engine/bake/importance.h"
-#include "engine/modal/loudness.h"
+#include "engine/materials/importance.h"
+#include "engine/modal/hearing/loudness.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_hash.h"
 #include "engine/base/file_format.h"
-#include "engine/mesh/geo_language.h"
+#include "engine/mesh/files/geo_language.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #include "engine/fit/recorded_bank.h"
 
-#include "engine/modal/contact_pulse.h"
-#include "engine/modal/loudness.h"
+#include "engine/modal/hearing/contact_pulse.h"
+#include "engine/modal/hearing/loudness.h"
 #include "engine/modal/mode_choice.h"
 #include "engine/modal/damping.h"
 

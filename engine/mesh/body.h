@@ -8,7 +8,7 @@
 
 #include "engine/base/result.h"
 #include "engine/mesh/mesh_check.h"
-#include "engine/mesh/surface_report.h"
+#include "engine/mesh/surface/surface_report.h"
 
 #include <cstdint>
 #include <map>

@@ -1,7 +1,7 @@
 #include "engine/mesh/body_reader.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/child_process.h"
+#include "engine/base/process/child_process.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/file_format.h"
 

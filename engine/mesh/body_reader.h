@@ -13,11 +13,11 @@
 // time, and half of the computer's memory, at most 16 GiB.
 #pragma once
 
-#include "engine/base/helper_process.h"
+#include "engine/base/process/helper_process.h"
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/mesh/body.h"
-#include "engine/mesh/file_kinds.h"
+#include "engine/mesh/files/file_kinds.h"
 
 #include <filesystem>
 #include <optional>

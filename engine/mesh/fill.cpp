@@ -2,10 +2,10 @@
 
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/gmsh_reader.h"
-#include "engine/mesh/remesh.h"
-#include "engine/mesh/shells.h"
-#include "engine/mesh/surface_check.h"
-#include "engine/mesh/surface_distance.h"
+#include "engine/mesh/surface/remesh.h"
+#include "engine/mesh/surface/shells.h"
+#include "engine/mesh/surface/surface_check.h"
+#include "engine/mesh/surface/surface_distance.h"
 
 #include <Eigen/Geometry>
 #include <gmsh.h>

@@ -3,7 +3,7 @@
 
 #include "engine/base/result.h"
 #include "engine/mesh/mesh_check.h"
-#include "engine/mesh/parted_surface.h"
+#include "engine/mesh/surface/parted_surface.h"
 #include "engine/mesh/triangle_mesh.h"
 
 #include <string>

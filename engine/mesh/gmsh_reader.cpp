@@ -4,8 +4,8 @@
 #include "engine/base/file_format.h"
 #include "engine/mesh/cone_tips.h"
 #include "engine/mesh/face_points.h"
-#include "engine/mesh/file_kinds.h"
-#include "engine/mesh/geo_language.h"
+#include "engine/mesh/files/file_kinds.h"
+#include "engine/mesh/files/geo_language.h"
 #include "engine/mesh/gmsh_groups.h"
 
 #include <gmsh.h>

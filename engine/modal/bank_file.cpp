@@ -7,8 +7,8 @@
 #include "engine/base/within_memory.h"
 #include "engine/modal/bank_extras.h"
 #include "engine/modal/bank_model.h"
-#include "engine/modal/glb.h"
-#include "engine/modal/gltf_file.h"
+#include "engine/gltf/glb.h"
+#include "engine/gltf/gltf_file.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/scaled_bank.h"
 

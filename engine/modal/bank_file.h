@@ -4,7 +4,7 @@
 #include "engine/base/range.h"
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
-#include "engine/modal/read_beside.h"
+#include "engine/gltf/read_beside.h"
 
 #include <cstddef>
 #include <filesystem>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/modal/bank.h"
-#include "engine/modal/glb.h"
+#include "engine/gltf/glb.h"
 
 #include <optional>
 

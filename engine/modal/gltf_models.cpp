@@ -3,7 +3,7 @@
 #include "engine/base/content_hash.h"
 #include "engine/base/within_memory.h"
 #include "engine/modal/bank_model.h"
-#include "engine/modal/glb.h"
+#include "engine/gltf/glb.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -6,7 +6,7 @@
 
 #include "engine/modal/bank.h"
 #include "engine/modal/direction_map.h"
-#include "engine/modal/loudness.h"
+#include "engine/modal/hearing/loudness.h"
 #include "engine/modal/surface_index.h"
 
 #include <cstddef>

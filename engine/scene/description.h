@@ -279,7 +279,7 @@ struct ContactSettings {
   // How much bodies at rest on each other damp each other: damping force per speed, per newton of normal force, before
   // the factor of one minus the restitution. Hunt and Crossley's damping (1975), linearised about a static load.
   double rest_damping_s_m = 1.5;
-  bool clicks = true;  // a struck body also sounds as a rigid body (engine/synth/click.h)
+  bool clicks = true;  // a struck body also sounds as a rigid body (engine/synth/modes/click.h)
 };
 
 struct SceneDescription {

@@ -1,7 +1,7 @@
 #include "engine/scene/silence.h"
 
 #include "engine/base/quote.h"
-#include "engine/modal/masking.h"
+#include "engine/modal/hearing/masking.h"
 #include "engine/modal/material_scale.h"
 
 #include <algorithm>

@@ -3,11 +3,11 @@
 #include "engine/base/quote.h"
 #include "engine/scene/body_store.h"
 #include "engine/scene/check.h"
-#include "engine/scene/contact_sounds.h"
-#include "engine/scene/lasting_events.h"
+#include "engine/scene/contact/contact_sounds.h"
+#include "engine/scene/contact/lasting_events.h"
 #include "engine/scene/motion_path.h"
 #include "engine/scene/rotation.h"
-#include "engine/scene/simulation.h"
+#include "engine/scene/ode/simulation.h"
 
 #include <algorithm>
 #include <cmath>

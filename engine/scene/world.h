@@ -22,7 +22,7 @@
 #include "engine/scene/body_store.h"
 #include "engine/scene/description.h"
 #include "engine/scene/outline.h"
-#include "engine/scene/rest_damping.h"
+#include "engine/scene/contact/rest_damping.h"
 #include "engine/synth/event.h"
 
 #include <atomic>

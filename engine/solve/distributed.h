@@ -5,7 +5,7 @@
 // Only the first process reads and writes files; they lie in a private folder below TMPDIR.
 #pragma once
 
-#include "engine/base/child_process.h"
+#include "engine/base/process/child_process.h"
 #include "engine/base/progress.h"
 #include "engine/solve/eigensolver.h"
 

@@ -12,7 +12,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/channel_strip.h"
+#include "engine/synth/output/channel_strip.h"
 #include "engine/synth/source.h"
 #include "engine/synth/voice.h"
 

@@ -3,7 +3,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/event.h"
-#include "engine/synth/mode_watch.h"
+#include "engine/synth/modes/mode_watch.h"
 
 #include <atomic>
 #include <cstddef>

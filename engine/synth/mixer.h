@@ -19,9 +19,9 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/block_io.h"
+#include "engine/synth/kernels/block_io.h"
 #include "engine/synth/meters.h"
-#include "engine/synth/mix_output.h"
+#include "engine/synth/output/mix_output.h"
 #include "engine/synth/renderer.h"
 #include "engine/synth/shedding.h"
 #include "engine/synth/stage.h"

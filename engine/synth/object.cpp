@@ -10,7 +10,7 @@
 #include "engine/synth/object.h"
 
 #include "engine/synth/meters.h"
-#include "engine/synth/sane_samples.h"
+#include "engine/synth/modes/sane_samples.h"
 #include "engine/synth/shedding.h"
 #include "engine/synth/work_cost.h"
 

@@ -13,8 +13,8 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/chunk.h"
-#include "engine/synth/coupled_modes.h"
-#include "engine/synth/level_histogram.h"
+#include "engine/synth/modes/coupled_modes.h"
+#include "engine/synth/modes/level_histogram.h"
 #include "engine/synth/source.h"
 #include "engine/synth/time_budget.h"
 

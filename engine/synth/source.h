@@ -5,7 +5,7 @@
 #include "engine/base/realtime.h"
 #include "engine/synth/chunk.h"
 #include "engine/synth/event.h"
-#include "engine/synth/level_histogram.h"
+#include "engine/synth/modes/level_histogram.h"
 
 #include <cstddef>
 #include <cstdint>

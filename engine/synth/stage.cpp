@@ -1,6 +1,6 @@
 #include "engine/synth/stage.h"
 
-#include "engine/synth/sane_samples.h"
+#include "engine/synth/modes/sane_samples.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "engine/synth/time_budget.h"
 
-#include "engine/synth/mode_kernel.h"
+#include "engine/synth/kernels/mode_kernel.h"
 
 #include <ctime>
 

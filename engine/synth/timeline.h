@@ -4,7 +4,7 @@
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
 #include "engine/synth/event_queue.h"
-#include "engine/synth/mode_kernel.h"
+#include "engine/synth/kernels/mode_kernel.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -6,8 +6,8 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/event.h"
-#include "engine/synth/mode_states.h"
-#include "engine/synth/mode_table.h"
+#include "engine/synth/modes/mode_states.h"
+#include "engine/synth/modes/mode_table.h"
 
 #include <memory>
 #include <optional>

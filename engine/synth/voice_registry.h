@@ -5,7 +5,7 @@
 #include "engine/base/spsc_ring.h"
 #include "engine/synth/event.h"
 #include "engine/synth/instance_group.h"
-#include "engine/synth/mode_table.h"
+#include "engine/synth/modes/mode_table.h"
 #include "engine/synth/voice.h"
 
 #include <array>

@@ -3,7 +3,7 @@
 
 #include "engine/base/content_hash.h"
 #include "engine/base/result.h"
-#include "engine/modal/read_beside.h"
+#include "engine/gltf/read_beside.h"
 #include "engine/modal/strike_map.h"
 #include "server/session/file_roots.h"
 

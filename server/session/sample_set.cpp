@@ -3,7 +3,7 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/note.h"
 #include "engine/base/version.h"
-#include "engine/modal/pitch.h"
+#include "engine/modal/hearing/pitch.h"
 #include "server/session/rack.h"
 #include "server/session/sound_file.h"
 

@@ -3,9 +3,9 @@
 #include "engine/base/folders.h"
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
-#include "engine/modal/gltf_file.h"
-#include "engine/scene/gltf_scene.h"
-#include "engine/scene/gltf_silent.h"
+#include "engine/gltf/gltf_file.h"
+#include "engine/scene/gltf/scene.h"
+#include "engine/scene/gltf/silent.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/silence.h"
 

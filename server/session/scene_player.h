@@ -10,7 +10,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/scene/gltf_surface.h"
+#include "engine/scene/gltf/surface.h"
 #include "engine/scene/world.h"
 #include "engine/synth/event.h"
 #include "protocol/request.h"

@@ -1,10 +1,10 @@
 // Captures what is heard, the mix, as a WAV file while the mixer plays. The file begins with the sound of the frame at
 // which the capture began, whatever the limiter's delay, as `ringdown render` does.
 //
-// The audio thread puts the samples of each block into a tap (engine/synth/sound_tap.h); a thread of the capture takes
-// them out and writes them. Samples that the tap had to drop because that thread was late are zeros in the file, so
-// that what follows keeps its time, and a warning counts them. The capture ends by itself, and completes its file, when
-// the file is as long as it may be, the sample rate changes or the disk is full.
+// The audio thread puts the samples of each block into a tap (engine/synth/output/sound_tap.h); a thread of the capture
+// takes them out and writes them. Samples that the tap had to drop because that thread was late are zeros in the file,
+// so that what follows keeps its time, and a warning counts them. The capture ends by itself, and completes its file,
+// when the file is as long as it may be, the sample rate changes or the disk is full.
 #pragma once
 
 #include "engine/base/result.h"

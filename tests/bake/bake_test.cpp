@@ -1,7 +1,7 @@
 #include "engine/bake/bake.h"
 
-#include "engine/bake/importance.h"
-#include "engine/modal/loudness.h"
+#include "engine/materials/importance.h"
+#include "engine/modal/hearing/loudness.h"
 #include "engine/modal/bank_file.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/fem/sample_meshes.h"

@@ -1,5 +1,5 @@
 // Modes that exchange energy: conservation over a million steps, the full equations as oracle, no clicks.
-#include "engine/synth/coupled_modes.h"
+#include "engine/synth/modes/coupled_modes.h"
 #include "tests/bake/sound_centroid.h"
 #include "tests/bake/struck_plate.h"
 

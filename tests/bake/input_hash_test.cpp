@@ -1,7 +1,7 @@
 // What a bank's hash of inputs depends on, and when it cannot be told.
 #include "engine/bake/input_hash.h"
 
-#include "engine/mesh/geo_language.h"
+#include "engine/mesh/files/geo_language.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>

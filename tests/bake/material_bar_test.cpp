@@ -1,8 +1,8 @@
 // The bar of the previews against thin beams' closed form and against the finite elements it does without.
-#include "engine/bake/material_bar.h"
+#include "engine/materials/material_bar.h"
 
 #include "engine/bake/bake.h"
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "tests/fem/sample_meshes.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // A rescaled bank is the bank that would have been baked, from a mesh scaled by hand and in the other material.
-#include "engine/bake/material_change.h"
+#include "engine/materials/material_change.h"
 
 #include "engine/bake/bake.h"
 #include "tests/fem/sample_meshes.h"

@@ -1,7 +1,7 @@
 // The text files: strict reading, and that every preset in the repository is whole.
 #include "engine/bake/bake_object.h"
 #include "engine/bake/input_hash.h"
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "engine/modal/bank_file.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,6 +1,6 @@
 // `ringdown-bake room.glb`: bodies with an acoustic material get their models, and nothing else in the file changes.
 #include "engine/modal/bank_file.h"
-#include "engine/scene/gltf_scene.h"
+#include "engine/scene/gltf/scene.h"
 #include "tests/scene/gltf_room.h"
 #include "tests/support/temporary_folder.h"
 

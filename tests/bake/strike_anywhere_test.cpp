@@ -1,12 +1,12 @@
 // A strike anywhere on the surface, in any direction, gives every mode its amplitude within 3 %: of what bake() makes
 // by default, for five unlike bodies, turned and shifted. And the surface that it makes of them is whole.
 #include "engine/mesh/gmsh_reader.h"
-#include "engine/mesh/stuffing.h"
+#include "engine/mesh/stuffing/stuffing.h"
 #include "engine/modal/bank_file.h"
 #include "tests/bake/amplitude_error.h"
 #include "tests/bake/bank_surface.h"
 #include "tests/fem/sample_meshes.h"
-#include "tests/stuffing/sample_surfaces.h"
+#include "tests/mesh/stuffing/sample_surfaces.h"
 #include "tests/support/temporary_folder.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-#include "engine/base/child_process.h"
+#include "engine/base/process/child_process.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Helpers that misbehave are shells: what they write is what a broken or hostile program could.
-#include "engine/base/helper_process.h"
+#include "engine/base/process/helper_process.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/base/sandbox.h"
+#include "engine/base/process/sandbox.h"
 
 #include "tests/support/temporary_folder.h"
 

@@ -1,7 +1,7 @@
 // The stages of a bake, each alone: mesh, assembly, factors, modes, surface. `./run bench bake` writes CSV. Counters:
 // unknowns of the eigenproblem, modes found, systems solved.
 #include "engine/bake/body_modes.h"
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "engine/bake/object_file.h"
 #include "engine/bake/sample_points.h"
 #include "engine/mesh/boundary.h"

@@ -3,7 +3,7 @@
 //   ringdown_mixer_bench -o build/bench/mixer.csv [--gate] [--quick] [--only PART]
 //
 // `./run bench mixer` runs it; docs/how/benchmarks.md reads it. All of it runs on one core.
-#include "engine/synth/mode_kernel.h"
+#include "engine/synth/kernels/mode_kernel.h"
 #include "tests/bench/machine.h"
 #include "tests/bench/mixer/measure.h"
 #include "tests/bench/mixer/promises.h"

@@ -1,6 +1,6 @@
-#include "engine/modal/gltf_file.h"
-#include "engine/scene/gltf_scene.h"
-#include "engine/scene/gltf_silent.h"
+#include "engine/gltf/gltf_file.h"
+#include "engine/scene/gltf/scene.h"
+#include "engine/scene/gltf/silent.h"
 #include "engine/scene/world.h"
 #include "tests/fuzz/targets.h"
 

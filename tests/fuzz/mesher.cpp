@@ -1,7 +1,7 @@
 // The two sides of mesh files: what their reading process could send back, and files that it is given.
 #include "engine/base/folders.h"
 #include "engine/mesh/body_reader.h"
-#include "engine/mesh/geo_language.h"
+#include "engine/mesh/files/geo_language.h"
 #include "tests/fuzz/targets.h"
 
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "engine/synth/fade_out.h"
+#include "engine/synth/modes/fade_out.h"
 #include "engine/synth/mixer.h"
 #include "server/session/midi_player.h"
 #include "tests/fuzz/targets.h"

@@ -1,5 +1,5 @@
-#include "engine/mesh/gltf_mesh.h"
-#include "engine/mesh/surface_formats.h"
+#include "engine/mesh/files/gltf_mesh.h"
+#include "engine/mesh/files/surface_formats.h"
 #include "tests/fuzz/targets.h"
 
 #include <string_view>

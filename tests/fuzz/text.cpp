@@ -1,4 +1,4 @@
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "engine/bake/object_file.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/world.h"

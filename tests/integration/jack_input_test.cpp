@@ -1,5 +1,5 @@
 // Audio inputs that excite objects: a sample is a force.
-#include "engine/synth/mode_table.h"
+#include "engine/synth/modes/mode_table.h"
 #include "tests/integration/jack_fixture.h"
 #include "tests/integration/jack_recorder.h"
 #include "tests/support/keep_signals.h"

@@ -1,6 +1,6 @@
-#include "engine/mesh/denoise.h"
+#include "engine/mesh/surface/denoise.h"
 
-#include "engine/mesh/surface_check.h"
+#include "engine/mesh/surface/surface_check.h"
 #include "tests/mesh/sample_surfaces.h"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 #include "engine/mesh/fill.h"
 
-#include "engine/mesh/remesh.h"
-#include "engine/mesh/surface_check.h"
-#include "engine/mesh/surface_distance.h"
+#include "engine/mesh/surface/remesh.h"
+#include "engine/mesh/surface/surface_check.h"
+#include "engine/mesh/surface/surface_distance.h"
 #include "engine/mesh/tet_mesh.h"
 #include "tests/mesh/sample_surfaces.h"
 

@@ -1,4 +1,4 @@
-#include "engine/mesh/geo_language.h"
+#include "engine/mesh/files/geo_language.h"
 
 #include "tests/support/temporary_folder.h"
 

@@ -1,6 +1,6 @@
 // A box of 0.2 x 0.04 x 0.02 m in all the ways in which glTF can say where a mesh is. What must come out is known by
 // hand.
-#include "engine/mesh/surface_file.h"
+#include "engine/mesh/files/surface_file.h"
 #include "tests/mesh/surface_measure.h"
 #include "tests/support/temporary_folder.h"
 

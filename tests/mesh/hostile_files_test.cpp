@@ -1,7 +1,7 @@
 // Files that are made to break their reader, run programs or read what is not theirs, through ringdown-check as its
 // user meets it: one sentence with the file's name and an exit code of its kind, and nothing else happens.
-#include "engine/base/child_process.h"
-#include "engine/base/sandbox.h"
+#include "engine/base/process/child_process.h"
+#include "engine/base/process/sandbox.h"
 #include "tests/mesh/sample_surfaces.h"
 #include "tests/mesh/surface_files.h"
 #include "tests/support/temporary_folder.h"

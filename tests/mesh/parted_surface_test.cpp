@@ -1,10 +1,10 @@
 // Closed surfaces inside a body's part it: exact volumes, shared nodes, and what is refused.
-#include "engine/mesh/parted_surface.h"
+#include "engine/mesh/surface/parted_surface.h"
 
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/fill.h"
-#include "engine/mesh/surface_check.h"
-#include "engine/mesh/surface_distance.h"
+#include "engine/mesh/surface/surface_check.h"
+#include "engine/mesh/surface/surface_distance.h"
 #include "tests/mesh/sample_surfaces.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "engine/mesh/simplify.h"
+#include "engine/mesh/surface/simplify.h"
 
 #include "tests/mesh/sample_surfaces.h"
 

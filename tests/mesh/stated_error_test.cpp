@@ -1,6 +1,6 @@
 // The error that a bank states against the true one, where the mesh's skin is not the body's surface.
 #include "engine/bake/bake.h"
-#include "engine/mesh/stuffed_body.h"
+#include "engine/mesh/stuffing/stuffed_body.h"
 #include "tests/fem/reference_frequencies.h"
 #include "tests/mesh/sample_surfaces.h"
 

@@ -1,8 +1,8 @@
 // Bodies of surfaces that are not sound, whose walls are thin.
-#include "engine/mesh/stuffed_body.h"
+#include "engine/mesh/stuffing/stuffed_body.h"
 
 #include "engine/mesh/boundary.h"
-#include "engine/mesh/surface_check.h"
+#include "engine/mesh/surface/surface_check.h"
 #include "tests/mesh/sample_surfaces.h"
 #include "tests/stress/table_file.h"
 

@@ -1,4 +1,4 @@
-#include "engine/mesh/surface_check.h"
+#include "engine/mesh/surface/surface_check.h"
 
 #include "tests/mesh/sample_surfaces.h"
 

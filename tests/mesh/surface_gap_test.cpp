@@ -1,8 +1,8 @@
-#include "engine/mesh/surface_gap.h"
+#include "engine/mesh/surface/surface_gap.h"
 
 #include "engine/mesh/face_points.h"
-#include "engine/mesh/smooth_facets.h"
-#include "engine/mesh/surface_distance.h"
+#include "engine/mesh/surface/smooth_facets.h"
+#include "engine/mesh/surface/surface_distance.h"
 #include "tests/fem/sample_meshes.h"
 #include "tests/mesh/sample_surfaces.h"
 

@@ -1,4 +1,4 @@
-#include "engine/mesh/surface_file.h"
+#include "engine/mesh/files/surface_file.h"
 
 #include "tests/mesh/sample_surfaces.h"
 #include "tests/mesh/surface_files.h"

@@ -1,6 +1,6 @@
-#include "engine/mesh/surface_repair.h"
+#include "engine/mesh/surface/surface_repair.h"
 
-#include "engine/mesh/surface_file.h"
+#include "engine/mesh/files/surface_file.h"
 #include "tests/mesh/sample_surfaces.h"
 
 #include <gtest/gtest.h>

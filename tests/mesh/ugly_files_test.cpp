@@ -1,5 +1,5 @@
 // Files of surfaces as other programs and hands write them. Each holds a body whose volume is known by hand.
-#include "engine/mesh/surface_file.h"
+#include "engine/mesh/files/surface_file.h"
 #include "tests/mesh/sample_surfaces.h"
 #include "tests/mesh/surface_files.h"
 #include "tests/mesh/surface_measure.h"

@@ -1,8 +1,8 @@
 // Bodies that run into each other, against the volume of their union in rational arithmetic.
-#include "engine/mesh/unite.h"
+#include "engine/mesh/surface/unite.h"
 
-#include "engine/mesh/surface_file.h"
-#include "engine/mesh/surface_repair.h"
+#include "engine/mesh/files/surface_file.h"
+#include "engine/mesh/surface/surface_repair.h"
 #include "tests/mesh/exact_solids.h"
 #include "tests/mesh/sample_surfaces.h"
 #include "tests/stress/table_file.h"

@@ -1,5 +1,5 @@
 // Broken files: each is refused with a sentence that names the field, without a crash and without a large allocation.
-#include "engine/modal/glb.h"
+#include "engine/gltf/glb.h"
 #include "tests/modal/glb_editor.h"
 #include "tests/support/synthetic_bank.h"
 

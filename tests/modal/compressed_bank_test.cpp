@@ -1,5 +1,5 @@
 // Compressed banks (EXT_meshopt_compression): what is kept, what is rounded, and streams that another encoder made.
-#include "engine/modal/meshopt_codec.h"
+#include "engine/gltf/meshopt_codec.h"
 #include "tests/modal/glb_editor.h"
 #include "tests/support/synthetic_bank.h"
 

@@ -1,4 +1,4 @@
-#include "engine/modal/contact_pulse.h"
+#include "engine/modal/hearing/contact_pulse.h"
 
 #include <gtest/gtest.h>
 

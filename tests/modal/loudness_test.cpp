@@ -1,5 +1,5 @@
 // How loud modes are, by what a bank knows of them.
-#include "engine/modal/loudness.h"
+#include "engine/modal/hearing/loudness.h"
 
 #include "tests/support/synthetic_bank.h"
 

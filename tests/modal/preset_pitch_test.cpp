@@ -1,7 +1,7 @@
 // Pitches of the presets' banks against a list written by hand (preset_pitches.h), and of sounds whose pitch books
 // give.
 #include "engine/modal/bank_file.h"
-#include "engine/modal/pitch.h"
+#include "engine/modal/hearing/pitch.h"
 #include "engine/modal/scaled_bank.h"
 #include "tests/modal/preset_pitches.h"
 #include "tests/support/synthetic_bank.h"

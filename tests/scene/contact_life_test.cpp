@@ -1,5 +1,5 @@
 // The rules of a contact's life, without any physics: what is fed is what a physics engine would find.
-#include "engine/scene/contact_life.h"
+#include "engine/scene/contact/contact_life.h"
 #include "engine/scene/rotation.h"
 
 #include <gtest/gtest.h>

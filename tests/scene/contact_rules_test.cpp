@@ -1,4 +1,4 @@
-#include "engine/scene/contact_rules.h"
+#include "engine/scene/contact/contact_rules.h"
 
 #include <gtest/gtest.h>
 

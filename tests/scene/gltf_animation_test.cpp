@@ -1,6 +1,6 @@
 // Bodies that a file moves: kinematic ones at their velocities, animated ones along their keys. What they touch they
 // carry along, and nothing stops them.
-#include "engine/scene/gltf_scene.h"
+#include "engine/scene/gltf/scene.h"
 #include "engine/scene/motion_path.h"
 #include "engine/scene/rotation.h"
 #include "engine/scene/world.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/base/vec3.h"
-#include "engine/modal/glb.h"
+#include "engine/gltf/glb.h"
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // Scenes that other programs write, against closed forms of what their numbers
 // mean.
-#include "engine/scene/gltf_scene.h"
+#include "engine/scene/gltf/scene.h"
 #include "engine/scene/rotation.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/scene_text.h"

@@ -1,7 +1,7 @@
 // glTF scenes as texts, put together from their parts. For tests of scenes that other programs write.
 #pragma once
 
-#include "engine/scene/gltf_scene.h"
+#include "engine/scene/gltf/scene.h"
 #include "engine/scene/world.h"
 
 #include <gtest/gtest.h>

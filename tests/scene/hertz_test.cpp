@@ -1,5 +1,5 @@
 // Contact times against Hertz's law integrated step by step, and against hand-computed masses.
-#include "engine/scene/hertz.h"
+#include "engine/scene/contact/hertz.h"
 #include "tests/scene/box_bank.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Every scene in presets/scenes plays: it reads, builds, its objects are heard, and it goes the same way each time.
 #include "engine/modal/bank_file.h"
-#include "engine/scene/gltf_scene.h"
-#include "engine/scene/gltf_writer.h"
+#include "engine/scene/gltf/scene.h"
+#include "engine/scene/gltf/writer.h"
 #include "engine/scene/scene_file.h"
 #include "tests/scene/box_bank.h"
 

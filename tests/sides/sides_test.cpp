@@ -6,7 +6,7 @@
 // heard in a slot is compared with the table, which was written by hand.
 #include "clients/library/ringdown.h"
 #include "engine/modal/bank_file.h"
-#include "engine/modal/glb.h"
+#include "engine/gltf/glb.h"
 #include "server/session/head.h"
 #include "server/session/offline.h"
 #include "tests/integration/process.h"

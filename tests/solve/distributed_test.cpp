@@ -1,7 +1,7 @@
 // Modes by SLEPc in two processes against those of solve_modes() in this one.
 #include "engine/solve/eigensolver.h"
 
-#include "engine/base/child_process.h"
+#include "engine/base/process/child_process.h"
 #include "engine/solve/distributed_files.h"
 #include "tests/fem/sample_meshes.h"
 #include "tests/support/temporary_folder.h"

@@ -172,7 +172,7 @@ TEST(Documents, EveryKeyOfAFileThatUsersWriteIsNamed) {
       R"re((?:table|file|note|tables|text|number|numbers|whole|fraction|boolean|choice|vector|named_numbers|read_optional)\((?:\w+, )?"([a-z][a-z_0-9]+)")re");
   std::size_t count = 0;
   for (const char* reader : {"engine/scene/scene_file.cpp", "engine/bake/object_file.cpp",
-                             "engine/bake/material_library.cpp", "server/session/note_map_file.cpp"}) {
+                             "engine/materials/material_library.cpp", "server/session/note_map_file.cpp"}) {
     const std::set<std::string> keys = matches(text_of(kRoot / reader), key);
     EXPECT_GT(keys.size(), 4u) << reader;
     for (const std::string& name : keys) {

@@ -13,17 +13,18 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> kTrusted = {
-    {"engine/synth/time_budget.cpp", 1},   // reads the clock: the kernel's page, no system call
-    {"engine/synth/worker_pool.cpp", 1},   // runs what its constructor was given and promised
-    {"engine/synth/drive_kernel-inl.h", 1},  // Highway's choice of an instruction set, a table of functions; so the next
-    {"engine/synth/coupled_kernel-inl.h", 1},
-    {"engine/synth/direction_kernel-inl.h", 1},
-    {"engine/synth/field_sums-inl.h", 1},
-    {"engine/synth/heard_moments-inl.h", 1},
-    {"engine/synth/mix_kernel-inl.h", 1},
-    {"engine/synth/mode_kernel-inl.h", 1},
-    {"engine/synth/moment_synthesis-inl.h", 1},
-    {"engine/synth/moments-inl.h", 1},
+    {"engine/synth/time_budget.cpp", 1},  // reads the clock: the kernel's page, no system call
+    {"engine/synth/worker_pool.cpp", 1},  // runs what its constructor was given and promised
+    {"engine/synth/kernels/drive_kernel-inl.h",
+     1},  // Highway's choice of an instruction set, a table of functions; so the next
+    {"engine/synth/kernels/coupled_kernel-inl.h", 1},
+    {"engine/synth/kernels/direction_kernel-inl.h", 1},
+    {"engine/synth/kernels/field_sums-inl.h", 1},
+    {"engine/synth/kernels/heard_moments-inl.h", 1},
+    {"engine/synth/kernels/mix_kernel-inl.h", 1},
+    {"engine/synth/kernels/mode_kernel-inl.h", 1},
+    {"engine/synth/kernels/moment_synthesis-inl.h", 1},
+    {"engine/synth/kernels/moments-inl.h", 1},
     {"clients/plugin/instrument.cpp", 1},  // libringdown's functions for the audio thread, which are C; so the next
     {"clients/plugin/keyboard.cpp", 1},
     {"server/jack_client.cpp", 1},  // JACK's functions for the process callback

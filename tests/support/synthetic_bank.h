@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/modal/bank.h"
-#include "engine/modal/loudness.h"
+#include "engine/modal/hearing/loudness.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // Whatever a bank, an input or a contact holds, every sample at every output is finite, and the mixer plays on. There
 // is no limiter, which would hide what the others let through.
-#include "engine/synth/coupled_modes.h"
+#include "engine/synth/modes/coupled_modes.h"
 #include "tests/synth/every_output.h"
 #include "tests/synth/player.h"
 

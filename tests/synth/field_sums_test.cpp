@@ -1,6 +1,6 @@
 // What is heard in many channels is summed on a grid of frequencies: against closed forms, and against the sums of
 // moments that the same objects take in a mixer without ambisonic channels.
-#include "engine/synth/field_sums.h"
+#include "engine/synth/kernels/field_sums.h"
 
 #include "tests/synth/player.h"
 

@@ -1,5 +1,5 @@
 // The limiter: no sample passes the ceiling, and below it nothing happens.
-#include "engine/synth/limiter.h"
+#include "engine/synth/output/limiter.h"
 
 #include "tests/support/realtime_guard.h"
 #include "tests/synth/player.h"

@@ -1,5 +1,5 @@
 // What a listener hears of objects at their places, against sums of modes one by one in double.
-#include "engine/synth/direction_kernel.h"
+#include "engine/synth/kernels/direction_kernel.h"
 #include "tests/synth/player.h"
 
 #include <gtest/gtest.h>

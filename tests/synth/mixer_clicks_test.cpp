@@ -1,5 +1,5 @@
 // The click of an object that is set in motion as a whole: what a sphere radiates, on its frame, as loud as modes are.
-#include "engine/synth/click.h"
+#include "engine/synth/modes/click.h"
 
 #include "tests/support/realtime_guard.h"
 #include "tests/synth/player.h"

@@ -1,5 +1,5 @@
 // Surfaces that slide or roll on objects: what the force is like, and that it begins, lasts and ends as it is told.
-#include "engine/synth/rubbing.h"
+#include "engine/synth/contact/rubbing.h"
 
 #include "tests/support/realtime_guard.h"
 #include "tests/synth/player.h"

@@ -1,7 +1,7 @@
 // Modes as the kernels want them, and what they should sound like, in long double.
 #pragma once
 
-#include "engine/synth/moments.h"
+#include "engine/synth/kernels/moments.h"
 
 #include <hwy/aligned_allocator.h>
 

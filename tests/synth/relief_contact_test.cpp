@@ -1,6 +1,6 @@
 // Contacts over surfaces whose heights are known: the force is the load times the slope under the contact.
 #include "engine/modal/surface_relief.h"
-#include "engine/synth/rubbing.h"
+#include "engine/synth/contact/rubbing.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // How a block is cut, and the levels by which modes are muted.
-#include "engine/synth/level_histogram.h"
+#include "engine/synth/modes/level_histogram.h"
 #include "engine/synth/timeline.h"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // The material picker against an offline change of the same bank (engine/bake), and against plate and shaft formulas.
 #include "clients/viewer/material_choice.h"
 
-#include "engine/bake/material_change.h"
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_change.h"
+#include "engine/materials/material_library.h"
 #include "engine/modal/bank_file.h"
 
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include "clients/cli/bake/options.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/body_shape.h"
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"

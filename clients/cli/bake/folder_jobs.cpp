@@ -3,7 +3,7 @@
 #include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/file_format.h"
-#include "engine/mesh/file_kinds.h"
+#include "engine/mesh/files/file_kinds.h"
 
 #include <algorithm>
 #include <map>

@@ -2,10 +2,10 @@
 //
 //   ringdown-mesher FILE
 //
-// mesh::BodyReader runs it and asks it questions over its standard input and output (engine/base/helper_process.h,
-// engine/mesh/body.h). Its exit codes are ok, usage and kHelperOutOfMemory.
-#include "engine/base/helper_process.h"
-#include "engine/base/sandbox.h"
+// mesh::BodyReader runs it and asks it questions over its standard input and output
+// (engine/base/process/helper_process.h, engine/mesh/body.h). Its exit codes are ok, usage and kHelperOutOfMemory.
+#include "engine/base/process/helper_process.h"
+#include "engine/base/process/sandbox.h"
 #include "engine/mesh/body_maker.h"
 #include "engine/mesh/body_reader.h"
 

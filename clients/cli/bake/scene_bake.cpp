@@ -1,7 +1,7 @@
 #include "clients/cli/bake/scene_bake.h"
 
 #include "engine/bake/bake_object.h"
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/file_format.h"
 #include "engine/base/folders.h"
@@ -9,11 +9,11 @@
 #include "engine/base/quote.h"
 #include "engine/mesh/triangle_mesh.h"
 #include "engine/modal/bank_file.h"
-#include "engine/modal/gltf_file.h"
+#include "engine/gltf/gltf_file.h"
 #include "engine/modal/gltf_models.h"
-#include "engine/modal/masking.h"
+#include "engine/modal/hearing/masking.h"
 #include "engine/modal/scaled_bank.h"
-#include "engine/scene/gltf_silent.h"
+#include "engine/scene/gltf/silent.h"
 
 #include <algorithm>
 #include <cctype>

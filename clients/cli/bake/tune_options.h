@@ -1,7 +1,7 @@
 // The command line of ringdown-tune. [main thread]
 #pragma once
 
-#include "engine/bake/tune_object.h"
+#include "engine/bake/tuning/tune_object.h"
 
 #include <string>
 #include <vector>

@@ -8,7 +8,7 @@
 #include "engine/fit/recorded_bank.h"
 #include "engine/fit/settle.h"
 #include "engine/modal/bank_file.h"
-#include "engine/modal/loudness.h"
+#include "engine/modal/hearing/loudness.h"
 #include "packaging/manual/command_line.h"
 
 #include <array>

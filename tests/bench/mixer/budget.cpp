@@ -1,5 +1,5 @@
 // What the mixer's time budget counts with: what each kind of work costs for a mode, in units of what moments cost.
-#include "engine/synth/channel_sums.h"
+#include "engine/synth/kernels/channel_sums.h"
 #include "engine/synth/voice.h"
 #include "tests/bench/mixer/measure.h"
 #include "tests/bench/mixer/stage.h"

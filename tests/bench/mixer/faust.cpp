@@ -1,6 +1,6 @@
 #include "tests/bench/mixer/faust.h"
 
-#include "engine/base/child_process.h"
+#include "engine/base/process/child_process.h"
 #include "tests/bench/mixer/row.h"
 
 #include <algorithm>

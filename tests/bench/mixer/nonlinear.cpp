@@ -1,6 +1,6 @@
 // What thin objects cost: 10,000 modes in 100 objects whose pitches glide, beside the same without nonlinear terms; and
 // one object whose modes exchange energy.
-#include "engine/synth/glide.h"
+#include "engine/synth/modes/glide.h"
 #include "tests/bench/mixer/measure.h"
 #include "tests/bench/mixer/stage.h"
 #include "tests/bench/mixer/timing.h"

@@ -1,7 +1,7 @@
 #include "tests/bench/modal/amplitude.h"
 
 #include "engine/bake/bake_object.h"
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "engine/modal/bank_file.h"
 #include "tests/bake/amplitude_error.h"
 #include "tests/bake/bank_surface.h"

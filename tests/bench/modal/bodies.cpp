@@ -1,6 +1,6 @@
 #include "tests/bench/modal/bodies.h"
 
-#include "engine/bake/material_library.h"
+#include "engine/materials/material_library.h"
 #include "engine/mesh/gmsh_reader.h"
 #include "tests/fem/reference_frequencies.h"
 #include "tests/fem/sample_meshes.h"

@@ -1,6 +1,6 @@
 #include "tests/bench/modal/calculix.h"
 
-#include "engine/base/child_process.h"
+#include "engine/base/process/child_process.h"
 #include "engine/base/folders.h"
 #include "engine/mesh/tet_element.h"
 

@@ -1,6 +1,6 @@
 #include "tests/bench/modal/methods.h"
 
-#include "engine/base/child_process.h"
+#include "engine/base/process/child_process.h"
 #include "engine/solve/distributed.h"
 #include "tests/bench/modal/bodies.h"
 #include "tests/bench/modal/calculix.h"

@@ -1,0 +1,127 @@
+#include "engine/materials/material_change.h"
+
+#include "engine/materials/importance.h"
+#include "engine/modal/hearing/loudness.h"
+#include "engine/modal/material_scale.h"
+#include "engine/modal/mode_choice.h"
+#include "engine/modal/hearing/pitch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace ringdown::bake {
+namespace {
+
+// The factors on lengths, stiffness and density; damping follows below.
+modal::MaterialScale scale_of(const modal::Material& from, const modal::Material& to, const Change& change) {
+  if (!change.material) return {.size = change.size};
+  return {.density = to.density_kg_m3 / from.density_kg_m3,
+          .stiffness = to.youngs_modulus_pa / from.youngs_modulus_pa,
+          .size = change.size};
+}
+
+double lambda_of(const modal::Bank& bank, std::size_t m, const modal::MaterialScale& scale) {
+  return modal::lambda_factor(scale) * modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
+}
+
+// What air and support take by Rayleigh's alpha. Beside a list of loss factors it belongs to the material's fit.
+double alpha_of(const modal::Material& material) {
+  return material.loss_factors.empty() ? material.damping.alpha_per_s : 0.0;
+}
+
+// How much more or less the mode loses than its material as a whole: by a grain, parts of other materials, springs that
+// have a share of its energy. 1 to rounding where nothing of that is known.
+double share_of_loss(const modal::Material& from, const modal::Bank& bank, std::size_t m) {
+  constexpr double kRounding = 1e-4;
+  const double whole = modal::mode_loss(from.damping_law(), lambda_of(bank, m, {})).material_per_s;
+  if (bank.losses.empty() || !(whole > 0)) return 1;
+  const double share = bank.losses[m].material_per_s / whole;
+  return std::abs(share - 1) > kRounding ? share : 1;
+}
+
+// What the mode loses in another material. What air and support take together goes as the two materials' alphas do: a
+// bank whose support takes more than its material says keeps that ratio.
+modal::ModeLoss loss_in(const modal::Material& from, const modal::Material& to, const modal::Bank& bank, std::size_t m,
+                        const modal::MaterialScale& scale) {
+  modal::ModeLoss loss =
+      modal::mode_loss(to.damping_law(), lambda_of(bank, m, scale), modal::rescaled_air_loss(bank, m, scale));
+  loss.material_per_s *= share_of_loss(from, bank, m);
+  const modal::ModeLoss baked = modal::loss_of(bank, m);
+  const double alpha = alpha_of(from), wanted_alpha = alpha_of(to);
+  const double taken = baked.support_per_s + std::min(baked.air_per_s, 0.5 * alpha);
+  const double wanted = alpha > 0 ? taken * (wanted_alpha / alpha) : taken + 0.5 * wanted_alpha;
+  loss.support_per_s = std::max(wanted - loss.air_per_s, 0.0);
+  return loss;
+}
+
+double rms_shape(const modal::Bank& bank, std::size_t mode) {
+  double sum = 0;
+  for (std::size_t p = 0; p < bank.point_count(); ++p) {
+    for (const double component : bank.shape(mode, p)) sum += component * component;
+  }
+  return std::sqrt(sum / static_cast<double>(bank.point_count()));
+}
+
+// The frequency at which an end of the band comes to lie after the change, found by its eigenvalue.
+double changed_bound(double frequency_hz, const modal::Material& from, const modal::Material& to, double factor) {
+  if (frequency_hz <= 0) return 0;
+  const double lambda = factor * modal::highest_lambda(frequency_hz, from.damping_law());
+  return modal::with_decay(lambda, modal::mode_loss(to.damping_law(), lambda).total_per_s()).frequency_hz;
+}
+
+}  // namespace
+
+Result<Changed> change(const modal::Bank& bank, const Change& change) {
+  if (change.material && !(bank.material && bank.material->youngs_modulus_pa > 0 && bank.material->density_kg_m3 > 0))
+    return fail(ErrorKind::bad_input,
+                "the bank does not say what it is made of, so its material cannot be changed; change its size alone");
+  const modal::Material from = bank.material.value_or(modal::Material{});
+  modal::Material to = change.material.value_or(from);
+  to.poisson_ratio = from.poisson_ratio;
+  const modal::MaterialScale scale = scale_of(from, to, change);
+  to.orthotropy = from.orthotropy;
+  if (to.orthotropy) to.orthotropy = modal::stiffer(*to.orthotropy, scale.stiffness);
+
+  Changed changed{.bank = bank};
+  modal::Bank& out = changed.bank;
+  const modal::Loudness loudness(bank);
+  std::vector<modal::DampedMode> modes;
+  std::vector<modal::ModeLoss> losses;
+  std::vector<double> weights;
+  std::vector<std::size_t> order;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    losses.push_back(change.material ? loss_in(from, to, bank, m, scale) : modal::rescaled_loss(bank, m, scale));
+    modes.push_back(modal::with_decay(lambda_of(bank, m, scale), losses[m].total_per_s()));
+    const double pressure_pa = loudness.pressure_pa(bank, m, scale, modes[m].frequency_hz);
+    weights.push_back(importance(modes[m], pressure_pa, rms_shape(bank, m)));
+    if (modes[m].frequency_hz > 0) order.push_back(m);
+  }
+  changed.over_damped = bank.mode_count() - order.size();
+  if (order.empty()) return fail(ErrorKind::bad_input, "none of its modes still rings: all are over-damped");
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return weights[a] > weights[b]; });
+
+  const auto shape = static_cast<float>(modal::shape_factor(scale));
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    out.frequency_hz[m] = modes[m].frequency_hz;
+    out.decay_per_s[m] = modes[m].decay_per_s;
+    if (!bank.losses.empty()) out.losses[m] = losses[m];
+    if (bank.radiation) out.radiation->maps.modes[m] = modal::rescale(bank.radiation->maps.modes[m], scale);
+  }
+  for (modal::Vec3f& s : out.shapes) s = {shape * s[0], shape * s[1], shape * s[2]};
+  if (out.radiation) out.radiation->maps.origin_m = scale.size * out.radiation->maps.origin_m;
+  if (out.nonlinear) modal::rescale(*out.nonlinear, scale);
+  modal::take_modes(out, order);
+  for (modal::Vec3f& point : out.positions) point = modal::rescale(point, scale);
+  if (out.mass) out.mass = modal::rescale(*out.mass, scale);
+  out.pitch_hz = modal::scaled_pitch(bank.pitch_hz, scale);
+  if (bank.material) out.material = to;
+  const double factor = modal::lambda_factor(scale);
+  modal::Provenance& made = out.provenance;
+  made.band_low_hz = changed_bound(made.band_low_hz, from, to, factor);
+  made.band_high_hz = changed_bound(made.band_high_hz, from, to, factor);
+  return changed;
+}
+
+}  // namespace ringdown::bake

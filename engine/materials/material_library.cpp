@@ -1,0 +1,262 @@
+#include "engine/materials/material_library.h"
+
+#include "engine/materials/material_grain.h"
+#include "engine/base/quote.h"
+#include "engine/base/toml_table.h"
+#include "engine/fem/elastic.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace ringdown::bake {
+namespace {
+
+// Bounds that no solid exceeds; fem::check_elastic() is stricter.
+constexpr Range kYoungsModulus_pa{1e3, 1e13};
+constexpr Range kPoissonRatio{-1, 0.5};
+constexpr Range kDensity_kg_m3{0.1, 1e5};
+constexpr Range kAlpha_per_s{0, 1e6};
+constexpr Range kBeta_s{0, 1};
+constexpr Range kFrequency_hz{1e-3, 1e9};
+constexpr Range kLossFactor{1e-12, 10};
+
+// One figure of a material: its key in a file, and how a table writes it.
+struct Figure {
+  const char* key;
+  double& value;
+  Range range;
+  double table_unit = 1;
+};
+
+std::array<Figure, 5> figures_of(modal::Material& material) {
+  return {{{"youngs_modulus_pa", material.youngs_modulus_pa, kYoungsModulus_pa, 1e9},
+           {"poisson_ratio", material.poisson_ratio, kPoissonRatio},
+           {"density_kg_m3", material.density_kg_m3, kDensity_kg_m3},
+           {"alpha_per_s", material.damping.alpha_per_s, kAlpha_per_s},
+           {"beta_s", material.damping.beta_s, kBeta_s}}};
+}
+
+std::string number_text(double value, const char* format = "%.5g") {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, format, value);
+  return buffer;
+}
+
+Result<void> check_stable(const modal::Material& material) {
+  return fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
+}
+
+void read_figure(TomlTable& file, const Figure& wanted, MaterialEntry& entry) {
+  const auto& [key, target, range, unit] = wanted;
+  file.require({key});
+  std::optional<TomlTable> figure = file.table(key);
+  if (!figure) return;
+  figure->require({"value", "source"});
+  figure->number("value", target, range);
+  figure->text("source", entry.sources[key]);
+}
+
+// The source that is given for the two fitted figures.
+std::string source_of_fit(const MaterialEntry& entry, const std::set<std::string>& sources) {
+  std::string text = "fitted to the loss factor";
+  const std::vector<modal::LossFactor>& factors = entry.material.loss_factors;
+  for (const modal::LossFactor& point : factors) {
+    char part[64];
+    std::snprintf(part, sizeof part, "%s %.3g at %.5g Hz", &point == &factors.front() ? "" : ",", point.eta,
+                  point.frequency_hz);
+    text += part;
+  }
+  char off[64];
+  std::snprintf(off, sizeof off,
+                ", which it misses by at most %.0f %%: ", 100 * modal::worst_error(entry.material.damping, factors));
+  text += off;
+  for (const std::string& source : sources) text += (source == *sources.begin() ? "" : "; ") + source;
+  return text;
+}
+
+void read_loss_factors(TomlTable& file, MaterialEntry& entry) {
+  std::set<std::string> sources;
+  std::vector<modal::LossFactor>& factors = entry.material.loss_factors;
+  for (TomlTable& table : file.tables("loss_factor")) {
+    table.require({"frequency_hz", "eta", "source"});
+    modal::LossFactor point{1, 1};
+    std::string source;
+    table.number("frequency_hz", point.frequency_hz, kFrequency_hz);
+    table.number("eta", point.eta, kLossFactor);
+    table.text("source", source);
+    sources.insert(source);
+    factors.push_back(point);
+  }
+  std::ranges::sort(factors, {}, &modal::LossFactor::frequency_hz);
+  for (const char* key : {"alpha_per_s", "beta_s"}) {
+    if (file.has(key)) file.complain(key, std::string("give either [[loss_factor]] or ") + key + ", not both");
+  }
+  if (factors.size() > modal::kMaxLossFactors)
+    file.complain("loss_factor", "at most " + std::to_string(modal::kMaxLossFactors) + " loss factors can be given");
+  if (factors.size() < 2 || factors.front().frequency_hz == factors.back().frequency_hz)
+    file.complain("loss_factor", "give the loss factor at two different frequencies at least");
+  const auto same = std::ranges::adjacent_find(factors, {}, &modal::LossFactor::frequency_hz);
+  if (same != factors.end())
+    file.complain("loss_factor", "give one loss factor at each frequency; there are two at " +
+                                     number_text(same->frequency_hz) + " Hz");
+  if (factors.empty()) return;
+  const modal::RayleighDamping fitted = entry.material.damping = modal::fit_rayleigh(factors);
+  if (!kAlpha_per_s.holds(fitted.alpha_per_s) || !kBeta_s.holds(fitted.beta_s))
+    file.complain("loss_factor", "no alpha up to 1e6 1/s and beta up to 1 s fit these loss factors");
+  entry.sources["alpha_per_s"] = entry.sources["beta_s"] = source_of_fit(entry, sources);
+}
+
+}  // namespace
+
+Result<MaterialEntry> read_material(const std::filesystem::path& path) {
+  Result<TomlTable> file = TomlTable::read(path);
+  if (!file) return fail(file.error());
+  MaterialEntry entry;
+  modal::Material& material = entry.material;
+  file->require({"name", "description"});
+  file->text("name", material.name);
+  file->text("description", entry.description);
+  if (material.name != path.stem()) file->complain("name", "name must be the file's, " + quote(path.stem().string()));
+  const bool curve = file->has("loss_factor");
+  for (const Figure& figure : figures_of(material)) {
+    const bool damping = &figure.value == &material.damping.alpha_per_s || &figure.value == &material.damping.beta_s;
+    if (!(curve && damping)) read_figure(*file, figure, entry);
+  }
+  if (curve) read_loss_factors(*file, entry);
+  read_grain_constants(*file, material.orthotropy, entry.sources);
+  if (auto good = file->finish(); !good) return fail(good.error());
+  if (const auto stable = check_stable(material); !stable)
+    return fail(stable.error().kind, path.string() + ":1: " + stable.error().message);
+  return entry;
+}
+
+Result<void> set_figure(modal::Material& material, const std::string& key, double value) {
+  std::string known;
+  for (const Figure& figure : figures_of(material)) {
+    known += (known.empty() ? "" : ", ") + std::string(figure.key);
+    if (key != figure.key) continue;
+    if (auto good = check_range(value, figure.range); !good)
+      return fail(good.error().kind, key + ": " + good.error().message);
+    figure.value = value;
+    if (&figure.value == &material.damping.alpha_per_s || &figure.value == &material.damping.beta_s)
+      material.loss_factors.clear();
+    return check_stable(material);
+  }
+  if (auto set = set_grain_constant(material, key, value)) return *set;
+  if (material.orthotropy) {
+    for (const GrainFigure& figure : grain_figures(*material.orthotropy)) known += std::string(", ") + figure.key;
+  }
+  return fail(ErrorKind::bad_input, "a material has no figure '" + key + "'; choose one of: " + known);
+}
+
+Result<MaterialEntry> find_material(const std::filesystem::path& folder, const std::string& name) {
+  const std::vector<std::string> known = names_in(folder);
+  if (std::find(known.begin(), known.end(), name) != known.end()) return read_material(folder / (name + ".toml"));
+  if (known.empty())
+    return fail(ErrorKind::bad_input,
+                "there are no materials in " + folder.string() + "; name their folder with --materials");
+  std::string list;
+  for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
+  return fail(ErrorKind::bad_input,
+              "there is no material '" + name + "' in " + folder.string() + "; choose one of: " + list);
+}
+
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& file : std::filesystem::directory_iterator(folder, error)) {
+    if (file.path().extension() == ".toml") names.push_back(file.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// The page of materials
+namespace {
+
+bool holds(const std::string& source, std::string_view words) { return source.find(words) != std::string::npos; }
+
+std::string marked(const std::string& figure, const std::string& source) {
+  const std::string shown = holds(source, kOurChoice) ? "*" + figure + "*" : figure;
+  return holds(source, kToBeChecked) ? shown + " ?" : shown;
+}
+
+// Seconds in which a mode of an undamped 1 kHz falls by 60 dB.
+double t60_at_1_khz(const modal::Material& material) {
+  const double omega = modal::hz_to_rad_per_s(1000);
+  return modal::t60_s(modal::mode_loss(material.damping_law(), omega * omega).total_per_s());
+}
+
+std::string grain_row(const MaterialEntry& entry) {
+  std::string row = "| `" + entry.material.name + "` |";
+  const modal::Orthotropy& solid = *entry.material.orthotropy;
+  for (const GrainFigure& figure : grain_figures(solid)) {
+    const auto source = entry.sources.find(std::string("grain.") + figure.key);
+    row += " " +
+           marked(number_text(figure.value / figure.table_unit, "%.3g"),
+                  source == entry.sources.end() ? "" : source->second) +
+           " |";
+  }
+  row += " ";
+  for (const double& loss : solid.loss) row += (&loss == solid.loss.data() ? "" : ", ") + number_text(loss, "%.3g");
+  return row + " |\n";
+}
+
+// How far Rayleigh's fit is off from a list of loss factors; where there is none, Rayleigh's numbers are the material.
+std::string fit_errors(const modal::Material& material) {
+  constexpr double kLowest_hz = 20, kHighest_hz = 20000;
+  const std::vector<modal::LossFactor>& list = material.loss_factors;
+  if (list.empty()) return " | |";
+  const auto off = [&](double low_hz, double high_hz) {
+    return number_text(100 * modal::worst_error(material.damping_law(), low_hz, high_hz), "%.0f");
+  };
+  const double low_hz = list.front().frequency_hz, high_hz = list.back().frequency_hz;
+  return " " + off(low_hz, high_hz) + " % in " + number_text(low_hz) + " ... " + number_text(high_hz) + " Hz | " +
+         off(kLowest_hz, kHighest_hz) + " % |";
+}
+
+std::string figure_row(MaterialEntry entry) {
+  std::string row = "| `" + entry.material.name + "` |";
+  for (const Figure& figure : figures_of(entry.material)) {
+    row += " " + marked(number_text(figure.value / figure.table_unit), entry.sources.at(figure.key)) + " |";
+  }
+  return row + " " + number_text(t60_at_1_khz(entry.material), "%.2g") + " |" + fit_errors(entry.material) + "\n";
+}
+
+}  // namespace
+
+Result<std::string> grains_as_markdown(const std::filesystem::path& folder) {
+  std::string table =
+      "| material | E1 [GPa] | E2 | E3 | nu12 | nu13 | nu23 | G12 [GPa] | G13 | G23 | losses of E1 E2 E3 G12 G13 G23 "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const std::string& name : names_in(folder)) {
+    const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
+    if (!entry) return fail(entry.error());
+    if (entry->material.orthotropy) table += grain_row(*entry);
+  }
+  return table;
+}
+
+Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
+  const std::vector<std::string> names = names_in(folder);
+  if (names.empty()) return fail(ErrorKind::bad_input, "there are no materials in " + folder.string());
+  std::string figures =
+      "| material | E [GPa] | nu | rho [kg/m^3] | alpha [1/s] | beta [s] | T60 at 1 kHz [s] | Rayleigh is off by at "
+      "most | "
+      "in 20 ... 20000 Hz |\n"
+      "|---|---|---|---|---|---|---|---|---|\n";
+  for (const std::string& name : names) {
+    const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
+    if (!entry) return fail(entry.error());
+    figures += figure_row(*entry);
+  }
+  return figures;
+}
+
+}  // namespace ringdown::bake

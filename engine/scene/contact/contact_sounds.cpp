@@ -1,0 +1,284 @@
+#include "engine/scene/contact/contact_sounds.h"
+
+#include "engine/scene/contact/bearing.h"
+#include "engine/scene/contact/contact_rules.h"
+#include "engine/scene/contact/hertz.h"
+#include "engine/scene/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+// From the contact points of a step to events, downward:
+//
+// 1. Points are sorted by pair of bodies; those of one pair mostly follow each other already (process).
+// 2. A pair with a point that approaches faster than the bounce threshold may strike: ContactLives decides whether this
+//    is a new strike or chatter. Every such point becomes a strike event for both objects, and all of them together one
+//    click, the rigid body's own sound (process_pair, strike, click).
+// 3. The points of any other pair are combined into one contact (combine_points), which ContactLives and RestDampings
+//    follow over time.
+// 4. At the end of the step come the reports of lasting contacts (LastingEvents) and the dampers of resting ones.
+namespace ringdown::scene {
+namespace {
+
+// A strike weaker than this (a grain of sand from 1 mm) is not worth an event.
+constexpr double kMinImpulse_ns = 1e-9;
+
+BodyPair pair_of(const ContactPoint& point) { return std::minmax(point.body, point.other); }
+
+// The part of a vector that lies in a surface.
+Vec3 along(Vec3 v, Vec3 normal) { return v - dot(v, normal) * normal; }
+
+// The contact of a pair: point and normal are means weighted by force. Nothing when no force acts.
+std::optional<PairContact> combine_points(BodyPair pair, std::span<const ContactPoint* const> points,
+                                          const ContactSide& first, const ContactSide& second) {
+  PairContact all{.pair = pair};
+  double weight = 0;
+  Vec3 normals;
+  for (const ContactPoint* point : points) {
+    const double force = length(point->impulse_ns);
+    const bool straight = point->body == pair.first;
+    weight += force;
+    all.point_m = all.point_m + force * point->point_m;
+    all.impulse_ns = all.impulse_ns + (straight ? 1 : -1) * point->impulse_ns;
+    normals = normals + (straight ? force : -force) * point->normal;
+  }
+  const ContactPoint& last = *points.back();
+  all.first = last.body == pair.first ? last.motions->of_body : last.motions->of_other;
+  all.second = last.body == pair.first ? last.motions->of_other : last.motions->of_body;
+  if (!(weight > 0) || !std::isfinite(weight) || !(length(normals) > 0)) return {};
+  all.point_m = (1 / weight) * all.point_m;
+  all.normal = (1 / length(normals)) * normals;
+  all.slide_m_s = along(all.first.velocity_at(all.point_m) - all.second.velocity_at(all.point_m), all.normal);
+  const double turning = length(along(all.first.spin_rad_s - all.second.spin_rad_s, all.normal));
+  const auto arm = [&](const ContactSide& side, const Motion& motion) {
+    return side.mass ? length(all.point_m - motion.position_m) : 0.0;
+  };
+  all.max_roll_m_s = turning * std::max(arm(first, all.first), arm(second, all.second));
+  return all;
+}
+
+// One over the mass that two bodies oppose to an impact [1/kg].
+double inverse_mass_of(const ContactSide& body, const ContactSide& other, const ContactPoint& point) {
+  return inverse_mass(body, point.motions->of_body, point.point_m, point.normal) +
+         inverse_mass(other, point.motions->of_other, point.point_m, point.normal);
+}
+
+// How long the two sides touch in an impact: as given by their surfaces, or by Hertz's law (hertz.h) from the mass that
+// each side opposes to the impact, their curvatures and their elasticities.
+double contact_time_s(const ContactSide& body, const ContactSide& other, const ContactPoint& point) {
+  if (const auto given = combine(body.surface, other.surface).contact_time_s) return *given;
+  const double both = inverse_mass_of(body, other, point);
+  const double time_s = hertz_time(both, relative_radius(body.curvature, other.curvature),
+                                   contact_modulus(body.elastic, other.elastic), point.approach_m_s);
+  return std::min(time_s, range::kContactTime_s.high);
+}
+
+}  // namespace
+
+synth::Frame Timeline::frame(double time_s) const {
+  return start + static_cast<synth::Frame>(std::llround(time_s * sample_rate_hz));
+}
+
+ContactSounds::ContactSounds(const SceneDescription& scene)
+    : step_s_(scene.step_s),
+      bounce_threshold_m_s_(bounce_threshold(scene)),
+      clicks_(scene.contact.clicks),
+      lives_(scene.contact.minimum_repeat_s, scene.step_s),
+      resting_(scene) {
+  events_.events.reserve(kMaxEventsPerStep);
+}
+
+void ContactSounds::set_side(BodyId id, ContactSide side) {
+  if (const ContactSide* before = find(sides_, id)) resting_.side_changed(*before);
+  resting_.side_changed(side);
+  sides_.insert_or_assign(id, std::move(side));
+}
+
+void ContactSounds::remove_side(BodyId id) {
+  if (const ContactSide* side = find(sides_, id)) resting_.side_changed(*side);
+  sides_.erase(id);
+  resting_.remove(id);
+}
+
+void ContactSounds::silence(synth::ObjectNumber object) {
+  for (auto& [id, side] : sides_) {
+    if (side.object == object) side.object.reset();
+  }
+  resting_.silence(object);
+}
+
+std::span<const synth::Event> ContactSounds::process(std::span<const ContactPoint> points,
+                                                     std::span<const MovedBody> moved, double now_s,
+                                                     const Timeline& timeline) {
+  events_.clear();
+  by_pair_.clear();
+  runs_.clear();
+  for (const ContactPoint& point : points) {
+    const BodyPair pair = pair_of(point);
+    if (runs_.empty() || runs_.back().pair != pair) runs_.push_back({pair, {&point, 0}});
+    runs_.back().points = {runs_.back().points.data(), runs_.back().points.size() + 1};
+  }
+  std::ranges::stable_sort(runs_, {}, &Run::pair);
+  for (const Run& run : runs_) {
+    for (const ContactPoint& point : run.points) by_pair_.push_back(&point);
+  }
+  for (auto begin = by_pair_.begin(); begin != by_pair_.end();) {
+    const BodyPair pair = pair_of(**begin);
+    const auto is_other = [&](const ContactPoint* point) { return pair_of(*point) != pair; };
+    const auto end = std::find_if(begin, by_pair_.end(), is_other);
+    process_pair(pair, std::span(begin, end), now_s, timeline);
+    begin = end;
+  }
+  const synth::Frame frame = timeline.frame(std::max(now_s, latest_s_));
+  rest_dampings_ = resting_.advance(moved, sides_, frame);
+  for (const ContactReport& report : lives_.advance(now_s)) lasting_.add(report, sides_, frame, events_);
+  if (!std::ranges::is_sorted(events_.events, {}, &synth::Event::frame)) {
+    std::ranges::stable_sort(events_.events, {}, &synth::Event::frame);
+  }
+  return events_.events;
+}
+
+bool ContactSounds::is_impact(const ContactPoint& point) const {
+  return point.approach_m_s > bounce_threshold_m_s_ && is_finite(point.impulse_ns) &&
+         length(point.impulse_ns) >= kMinImpulse_ns;
+}
+
+void ContactSounds::process_pair(BodyPair pair, std::span<const ContactPoint* const> points, double now_s,
+                                 const Timeline& timeline) {
+  double fastest_m_s = 0;
+  for (const ContactPoint* point : points) {
+    if (is_impact(*point)) fastest_m_s = std::max(fastest_m_s, point->approach_m_s);
+  }
+  if (fastest_m_s > 0 && lives_.strikes(pair, fastest_m_s, now_s)) {
+    const std::optional<double> face_s = face_time_s(points);
+    for (const ContactPoint* point : points) {
+      if (is_impact(*point)) strike(*point, face_s, now_s, timeline);
+    }
+    if (clicks_) click(pair, points, face_s, timeline);
+    return;
+  }
+  const ContactSide *first = find(sides_, pair.first), *second = find(sides_, pair.second);
+  if (!first || !second || (!first->object && !second->object)) return;
+  const auto contact = combine_points(pair, points, *first, *second);
+  if (!contact) return;
+  lives_.add(*contact, now_s);
+  resting_.add(*contact, points);
+}
+
+// How long faces that meet touch (bearing.h): where a surface has a waviness, and the points span a patch.
+std::optional<double> ContactSounds::face_time_s(std::span<const ContactPoint* const> points) const {
+  constexpr double kMin_m2 = 1e-10;
+  const ContactPoint& last = *points.back();
+  const ContactSide *body = find(sides_, last.body), *other = find(sides_, last.other);
+  if (points.size() < 3 || !body || !other || !(body->surface.waviness || other->surface.waviness)) return {};
+  if (combine(body->surface, other->surface).contact_time_s) return {};
+  std::vector<Vec3> places;
+  Vec3 middle_m;
+  double weight = 0, approach_m_s = 0;
+  for (const ContactPoint* point : points) {
+    places.push_back(point->point_m);
+    const double force = length(point->impulse_ns);
+    middle_m = middle_m + force * point->point_m;
+    weight += force;
+    approach_m_s = std::max(approach_m_s, point->approach_m_s);
+  }
+  const double area_m2 = patch_area(places, last.normal);
+  if (!(weight > 0) || !(area_m2 > kMin_m2)) return {};
+  ContactPoint all = last;
+  all.point_m = (1 / weight) * middle_m;
+  const double time_s =
+      face_impact_time(inverse_mass_of(*body, *other, all), contact_modulus(body->elastic, other->elastic), area_m2,
+                       waviness_of(body->surface, other->surface), approach_m_s);
+  return std::min(time_s, range::kContactTime_s.high);
+}
+
+void ContactSounds::strike(const ContactPoint& point, std::optional<double> face_s, double now_s,
+                           const Timeline& timeline) {
+  const ContactSide *body = find(sides_, point.body), *other = find(sides_, point.other);
+  if (!body || !other) return;
+  const double since_s = std::clamp(point.depth_m / point.approach_m_s, 0.0, step_s_);
+  latest_s_ = std::max(latest_s_, now_s + point.found_s - since_s);
+  synth::Event event;
+  event.frame = timeline.frame(latest_s_);
+  event.contact_time_s = face_s ? *face_s : contact_time_s(*body, *other, point);
+  if ((body->two_way || other->two_way) && strike_two_way(*body, *other, point, event)) return;
+  const auto strike_side = [&](const ContactSide& side, const Motion& motion, Vec3 impulse_ns) {
+    if (!side.object) return;
+    event.object = *side.object;
+    event.point_m = to_object(motion, side, point.point_m);
+    event.impulse_ns = transpose(to_matrix(motion.rotation)) * impulse_ns;
+    events_.push(event);
+  };
+  strike_side(*body, point.motions->of_body, point.impulse_ns);
+  strike_side(*other, point.motions->of_other, -1 * point.impulse_ns);
+}
+
+// The bodies' common mass flies at the first object that sounds, and its head is the other's surface, if that sounds,
+// too. The spring between them is as stiff as makes rigid bodies touch for the contact time. False where there is none.
+bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
+                                   synth::Event event) {
+  const bool straight = body.object.has_value();
+  const ContactSide &struck = straight ? body : other, &head = straight ? other : body;
+  const double inverse_mass = inverse_mass_of(body, other, point);
+  if (!struck.object || !(inverse_mass > 0) || !(event.contact_time_s > 0)) return false;
+  const auto in_frame_of = [&](bool of_body, Vec3 world) {
+    return transpose(to_matrix((of_body ? point.motions->of_body : point.motions->of_other).rotation)) * world;
+  };
+  const Vec3 impulse_ns = (straight ? 1 : -1) * point.impulse_ns;
+  const Vec3 way = (1 / length(impulse_ns)) * impulse_ns;
+  constexpr double kHertz = 2.94;  // contact time over depth, times speed
+  constexpr double kMinBounce = 0.05;
+  // Bodies that share an impact with others, or graze an edge, give less than they would alone.
+  const double pushed_m_s = length(impulse_ns) * inverse_mass;
+  const double speed = std::min(point.approach_m_s, pushed_m_s / (1 + kMinBounce));
+  event.type = synth::EventType::touch;
+  event.object = *struck.object;
+  event.point_m = to_object(straight ? point.motions->of_body : point.motions->of_other, struck, point.point_m);
+  event.impulse_ns = in_frame_of(straight, impulse_ns);
+  event.touch.kind = synth::Touch::Kind::mallet;
+  event.touch.direction = in_frame_of(straight, way);
+  event.touch.speed_m_s = speed;
+  event.touch.mass_kg = 1 / inverse_mass;
+  event.touch.stiffness =
+      1.25 * event.touch.mass_kg * speed * speed / std::pow(event.contact_time_s * speed / kHertz, 2.5);
+  event.touch.bounce = std::clamp(pushed_m_s / speed - 1, kMinBounce, 1.0);
+  if (head.object && *head.object != *struck.object) {
+    event.touch.other = *head.object;
+    event.touch.other_point_m =
+        to_object(straight ? point.motions->of_other : point.motions->of_body, head, point.point_m);
+    event.touch.other_direction = in_frame_of(!straight, -1 * way);
+  }
+  events_.push(event);
+  return true;
+}
+
+// The impulses of all points move the body as a whole at once; the hardest point's contact time is the click's.
+void ContactSounds::click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
+                          const Timeline& timeline) {
+  const ContactPoint* hardest = nullptr;
+  Vec3 on_first_ns;
+  for (const ContactPoint* point : points) {
+    if (!is_impact(*point)) continue;
+    on_first_ns = on_first_ns + (point->body == pair.first ? 1 : -1) * point->impulse_ns;
+    if (!hardest || length(point->impulse_ns) > length(hardest->impulse_ns)) hardest = point;
+  }
+  const ContactSide *body = find(sides_, hardest->body), *other = find(sides_, hardest->other);
+  if (!body || !other) return;
+  synth::Event event;
+  event.frame = timeline.frame(latest_s_);
+  event.type = synth::EventType::click;
+  event.contact_time_s = face_s ? *face_s : contact_time_s(*body, *other, *hardest);
+  const auto click_side = [&](const ContactSide& side, const Motion& motion, double sign) {
+    if (!side.object || !side.mass) return;
+    event.object = *side.object;
+    event.impulse_ns = sign * (transpose(to_matrix(motion.rotation)) * on_first_ns);
+    events_.push(event);
+  };
+  const double sign = hardest->body == pair.first ? 1 : -1;
+  click_side(*body, hardest->motions->of_body, sign);
+  click_side(*other, hardest->motions->of_other, -sign);
+}
+
+}  // namespace ringdown::scene

@@ -1,0 +1,79 @@
+// Turns the contact points of a step into events for the mixer. Free of any physics engine.
+//
+// ContactSounds knows what every body and static contributes to a contact, lets ContactLives decide which contacts
+// strike and which last, and gives each event to the objects on both sides, each in its own frame. It also reports how
+// much resting contacts damp each object. [one thread at a time]
+#pragma once
+
+#include "engine/scene/contact/contact_life.h"
+#include "engine/scene/contact/contact_side.h"
+#include "engine/scene/contact/lasting_events.h"
+#include "engine/scene/contact/rest_damping.h"
+#include "engine/synth/event.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace ringdown::scene {
+
+// Where scene time lies in frames.
+struct Timeline {
+  synth::Frame start = 0;
+  double sample_rate_hz = 48000;
+  [[nodiscard]] synth::Frame frame(double time_s) const;
+};
+
+class ContactSounds {
+ public:
+  explicit ContactSounds(const SceneDescription& scene);
+
+  void set_side(BodyId id, ContactSide side);
+  void remove_side(BodyId id);
+  void silence(synth::ObjectNumber object);  // its bodies stay, without an object
+
+  // Returns the events of the step that began at `now_s`, in order of their frames, valid until the next call. A strike
+  // is placed at the time of impact, which is the overlap over the approach speed before the contact was found, but
+  // never before an event of an earlier step. `moved` are the bodies that moved in the step.
+  std::span<const synth::Event> process(std::span<const ContactPoint> points, std::span<const MovedBody> moved,
+                                        double now_s, const Timeline& timeline);
+
+  // The objects whose resting contacts have changed in that step.
+  [[nodiscard]] std::span<const RestDamping> rest_dampings() const { return rest_dampings_; }
+
+  [[nodiscard]] std::size_t dropped() const { return events_.dropped; }  // events of that step beyond kMaxEventsPerStep
+
+  // Whether a step without contact points would have nothing to report.
+  [[nodiscard]] bool quiet() const { return lives_.size() == 0 && !resting_.pending(); }
+
+  // Whether the end of a lasting contact is still to be reported, or an object's dampers are.
+  [[nodiscard]] bool has_lasting() const { return !lasting_.empty() || resting_.has_unchecked(); }
+
+ private:
+  struct Run {  // points of one pair that follow each other
+    BodyPair pair;
+    std::span<const ContactPoint> points;
+  };
+  void process_pair(BodyPair pair, std::span<const ContactPoint* const> points, double now_s, const Timeline& timeline);
+  [[nodiscard]] bool is_impact(const ContactPoint& point) const;
+  [[nodiscard]] std::optional<double> face_time_s(std::span<const ContactPoint* const> points) const;
+  void strike(const ContactPoint& point, std::optional<double> face_s, double now_s, const Timeline& timeline);
+  [[nodiscard]] bool strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
+                                    synth::Event event);
+  void click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
+             const Timeline& timeline);
+
+  double step_s_, bounce_threshold_m_s_;
+  bool clicks_;
+  ContactSides sides_;
+  ContactLives lives_;
+  LastingEvents lasting_;
+  RestDampings resting_;
+  double latest_s_ = 0;                       // time of the latest strike so far
+  std::vector<const ContactPoint*> by_pair_;  // the points of the step, sorted by pair
+  std::vector<Run> runs_;
+  StepEvents events_;
+  std::span<const RestDamping> rest_dampings_;
+};
+
+}  // namespace ringdown::scene

@@ -1,0 +1,150 @@
+#include "engine/scene/gltf/animation.h"
+
+#include "engine/scene/description.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace ringdown::scene {
+
+using modal::Field;
+
+GltfAnimations::GltfAnimations(GltfDocument& document) : document_(document) {
+  const Field animations = document.root()["animations"];
+  for (std::size_t k = 0; k < animations.size(); ++k) add(animations[k]);
+}
+
+void GltfAnimations::add(const Field& animation) {
+  constexpr std::array kTargets = {"translation", "rotation", "scale"};
+  constexpr std::array kWays = {"LINEAR", "STEP", "CUBICSPLINE"};
+  const Field channels = animation["channels"], samplers = animation["samplers"];
+  for (std::size_t k = 0; k < channels.size(); ++k) {
+    const Field target = channels[k]["target"];
+    const auto path = std::ranges::find(kTargets, target["path"].text_or(""));
+    if (!target["node"].present()) continue;  // of an extension
+    const auto node = target["node"].index();
+    if (!node || *node >= document_.nodes().size())
+      return document_.refuse(target["node"].wrong("the number of a node of the file"));
+    if (path == kTargets.end()) continue;  // morph targets
+    const Field sampler = document_.element(channels[k]["sampler"], samplers);
+    if (!sampler.present()) return document_.refuse(channels[k]["sampler"].wrong("the number of a sampler"));
+    const auto way = std::ranges::find(kWays, sampler["interpolation"].text_or("LINEAR"));
+    if (way == kWays.end()) return document_.refuse(sampler["interpolation"].wrong("LINEAR, STEP or CUBICSPLINE"));
+    Channel channel{static_cast<Target>(path - kTargets.begin()), static_cast<Way>(way - kWays.begin()), {}, {}};
+    const std::size_t width = channel.target == Target::rotation ? 4 : 3;
+    if (keys_ > kMaxAllKeys)
+      return document_.notes.add("the animations have too many keys; further channels are not played");
+    auto times = modal::read_floats(document_.glb(), sampler["input"], 1, kMaxKeys);
+    auto values = modal::read_floats(document_.glb(), sampler["output"], width, 3 * kMaxKeys);
+    if (!times) return document_.refuse(tl::unexpected(times.error()));
+    if (!values) return document_.notes.add("an animation whose values are not floats is not played");
+    const std::size_t each = width * (channel.way == Way::cubic ? 3 : 1);
+    const bool rises = std::ranges::adjacent_find(*times, std::greater_equal<>()) == times->end();
+    if (values->size() != each * times->size() || !rises || !(times->front() >= 0))
+      return document_.refuse(sampler["input"].wrong("times from 0 that rise, with a value for each"));
+    keys_ += times->size();
+    length_s_ = std::max(length_s_, static_cast<double>(times->back()));
+    channel.times_s = *std::move(times);
+    channel.values = *std::move(values);
+    channels_[*node].push_back(std::move(channel));
+  }
+}
+
+// As glTF's appendix C says.
+std::vector<double> GltfAnimations::value_at(const Channel& channel, double time_s) {
+  const std::vector<float>& times = channel.times_s;
+  const std::size_t width = channel.target == Target::rotation ? 4 : 3;
+  const std::size_t each = width * (channel.way == Way::cubic ? 3 : 1), value = channel.way == Way::cubic ? width : 0;
+  const auto after = std::ranges::upper_bound(times, time_s, {}, [](float t) { return static_cast<double>(t); });
+  const std::size_t k = after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin()) - 1;
+  const auto at = [&](std::size_t key, std::size_t offset, std::size_t c) {
+    return static_cast<double>(channel.values[key * each + offset + c]);
+  };
+  std::vector<double> result(width);
+  const double from = static_cast<double>(times[k]);
+  const bool held = k + 1 == times.size() || channel.way == Way::step || time_s <= from;
+  const double span = held ? 1 : static_cast<double>(times[k + 1]) - from, t = held ? 0 : (time_s - from) / span;
+  // A rotation takes the shorter way, at a steady rate; between equal ones a straight line serves.
+  double along = 0;
+  for (std::size_t c = 0; c < width && !held; ++c) along += at(k, value, c) * at(k + 1, value, c);
+  const double sign = channel.target == Target::rotation && channel.way == Way::linear && along < 0 ? -1 : 1;
+  double a = 1 - t, b = t;
+  if (sign * along < 1 && !held && channel.target == Target::rotation && channel.way == Way::linear) {
+    const double angle = std::acos(std::clamp(sign * along, -1.0, 1.0));
+    if (angle > 1e-6) a = std::sin((1 - t) * angle) / std::sin(angle), b = std::sin(t * angle) / std::sin(angle);
+  }
+  for (std::size_t c = 0; c < width; ++c) {
+    if (held) {
+      result[c] = at(k, value, c);
+    } else if (channel.way == Way::cubic) {
+      const double t2 = t * t, t3 = t2 * t;
+      result[c] = (2 * t3 - 3 * t2 + 1) * at(k, width, c) + span * (t3 - 2 * t2 + t) * at(k, 2 * width, c) +
+                  (3 * t2 - 2 * t3) * at(k + 1, width, c) + span * (t3 - t2) * at(k + 1, 0, c);
+    } else {
+      result[c] = a * at(k, 0, c) + sign * b * at(k + 1, 0, c);
+    }
+  }
+  return result;
+}
+
+Affine GltfAnimations::local_at(std::size_t node, double time_s) const {
+  const GltfNode& described = document_.nodes()[node];
+  const auto found = channels_.find(node);
+  if (found == channels_.end()) return described.local;
+  const Parts parts = parts_of(described.local.linear);
+  Vec3 place = described.local.shift_m, scale = parts.scale;
+  Rotation turn = parts.rotation;
+  for (const Channel& channel : found->second) {
+    const std::vector<double> v = value_at(channel, time_s);
+    if (channel.target == Target::translation) place = {v[0], v[1], v[2]};
+    if (channel.target == Target::scale) scale = {v[0], v[1], v[2]};
+    if (channel.target == Target::rotation) {
+      const Rotation q = Rotation::from_xyzw(v[0], v[1], v[2], v[3]);
+      turn = norm(q) > 1e-6 ? normalized(q) : Rotation{};
+    }
+  }
+  Affine local{to_matrix(turn), place};
+  for (auto& row : local.linear) row[0] *= scale.x, row[1] *= scale.y, row[2] *= scale.z;
+  return local;
+}
+
+std::shared_ptr<const MotionPath> GltfAnimations::path_of(std::size_t node) {
+  std::vector<std::size_t> chain;
+  bool animated = false, scales = false;
+  for (std::optional<std::size_t> at = node; at; at = document_.nodes()[*at].parent) {
+    chain.push_back(*at);
+    const auto found = channels_.find(*at);
+    if (found == channels_.end()) continue;
+    animated = true;
+    for (const Channel& channel : found->second) scales = scales || channel.target == Target::scale;
+  }
+  if (!animated || !(length_s_ > 0)) return nullptr;
+  if (scales) document_.notes.add("an animation changes a body's scale, which collisions do not follow");
+  const double count = std::ceil(length_s_ / kEvery_s) + 1;
+  const double nodes = static_cast<double>(chain.size());
+  if (!(count <= static_cast<double>(kMaxPathPoses)) || !(count * nodes <= static_cast<double>(kMaxPoses - poses_))) {
+    document_.notes.add("the animations are longer than " + std::to_string(kMaxPathPoses / 240) + " s, or than " +
+                        std::to_string(kMaxPoses / 240) +
+                        " s of all bodies and the nodes above them together; further bodies stand still");
+    return nullptr;
+  }
+  poses_ += static_cast<std::size_t>(count * nodes);
+  auto path = std::make_shared<MotionPath>();
+  path->every_s = length_s_ / (count - 1);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    Affine world;
+    for (const std::size_t at : chain) world = local_at(at, static_cast<double>(k) * path->every_s) * world;
+    world = upright(world);
+    const Pose pose{world.shift_m, parts_of(world.linear).rotation};
+    if (!ringdown::is_finite(pose.position_m) || !(length(pose.position_m) <= range::kPosition_m.high)) {
+      document_.notes.add("an animation leads out of the scene; its body stands still");
+      return nullptr;
+    }
+    path->poses.push_back(pose);
+  }
+  return path;
+}
+
+}  // namespace ringdown::scene

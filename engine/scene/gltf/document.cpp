@@ -1,0 +1,247 @@
+#include "engine/scene/gltf/document.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace ringdown::scene {
+namespace {
+
+using modal::Field;
+
+constexpr std::size_t kMaxNotes = 64;
+constexpr double kMaxShear = 1e-6;  // cosine of the angle between columns, as far as rounding makes it
+
+Vec3 column(const Matrix3& m, int k) { return {m[0][k], m[1][k], m[2][k]}; }
+
+Matrix3 from_columns(Vec3 x, Vec3 y, Vec3 z) { return {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}}; }
+
+Matrix3 scaled(const Matrix3& m, Vec3 s) {
+  return from_columns(s.x * column(m, 0), s.y * column(m, 1), s.z * column(m, 2));
+}
+
+// The quaternion of a rotation matrix, by the largest of its four components (Shepperd 1978).
+Rotation to_rotation(const Matrix3& m) {
+  const std::array squares{1 + m[0][0] - m[1][1] - m[2][2], 1 - m[0][0] + m[1][1] - m[2][2],
+                           1 - m[0][0] - m[1][1] + m[2][2], 1 + m[0][0] + m[1][1] + m[2][2]};
+  const auto largest = std::ranges::max_element(squares) - squares.begin();
+  const double twice = std::sqrt(squares[static_cast<std::size_t>(largest)]), k = 0.5 / twice;
+  switch (largest) {
+    case 0:
+      return normalized(
+          Rotation::from_xyzw(0.5 * twice, k * (m[0][1] + m[1][0]), k * (m[0][2] + m[2][0]), k * (m[2][1] - m[1][2])));
+    case 1:
+      return normalized(
+          Rotation::from_xyzw(k * (m[0][1] + m[1][0]), 0.5 * twice, k * (m[1][2] + m[2][1]), k * (m[0][2] - m[2][0])));
+    case 2:
+      return normalized(
+          Rotation::from_xyzw(k * (m[0][2] + m[2][0]), k * (m[1][2] + m[2][1]), 0.5 * twice, k * (m[1][0] - m[0][1])));
+    default:
+      return normalized(
+          Rotation::from_xyzw(k * (m[2][1] - m[1][2]), k * (m[0][2] - m[2][0]), k * (m[1][0] - m[0][1]), 0.5 * twice));
+  }
+}
+
+bool is_finite(const Affine& map) {
+  return std::ranges::all_of(map.linear,
+                             [](const auto& row) {
+                               return ringdown::is_finite(Vec3{row[0], row[1], row[2]});
+                             }) &&
+         ringdown::is_finite(map.shift_m);
+}
+
+}  // namespace
+
+Affine operator*(const Affine& outer, const Affine& inner) {
+  return {product(outer.linear, inner.linear), outer * inner.shift_m};
+}
+
+Vec3 operator*(const Affine& map, Vec3 point_m) { return map.linear * point_m + map.shift_m; }
+
+// glTF's y points up, ours z. Exact, because no number changes but in its place and sign.
+Affine upright(const Affine& map) {
+  const Matrix3& m = map.linear;
+  return {{{{m[0][0], m[0][1], m[0][2]}, {-m[2][0], -m[2][1], -m[2][2]}, {m[1][0], m[1][1], m[1][2]}}},
+          {map.shift_m.x, -map.shift_m.z, map.shift_m.y}};
+}
+
+Affine to_affine(const Pose& pose) { return {to_matrix(pose.rotation), pose.position_m}; }
+
+Affine inverse(const Pose& pose) {
+  const Matrix3 back = transpose(to_matrix(pose.rotation));
+  return {back, -1 * (back * pose.position_m)};
+}
+
+Parts parts_of(const Matrix3& linear) {
+  Parts parts;
+  const std::array columns{column(linear, 0), column(linear, 1), column(linear, 2)};
+  parts.scale = {length(columns[0]), length(columns[1]), length(columns[2])};
+  if (!(std::min({parts.scale.x, parts.scale.y, parts.scale.z}) > 0)) return parts;
+  const Vec3 x = (1 / parts.scale.x) * columns[0], y = (1 / parts.scale.y) * columns[1];
+  const Vec3 z = (1 / parts.scale.z) * columns[2];
+  parts.sheared = std::max({std::abs(dot(x, y)), std::abs(dot(y, z)), std::abs(dot(z, x))}) > kMaxShear;
+  parts.mirrored = dot(cross(x, y), z) < 0;
+  const Vec3 across = y - dot(y, x) * x;
+  const Vec3 upright_y = (1 / length(across)) * across;
+  parts.rotation = to_rotation(from_columns(x, upright_y, cross(x, upright_y)));
+  return parts;
+}
+
+void GltfNotes::add(const std::string& sentence) {
+  if (sentences_.size() < kMaxNotes && known_.insert(sentence).second) sentences_.push_back(sentence);
+}
+
+Result<GltfDocument> GltfDocument::read(const modal::Glb& glb) {
+  GltfDocument document(glb);
+  const Field nodes = document.root()["nodes"];
+  if (nodes.size() > kMaxNodes) return nodes.wrong("at most " + std::to_string(kMaxNodes) + " nodes");
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const std::string name = nodes[k]["name"].text_or("");
+    document.nodes_.push_back(
+        {.field = nodes[k], .name = name.empty() ? "node" + std::to_string(k) : name, .local = document.local_of(k)});
+  }
+  document.link_nodes();
+  if (const auto good = document.result(); !good) return fail(good.error());
+  document.place_nodes();
+  if (const auto good = document.result(); !good) return fail(good.error());
+  return document;
+}
+
+// A matrix, or a translation, a rotation and a scale.
+Affine GltfDocument::local_of(std::size_t number_of_node) {
+  const Field node = root()["nodes"][number_of_node];
+  const Field matrix = node["matrix"];
+  if (!matrix.present()) {
+    return {scaled(to_matrix(rotation(node["rotation"])), vector(node["scale"], {1, 1, 1})),
+            vector(node["translation"], {})};
+  }
+  if (matrix.size() != 16) {
+    refuse(matrix.wrong("16 numbers"));
+    return {};
+  }
+  std::array<double, 16> m{};
+  for (std::size_t k = 0; k < 16; ++k) m[k] = number(matrix[k], 0);
+  return {from_columns({m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}), {m[12], m[13], m[14]}};
+}
+
+void GltfDocument::link_nodes() {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const Field children = nodes_[k].field["children"];
+    for (std::size_t c = 0; c < children.size(); ++c) {
+      const auto child = children[c].index();
+      if (!child) return refuse(tl::unexpected(child.error()));
+      if (*child >= nodes_.size() || *child == k || nodes_[*child].parent)
+        return refuse(children[c].wrong("a node of the file that has no other parent"));
+      nodes_[*child].parent = k;
+      nodes_[k].children.push_back(*child);
+    }
+  }
+}
+
+// The roots of the scene that is played; of a file without scenes, all roots.
+std::vector<std::size_t> GltfDocument::roots() {
+  std::vector<std::size_t> found;
+  const Field scenes = root()["scenes"];
+  if (scenes.size() == 0) {
+    for (std::size_t k = 0; k < nodes_.size(); ++k) {
+      if (!nodes_[k].parent) found.push_back(k);
+    }
+    return found;
+  }
+  if (scenes.size() > 1) notes.add("only one of the file's " + std::to_string(scenes.size()) + " scenes is played");
+  const Field number = root()["scene"];
+  const Field scene = number.present() ? element(number, scenes) : scenes[0];
+  for (std::size_t k = 0; k < scene["nodes"].size(); ++k) {
+    const auto node = scene["nodes"][k].index();
+    if (!node || *node >= nodes_.size() || nodes_[*node].parent) {
+      refuse(scene["nodes"][k].wrong("a node of the file without a parent"));
+      return {};
+    }
+    found.push_back(*node);
+  }
+  return found;
+}
+
+// From the roots down. A node within itself hangs below no root, and is never reached.
+void GltfDocument::place_nodes() {
+  std::vector<std::size_t> open = roots();
+  for (const std::size_t top : open) nodes_[top].world = upright(nodes_[top].local);
+  while (!open.empty()) {
+    GltfNode& node = nodes_[open.back()];
+    open.pop_back();
+    if (node.in_scene) return refuse(node.field["children"].wrong("each node once"));
+    node.in_scene = true;
+    if (!is_finite(node.world)) return refuse(node.field.wrong("a node in a place that is finite"));
+    for (const std::size_t child : node.children) {
+      nodes_[child].world = node.world * nodes_[child].local;
+      open.push_back(child);
+    }
+  }
+}
+
+double GltfDocument::number(const Field& field, double fallback) {
+  const auto value = field.number_or(fallback);
+  if (!value) refuse(tl::unexpected(value.error()));
+  return value.value_or(fallback);
+}
+
+bool GltfDocument::flag(const Field& field, bool fallback) {
+  if (!field.present()) return fallback;
+  if (!field.json().is_boolean()) {
+    refuse(field.wrong("true or false"));
+    return fallback;
+  }
+  return field.json().get<bool>();
+}
+
+Vec3 GltfDocument::vector(const Field& field, Vec3 fallback) {
+  if (!field.present()) return fallback;
+  if (field.size() != 3) {
+    refuse(field.wrong("3 numbers"));
+    return fallback;
+  }
+  return {number(field[0], 0), number(field[1], 0), number(field[2], 0)};
+}
+
+Rotation GltfDocument::rotation(const Field& field) {
+  if (!field.present()) return {};
+  const Rotation turn = field.size() == 4 ? Rotation::from_xyzw(number(field[0], 0), number(field[1], 0),
+                                                                number(field[2], 0), number(field[3], 1))
+                                          : Rotation::from_xyzw(0, 0, 0, 0);
+  if (std::abs(norm(turn) - 1) < 1e-3) return std::abs(norm(turn) - 1) < 1e-15 ? turn : normalized(turn);
+  refuse(field.wrong("a unit quaternion"));
+  return {};
+}
+
+std::vector<std::string> GltfDocument::texts(const Field& field) {
+  std::vector<std::string> found;
+  for (std::size_t k = 0; k < field.size(); ++k) {
+    if (field[k].json().is_string()) {
+      found.push_back(field[k].text_or(""));
+    } else {
+      refuse(field[k].wrong("a text"));
+    }
+  }
+  return found;
+}
+
+Field GltfDocument::element(const Field& field, const Field& list) {
+  if (!field.present()) return {nullptr, field.path()};
+  const auto number = field.index();
+  if (!number || *number >= list.size()) {
+    refuse(field.wrong("the number of an element of " + list.path().substr(list.path().find(": ") + 2)));
+    return {nullptr, field.path()};
+  }
+  return list[*number];
+}
+
+void GltfDocument::refuse(const tl::unexpected<Error>& error) {
+  if (!error_) error_ = error.value();
+}
+
+Result<void> GltfDocument::result() const {
+  if (error_) return tl::unexpected(*error_);
+  return {};
+}
+
+}  // namespace ringdown::scene

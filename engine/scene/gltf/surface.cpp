@@ -1,0 +1,78 @@
+#include "engine/scene/gltf/surface.h"
+
+#include "engine/scene/gltf/document.h"
+
+#include <algorithm>
+
+namespace ringdown::scene {
+namespace {
+
+bool equal(const std::optional<modal::SurfaceTrack>& a, const std::optional<modal::SurfaceTrack>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return a->length_m() == b->length_m() && std::ranges::equal(a->heights_m(), b->heights_m());
+}
+
+}  // namespace
+
+using modal::Field;
+
+void read_finish(GltfDocument& document, const Field& finish, FrictionSurface& surface) {
+  constexpr double kUsualWaviness_m = 2e-6, kUsualWavinessLength_m = 2e-3;
+  synth::Texture& texture = surface.texture;
+  texture.roughness_m = document.number(finish["roughness"], texture.roughness_m);
+  texture.correlation_m = document.number(finish["correlationLength"], texture.correlation_m);
+  texture.spectral_slope = document.number(finish["spectralSlope"], texture.spectral_slope);
+  texture.shortest_m = document.number(finish["shortWavelength"], 0);
+  if (texture.shortest_m > texture.correlation_m)
+    document.notes.add("a shortWavelength above the correlation length leaves one wavelength, the correlation length");
+  const double waviness_m = document.number(finish["waviness"], kUsualWaviness_m);
+  const double length_m = document.number(finish["wavinessLength"], kUsualWavinessLength_m);
+  if (waviness_m < 0) return document.refuse(finish["waviness"].wrong("at least 0"));
+  if (!(length_m > 0)) return document.refuse(finish["wavinessLength"].wrong("more than 0"));
+  surface.waviness = waviness_m / length_m;
+  const bool is_longer = length_m > texture.correlation_m;
+  const bool is_gentler = waviness_m * texture.correlation_m < texture.roughness_m * length_m;
+  if (finish["waviness"].present() && waviness_m > 0 && !(is_longer && is_gentler))
+    document.notes.add("the waviness of an acoustic surface should be longer and gentler than its finish");
+}
+
+std::optional<modal::SurfaceTrack> read_profile(GltfDocument& document, const Field& finish) {
+  const Field profile = finish["profile"];
+  if (!profile.present()) return {};
+  const auto heights = modal::read_floats(document.glb(), profile, 1, modal::kMaxTrackSamples);
+  const auto spacing_m = finish["sampleSpacing"].number();
+  if (!heights) document.refuse(tl::unexpected(heights.error()));
+  if (!spacing_m) document.refuse(tl::unexpected(spacing_m.error()));
+  if (!heights || !spacing_m) return {};
+  auto track = modal::SurfaceTrack::make(*heights, *spacing_m);
+  if (!track) {
+    document.refuse(fail(ErrorKind::bad_input, profile.path() + ": " + track.error().message));
+    return {};
+  }
+  return *std::move(track);
+}
+
+Result<void> Reliefs::keep(SceneDescription& scene) {
+  std::vector<std::shared_ptr<const modal::SurfaceRelief>*> used;
+  for (BodyDescription& body : scene.bodies) used.push_back(&body.surface.relief);
+  for (StaticDescription& item : scene.statics) used.push_back(&item.surface.relief);
+  for (EmitterDescription& emitter : scene.emitters) used.push_back(&emitter.body.surface.relief);
+  for (auto* relief : used) {
+    if (!*relief) continue;
+    const auto same = [&](const auto& kept) {
+      return kept == *relief ||
+             (equal(kept->profile, (*relief)->profile) && equal(kept->mesoscale, (*relief)->mesoscale));
+    };
+    if (const auto found = std::ranges::find_if(kept_, same); found != kept_.end()) {
+      *relief = *found;
+    } else if (kept_.size() < kMost) {
+      kept_.push_back(*relief);
+    } else {
+      return fail(ErrorKind::too_large, "more than " + std::to_string(kMost) +
+                                            " surfaces with profiles or normal maps were played; start anew");
+    }
+  }
+  return {};
+}
+
+}  // namespace ringdown::scene

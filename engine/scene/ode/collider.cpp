@@ -1,0 +1,209 @@
+#include "engine/scene/ode/collider.h"
+
+#include "engine/scene/rotation.h"
+
+#include <ode/ode.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::scene {
+namespace {
+
+// The largest share of its kinetic energy that a body pays at a time.
+constexpr double kMaxPaid = 0.9;
+
+}  // namespace
+
+void BodyDeleter::operator()(dxBody* body) const { dBodyDestroy(body); }
+
+void JointDeleter::operator()(dxJoint* joint) const { dJointDestroy(joint); }
+
+bool Collider::movable() const { return body && !dBodyIsKinematic(body.get()); }
+
+bool Collider::awake() const { return movable() && dBodyIsEnabled(body.get()); }
+
+Motion Collider::motion() const {
+  if (!body) return {};
+  const dReal* q = dBodyGetQuaternion(body.get());
+  return {to_vec3(dBodyGetPosition(body.get())), Rotation::from_wxyz(q[0], q[1], q[2], q[3]),
+          to_vec3(dBodyGetLinearVel(body.get())), to_vec3(dBodyGetAngularVel(body.get()))};
+}
+
+void Collider::move(const Motion& motion) {
+  lifted_j = 0;
+  const Rotation r = normalized(motion.rotation);
+  const dQuaternion q = {r.w, r.x, r.y, r.z};
+  dBodySetPosition(body.get(), motion.position_m.x, motion.position_m.y, motion.position_m.z);
+  dBodySetQuaternion(body.get(), q);
+  if (!movable()) return;
+  dBodySetLinearVel(body.get(), motion.velocity_m_s.x, motion.velocity_m_s.y, motion.velocity_m_s.z);
+  dBodySetAngularVel(body.get(), motion.spin_rad_s.x, motion.spin_rad_s.y, motion.spin_rad_s.z);
+  dBodyEnable(body.get());
+}
+
+void Collider::drive(const Motion& motion) {
+  if (!driven) dBodySetAutoDisableFlag(body.get(), 0);
+  driven = true;
+  told = motion;
+  move(motion);
+  dBodySetLinearVel(body.get(), motion.velocity_m_s.x, motion.velocity_m_s.y, motion.velocity_m_s.z);
+  dBodySetAngularVel(body.get(), motion.spin_rad_s.x, motion.spin_rad_s.y, motion.spin_rad_s.z);
+}
+
+void Collider::set_mass(const RigidMass& rigid) {
+  const Matrix3& i = rigid.inertia_kg_m2;
+  dMass mass;
+  dMassSetParameters(&mass, rigid.mass_kg, 0, 0, 0, i[0][0], i[1][1], i[2][2], i[0][1], i[0][2], i[1][2]);
+  dBodySetMass(body.get(), &mass);
+  mass_kg = rigid.mass_kg;
+  inertia = i;
+  inverse_inertia = inverse(i);
+}
+
+void Collider::add_torque(Vec3 torque_nm) { dBodyAddTorque(body.get(), torque_nm.x, torque_nm.y, torque_nm.z); }
+
+void Collider::add_force(Vec3 force_n, Vec3 arm_m) {
+  dBodyAddForce(body.get(), force_n.x, force_n.y, force_n.z);
+  add_torque(cross(arm_m, force_n));
+}
+
+void Collider::fall_asleep() {
+  dBodySetLinearVel(body.get(), 0, 0, 0);
+  dBodySetAngularVel(body.get(), 0, 0, 0);
+  dBodyDisable(body.get());
+  stillness.reset();
+}
+
+void Collider::let_sleep(bool allowed) {
+  if (allowed == supported) return;
+  supported = allowed;
+  if (!support) support.reset(dJointCreateNull(dBodyGetWorld(body.get()), nullptr));
+  dJointAttach(support.get(), allowed ? body.get() : nullptr, nullptr);
+}
+
+FreeBody Collider::without_contacts(Vec3 gravity_m_s2, double part_s) const {
+  const Motion now = motion();
+  const Matrix3 frame = to_matrix(now.rotation);
+  FreeBody free{1 / mass_kg, product(product(frame, inverse_inertia), transpose(frame)), {}, {}};
+  const Vec3 force_n = to_vec3(dBodyGetForce(body.get())), torque_nm = to_vec3(dBodyGetTorque(body.get()));
+  free.velocity_m_s = now.velocity_m_s + part_s * (gravity_m_s2 + free.inverse_mass * force_n);
+  free.spin_rad_s = now.spin_rad_s + part_s * (free.inverse_inertia * torque_nm);
+  return free;
+}
+
+// Euler's equations for the angular momentum in the body's frame, dL/dt = L x w with w = I^-1 L, by the implicit
+// midpoint rule. The rule keeps quadratic invariants, so energy L.w/2 and length of L stay what they are, to rounding;
+// and it turns L by the Cayley transform of the mean spin, so that the body, turned the opposite way, keeps its angular
+// momentum in the world. The rule's step is stretched to 2 tan(w h/2)/w, which makes a steady spin exact. ODE would
+// hold the spin constant in the world while the body turns, and its energy would drift.
+Motion Collider::after(const Motion& motion, double time_s) const {
+  constexpr double kMaxTurn = 0.2;  // rad in one application of the rule
+  constexpr int kMaxIterations = 20;
+  Motion end = motion;
+  end.position_m = motion.position_m + time_s * motion.velocity_m_s;
+  Vec3 momentum = inertia * (transpose(to_matrix(motion.rotation)) * motion.spin_rad_s);
+  const double spin = length(inverse_inertia * momentum);
+  if (!(spin > 0)) return end;
+  const int times = 1 + static_cast<int>(spin * time_s / kMaxTurn);
+  const double h = 2 * std::tan(0.5 * spin * time_s / times) / spin;
+  for (int k = 0; k < times; ++k) {
+    Vec3 next = momentum, mean_spin;
+    for (int i = 0; i < kMaxIterations; ++i) {
+      const Vec3 mean = 0.5 * (momentum + next);
+      mean_spin = inverse_inertia * mean;
+      const Vec3 better = momentum + h * cross(mean, mean_spin);
+      const bool settled = length(better - next) <= 1e-15 * length(momentum);
+      next = better;
+      if (settled) break;
+    }
+    momentum = next;
+    const Vec3 half = 0.5 * h * mean_spin;
+    end.rotation = normalized(end.rotation * Rotation::from_xyzw(half.x, half.y, half.z, 1));
+  }
+  end.spin_rad_s = to_matrix(end.rotation) * (inverse_inertia * momentum);
+  return end;
+}
+
+void Collider::turn(const Rotation& from, double part_s) {
+  constexpr double kMinTurn_rad = 1e-13;  // below that, ODE's own turn is as good
+  if (!(length(to_vec3(dBodyGetAngularVel(body.get()))) * part_s > kMinTurn_rad)) return;
+  Motion start = motion();
+  start.rotation = from;
+  const Motion end = after(start, part_s);
+  const Rotation& r = end.rotation;
+  const dQuaternion q = {r.w, r.x, r.y, r.z};
+  dBodySetQuaternion(body.get(), q);
+  dBodySetAngularVel(body.get(), end.spin_rad_s.x, end.spin_rad_s.y, end.spin_rad_s.z);
+}
+
+void Collider::shift(Vec3 way_m, Vec3 turn_rad) {
+  const Motion now = motion();
+  const Vec3 at = now.position_m + way_m;
+  dBodySetPosition(body.get(), at.x, at.y, at.z);
+  const double angle_rad = length(turn_rad);
+  if (!(angle_rad > 0)) return;
+  const Rotation turn = about(turn_rad, angle_rad), r = normalized(turn * now.rotation);
+  const Vec3 spin = to_matrix(turn) * now.spin_rad_s;
+  const dQuaternion q = {r.w, r.x, r.y, r.z};
+  dBodySetQuaternion(body.get(), q);
+  dBodySetAngularVel(body.get(), spin.x, spin.y, spin.z);
+}
+
+void Collider::pay_for_lifts() {
+  if (lifted_j <= 0) return;
+  const Motion now = motion();
+  const Vec3 spin = transpose(to_matrix(now.rotation)) * now.spin_rad_s;
+  const double kinetic_j = 0.5 * (mass_kg * dot(now.velocity_m_s, now.velocity_m_s) + dot(spin, inertia * spin));
+  const double paid_j = std::min(lifted_j, kMaxPaid * kinetic_j);
+  if (!(paid_j > 0)) return;
+  lifted_j -= paid_j;
+  slow(std::sqrt(1 - paid_j / kinetic_j), {});
+}
+
+void Collider::slow(double share, Vec3 mean_m_s) {
+  const Motion now = motion();
+  const Vec3 v = mean_m_s + share * (now.velocity_m_s - mean_m_s), w = share * now.spin_rad_s;
+  dBodySetLinearVel(body.get(), v.x, v.y, v.z);
+  dBodySetAngularVel(body.get(), w.x, w.y, w.z);
+}
+
+Collider::State Collider::state() const {
+  return {motion(), to_vec3(dBodyGetForce(body.get())), to_vec3(dBodyGetTorque(body.get())), awake()};
+}
+
+void Collider::restore(const State& state) {
+  move(state.motion);
+  dBodySetForce(body.get(), state.force_n.x, state.force_n.y, state.force_n.z);
+  dBodySetTorque(body.get(), state.torque_nm.x, state.torque_nm.y, state.torque_nm.z);
+  if (!state.awake) dBodyDisable(body.get());
+}
+
+double half_thickness(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return shape.radius_m;
+  if (shape.type == ShapeType::box) return 0.5 * std::min({shape.size_m.x, shape.size_m.y, shape.size_m.z});
+  double radius = dInfinity, surface = 0, volume = 0;
+  for (const auto& [a, b, c] : shape.triangles) {
+    const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
+    if (!(length(area) > 0)) continue;
+    radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
+    surface += length(area) / 2;
+    volume += dot(area, shape.points[a]) / 6;
+  }
+  return surface > 0 ? std::max(radius, std::abs(volume) / surface) : 0;
+}
+
+double outer_radius(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return length(shape.center_m) + shape.radius_m;
+  if (shape.type == ShapeType::box) return length(shape.center_m) + 0.5 * length(shape.size_m);
+  double radius = 0;
+  for (const Vec3& point : shape.points) radius = std::max(radius, length(point));
+  return radius;
+}
+
+double half_thickness(const StaticDescription& description) {
+  const Vec3 size = description.size_m;
+  return description.type == StaticType::plane ? dInfinity : 0.5 * std::min({size.x, size.y, size.z});
+}
+
+}  // namespace ringdown::scene

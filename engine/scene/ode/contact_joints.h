@@ -1,0 +1,130 @@
+// The contacts of a step as ODE's solver sees them: contact points are found, become contact joints, and receive their
+// impulses once the solver has run. Callers hold OdeLock.
+//
+//   joints.begin_step();
+//   joints.begin_part(found_s, part_s);      // a step may be done in several parts
+//   joints.collide(first, second, islands);  // for every pair of geometries that may touch
+//   joints.hand_over(exact, islands);        // joints are made
+//   ... the solver runs ...
+//   joints.read_impulses();
+//   joints.end_part();                       // or undo_part(), to find the contacts of the part again
+#pragma once
+
+#include "engine/scene/contact/contact_rules.h"
+#include "engine/scene/fixed_contacts.h"
+#include "engine/scene/ode/islands.h"
+#include "engine/scene/ode/overlap.h"
+#include "engine/scene/ode/rolling.h"
+#include "engine/scene/ode/surface_pairs.h"
+#include "engine/scene/ode/parting.h"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+struct dContactGeom;
+struct dxGeom;
+struct dxJointGroup;
+struct dxWorld;
+
+namespace ringdown::scene {
+
+inline constexpr std::size_t kMaxContactsPerStep = 4096;
+
+// ODE lets resting bodies overlap by this much. Bodies separated by a rounding error would fall and collide again. [m]
+inline constexpr double kContactLayer_m = 2e-5;
+
+// The largest speed at which overlapping bodies are pushed apart. More would act as a bounce, and create energy. [m/s]
+inline constexpr double kMaxCorrection_m_s = 0.02;
+
+class ContactJoints {
+ public:
+  ContactJoints(dxWorld* world, const SceneDescription& scene);
+  ~ContactJoints();
+  ContactJoints(const ContactJoints&) = delete;
+  ContactJoints& operator=(const ContactJoints&) = delete;
+
+  void begin_step();
+
+  // `found_s` is the time from the beginning of the step to this part, `part_s` the part's length.
+  void begin_part(double found_s, double part_s);
+
+  // Finds the contact points of two geometries, and unites the bodies' islands. Where the contact has a single point or
+  // one of the bodies is a sphere, adds rolling resistance.
+  void collide(dxGeom* first, dxGeom* second, Islands& islands);
+
+  // Hands the contact points of the part to the exact or to the iterative solver, as joints. The iterative solver
+  // pushes overlapping bodies apart itself, because what it leaves of a tower's weight in one part is pushed back in
+  // the next. Where the exact one will run, the contacts of a body that touches only what cannot move are solved here
+  // (fixed_contacts.h); push_lone_bodies() then has to be called.
+  void hand_over(bool exact, const Islands& islands);
+
+  // Adds the forces of the contacts that hand_over() has solved to their bodies, for the next part.
+  void push_lone_bodies();
+
+  // Stores the solver's impulses in the part's contact points.
+  void read_impulses();
+
+  // Returns true where a body, which is no sphere, lands in this part in such a way that friction may change the normal
+  // impulse.
+  [[nodiscard]] bool lands_aslant() const { return lands_aslant_; }
+
+  // Makes all joints of the part anew, with friction bounded so that the bound should be the coefficient times the
+  // normal impulse. Returns by how much the bounds before differed from that, as a share of the largest one.
+  double bound_friction();
+
+  // Makes all joints of the part anew, as hand_over() made them.
+  void free_friction();
+
+  // Moves overlapping bodies of the part apart (overlap.h), unless the solver has done so.
+  void move_bodies_apart();
+
+  void forget(BodyId id) { pairs_.forget(id); }  // must be called when a body goes or changes its shape
+
+  void undo_part();
+  void end_part();
+
+  [[nodiscard]] std::span<const ContactPoint> points() const { return points_; }  // of the step so far
+  [[nodiscard]] std::span<const ContactPoint> part_points() const { return std::span(points_).subspan(part_begin_); }
+
+  // Points and whole pairs beyond kMaxContactsPerStep in the step.
+  [[nodiscard]] std::size_t dropped() const { return dropped_; }
+
+ private:
+  struct Room;      // for results of ODE and of the solution of one body
+  struct Contact;   // what a joint is made of
+  struct Touching;  // two bodies
+  struct JointGroupDeleter {
+    void operator()(dxJointGroup* joints) const;
+  };
+  struct Further;  // a contact without a joint
+  void join(std::size_t point, std::optional<double> bound_n);
+  bool solve_lone_body(Collider& body, std::span<const std::size_t> points);
+  void add(const Touching& pair, const dContactGeom& geom, Islands& islands);
+  [[nodiscard]] Landing land(const Collider& body, const Collider& other, double restitution, double approach_m_s,
+                             const dContactGeom& geom) const;
+  [[nodiscard]] double push_speed(double depth_m) const;
+
+  dxWorld* world_;
+  double bounce_threshold_m_s_;
+  Vec3 gravity_m_s2_;
+  double found_s_ = 0, part_s_ = 0;
+  std::unique_ptr<dxJointGroup, JointGroupDeleter> joints_;
+  std::unique_ptr<Room> room_;
+  std::vector<ContactPoint> points_;
+  std::vector<MotionPair> motions_;  // of the pairs of the step that touch
+  std::vector<Further> further_;     // contacts of the part that only move bodies apart
+  std::vector<Overlap> overlaps_;
+  std::vector<Contact> made_;          // of each contact point
+  std::vector<std::size_t> lone_;      // the contact points of the part whose bodies touch only what cannot move
+  std::vector<FrictionBound> bounds_;  // of friction in the part [N], that bound_friction() has set
+  bool lands_aslant_ = false, solver_pushes_ = false;
+  std::size_t part_begin_ = 0, motions_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
+  SurfacePairs pairs_;
+  Partings partings_;
+  ContactLoads loads_;  // of the part before
+};
+
+}  // namespace ringdown::scene

@@ -1,0 +1,500 @@
+#include "engine/scene/ode/simulation.h"
+
+#include "engine/scene/ode/contact_joints.h"
+#include "engine/scene/fixed_contacts.h"
+#include "engine/scene/ode/flight_probe.h"
+#include "engine/scene/ode/islands.h"
+#include "engine/scene/ode/joint.h"
+#include "engine/scene/ode/lock.h"
+#include "engine/scene/ode/near_pairs.h"
+#include "engine/scene/pair_filter.h"
+
+#include <ode/ode.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+// One step of the simulation, downward:
+//
+// 1. A step is done in parts. Each part is as long as the fastest body may fly and turn without passing through an
+//    obstacle (ode/flight_probe.h), and at most the rest of the step; a scene without fast bodies has one part a step
+//    (Simulation::step).
+// 2. In a part, contacts are found and become contact joints with friction and restitution (ode/contact_joints.h).
+//    Bodies that touch or are joined form islands (islands.h).
+// 3. ODE's exact solver finds the impulses if no island has more contact points than it can solve in time, and ODE's
+//    iterative solver otherwise. Before the exact solver runs, bodies that touch only what cannot move are solved
+//    without it (fixed_contacts.h). If the exact solver warns that it failed, the bodies are restored and the iterative
+//    one is used (State::solve).
+// 4. If an island has gained energy in the part, its bodies are restored and the part is repeated with less restitution
+//    for that island (State::do_part). What the solver has added besides is taken from the island's velocities.
+namespace ringdown::scene {
+namespace {
+
+struct WorldDeleter {
+  void operator()(dxWorld* world) const { dWorldDestroy(world); }
+};
+struct SpaceDeleter {
+  void operator()(dxSpace* space) const { dSpaceDestroy(space); }
+};
+
+// When fewer than one body in this many is awake, each of those looks for its contacts by itself.
+constexpr std::size_t kFewAwake = 16;
+
+// A body that has moved less than this for kSleepAfter_s sleeps until something touches it. Speeds are averaged over
+// kSleepSamples steps, because the iterative solver leaves resting bodies trembling.
+constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.01, kSleepSpin_rad_s = 0.1;
+constexpr int kSleepSamples = 10;
+
+// Bodies that have stayed where they are for this long sleep, however they tremble. Of 600 starts of crossed knives 0.5
+// s left nine trembling for more than a second; 0.3 s leaves two to four.
+constexpr double kSleepWhenStill_s = 0.3;
+
+// Energy that an island may gain in one part, as a share of its kinetic energy: the error of the solvers.
+constexpr double kGain = 1e-9, kGainByIteration = 1e-2;
+
+// How often a part is solved again with less restitution, the last time with none, until it gains no energy.
+constexpr int kMaxRounds = 6;
+
+// The exact solver's time grows with the cube of an island's contact points, and a long step leaves more time.
+std::size_t max_exact_contacts(double step_s) {
+  return static_cast<std::size_t>(kMaxExactContacts * std::cbrt(step_s / 0.002));
+}
+
+// The iterative solver's time grows with contacts times iterations. A tower needs many iterations; a heap, which has
+// more contacts, can do with fewer.
+int iterations(std::size_t contacts) {
+  return std::clamp(static_cast<int>(6000 / std::max<std::size_t>(contacts, 1)), 20, 60);
+}
+
+struct BodyJoint {
+  BodyId body = 0;
+  std::optional<BodyId> other;
+  JointDescription description;
+};
+
+struct Joint {
+  BodyJoint between;
+  OdeJoint joint;
+};
+
+}  // namespace
+
+struct Simulation::State {
+  explicit State(const SceneDescription& scene);
+
+  void do_part(double found_s, double part_s);
+  void pay_for_lifts();
+  void find_and_solve();
+  void find_contacts();
+  void collide(dxGeom* one, dxGeom* two);
+  void add_gravity();
+  void solve();
+  void correct_friction();
+  void restore();
+  void move_driven(double done_s);
+  [[nodiscard]] double free_flight(double rest_s);
+
+  Collider& add(BodyId id);
+  void remove(BodyId gone);
+  void let_still_bodies_sleep();
+  void note_moved();
+  void join(const BodyJoint& joint);
+  [[nodiscard]] std::vector<BodyJoint> joints_of(BodyId id) const;
+
+  double step_s, spring_n_m, damper_ns_m;
+  Vec3 gravity_m_s2;
+  double part_s = 0;        // length of the part being done
+  bool has_driven = false;  // whether a body moves as it is told
+  double driven_s = 0;      // of the step, at the part's beginning
+  unsigned long seed, parts = 0;
+  std::size_t max_exact;
+  std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
+  std::unique_ptr<dxSpace, SpaceDeleter> space{dSimpleSpaceCreate(nullptr)};
+  ContactJoints contacts;
+  std::map<BodyId, Collider> colliders;
+  std::vector<Collider*> in_order;  // of their numbers, so that the same scene is solved in the same order
+  std::vector<Joint> joints;        // declared after the bodies, which must be destroyed last
+  PairFilter filter;
+  NearPairs near;
+  FlightProbe probe;
+  Islands islands;
+  std::vector<std::pair<Collider*, Collider::State>> before;  // the bodies' state at the beginning of the part
+  bool exact = false;                                         // whether the part was solved exactly
+  std::vector<MovedBody> moved;
+  bool asleep = false;
+  const std::atomic<int>* given_up = nullptr;  // Simulation::step()
+};
+
+Simulation::State::State(const SceneDescription& scene)
+    : step_s(scene.step_s),
+      spring_n_m(scene.contact.spring_n_m),
+      damper_ns_m(scene.contact.damper_ns_m),
+      gravity_m_s2(scene.gravity_m_s2),
+      seed(static_cast<unsigned long>(scene.seed)),
+      max_exact(max_exact_contacts(scene.step_s)),
+      contacts(world.get(), scene) {
+  dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
+  dWorldSetContactMaxCorrectingVel(world.get(), kMaxCorrection_m_s);
+  dWorldSetContactSurfaceLayer(world.get(), kContactLayer_m);
+  dWorldSetMaxAngularSpeed(world.get(), 2 * range::kSpin_rad_s.high);
+  dWorldSetAutoDisableFlag(world.get(), 1);
+  dWorldSetAutoDisableTime(world.get(), kSleepAfter_s);
+  dWorldSetAutoDisableSteps(world.get(), 0);
+  dWorldSetAutoDisableAverageSamplesCount(world.get(), kSleepSamples);
+  dWorldSetAutoDisableLinearThreshold(world.get(), kSleepSpeed_m_s);
+  dWorldSetAutoDisableAngularThreshold(world.get(), kSleepSpin_rad_s);
+  dSpaceSetCleanup(space.get(), 0);
+}
+
+// The time until the first of the awake bodies may have reached an obstacle.
+double Simulation::State::free_flight(double rest_s) {
+  double free_s = rest_s;
+  for (Collider* collider : in_order) {
+    if (collider->awake()) free_s = std::min(free_s, probe.free_flight(*collider, rest_s, space.get()));
+  }
+  return free_s;
+}
+
+void Simulation::State::do_part(double found_s, double length_s) {
+  part_s = length_s;
+  const SoftConstraint soft = soft_constraint(spring_n_m, damper_ns_m, part_s);
+  dWorldSetERP(world.get(), soft.erp);
+  dWorldSetCFM(world.get(), soft.cfm);
+  contacts.begin_part(found_s, part_s);
+  add_gravity();
+  for (Joint& joint : joints) joint.joint.drive(part_s);
+  find_and_solve();
+  for (int round = 1; round <= kMaxRounds && !contacts.part_points().empty(); ++round) {
+    const double tolerance = exact ? kGain : kGainByIteration;
+    if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, {tolerance, !exact, round == kMaxRounds}))
+      break;
+    restore();
+    for (const auto& [collider, state] : before) dBodySetTorque(collider->body.get(), 0, 0, 0);  // rolling resistance
+    contacts.undo_part();
+    find_and_solve();
+  }
+  islands.take_gains(contacts.part_points(), part_s, gravity_m_s2, kGain);
+  for (Collider* member : islands.members()) member->elasticity = 1;
+  contacts.move_bodies_apart();
+  pay_for_lifts();
+  ++parts;
+  contacts.end_part();
+}
+
+// Takes the energy that bodies owe for having been lifted. One that has left what lifted it owes nothing more.
+void Simulation::State::pay_for_lifts() {
+  for (Collider* member : islands.members()) {
+    if (member->lifted_j == 0) continue;
+    if (island_of(*member).island.contacts == 0) member->lifted_j = 0;
+    member->pay_for_lifts();
+  }
+}
+
+void Simulation::State::find_and_solve() {
+  islands.open(in_order);
+  find_contacts();
+  for (const auto& [between, joint] : joints) {
+    islands.join(colliders.at(between.body), between.other ? &colliders.at(*between.other) : nullptr);
+  }
+  before.clear();
+  for (Collider* member : islands.members()) before.emplace_back(member, member->state());
+  solve();
+  for (const auto& [collider, state] : before) {
+    if (collider->awake() && !collider->round) collider->turn(state.motion.rotation, part_s);
+  }
+  contacts.read_impulses();
+}
+
+// Each body that is awake looks for its contacts by itself where these are few: that is cheaper than sorting all
+// bodies.
+void Simulation::State::find_contacts() {
+  const auto awake = std::ranges::count_if(in_order, &Collider::awake);
+  if (static_cast<std::size_t>(awake) * kFewAwake >= in_order.size()) {
+    for (const auto& [one, two] : near.find(in_order)) {
+      collide(one->shape.geom.get(), two->shape.geom.get());
+    }
+    return;
+  }
+  struct Look {
+    State* state;
+    Collider* from;
+  };
+  for (Collider* collider : in_order) {
+    if (!collider->awake()) continue;
+    Look look{this, collider};
+    dSpaceCollide2(collider->shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &look,
+                   [](void* data, dxGeom* one, dxGeom* two) {
+                     const Look& l = *static_cast<Look*>(data);
+                     const Collider* a = static_cast<const Collider*>(dGeomGetData(one));
+                     const Collider* met = a == l.from ? static_cast<const Collider*>(dGeomGetData(two)) : a;
+                     const bool done = met->awake() && met->id < l.from->id;  // `met` found this pair already
+                     if (!done) l.state->collide(one, two);
+                   });
+  }
+}
+
+void Simulation::State::collide(dxGeom* one, dxGeom* two) {
+  if (given_up && *given_up > 0) return;
+  const BodyId a = static_cast<const Collider*>(dGeomGetData(one))->id;
+  const BodyId b = static_cast<const Collider*>(dGeomGetData(two))->id;
+  if (filter.may_touch(a, b)) contacts.collide(one, two, islands);
+}
+
+// What makes up for a body's gravity factor, which ODE does not know.
+void Simulation::State::add_gravity() {
+  for (Collider* collider : in_order) {
+    if (collider->gravity_factor == 1 || !collider->awake()) continue;
+    collider->add_force((collider->gravity_factor - 1) * collider->mass_kg * gravity_m_s2, {});
+  }
+}
+
+void Simulation::State::solve() {
+  exact = islands.max_contacts() <= max_exact;
+  contacts.hand_over(exact, islands);
+  if (exact) {
+    contacts.push_lone_bodies();
+    OdeLock::warnings() = 0;
+    dWorldStep(world.get(), part_s);
+    if (OdeLock::warnings() == 0 && contacts.lands_aslant()) correct_friction();
+    if (OdeLock::warnings() == 0) return;
+    restore();
+    exact = false;
+    contacts.hand_over(exact, islands);
+  }
+  // The iterative solver visits contacts in random order, drawn from one generator for the whole process.
+  dRandSetSeed(seed + parts);
+  dWorldSetQuickStepNumIterations(world.get(), iterations(contacts.part_points().size()));
+  dWorldQuickStep(world.get(), part_s);
+}
+
+// ODE bounds friction by the normal impulse that there would be without friction. Where a body lands on an edge,
+// friction turns the body and so changes that impulse: by 18 % in the worst case seen. The part is solved again with
+// the bounds that follow from the last solution, until they agree with the solution's own impulses. Where they do not
+// come to rest, at a very high friction, ODE's first solution stands.
+void Simulation::State::correct_friction() {
+  for (int round = 0; round < kMaxFrictionRounds; ++round) {
+    contacts.read_impulses();
+    const double change = contacts.bound_friction();
+    if (change < kFrictionAgrees) return;
+    restore();
+    contacts.push_lone_bodies();
+    dWorldStep(world.get(), part_s);
+    if (OdeLock::warnings() > 0) break;
+  }
+  OdeLock::warnings() = 0;
+  contacts.free_friction();
+  restore();
+  contacts.push_lone_bodies();
+  dWorldStep(world.get(), part_s);
+}
+
+void Simulation::State::restore() {
+  for (const auto& [collider, state] : before) collider->restore(state);
+  move_driven(driven_s);
+}
+
+// Puts driven bodies where they are after so much of the step: ODE's own solutions, of which there may be several, move
+// them, too.
+void Simulation::State::move_driven(double done_s) {
+  driven_s = done_s;
+  if (!has_driven) return;
+  for (Collider* collider : in_order) {
+    if (!collider->driven) continue;
+    Motion now = collider->told;
+    now.position_m = now.position_m + done_s * now.velocity_m_s;
+    now.rotation = normalized(from_rotation_vector(done_s * now.spin_rad_s) * now.rotation);
+    const Motion told = collider->told;
+    collider->drive(now);
+    collider->told = told;
+  }
+}
+
+void Simulation::State::join(const BodyJoint& joint) {
+  Collider* const joined[] = {&colliders.at(joint.body), joint.other ? &colliders.at(*joint.other) : nullptr};
+  dxBody* const other = joined[1] ? joined[1]->body.get() : nullptr;
+  if (other && !joint.description.collides) filter.part(joint.body, *joint.other);
+  joints.push_back({joint, OdeJoint(world.get(), joined[0]->body.get(), other, joint.description)});
+  for (Collider* collider : std::span(joined, other ? 2 : 1)) {
+    collider->joined = true;
+    if (!joints.back().joint.keeps_moving()) continue;
+    collider->kept_moving = true;
+    dBodySetAutoDisableFlag(collider->body.get(), 0);
+  }
+}
+
+// The joints of a body, described as they are now, so that they can be made again.
+std::vector<BodyJoint> Simulation::State::joints_of(BodyId id) const {
+  std::vector<BodyJoint> found;
+  for (const auto& [between, joint] : joints) {
+    if (between.body == id || between.other == id) found.push_back({between.body, between.other, joint.now()});
+  }
+  return found;
+}
+
+// Bodies sleep that lie on others and have all stayed where they are for kSleepWhenStill_s. Those of an island sleep
+// together, for one that moves would wake the others. None does while a driven body moves, which may shake them.
+void Simulation::State::let_still_bodies_sleep() {
+  const bool shaken = std::ranges::any_of(in_order, [](const Collider* collider) {
+    return collider->driven && (collider->told.velocity_m_s != Vec3{} || collider->told.spin_rad_s != Vec3{});
+  });
+  for (Collider* collider : in_order) {
+    if (shaken || !collider->was_awake || !collider->awake()) collider->stillness.reset();
+  }
+  if (shaken) return;
+  const auto for_each_awake = [this](const auto& call) {
+    for (Collider* collider : in_order) {
+      if (collider->was_awake && collider->awake() && collider->movable()) call(*collider, island_of(*collider).island);
+    }
+  };
+  for_each_awake([](Collider&, IslandState& island) { island.any_moves = false; });
+  for_each_awake([this](Collider& collider, IslandState& island) {
+    const Motion motion = collider.motion();
+    collider.stillness.step({motion.position_m, motion.rotation}, collider.outer_radius_m, step_s);
+    if (collider.kept_moving || collider.stillness.still_s() < kSleepWhenStill_s) island.any_moves = true;
+  });
+  for_each_awake([](Collider& collider, IslandState& island) {
+    if (!island.any_moves && island.contacts > 0) collider.fall_asleep();
+  });
+}
+
+void Simulation::State::note_moved() {
+  moved.clear();
+  asleep = true;
+  for (const Collider* collider : in_order) {
+    if (collider->was_awake || collider->driven) moved.push_back({collider->id, collider->motion()});
+    if (collider->awake()) asleep = false;
+  }
+}
+
+Collider& Simulation::State::add(BodyId id) {
+  Collider& collider = colliders[id];
+  collider.id = id;
+  in_order.insert(std::ranges::lower_bound(in_order, id, {}, &Collider::id), &collider);
+  return collider;
+}
+
+// Removes a body with its joints, and wakes all others: what rested on it must fall.
+void Simulation::State::remove(BodyId gone) {
+  if (!colliders.contains(gone)) return;
+  std::erase_if(joints, [&](const Joint& joint) {
+    const auto& [body, other, description] = joint.between;
+    if (body != gone && other != gone) return false;
+    if (other) filter.unpart(body, *other);
+    return true;
+  });
+  filter.forget(gone);
+  std::erase(in_order, &colliders.at(gone));
+  colliders.erase(gone);
+  contacts.forget(gone);
+  asleep = false;
+  for (Collider* collider : in_order) {
+    if (collider->movable()) dBodyEnable(collider->body.get());
+  }
+}
+
+Simulation::Simulation(const SceneDescription& scene) {
+  const OdeLock lock;
+  state_ = std::make_unique<State>(scene);
+}
+
+Simulation::~Simulation() {
+  const OdeLock lock;
+  state_.reset();
+}
+
+void Simulation::add_static(BodyId id, const StaticDescription& description) {
+  const OdeLock lock;
+  Collider& collider = state_->add(id);
+  collider.surface = description.surface;
+  collider.half_thickness_m = half_thickness(description);
+  collider.shape = make_static(state_->space.get(), description);
+  dGeomSetData(collider.shape.geom.get(), &collider);
+}
+
+void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, const FrictionSurface& surface,
+                          bool fixed, double gravity_factor) {
+  const OdeLock lock;
+  const std::vector<BodyJoint> kept = state_->joints_of(id);
+  state_->remove(id);
+  Collider& collider = state_->add(id);
+  collider.surface = surface;
+  collider.half_thickness_m = half_thickness(solid.shape);
+  collider.outer_radius_m = outer_radius(solid.shape);
+  collider.gravity_factor = gravity_factor;
+  collider.round = solid.shape.type == ShapeType::sphere;
+  collider.body.reset(dBodyCreate(state_->world.get()));
+  collider.shape = make_shape(state_->space.get(), solid.shape);
+  collider.set_mass(solid.mass);
+  if (fixed) dBodySetKinematic(collider.body.get());
+  dGeomSetData(collider.shape.geom.get(), &collider);
+  dGeomSetBody(collider.shape.geom.get(), collider.body.get());
+  const Vec3 center = solid.shape.center_m;
+  dGeomSetOffsetPosition(collider.shape.geom.get(), center.x, center.y, center.z);
+  dBodySetFiniteRotationMode(collider.body.get(), 1);  // exact for a constant spin, however fast: spheres
+  dBodySetGyroscopicMode(collider.body.get(), 0);      // Collider::turn() does better
+  collider.move(motion);
+  collider.stillness.reset();
+  for (const BodyJoint& joint : kept) state_->join(joint);
+  state_->asleep = false;
+}
+
+void Simulation::set_filter(BodyId id, const CollisionFilter& filter) { state_->filter.set(id, filter); }
+
+void Simulation::remove_body(BodyId id) {
+  const OdeLock lock;
+  state_->remove(id);
+}
+
+void Simulation::add_joint(BodyId body, std::optional<BodyId> other, const JointDescription& description) {
+  const OdeLock lock;
+  state_->join({body, other, description});
+}
+
+void Simulation::set_motion(BodyId id, const Motion& motion) {
+  const OdeLock lock;
+  state_->colliders.at(id).move(motion);
+  state_->colliders.at(id).stillness.reset();
+  state_->asleep = false;
+}
+
+void Simulation::drive(BodyId id, const Motion& motion) {
+  const OdeLock lock;
+  state_->colliders.at(id).drive(motion);
+  state_->has_driven = true;
+  if (motion.velocity_m_s == Vec3{} && motion.spin_rad_s == Vec3{}) return;
+  state_->asleep = false;
+  for (Collider* collider : state_->in_order) {
+    if (collider->movable()) dBodyEnable(collider->body.get());
+  }
+}
+
+std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up) {
+  const OdeLock lock;
+  State& state = *state_;
+  state.given_up = given_up;
+  state.contacts.begin_step();
+  state.driven_s = 0;
+  for (Collider* collider : state.in_order) collider->was_awake = collider->awake();
+  double done_s = 0;
+  for (int k = 1; done_s < state.step_s; ++k) {
+    const double rest_s = state.step_s - done_s;
+    const double part_s = k < kMaxParts ? state.free_flight(rest_s) : rest_s;
+    state.do_part(done_s, part_s);
+    done_s = part_s == rest_s ? state.step_s : done_s + part_s;
+    state.move_driven(done_s);
+  }
+  state.let_still_bodies_sleep();
+  state.note_moved();
+  return state.contacts.points();
+}
+
+std::span<const MovedBody> Simulation::moved() const { return state_->moved; }
+
+bool Simulation::asleep() const { return state_->asleep; }
+
+std::size_t Simulation::dropped_contacts() const { return state_->contacts.dropped(); }
+
+}  // namespace ringdown::scene

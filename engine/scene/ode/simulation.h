@@ -1,0 +1,74 @@
+// Rigid bodies that collide: everything Ringdown asks of ODE, and nothing about sound. World (world.h) passes the
+// contact points on to ContactSounds (contact_sounds.h), which turn them into events.
+//
+// Input must be checked before it gets here, by solid.h and the ranges of description.h: ODE ends the process on a NaN
+// or a mass of zero. Every call takes one process-wide lock, because ODE's collision code keeps global state;
+// simulations on several threads are safe but wait for each other. [one thread at a time per Simulation]
+#pragma once
+
+#include "engine/scene/contact_point.h"
+#include "engine/scene/contact/contact_rules.h"
+#include "engine/scene/description.h"
+#include "engine/scene/solid.h"
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+
+namespace ringdown::scene {
+
+// The most contact points in one island of bodies that ODE's exact solver handles; with more, the iterative solver
+// takes over for all bodies. Holds at a step of 2 ms and grows with the cube root of the step.
+inline constexpr double kMaxExactContacts = 52;
+
+// The most parts that a step is done in, so that fast bodies do not fly through what they should hit.
+inline constexpr int kMaxParts = 16;
+
+class Simulation {
+ public:
+  // Takes gravity, step and contact settings from the description, but not its bodies, statics and joints.
+  explicit Simulation(const SceneDescription& scene);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  void add_static(BodyId id, const StaticDescription& description);
+
+  // Adds a body, or replaces one, whose joints then stay. A fixed body ignores velocity, gravity and contacts.
+  // `gravity_factor` scales the scene's gravity.
+  void put_body(BodyId id, const Solid& solid, const Motion& motion, const FrictionSurface& surface, bool fixed,
+                double gravity_factor = 1);
+  void set_filter(BodyId id, const CollisionFilter& filter);  // of a body or a static; until it is removed
+  void remove_body(BodyId id);                                // with its joints
+
+  // Joins two bodies in their present poses, or one body to the world. The names in the description are ignored.
+  void add_joint(BodyId body, std::optional<BodyId> other, const JointDescription& description);
+
+  void set_motion(BodyId id, const Motion& motion);  // wakes the body
+
+  // Says how a fixed body moves in the next step, at a constant velocity; wakes all bodies if it does move.
+  void drive(BodyId id, const Motion& motion);
+
+  // Advances by one step and returns its contact points, which stay valid until the next call. A body about to fly
+  // through another, or deep into it, is stopped where they meet: the step is then done in parts. As soon as
+  // `*given_up` is not 0, no more contacts are looked for, and the bodies go through each other.
+  std::span<const ContactPoint> step(const std::atomic<int>* given_up = nullptr);
+
+  // The bodies that the last step moved. Sleeping bodies are not among them.
+  [[nodiscard]] std::span<const MovedBody> moved() const;
+
+  // Whether all bodies sleep, so that a step would change nothing.
+  [[nodiscard]] bool asleep() const;
+
+  // The number of contact points, and of whole pairs of bodies, beyond kMaxContactsPerStep, which the last step
+  // ignored: such bodies sink into each other until other contacts end.
+  [[nodiscard]] std::size_t dropped_contacts() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ringdown::scene

@@ -1,0 +1,215 @@
+#include "engine/synth/contact/exciters.h"
+
+#include "engine/synth/meters.h"
+#include "engine/synth/voice.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace ringdown::synth {
+namespace {
+
+// An impulse of 1 along the force of a contact.
+Event unit_impulse(const Event& event) RINGDOWN_REALTIME {
+  Event impulse{.frame = event.frame, .object = event.object, .point_m = event.point_m};
+  impulse.impulse_ns = (1 / length(event.contact.force_n)) * event.contact.force_n;
+  return impulse;
+}
+
+}  // namespace
+
+// The scale is one over the sum of sin(pi n / frames) for 0 <= n <= frames, in closed form as a geometric sum of
+// exponentials: the samples of a pulse then add up to 1, whatever its length.
+HalfSine::HalfSine(double frames) RINGDOWN_REALTIME : frames_(frames) {
+  const double half_step = 0.5 * std::numbers::pi / frames, last = std::floor(frames);
+  scale_ = std::sin(half_step) / (std::sin(half_step * last) * std::sin(half_step * (last + 1)));
+}
+
+void HalfSine::fill(Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double n = static_cast<double>(first) + static_cast<double>(i);
+    impulses[i] = n >= 0 && n < frames_ ? scale_ * std::sin(std::numbers::pi * n / frames_) : 0.0;
+  }
+}
+
+void Exciter::fill(Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME {
+  if (!input) {
+    const auto left = std::clamp<Frame>(end - first, 0, static_cast<Frame>(count));
+    if (contact) {
+      rubbing.fill(first, static_cast<std::size_t>(left), impulses);
+    } else {
+      pulse.fill(first - impulse.frame, static_cast<std::size_t>(left), impulses);
+    }
+    std::fill(impulses + left, impulses + count, 0.0);
+  } else if (samples) {
+    std::copy_n(samples, count, impulses);
+  } else {
+    std::fill_n(impulses, count, 0.0);
+  }
+}
+
+void Exciter::rescale(Frame now, double ratio) {
+  if (input) {
+    impulse.impulse_ns = (1 / ratio) * impulse.impulse_ns;
+    return;
+  }
+  impulse.frame = rescaled(impulse.frame, now, ratio);
+  if (end != kNever) end = rescaled(end, now, ratio);
+  if (contact) {
+    rubbing.rescale(now, ratio);
+  } else {
+    pulse = pulse.stretched(ratio);
+  }
+}
+
+Exciter* ExciterSlots::find_contact(std::uint32_t number, Frame frame) const RINGDOWN_REALTIME {
+  for (Exciter* exciter : all()) {
+    if (exciter->contact == number && !exciter->input && exciter->over_from() > frame) return exciter;
+  }
+  return nullptr;
+}
+
+void ExciterSlots::stop_at(Frame end) RINGDOWN_REALTIME {
+  for (Exciter* exciter : all()) exciter->end = std::min(exciter->end, end);
+}
+
+Exciter* Exciters::take(Frame from) RINGDOWN_REALTIME {
+  for (std::uint32_t rest = free_; rest != 0; rest &= rest - 1) {
+    const auto place = static_cast<std::size_t>(std::countr_zero(rest));
+    if (kept_until_[place] > from) continue;
+    free_ &= ~(1u << place);
+    Exciter& exciter = exciters_[place];
+    exciter.input.reset();
+    exciter.contact.reset();
+    exciter.end = kNever;
+    exciter.awaits_update = false;
+    return &exciter;
+  }
+  return nullptr;
+}
+
+void Exciters::give_back(Exciter& exciter) RINGDOWN_REALTIME { free_ |= 1u << (&exciter - exciters_.data()); }
+
+// Finds what an impulse of 1 gives the voice's modes, and adds the exciter to the slots. False when it cannot act.
+bool Exciters::fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME {
+  if (!voice || voice->table().columns() > kMaxDrivenColumns || !voice->find_sane_amplitudes(exciter.impulse))
+    return false;
+  std::copy_n(voice->amplitudes(), voice->table().columns(), exciter.amplitudes.get());
+  slots.add(exciter);
+  return true;
+}
+
+// A contact pulse as samples. The strike's half-sine becomes an exciter that pushes the modes for as long as the
+// contact lasts, instead of a single impulse whose amplitudes are shaped by the pulse's spectrum. Both sound alike once
+// the contact is over; sample by sample, the onset is right, too. When too many forces act, or the pulse is shorter
+// than kMinPulse_frames, false tells the caller to use the spectrum.
+bool Exciters::start_pulse(const Event& strike, double sample_rate_hz, Voice* voice,
+                           ExciterSlots& slots) RINGDOWN_REALTIME {
+  const double frames = strike.contact_time_s * sample_rate_hz;
+  if (!voice || !(frames >= kMinPulse_frames) || slots.full_at(strike.frame)) return false;
+  Exciter* const exciter = take(strike.frame);
+  if (!exciter) return false;
+  exciter->impulse = strike;
+  exciter->impulse.contact_time_s = 0;
+  exciter->pulse = HalfSine(frames);
+  if (fit(*exciter, voice, slots)) {
+    const double limit = voice->blow_limit(exciter->amplitudes.get());
+    if (limit == 1) return true;
+    for (std::size_t c = 0; c < voice->table().columns(); ++c) exciter->amplitudes.get()[c] *= limit;
+    count(counters_.limited);
+    return true;
+  }
+  give_back(*exciter);
+  return false;
+}
+
+bool Exciters::open_contact(const Event& event, double sample_rate_hz, Voice* voice,
+                            ExciterSlots& slots) RINGDOWN_REALTIME {
+  const Contact& contact = event.contact;
+  Exciter* const open = slots.find_contact(contact.number, event.frame);
+  if (length(contact.force_n) == 0) return open != nullptr;
+  if (open) {
+    open->awaits_update = true;
+    return true;
+  }
+  Exciter* const exciter = voice && !slots.full_at(event.frame) ? take(event.frame) : nullptr;
+  if (exciter) {
+    exciter->impulse = unit_impulse(event);
+    exciter->contact = contact.number;
+    exciter->rubbing = Rubbing(contact.number, sample_rate_hz);
+    exciter->awaits_update = true;
+    if (fit(*exciter, voice, slots)) return true;
+    give_back(*exciter);
+  }
+  count(counters_.refused);
+  return false;
+}
+
+void Exciters::update_contact(const Event& event, Voice* voice, const ExciterSlots& slots) RINGDOWN_REALTIME {
+  Exciter* const exciter = slots.find_contact(event.contact.number, event.frame);
+  if (!exciter) return;
+  exciter->awaits_update = false;
+  exciter->rubbing.update(event.frame, event.contact);
+  if (length(event.contact.force_n) == 0 || !voice) return;
+  exciter->impulse = unit_impulse(event);
+  if (!voice->find_sane_amplitudes(exciter->impulse)) return;
+  std::copy_n(voice->amplitudes(), voice->table().columns(), exciter->amplitudes.get());
+}
+
+void Exciters::connect(std::size_t input, const Event& impulse, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME {
+  if (!voice) return;
+  if (slots.full()) {  // an input stays; a pulse or contact would soon have ended
+    const auto all = slots.all();
+    const auto pulse =
+        std::find_if(all.begin(), all.end(), [](const Exciter* exciter) RINGDOWN_REALTIME { return !exciter->input; });
+    if (pulse != all.end()) drop(static_cast<std::size_t>(pulse - all.begin()), slots);
+  }
+  Exciter* const exciter = take(kNever);
+  if (!exciter) return count(counters_.refused);
+  exciter->impulse = impulse;
+  exciter->impulse.contact_time_s = 0;
+  exciter->input = input;
+  if (fit(*exciter, voice, slots)) {
+    targets_[input] = impulse.object;
+  } else {
+    give_back(*exciter);
+  }
+}
+
+void Exciters::disconnect(std::size_t input, ExciterSlots& slots) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < slots.all().size(); ++i) {
+    if (slots.all()[i]->input == input) return drop(i, slots);
+  }
+}
+
+void Exciters::refit(Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME {
+  const ExciterSlots before = slots;
+  slots.clear();
+  for (Exciter* exciter : before.all()) {
+    if (fit(*exciter, voice, slots)) continue;
+    slots.add(*exciter);
+    drop(slots.all().size() - 1, slots);
+  }
+}
+
+void Exciters::drop_finished(Frame frame, ExciterSlots& slots) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < slots.all().size();) {
+    if (const Frame over = slots.all()[i]->over_from(); over <= frame) {
+      drop(i, slots, over + static_cast<Frame>(kChunkFrames));
+    } else {
+      ++i;
+    }
+  }
+}
+
+void Exciters::drop(std::size_t which, ExciterSlots& slots, Frame keep_until) RINGDOWN_REALTIME {
+  Exciter& exciter = slots.take_out(which, keep_until);
+  kept_until_[static_cast<std::size_t>(&exciter - exciters_.data())] = keep_until;
+  if (exciter.input) targets_[*exciter.input].reset();
+  give_back(exciter);
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,160 @@
+// Forces that last for a while: contact pulses played sample by sample, audio inputs that excite an object, and
+// surfaces that slide or roll.
+//
+// An exciter is a force in time at one point of one object. There is a fixed number of them; the audio thread takes one
+// for a strike and gives it back at the end of the chunk in which the pulse is over.
+//
+// Where chunks end depends on the block size, but what sounds must not. So the place of a force is free again exactly
+// kChunkFrames after the force is over: then it has been given back, however the time was cut. [audio, after
+// construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/kernels/aligned_array.h"
+#include "engine/synth/kernels/block_io.h"
+#include "engine/synth/kernels/drive_kernel.h"
+#include "engine/synth/event.h"
+#include "engine/synth/contact/rubbing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace ringdown::synth {
+
+class Voice;
+struct MixerCounters;
+
+inline constexpr std::size_t kMaxDrives = 32;           // at a time; more strikes are shaped by their spectrum
+inline constexpr std::size_t kMaxDrivenColumns = 4096;  // of an object's modes; with more, too
+inline constexpr double kMinPulse_frames = 4;           // a shorter pulse is none in samples
+
+// A contact: a half-sine of unit impulse that begins at frame 0.
+class HalfSine {
+ public:
+  HalfSine() = default;
+  explicit HalfSine(double frames) RINGDOWN_REALTIME;  // >= kMinPulse_frames
+
+  // This contact in frames of another length. [worker]
+  [[nodiscard]] HalfSine stretched(double ratio) const {
+    return HalfSine(frames_ * ratio > kMinPulse_frames ? frames_ * ratio : kMinPulse_frames);
+  }
+
+  // The impulse in frames first ... first + count - 1; the sum over all frames is 1.
+  void fill(Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME;
+  [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME { return static_cast<Frame>(std::ceil(frames_)); }
+
+ private:
+  double frames_ = 0, scale_ = 0;
+};
+
+struct Exciter {
+  AlignedArray<double> amplitudes = aligned_zeros<double>(kMaxDrivenColumns);  // what an impulse of 1 gives each mode
+  Event impulse;                         // an impulse of 1: its point and direction, and the frame of its beginning
+  std::optional<std::size_t> input;      // the force is this input's samples; else
+  std::optional<std::uint32_t> contact;  // it is the friction of this contact of the object; else the pulse
+  Rubbing rubbing;
+  HalfSine pulse;
+  Frame end = 0;               // the force is cut off there
+  bool awaits_update = false;  // an event of this chunk, not yet played, goes on with the contact
+
+  // Changes the length of a frame from `now` on. [worker]
+  void rescale(Frame now, double ratio);
+
+  // The impulse in frames first ... first + count - 1 of the mixer; `samples` are the input's, or null.
+  void fill(Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME;
+  // The first frame without force; kNever where that is not known yet.
+  [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME {
+    if (input) return kNever;
+    if (awaits_update) return end;
+    return std::min(end, contact ? rubbing.over_from() : impulse.frame + pulse.over_from());
+  }
+};
+
+// The exciters that act on one object.
+class ExciterSlots {
+ public:
+  [[nodiscard]] std::span<Exciter* const> all() const RINGDOWN_REALTIME { return {slots_.data(), count_}; }
+  [[nodiscard]] bool full() const RINGDOWN_REALTIME { return count_ == kMaxForces; }
+  // Whether a force that begins at this frame finds no place.
+  [[nodiscard]] bool full_at(Frame frame) const RINGDOWN_REALTIME {
+    const auto kept = std::ranges::count_if(kept_until_, [=](Frame until) RINGDOWN_REALTIME { return until > frame; });
+    return count_ + static_cast<std::size_t>(kept) >= kMaxForces;
+  }
+  void add(Exciter& exciter) RINGDOWN_REALTIME { slots_[count_++] = &exciter; }
+  // The last one moves to its place, which is kept free until a frame.
+  Exciter& take_out(std::size_t which, Frame keep_until) RINGDOWN_REALTIME {
+    Exciter* const exciter = slots_[which];
+    slots_[which] = slots_[--count_];
+    *std::ranges::min_element(kept_until_) = keep_until;
+    return *exciter;
+  }
+  void clear() RINGDOWN_REALTIME { count_ = 0; }
+
+  // The contact of this number that is not over at a frame; null: none.
+  [[nodiscard]] Exciter* find_contact(std::uint32_t number, Frame frame) const RINGDOWN_REALTIME;
+  // Whether a pulse or a contact acts: anything but an input.
+  [[nodiscard]] bool has_pulse() const RINGDOWN_REALTIME {
+    return std::ranges::any_of(all(), [](const Exciter* exciter) RINGDOWN_REALTIME { return !exciter->input; });
+  }
+  // Whether a force acts in a chunk in which these inputs are not silent.
+  [[nodiscard]] bool act(const std::array<bool, kMaxInputs>& input_sounds) const RINGDOWN_REALTIME {
+    return std::ranges::any_of(all(), [&](const Exciter* exciter) RINGDOWN_REALTIME {
+      return !exciter->input || input_sounds[*exciter->input];
+    });
+  }
+  void stop_at(Frame end) RINGDOWN_REALTIME;  // cuts off every pulse and contact
+
+ private:
+  std::array<Exciter*, kMaxForces> slots_{};
+  std::array<Frame, kMaxForces> kept_until_{};  // of places whose forces are over
+  std::size_t count_ = 0;
+};
+
+// All exciters, and which object each input excites. An exciter acts on a voice: where none fits, or its bank has more
+// than kMaxDrivenColumns modes, nothing acts.
+class Exciters {
+ public:
+  explicit Exciters(MixerCounters& counters) : counters_(counters) {}
+
+  // Plays the strike's contact sample by sample. False when the strike is better shaped by its spectrum: it is too
+  // short, or too many forces act already.
+  [[nodiscard]] bool start_pulse(const Event& strike, double sample_rate_hz, Voice* voice,
+                                 ExciterSlots& slots) RINGDOWN_REALTIME;
+  // Makes room for a contact, unless the object has it already. False when there is no force, or no room.
+  [[nodiscard]] bool open_contact(const Event& event, double sample_rate_hz, Voice* voice,
+                                  ExciterSlots& slots) RINGDOWN_REALTIME;
+  // The contact is as the event says from the event's frame on.
+  static void update_contact(const Event& event, Voice* voice, const ExciterSlots& slots) RINGDOWN_REALTIME;
+
+  // Lets an input excite the object of `impulse`, whose voice and slots these are.
+  void connect(std::size_t input, const Event& impulse, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
+  void disconnect(std::size_t input, ExciterSlots& slots) RINGDOWN_REALTIME;
+  [[nodiscard]] std::optional<ObjectNumber> target_of(std::size_t input) const RINGDOWN_REALTIME {
+    return targets_[input];
+  }
+
+  // Fits what acts on an object to its new voice; drops what does not fit.
+  void refit(Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
+  // Gives back the exciters that are over at a frame.
+  void drop_finished(Frame frame, ExciterSlots& slots) RINGDOWN_REALTIME;
+
+ private:
+  [[nodiscard]] Exciter* take(Frame from) RINGDOWN_REALTIME;  // null: none is free from that frame on
+  void give_back(Exciter& exciter) RINGDOWN_REALTIME;
+  void drop(std::size_t which, ExciterSlots& slots, Frame keep_until = 0) RINGDOWN_REALTIME;
+  [[nodiscard]] bool fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
+
+  static_assert(kMaxDrives == 32);
+  std::uint32_t free_ = ~0u;  // bit i: exciter i
+  std::array<Exciter, kMaxDrives> exciters_;
+  std::array<Frame, kMaxDrives> kept_until_{};  // of exciters that are free
+  std::array<std::optional<ObjectNumber>, kMaxInputs> targets_;
+  MixerCounters& counters_;
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,149 @@
+// Objects that touch each other, or a bow, or a mallet, while they ring: rendered together, because each contact feels
+// both of its surfaces in every sample (engine/contact).
+//
+// A chunk is cut at events, and into segments of at most kMaxTouchSteps steps. For each segment
+//
+//   1. free_motion() finds how the surfaces would move at the contacts if nothing pushed,
+//   2. the network finds the forces step by step; what each force does to the rest of the segment at every contact is a
+//      row of taps, the answer of the modes to a force of 1 N in one step,
+//   3. drive_touched() moves every object on under its forces, once, and sums its samples.
+//
+// So every mode of every object takes part, whatever their number, and the network sees sums alone. [audio, after
+// construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/contact/network.h"
+#include "engine/synth/kernels/aligned_array.h"
+#include "engine/synth/object.h"
+#include "engine/synth/ramp.h"
+#include "engine/synth/contact/rubbing.h"
+#include "engine/synth/source.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace ringdown::synth {
+
+inline constexpr std::size_t kMaxTouches = 16;         // two-way contacts at a time
+inline constexpr std::size_t kMaxTouchColumns = 2048;  // of an object's modes; with more, contacts are one-way
+inline constexpr std::size_t kMaxTouchSteps = 64;      // of a segment
+inline constexpr std::size_t kMaxSubsteps = 4;         // of a sample, for short contacts
+inline constexpr std::size_t kFreedomsOfTouch = 3;
+inline constexpr std::size_t kTapRow = kMaxTouchSteps + 8;
+
+// How one place of one object moves in one direction.
+struct TouchPort {
+  AlignedArray<double> weight = aligned_zeros<double>(kMaxTouchColumns);   // displacement [m] per Re z
+  AlignedArray<double> kick_re = aligned_zeros<double>(kMaxTouchColumns);  // what 1 N adds to z in a step
+  AlignedArray<double> kick_im = aligned_zeros<double>(kMaxTouchColumns);
+  double leaning = 0;  // the sum of Re z at rest under 1 N
+  double last_n = 0;   // the force in the last step
+};
+
+// A mass that moves along the contact's normal.
+struct RigidMass {
+  double kg = 0;  // 0: there is none
+  double at_m = 0, speed_m_s = 0, load_n = 0;
+};
+
+// A two-way contact.
+struct TouchSlot {
+  struct Side {
+    Object* object = nullptr;  // null: nothing, or the rigid mass alone
+    std::array<TouchPort, kFreedomsOfTouch> ports;
+    AlignedArray<double> poles = aligned_zeros<double>(2 * kMaxTouchColumns);  // of a step, where a sample has several
+  };
+  bool used = false;   // accepted, and not over
+  bool open = false;   // its event has happened
+  bool stale = false;  // its ports are to be found anew
+  bool fresh = false;  // accepted since the group was set: other objects than before may touch here
+  Event event;         // the last one
+  std::array<Side, 2> sides;
+  RigidMass rigid;
+  double per_kg = 0;  // one over the mass that a short push along the normal feels
+  contact::Contact contact;
+  std::size_t first = 0;  // of its freedoms in the group's network
+  Ramp speed_m_s, force_n;
+  std::array<Ramp, 2> slide_m_s;  // rub: of the other along the surface,
+  Rubbing relief;                 // the profiles that pass under it,
+  double raised_m = 0;            // and by how much they press the two together
+  Frame since = 0;
+
+  [[nodiscard]] bool involves(const Object& object) const RINGDOWN_REALTIME {
+    return sides[0].object == &object || sides[1].object == &object;
+  }
+};
+
+class TouchGroup final : public Source {
+ public:
+  TouchGroup();
+  void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
+  void skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override { render(chunk, workspace); }
+  [[nodiscard]] bool can_skip(const Chunk& /*chunk*/) const RINGDOWN_REALTIME override { return false; }
+  void prepare(const Chunk& /*chunk*/) RINGDOWN_REALTIME override {}
+  void count_levels(const Chunk& /*chunk*/, LevelHistogram& /*histogram*/) RINGDOWN_REALTIME override {}
+  [[nodiscard]] ModeStates::Counts counts() const RINGDOWN_REALTIME override;
+
+  // Before a chunk: these touch each other. What is known of contacts stays while they remain the same.
+  void set(std::span<TouchSlot* const> touches) RINGDOWN_REALTIME;
+  [[nodiscard]] bool empty() const RINGDOWN_REALTIME { return touch_count_ == 0; }
+
+ private:
+  struct Body {
+    Object* object = nullptr;
+    const ModeTable* table = nullptr;
+    double* poles = nullptr;  // of a step, where a sample has several
+    // What else pushes it in a segment: pulses, inputs, one-way contacts.
+    std::array<std::array<double, kMaxTouchSteps>, kMaxForces> impulses;
+    std::array<Force, kMaxForces> exciting;
+    std::size_t exciting_count = 0;
+  };
+  static constexpr std::size_t kFreedoms = contact::kMaxFreedoms;
+  static_assert(kMaxPlaces >= kFreedoms && kMaxPortForces >= kFreedoms, "all of them may act on one object");
+
+  [[nodiscard]] std::span<TouchSlot* const> touches() const RINGDOWN_REALTIME {
+    return {touches_.data(), touch_count_};
+  }
+  void play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_REALTIME;
+  void play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME;
+  void refresh(const Chunk& chunk) RINGDOWN_REALTIME;
+  void find_poles(Body& body) RINGDOWN_REALTIME;
+  // Returns the sum of the modes' squared shapes: one over the mass that a short push feels [1/kg].
+  double find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m,
+                   TouchPort& port) RINGDOWN_REALTIME;
+  void find_ports(TouchSlot& touch) RINGDOWN_REALTIME;
+  void find_taps() RINGDOWN_REALTIME;
+  void find_laws(TouchSlot& touch) RINGDOWN_REALTIME;
+  [[nodiscard]] ModeArrays modes_of(const Body& body, const StateArray& states) const RINGDOWN_REALTIME;
+  [[nodiscard]] Body& body_of(const Object& object) RINGDOWN_REALTIME;
+  void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  [[nodiscard]] bool stays_apart(std::size_t steps) RINGDOWN_REALTIME;
+  enum class Directions { all, normal, along };  // along the surface
+  void move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, Directions which) RINGDOWN_REALTIME;
+  void move_masses(std::size_t steps) RINGDOWN_REALTIME;
+  void raise(TouchSlot& touch, Frame begin, std::size_t frames) RINGDOWN_REALTIME;
+  void find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME;
+  void close_finished(Frame now) RINGDOWN_REALTIME;
+
+  std::array<TouchSlot*, kMaxTouches> touches_{};
+  std::size_t touch_count_ = 0;
+  std::array<Body, 2 * kMaxTouches> bodies_;
+  std::size_t body_count_ = 0;
+  contact::Network network_;
+  bool stale_ = true;  // bodies, ports and taps are to be found anew
+  std::size_t substeps_ = 1;
+  double step_s_ = 0;
+  // For each pair of freedoms, with i <= j at j (j + 1) / 2 + i: the taps, and whether they share a body.
+  AlignedArray<double> taps_;
+  std::array<bool, kFreedoms*(kFreedoms + 1) / 2> coupled_{};
+  AlignedArray<double> approach_ = aligned_zeros<double>(kFreedoms * kTapRow);  // of each freedom, at each step
+  AlignedArray<double> forces_ = aligned_zeros<double>(kFreedoms * kTapRow);
+  std::array<bool, kFreedoms> pushes_{};  // not all forces of the segment are 0
+  bool touched_ = false;                  // something did in the last segment
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,55 @@
+// The buffers of a block: output channels to write, and audio inputs to read. [audio]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/kernels/ambisonics.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace ringdown::synth {
+
+// Channels: left and right of the mix, then the buses. Where there are ambisonic channels, they take the places of the
+// last buses.
+inline constexpr std::size_t kMaxChannels = 64;
+inline constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;
+inline constexpr std::size_t kFirstAmbisonic = kMaxChannels - kMaxAmbisonicChannels;
+inline constexpr std::size_t kNoBus = 0;  // in place of a bus's channel
+
+// Some of the channels: bit c stands for channel c.
+using ChannelSet = std::uint64_t;
+constexpr bool contains(ChannelSet set, std::size_t channel) { return (set >> channel & 1) != 0; }
+constexpr ChannelSet only(std::size_t channel) { return ChannelSet{1} << channel; }
+// The first `count` ambisonic channels.
+constexpr ChannelSet ambisonic_set(std::size_t count) { return ((ChannelSet{1} << count) - 1) << kFirstAmbisonic; }
+inline constexpr ChannelSet kAllAmbisonic = ambisonic_set(kMaxAmbisonicChannels);
+
+// Where a block is written. A channel to which nobody listens is not rendered.
+class Outputs {
+ public:
+  Outputs() = default;
+  Outputs(float* left, float* right) RINGDOWN_REALTIME { listen(kLeft, left), listen(kRight, right); }
+  void listen_to_mix(std::size_t side, float* samples) RINGDOWN_REALTIME { listen(side, samples); }  // 0 left, 1 right
+  void listen_to_bus(std::size_t bus, float* samples) RINGDOWN_REALTIME { listen(kFirstBus + bus, samples); }
+  void listen_to_ambisonics(std::size_t acn, float* samples) RINGDOWN_REALTIME {
+    listen(kFirstAmbisonic + acn, samples);
+  }
+
+  [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return wanted_; }
+  [[nodiscard]] float* at(std::size_t channel) const RINGDOWN_REALTIME { return samples_[channel]; }
+
+ private:
+  void listen(std::size_t channel, float* samples) RINGDOWN_REALTIME {
+    samples_[channel] = samples;
+    wanted_ |= only(channel);
+  }
+  std::array<float*, kMaxChannels> samples_;  // set for the channels that are wanted
+  ChannelSet wanted_ = 0;
+};
+
+// Audio that excites objects: for each input null, or one sample per frame.
+inline constexpr std::size_t kMaxInputs = 4;
+using Inputs = std::array<const float*, kMaxInputs>;
+
+}  // namespace ringdown::synth

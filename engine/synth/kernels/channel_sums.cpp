@@ -1,0 +1,71 @@
+#include "engine/synth/kernels/channel_sums.h"
+
+#include "engine/synth/kernels/mix_kernel.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+namespace ringdown::synth {
+
+void ChannelSums::open(std::size_t frames) RINGDOWN_REALTIME {
+  has_samples_ = has_moments_ = 0;
+  frames_ = frames;
+  if (field_) field_->open();
+}
+
+double* ChannelSums::samples(std::size_t channel) RINGDOWN_REALTIME {
+  Channel& c = channels_.data()[channel];
+  if (!contains(has_samples_, channel)) std::fill_n(c.samples.data(), frames_, 0.0);
+  has_samples_ |= only(channel);
+  return c.samples.data();
+}
+
+MomentSums* ChannelSums::moments(std::size_t channel) RINGDOWN_REALTIME {
+  Channel& c = channels_.data()[channel];
+  if (!contains(has_moments_, channel)) c.moments.of.fill(0);
+  has_moments_ |= only(channel);
+  return &c.moments;
+}
+
+void ChannelSums::add(const ChannelSums& other) RINGDOWN_REALTIME {
+  for (std::size_t c = 0; c < kMaxChannels; ++c) {
+    const Channel& from = other.channels_.data()[c];
+    if (contains(other.has_samples_, c)) add_scaled(from.samples.data(), 1, samples(c), frames_);
+    if (!contains(other.has_moments_, c)) continue;
+    float* const to = moments(c)->of.data();
+    for (std::size_t i = 0; i < from.moments.of.size(); ++i) to[i] += from.moments.of[i];
+  }
+  if (field_ && other.field_) field_->add(*other.field_);
+}
+
+// A complex transform turns the moments of two channels at once.
+void ChannelSums::close() RINGDOWN_REALTIME {
+  std::array<double, kChunkFrames> unused;
+  for (ChannelSet rest = has_moments_; rest != 0;) {
+    const auto take = [&rest]() RINGDOWN_REALTIME {
+      const auto channel = static_cast<std::size_t>(std::countr_zero(rest));
+      rest &= rest - 1;
+      return channel;
+    };
+    const std::size_t first = take();
+    const bool alone = rest == 0;
+    const std::size_t second = alone ? first : take();
+    if (alone) unused.fill(0);
+    synthesis_.add(channels_.data()[first].moments, channels_.data()[second].moments, samples(first),
+                   alone ? unused.data() : samples(second), frames_);
+  }
+  if (!field_ || field_->channels() == 0) return;
+  std::array<double*, kMaxChannels> out{};
+  for (ChannelSet rest = field_->channels(); rest != 0; rest &= rest - 1) {
+    const auto channel = static_cast<std::size_t>(std::countr_zero(rest));
+    out[channel] = samples(channel);
+  }
+  field_->close(out, frames_);
+}
+
+const double* ChannelSums::result(std::size_t channel) const RINGDOWN_REALTIME {
+  return contains(has_samples_, channel) ? channels_.data()[channel].samples.data() : nullptr;
+}
+
+}  // namespace ringdown::synth

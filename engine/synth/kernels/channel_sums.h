@@ -1,0 +1,53 @@
+// The sum of all objects' sound in each channel, for one chunk at a time. [audio, after construction]
+//
+// A channel costs nothing in a chunk in which nothing is added to it.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/kernels/block_io.h"
+#include "engine/synth/kernels/field_sums.h"
+#include "engine/synth/kernels/moments.h"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace ringdown::synth {
+
+class ChannelSums {
+ public:
+  // Makes room for ambisonic channels, or gives it back. [worker, while nothing is rendered]
+  void have_field(bool on) { field_ = on ? std::make_unique<FieldSums>() : nullptr; }
+
+  // Begins a chunk of `frames`; what was added before is dropped. More than kChunkFrames only if nothing is added.
+  void open(std::size_t frames) RINGDOWN_REALTIME;
+
+  // The samples or moments of a channel, to be added to.
+  double* samples(std::size_t channel) RINGDOWN_REALTIME;
+  MomentSums* moments(std::size_t channel) RINGDOWN_REALTIME;
+  // Returns the sums that take an object for all of its channels together; null where there are no ambisonic channels.
+  [[nodiscard]] FieldSums* field() RINGDOWN_REALTIME { return field_.get(); }
+
+  // Adds all that was added to `other` in the same chunk.
+  void add(const ChannelSums& other) RINGDOWN_REALTIME;
+
+  // Turns moments into samples, after everything was added.
+  void close() RINGDOWN_REALTIME;
+
+  // The channel's samples; null where nothing was added.
+  [[nodiscard]] const double* result(std::size_t channel) const RINGDOWN_REALTIME;
+
+ private:
+  struct Channel {
+    alignas(64) std::array<double, kChunkFrames> samples{};
+    MomentSums moments;
+  };
+  std::vector<Channel> channels_ = std::vector<Channel>(kMaxChannels);
+  ChannelSet has_samples_ = 0, has_moments_ = 0;
+  std::size_t frames_ = 0;
+  std::unique_ptr<FieldSums> field_;
+  MomentSynthesis synthesis_;
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,84 @@
+// The listener: where they are, which way they look, and what of a source reaches them. [audio, after construction]
+//
+// The listener's own frame has x to the front, y to the left and z up, as ambisonics has it.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/base/rotation.h"
+#include "engine/modal/air_absorption.h"
+#include "engine/synth/listening/pose_track.h"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace ringdown::synth {
+
+// A source as it is heard at one moment.
+struct Sighting {
+  Vec3 toward_listener;  // unit, in the source's frame
+  Vec3 toward_source;    // in the listener's frame; of length 1, or less nearer than kNear_m
+  double distance_m = 1;
+  double rate = 1;    // by which frequencies are heard higher
+  double excess = 0;  // by which the rate is above 1 - (change of distance) / c: of second order in speeds over c
+};
+
+// The distance at which sources have their own level; nearer ones are not louder.
+inline constexpr double kReferenceDistance_m = 1;
+// Sources nearer than this are heard from less and less of a direction.
+inline constexpr double kNear_m = 0.25;
+
+inline double level_at(double distance_m) RINGDOWN_REALTIME {
+  return kReferenceDistance_m / (distance_m > kReferenceDistance_m ? distance_m : kReferenceDistance_m);
+}
+
+class Listening {
+ public:
+  Listening() { set_air({}); }
+
+  [[nodiscard]] bool on() const RINGDOWN_REALTIME { return on_; }
+  // Whether there has ever been a listener.
+  [[nodiscard]] bool used() const RINGDOWN_REALTIME { return track_.known(); }
+  void place(Frame at, const Pose& pose, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
+    track_.add(at, pose, now, sample_rate_hz);
+    on_ = true;
+  }
+  void leave() RINGDOWN_REALTIME { on_ = false; }
+  // Whether what a source does is heard later, by as long as its sound travels. Its poses then have to come as much
+  // later, too, so that its track is where it was when the sound left it. [worker, while nothing is rendered]
+  void set_travel_time(bool on) { travel_time_ = on; }
+  [[nodiscard]] bool travel_time() const RINGDOWN_REALTIME { return travel_time_ && on_; }
+  // Frames for which sound travels from a place to where the listener is at a frame from the last cell on.
+  [[nodiscard]] double travel_frames(const Vec3& from_m, Frame heard, double sample_rate_hz) const RINGDOWN_REALTIME {
+    return length(track_.at(heard, sample_rate_hz).pose.position_m - from_m) / sound_speed_m_s_ * sample_rate_hz;
+  }
+  void set_air(const modal::AirConditions& conditions) RINGDOWN_REALTIME;
+  void rescale(Frame now) { track_.rescale(now); }  // [worker]
+
+  // Before every chunk of a cell (chunk.h).
+  void begin_cell(Frame begin, Frame end, double sample_rate_hz) RINGDOWN_REALTIME;
+  // The rest holds from begin_cell() on, for the cell's first frame, the one after its last, or any from the first on.
+  [[nodiscard]] const Motion& at_begin() const RINGDOWN_REALTIME { return begin_; }
+  [[nodiscard]] const Motion& at_end() const RINGDOWN_REALTIME { return end_; }
+  [[nodiscard]] Motion at(Frame frame, double sample_rate_hz) const RINGDOWN_REALTIME {
+    return track_.at(frame, sample_rate_hz);
+  }
+  // `origin_m`: where the source's sound comes from, in its frame.
+  [[nodiscard]] Sighting sight(const Motion& source, const Vec3& origin_m,
+                               const Motion& listener) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool still() const RINGDOWN_REALTIME { return track_.still(); }
+  [[nodiscard]] std::uint32_t jumps() const RINGDOWN_REALTIME { return track_.jumps(); }
+  [[nodiscard]] const modal::AirAbsorption& absorption() const RINGDOWN_REALTIME { return absorption_; }
+  [[nodiscard]] double sound_speed_m_s() const RINGDOWN_REALTIME { return sound_speed_m_s_; }
+  // Grows when the air changes.
+  [[nodiscard]] std::uint32_t airs() const RINGDOWN_REALTIME { return airs_; }
+
+ private:
+  PoseTrack track_;
+  Motion begin_, end_;
+  modal::AirAbsorption absorption_;
+  double sound_speed_m_s_ = 343.2;
+  std::uint32_t airs_ = 0;
+  bool on_ = false, travel_time_ = false;
+};
+
+}  // namespace ringdown::synth

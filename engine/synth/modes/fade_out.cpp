@@ -1,0 +1,57 @@
+#include "engine/synth/modes/fade_out.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace ringdown::synth {
+
+FadeOut::FadeOut(const ModeTable& table) : states_(table), all_groups_(table.groups()) {
+  std::iota(all_groups_.begin(), all_groups_.end(), 0);
+}
+
+void FadeOut::begin(StateArray& from, std::size_t frames) RINGDOWN_REALTIME {
+  const double before = level();
+  double *re = states_.re(), *im = states_.im();
+  for (std::size_t i = 0; i < states_.table().columns(); ++i) {
+    re[i] = before * re[i] + from.re()[i];
+    im[i] = before * im[i] + from.im()[i];
+  }
+  from.clear();
+  left_ = frames_ = std::max(frames, kMinFrames);
+}
+
+bool FadeOut::move_from(FadeOut& other) RINGDOWN_REALTIME {
+  const bool left = states_.move_from(other.states_);
+  const double ratio = states_.table().sample_rate_hz() / other.states_.table().sample_rate_hz();
+  const auto scaled = [ratio](std::size_t frames) RINGDOWN_REALTIME {
+    return static_cast<std::size_t>(std::ceil(static_cast<double>(frames) * ratio));
+  };
+  frames_ = std::max(kMinFrames, scaled(other.frames_));
+  left_ = std::min(scaled(other.left_), frames_);
+  return left;
+}
+
+bool FadeOut::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
+  double sum[kChunkFrames] = {};
+  ActiveGroups all{all_groups_.data(), all_groups_.size()};
+  const bool sane = render_modes(states_.for_kernel(frames), all, kKeepAllGroups, sum, frames);
+  for (std::size_t n = 0; n < frames && left_ > 0; ++n, --left_) {
+    out[n] += sum[n] * static_cast<double>(left_) / static_cast<double>(frames_);
+  }
+  if (left_ == 0) states_.clear();
+  return sane;
+}
+
+void FadeOut::skip(std::size_t frames) RINGDOWN_REALTIME {
+  states_.skip(frames);
+  left_ -= std::min(frames, left_);
+  if (left_ == 0) states_.clear();
+}
+
+void FadeOut::clear() RINGDOWN_REALTIME {
+  states_.clear();
+  left_ = 0;
+}
+
+}  // namespace ringdown::synth

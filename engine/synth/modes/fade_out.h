@@ -1,0 +1,48 @@
+// Lets states fade out: they ring on under a gain that falls to 0 in a straight line, and take no more strikes.
+// [audio, after construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/modes/state_array.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace ringdown::synth {
+
+class FadeOut {
+ public:
+  static constexpr std::size_t kMinFrames = 512;  // a shorter fade would click
+
+  explicit FadeOut(const ModeTable& table);  // [worker]
+
+  // Takes what `from` holds, leaves zeros there, and lets it fade within `frames`, at least kMinFrames. What is left of
+  // a fade that runs already joins the new one at its present level.
+  void begin(StateArray& from, std::size_t frames) RINGDOWN_REALTIME;
+
+  // Goes on with a fade of another table of the same bank (StateArray::move_from). True when some of it is left there.
+  bool move_from(FadeOut& other) RINGDOWN_REALTIME;
+
+  // Adds the next `frames` <= kChunkFrames samples to `out`. False when a state is absurd: nothing was added. Runs only
+  // while running().
+  bool render(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  // Moves on as render() does, without a sound.
+  void skip(std::size_t frames) RINGDOWN_REALTIME;
+  void clear() RINGDOWN_REALTIME;
+
+  [[nodiscard]] bool running() const RINGDOWN_REALTIME { return left_ > 0; }
+  // The present gain of states().
+  [[nodiscard]] double level() const RINGDOWN_REALTIME {
+    return static_cast<double>(left_) / static_cast<double>(frames_);
+  }
+  void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { states_.hear_by(hearing); }
+  [[nodiscard]] const StateArray& states() const RINGDOWN_REALTIME { return states_; }
+
+ private:
+  StateArray states_;
+  std::vector<std::uint32_t> all_groups_;
+  std::size_t left_ = 0, frames_ = kMinFrames;
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,19 @@
+// How far a gliding mode detunes others: what the pitches of a chunk and the limit of a blow are found from. [audio]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/modes/glide.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace ringdown::synth {
+
+// The most that mode l detunes any mode at |z_l|^2 = `square`, relative. It is kept below a million, where pitches have
+// long ceased to move, so that sums over all modes stay numbers whatever a bank holds. What is not a number counts as
+// that million.
+[[nodiscard]] inline float reached(const GlideMatrix& matrix, std::size_t l, float square) RINGDOWN_REALTIME {
+  return std::min(1e6F, matrix.reach.data()[l] * square);
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,44 @@
+// States that are moved on apart from an object's others until the chunk ends: strikes in the middle of a chunk whose
+// earlier sound is summed as moments, and modes under forces that last. [audio, after construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/kernels/drive_kernel.h"
+#include "engine/synth/modes/muting.h"
+#include "engine/synth/modes/state_array.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace ringdown::synth {
+
+class LateStrikes {
+ public:
+  explicit LateStrikes(const ModeTable& table);  // [worker]
+
+  // Adds a strike's amplitudes, times `gain`, at the present frame: to all groups, or to one.
+  void add(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME;
+  void add(const double* amplitudes, double gain, std::uint32_t group, const ModeFactors* each) RINGDOWN_REALTIME;
+
+  // Adds the next `frames` <= kChunkFrames samples to `out`: ringing freely, or under forces. False when a state is
+  // absurd.
+  bool render(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool drive(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME;
+
+  [[nodiscard]] bool has(std::uint32_t group) const RINGDOWN_REALTIME { return listed_.data()[group] != 0; }
+  [[nodiscard]] const GroupList& groups() const RINGDOWN_REALTIME { return groups_; }  // that have been struck
+  void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { states_.hear_by(hearing); }
+  [[nodiscard]] const StateArray& states() const RINGDOWN_REALTIME { return states_; }
+  void clear() RINGDOWN_REALTIME;
+
+ private:
+  void list_all() RINGDOWN_REALTIME;
+
+  StateArray states_;
+  GroupList groups_;
+  std::vector<std::uint8_t> listed_;  // of each group: whether it stands in groups_
+};
+
+}  // namespace ringdown::synth

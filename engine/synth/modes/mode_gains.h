@@ -1,0 +1,65 @@
+// How loud each mode of a table is heard, and how that changes: by its radiation map towards the listener, and by what
+// the air takes of it on the way. States stay as they are; the kernels multiply (Hearing). [audio, after construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/base/vec3.h"
+#include "engine/modal/air_absorption.h"
+#include "engine/synth/kernels/aligned_array.h"
+#include "engine/synth/kernels/mode_kernel.h"
+#include "engine/synth/modes/mode_table.h"
+#include "engine/synth/modes/state_array.h"
+
+#include <cstddef>
+
+namespace ringdown::synth {
+
+class ModeGains {
+ public:
+  explicit ModeGains(const ModeTable& table);  // [worker]
+
+  // Whether modes are heard by gains of their own; if not, each by 1.
+  [[nodiscard]] bool on() const RINGDOWN_REALTIME { return on_; }
+  void switch_off() RINGDOWN_REALTIME { on_ = moving_ = false; }
+
+  // From the present frame on, gains move in straight lines and reach within `frames` what they are towards the unit
+  // vector `toward`, in the object's frame, at a distance. 0 frames: at once. What is off begins at once, too, unless
+  // `from_one`: then it begins with gains of 1.
+  void aim(const Vec3& toward, double distance_m, const modal::AirAbsorption& air, double frames,
+           bool from_one = false) RINGDOWN_REALTIME;
+  // The same, back to gains of 1.
+  void aim_at_one(double frames) RINGDOWN_REALTIME;
+
+  // Moves on. Gains that have reached their goal go on beyond it until the next aim().
+  void advance(std::size_t frames) RINGDOWN_REALTIME { passed_ += static_cast<double>(frames); }
+  [[nodiscard]] bool moves() const RINGDOWN_REALTIME { return moving_; }
+  // Frames that are left until the goal; negative beyond it, 0 where nothing moves.
+  [[nodiscard]] double left() const RINGDOWN_REALTIME { return moving_ ? length_ - passed_ : 0; }
+
+  // Fills in the gains of a call that begins `offset` frames from now.
+  void put(Hearing& hearing, std::size_t offset) const RINGDOWN_REALTIME;
+
+  // Lets gains stand as they are now, and returns them; null when each is 1.
+  const ModeFactors* freeze() RINGDOWN_REALTIME;
+  // What freeze() returned last, as long as nothing has moved since.
+  [[nodiscard]] const ModeFactors* frozen() const RINGDOWN_REALTIME { return on_ ? &factors_ : nullptr; }
+
+ private:
+  enum Row { gain_re, gain_im, step_re, step_im, goal_re, goal_im, air, kRows };
+  [[nodiscard]] float* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
+  void begin() RINGDOWN_REALTIME;
+  void go(double frames) RINGDOWN_REALTIME;
+
+  const ModeTable& table_;
+  std::size_t columns_;
+  AlignedArray<float> rows_;     // kRows x columns
+  AlignedArray<float> by_rank_;  // of the bank's modes by ascending frequency: real parts, then imaginary ones
+  std::size_t ranks_ = 0;        // of each
+  double length_ = 0, passed_ = 0;
+  double air_distance_m_ = -1;  // for which row `air` holds
+  modal::AirAbsorption air_;
+  ModeFactors factors_;
+  bool on_ = false, moving_ = false;
+};
+
+}  // namespace ringdown::synth

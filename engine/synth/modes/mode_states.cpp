@@ -1,0 +1,404 @@
+#include "engine/synth/modes/mode_states.h"
+
+#include "engine/synth/modes/blow_limit.h"
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+// What a group of modes does
+//
+// A group sounds while it stands in slow_ or fast_, the lists that the kernels go through; a kernel takes it off its
+// list once all its modes lie below the floor, and then it rests. As a rule a strike wakes all groups (wake()): it
+// excites nearly every mode, and the kernel drops within one chunk what it left below the floor.
+//
+// Only while there is a threshold, or something is muted, is each group decided by itself (selective()).
+// apply_threshold() moves slow groups below the threshold to muting_.leaving, which are rendered once more, under a
+// ramp to zero, before they are muted; what lies above the threshold by kHysteresis comes back through
+// muting_.entering. A strike on a muted group first moves the group's states to the present frame, adds its amplitudes,
+// and measures the level again: if that reaches the threshold, the group sounds at once, without a ramp, as any struck
+// mode does.
+//
+// A chunk by moments is rendered as a whole, before the strikes within it are played. Such late strikes have states of
+// their own (late_), which ring by tables from the strike's frame to the end of the chunk; there merge_late() adds them
+// to the states, which have reached that frame, too.
+namespace ringdown::synth {
+namespace {
+
+constexpr Level kHysteresis = 3;  // 1.1 dB: what wavers about the threshold does not come and go
+
+// Adds a strike's amplitudes to a group as the strike will be after `frames_left` frames.
+void add_decayed(const double* amplitudes, double gain, std::uint32_t group, std::size_t frames_left,
+                 const ModeFactors* each, StateArray& states) RINGDOWN_REALTIME {
+  alignas(64) double re[kModePadding], im[kModePadding];
+  const std::size_t first = std::size_t{group} * kModePadding;
+  for (std::size_t i = 0; i < kModePadding; ++i) {
+    const double a = gain * amplitudes[first + i];
+    re[i] = each ? a * static_cast<double>(each->im[first + i]) : 0;
+    im[i] = each ? -a * static_cast<double>(each->re[first + i]) : -a;
+  }
+  ModeArrays struck = states.for_kernel(0);
+  struck.z_re = re, struck.z_im = im;
+  struck.pole_re += first, struck.pole_im += first;
+  skip_modes(struck, kModePadding, frames_left);
+  for (std::size_t i = 0; i < kModePadding; ++i) states.re()[first + i] += re[i], states.im()[first + i] += im[i];
+}
+
+// Tables cannot shift pitches: all fast modes are moved on sample by sample.
+bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std::size_t frames) RINGDOWN_REALTIME {
+  const std::size_t first = kModePadding * table.slow_groups();
+  Hearing hearing = *all.hearing;
+  for (const float** row : {&hearing.gain_re, &hearing.gain_im, &hearing.step_re, &hearing.step_im}) {
+    if (*row != nullptr) *row += first;
+  }
+  hearing.log_re += first, hearing.log_im += first;
+  ModeArrays fast = all;
+  fast.z_re += first, fast.z_im += first, fast.pole_re += first, fast.pole_im += first;
+  fast.hearing = &hearing;
+  return drive_modes(fast, table.columns() - first, {}, out, frames) <= kAbsurdEnergy;
+}
+
+// Renders the modes that exchange energy, whose states are zero meanwhile. Modes that are heard by gains of their own
+// stay in the kernels, and so do all while modes are muted.
+Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, double* out,
+                         std::size_t frames) RINGDOWN_REALTIME {
+  const bool allowed = !muting && states.for_kernel(0).hearing == nullptr;
+  return coupling.render(states.re(), states.im(), allowed, out, frames);
+}
+
+}  // namespace
+
+ModeStates::ModeStates(const ModeTable& table)
+    : coupling(table),
+      gains(table),
+      table_(table),
+      states_(table),
+      sounding_(table.groups()),
+      fade_(table),
+      late_(table),
+      muting_(table),
+      is_(table.groups()) {
+  states_.let_glide();
+  slow_.list = sounding_.data();
+  fast_.list = sounding_.data() + table.slow_groups();
+}
+
+void ModeStates::hear(const HeardTime* time) RINGDOWN_REALTIME {
+  if (time) {
+    gains.put(hearing_, time->offset);
+    hearing_.rate = time->rate;
+    hearing_.bend = time->bend;
+    std::tie(hearing_.log_re, hearing_.log_im) = states_.exponents();
+  } else {
+    gains.switch_off();
+  }
+  const Hearing* const hearing = time ? &hearing_ : nullptr;
+  states_.hear_by(hearing);
+  fade_.hear_by(hearing);
+  late_.hear_by(hearing);
+}
+
+void ModeStates::add(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+  if (selective()) {
+    return add_to_groups([&](std::uint32_t group)
+                             RINGDOWN_REALTIME { states_.add_strike(amplitudes, gain, group, each); });
+  }
+  states_.add_strike(amplitudes, gain, each);
+  wake();
+}
+
+double ModeStates::blow_limit(const double* amplitudes) const RINGDOWN_REALTIME {
+  if (!table_.glide) return 1;
+  std::array<float, kMaxGlidingModes> squares{};
+  const std::vector<std::uint32_t>& columns = table_.glide->columns;
+  for (std::size_t m = 0; m < columns.size(); ++m) {
+    const double re = states_.re()[columns.data()[m]], im = states_.im()[columns.data()[m]];
+    squares.data()[m] = static_cast<float>(re * re + im * im);
+  }
+  coupling.add_squares(squares.data());
+  return synth::blow_limit(*table_.glide, squares.data(), amplitudes);
+}
+
+void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+  assert(&table_ == &other.table_);
+  other.unmute();
+  if (other.coupling.give_back(other.states_.re(), other.states_.im())) other.wake();
+  if (selective()) {
+    return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add(other.states_, gain, group, each); });
+  }
+  states_.add(other.states_, gain, each);
+  wake();
+}
+
+// Adds something to every group while some are muted: what sounded goes on sounding, and any other group sounds if it
+// is now loud enough, and is muted if it is not.
+template <class Add>
+void ModeStates::add_to_groups(const Add& add_to) RINGDOWN_REALTIME {
+  settle();
+  mark();
+  muting_.muted.clear();
+  for (std::uint32_t group = 0; group < table_.groups(); ++group) {
+    const Is before = is_.data()[group];
+    if (before == Is::muted) muting_.catch_up(states_, group);
+    add_to(group);
+    if (before == Is::sounding) continue;
+    if (group >= table_.slow_groups() || level_of(states_.energy(group)) >= threshold_) {
+      list(group);
+    } else {
+      muting_.mute(states_, group);
+    }
+  }
+}
+
+bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
+  unmute();
+  other.unmute();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
+  if (other.coupling.give_back(other.states_.re(), other.states_.im())) other.wake();
+  bool left = states_.move_from(other.states_);
+  left = fade_.move_from(other.fade_) || left;
+  if (other.slow_.count + other.fast_.count > 0) wake();
+  return left;
+}
+
+void ModeStates::fade_out(std::size_t frames) RINGDOWN_REALTIME {
+  unmute();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
+  fade_.begin(states_, frames);
+  rest();
+}
+
+bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
+  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames);
+  if (coupled == Coupling::Outcome::ended) wake();
+  states_.follow(false);
+  const EnergyLimits limits{floor * floor, kAbsurdEnergy};
+  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
+  for (ActiveGroups* groups : {&slow_, &fast_}) {
+    if (groups->count > 0) sane = render_modes(states_.for_kernel(frames), *groups, limits, out, frames) && sane;
+  }
+  if (muting_.changing()) sane = muting_.render_changes(states_, out, frames) && sane;
+  muting_.advance(states_, frames, slow_);
+  if (!sane) silence();
+  return sane;
+}
+
+bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
+                                double floor) RINGDOWN_REALTIME {
+  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames);
+  if (coupled == Coupling::Outcome::ended) wake();
+  states_.follow(true);
+  const EnergyLimits limits{floor * floor, kAbsurdEnergy};
+  const ModeArrays all = states_.for_kernel(frames);
+  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
+  if (fast_.count > 0 && all.hearing != nullptr && (all.hearing->rate != 1 || all.hearing->step_re != nullptr)) {
+    sane = drive_fast(table_, all, out, frames) && sane;
+  } else if (fast_.count > 0) {
+    sane = render_modes(all, fast_, limits, out, frames) && sane;
+  }
+  if (slow_.count > 0) sane = add_moments(all, states_.moments(), slow_, frames, limits, targets) && sane;
+  if (muting_.changing()) sane = muting_.render_changes(states_, targets, frames) && sane;
+  muting_.advance(states_, frames, slow_);
+  if (!sane) silence();
+  return sane;
+}
+
+void ModeStates::add_late(const double* amplitudes, double gain, std::size_t frames_left,
+                          const ModeFactors* each) RINGDOWN_REALTIME {
+  if (!selective()) return late_.add(amplitudes, gain, each);
+  mark();
+  for (std::uint32_t group = 0; group < table_.groups(); ++group) {
+    const double* const a = amplitudes + std::size_t{group} * kModePadding;
+    double energy = 0;
+    for (std::size_t i = 0; i < kModePadding; ++i) energy += gain * gain * a[i] * a[i];  // before direction
+    const bool sounds = is_.data()[group] == Is::sounding || late_.has(group) || group >= table_.slow_groups() ||
+                        level_of(energy) >= threshold_;
+    if (sounds) {
+      late_.add(amplitudes, gain, group, each);
+    } else if (is_.data()[group] == Is::muted) {  // muting_ has reached the end of the chunk
+      muting_.catch_up(states_, group);
+      add_decayed(amplitudes, gain, group, frames_left, each, states_);
+      muting_.measure(states_, group);
+    } else {
+      add_decayed(amplitudes, gain, group, frames_left, each, states_);
+      muting_.mute(states_, group);
+    }
+  }
+}
+
+bool ModeStates::render_late(double* out, std::size_t frames,
+                             std::optional<std::span<const Force>> forces) RINGDOWN_REALTIME {
+  const bool sane = forces ? late_.drive(*forces, out, frames) : late_.render(out, frames);
+  if (!sane) silence();
+  return sane;
+}
+
+void ModeStates::merge_late() RINGDOWN_REALTIME {
+  mark();
+  for (const std::uint32_t group : late_.groups()) {
+    if (is_.data()[group] == Is::muted) muting_.catch_up(states_, group);
+    states_.add(late_.states(), 1, group);
+    if (is_.data()[group] == Is::sounding) continue;
+    list(group);
+    is_.data()[group] = Is::sounding;
+  }
+  muting_.muted.keep_if([this](std::uint32_t group) RINGDOWN_REALTIME { return is_.data()[group] == Is::muted; });
+  late_.clear();
+}
+
+void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_REALTIME {
+  applied_ = threshold_;
+  if (!selective()) return;
+  cut_short_ = cut_short_ || at_once;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < slow_.count; ++i) {
+    const std::uint32_t group = slow_.list[i];
+    if (level_of(states_.energy(group)) >= threshold_) {
+      slow_.list[kept++] = group;
+    } else if (at_once) {
+      muting_.mute(states_, group);
+    } else {
+      muting_.leaving.push(group);
+    }
+  }
+  slow_.count = kept;
+  if (allowance < kModePadding) return;
+  muting_.muted.keep_if([&](std::uint32_t group) RINGDOWN_REALTIME {
+    if (allowance < kModePadding) return true;
+    if (threshold_ != kNoThreshold && muting_.level(group) < threshold_ + kHysteresis) return true;
+    allowance -= kModePadding;
+    muting_.catch_up(states_, group);
+    muting_.entering.push(group);
+    return false;
+  });
+  cut_short_ = cut_short_ && allowance < kModePadding;
+}
+
+void ModeStates::mute_all(std::size_t frames) RINGDOWN_REALTIME {
+  settle();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
+  cut_short_ = true;
+  for (std::size_t i = 0; i < slow_.count; ++i) muting_.mute(states_, slow_.list[i]);
+  slow_.count = 0;
+  for (std::size_t i = 0; i < fast_.count; ++i) states_.skip(frames, fast_.list[i]);
+  if (fade_.running()) fade_.skip(frames);
+  muting_.advance(states_, frames, slow_);
+}
+
+void ModeStates::count_levels(LevelHistogram& histogram, Level gain, double floor) RINGDOWN_REALTIME {
+  settle();
+  for (const ActiveGroups* groups : {&slow_, &fast_}) {
+    for (std::size_t i = 0; i < groups->count; ++i) histogram.add(level_of(states_.energy(groups->list[i])) + gain);
+  }
+  const Level lowest = level_of(floor * floor);
+  muting_.muted.keep_if([&](std::uint32_t group) RINGDOWN_REALTIME {
+    const Level level = muting_.level(group);
+    if (level >= lowest) return histogram.add(level + gain), true;
+    muting_.forget(states_, group);
+    return false;
+  });
+}
+
+void ModeStates::skip(Frame frames) RINGDOWN_REALTIME {
+  unmute();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
+  if (frames > 0) states_.skip(static_cast<std::uint64_t>(frames));
+}
+
+void ModeStates::rest() RINGDOWN_REALTIME {
+  unmute();
+  if (coupling.give_back(states_.re(), states_.im())) wake();
+  threshold_ = applied_ = kNoThreshold;
+  slow_.count = fast_.count = 0;
+}
+
+void ModeStates::wake() RINGDOWN_REALTIME {
+  unmute();
+  states_.excited();
+  slow_.count = table_.slow_groups();
+  fast_.count = table_.groups() - slow_.count;
+  std::iota(slow_.list, slow_.list + table_.groups(), 0);
+}
+
+void ModeStates::list(std::uint32_t group) RINGDOWN_REALTIME {
+  ActiveGroups& groups = group < table_.slow_groups() ? slow_ : fast_;
+  groups.list[groups.count++] = group;
+}
+
+// Lets groups that were about to leave or enter by a ramp sound from now on.
+void ModeStates::settle() RINGDOWN_REALTIME {
+  for (GroupList* groups : {&muting_.leaving, &muting_.entering}) {
+    for (const std::uint32_t group : *groups) list(group);
+    groups->clear();
+  }
+}
+
+// Lets all groups that are muted sound from now on.
+void ModeStates::unmute() RINGDOWN_REALTIME {
+  settle();
+  for (const std::uint32_t group : muting_.muted) {
+    muting_.catch_up(states_, group);
+    list(group);
+  }
+  muting_.muted.clear();
+}
+
+// Notes in is_ what each group does.
+void ModeStates::mark() RINGDOWN_REALTIME {
+  std::fill_n(is_.data(), is_.size(), Is::resting);
+  for (const ActiveGroups* groups : {&slow_, &fast_}) {
+    for (std::size_t i = 0; i < groups->count; ++i) is_.data()[groups->list[i]] = Is::sounding;
+  }
+  for (const std::uint32_t group : muting_.muted) is_.data()[group] = Is::muted;
+}
+
+void ModeStates::silence() RINGDOWN_REALTIME {
+  if (coupling.give_back(states_.re(), states_.im())) wake();
+  coupling.cut_off();
+  states_.clear();
+  fade_.clear();
+  late_.clear();
+  muting_.clear();
+  slow_.count = fast_.count = 0;
+}
+
+double ModeStates::peak_level(Frame rested) const RINGDOWN_REALTIME {
+  double sum = 0;
+  const auto add = [&](std::uint32_t group, Frame behind) RINGDOWN_REALTIME {
+    const double decay = static_cast<double>(behind) * table_.slowest_decay(group);
+    sum += (behind > 0 ? std::exp(-decay) : 1.0) * states_.amplitude(group);
+  };
+  if (rested > 0) {
+    for (std::uint32_t group = 0; group < table_.groups(); ++group) add(group, rested);
+    return sum;
+  }
+  for (const ActiveGroups* groups : {&slow_, &fast_}) {
+    for (std::size_t i = 0; i < groups->count; ++i) add(groups->list[i], 0);
+  }
+  for (const GroupList* groups : {&muting_.muted, &muting_.leaving, &muting_.entering}) {
+    for (const std::uint32_t group : *groups) add(group, muting_.frames_behind(group));
+  }
+  sum += coupling.amplitude();
+  if (fade_.running()) sum += fade_.level() * fade_.states().amplitude();
+  return sum;
+}
+
+void ModeStates::add_amplitudes(double gain, Frame rested, ModeWatch::Slot& to) const RINGDOWN_REALTIME {
+  const ModeArrays all = states_.for_kernel(0), fading = fade_.states().for_kernel(0);
+  const auto square = [](double re, double im) RINGDOWN_REALTIME { return re * re + im * im; };
+  const double fade = fade_.running() ? fade_.level() : 0.0;
+  for (std::size_t i = 0; i < table_.playable_modes(); ++i) {
+    const std::size_t c = table_.column(i);
+    const auto group = static_cast<std::uint32_t>(c / kModePadding);
+    double amplitude = std::sqrt(square(all.z_re[c], all.z_im[c]));
+    const Frame behind = rested + muting_.frames_behind(group);
+    if (behind > 0 && amplitude > 0) {
+      amplitude *= std::pow(square(all.pole_re[c], all.pole_im[c]), 0.5 * static_cast<double>(behind));
+    }
+    if (fade > 0) amplitude += fade * std::sqrt(square(fading.z_re[c], fading.z_im[c]));
+    if (amplitude > 0) to.add(table_.mode_of(i), gain * amplitude);
+  }
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,225 @@
+#include "engine/synth/modes/mode_table.h"
+
+#include "engine/modal/added_decay.h"
+#include "engine/modal/hearing/contact_pulse.h"
+#include "engine/synth/modes/coupled_modes.h"
+#include "engine/synth/kernels/frequency_grid.h"
+#include "engine/synth/modes/glide.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr double kUnheard = 1e-6;  // of the loudest mode's weight: 120 dB below it
+
+std::size_t groups_for(std::size_t modes) { return (modes + kModePadding - 1) / kModePadding; }
+
+struct PlayableMode {
+  std::uint32_t mode;  // of the bank
+  modal::DampedMode damped;
+  std::complex<double> s;  // exponent per frame
+};
+
+// A mode that a damper would over-damp keeps as much of its pitch as lets it die without a click, within a cycle.
+modal::DampedMode damped(const modal::DampedMode& mode, double added_decay_per_s) {
+  constexpr double kMaxOfOmega = 0.9;
+  if (added_decay_per_s == 0 || mode.frequency_hz <= 0) return mode;
+  const double lambda = modal::undamped_lambda(mode), most = kMaxOfOmega * std::sqrt(lambda);
+  const double decay = std::max(mode.decay_per_s, std::min(mode.decay_per_s + added_decay_per_s, most));
+  return {modal::rad_per_s_to_hz(std::sqrt(lambda - decay * decay)), decay};
+}
+
+// Far from a rigid sphere that is accelerated by a, the pressure in the direction of the motion is
+// rho a R^2 / (2 r) |H|; its rms over directions is 1/sqrt(3) of that.
+std::optional<ClickShape> click_of(const modal::Bank& bank, const modal::MaterialScale& material,
+                                   double full_scale_pa) {
+  if (!bank.mass || !(bank.mass->mass_kg > 0)) return {};
+  const double radius_m = material.size * radius_of(*bank.mass);
+  if (!(radius_m > 0 && radius_m <= kMaxClickRadius_m)) return {};
+  const modal::Air air = modal::air_of(bank);
+  const double mass_kg = modal::rescale(*bank.mass, material).mass_kg;
+  const double pressure_pa = air.density_kg_m3 * radius_m * radius_m / (2 * std::numbers::sqrt3 * mass_kg);
+  return ClickShape{air.sound_speed_m_s / radius_m, bank.gain * pressure_pa / full_scale_pa};
+}
+
+// Dampers of an object of another size, where they lie on its bank.
+modal::Dampers as_baked(modal::Dampers dampers, double size) {
+  for (auto& [number, damper] : dampers) damper.point_m = (1 / size) * damper.point_m;
+  return dampers;
+}
+
+// Which modes of a bank are heard at this sample rate, in this material, under these dampers, and in which order they
+// stand in the table. A mode that the material over-damps has no pitch and is left out, and so is one at or above
+// the Nyquist frequency, which would alias.
+//
+// Modes that take moments stand first; each kind is ordered by frequency.
+std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const modal::MaterialScale& material,
+                                            const modal::Dampers& dampers, modal::ModeRange modes,
+                                            double sample_rate_hz) {
+  const modal::Bank& bank = map.bank();
+  const std::vector<double> added = modal::added_decay(map, as_baked(dampers, material.size));
+  const double shape = modal::shape_factor(material);
+  std::vector<PlayableMode> playable;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    if (!modes.has(map.rank(m))) continue;
+    const modal::DampedMode mode = damped(modal::rescale(bank, m, material), shape * shape * added[m]);
+    if (mode.frequency_hz <= 0 || mode.frequency_hz >= 0.5 * sample_rate_hz) continue;
+    const double omega = modal::hz_to_rad_per_s(mode.frequency_hz);
+    playable.push_back(
+        {static_cast<std::uint32_t>(m), mode, std::complex<double>(-mode.decay_per_s, omega) / sample_rate_hz});
+  }
+  const auto order = [](const PlayableMode& m) {
+    return std::tuple(!takes_moments(m.s), m.damped.frequency_hz, m.mode);
+  };
+  std::sort(playable.begin(), playable.end(),
+            [&](const PlayableMode& a, const PlayableMode& b) { return order(a) < order(b); });
+  return playable;
+}
+
+}  // namespace
+
+ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
+                     double sample_rate_hz, modal::Dampers dampers, modal::ModeRange modes,
+                     const TableSettings& settings)
+    : map_(std::move(map)),
+      material_(material),
+      dampers_(std::move(dampers)),
+      modes_(modes),
+      sample_rate_hz_(sample_rate_hz),
+      settings_(settings),
+      per_size_(1 / material.size),
+      click_(click_of(bank(), material, settings.full_scale_pa)),
+      column_of_(bank().mode_count(), -1) {
+  const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, dampers_, modes_, sample_rate_hz);
+  slow_modes_ = static_cast<std::size_t>(
+      std::count_if(playable.begin(), playable.end(), [](const PlayableMode& m) { return takes_moments(m.s); }));
+  slow_groups_ = groups_for(slow_modes_);
+  columns_ = kModePadding * (slow_groups_ + groups_for(playable.size() - slow_modes_));
+  rows_ = aligned_zeros<double>(kRows * columns_);
+  strides_ = aligned_zeros<float>(2 * columns_);
+  runs_ = aligned_zeros<float>(columns_ * 2 * kRun);
+  moment_weights_ = aligned_zeros<float>(columns_ * 2 * kMoments);
+  if (settings.field) line_weights_ = aligned_zeros<float>(columns_ * 2 * kGridReach);
+  band_.assign(columns_, 0);
+  rank_.assign(columns_, 0);
+  column_hz_ = aligned_zeros<float>(columns_);
+  if (bank().radiation) {
+    origin_m_ = material.size * bank().radiation->maps.origin_m;
+  } else if (bank().mass) {
+    origin_m_ = material.size * bank().mass->center_of_mass_m;
+  }
+  slowest_decay_.assign(groups(), std::numeric_limits<double>::max());
+  for (const PlayableMode& mode : playable) {
+    const std::size_t skipped = mode_of_.size() < slow_modes_ ? 0 : kModePadding * slow_groups_ - slow_modes_;
+    column_.push_back(static_cast<std::uint32_t>(mode_of_.size() + skipped));
+    const double pressure_pa = map_->loudness().pressure_pa(bank(), mode.mode, material, mode.damped.frequency_hz);
+    weight_.push_back(bank().gain * pressure_pa / settings.full_scale_pa * modal::shape_factor(material));
+    add_mode(mode.mode, mode.damped, mode.s);
+  }
+  if (slow_modes_ > 0)
+    std::fill(band_.begin() + static_cast<std::ptrdiff_t>(slow_modes_), band_.end(), band_[slow_modes_ - 1]);
+  if (!bank().nonlinear || weight_.empty()) return;
+  // A mode that radiates nothing still bends the others' pitch, and only its state tells its amplitude.
+  const double least = kUnheard * *std::max_element(weight_.begin(), weight_.end());
+  for (double& weight : weight_) weight = std::max(weight, least);
+  std::vector<double> output_per_velocity = weight_;
+  for (double& output : output_per_velocity) output /= modal::shape_factor(material);
+  glide = GlideMatrix::of(*this, material, output_per_velocity);
+  coupled = CoupledTable::of(*this, material, output_per_velocity, settings.max_coupled);
+}
+
+// Fills in the last column.
+void ModeTable::add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s) {
+  const std::uint32_t at = column_.back();
+  const auto put = [at](std::complex<double> value, auto* re, auto* im) {
+    re[at] = static_cast<std::remove_reference_t<decltype(*re)>>(value.real());
+    im[at] = static_cast<std::remove_reference_t<decltype(*im)>>(value.imag());
+  };
+  mode_of_.push_back(mode);
+  column_of_[mode] = static_cast<std::int32_t>(at);
+  frequency_hz_.push_back(damped.frequency_hz);
+  rank_[at] = map_->rank(mode);
+  ring_s_ = std::max(ring_s_, std::numbers::ln10 / std::max(damped.decay_per_s, 1e-3));
+  column_hz_[at] = static_cast<float>(damped.frequency_hz);
+  put(s, row(exponent_re), row(exponent_im));
+  put(std::exp(s), row(pole_re), row(pole_im));
+  put(std::exp(s * static_cast<double>(kChunkFrames)), row(full_re), row(full_im));
+  put(std::exp(s * static_cast<double>(kRun)), strides_.get(), strides_.get() + columns_);
+  double& slowest = slowest_decay_[at / kModePadding];
+  slowest = std::min(slowest, -s.real());
+  std::ranges::copy(run_of(s), runs_.get() + std::size_t{at} * 2 * kRun);
+  if (mode_of_.size() > slow_modes_) return;
+  band_[at] = band_of(s);
+  std::ranges::copy(moment_weights(s), moment_weights_.get() + std::size_t{at} * 2 * kMoments);
+  if (line_weights_) std::ranges::copy(grid_weights(s), line_weights_.get() + std::size_t{at} * 2 * kGridReach);
+}
+
+std::optional<std::size_t> ModeTable::column_of(std::size_t mode) const RINGDOWN_REALTIME {
+  const std::int32_t column = column_of_.data()[mode];
+  if (column < 0) return std::nullopt;
+  return static_cast<std::size_t>(column);
+}
+
+std::optional<std::size_t> ModeTable::at_column(std::size_t column) const RINGDOWN_REALTIME {
+  if (column < slow_modes_) return column;
+  const std::size_t first_fast = kModePadding * slow_groups_;
+  if (column < first_fast || column - first_fast >= playable_modes() - slow_modes_) return std::nullopt;
+  return slow_modes_ + column - first_fast;
+}
+
+double ModeTable::ring(const Event& event, double* amplitudes) const RINGDOWN_REALTIME {
+  const modal::ModeRange range{event.vertex, event.count};
+  double energy = 0;
+  for (std::size_t i = 0; i < playable_modes(); ++i) {
+    const double a = range.has(map_->rank(mode_of(i))) ? event.value : 0;
+    amplitudes[column(i)] = a;
+    energy += a * a;
+  }
+  return energy;
+}
+
+std::optional<double> ModeTable::strike(const Event& event, std::span<double> scratch,
+                                        double* amplitudes) const RINGDOWN_REALTIME {
+  if (event.type == EventType::ring) return ring(event, amplitudes);
+  if (event.type == EventType::strike_vertex) {
+    if (event.vertex >= bank().point_count()) return std::nullopt;
+    map_->excite_vertex(event.vertex, event.impulse_ns, scratch);
+  } else {
+    map_->excite(per_size_ * event.point_m, event.impulse_ns, scratch);
+  }
+  const std::uint32_t *mode = mode_of_.data(), *column = column_.data();
+  const double *weight = weight_.data(), *frequency = frequency_hz_.data();
+  double energy = 0;
+  for (std::size_t i = 0; i < playable_modes(); ++i) {
+    const double a = weight[i] * scratch[mode[i]] * modal::pulse_spectrum(frequency[i], event.contact_time_s);
+    amplitudes[column[i]] = a;
+    energy += a * a;
+  }
+  return energy;
+}
+
+void ModeTable::prepare(std::size_t frames) RINGDOWN_REALTIME {
+  if (frames == kChunkFrames || frames == rest_frames_) return;
+  rest_frames_ = frames;
+  fill_advances(modes(nullptr, nullptr, 0), columns_, frames, row(rest_re), row(rest_im));
+}
+
+ModeArrays ModeTable::modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME {
+  ModeArrays modes{.z_re = z_re,
+                   .z_im = z_im,
+                   .pole_re = row(pole_re),
+                   .pole_im = row(pole_im),
+                   .stride_re = strides_.get(),
+                   .stride_im = strides_.get() + columns_,
+                   .runs = runs_.get()};
+  if (frames == kChunkFrames) modes.advance_re = row(full_re), modes.advance_im = row(full_im);
+  if (frames == rest_frames_) modes.advance_re = row(rest_re), modes.advance_im = row(rest_im);
+  return modes;
+}
+
+}  // namespace ringdown::synth

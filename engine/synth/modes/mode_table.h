@@ -1,0 +1,150 @@
+// The constants of a bank's modes at one sample rate in one material: poles, tables, moments' weights. Objects that
+// sound alike share one table.
+//
+// Modes at or above Nyquist, over-damped ones, and those outside a range that may be given are left out. The others
+// stand in columns: those that take moments first, each kind by frequency and padded with silent ones to whole groups
+// of kModePadding.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/modal/damper.h"
+#include "engine/modal/material_scale.h"
+#include "engine/modal/mode_range.h"
+#include "engine/modal/strike_map.h"
+#include "engine/synth/kernels/aligned_array.h"
+#include "engine/synth/modes/click.h"
+#include "engine/synth/event.h"
+#include "engine/synth/kernels/mode_kernel.h"
+#include "engine/synth/kernels/moments.h"
+
+#include <complex>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace ringdown::synth {
+
+struct GlideMatrix;
+struct CoupledTable;
+
+// What all tables of a mixer have in common.
+struct TableSettings {
+  double full_scale_pa = modal::kFullScale_pa;  // a pressure of this at 1 m becomes an amplitude of 1
+  std::size_t max_coupled = 64;                 // modes of a voice that may exchange energy (coupled_modes.h)
+  bool field = false;                           // objects are heard in ambisonic channels
+};
+
+class ModeTable {
+  friend class TouchGroup;
+
+ public:
+  // `dampers` are what lies on the object, `modes` those that it has. [worker]
+  ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz,
+            modal::Dampers dampers = {}, modal::ModeRange modes = {}, const TableSettings& settings = {});
+
+  // The same choice of modes, in the same material and under the same dampers, at another sample rate. [worker]
+  [[nodiscard]] std::shared_ptr<ModeTable> at_rate(double sample_rate_hz) const {
+    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, dampers_, modes_, settings_);
+  }
+  [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
+
+  [[nodiscard]] bool is_of(const std::shared_ptr<const modal::StrikeMap>& map, const modal::MaterialScale& material,
+                           const modal::Dampers& dampers = {}, modal::ModeRange modes = {}) const {
+    return map == map_ && material == material_ && dampers == dampers_ && modes == modes_;
+  }
+
+  [[nodiscard]] const modal::Bank& bank() const RINGDOWN_REALTIME { return map_->bank(); }
+  [[nodiscard]] std::size_t playable_modes() const RINGDOWN_REALTIME { return mode_of_.size(); }
+  [[nodiscard]] std::size_t slow_modes() const RINGDOWN_REALTIME { return slow_modes_; }  // that take moments
+  [[nodiscard]] std::size_t columns() const RINGDOWN_REALTIME { return columns_; }
+  [[nodiscard]] std::size_t groups() const RINGDOWN_REALTIME { return columns_ / kModePadding; }
+  [[nodiscard]] std::size_t slow_groups() const RINGDOWN_REALTIME { return slow_groups_; }
+
+  // The column of mode `mode` of the bank; nullopt where it is not playable.
+  [[nodiscard]] std::optional<std::size_t> column_of(std::size_t mode) const RINGDOWN_REALTIME;
+  // The mode of the bank that is playable mode `i`, and its column.
+  [[nodiscard]] std::size_t mode_of(std::size_t i) const RINGDOWN_REALTIME { return mode_of_.data()[i]; }
+  [[nodiscard]] std::size_t column(std::size_t i) const RINGDOWN_REALTIME { return column_.data()[i]; }
+
+  // The least decay among the modes of a group [nepers per frame].
+  [[nodiscard]] double slowest_decay(std::size_t group) const RINGDOWN_REALTIME { return slowest_decay_.data()[group]; }
+
+  // Which playable mode has this column; nullopt for padding.
+  [[nodiscard]] std::optional<std::size_t> at_column(std::size_t column) const RINGDOWN_REALTIME;
+
+  // The output amplitude that a strike (EventType::strike, its point in the frame of the object in its size, or
+  // strike_vertex) or EventType::ring gives the mode of each column, and the sum of their squares; nullopt when the
+  // vertex does not exist.
+  // `scratch` has one element per mode of the bank, `amplitudes` one per column; its padding stays as it was. [audio]
+  [[nodiscard]] std::optional<double> strike(const Event& event, std::span<double> scratch,
+                                             double* amplitudes) const RINGDOWN_REALTIME;
+
+  // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
+  void prepare(std::size_t frames) RINGDOWN_REALTIME;
+
+  // In which directions the bank's modes are heard, and for each column the rank of its mode there, its frequency, and
+  // log p of its pole. Padding columns have a rank of 0.
+  [[nodiscard]] const modal::DirectionMap& directions() const RINGDOWN_REALTIME { return map_->directions(); }
+  [[nodiscard]] const std::uint32_t* ranks() const RINGDOWN_REALTIME { return rank_.data(); }
+  [[nodiscard]] const float* frequencies_hz() const RINGDOWN_REALTIME { return column_hz_.get(); }
+  [[nodiscard]] std::pair<const double*, const double*> exponents() const RINGDOWN_REALTIME {
+    return {row(exponent_re), row(exponent_im)};
+  }
+  // How long its longest mode takes to fall by 20 dB [s].
+  [[nodiscard]] double ring_s() const RINGDOWN_REALTIME { return ring_s_; }
+  // Where sound comes from, in the frame of the object in its size.
+  [[nodiscard]] const Vec3& origin_m() const RINGDOWN_REALTIME { return origin_m_; }
+
+  // The arrays that a kernel needs to render chunks of `frames`, with states of columns() numbers each.
+  [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME;
+  [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME {
+    return {band_.data(), moment_weights_.get(), line_weights_.get()};
+  }
+
+  // Of the object as a whole; nothing when the bank does not say its mass, or it is too large to click.
+  [[nodiscard]] const std::optional<ClickShape>& click() const RINGDOWN_REALTIME { return click_; }
+
+  // How its modes detune each other, and which of them may exchange energy; null where the bank does not say.
+  std::shared_ptr<const GlideMatrix> glide;
+  std::shared_ptr<const CoupledTable> coupled;
+
+  class InstanceGroup* instances = nullptr;  // of the objects that share this table (instance_group.h) [audio]
+
+ private:
+  enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, exponent_re, exponent_im, kRows };
+
+  [[nodiscard]] double ring(const Event& event, double* amplitudes) const RINGDOWN_REALTIME;
+  void add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s);
+  [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
+
+  std::shared_ptr<const modal::StrikeMap> map_;
+  modal::MaterialScale material_;
+  modal::Dampers dampers_;
+  modal::ModeRange modes_;
+  double sample_rate_hz_;
+  TableSettings settings_;
+  double per_size_;  // from points of the object to those of its bank
+  std::optional<ClickShape> click_;
+  std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
+  std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable
+  std::vector<double> weight_;  // output per modal velocity: pressure over full scale, gain, the scale of shapes
+  std::vector<double> frequency_hz_;
+  std::size_t columns_ = 0, slow_modes_ = 0, slow_groups_ = 0;
+  std::size_t rest_frames_ = 0;         // whose advance stands in rest_re and rest_im
+  AlignedArray<double> rows_;           // kRows x columns
+  AlignedArray<float> strides_;         // 2 x columns: p^kRun
+  AlignedArray<float> runs_;            // columns x 2 kRun
+  AlignedArray<float> moment_weights_;  // columns x 2 kMoments
+  AlignedArray<float> line_weights_;    // columns x 2 kGridReach; null without ambisonic channels
+  std::vector<std::uint16_t> band_;
+  std::vector<double> slowest_decay_;  // of each group
+  std::vector<std::uint32_t> rank_;    // of each column
+  AlignedArray<float> column_hz_;
+  Vec3 origin_m_;
+  double ring_s_ = 0;
+};
+
+}  // namespace ringdown::synth

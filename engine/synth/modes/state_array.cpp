@@ -1,0 +1,111 @@
+#include "engine/synth/modes/state_array.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace ringdown::synth {
+
+void StateArray::add_strike(const double* amplitudes, double gain, std::size_t first, std::size_t end,
+                            const ModeFactors* each) RINGDOWN_REALTIME {
+  excited();
+  double *const re = this->re(), *const im = this->im();
+  if (each == nullptr) {
+    for (std::size_t i = first; i < end; ++i) im[i] -= gain * amplitudes[i];
+    return;
+  }
+  for (std::size_t i = first; i < end; ++i) {
+    re[i] += gain * amplitudes[i] * static_cast<double>(each->im[i]);
+    im[i] -= gain * amplitudes[i] * static_cast<double>(each->re[i]);
+  }
+}
+
+void StateArray::add_strike(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+  add_strike(amplitudes, gain, 0, table_.columns(), each);
+}
+
+void StateArray::add_strike(const double* amplitudes, double gain, std::uint32_t group,
+                            const ModeFactors* each) RINGDOWN_REALTIME {
+  const std::size_t first = std::size_t{group} * kModePadding;
+  add_strike(amplitudes, gain, first, first + kModePadding, each);
+}
+
+void StateArray::add(const StateArray& other, double gain, std::size_t first, std::size_t end,
+                     const ModeFactors* each) RINGDOWN_REALTIME {
+  excited();
+  double *const re = this->re(), *const im = this->im();
+  const double *const from_re = other.re(), *const from_im = other.im();
+  if (each == nullptr) {
+    for (std::size_t i = first; i < end; ++i) re[i] += gain * from_re[i];
+    for (std::size_t i = first; i < end; ++i) im[i] += gain * from_im[i];
+    return;
+  }
+  for (std::size_t i = first; i < end; ++i) {
+    const auto by_re = static_cast<double>(each->re[i]), by_im = static_cast<double>(each->im[i]);
+    re[i] += gain * (from_re[i] * by_re - from_im[i] * by_im);
+    im[i] += gain * (from_re[i] * by_im + from_im[i] * by_re);
+  }
+}
+
+void StateArray::add(const StateArray& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+  add(other, gain, 0, table_.columns(), each);
+}
+
+void StateArray::add(const StateArray& other, double gain, std::uint32_t group,
+                     const ModeFactors* each) RINGDOWN_REALTIME {
+  const std::size_t first = std::size_t{group} * kModePadding;
+  add(other, gain, first, first + kModePadding, each);
+}
+
+bool StateArray::move_from(StateArray& other) RINGDOWN_REALTIME {
+  excited();
+  bool left = false;
+  for (const auto& [mine, theirs] : {std::pair{re(), other.re()}, std::pair{im(), other.im()}}) {
+    for (std::size_t i = 0; i < table_.playable_modes(); ++i) {
+      const std::optional<std::size_t> from = other.table_.column_of(table_.mode_of(i));
+      mine[table_.column(i)] = from ? std::exchange(theirs[*from], 0.0) : 0.0;
+    }
+    for (std::size_t i = 0; i < other.table_.columns(); ++i) left = left || theirs[i] != 0;
+  }
+  return left;
+}
+
+void StateArray::skip(std::uint64_t frames) RINGDOWN_REALTIME { skip_modes(for_kernel(0), table_.columns(), frames); }
+
+void StateArray::skip(std::uint64_t frames, std::uint32_t group) RINGDOWN_REALTIME {
+  const std::size_t first = std::size_t{group} * kModePadding;
+  ModeArrays here = for_kernel(0);
+  here.z_re += first, here.z_im += first, here.pole_re += first, here.pole_im += first;
+  skip_modes(here, kModePadding, frames);
+}
+
+void StateArray::clear() RINGDOWN_REALTIME { std::fill_n(numbers_.get(), 2 * table_.columns(), 0.0); }
+
+void StateArray::clear(std::uint32_t group) RINGDOWN_REALTIME {
+  const std::size_t first = std::size_t{group} * kModePadding;
+  std::fill_n(re() + first, kModePadding, 0.0);
+  std::fill_n(im() + first, kModePadding, 0.0);
+}
+
+double StateArray::energy(std::uint32_t group) const RINGDOWN_REALTIME {
+  const std::size_t first = std::size_t{group} * kModePadding;
+  const double *re = this->re() + first, *im = this->im() + first;
+  double sum = 0;
+  for (std::size_t i = 0; i < kModePadding; ++i) sum += re[i] * re[i] + im[i] * im[i];
+  return sum;
+}
+
+double StateArray::amplitude(std::uint32_t group) const RINGDOWN_REALTIME {
+  const std::size_t first = std::size_t{group} * kModePadding;
+  double sum = 0;
+  for (std::size_t i = first; i < first + kModePadding; ++i) sum += std::sqrt(re()[i] * re()[i] + im()[i] * im()[i]);
+  return sum;
+}
+
+double StateArray::amplitude() const RINGDOWN_REALTIME {
+  double sum = 0;
+  for (std::uint32_t group = 0; group < table_.groups(); ++group) sum += amplitude(group);
+  return sum;
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,101 @@
+// The states of a table's modes, as numbers: one complex z for each column. What sounds of them is decided elsewhere
+// (mode_states.h). [audio, after construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/kernels/aligned_array.h"
+#include "engine/synth/modes/glide.h"
+#include "engine/synth/modes/mode_table.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+namespace ringdown::synth {
+
+// A complex gain for each column.
+struct ModeFactors {
+  const float *re = nullptr, *im = nullptr;
+};
+
+class StateArray {
+ public:
+  // All zero. The table outlives the array. [worker]
+  explicit StateArray(const ModeTable& table) : table_(table), numbers_(aligned_zeros<double>(2 * table.columns())) {}
+
+  [[nodiscard]] const ModeTable& table() const RINGDOWN_REALTIME { return table_; }
+  [[nodiscard]] double* re() const RINGDOWN_REALTIME { return numbers_.get(); }
+  [[nodiscard]] double* im() const RINGDOWN_REALTIME { return numbers_.get() + table_.columns(); }
+
+  // The states with all that the kernels need for a call of `frames`.
+  [[nodiscard]] ModeArrays for_kernel(std::size_t frames) const RINGDOWN_REALTIME {
+    ModeArrays modes = table_.modes(re(), im(), frames);
+    modes.hearing = hearing_;
+    if (glide_ && glide_->active()) glide_->apply(modes, frames);
+    return modes;
+  }
+  [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME {
+    return glide_ && glide_->active() ? glide_->moments() : table_.moments();
+  }
+  [[nodiscard]] std::pair<const double*, const double*> exponents() const RINGDOWN_REALTIME {
+    return glide_ && glide_->active() ? glide_->exponents() : table_.exponents();
+  }
+  // Lets amplitudes move pitches, where the table's bank says how (glide.h). [worker]
+  void let_glide() {
+    if (table_.glide) glide_.emplace(table_);
+  }
+  // Before each call that renders.
+  void follow(bool moments) RINGDOWN_REALTIME {
+    if (glide_) glide_->follow(re(), im(), moments);
+  }
+  // After states have been written by others than this array.
+  void excited() RINGDOWN_REALTIME {
+    if (glide_) glide_->excite();
+  }
+  // By what gains the modes are heard in kernels; null: each by 1. It outlives the array.
+  void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { hearing_ = hearing; }
+
+  // Adds a strike's amplitudes (ModeTable::strike), one per column, times `gain`. A struck mode begins as a sine:
+  // a sin(omega t) = Re(-i a exp(i omega t)), so a strike lowers the imaginary part of z.
+  // With `each`, every mode is multiplied by a gain of its own as well.
+  void add_strike(const double* amplitudes, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  void add_strike(const double* amplitudes, double gain, std::uint32_t group,
+                  const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+
+  // Adds the states of another array of the same table, times `gain`, and times `each`.
+  void add(const StateArray& other, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  void add(const StateArray& other, double gain, std::uint32_t group,
+           const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+
+  // Moves the states of `other`, of the same bank in another table, that have a column here; every other column becomes
+  // zero. True when states without a column here are left in `other`.
+  bool move_from(StateArray& other) RINGDOWN_REALTIME;
+
+  // Moves all states, or those of one group, on by `frames`, however many: z *= p^frames.
+  void skip(std::uint64_t frames) RINGDOWN_REALTIME;
+  void skip(std::uint64_t frames, std::uint32_t group) RINGDOWN_REALTIME;
+
+  void clear() RINGDOWN_REALTIME;
+  void clear(std::uint32_t group) RINGDOWN_REALTIME;
+
+  // The sum of a group's |z|^2; not a number, or huge, where one of them is.
+  [[nodiscard]] double energy(std::uint32_t group) const RINGDOWN_REALTIME;
+  // The sum of |z| over a group, or over all columns.
+  [[nodiscard]] double amplitude(std::uint32_t group) const RINGDOWN_REALTIME;
+  [[nodiscard]] double amplitude() const RINGDOWN_REALTIME;
+
+ private:
+  void add_strike(const double* amplitudes, double gain, std::size_t first, std::size_t end,
+                  const ModeFactors* each) RINGDOWN_REALTIME;
+  void add(const StateArray& other, double gain, std::size_t first, std::size_t end,
+           const ModeFactors* each) RINGDOWN_REALTIME;
+
+  const ModeTable& table_;
+  AlignedArray<double> numbers_;  // real parts of all columns, then imaginary parts
+  const Hearing* hearing_ = nullptr;
+  std::optional<Glide> glide_;  // nothing: pitches are the table's
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,39 @@
+// The states of an object's modes while something touches it (touch_group.h): seen as they are, and moved on step by
+// step under forces. [audio]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/kernels/drive_kernel.h"
+#include "engine/synth/modes/mode_states.h"
+
+#include <cstddef>
+#include <span>
+
+namespace ringdown::synth {
+
+// What moves a touched object on in a segment.
+struct TouchForces {
+  ModeArrays stepped;  // the poles of a step; its states do not count
+  std::span<const Force> forces;
+  std::span<const PortForce> ports;
+  std::size_t substeps = 1;
+  const double* leaning = nullptr;  // of the samples: what does not sound, because it only bends
+};
+
+class TouchedStates {
+ public:
+  explicit TouchedStates(ModeStates& states) RINGDOWN_REALTIME : states_(states) {}
+
+  // All states, of muted modes too, which sound again.
+  [[nodiscard]] const StateArray& open() RINGDOWN_REALTIME {
+    states_.unmute();
+    return states_.states_;
+  }
+  // Adds samples to `out` and moves on, as drive_touched() does. False when a state is absurd, as of render().
+  bool render(const TouchForces& touch, double* out, std::size_t frames) RINGDOWN_REALTIME;
+
+ private:
+  ModeStates& states_;
+};
+
+}  // namespace ringdown::synth

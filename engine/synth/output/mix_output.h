@@ -1,0 +1,56 @@
+// Takes the sums of a chunk to the listeners: writes samples, adds the test tone, limits the mix, and feeds the tap.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/listening/binaural.h"
+#include "engine/synth/kernels/block_io.h"
+#include "engine/synth/kernels/channel_sums.h"
+#include "engine/synth/event.h"
+#include "engine/synth/output/limiter.h"
+#include "engine/synth/output/sound_tap.h"
+#include "engine/synth/output/test_tone.h"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace ringdown::synth {
+
+class MixOutput {
+ public:
+  TestTone test_tone;    // a sine in the mix
+  SoundTap sound_tap;    // what the mix sounds like, for clients that show it
+  SoundTap capture_tap;  // the same, for a sound file
+
+  // Keeps the mix, but not the buses, below a ceiling in dB of full scale (limiter.h); nullopt: samples go out as they
+  // are. [worker, while nothing is rendered]
+  void limit(std::optional<double> ceiling_db, double sample_rate_hz);
+  // Renders the mix for a head's ears from the ambisonic channels; null: stereo. [worker, while nothing is rendered]
+  void wear(std::shared_ptr<const HeadFilters> head);
+  // Frames by which the limiter delays the mix. [any, but not while limit() runs]
+  [[nodiscard]] std::size_t latency_frames() const { return limiter_ ? limiter_->delay_frames() : 0; }
+
+  // The rest: [audio]
+  // Begins a block. Where nobody listens to the mix but somebody watches it, it is rendered all the same.
+  void begin_block(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
+  [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return outputs_.wanted(); }
+  // The channels that objects are to be added to, for the sake of those that are wanted.
+  [[nodiscard]] ChannelSet to_render() const RINGDOWN_REALTIME;
+  // Writes a chunk's sums to frames at ... at + frames - 1 of the block.
+  void write(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME;
+  // Ends the block, whose first frame is `begin`. Returns the largest |sample| of what is heard; infinity when a piece
+  // of a channel was silenced because a sample of it would not have been finite.
+  [[nodiscard]] float end_block(Frame begin, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
+
+ private:
+  void write_piece(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME;
+
+  std::optional<Limiter> limiter_;
+  std::optional<Binaural> binaural_;
+  Outputs outputs_;                    // of the block
+  float mix_peak_ = 0, bus_peak_ = 0;  // largest |sample| written to them
+  std::vector<float> spare_left_ = std::vector<float>(kMaxSpare), spare_right_ = spare_left_;
+};
+
+}  // namespace ringdown::synth
