@@ -1,11 +1,11 @@
 #include "clients/bullet/bullet_world.h"
 
+#include "engine/base/quote.h"
 #include "engine/scene/check.h"
 #include "engine/scene/contact/contact_rules.h"
 #include "engine/scene/contact/contact_side.h"
-#include "engine/scene/solid.h"
 #include "engine/scene/contact/contact_sounds.h"
-#include "engine/base/quote.h"
+#include "engine/scene/solid.h"
 
 #include <btBulletDynamicsCommon.h>
 

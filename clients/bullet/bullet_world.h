@@ -9,8 +9,8 @@
 
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
-#include "engine/scene/description.h"
 #include "engine/scene/contact/contact_sounds.h"
+#include "engine/scene/description.h"
 #include "engine/synth/event.h"
 
 #include <memory>

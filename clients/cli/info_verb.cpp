@@ -1,6 +1,6 @@
-#include "engine/base/note.h"
 #include "clients/cli/verb.h"
 #include "engine/base/folders.h"
+#include "engine/base/note.h"
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
 #include "engine/modal/hearing/pitch.h"

@@ -1,8 +1,8 @@
 #include "clients/cli/verb.h"
-#include "engine/materials/material_change.h"
-#include "engine/materials/material_library.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
+#include "engine/materials/material_change.h"
+#include "engine/materials/material_library.h"
 #include "engine/modal/bank_file.h"
 #include "packaging/manual/command_line.h"
 

@@ -1,8 +1,8 @@
 #include "clients/viewer/material_choice.h"
 
-#include "engine/materials/material_library.h"
 #include "engine/base/folders.h"
 #include "engine/base/range.h"
+#include "engine/materials/material_library.h"
 
 #include <algorithm>
 #include <cmath>

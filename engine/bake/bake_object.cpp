@@ -1,11 +1,11 @@
 #include "engine/bake/bake_object.h"
 
 #include "engine/bake/fitted_makeup.h"
-#include "engine/materials/material_library.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/free_memory.h"
 #include "engine/base/range.h"
+#include "engine/materials/material_library.h"
 #include "engine/mesh/body_reader.h"
 
 #include <algorithm>

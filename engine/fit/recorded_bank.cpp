@@ -1,9 +1,9 @@
 #include "engine/fit/recorded_bank.h"
 
+#include "engine/modal/damping.h"
 #include "engine/modal/hearing/contact_pulse.h"
 #include "engine/modal/hearing/loudness.h"
 #include "engine/modal/mode_choice.h"
-#include "engine/modal/damping.h"
 
 #include <algorithm>
 #include <array>

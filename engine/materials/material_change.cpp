@@ -2,9 +2,9 @@
 
 #include "engine/materials/importance.h"
 #include "engine/modal/hearing/loudness.h"
+#include "engine/modal/hearing/pitch.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_choice.h"
-#include "engine/modal/hearing/pitch.h"
 
 #include <algorithm>
 #include <cmath>

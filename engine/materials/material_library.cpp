@@ -1,9 +1,9 @@
 #include "engine/materials/material_library.h"
 
-#include "engine/materials/material_grain.h"
 #include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
 #include "engine/fem/elastic.h"
+#include "engine/materials/material_grain.h"
 
 #include <algorithm>
 #include <array>

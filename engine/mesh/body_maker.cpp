@@ -3,16 +3,16 @@
 #include "engine/base/file_format.h"
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/files/file_kinds.h"
+#include "engine/mesh/files/surface_file.h"
+#include "engine/mesh/files/tet_file.h"
 #include "engine/mesh/fill.h"
 #include "engine/mesh/gmsh_reader.h"
+#include "engine/mesh/stuffing/stuffed_body.h"
 #include "engine/mesh/surface/parted_surface.h"
 #include "engine/mesh/surface/simplify.h"
-#include "engine/mesh/stuffing/stuffed_body.h"
 #include "engine/mesh/surface/surface_distance.h"
-#include "engine/mesh/files/surface_file.h"
 #include "engine/mesh/surface/surface_gap.h"
 #include "engine/mesh/surface/surface_repair.h"
-#include "engine/mesh/files/tet_file.h"
 
 #include <cmath>
 #include <cstdio>

@@ -1,9 +1,9 @@
 #include "engine/mesh/body_reader.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/process/child_process.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/file_format.h"
+#include "engine/base/process/child_process.h"
 
 #include <gmsh.h>
 

@@ -4,8 +4,8 @@
 // arrays are checked as the bank's own are. Private to bank_file.cpp. [worker]
 #pragma once
 
-#include "engine/modal/bank.h"
 #include "engine/gltf/glb.h"
+#include "engine/modal/bank.h"
 
 namespace ringdown::modal {
 

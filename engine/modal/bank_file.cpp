@@ -5,10 +5,10 @@
 #include "engine/base/output_file.h"
 #include "engine/base/version.h"
 #include "engine/base/within_memory.h"
-#include "engine/modal/bank_extras.h"
-#include "engine/modal/bank_model.h"
 #include "engine/gltf/glb.h"
 #include "engine/gltf/gltf_file.h"
+#include "engine/modal/bank_extras.h"
+#include "engine/modal/bank_model.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/scaled_bank.h"
 

@@ -3,8 +3,8 @@
 
 #include "engine/base/range.h"
 #include "engine/base/result.h"
-#include "engine/modal/bank.h"
 #include "engine/gltf/read_beside.h"
+#include "engine/modal/bank.h"
 
 #include <cstddef>
 #include <filesystem>

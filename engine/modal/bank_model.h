@@ -1,8 +1,8 @@
 // A bank as a modal model inside a larger document. For the writers of banks and of scenes. [worker]
 #pragma once
 
-#include "engine/modal/bank.h"
 #include "engine/gltf/glb.h"
+#include "engine/modal/bank.h"
 
 #include <optional>
 

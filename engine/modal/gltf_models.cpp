@@ -2,8 +2,8 @@
 
 #include "engine/base/content_hash.h"
 #include "engine/base/within_memory.h"
-#include "engine/modal/bank_model.h"
 #include "engine/gltf/glb.h"
+#include "engine/modal/bank_model.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "engine/modal/scaled_bank.h"
 
-#include "engine/modal/mode_choice.h"
 #include "engine/modal/hearing/pitch.h"
+#include "engine/modal/mode_choice.h"
 
 #include <vector>
 

@@ -6,8 +6,8 @@
 #include "engine/scene/contact/contact_sounds.h"
 #include "engine/scene/contact/lasting_events.h"
 #include "engine/scene/motion_path.h"
-#include "engine/scene/rotation.h"
 #include "engine/scene/ode/simulation.h"
+#include "engine/scene/rotation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,13 +3,12 @@
 // A World knows nothing of threads, clocks or sockets. Its owner steps it: a daemon paced by its clock, a renderer as
 // fast as it can. The same description, objects and calls give the same events, bit for bit, on one machine.
 //
-//   Result<World> world = World::create(scene, objects, 48000);
-//   world->set_start_frame(now);                       // where scene time 0
-//   lies for (;;) {
-//     const StepReport report = world->step();         // advances by step_s()
-//     for (const synth::Event& event : report.events) ...  // to a mixer, or as
-//     OSC to another program
-//   }
+//     Result<World> world = World::create(scene, objects, 48000);
+//     world->set_start_frame(now);  // the frame of the scene's time 0
+//     for (;;) {
+//       const StepReport report = world->step();  // advances by step_s()
+//       for (const synth::Event& event : report.events) play(event);  // in a mixer, or as OSC in another program
+//     }
 //
 // Sound comes from contacts, by the rules of contact_life.h: two bodies that approach faster than the bounce threshold
 // strike each other; a contact that lasts is reported while it slides or rolls, and silent while it rests. Both bodies
@@ -20,9 +19,9 @@
 
 #include "engine/base/result.h"
 #include "engine/scene/body_store.h"
+#include "engine/scene/contact/rest_damping.h"
 #include "engine/scene/description.h"
 #include "engine/scene/outline.h"
-#include "engine/scene/contact/rest_damping.h"
 #include "engine/synth/event.h"
 
 #include <atomic>

@@ -5,12 +5,12 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/output/channel_strip.h"
 #include "engine/synth/contact/exciters.h"
 #include "engine/synth/instance_group.h"
 #include "engine/synth/listening/placement.h"
-#include "engine/synth/source.h"
 #include "engine/synth/modes/touched_states.h"
+#include "engine/synth/output/channel_strip.h"
+#include "engine/synth/source.h"
 #include "engine/synth/voice.h"
 
 #include <cstddef>

@@ -4,14 +4,14 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/chunk.h"
-#include "engine/synth/modes/click.h"
 #include "engine/synth/contact/exciters.h"
+#include "engine/synth/contact/touches.h"
 #include "engine/synth/listening/listening.h"
 #include "engine/synth/meters.h"
+#include "engine/synth/modes/click.h"
 #include "engine/synth/object.h"
 #include "engine/synth/shedding.h"
 #include "engine/synth/timeline.h"
-#include "engine/synth/contact/touches.h"
 #include "engine/synth/voice_registry.h"
 
 #include <cstddef>

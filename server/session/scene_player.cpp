@@ -2,8 +2,8 @@
 
 #include "engine/base/folders.h"
 #include "engine/base/toml_table.h"
-#include "engine/modal/bank_file.h"
 #include "engine/gltf/gltf_file.h"
+#include "engine/modal/bank_file.h"
 #include "engine/scene/gltf/scene.h"
 #include "engine/scene/gltf/silent.h"
 #include "engine/scene/scene_file.h"

@@ -1,10 +1,10 @@
 #include "engine/bake/bake.h"
 
 #include "engine/materials/importance.h"
-#include "engine/modal/hearing/loudness.h"
 #include "engine/modal/bank_file.h"
-#include "tests/support/temporary_folder.h"
+#include "engine/modal/hearing/loudness.h"
 #include "tests/fem/sample_meshes.h"
+#include "tests/support/temporary_folder.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

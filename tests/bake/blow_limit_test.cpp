@@ -1,9 +1,9 @@
 // Blows that thin objects are spared, and the kernel of modes that exchange energy.
-#include "engine/synth/modes/blow_limit.h"
 #include "engine/synth/kernels/coupled_kernel.h"
+#include "engine/synth/meters.h"
+#include "engine/synth/modes/blow_limit.h"
 #include "engine/synth/modes/coupled_modes.h"
 #include "engine/synth/modes/glide.h"
-#include "engine/synth/meters.h"
 #include "tests/bake/struck_plate.h"
 #include "tests/synth/fake_clock.h"
 #include "tests/synth/player.h"

@@ -1,8 +1,8 @@
 // ringdown tune: the optimiser against closed forms, families of modes, and a bar that a finer bake finds in tune.
-#include "engine/base/note.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/tuning/tune_object.h"
 #include "engine/base/atomic_file.h"
+#include "engine/base/note.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>

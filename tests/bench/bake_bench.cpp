@@ -1,9 +1,9 @@
 // The stages of a bake, each alone: mesh, assembly, factors, modes, surface. `./run bench bake` writes CSV. Counters:
 // unknowns of the eigenproblem, modes found, systems solved.
 #include "engine/bake/body_modes.h"
-#include "engine/materials/material_library.h"
 #include "engine/bake/object_file.h"
 #include "engine/bake/sample_points.h"
+#include "engine/materials/material_library.h"
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/gmsh_reader.h"
 #include "engine/solve/eigensolver.h"

@@ -6,8 +6,8 @@
 // `./run bench modal` runs it; docs/how/benchmarks.md reads it. Every measurement is a process of its own (this program
 // with `single`), held to as many cores as its row says, so that times and peak memory are its alone. The CSV is
 // written again after each one: a run that is cut short is taken up by --resume.
-#include "engine/base/process/child_process.h"
 #include "engine/base/content_cache.h"
+#include "engine/base/process/child_process.h"
 #include "tests/bench/machine.h"
 #include "tests/bench/modal/amplitude.h"
 #include "tests/bench/modal/methods.h"

@@ -1,6 +1,6 @@
 #include "engine/mesh/files/inp_file.h"
-#include "engine/mesh/mesh_check.h"
 #include "engine/mesh/files/tet_file.h"
+#include "engine/mesh/mesh_check.h"
 #include "tests/fuzz/targets.h"
 
 #include <string_view>

@@ -1,5 +1,5 @@
-#include "engine/synth/modes/fade_out.h"
 #include "engine/synth/mixer.h"
+#include "engine/synth/modes/fade_out.h"
 #include "server/session/midi_player.h"
 #include "tests/fuzz/targets.h"
 #include "tests/support/synthetic_bank.h"

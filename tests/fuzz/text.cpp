@@ -1,5 +1,5 @@
-#include "engine/materials/material_library.h"
 #include "engine/bake/object_file.h"
+#include "engine/materials/material_library.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/world.h"
 #include "packaging/manual/command_line.h"

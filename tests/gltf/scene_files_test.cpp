@@ -1,6 +1,6 @@
 // Scenes that Ringdown writes before programs of others: the drafts' rules, the public validator, and Babylon.js.
-#include "engine/modal/bank_file.h"
 #include "engine/gltf/glb.h"
+#include "engine/modal/bank_file.h"
 #include "engine/scene/scene_file.h"
 #include "tests/integration/process.h"
 #include "tests/scene/gltf_room.h"

@@ -1,6 +1,6 @@
 // Faces that meet, against closed forms and a collision that is integrated step by step.
-#include "engine/scene/contact/bearing.h"
 #include "engine/modal/surface_relief.h"
+#include "engine/scene/contact/bearing.h"
 #include "engine/scene/contact/hertz.h"
 #include "engine/scene/rotation.h"
 #include "tests/scene/box_bank.h"

@@ -1,6 +1,6 @@
 // Acoustic surfaces of glTF scenes: what the file says about them reaches the events of contacts.
-#include "engine/scene/gltf/surface.h"
 #include "engine/scene/gltf/scene.h"
+#include "engine/scene/gltf/surface.h"
 #include "engine/scene/world.h"
 #include "tests/scene/box_bank.h"
 #include "tests/scene/gltf_room.h"

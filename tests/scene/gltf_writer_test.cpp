@@ -1,7 +1,7 @@
 // Scenes written as glTF: read again they are the same, bit for bit, and other programs find them where they are.
-#include "engine/scene/gltf/writer.h"
 #include "engine/modal/bank_file.h"
 #include "engine/scene/gltf/scene.h"
+#include "engine/scene/gltf/writer.h"
 #include "engine/scene/rotation.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/scene_text.h"

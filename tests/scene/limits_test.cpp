@@ -1,6 +1,6 @@
 // A scene's capacities: at the limit all is well, one past it is refused or counted.
-#include "engine/scene/ode/contact_joints.h"
 #include "engine/scene/contact/lasting_events.h"
+#include "engine/scene/ode/contact_joints.h"
 #include "tests/scene/box_bank.h"
 
 #include <gtest/gtest.h>

@@ -5,8 +5,8 @@
 // gives eight channels: the stereo mix, ambisonics of the first order, and the mix of a mixer with a head. What is
 // heard in a slot is compared with the table, which was written by hand.
 #include "clients/library/ringdown.h"
-#include "engine/modal/bank_file.h"
 #include "engine/gltf/glb.h"
+#include "engine/modal/bank_file.h"
 #include "server/session/head.h"
 #include "server/session/offline.h"
 #include "tests/integration/process.h"

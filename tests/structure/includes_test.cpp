@@ -238,6 +238,17 @@ std::string unit_in_a_circle(Graph graph) {
   return graph.empty() ? "" : graph.begin()->first;
 }
 
+TEST(Structure, NoRoomOfTheEngineHasMoreThanFortyFiles) {
+  std::map<std::string, int> files;
+  const fs::path root = RINGDOWN_SOURCE_DIR;
+  for (const auto& entry : fs::recursive_directory_iterator(root / "engine")) {
+    const std::string ending = entry.path().extension().string();
+    if (ending == ".h" || ending == ".cpp") ++files[fs::relative(entry.path().parent_path(), root).string()];
+  }
+  EXPECT_GT(files.size(), 20u);
+  for (const auto& [room, count] : files) EXPECT_LE(count, 40) << room;
+}
+
 TEST(Structure, FilesOfAFolderIncludeEachOtherInOneDirection) {
   const auto all = all_includes();
   for (const std::string& folder : kLayeredFolders) {

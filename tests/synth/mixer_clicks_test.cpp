@@ -2,8 +2,8 @@
 #include "engine/synth/modes/click.h"
 
 #include "tests/support/realtime_guard.h"
-#include "tests/synth/player.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/synth/player.h"
 
 #include <complex>
 #include <limits>

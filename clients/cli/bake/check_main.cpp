@@ -3,14 +3,14 @@
 //
 // Exit codes (protocol/exit_codes.h): ok when the file can be baked, repaired or not; bad_input when it cannot; usage;
 // failure when the repaired surface cannot be written; cancelled.
-#include "clients/cli/long_work.h"
 #include "clients/cli/bake/options.h"
+#include "clients/cli/long_work.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/body_shape.h"
-#include "engine/materials/material_library.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
+#include "engine/materials/material_library.h"
 #include "engine/mesh/body_reader.h"
 #include "engine/mesh/tet_mesh.h"
 #include "packaging/manual/command_line.h"

@@ -11,8 +11,8 @@
 // them; others work too, as long as the mesh is fine enough for the error.
 #pragma once
 
-#include "engine/bake/tuning/mode_family.h"
 #include "engine/bake/object_file.h"
+#include "engine/bake/tuning/mode_family.h"
 #include "engine/bake/tuning/tune.h"
 
 namespace ringdown::bake {

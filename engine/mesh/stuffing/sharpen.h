@@ -1,8 +1,8 @@
 // Giving a stuffed body its sharp edges back. [worker]
 #pragma once
 
-#include "engine/mesh/tet_mesh.h"
 #include "engine/mesh/stuffing/winding_number.h"
+#include "engine/mesh/tet_mesh.h"
 
 namespace ringdown::mesh {
 

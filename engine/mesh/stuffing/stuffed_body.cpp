@@ -3,10 +3,10 @@
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/mesh_check.h"
 #include "engine/mesh/stuffing/stuffing.h"
-#include "engine/mesh/surface/surface_check.h"
-#include "engine/mesh/surface/surface_gap.h"
-#include "engine/mesh/surface/surface_distance.h"
 #include "engine/mesh/stuffing/winding_number.h"
+#include "engine/mesh/surface/surface_check.h"
+#include "engine/mesh/surface/surface_distance.h"
+#include "engine/mesh/surface/surface_gap.h"
 
 #include <Eigen/Geometry>
 

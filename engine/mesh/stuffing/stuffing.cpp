@@ -1,9 +1,9 @@
 #include "engine/mesh/stuffing/stuffing.h"
 
 #include "engine/base/in_parallel.h"
-#include "engine/mesh/stuffing/bcc_lattice.h"
 #include "engine/mesh/mesh_check.h"
 #include "engine/mesh/mesh_joints.h"
+#include "engine/mesh/stuffing/bcc_lattice.h"
 #include "engine/mesh/stuffing/sharpen.h"
 #include "engine/mesh/stuffing/winding_number.h"
 

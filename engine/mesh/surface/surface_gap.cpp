@@ -2,9 +2,9 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/mesh/face_points.h"
+#include "engine/mesh/stuffing/winding_number.h"
 #include "engine/mesh/surface/smooth_facets.h"
 #include "engine/mesh/surface/surface_distance.h"
-#include "engine/mesh/stuffing/winding_number.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "engine/mesh/surface/unite.h"
 
-#include "engine/mesh/surface/arrangement.h"
 #include "engine/mesh/files/surface_file.h"
 #include "engine/mesh/stuffing/winding_number.h"
+#include "engine/mesh/surface/arrangement.h"
 
 #include <Eigen/Geometry>
 

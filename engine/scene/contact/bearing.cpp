@@ -2,8 +2,8 @@
 
 #include "engine/modal/surface_relief.h"
 #include "engine/scene/contact/contact_rules.h"
-#include "engine/scene/fixed_contacts.h"
 #include "engine/scene/contact/hertz.h"
+#include "engine/scene/fixed_contacts.h"
 #include "engine/scene/rotation.h"
 
 #include <algorithm>

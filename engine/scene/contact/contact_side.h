@@ -2,8 +2,8 @@
 #pragma once
 
 #include "engine/modal/bank.h"
-#include "engine/scene/contact_point.h"
 #include "engine/scene/contact/hertz.h"
+#include "engine/scene/contact_point.h"
 #include "engine/synth/event.h"
 
 #include <optional>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/modal/bank.h"
 #include "engine/gltf/glb.h"
+#include "engine/modal/bank.h"
 #include "engine/scene/description.h"
 
 #include <cstddef>

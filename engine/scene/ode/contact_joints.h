@@ -14,9 +14,9 @@
 #include "engine/scene/fixed_contacts.h"
 #include "engine/scene/ode/islands.h"
 #include "engine/scene/ode/overlap.h"
+#include "engine/scene/ode/parting.h"
 #include "engine/scene/ode/rolling.h"
 #include "engine/scene/ode/surface_pairs.h"
-#include "engine/scene/ode/parting.h"
 
 #include <cstddef>
 #include <memory>

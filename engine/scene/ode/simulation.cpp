@@ -1,7 +1,7 @@
 #include "engine/scene/ode/simulation.h"
 
-#include "engine/scene/ode/contact_joints.h"
 #include "engine/scene/fixed_contacts.h"
+#include "engine/scene/ode/contact_joints.h"
 #include "engine/scene/ode/flight_probe.h"
 #include "engine/scene/ode/islands.h"
 #include "engine/scene/ode/joint.h"

@@ -6,8 +6,8 @@
 // simulations on several threads are safe but wait for each other. [one thread at a time per Simulation]
 #pragma once
 
-#include "engine/scene/contact_point.h"
 #include "engine/scene/contact/contact_rules.h"
+#include "engine/scene/contact_point.h"
 #include "engine/scene/description.h"
 #include "engine/scene/solid.h"
 

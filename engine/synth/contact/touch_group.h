@@ -14,10 +14,10 @@
 
 #include "engine/base/realtime.h"
 #include "engine/contact/network.h"
+#include "engine/synth/contact/rubbing.h"
 #include "engine/synth/kernels/aligned_array.h"
 #include "engine/synth/object.h"
 #include "engine/synth/ramp.h"
-#include "engine/synth/contact/rubbing.h"
 #include "engine/synth/source.h"
 
 #include <array>

@@ -2,8 +2,8 @@
 
 #include "engine/modal/added_decay.h"
 #include "engine/modal/hearing/contact_pulse.h"
-#include "engine/synth/modes/coupled_modes.h"
 #include "engine/synth/kernels/frequency_grid.h"
+#include "engine/synth/modes/coupled_modes.h"
 #include "engine/synth/modes/glide.h"
 
 #include <algorithm>

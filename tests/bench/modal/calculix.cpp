@@ -1,7 +1,7 @@
 #include "tests/bench/modal/calculix.h"
 
-#include "engine/base/process/child_process.h"
 #include "engine/base/folders.h"
+#include "engine/base/process/child_process.h"
 #include "engine/mesh/tet_element.h"
 
 #include <Eigen/LU>

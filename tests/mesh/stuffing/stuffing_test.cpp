@@ -1,5 +1,5 @@
-#include "engine/mesh/stuffing/bcc_lattice.h"
 #include "engine/mesh/mesh_check.h"
+#include "engine/mesh/stuffing/bcc_lattice.h"
 #include "engine/mesh/stuffing/stuffing.h"
 
 #include "tests/mesh/stuffing/dihedral.h"
