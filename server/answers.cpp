@@ -8,7 +8,7 @@
 namespace ringdown::server {
 namespace {
 
-// What the encoded message takes at most.
+// The maximum size of the encoded message.
 std::size_t max_bytes_of(const wire::Message& message) {
   constexpr std::size_t kNumber = 16, kPadding = 8;
   std::size_t bytes = kNumber + message.address.size() + kPadding;

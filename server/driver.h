@@ -36,7 +36,7 @@ class Driver {
     double skipped_s = 0;        // sound that was never made, because the audio server went on without us
   };
 
-  // What a driver plays.
+  // Everything that a driver plays.
   struct Program {
     synth::Mixer& mixer;
     // Changes the sample rate of the mixer and of everything that counts its frames. The driver's own thread calls it
@@ -49,7 +49,7 @@ class Driver {
     std::function<std::map<std::size_t, std::string>()> buses;
     // The mixer's inputs that are to have a port; bit 0 is the first input. [any but audio]
     std::function<std::uint32_t()> inputs;
-    // What MIDI notes strike. [the driver's own thread]
+    // The table that says which object a MIDI note strikes. [the driver's own thread]
     std::function<std::shared_ptr<const session::NoteTable>()> notes;
     // Receives a copy of each event that a note became, for the observers.
     SpscRing<synth::Event>& notes_played;

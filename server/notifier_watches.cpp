@@ -1,4 +1,4 @@
-// What subscribers can watch in addition to notices: the samples of the mix, and the amplitudes of objects' modes.
+// Subscribers can watch more than notices: the samples of the mix, and the amplitudes of objects' modes.
 #include "server/notifier.h"
 
 #include "protocol/defaults.h"

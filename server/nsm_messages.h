@@ -1,5 +1,5 @@
-// What a session manager's messages ask of us (New Session Manager's protocol). Kept apart from the client's socket and
-// thread, so that broken messages can be fed to it. [any thread]
+// Parses a session manager's messages (New Session Manager's protocol). It is apart from the client's socket and
+// thread, so that tests can feed it broken messages. [any thread]
 #pragma once
 
 #include "engine/base/result.h"

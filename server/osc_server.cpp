@@ -279,7 +279,7 @@ void OscServer::perform(const Lane& request, synth::Frame frame, const std::stri
       address, from);
 }
 
-// What was sent before the request belongs into the file, also strikes that wait to be merged with others.
+// Everything sent before the request belongs into the file, including strikes that wait to be merged with others.
 void OscServer::write(const protocol::FileRequest& request, const std::string& address, Peer from) {
   parts_.session.flush();
   post(

@@ -25,7 +25,7 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::ExitCode;
 
-// What the man page says beside the options.
+// Sections of the man page beside the options.
 const std::vector<manual::Section> kSections = {
     {"FILES",
      {{"$XDG_CONFIG_HOME/ringdown/ringdownd.toml",

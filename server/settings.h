@@ -20,7 +20,7 @@ class App;
 
 namespace ringdown::server {
 
-// What --settings says for "read none".
+// The value of --settings that means: read no file.
 inline constexpr const char* kNoSettings = "none";
 
 // The file to read: the one that the user has `named`; otherwise ringdown/ringdownd.toml in $XDG_CONFIG_HOME or

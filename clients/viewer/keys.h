@@ -83,8 +83,8 @@ enum class Pane : std::uint8_t { any, scene, sound, side };
 // The panes that have keys, in the order in which lists of keys show them; the side pane has none of its own.
 inline constexpr std::array kPanesWithKeys = {Pane::any, Pane::scene, Pane::sound};
 
-// What happens while a key is held down: the action happens once, repeats with the keyboard's repeat rate, or goes on
-// continuously in every frame.
+// The behaviour of a key that is held down: the action happens once, repeats with the keyboard's repeat rate, or goes
+// on continuously in every frame.
 enum class WhileDown : std::uint8_t { once, repeats, continues };
 
 struct Binding {
@@ -100,7 +100,7 @@ std::span<const Binding> bindings();
 // The heading above the keys of a pane: "Everywhere", "In the scene", "In the sound".
 std::string_view heading_of(Pane pane);
 
-// What `key` does while `focused` has the focus.
+// The action of `key` while `focused` has the focus.
 std::optional<Binding> binding_for(Pane focused, std::string_view key);
 
 // The name of a key with its modifiers. `base` is an upper-case letter, a digit or sign, or "space", "escape", "F1" ...

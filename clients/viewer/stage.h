@@ -46,7 +46,7 @@ class MeshStore {
 
 class Stage {
  public:
-  // What to draw and to pick. `items` and `picked` are in the order of frame.bodies. Bodies name meshes of the
+  // Everything to draw and to pick. `items` and `picked` are in the order of frame.bodies. Bodies name meshes of the
   // renderer, and picked bodies point into this stage; both are valid until the next update().
   struct Contents {
     SceneFrame frame;

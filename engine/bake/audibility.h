@@ -32,8 +32,8 @@ inline constexpr double kOrderingFloor_db = 60;  // decides the order of modes w
 // One number for each mode: whether it can be heard anywhere. O(P M) to O(P M^2).
 std::vector<bool> audible_modes(const modal::Bank& bank, double floor_db);
 
-// What a strike loses when only the first `kept` modes stay: the A-weighted energy of the part of the sound that is
-// missing over that of the whole, over one minute, all products of modes included, in dB for the worst of the points.
+// The loss of a strike if only the first `kept` modes stay: the A-weighted energy of the missing part of the sound over
+// that of the whole, over one minute, all products of modes included, in dB for the worst of the points.
 // -300 when it is less than that, or nothing. O(P M^2).
 double loss_db(const modal::Bank& bank, std::size_t kept);
 

@@ -277,8 +277,8 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   return body;
 }
 
-// What the way from the mesh's skin to the body's surface does to each frequency, relative, to first order. Its sign is
-// known, but neither it nor the discretisation's error is exact enough to let one make up for the other.
+// The relative change of each frequency from the mesh's skin to the body's surface, to first order. Its sign is known,
+// but neither this change nor the discretisation's error is exact enough for one to cancel the other.
 Eigen::VectorXd shape_errors(const Task& task, const Eigen::VectorXd& gaps_m, const BodyModes& modes) {
   if (gaps_m.size() == 0) return Eigen::VectorXd::Zero(modes.lambda.size());
   const Eigen::VectorXd changes =

@@ -9,7 +9,7 @@
 #include <ctime>
 #include <numbers>
 
-// What costs time and memory
+// Models of time and memory
 //
 // By unknown: assembling K and M, the estimate of errors and the sample points take a time that does not depend on the
 // body; the longer modes take, the more of them there are. K and what is made of it take kBytes.

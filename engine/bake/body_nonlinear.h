@@ -27,8 +27,8 @@ class NonlinearCache {
 // for: a deep shell. `name` stands at the beginning of the sentence.
 Result<void> check_shallow(const NonlinearModes& terms, const std::string& name);
 
-// What a bank holds of the terms: of the modes `kept`, whose numbers in the bank are their places in the list. Nothing
-// when none of them is among the terms'.
+// The terms that a bank holds: those of the modes `kept`, numbered by their places in that list. Returns nothing if no
+// kept mode has terms.
 std::optional<modal::NonlinearTerms> bank_terms(const NonlinearModes& terms, const std::vector<HeardMode>& kept,
                                                 const BodyModes& modes, const BodyUnits& units, double thickness_m);
 

@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kKind = "radiation";
 constexpr int kRadiationFormat = 4;  // of an entry; raise it also when the solver gives other results
 
-// What is known of one mode, free of units.
+// The radiation of one mode, free of units.
 struct Answer {
   modal::FarField field;
   double error_db = 0;

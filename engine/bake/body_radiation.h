@@ -1,4 +1,5 @@
-// What the modes of a body radiate, free of units: from its finite elements, or from the cache. [worker]
+// The radiation of a body's modes in units of its own: computed from its finite elements, or taken from the cache.
+// [worker]
 //
 // In a body of length 1 and density 1 with the shapes of BodyModes, the far field F' of a mode depends on its
 // wavenumber times the body's length alone. The body's own is then

@@ -30,7 +30,7 @@ double number_in(const std::string& path) {
   return in >> number ? number : kNone;
 }
 
-// What the innermost control group (version 2) with a limit leaves.
+// The memory that the innermost control group (version 2) with a limit leaves.
 double left_in_group() {
   std::ifstream in("/proc/self/cgroup");
   std::string line;

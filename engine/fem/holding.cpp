@@ -112,7 +112,7 @@ std::vector<std::int32_t> pieces_of(const mesh::TetMesh& mesh) {
 
 using Motions = Eigen::Matrix<double, 6, 6>;
 
-// What a face resists, of three shifts and three turns about `middle`.
+// Adds the motions, of three shifts and three turns about `middle`, that a face resists.
 void add_resistance(const mesh::TetMesh& mesh, const mesh::OuterFace& face, const Layer* layer, const Vector3d& middle,
                     double length, Motions& resisted) {
   const mesh::ElementNodes nodes = nodes_of(mesh, face.element);

@@ -1,4 +1,5 @@
-// What holds a body: parts of its surface that do not move, slide, or rest on springs, and masses glued on. [worker]
+// The supports of a body: parts of its surface that are clamped, slide, or rest on springs, and masses glued on.
+// [worker]
 //
 // A layer of springs adds to the stiffness, and a glued mass to the mass, for the shape functions N_a of a face:
 //

@@ -36,8 +36,9 @@ class QuadraticStrain {
   // <E2(phi_m, phi_n), E2(R) - eps(u)> for all pairs: M x M, symmetric.
   [[nodiscard]] Eigen::MatrixXd products(const Eigen::MatrixXd& mixture, const Eigen::VectorXd& u) const;
 
-  // What force() leaves out for mode m: the nodal forces of the mode's own linear stress once the mode has turned the
-  // body, the u-derivative of <eps(phi_m), 2 E2(phi_m, u)>. Small where modes bend and do not stretch. 3N numbers.
+  // The part that force() leaves out for mode m: the nodal forces of the mode's own linear stress once the mode has
+  // turned the body, the u-derivative of <eps(phi_m), 2 E2(phi_m, u)>. Small where modes bend and do not stretch. 3N
+  // numbers.
   [[nodiscard]] Eigen::VectorXd carried_force(Eigen::Index mode) const;
 
  private:

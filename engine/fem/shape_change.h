@@ -1,4 +1,4 @@
-// What a small change of a body's shape does to its frequencies. [any thread]
+// The change of a body's frequencies under a small change of its shape. [any thread]
 //
 // Where the surface moves outward by g(x), to first order
 //

@@ -1,4 +1,4 @@
-// What a body is made of, element by element. [any thread]
+// The material of a body, element by element. [any thread]
 //
 //   Solid same_everywhere = Elastic{.youngs_modulus_pa = 2e11, .poisson_ratio = 0.3, .density_kg_m3 = 7850};
 //   Solid parts({steel, pine}, {0, 0, 1, ...});     // element e is of laws[law_of[e]]
@@ -56,7 +56,7 @@ struct EngineeringConstants {
 };
 Result<Matrix6> orthotropic_stiffness(const EngineeringConstants& constants);
 
-// What a cycle loses: the imaginary part of C, to first order, when E1 E2 E3 G12 G13 G23 are complex, each with its
+// The loss per cycle: the imaginary part of C, to first order, when E1 E2 E3 G12 G13 G23 are complex, each with its
 // loss factor eta, and Poisson's ratios stay real (McIntyre & Woodhouse, Acta Metallurgica 36, 1988).
 Matrix6 lost_stiffness(const EngineeringConstants& constants, const Eigen::Array<double, 6, 1>& eta);
 

@@ -21,7 +21,7 @@ namespace ringdown::fit {
 std::vector<Mode> settle(std::span<const double> recording, double sample_rate_hz, std::size_t onset,
                          std::span<const Mode> modes);
 
-// What a bank keeps of a recording: settled modes, and the burst of noise for what they leave.
+// The parts of a recording that a bank keeps: settled modes, and a burst of noise for the rest.
 struct Kept {
   std::vector<Mode> modes;
   Burst burst;

@@ -54,7 +54,7 @@ struct Glb {
   [[nodiscard]] Field root() const { return {&json, name + ": "}; }
 };
 
-// What a JSON text may hold. Our own has some 85,000 values at most: five for each of 16,384 modes.
+// Limits of a JSON text. Our own has at most some 85,000 values: five for each of 16,384 modes.
 inline constexpr std::size_t kMaxJsonBytes = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxJsonValues = std::size_t{1} << 18;
 

@@ -1,4 +1,4 @@
-// What a bar of a material sounds like, without finite elements: the preview of `ringdown materials`. [any thread]
+// Computes the sound of a bar of a material without finite elements: the preview of `ringdown materials`. [any thread]
 //
 // A free rectangular bar bent across its thickness, as Timoshenko's beam: shear and rotary inertia are in it, with
 // Cowper's shear coefficient 10 (1 + nu) / (12 + 11 nu). [Timoshenko, Phil. Mag. 41, 1921; Cowper, J. Appl. Mech. 33,

@@ -26,7 +26,8 @@ double lambda_of(const modal::Bank& bank, std::size_t m, const modal::MaterialSc
   return modal::lambda_factor(scale) * modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
 }
 
-// What air and support take by Rayleigh's alpha. Beside a list of loss factors it belongs to the material's fit.
+// Rayleigh's alpha as the loss to air and support. With a list of loss factors, alpha belongs to the material's fit, so
+// this is 0.
 double alpha_of(const modal::Material& material) {
   return material.loss_factors.empty() ? material.damping.alpha_per_s : 0.0;
 }
@@ -41,8 +42,8 @@ double share_of_loss(const modal::Material& from, const modal::Bank& bank, std::
   return std::abs(share - 1) > kRounding ? share : 1;
 }
 
-// What the mode loses in another material. What air and support take together goes as the two materials' alphas do: a
-// bank whose support takes more than its material says keeps that ratio.
+// The losses of the mode in another material. The loss to air and support together scales as the two materials' alphas:
+// a bank whose support takes more than its material says keeps that ratio.
 modal::ModeLoss loss_in(const modal::Material& from, const modal::Material& to, const modal::Bank& bank, std::size_t m,
                         const modal::MaterialScale& scale) {
   modal::ModeLoss loss =

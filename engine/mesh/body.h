@@ -1,9 +1,8 @@
 // A body as it comes from a file, and how it crosses from the process that reads files to the one that asked for it
 // (body_reader.h). [any thread]
 //
-// What comes back from the bytes of unpack_...() keeps the promises of these structs, whoever wrote the bytes: numbers
-// are finite and in range, a mesh has passed check_mesh(), texts have no control characters. Otherwise nothing comes
-// back.
+// unpack_...() returns a struct only if the bytes keep every promise made here, whoever wrote them: numbers are finite
+// and in range, a mesh has passed check_mesh(), texts have no control characters. Otherwise it returns nothing.
 #pragma once
 
 #include "engine/base/result.h"

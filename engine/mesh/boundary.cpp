@@ -108,7 +108,7 @@ std::vector<std::array<double, 2>> gauss_points(int n) {
   return points;
 }
 
-// What flows through a face of order p has degree p from the shape functions and 2 (p - 1) from the face's form. A
+// The flow through a face of order p has degree p from the shape functions and 2 (p - 1) from the face's form. A
 // triangle is a square with one side drawn together to a point, which adds one degree in one direction.
 std::vector<FacePlace> places_for_flow(int order, int face) {
   const auto& [a, b, c] = kTetFaces[face];

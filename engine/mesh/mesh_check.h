@@ -12,7 +12,8 @@
 
 namespace ringdown::mesh {
 
-// What a mesh's author named. Elements and their faces are numbered as in the mesh, whatever its order.
+// A group of faces that the mesh's author named. Elements and their faces are numbered as in the mesh, whatever its
+// order.
 struct FaceGroup {
   std::string name;
   std::vector<std::int64_t> faces;  // 4 element + the corner that the face lies opposite to, ascending

@@ -12,8 +12,8 @@
 
 namespace ringdown::modal {
 
-// What all dampers together add to the decay rate [1/s] of each mode of the bank as baked; with another density,
-// divided by its factor. [worker]
+// The decay rate [1/s] that all dampers together add to each mode of the bank as baked. With another density, divide it
+// by the density's factor. [worker]
 std::vector<double> added_decay(const StrikeMap& map, const Dampers& dampers);
 
 }  // namespace ringdown::modal

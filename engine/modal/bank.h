@@ -57,7 +57,7 @@ struct MassProperties {
   std::array<double, 4> orientation = {0, 0, 0, 1};  // unit quaternion x y z w: principal axes -> object frame
 };
 
-// What the modes of a bank radiate, and how well that is known.
+// The radiation of a bank's modes, with its errors.
 struct BankRadiation {
   RadiationMaps maps;               // of M modes
   Air air;                          // in which they were found, and the air's part of the losses

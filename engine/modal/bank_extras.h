@@ -1,7 +1,7 @@
-// What a bank's file says in extras.ringdown, beyond the public draft: how the bank was made, how far it can be
-// trusted, what its modes lose to what, and what they radiate (docs/reference/bank-format.md). None of it is needed to
-// play: what does not fit its type or the bank's modes counts as absent, but for the maps of what modes radiate, whose
-// arrays are checked as the bank's own are. Private to bank_file.cpp. [worker]
+// Reads and writes extras.ringdown of a bank's file, which goes beyond the public draft: how the bank was made, how far
+// it can be trusted, what its modes lose to what, and what they radiate (docs/reference/bank-format.md). None of it is
+// needed to play: what does not fit its type or the bank's modes counts as absent, but for the maps of what modes
+// radiate, whose arrays are checked as the bank's own are. Private to bank_file.cpp. [worker]
 #pragma once
 
 #include "engine/gltf/glb.h"

@@ -16,7 +16,7 @@
 
 namespace ringdown::modal {
 
-// What a file may ask of us before anything is allocated. A compressed array counts by what it unpacks to, which is
+// Limits that are checked before anything is allocated. A compressed array counts by what it unpacks to, which is
 // held to kMaxBankFileBytes and to kMaxMeshoptRatio times the bytes in the file (meshopt_codec.h).
 inline constexpr std::size_t kMaxBankFileBytes = std::size_t{1} << 30;  // bytes
 inline constexpr std::size_t kMaxModes = 16384;

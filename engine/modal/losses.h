@@ -1,4 +1,4 @@
-// What a mode loses, and to what: to its material, to the air that it moves, and to whatever holds the body. [any]
+// The losses of a mode: to its material, to the air that it moves, and to the supports of the body. [any]
 //
 // A material says what it loses in one of two ways, and its modes decay accordingly:
 //
@@ -34,7 +34,7 @@ struct MaterialDamping {
 // eta of a list, which is not empty and ascends in frequency, at one frequency.
 double loss_factor_at(std::span<const LossFactor> list, double frequency_hz);
 
-// What the mode of eigenvalue `lambda` loses, with so much of it to the air.
+// The losses of the mode with eigenvalue `lambda`, of which `air_per_s` go to the air.
 ModeLoss mode_loss(const MaterialDamping& damping, double lambda, double air_per_s = 0);
 
 // The mode as heard.

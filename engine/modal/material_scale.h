@@ -32,18 +32,18 @@ inline double shape_factor(const MaterialScale& scale) {
   return 1 / std::sqrt(scale.density * scale.size * scale.size * scale.size);
 }
 
-// What mode `m` of the bank loses as baked. A bank that does not say so has it split into beta lambda / 2 (beta from
-// its material, 0 without one) for the material and the rest for the support.
+// The losses of mode `m` of the bank as baked. If the bank does not state them, its decay is split into beta lambda / 2
+// (beta from its material, 0 without one) for the material and the rest for the support.
 ModeLoss loss_of(const Bank& bank, std::size_t m);
 
-// What mode `m` loses under a scaled material. `alpha` scales what air and support took by the material's alpha, of
+// The losses of mode `m` under a scaled material. `alpha` scales what air and support took by the material's alpha, of
 // which the air then takes its part; `beta` scales the material's part. Where the material is a list of loss factors,
 // that part follows the list to the new frequency, and `alpha` and `beta` scale the shares of it that Rayleigh's fit
 // has at that frequency.
 ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
-// What mode `m` loses to the air under a scaled material. Its size changes the loss exactly: a mode radiates the same
-// share of its energy in a cycle. Stiffness and density move its pitch against its size, and with it how well it
+// The loss of mode `m` to the air under a scaled material. The effect of a change of size is exact: a mode radiates the
+// same share of its energy in a cycle. Stiffness and density move its pitch against its size, and with it how well it
 // radiates, as far as the bank's radiation knows (level_ratio()); without radiation that share is kept, too.
 double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
 

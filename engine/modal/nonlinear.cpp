@@ -42,7 +42,7 @@ class CubicEnergy {
   std::vector<double> t_;
 };
 
-// What the cubic energy adds to B_ml.
+// The contribution of the cubic energy to B_ml.
 double cubic_detuning(const CubicEnergy& t, const std::vector<double>& omega, std::size_t m, std::size_t l) {
   constexpr double kResonance = 0.2;  // of an eigenvalue: closer than that to resonance, the effect is bounded
   double sum = 0;

@@ -1,5 +1,5 @@
-// What makes a thin object's pitch depend on how hard it is struck: the geometric nonlinearity of a bank's lowest
-// modes.
+// The geometric nonlinearity of a bank's lowest modes, which makes a thin object's pitch depend on how hard it is
+// struck.
 //
 // With q the modal displacements [kg^1/2 m], the energy of M modes is
 //

@@ -197,7 +197,7 @@ std::vector<Rounded> round_terms(const FarField& field, double unit) {
   return rounded;
 }
 
-// What rounding loses, rms over directions relative to the mode's own rms.
+// The error of rounding, rms over directions relative to the mode's own rms.
 double rounding_error(const FarField& field, double unit) {
   double lost = 0, all = 0;
   for (const FarField::Term& term : field.terms) {

@@ -1,4 +1,4 @@
-// What a mode radiates into the air, far from the body: a complex function of direction, compact enough for a bank.
+// The far field of a mode in air: a complex function of direction, compact enough for a bank.
 //
 // Time goes as exp(-i omega t). A mode moves the surface with velocity v phi.n, where phi is its mass-normalised shape
 // [kg^-1/2] and v the modal velocity [kg^1/2 m/s], which is what a strike's modal impulse gives at once. At distance r

@@ -1,4 +1,4 @@
-// What a surface is like along the way over it, where that was measured or drawn: heights at even steps, in a circle.
+// Heights of a surface along the way over it, measured or drawn, at even steps in a circle.
 //
 // A contact that travels over a surface feels the slope of its heights, smoothed over the width of the region that
 // bears. A track therefore keeps its heights in levels, each of half as many as the one before, and a slope comes from

@@ -1,4 +1,4 @@
-// What a layer on the surface sends far away. [worker]
+// The far field of a layer of sources on the surface. [worker]
 #pragma once
 
 #include "engine/radiate/panels.h"

@@ -9,7 +9,7 @@
 
 namespace ringdown::radiate {
 
-// What is added to the sums over the middles of sides, in which 1/R counts as 0 where two middles coincide: exact
+// Corrections to the sums over the middles of sides, in which 1/R counts as 0 where two middles coincide: exact
 // integrals minus these sums, over pairs of triangles closer than kNearSides longest sides. Rows are the hat functions
 // of the point x, columns those of y.
 struct NearIntegrals {

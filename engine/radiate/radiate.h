@@ -34,7 +34,7 @@ struct Options {
   double range_octaves = 1;  // levels are given this far below and, up to the highest mode, above a mode's own k
 };
 
-// What one mode radiates, and how well that is known.
+// The radiation of one mode, with its error.
 struct RadiatedMode {
   double power_w = 0;      // at a modal velocity of amplitude 1 kg^1/2 m/s
   double decay_per_s = 0;  // of its amplitude, by radiation alone

@@ -152,7 +152,7 @@ template <bool slopes>
   }
 }
 
-// What a block adds to a few columns, collected here so that each row of the matrix is visited once for all of them.
+// The sums of a block for a few columns, collected here so that each row of the matrix is visited once for all of them.
 struct Tile {
   Lanes re[4][kLanes], im[4][kLanes];
 };

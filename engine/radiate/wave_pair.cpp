@@ -17,7 +17,7 @@ constexpr double kMinPart = 1e-4;  // of a flow in a class, beside the whole; sm
 // when half of the last step is added, no more than half a step is left.
 constexpr double kExtrapolation = 0.5;  // of the step from the coarser skin to the finer
 
-// What a matrix for each class takes.
+// The memory for one matrix per class.
 double matrix_bytes(const Skin& skin) {
   return 8.0 * skin.panels.image_count() * skin.panels.node_count() * skin.panels.node_count();
 }
@@ -39,8 +39,8 @@ std::vector<Eigen::MatrixXcf> flows_for(const WaveQuestion& question, const Skin
   return flows;
 }
 
-// What a class has of the right-hand sides: which of them are not too small in it, and to which residual they are
-// solved, so that it is kResidual beside the whole flow.
+// A class's share of the right-hand sides: those that are not too small in it, and the residual to which each is
+// solved, so that it is kResidual of the whole flow.
 struct ClassPart {
   std::vector<Eigen::Index> columns;
   std::vector<double> residuals;

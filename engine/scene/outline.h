@@ -1,4 +1,4 @@
-// What bodies and statics look like, for programs that draw a scene without its file. [any thread]
+// The appearance of bodies and statics, for programs that draw a scene without its file. [any thread]
 #pragma once
 
 #include "engine/base/vec3.h"

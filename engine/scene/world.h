@@ -3,12 +3,12 @@
 // A World knows nothing of threads, clocks or sockets. Its owner steps it: a daemon paced by its clock, a renderer as
 // fast as it can. The same description, objects and calls give the same events, bit for bit, on one machine.
 //
-//     Result<World> world = World::create(scene, objects, 48000);
-//     world->set_start_frame(now);  // the frame of the scene's time 0
-//     for (;;) {
-//       const StepReport report = world->step();  // advances by step_s()
-//       for (const synth::Event& event : report.events) play(event);  // in a mixer, or as OSC in another program
-//     }
+//   Result<World> world = World::create(scene, objects, 48000);
+//   world->set_start_frame(now);  // the frame of the scene's time 0
+//   for (;;) {
+//     const StepReport report = world->step();  // advances by step_s()
+//     for (const synth::Event& event : report.events) play(event);  // in a mixer, or as OSC in another program
+//   }
 //
 // Sound comes from contacts, by the rules of contact_life.h: two bodies that approach faster than the bounce threshold
 // strike each other; a contact that lasts is reported while it slides or rolls, and silent while it rests. Both bodies
@@ -113,7 +113,7 @@ class World {
 
   [[nodiscard]] std::vector<BodyState> bodies() const;  // by number: those described, in order, then those spawned
 
-  // What the bodies look like, in the same order. The result changes with spawn(), clear(), set_object(),
+  // The appearance of all bodies, in the order of bodies(). The result changes with spawn(), clear(), set_object(),
   // remove_object(), and when a step removes a body.
   [[nodiscard]] std::vector<BodyOutline> describe() const;
 

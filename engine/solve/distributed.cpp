@@ -65,7 +65,7 @@ struct Watcher {
   [[nodiscard]] bool go_on() const { return !progress || progress(stage, fraction); }
 };
 
-// What the program said on a line of its own, or failing that the last thing anybody said.
+// The reason of a failure: the program's own line of output, otherwise the last line of any.
 std::string reason_of(const ChildOutcome& outcome) {
   const std::string mark = std::string(kProgram) + ": ";
   const std::size_t said = outcome.errors.find(mark);

@@ -3,7 +3,7 @@
 // Supernodes are factored one after the other, children before parents. Each has a front, the dense matrix of its own
 // columns and of the rows below them. assemble() fills the front with the entries of K - sigma M in the supernode's
 // columns, take_update() adds what each child left, and eliminate() factors the columns by panels of kPanel pivots.
-// What remains below the pivots is the Schur complement, which keep_update() puts on a stack for the parent. The
+// The rest below the pivots is the Schur complement, which keep_update() puts on a stack for the parent. The
 // columns of L are stored as tiles (tiles.h), in the order in which the triangular solves read them.
 #include "engine/solve/ldlt.h"
 

@@ -1,4 +1,4 @@
-// What the methods behind solve_modes() share, and their entry points. Private to engine/solve. [worker]
+// Shared parts and entry points of the methods behind solve_modes(). Private to engine/solve. [worker]
 #pragma once
 
 #include "engine/solve/eigensolver.h"

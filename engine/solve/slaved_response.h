@@ -1,4 +1,4 @@
-// What a body gives way to a force when some of its motions are held: the static answer of all other modes. [worker]
+// The static displacement of a body under a force while some of its modes are held: the answer of all others. [worker]
 //
 //   SlavedResponse response(system, kept, shift);
 //   response.factor();

@@ -42,7 +42,7 @@ struct Chunk {
   [[nodiscard]] Frame cell_end() const RINGDOWN_REALTIME { return cell_begin() + static_cast<Frame>(kChunkFrames); }
 };
 
-// What sounds in a chunk, for status and for the choices of the next chunk.
+// Counts of what sounds in a chunk, for status and for the next chunk's choices.
 struct ChunkCounts {
   std::uint32_t voices = 0, modes = 0, muted_modes = 0;
   std::size_t slow_modes = 0;        // of `modes`, those that take moments

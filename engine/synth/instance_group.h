@@ -1,6 +1,6 @@
 // One set of states for all objects that share a table, however many ring: a thousand coins for the price of two banks.
 //
-// What reaches an output is the sum of the members' states, each times its object's gain there. While these gains stand
+// An output hears the sum of the members' states, each times its object's gain there. While these gains stand
 // still, the sum moves on just as each of them does, because its poles are theirs; so it is enough to move on the sum,
 // and a strike is added to it times the object's gain. Beside the sum every member keeps states of its own, which are
 // moved on only when it is struck, in one jump. When its gain or pan is about to move, these states are subtracted from
@@ -23,7 +23,7 @@
 
 namespace ringdown::synth {
 
-// What an object knows of its membership.
+// An object's view of its membership.
 struct GroupMember {
   bool shares_states = false;     // its states stand in the group's sums, and the rest says how
   ChannelStrip::Shares shares{};  // its gain at each output

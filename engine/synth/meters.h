@@ -44,8 +44,8 @@ class Meters {
   // Whether the objects' peak levels are measured. Costs nothing unless set; then at most 2048 modes in a chunk, so
   // that many objects take turns, 64 or fewer in a chunk. [any thread]
   void watch_objects(bool on) { watches_objects_.store(on, std::memory_order_relaxed); }
-  // What no sample of the object, at its gain, has exceeded since the last call, as far as it was measured: the sum of
-  // its modes' amplitudes, which is the peak of one mode but an upper bound for many. [one thread that is not audio]
+  // An upper bound of the object's samples since the last call, at its gain, as far as it was measured: the sum of its
+  // modes' amplitudes, which is exact for one mode. [one thread that is not audio]
   [[nodiscard]] float take_peak_level(ObjectNumber object);
   // The largest |sample| since the last call. [one thread that is not audio]
   [[nodiscard]] float take_peak() { return counters.peak_since.exchange(0, std::memory_order_relaxed); }

@@ -88,8 +88,8 @@ class Object final : public Source {
   [[nodiscard]] double units_of(const Event& event) const RINGDOWN_REALTIME;
   [[nodiscard]] double units_to_share() const RINGDOWN_REALTIME;
 
-  // What no sample of the object, at its gain, exceeds at frame `now`, for meters. `looked_at` grows by the modes that
-  // were added up.
+  // An upper bound of the object's samples at frame `now`, at its gain, for meters. Adds the number of modes that it
+  // looked at to `looked_at`.
   [[nodiscard]] double peak_level(Frame now, std::size_t& looked_at) const RINGDOWN_REALTIME;
   // Writes the amplitudes of the current voice's modes; returns how many they are.
   std::size_t write_amplitudes(Frame now, ModeWatch::Slot& to) const RINGDOWN_REALTIME;

@@ -80,7 +80,7 @@ class Shedding {
   bool little_ = true;    // in the last chunk there was little to do
   bool at_once_ = false;  // there is no time for ramps
   ChunkCounts last_;      // of the last chunk
-  // What was affordable when modes exchanged energy last [units/frame].
+  // The affordable work when modes last exchanged energy [units/frame].
   double coupled_affordable_ = std::numeric_limits<double>::max();
   double event_units_ = 0;      // accepted in this chunk
   double event_average_ = 0;    // the same, on average

@@ -84,8 +84,8 @@ void TimeBudget::end_chunk(double units) RINGDOWN_REALTIME {
   doubted_ = lessons_ > 0 && answer < kDoubted * affordable_ ? answer : 0;
   const bool confirmed = doubted_ == 0 || before > 0;
   if (!confirmed) answer = kDoubted * affordable_;
-  // What took time without being counted makes the answer too small while there was time left, and too large when there
-  // was none: it then says nothing about affordable().
+  // Work that took time without being counted makes the answer too small while there was time left, and too large when
+  // there was none. Such an answer says nothing about affordable().
   if (lessons_ == kFirstLessons && (used > kTarget) == (answer > affordable_)) return;
   if (lessons_ > 0) answer = std::clamp(answer, affordable_ / kMaxChange, affordable_ * kMaxChange);
   const double weight =

@@ -21,7 +21,7 @@ namespace ringdown::synth {
 // CLOCK_MONOTONIC, which Linux reads without a system call. [any]
 std::int64_t monotonic_ns() RINGDOWN_REALTIME;
 
-// What the budget is measured with. Both functions are real-time safe, and called by the helper threads too.
+// The clock of the budget. Both functions are real-time safe, and called by the helper threads too.
 struct WorkClock {
   std::int64_t (*now_ns)() RINGDOWN_REALTIME = monotonic_ns;  // from any origin
   void (*worked)(double units) RINGDOWN_REALTIME = nullptr;   // for clocks that count work: so much has been done
@@ -32,7 +32,7 @@ class TimeBudget {
   // The share of its time that affordable() units take.
   static constexpr double kTarget = 0.97;
 
-  // What may be used of the time that a block lasts, 0 ... 1; 0: no limit. [worker, while nothing is rendered]
+  // Sets the share of a block's time that may be used, 0 ... 1; 0: no limit. [worker, while nothing is rendered]
   void configure(double share, WorkClock clock) {
     share_ = share;
     clock_ = clock;

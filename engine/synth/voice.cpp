@@ -8,7 +8,7 @@
 namespace ringdown::synth {
 namespace {
 
-// What a strike's amplitudes are multiplied by. An absurd strike becomes not-a-number, because modes that die within
+// The factor of a strike's amplitudes. An absurd strike becomes not-a-number, because modes that die within
 // the chunk would hide a merely huge one.
 double gain_for(double energy, const Voice& voice, MixerCounters* counters) RINGDOWN_REALTIME {
   if (!(energy <= kAbsurdEnergy)) return std::numeric_limits<double>::quiet_NaN();

@@ -1,4 +1,4 @@
-// What was last said of the listener, even if its frame is still to come. [any thread; keep() neither locks nor
+// The last message about the listener, even if its frame is still to come. [any thread; keep() neither locks nor
 // allocates]
 #pragma once
 

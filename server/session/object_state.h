@@ -1,4 +1,4 @@
-// What a rack knows of one object. [any thread]
+// A rack's record of one object. [any thread]
 #pragma once
 
 #include "engine/base/content_hash.h"

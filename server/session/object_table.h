@@ -1,7 +1,7 @@
 // The objects of a rack, by name and by number: immutable snapshots that any thread reads without waiting.
 //
-// What readers see hangs on atomic pointers: for each number one to the object's snapshot, and one to the index of
-// names. A change prepares its successor aside, stores the pointer, and retires what was there before.
+// Readers follow atomic pointers: for each number one to the object's snapshot, and one to the index of names. A writer
+// prepares the next snapshot aside, stores the pointer, and retires the previous snapshot.
 //
 //   reader                                     writer, with the mutex
 //   readers_ += 1                              pointer = successor

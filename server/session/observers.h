@@ -68,7 +68,7 @@ class Observers {
   std::vector<Observer*> observers_;
   std::function<void()> on_change_;
   std::atomic<std::uint64_t> version_ = 0;
-  // What each producer has pushed and the observers do not know of yet.
+  // Events that each producer has pushed and the observers have not taken yet.
   std::array<SpscRing<synth::Event>, static_cast<std::size_t>(synth::Producer::kCount)> played_{
       SpscRing<synth::Event>(synth::kQueueCapacity), SpscRing<synth::Event>(synth::kQueueCapacity),
       SpscRing<synth::Event>(synth::kQueueCapacity), SpscRing<synth::Event>(synth::kQueueCapacity)};

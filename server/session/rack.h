@@ -102,7 +102,7 @@ class Rack {
   // The inputs that have ever excited an object, and so have a port that stays; bit 0 is the first input. [any]
   [[nodiscard]] std::uint32_t inputs() const { return inputs_; }
 
-  // What each input excites. [worker]
+  // The object and point that each input excites. [worker]
   struct Excitation {
     synth::ObjectNumber object;
     Vec3 point_m, force_n;

@@ -29,8 +29,8 @@ constexpr double kWarnEvery_s = 0.5;  // of lost time
 
 tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one first"); }
 
-// What puts a scene's listener in place. A scene without one ends the one that the scene before it has set (`ends`),
-// but nobody else's.
+// The events that put a scene's listener in place. A scene without a listener ends the one that the previous scene has
+// set (`ends`), but nobody else's.
 std::vector<Event> listener_events(const scene::SceneDescription& scene, bool ends, Frame frame) {
   if (!scene.listener)
     return ends ? std::vector<Event>{{.frame = frame, .type = EventType::listener_off}} : std::vector<Event>{};
@@ -75,7 +75,7 @@ modal::ReadBeside beside(const FileRoots& roots, const std::filesystem::path& pa
   };
 }
 
-// What the file has and a scene has not is warned of.
+// Warns of parts of the file that a scene cannot have.
 Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::filesystem::path& path,
                                            const std::function<void(const std::string&)>& warn) {
   const bool is_gltf = scene::is_gltf(path);

@@ -58,7 +58,7 @@ class ScenePlayer {
   // Passes the reports to `sink` instead of the rack. Before anything is loaded. [main]
   void send_to(Sink sink) { sink_ = std::move(sink); }
 
-  // What rests on an object damps it, so the object is retuned, which the worker does. retune_by() names the function
+  // A body that rests on an object damps it, so the worker retunes the object. retune_by() names the function
   // that hands such tasks to the worker and returns whether the worker took them; without it they are carried out at
   // once. While the scene thread does not run. [main]
   using Post = std::function<bool(std::function<void()>)>;
@@ -108,7 +108,7 @@ class ScenePlayer {
   };
   [[nodiscard]] Poses poses() const;  // [any but audio]
 
-  // What the scene looks like. `version` grows whenever something in the description changes.
+  // The scene's appearance. `version` grows whenever something in the description changes.
   struct Description {
     std::int32_t version = 0;
     double duration_s = 0;

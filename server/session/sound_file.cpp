@@ -24,7 +24,8 @@ tl::unexpected<Error> cannot_write(const std::filesystem::path& path, const std:
 
 }  // namespace
 
-// What a stream gets is complete before, in a file without a name: libsndfile goes back to write lengths.
+// A stream gets the sound only when it is complete, from a file without a name, because libsndfile goes back to write
+// lengths.
 struct SoundFile::Open {
   OutputTarget target;
   std::filesystem::path temporary;

@@ -1,4 +1,4 @@
-// What a daemon holds, as a readable TOML file: its objects with bank, gain, pan, material and group, what its inputs
+// The state of a daemon as a readable TOML file: its objects with bank, gain, pan, material and group, what its inputs
 // excite, its listener and its scene. `--state` and session managers load it; `/state/save` and session managers write
 // it.
 //

@@ -1,4 +1,4 @@
-// What ringdown-bake prints about a bake. [main thread]
+// Prints ringdown-bake's report of a bake. [main thread]
 #pragma once
 
 #include "engine/bake/bake_object.h"

@@ -1,4 +1,4 @@
-// What the command lines of ringdown-bake, ringdown-check and ringdown-tune have in common. [main]
+// Command-line options that ringdown-bake, ringdown-check and ringdown-tune share. [main]
 #pragma once
 
 #include "engine/base/result.h"

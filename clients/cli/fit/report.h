@@ -1,4 +1,4 @@
-// What `ringdown fit` prints. [any]
+// Prints the report of `ringdown fit`. [any]
 #pragma once
 
 #include "engine/fit/modes.h"

@@ -1,4 +1,4 @@
-// What a bank answers to a blow at one of its sample points. [any]
+// The response of a bank to a blow at one of its sample points. [any]
 #pragma once
 
 #include "engine/base/vec3.h"

@@ -1,5 +1,5 @@
-// What the window's parts ask the daemon for. Datagrams get lost, so every question is asked again until it is
-// answered. [one thread: the window's]
+// A question of the window to the daemon. Datagrams get lost, so every question is repeated until it is answered. [one
+// thread: the window's]
 #pragma once
 
 #include "protocol/request.h"

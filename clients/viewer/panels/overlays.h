@@ -1,4 +1,4 @@
-// What is drawn over the panes: notes on the scene, the help of F1, and the bars that resize panes. [UI]
+// Drawings over the panes: notes on the scene, the help of F1, and the bars that resize panes. [UI]
 #pragma once
 
 #include "clients/viewer/link/daemon_client.h"

@@ -1,4 +1,4 @@
-// What is chosen as a support: marked on the surface, and as text of an object file. [UI]
+// The faces chosen as a support, marked on the surface and as text for an object file. [UI]
 #pragma once
 
 #include "clients/viewer/panels/skin.h"

@@ -1,5 +1,5 @@
-// What the renderer draws from vertex buffers: meshes of bodies, and the flashes of contacts. Only files of this folder
-// include this header. Every call needs the renderer's context to be current. [context thread]
+// Shapes that the renderer draws from vertex buffers: meshes of bodies, and the flashes of contacts. Only files of this
+// folder include this header. Every call needs the renderer's context to be current. [context thread]
 #pragma once
 
 #include "clients/viewer/render/drawn_mesh.h"

@@ -1,4 +1,4 @@
-// What kind of motion a mode of a slender or flat body is, told from a bank's shapes. [any thread]
+// Classifies the modes of a slender or flat body by their motion, from a bank's shapes. [any thread]
 //
 //   const BodyAxes axes = body_axes(bank, std::nullopt);
 //   modes_of(bank, axes, ModeFamily::kVertical)   // its bending modes in the strike direction, lowest first

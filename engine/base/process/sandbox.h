@@ -27,7 +27,7 @@ struct SandboxState {
 // lacks a part, and where the process has other threads already, which Landlock would leave out.
 SandboxState close_sandbox(const std::vector<std::filesystem::path>& readable);
 
-// What close_sandbox() would do here, found without closing anything.
+// The state that close_sandbox() would reach here, found without closing anything.
 SandboxState sandbox_of_kernel();
 
 }  // namespace ringdown

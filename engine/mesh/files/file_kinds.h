@@ -22,7 +22,8 @@ bool is_geometry_file(const std::filesystem::path& path);
 // (Sketch::sized_by_file in body.h).
 bool declares_mesh_size(const std::filesystem::path& path);
 
-// What the file says its unit is, else 1: .step and .iges say it, and gmsh hands them over in millimetres; a .unv may.
+// The unit that the file states [m], 1 if it states none. .step and .iges always state one, and gmsh converts them to
+// millimetres; a .unv may state one.
 double unit_in_file(const std::filesystem::path& path);
 
 }  // namespace ringdown::mesh

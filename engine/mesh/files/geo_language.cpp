@@ -131,8 +131,8 @@ constexpr std::array kAsking = {"systemcall",
                                 "currentdirectory",
                                 "absolutepath"};
 
-// What a statement would do that is refused by its name. As the name of a variable, or before a point of a group of
-// options, a command's name is harmless.
+// A command that is refused by its name, and what it would do. As the name of a variable, or of a group of options
+// before a point, the name is harmless.
 struct Refusal {
   const char *word, *deed;
   bool command = true;

@@ -13,7 +13,7 @@
 // Lengths are taken as they stand; scale them afterwards. Nothing is checked beyond the file itself: elements may be
 // inside out, overlap or be flat (mesh::check_mesh).
 //
-// What a file says of its own size is compared with its size before memory is taken. Errors are one sentence with the
+// The counts in a file are compared with the file's size before memory is allocated. Errors are one sentence with the
 // line, or the byte, and what is wrong there.
 #pragma once
 

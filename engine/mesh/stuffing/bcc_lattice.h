@@ -86,7 +86,7 @@ class BccLattice {
   Eigen::Vector3i cubes_ = Eigen::Vector3i::Zero();
 };
 
-// What isosurface stuffing puts into one tetrahedron of the lattice. [any thread]
+// The stencil: how isosurface stuffing fills one tetrahedron of the lattice. [any thread]
 //
 // Corners are inside, outside or on the surface; an edge from inside to outside has a cut point. The part inside is a
 // tetrahedron, a pyramid or a prism with corners at lattice and cut points. Where a face of the lattice holds two

@@ -10,10 +10,10 @@ namespace ringdown::mesh {
 
 inline constexpr std::size_t kMaxShells = 1000;  // compared with each other; beyond, nesting is not looked at
 
-// What makes a closed shell inside a body a cavity of it.
+// When a closed shell inside a body is a cavity of that body.
 enum class CavityRule : std::int32_t {
-  kWoundTheOtherWay,  // that it is wound the other way than the shell around it; else it is a body, and part of it
-  kInside,            // that it is inside, however it is wound
+  kWoundTheOtherWay,  // if it is wound the other way than the shell around it; otherwise it is part of the body
+  kInside,            // always, however it is wound
 };
 
 enum class Role {

@@ -1,4 +1,4 @@
-// What is wrong with a surface, before anything is done about it. [worker]
+// Finds the faults of a surface and changes nothing. [worker]
 //
 //   const SurfaceReport report = diagnose(mesh);
 //   for (const Finding& finding : report.findings) puts(describe(finding).c_str());

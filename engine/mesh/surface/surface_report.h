@@ -1,4 +1,4 @@
-// What is wrong with a surface, in words. surface_check.h finds it. [any thread]
+// Describes the faults of a surface in words. surface_check.h finds them. [any thread]
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"

@@ -28,8 +28,8 @@ double patch_area(std::span<const Vec3> points_m, Vec3 normal);
 // The rms gradient of the waviness of both surfaces together.
 double waviness_of(const FrictionSurface& a, const FrictionSurface& b);
 
-// What profiles and mesoscale relief are smoothed over under a load: the width of the real area of contact, and the
-// diameter of Hertz's patch that confines it. 0 where neither surface has a relief. [m]
+// The widths over which profiles and mesoscale relief are smoothed under a load: the width of the real area of contact,
+// and the diameter of Hertz's patch that confines it. 0 where neither surface has a relief. [m]
 struct FilterWidths {
   double finish_m = 0, relief_m = 0;
 };

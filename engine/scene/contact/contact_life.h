@@ -38,7 +38,7 @@ struct PairContact {
   Motion first, second;     // a static's is that of the origin at rest
 };
 
-// What a lasting contact was like since its last report.
+// The state of a lasting contact since its last report.
 struct ContactReport {
   BodyPair pair;
   bool begins = false;                             // the first report of the contact

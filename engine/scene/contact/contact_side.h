@@ -1,4 +1,4 @@
-// What each of two bodies in contact contributes to the sound of the contact. [any thread]
+// The contribution of each of two bodies in contact to the sound of that contact. [any thread]
 #pragma once
 
 #include "engine/modal/bank.h"

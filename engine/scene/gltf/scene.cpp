@@ -210,8 +210,8 @@ class GltfSceneReader {
     surface.relief = relief(node, owner, finish);
   }
 
-  // What is known of the heights of a collider's surface. The same profile or map is read once for each surface, mesh
-  // and size.
+  // Returns the heights of a collider's surface, if the file has any. Each profile or map is read once for each
+  // surface, mesh and size.
   std::shared_ptr<const modal::SurfaceRelief> relief(std::size_t node, std::optional<std::size_t> owner,
                                                      const Field& finish) {
     auto mesh_node = nearest(node, [](const GltfNode& n) { return n.field["mesh"].present(); });

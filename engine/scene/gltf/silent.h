@@ -13,7 +13,7 @@
 
 namespace ringdown::scene {
 
-// What an acoustic material of the file says; what it leaves out is empty.
+// An acoustic material of the file. Members that the file does not state are empty.
 struct GltfMaterial {
   std::size_t number = 0;  // in acousticMaterials
   std::string name;

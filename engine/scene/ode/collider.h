@@ -23,7 +23,7 @@ struct JointDeleter {
   void operator()(dxJoint* joint) const;
 };
 
-// What Islands (islands.h) notes about a body, and about the island of which the body is the root.
+// The notes of Islands (islands.h) about a body, and about the island of which the body is the root.
 struct Collider;
 struct IslandState {
   Collider* parent = nullptr;  // null: in no island; itself: the root of one

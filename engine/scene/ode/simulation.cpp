@@ -243,7 +243,7 @@ void Simulation::State::collide(dxGeom* one, dxGeom* two) {
   if (filter.may_touch(a, b)) contacts.collide(one, two, islands);
 }
 
-// What makes up for a body's gravity factor, which ODE does not know.
+// Adds the force that makes up for a body's gravity factor, which ODE does not know.
 void Simulation::State::add_gravity() {
   for (Collider* collider : in_order) {
     if (collider->gravity_factor == 1 || !collider->awake()) continue;

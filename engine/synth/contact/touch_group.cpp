@@ -32,8 +32,8 @@ double* row_of(const AlignedArray<double>& rows, std::size_t freedom) RINGDOWN_R
 
 void end_touch(TouchSlot& touch) RINGDOWN_REALTIME { touch.used = touch.open = touch.contact.on = false; }
 
-// What a surface sounds like follows its acceleration. Where it is only bent by a force that lasts, it does not sound:
-// adds that part of the samples to `to`. A sample lies between two steps.
+// Adds the samples of static bending to `to`. The sound of a surface follows its acceleration, and a surface that a
+// lasting force only bends does not sound. A sample lies between two steps.
 void lean(TouchPort& port, const double* force_n, std::size_t frames, std::size_t substeps,
           double* to) RINGDOWN_REALTIME {
   double before = port.last_n;
@@ -325,7 +325,8 @@ void TouchGroup::move_masses(std::size_t steps) RINGDOWN_REALTIME {
 void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
                                 Workspace& workspace) RINGDOWN_REALTIME {
   const std::size_t frames = end - begin, steps = frames * substeps_;
-  // What touched will mostly touch again: in all directions at once the modes are gone through once.
+  // A contact that touched will mostly touch again, so all directions are computed at once, which visits the modes
+  // once.
   const bool at_once = touched_;
   move_freely(begin, frames, chunk, at_once ? Directions::all : Directions::normal);
   touched_ = !stays_apart(steps);

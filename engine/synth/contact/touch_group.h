@@ -97,7 +97,7 @@ class TouchGroup final : public Source {
     Object* object = nullptr;
     const ModeTable* table = nullptr;
     double* poles = nullptr;  // of a step, where a sample has several
-    // What else pushes it in a segment: pulses, inputs, one-way contacts.
+    // Other forces on it in a segment: pulses, inputs, one-way contacts.
     std::array<std::array<double, kMaxTouchSteps>, kMaxForces> impulses;
     std::array<Force, kMaxForces> exciting;
     std::size_t exciting_count = 0;

@@ -1,5 +1,5 @@
-// What a group's contacts are made of: its bodies, how each place of them moves and is moved, and the taps between all
-// of them. Found when a contact begins or ends, a point moves, or an object's voice changes.
+// Builds a group's contacts: its bodies, how each place on them moves and is moved, and the taps between all places.
+// Runs when a contact begins or ends, a point moves, or an object's voice changes.
 #include "engine/synth/contact/touch_group.h"
 
 #include <algorithm>
@@ -65,7 +65,7 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
   std::fill_n(port.weight.get(), table.columns(), 0.0);
   std::fill_n(port.kick_re.get(), table.columns(), 0.0);
   std::fill_n(port.kick_im.get(), table.columns(), 0.0);
-  // What is wide touches a patch: its middle, and half the width away to all sides, as far as there is surface.
+  // A wide body touches a patch: its middle, and half the width away to all sides, as far as there is surface.
   const std::array<Vec3, 2> aside = across(direction);
   const std::size_t points = width_m > 0 ? 5 : 1;
   for (std::size_t k = 0; k < points; ++k) {

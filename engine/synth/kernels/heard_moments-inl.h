@@ -78,7 +78,7 @@ struct HeardGroup {
   std::uint16_t own_bands[kModePadding];
 };
 
-// What a call's frames come to, for the terms in t of a bend: 4 (j / n) (1 - j / n) = c0 + c1 t + c2 t^2.
+// Coefficients of a bend's terms in t over the frames of a call: 4 (j / n) (1 - j / n) = c0 + c1 t + c2 t^2.
 struct Bend {
   double c0 = 0, c1 = 0, c2 = 0;
   HWY_INLINE Bend(double bend, std::size_t frames) {

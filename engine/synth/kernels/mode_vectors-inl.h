@@ -59,7 +59,8 @@ HWY_INLINE void store_states(Complex z, const ModeArrays& modes, std::size_t at)
   hn::Store(z.im, Tag(), modes.z_im + at);
 }
 
-// What the |z|^2 of a group's modes say. Compared one by one, because a largest would forget a NaN that meets a number.
+// Checks |z|^2 of a group's modes against the limits. Each is compared by itself, because a running maximum forgets a
+// NaN as soon as it meets a number.
 class EnergyCheck {
  public:
   HWY_INLINE explicit EnergyCheck(const EnergyLimits& limits)

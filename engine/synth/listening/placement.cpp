@@ -17,7 +17,7 @@ constexpr double kMaxTurn = 0.1;  // of the phase in which a mode's gain goes th
 constexpr double kMaxCellsAhead = 8;
 constexpr double kMaxAhead_s = 0.3;  // under pressure
 
-// What a look-up costs, in terms of its map.
+// The cost of a look-up, in terms of its map.
 double terms_of(const ModeTable& table) RINGDOWN_REALTIME {
   const modal::DirectionMap& map = table.directions();
   const double harmonics = 0.5 * static_cast<double>(modal::harmonic_count(std::max(map.degree(), 0)));
@@ -73,8 +73,8 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
   const bool new_voice = !looked_up && unseen_;
   if (!within || new_voice) {
     origin_m_ = source ? source->table().origin_m() : Vec3{};
-    // What turns about where it is heard from keeps its distance and side; its direction counts where maps are looked
-    // up.
+    // A body that only rotates about its origin keeps distance and pan. Only its direction changes, which matters at
+    // the next look-up.
     const bool only_turns = !stands && follows && looked_up && glide_end_ <= chunk.cell_begin() &&
                             chunk.cell_begin() < next_look_ && listening.still() && track.stays_in_place() &&
                             origin_m_ == Vec3{} && last_.rate == 1;

@@ -63,10 +63,10 @@ class Placement {
   // The next chunk begins with what is heard from the present place, instead of going there from the last one.
   void begin_anew() RINGDOWN_REALTIME { anew_ = true; }
 
-  // What the object's lines cost in the chunk, in terms of maps, where it is looked up as often as would be exact.
+  // The cost of the object's lines in the chunk, in terms of maps, if it is looked up as often as would be exact.
   [[nodiscard]] double look_terms() const RINGDOWN_REALTIME { return look_terms_; }
 
-  // Is heard from its place no more, at once.
+  // The object is no longer heard from its place, at once.
   void stop(VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
   void forget() RINGDOWN_REALTIME {
     const double spread = spread_;

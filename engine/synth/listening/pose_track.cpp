@@ -167,7 +167,7 @@ void PoseTrack::come_to_rest(Frame now) RINGDOWN_REALTIME {
          {}};
 }
 
-// What the track should do when it reaches a pose.
+// The motion that the track should have when it reaches a pose.
 PoseTrack::End PoseTrack::end_at(const Key& key, const Key* next, double longest) const RINGDOWN_REALTIME {
   End end{key.pose, {}, {}};
   const auto before = static_cast<double>(key.at - reached_[0].at);

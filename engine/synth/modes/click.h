@@ -24,7 +24,7 @@ namespace ringdown::synth {
 inline constexpr std::size_t kMaxClicks = 64;   // at a time; more are not heard
 inline constexpr double kMaxClickRadius_m = 3;  // a larger body's click lies below what is heard
 
-// What an object's click is like.
+// The shape of an object's click.
 struct ClickShape {
   double corner_per_s = 0;  // c / R
   double gain = 0;          // output per newton far above the corner's roll-off

@@ -32,7 +32,7 @@ class ModeTable;
 
 inline constexpr std::size_t kMaxCoupledModes = 64, kMaxCoupledFunctions = 60;  // in real time
 
-// What all voices of a table share.
+// Data that all voices of a table share.
 struct CoupledTable {
   std::vector<std::uint32_t> columns;    // of the M modes
   std::vector<double> pole_re, pole_im;  // M: per frame

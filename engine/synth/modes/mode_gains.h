@@ -41,7 +41,7 @@ class ModeGains {
 
   // Lets gains stand as they are now, and returns them; null when each is 1.
   const ModeFactors* freeze() RINGDOWN_REALTIME;
-  // What freeze() returned last, as long as nothing has moved since.
+  // The last result of freeze(), as long as nothing has moved since.
   [[nodiscard]] const ModeFactors* frozen() const RINGDOWN_REALTIME { return on_ ? &factors_ : nullptr; }
 
  private:

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <tuple>
 
-// What a group of modes does
+// The life of a group of modes
 //
 // A group sounds while it stands in slow_ or fast_, the lists that the kernels go through; a kernel takes it off its
 // list once all its modes lie below the floor, and then it rests. As a rule a strike wakes all groups (wake()): it

@@ -126,7 +126,7 @@ class ModeStates {
     return {slow + fast, kModePadding * muting_.groups(), kModePadding * slow_.count, fade_.running(), cut_short_};
   }
 
-  // What no sample of what rings exceeds: the sum of the modes' amplitudes, muted and fading ones included. The states
+  // An upper bound of every sample: the sum of the modes' amplitudes, muted and fading ones included. The states
   // have rested for `rested` frames, 0 unless rest() was called; resting modes are taken to decay as the slowest of
   // their group.
   [[nodiscard]] double peak_level(Frame rested) const RINGDOWN_REALTIME;

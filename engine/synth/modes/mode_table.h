@@ -30,7 +30,7 @@ namespace ringdown::synth {
 struct GlideMatrix;
 struct CoupledTable;
 
-// What all tables of a mixer have in common.
+// Settings that all tables of a mixer share.
 struct TableSettings {
   double full_scale_pa = modal::kFullScale_pa;  // a pressure of this at 1 m becomes an amplitude of 1
   std::size_t max_coupled = 64;                 // modes of a voice that may exchange energy (coupled_modes.h)

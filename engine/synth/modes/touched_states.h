@@ -11,7 +11,7 @@
 
 namespace ringdown::synth {
 
-// What moves a touched object on in a segment.
+// The poles and forces that advance a touched object by one segment.
 struct TouchForces {
   ModeArrays stepped;  // the poles of a step; its states do not count
   std::span<const Force> forces;
