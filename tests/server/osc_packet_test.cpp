@@ -81,7 +81,8 @@ TEST(OscPacket, TypesThatOscDoesNotKnowAreRefusedByName) {
     const std::string sentence =
         refusal(osc_string("/a") + osc_string(std::string(",i") + type) + osc_int(1) + osc_int(0));
     EXPECT_NE(sentence.find("/a argument 2"), std::string::npos) << type << ": " << sentence;
-    if (type != ' ') EXPECT_NE(sentence.find(std::string("'") + type + "'"), std::string::npos) << sentence;
+    const bool named = sentence.find(std::string("'") + type + "'") != std::string::npos;
+    EXPECT_TRUE(named || type == ' ') << sentence;
   }
 }
 

@@ -125,7 +125,7 @@ TEST_P(TravelTime, EveryStrikeIsHeardOnce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OnAndOff, TravelTime, testing::Bool(),
-                         [](const auto& info) { return std::string(info.param ? "Travels" : "AtOnce"); });
+                         [](const auto& of) { return std::string(of.param ? "Travels" : "AtOnce"); });
 
 }  // namespace
 }  // namespace ringdown::synth::test
