@@ -52,9 +52,9 @@ def main():
     total, expected = sum(now.values()), speed * sum(then[target] for target in now)
     print(f"{total:8.1f} {expected:8.1f}  in all, of processor time ({measure:.1f} s for {MEASURE})")
     if "--write" in sys.argv:
-        table.update({made: 0 for made in table if target_of(made) in now})
-        table.update({made: seconds / speed for made, seconds in steps.items()})
-        text = "".join(f"{seconds:.1f} {made}\n" for made, seconds in sorted(table.items()) if seconds >= 0.05)
+        rows_now = {made: seconds for made, seconds in table.items() if target_of(made) not in now}
+        rows_now |= {made: seconds / speed for made, seconds in steps.items()}
+        text = "".join(f"{seconds:.1f} {made}\n" for made, seconds in sorted(rows_now.items()) if seconds >= 0.05)
         TABLE.write_text(text)
     if "--check" in sys.argv and total > 1.25 * expected:
         print(f"building has become {total / expected - 1:.0%} more expensive than {TABLE.name} says, and more than a "
