@@ -7,9 +7,9 @@
 //   that would take too many unknowns, the order rises instead;
 //   a mesh from a file keeps its nodes: the order rises up to 4, then each element is split into eight.
 //
-// It stops before a round of more than recipe.max_unknowns.
+// A bake stops before a round that would take more than recipe.max_unknowns unknowns.
 //
-// With recipe.preview it is meshed coarsely instead, of order 2, so that it takes a second or less.
+// With recipe.preview the body is meshed coarsely instead, with elements of order 2, which takes a second or less.
 #pragma once
 
 #include "engine/bake/bake.h"

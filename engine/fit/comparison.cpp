@@ -77,8 +77,8 @@ double mean_square_cents(const std::vector<double>& heard, const std::vector<dou
 
 double energy_of(const Mode& mode) { return mode.amplitude * mode.amplitude / mode.decay_per_s; }
 
-// Whether a mode is an artefact beside a stronger one, which a room or the end of a fit adds: near it in frequency,
-// shorter and much weaker.
+// Returns whether `mode` is an artefact of a room, or of the end of a fit: such a mode lies near a stronger one, is
+// shorter, and is much weaker.
 bool is_companion(const Mode& mode, std::span<const Mode> recording) {
   constexpr double kShorter = 1.5, kStronger = 10;
   return std::ranges::any_of(recording, [&](const Mode& other) {

@@ -7,9 +7,9 @@ FIT is ringdown-fit, FOLDER gets the sounds and banks. The sounds are made here,
 die within 5 to 500 ms, the click of the contact, noise, a room. The bank is played by the formula of docs/how/fit.md, by numpy
 alone, and compared in cells of a third of an octave by 10 ms that lie 6 dB above the recording's noise, after the one gain that
 brings it nearest. Of cells of pure noise one in fifty lies there, too, so that the sound itself, without its noise, is some dB
-away; where the cells are those in which the sound itself lies 6 dB above the noise, it is not. Both are measured. --short leaves out four that others resemble. Each limit is
-today's figure and a little more; --seed makes other sounds of the same kind, which have only the common limits. Exit code 1 when
-a limit is missed, 77 without numpy.
+away; where the cells are those in which the sound itself lies 6 dB above the noise, it is not. Both are measured. Each limit is
+today's figure and a little more; --seed makes other sounds of the same kind, which have only the common limits; --short leaves
+out four sounds that others resemble. Exit code 1 when a limit is missed, 77 without numpy.
 """
 import math
 import pathlib
