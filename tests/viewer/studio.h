@@ -8,8 +8,10 @@
 #include "tests/viewer/lossy_relay.h"
 
 #include <gtest/gtest.h>
+#include <imgui.h>
 
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -122,6 +124,30 @@ class Studio {
       act({kind + way, key_or_click[1]});
       for (int i = 0; i < 3; ++i) app_->frame();
     }
+  }
+
+  // Drags with the left button, in steps, while `modifier` is down, if there is one. Each input is seen by a frame
+  // before the next one is made, so that a slow machine cannot merge them.
+  void drag(const std::string& x, const std::string& y, int steps, int step_x, int step_y,
+            const std::string& modifier = "") {
+    const ImGuiIO& io = ImGui::GetIO();
+    const auto shown = [&](const std::vector<std::string>& input, auto seen) {
+      act(input);
+      EXPECT_TRUE(until(seen)) << input[0] << " is not seen; " << condition();
+    };
+    take_focus();
+    const auto modified = [&] { return io.KeyShift || io.KeyCtrl || io.KeyAlt; };
+    if (!modifier.empty()) shown({"keydown", modifier}, modified);
+    shown({"mousemove", x, y},
+          [&] { return std::abs(io.MousePos.x - std::stof(x)) < 2 && std::abs(io.MousePos.y - std::stof(y)) < 2; });
+    shown({"mousedown", "1"}, [&] { return io.MouseDown[0]; });
+    for (int i = 0; i < steps; ++i) {
+      const ImVec2 before = io.MousePos;
+      shown({"mousemove_relative", "--", std::to_string(step_x), std::to_string(step_y)},
+            [&] { return io.MousePos.x != before.x || io.MousePos.y != before.y; });
+    }
+    shown({"mouseup", "1"}, [&] { return !io.MouseDown[0]; });
+    if (!modifier.empty()) shown({"keyup", modifier}, [&] { return !modified(); });
   }
 
   template <class Kind>

@@ -117,12 +117,7 @@ TEST(Window, DraggingTurnsTheWheelZoomsAndShiftPushes) {
                      std::to_string(std::lround(view.origin().y + pixel->y)));
   };
   const auto [bx, by] = in_view({0.4F, -0.05F, 0.05F});
-  studio.act({"keydown", "shift"});
-  studio.act({"mousemove", bx, by});
-  studio.act({"mousedown", "1"});
-  for (int i = 0; i < 4; ++i) studio.act({"mousemove_relative", "--", "-15", "0"});
-  studio.act({"mouseup", "1"});
-  studio.act({"keyup", "shift"});
+  studio.drag(bx, by, 4, -15, 0, "shift");
   ASSERT_TRUE(studio.asks<protocol::ScenePush>());
   EXPECT_LT(studio.relay().asked<protocol::ScenePush>()[0].impulse_ns.x, 0);
   EXPECT_TRUE(studio.until([&] {
@@ -132,10 +127,7 @@ TEST(Window, DraggingTurnsTheWheelZoomsAndShiftPushes) {
   })) << "the block does not move";
 
   const float yaw = view.camera().yaw;
-  studio.act({"mousemove", bx, by});
-  studio.act({"mousedown", "1"});
-  for (int i = 0; i < 4; ++i) studio.act({"mousemove_relative", "--", "-20", "0"});
-  studio.act({"mouseup", "1"});
+  studio.drag(bx, by, 4, -20, 0);
   EXPECT_TRUE(studio.until([&] { return std::abs(view.camera().yaw - yaw) > 0.02F; }));
   const glm::vec3 before = view.camera().position_m;
   studio.act({"click", "4"});
