@@ -87,12 +87,17 @@ void Field::write(void* base, const Value& value) const {
 Columns argument(const void* at, Member member, ValueType type, const char* name, const Quantity& quantity,
                  const char* sentence) {
   Columns one;
-  one.column[0] = {at, member, type, name, quantity, sentence, false};
+  one.column[0] = {at, member, type, name, "", quantity, sentence, false};
   return one;
 }
 
 Columns append(Columns columns, const Columns& more) {
   for (std::size_t i = 0; i < more.count; ++i) columns.column[columns.count++] = more.column[i];
+  return columns;
+}
+
+Columns grouped(const char* group, Columns columns) {
+  for (std::size_t i = 0; i < columns.count; ++i) columns.column[i].group = group;
   return columns;
 }
 
@@ -108,7 +113,7 @@ Row make_row(const void* example, const char* address, const char* sentence, std
     for (std::size_t i = 0; i < group.count; ++i) {
       const Column& c = group.column[i];
       row.spec.arguments.push_back(
-          {c.name, c.type, c.quantity.unit, c.quantity.least, c.quantity.most, c.sentence, c.optional, {}});
+          {c.name, c.group, c.type, c.quantity.unit, c.quantity.least, c.quantity.most, c.sentence, c.optional, {}});
       const auto offset = static_cast<const std::byte*>(c.at) - static_cast<const std::byte*>(example);
       row.fields.push_back({static_cast<std::size_t>(offset), c.member});
     }

@@ -61,6 +61,7 @@ struct Column {
   Member member = Member::number;
   ValueType type = ValueType::number;
   const char* name = "";
+  const char* group = "";  // what several columns that fill one vector or rotation are called together
   Quantity quantity;
   const char* sentence = "";
   bool optional = false;
@@ -84,13 +85,17 @@ inline Columns number(const double* member, const char* name, const Quantity& qu
 // One argument after the other.
 Columns append(Columns columns, const Columns& more);
 
+// The columns as one group.
+Columns grouped(const char* group, Columns columns);
+
 // Three numbers, of a vector or of a rotation's axis: the sentence stands at the first.
 template <class Xyz>
 requires(std::is_same_v<Xyz, Vec3> || std::is_same_v<Xyz, Rotation>) Columns
-    vector(const Xyz* member, const std::array<const char*, 3>& names, const Quantity& quantity, const char* sentence) {
-  return append(append(number(&member->x, names[0], quantity, sentence),
-                       number(&member->y, names[1], quantity, "Its y component.")),
-                number(&member->z, names[2], quantity, "Its z component."));
+    vector(const Xyz* member, const char* group, const std::array<const char*, 3>& names, const Quantity& quantity,
+           const char* sentence) {
+  return grouped(group, append(append(number(&member->x, names[0], quantity, sentence),
+                                      number(&member->y, names[1], quantity, "Its y component.")),
+                               number(&member->z, names[2], quantity, "Its z component.")));
 }
 
 template <class Whole>

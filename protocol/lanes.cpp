@@ -18,13 +18,13 @@ LaneRequest in_its_lane(Request request) {
   return visit([]<class Struct>(Struct&& one) { return put_into_lane(std::move(one), Lanes()); }, std::move(request));
 }
 
-template class OneOf<MixerRequests>;
-template class OneOf<TimedWorkerRequests>;
-template class OneOf<WorkerRequests>;
-template class OneOf<FileRequests>;
-template class OneOf<Questions>;
-template class OneOf<SubscriptionRequests>;
-template class OneOf<DaemonRequests>;
-template class OneOf<Lanes>;
-
 }  // namespace ringdown::protocol
+
+template class ringdown::detail::OneOfStorage<ringdown::protocol::MixerRequests>;
+template class ringdown::detail::OneOfStorage<ringdown::protocol::TimedWorkerRequests>;
+template class ringdown::detail::OneOfStorage<ringdown::protocol::WorkerRequests>;
+template class ringdown::detail::OneOfStorage<ringdown::protocol::FileRequests>;
+template class ringdown::detail::OneOfStorage<ringdown::protocol::Questions>;
+template class ringdown::detail::OneOfStorage<ringdown::protocol::SubscriptionRequests>;
+template class ringdown::detail::OneOfStorage<ringdown::protocol::DaemonRequests>;
+template class ringdown::detail::OneOfStorage<ringdown::protocol::Lanes>;

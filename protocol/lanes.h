@@ -17,9 +17,7 @@
 namespace ringdown::protocol {
 
 // Becomes events, which the mixer plays at the request's own frame.
-using MixerRequests =
-    Types<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, RingModes, ClearObject, SetContact, SetBow, HitMallet,
-          SetCoupling, Click, SetPose, PoseMany, SetListener, ListenerOff, SetListenerAir, ClearAll>;
+using MixerRequests = Joined<VerbRequests, Types<StrikeMany, PoseMany, ClearAll>>;
 using MixerRequest = OneOf<MixerRequests>;
 
 // Carried out by the worker before the request's own frame, and heard from that frame on.
@@ -51,15 +49,6 @@ using Lanes =
     Types<MixerRequest, TimedWorkerRequest, WorkerRequest, FileRequest, Question, SubscriptionRequest, DaemonRequest>;
 using LaneRequest = OneOf<Lanes>;
 
-extern template class OneOf<MixerRequests>;
-extern template class OneOf<TimedWorkerRequests>;
-extern template class OneOf<WorkerRequests>;
-extern template class OneOf<FileRequests>;
-extern template class OneOf<Questions>;
-extern template class OneOf<SubscriptionRequests>;
-extern template class OneOf<DaemonRequests>;
-extern template class OneOf<Lanes>;
-
 // The lanes by name, in the order of Lanes.
 enum class Lane : std::uint8_t { mixer, timed_worker, worker, file, question, subscription, daemon };
 static_assert(Lanes::kCount == static_cast<std::size_t>(Lane::daemon) + 1);
@@ -85,3 +74,12 @@ inline constexpr Lane kLaneOf = detail::lane_of<Struct>(Lanes());
 LaneRequest in_its_lane(Request request);
 
 }  // namespace ringdown::protocol
+
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::MixerRequests>;
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::TimedWorkerRequests>;
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::WorkerRequests>;
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::FileRequests>;
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::Questions>;
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::SubscriptionRequests>;
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::DaemonRequests>;
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::Lanes>;

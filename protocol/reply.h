@@ -3,9 +3,9 @@
 // On the wire replies use the OSC types i, f and s only: Pure Data's parser knows no others. [any thread]
 #pragma once
 
+#include "engine/base/one_of.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/material_scale.h"
-#include "protocol/one_of.h"
 #include "protocol/wire/message.h"
 
 #include <cstdint>
@@ -170,6 +170,7 @@ using Replies = Types<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply
                       SceneStatic, BrowseReply, BrowseFile, NotifyObject, NotifyGroup, NotifyContact, NotifyPeak,
                       NotifyObjectPeak, NotifyLoad, NotifyBody, NotifyScene, NotifySound, NotifyModes>;
 using Reply = OneOf<Replies>;
-extern template class OneOf<Replies>;
 
 }  // namespace ringdown::protocol
+
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::Replies>;

@@ -3,8 +3,6 @@
 
 namespace ringdown::protocol {
 
-template class OneOf<Replies>;
-
 namespace {
 
 template <class Struct>
@@ -124,8 +122,8 @@ Row row(SceneReply& s) {
                 integer(&s.bodies, "bodies", kCount, "How many /scene.body and /scene.static follow."),
                 integer(&s.statics, "statics", kCount, "The same."),
                 number(&s.duration_s, "duration", kDuration, "Length of a rendering."),
-                vector(&s.camera_m, {"x", "y", "z"}, kAnyPosition, "Where its camera stands."),
-                vector(&s.target_m, {"tx", "ty", "tz"}, kAnyPosition, "What its camera looks at."),
+                vector(&s.camera_m, "camera", {"x", "y", "z"}, kAnyPosition, "Where its camera stands."),
+                vector(&s.target_m, "target", {"tx", "ty", "tz"}, kAnyPosition, "What its camera looks at."),
                 number(&s.field_of_view_degrees, "field_of_view", kAngle, "Vertical; 0: the scene names no camera."),
                 optional(any_text(&s.file, "file", "Absent: there is no scene."))});
 }
@@ -138,7 +136,7 @@ Row row(SceneBody& s) {
        integer(&s.id, "body", kCount, "Its number, and its name in the scene file."),
        any_text(&s.name, "name", "The same."), any_text(&s.object, "object", "What rings when it is hit; - for none."),
        any_text(&s.shape, "shape", "box, sphere, convex or trimesh."),
-       vector(&s.size_m, {"sx", "sy", "sz"}, kAnyPosition, "Edges of its bounding box."),
+       vector(&s.size_m, "size", {"sx", "sy", "sz"}, kAnyPosition, "Edges of its bounding box."),
        flag(&s.fixed, "fixed", "1: it hangs in place.")});
 }
 
@@ -148,8 +146,9 @@ Row row(SceneStatic& s) {
       {integer(&s.version, "version", kCount, "As in /scene.reply."),
        integer(&s.number, "number", kCount, "Its number, from 0, and its name in the scene file."),
        any_text(&s.name, "name", "The same."), any_text(&s.shape, "shape", "plane or box."),
-       vector(&s.size_m, {"sx", "sy", "sz"}, kAnyPosition, "A box's edges."),
-       vector(&s.position_m, {"x", "y", "z"}, kAnyPosition, "A box's centre; a plane's point nearest to the origin."),
+       vector(&s.size_m, "size", {"sx", "sy", "sz"}, kAnyPosition, "A box's edges."),
+       vector(&s.position_m, "position", {"x", "y", "z"}, kAnyPosition,
+              "A box's centre; a plane's point nearest to the origin."),
        number(&s.x, "qx", kUnit, "Its rotation, a unit quaternion, real part last. A plane faces its turned z axis."),
        number(&s.y, "qy", kUnit, "Its y component."), number(&s.z, "qz", kUnit, "Its z component."),
        number(&s.w, "qw", kUnit, "The same.")});
@@ -182,8 +181,8 @@ Row row(NotifyContact& s) {
   return reply(s = {"bell", {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005}, "/notify.contact",
                "An object was struck. At most the last 256 strikes since the last notice are sent.",
                {any_text(&s.object, "object", "Its name."),
-                vector(&s.point_m, {"x", "y", "z"}, kAnyPosition, "Where, in its own frame."),
-                vector(&s.impulse_ns, {"jx", "jy", "jz"}, kAnyImpulse, "The impulse it received."),
+                vector(&s.point_m, "point", {"x", "y", "z"}, kAnyPosition, "Where, in its own frame."),
+                vector(&s.impulse_ns, "impulse", {"jx", "jy", "jz"}, kAnyImpulse, "The impulse it received."),
                 number(&s.contact_time_s, "contact_time", kContactTime, "How long the blow lasted.")});
 }
 
@@ -215,7 +214,7 @@ Row row(NotifyBody& s) {
       "Where a body of the scene is, as the pose of its bank's mesh. A body that is no longer sent has left the scene.",
       {integer(&s.id, "body", kCount, "Its number, and its name in the scene file."),
        any_text(&s.name, "name", "The same."), any_text(&s.object, "object", "What rings when it is hit; - for none."),
-       vector(&s.position_m, {"x", "y", "z"}, kAnyPosition, "In the scene's frame."),
+       vector(&s.position_m, "position", {"x", "y", "z"}, kAnyPosition, "In the scene's frame."),
        number(&s.x, "qx", kUnit, "Its rotation, a unit quaternion, real part last."),
        number(&s.y, "qy", kUnit, "Its y component."), number(&s.z, "qz", kUnit, "Its z component."),
        number(&s.w, "qw", kUnit, "The same.")});
@@ -252,3 +251,5 @@ const Table<Replies>& reply_table() {
 }
 
 }  // namespace ringdown::protocol
+
+template class ringdown::detail::OneOfStorage<ringdown::protocol::Replies>;

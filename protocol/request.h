@@ -4,6 +4,7 @@
 // object's own frame. A member's initialiser is the default of an optional argument. [any thread]
 #pragma once
 
+#include "engine/base/one_of.h"
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/damper.h"
@@ -11,12 +12,12 @@
 #include "engine/modal/mode_range.h"
 #include "engine/synth/event.h"
 #include "protocol/defaults.h"
-#include "protocol/one_of.h"
 #include "protocol/wire/message.h"
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace ringdown::protocol {
@@ -28,29 +29,46 @@ struct ObjectRef {
   friend bool operator==(const ObjectRef&, const ObjectRef&) = default;
 };
 
-struct Strike {  // /object/{object}/strike
+// A verb of the mixer (engine/synth/verbs.h) that happens to an object, and one that happens to the listener. Where a
+// verb concerns a second object, as Couple does, the client names it as `other`.
+template <class Verb>
+struct OnObject {
   ObjectRef object;
-  Vec3 point_m, impulse_ns;
-  double contact_time_s = kDefaultContactTimeS;
+  Verb verb;
 };
-struct StrikeVertex {  // /object/{object}/strike_vertex
+template <class Verb>
+requires requires(Verb verb) { verb.other; }
+struct OnObject<Verb> {
   ObjectRef object;
-  std::uint32_t vertex = 0;
-  Vec3 impulse_ns;
-  double contact_time_s = kDefaultContactTimeS;
+  Verb verb;
+  ObjectRef other;
 };
+template <class Verb>
+struct OnListener {
+  Verb verb;
+};
+template <class Verb>
+using RequestOf = std::conditional_t<Verb::kEffect == synth::Effect::listens, OnListener<Verb>, OnObject<Verb>>;
+
+using Strike = RequestOf<synth::verb::Strike>;
+using StrikeVertex = RequestOf<synth::verb::StrikeVertex>;
+using SetGain = RequestOf<synth::verb::Gain>;
+using SetPan = RequestOf<synth::verb::Pan>;
+using RingModes = RequestOf<synth::verb::Ring>;
+using ClearObject = RequestOf<synth::verb::Clear>;
+using SetContact = RequestOf<synth::verb::Contact>;
+using SetBow = RequestOf<synth::verb::Bow>;
+using HitMallet = RequestOf<synth::verb::Mallet>;
+using SetCoupling = RequestOf<synth::verb::Couple>;
+using Click = RequestOf<synth::verb::Click>;
+using SetPose = RequestOf<synth::verb::Pose>;
+using SetListener = RequestOf<synth::verb::Listener>;
+using ListenerOff = RequestOf<synth::verb::ListenerOff>;
+using SetListenerAir = RequestOf<synth::verb::ListenerAir>;
+
 // Many strikes in one message, for simulators: records as in bulk.h.
 struct StrikeMany {  // /strikes
   wire::Blob records;
-};
-struct SetGain {  // /object/{object}/gain
-  ObjectRef object;
-  double gain = 1;
-  double ramp_s = 0;
-};
-struct SetPan {  // /object/{object}/pan
-  ObjectRef object;
-  double pan = 0;
 };
 struct SetMaterial {  // /object/{object}/material
   ObjectRef object;
@@ -74,17 +92,6 @@ struct SetMute {  // /object/{object}/mute
 struct SetSolo {  // /object/{object}/solo
   ObjectRef object;
   bool on = true;
-};
-struct ClearObject {  // /object/{object}/clear
-  ObjectRef object;
-  double ramp_s = 0;
-};
-// Sets modes of the object going, each at the same amplitude. Modes count from the lowest frequency, from 0.
-struct RingModes {  // /object/{object}/ring
-  ObjectRef object;
-  std::uint32_t first = 0;
-  std::uint32_t count = 1;
-  double amplitude = kDefaultRingAmplitude;
 };
 // Chooses the modes that the object has from now on.
 struct SelectModes {  // /object/{object}/modes
@@ -111,48 +118,9 @@ struct Excite {  // /object/{object}/excite
   std::uint32_t input = 1;  // to kMaxInputs
   Vec3 point_m, force_n;    // no force: the input excites the object no more
 };
-// Something slides or rolls on the object.
-struct SetContact {  // /object/{object}/contact
-  ObjectRef object;
-  Vec3 point_m;
-  synth::Contact contact;
-};
-// A bow on the object, which feels how it moves.
-struct SetBow {  // /object/{object}/bow
-  ObjectRef object;
-  Vec3 point_m;
-  synth::Touch touch{.kind = synth::Touch::Kind::bow, .friction = 0.8};
-};
-// A mallet that flies at the object.
-struct HitMallet {  // /object/{object}/mallet
-  ObjectRef object;
-  Vec3 point_m, velocity_m_s;
-  synth::Touch touch{.kind = synth::Touch::Kind::mallet, .stiffness = 1e7, .bounce = 0.9};
-};
-// Another object that touches this one.
-struct SetCoupling {  // /object/{object}/couple
-  ObjectRef object;
-  Vec3 point_m;
-  ObjectRef other;
-  synth::Touch touch{.kind = synth::Touch::Kind::couple, .friction = 0.3, .stiffness = 1e8, .bounce = 0.6};
-};
-// Where the object's frame lies in the scene, for a listener.
-struct SetPose {  // /object/{object}/pose
-  ObjectRef object;
-  Pose pose;
-};
 // Many poses in one message: records as in bulk.h.
 struct PoseMany {  // /poses
   wire::Blob records;
-};
-// Where the listener's frame lies: x to the front, y to the left, z up.
-struct SetListener {  // /listener
-  Pose pose;
-};
-struct ListenerOff {};   // /listener/off
-struct SetListenerAir {  // /listener/air
-  double temperature_c = 20;
-  double humidity_percent = 50;
 };
 struct FreeObject {  // /object/{object}/free
   ObjectRef object;
@@ -201,8 +169,8 @@ struct WatchSound {  // /watch/sound
 };
 struct Browse {};  // /browse
 // A sine in the mix.
-struct TestTone {                            // /test_tone
-  double amplitude = kDefaultRingAmplitude;  // 0: none
+struct TestTone {                                   // /test_tone
+  double amplitude = synth::kDefaultRingAmplitude;  // 0: none
   double frequency_hz = 440;
 };
 struct SaveState {  // /state/save
@@ -225,27 +193,27 @@ struct CaptureStart {  // /capture/start
 };
 struct CaptureStop {};  // /capture/stop
 
-struct Status {};  // /status
-// A blow sets the object in motion as a whole. Its strikes are requests of their own.
-struct Click {  // /object/{object}/click
-  ObjectRef object;
-  Vec3 impulse_ns;
-  double contact_time_s = kDefaultContactTimeS;
-};
+struct Status {};   // /status
 struct Version {};  // /version
 struct Sync {       // /sync
   std::int32_t id = 0;
 };
 struct Quit {};  // /quit
 
-using Requests = Types<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetDamper, SetGroup, SetMute,
-                       SetSolo, RingModes, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ClearObject,
-                       SetContact, SetBow, HitMallet, SetCoupling, Click, SetPose, PoseMany, SetListener, ListenerOff,
-                       SetListenerAir, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
-                       SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene,
-                       RecordStart, RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>;
+// The requests of all public verbs.
+namespace detail {
+template <class... Verbs>
+Types<RequestOf<Verbs>...> requests_of(Types<Verbs...>);
+}
+using VerbRequests = decltype(detail::requests_of(synth::PublicVerbs()));
+
+using Requests =
+    Joined<VerbRequests,
+           Types<StrikeMany, PoseMany, ClearAll, SetMaterial, SetDamper, SetGroup, SetMute, SetSolo, SelectModes,
+                 WatchObject, DescribeObject, ReadBank, Excite, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox,
+                 SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState,
+                 SaveScene, RecordStart, RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
 using Request = OneOf<Requests>;
-extern template class OneOf<Requests>;
 
 // The request that would make this event of `object`.
 Request request_for(const synth::Event& event, const ObjectRef& object);
@@ -254,3 +222,5 @@ Request request_for(const synth::Event& event, const ObjectRef& object);
 std::vector<SetDamper> dampers_for(const modal::Dampers& dampers, const ObjectRef& object);
 
 }  // namespace ringdown::protocol
+
+extern template class ringdown::detail::OneOfStorage<ringdown::protocol::Requests>;

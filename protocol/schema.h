@@ -45,7 +45,8 @@ enum class ValueType {
 using Value = std::variant<std::monostate, double, std::int32_t, std::string, ObjectRef, wire::Blob>;
 
 struct ArgumentSpec {
-  std::string_view name = "";  // "contact_time"
+  std::string_view name = "";   // "contact_time"
+  std::string_view group = "";  // "impulse", of the three arguments of a vector; "" of one that stands alone
   ValueType type = ValueType::number;
   std::string_view unit = "";      // SI, "" for a pure number or text
   double least = 0, most = 0;      // for numbers and integers

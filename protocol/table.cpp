@@ -22,18 +22,20 @@ Columns body_object(const std::optional<ObjectRef>* member) {
   return object_or_none(member, "object", "What sounds when it is hit.");
 }
 
-Columns impulse(const Vec3* member) { return vector(member, {"jx", "jy", "jz"}, kImpulse, "The impulse it receives."); }
+Columns impulse(const Vec3* member) {
+  return vector(member, "impulse", {"jx", "jy", "jz"}, kImpulse, "The impulse it receives.");
+}
 
 Columns contact_time(const double* member) {
   return optional(number(member, "contact_time", kContactTime, "How long the blow lasts; longer is duller."));
 }
 
 Columns position(const Vec3* member) {
-  return vector(member, {"x", "y", "z"}, kPosition, "Where its centre of mass starts, in the scene.");
+  return vector(member, "position", {"x", "y", "z"}, kPosition, "Where its centre of mass starts, in the scene.");
 }
 
 Columns velocity(const Vec3* member) {
-  return optional(vector(member, {"vx", "vy", "vz"}, kVelocity, "Its velocity at the start."));
+  return optional(vector(member, "velocity", {"vx", "vy", "vz"}, kVelocity, "Its velocity at the start."));
 }
 
 Columns density(const double* member) {
@@ -41,9 +43,11 @@ Columns density(const double* member) {
 }
 
 Columns turn(const Rotation* member) {
-  return optional(append(
-      number(&member->w, "qw", kUnit, "How it is turned, as a unit quaternion: cos(a / 2) for a turn by the angle a."),
-      vector(member, {"qx", "qy", "qz"}, kUnit, "The axis of the turn, times sin(a / 2).")));
+  return optional(grouped(
+      "rotation_wxyz",
+      append(number(&member->w, "qw", kUnit,
+                    "How it is turned, as a unit quaternion: cos(a / 2) for a turn by the angle a."),
+             vector(member, "rotation_wxyz", {"qx", "qy", "qz"}, kUnit, "The axis of the turn, times sin(a / 2)."))));
 }
 
 const ObjectRef kBell{"bell", std::nullopt};
@@ -67,17 +71,17 @@ Row answered(const Struct& example, const char* address, const char* sentence, A
 }
 
 Row row(Strike& s) {
-  return silent(s = {kBell, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005}, "/object/{object}/strike",
+  return silent(s = {kBell, {{0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005}}, "/object/{object}/strike",
                 "Strikes the object at the surface point nearest to x y z.",
-                {object(&s.object), vector(&s.point_m, {"x", "y", "z"}, kPosition, "Where it is struck."),
-                 impulse(&s.impulse_ns), contact_time(&s.contact_time_s)});
+                {object(&s.object), vector(&s.verb.point_m, "point", {"x", "y", "z"}, kPosition, "Where it is struck."),
+                 impulse(&s.verb.impulse_ns), contact_time(&s.verb.contact_time_s)});
 }
 
 Row row(StrikeVertex& s) {
-  return silent(s = {kBell, 12, {-0.02, 0, 0}, 0.0005}, "/object/{object}/strike_vertex",
+  return silent(s = {kBell, {12, {-0.02, 0, 0}, 0.0005}}, "/object/{object}/strike_vertex",
                 "Strikes the object at a sample point of its bank.",
-                {object(&s.object), integer(&s.vertex, "vertex", kIndex, "The point's number, from 0."),
-                 impulse(&s.impulse_ns), contact_time(&s.contact_time_s)});
+                {object(&s.object), integer(&s.verb.vertex, "vertex", kIndex, "The point's number, from 0."),
+                 impulse(&s.verb.impulse_ns), contact_time(&s.verb.contact_time_s)});
 }
 
 Row row(StrikeMany& s) {
@@ -90,14 +94,14 @@ Row row(StrikeMany& s) {
 }
 
 Row row(SetGain& s) {
-  return silent(s = {kBell, 0.5, 0.1}, "/object/{object}/gain", "Sets the object's loudness.",
-                {object(&s.object), number(&s.gain, "gain", kGain, "The factor on its signal; 1 is as computed."),
-                 optional(number(&s.ramp_s, "ramp", kRamp, "How long the change takes."))});
+  return silent(s = {kBell, {0.5, 0.1}}, "/object/{object}/gain", "Sets the object's loudness.",
+                {object(&s.object), number(&s.verb.gain, "gain", kGain, "The factor on its signal; 1 is as computed."),
+                 optional(number(&s.verb.ramp_s, "ramp", kRamp, "How long the change takes."))});
 }
 
 Row row(SetPan& s) {
-  return silent(s = {kBell, -0.3}, "/object/{object}/pan", "Pans the object at equal power.",
-                {object(&s.object), number(&s.pan, "pan", kPan, "-1 is left, 0 the middle, 1 right.")});
+  return silent(s = {kBell, {-0.3}}, "/object/{object}/pan", "Pans the object at equal power.",
+                {object(&s.object), number(&s.verb.pan, "pan", kPan, "-1 is left, 0 the middle, 1 right.")});
 }
 
 Row row(SetMaterial& s) {
@@ -114,15 +118,16 @@ Row row(SetMaterial& s) {
 }
 
 Row row(SetDamper& s) {
-  return answered(s = {kBell, {{0.05, 0, 0.02}, {}, 20}}, "/object/{object}/hold",
-                  "Lays a hand on the object, or puts it down on something: modes die sooner the more they move there. "
-                  "An object can have 16 dampers, of which an embedded scene uses those from 8 on.",
-                  {object(&s.object), vector(&s.damper.point_m, {"x", "y", "z"}, kPosition, "Where it touches."),
-                   number(&s.damper.damping_ns_m, "damping", kDamping,
-                          "Resisting force over speed of the surface: about 5 for a fingertip; 0 takes the hand away."),
-                   optional(vector(&s.damper.direction, {"nx", "ny", "nz"}, kDirection,
-                                   "The direction of the resisted motion; 0 0 0 for all.")),
-                   optional(integer(&s.number, "number", kDamperNumber, "Which damper."))});
+  return answered(
+      s = {kBell, {{0.05, 0, 0.02}, {}, 20}}, "/object/{object}/hold",
+      "Lays a hand on the object, or puts it down on something: modes die sooner the more they move there. "
+      "An object can have 16 dampers, of which an embedded scene uses those from 8 on.",
+      {object(&s.object), vector(&s.damper.point_m, "point", {"x", "y", "z"}, kPosition, "Where it touches."),
+       number(&s.damper.damping_ns_m, "damping", kDamping,
+              "Resisting force over speed of the surface: about 5 for a fingertip; 0 takes the hand away."),
+       optional(vector(&s.damper.direction, "direction", {"nx", "ny", "nz"}, kDirection,
+                       "The direction of the resisted motion; 0 0 0 for all.")),
+       optional(integer(&s.number, "number", kDamperNumber, "Which damper."))});
 }
 
 Row row(SetGroup& s) {
@@ -145,12 +150,12 @@ Row row(SetSolo& s) {
 }
 
 Row row(RingModes& s) {
-  return silent(s = {kBell, 0, 1, 0.1}, "/object/{object}/ring",
-                "Starts these modes without a strike, each as a sine from 0.",
-                {object(&s.object), integer(&s.first, "first", kIndex, "The lowest one; 0 has the lowest frequency."),
-                 optional(integer(&s.count, "count", kCount, "How many, counted upwards.")),
-                 optional(number(&s.amplitude, "amplitude", kAmplitude,
-                                 "Of each, at gain 1, before the pan; 1 is full scale."))});
+  return silent(
+      s = {kBell, {0, 1, 0.1}}, "/object/{object}/ring", "Starts these modes without a strike, each as a sine from 0.",
+      {object(&s.object), integer(&s.verb.first, "first", kIndex, "The lowest one; 0 has the lowest frequency."),
+       optional(integer(&s.verb.count, "count", kCount, "How many, counted upwards.")),
+       optional(number(&s.verb.amplitude, "amplitude", kAmplitude,
+                       "Of each, at gain 1, before the pan; 1 is full scale."))});
 }
 
 Row row(SelectModes& s) {
@@ -181,124 +186,109 @@ Row row(ReadBank& s) {
 }
 
 Row row(Excite& s) {
-  return answered(s = {kBell, 1, {0.05, 0, 0.02}, {0, 0, -1}}, "/object/{object}/excite",
-                  "Lets an audio input, in_1 to in_4, excite the object as a force at x y z. An input excites one "
-                  "object at a time; a force of 0 0 0 ends it.",
-                  {object(&s.object), integer(&s.input, "input", kInput, "The input's number."),
-                   vector(&s.point_m, {"x", "y", "z"}, kPosition, "Where it acts."),
-                   vector(&s.force_n, {"fx", "fy", "fz"}, kForce, "The force that a sample of 1 stands for.")});
+  return answered(
+      s = {kBell, 1, {0.05, 0, 0.02}, {0, 0, -1}}, "/object/{object}/excite",
+      "Lets an audio input, in_1 to in_4, excite the object as a force at x y z. An input excites one "
+      "object at a time; a force of 0 0 0 ends it.",
+      {object(&s.object), integer(&s.input, "input", kInput, "The input's number."),
+       vector(&s.point_m, "point", {"x", "y", "z"}, kPosition, "Where it acts."),
+       vector(&s.force_n, "force", {"fx", "fy", "fz"}, kForce, "The force that a sample of 1 stands for.")});
 }
 
 Row row(ClearObject& s) {
-  return silent(
-      s = {kBell}, "/object/{object}/clear", "Fades what rings in the object.",
-      {object(&s.object), optional(number(&s.ramp_s, "ramp", kRamp, "How long that takes; at least some 10 ms."))});
+  return silent(s = {kBell}, "/object/{object}/clear", "Fades what rings in the object.",
+                {object(&s.object),
+                 optional(number(&s.verb.ramp_s, "ramp", kRamp, "How long that takes; at least some 10 ms."))});
 }
 
 Row row(SetContact& s) {
   return silent(
-      s = {kBell, {0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}}, "/object/{object}/contact",
+      s = {kBell, {{0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}}}, "/object/{object}/contact",
       "Something slides or rolls on the object. Values are interpolated between messages: send 50 to 250 a second. A "
       "force of 0 0 0, or 0.1 s without a message, ends the contact.",
-      {object(&s.object), vector(&s.point_m, {"x", "y", "z"}, kPosition, "Where it touches."),
-       vector(&s.contact.force_n, {"fx", "fy", "fz"}, kForce, "The force on the object, friction included."),
-       number(&s.contact.slip_m_s, "slip", kSpeed, "Speed at which the surfaces slide past each other."),
-       optional(number(&s.contact.roll_m_s, "roll", kSpeed, "Speed at which the point of contact travels.")),
-       optional(integer(&s.contact.number, "number", kIndex, "Which contact; an object can have four at once.")),
-       optional(number(&s.contact.texture.roughness_m, "roughness", kRoughness,
+      {object(&s.object), vector(&s.verb.point_m, "point", {"x", "y", "z"}, kPosition, "Where it touches."),
+       vector(&s.verb.contact.force_n, "force", {"fx", "fy", "fz"}, kForce,
+              "The force on the object, friction included."),
+       number(&s.verb.contact.slip_m_s, "slip", kSpeed, "Speed at which the surfaces slide past each other."),
+       optional(number(&s.verb.contact.roll_m_s, "roll", kSpeed, "Speed at which the point of contact travels.")),
+       optional(integer(&s.verb.contact.number, "number", kIndex, "Which contact; an object can have four at once.")),
+       optional(number(&s.verb.contact.texture.roughness_m, "roughness", kRoughness,
                        "Of both surfaces together, root mean square.")),
-       optional(number(&s.contact.texture.correlation_m, "correlation", kCorrelation,
+       optional(number(&s.verb.contact.texture.correlation_m, "correlation", kCorrelation,
                        "The longest wavelength of the roughness.")),
-       optional(number(&s.contact.texture.spectral_slope, "slope", kSpectralSlope,
+       optional(number(&s.verb.contact.texture.spectral_slope, "slope", kSpectralSlope,
                        "The power of the heights over spatial frequency f goes as f^slope."))});
 }
 
 Row row(SetBow& s) {
   return silent(
-      s = {kBell,
-           {0.05, 0, 0.02},
-           {.kind = synth::Touch::Kind::bow,
-            .direction = {0, 0, 1},
-            .speed_m_s = 0.2,
-            .force_n = 1,
-            .friction = 0.8,
-            .width_m = 0}},
+      s = {kBell, {.point_m = {0.05, 0, 0.02}, .direction = {0, 0, 1}, .speed_m_s = 0.2, .force_n = 1}},
       "/object/{object}/bow",
       "Bows the object: the hair sticks to the surface, slips, and feels how it moves. Send it again to change speed "
       "or force, which then move there in the time since the last message, 2 to 50 ms. A force of 0 lifts the bow.",
-      {object(&s.object), vector(&s.point_m, {"x", "y", "z"}, kPosition, "Where the bow lies."),
-       vector(&s.touch.direction, {"dx", "dy", "dz"}, kDirection,
+      {object(&s.object), vector(&s.verb.point_m, "point", {"x", "y", "z"}, kPosition, "Where the bow lies."),
+       vector(&s.verb.direction, "direction", {"dx", "dy", "dz"}, kDirection,
               "The way the hair moves, along the surface; any length but 0."),
-       number(&s.touch.speed_m_s, "speed", kBowSpeed, "The hair's speed; negative for the way back."),
-       number(&s.touch.force_n, "force", kPress, "How hard the bow is pressed."),
+       number(&s.verb.speed_m_s, "speed", kBowSpeed, "The hair's speed; negative for the way back."),
+       number(&s.verb.force_n, "force", kPress, "How hard the bow is pressed."),
        optional(
-           number(&s.touch.width_m, "width", kWidth, "Of the hair: modes whose waves are shorter feel less of it.")),
-       optional(number(&s.touch.friction, "rosin", kFriction,
+           number(&s.verb.width_m, "width", kWidth, "Of the hair: modes whose waves are shorter feel less of it.")),
+       optional(number(&s.verb.rosin, "rosin", kFriction,
                        "Coefficient of static friction; sliding has three eighths of it.")),
-       optional(integer(&s.touch.number, "number", kIndex, "Which of the object's bows."))});
+       optional(integer(&s.verb.number, "number", kIndex, "Which of the object's bows."))});
 }
 
 Row row(HitMallet& s) {
   return silent(
-      s = {kBell,
-           {0.05, 0, 0.02},
-           {0, 0, -1},
-           {.kind = synth::Touch::Kind::mallet, .mass_kg = 0.02, .stiffness = 1e7, .bounce = 0.9}},
-      "/object/{object}/mallet",
+      s = {kBell, {.point_m = {0.05, 0, 0.02}, .velocity_m_s = {0, 0, -1}}}, "/object/{object}/mallet",
       "A mallet flies at the object and feels it: how long the blow lasts, and how often it hits, follows from mass, "
       "head and speed, and from what the object does.",
-      {object(&s.object), vector(&s.point_m, {"x", "y", "z"}, kPosition, "Where the mallet lands."),
-       vector(&s.velocity_m_s, {"vx", "vy", "vz"}, kVelocity, "Its velocity; not 0."),
-       number(&s.touch.mass_kg, "mass", kMalletMass, "Its mass, shaft and hand included."),
-       optional(number(&s.touch.stiffness, "head", kHardness,
+      {object(&s.object), vector(&s.verb.point_m, "point", {"x", "y", "z"}, kPosition, "Where the mallet lands."),
+       vector(&s.verb.velocity_m_s, "velocity", {"vx", "vy", "vz"}, kVelocity, "Its velocity; not 0."),
+       optional(number(&s.verb.mass_kg, "mass", kMalletMass, "Its mass, shaft and hand included.")),
+       optional(number(&s.verb.head, "head", kHardness,
                        "How hard the head is: some 1e5 for yarn, 1e7 for rubber, 1e9 for wood, 1e10 for steel.")),
-       optional(number(&s.touch.bounce, "bounce", kBounce, "Its speed after a blow on a wall, over that before."))});
+       optional(number(&s.verb.bounce, "bounce", kBounce, "Its speed after a blow on a wall, over that before."))});
 }
 
 Row row(SetCoupling& s) {
   return silent(
-      s = {kBell,
-           {0.05, 0, 0.02},
-           kBell,
-           {.kind = synth::Touch::Kind::couple,
-            .direction = {0, 0, 1},
-            .friction = 0.3,
-            .stiffness = 1e8,
-            .bounce = 0.6}},
-      "/object/{object}/couple",
+      s = {kBell, {.point_m = {0.05, 0, 0.02}, .direction = {0, 0, 1}}, kBell}, "/object/{object}/couple",
       "Lets another object touch this one at a point of each, so that both rattle, buzz and ring together. The axes of "
       "the two are taken as parallel. A stiffness of 0 parts them.",
-      {object(&s.object), vector(&s.point_m, {"x", "y", "z"}, kPosition, "Where this object is touched."),
+      {object(&s.object), vector(&s.verb.point_m, "point", {"x", "y", "z"}, kPosition, "Where this object is touched."),
        object(&s.other, "other", "The other object."),
-       vector(&s.touch.other_point_m, {"ox", "oy", "oz"}, kPosition, "Where the other is touched, in its own frame."),
-       vector(&s.touch.direction, {"nx", "ny", "nz"}, kDirection,
+       vector(&s.verb.other_point_m, "other_point", {"ox", "oy", "oz"}, kPosition,
+              "Where the other is touched, in its own frame."),
+       vector(&s.verb.direction, "direction", {"nx", "ny", "nz"}, kDirection,
               "The way in which the other pushes this object; any length but 0."),
-       optional(number(&s.touch.force_n, "weight", kPress,
+       optional(number(&s.verb.weight_n, "weight", kPress,
                        "With which the other rests on this object; 0: both are held where they are.")),
-       optional(number(&s.touch.gap_m, "gap", kGap, "Between the two at rest; negative: pressed together so deep.")),
-       optional(number(&s.touch.stiffness, "stiffness", kStiffness, "Of the contact, by Hertz's law.")),
-       optional(number(&s.touch.friction, "friction", kFriction, "Coefficient of static friction.")),
-       optional(number(&s.touch.bounce, "bounce", kBounce, "Speed after an impact over that before.")),
-       optional(number(&s.touch.mass_kg, "mass", kRestingMass,
+       optional(number(&s.verb.gap_m, "gap", kGap, "Between the two at rest; negative: pressed together so deep.")),
+       optional(number(&s.verb.stiffness, "stiffness", kStiffness, "Of the contact, by Hertz's law.")),
+       optional(number(&s.verb.friction, "friction", kFriction, "Coefficient of static friction.")),
+       optional(number(&s.verb.bounce, "bounce", kBounce, "Speed after an impact over that before.")),
+       optional(number(&s.verb.mass_kg, "mass", kRestingMass,
                        "Of the other, where it rests by its weight; 0 follows from the weight.")),
-       optional(integer(&s.touch.number, "number", kIndex, "Which of this object's couplings."))});
+       optional(integer(&s.verb.number, "number", kIndex, "Which of this object's couplings."))});
 }
 
 Row row(Click& s) {
-  return silent(s = {kBell, {-0.02, 0, 0}, 0.0005}, "/object/{object}/click",
+  return silent(s = {kBell, {{-0.02, 0, 0}, 0.0005}}, "/object/{object}/click",
                 "The click of a free object that a blow sets in motion as a whole, which strikes do not include. Send "
                 "it once for all points struck at one time.",
-                {object(&s.object), impulse(&s.impulse_ns), contact_time(&s.contact_time_s)});
+                {object(&s.object), impulse(&s.verb.impulse_ns), contact_time(&s.verb.contact_time_s)});
 }
 
 Row row(SetPose& s) {
-  return silent(s = {kBell, kTurned}, "/object/{object}/pose",
+  return silent(s = {kBell, {kTurned}}, "/object/{object}/pose",
                 "Says where the object is, for a listener (/listener), who then hears it from there. Send 30 to 250 a "
                 "second of what moves; motion between poses is smooth. A pose sent one interval ahead of its time is "
                 "reached exactly then, any other one interval after it comes.",
                 {object(&s.object),
-                 vector(&s.pose.position_m, {"x", "y", "z"}, kPosition, "Where the object's origin lies in the scene."),
-                 turn(&s.pose.rotation)});
+                 vector(&s.verb.pose.position_m, "position", {"x", "y", "z"}, kPosition,
+                        "Where the object's origin lies in the scene."),
+                 turn(&s.verb.pose.rotation)});
 }
 
 Row row(PoseMany& s) {
@@ -311,12 +301,12 @@ Row row(PoseMany& s) {
 
 Row row(SetListener& s) {
   return silent(
-      s = {kTurned}, "/listener",
+      s = {{kTurned}}, "/listener",
       "Says where somebody listens. Objects with a pose are then heard from their places: by what each mode sends that "
       "way, by distance, and higher or lower as they come and go. Objects without a pose sound as before.",
-      {vector(&s.pose.position_m, {"x", "y", "z"}, kPosition,
+      {vector(&s.verb.pose.position_m, "position", {"x", "y", "z"}, kPosition,
               "Where the listener's head is in the scene. Not turned, it faces along x with its left ear to y."),
-       turn(&s.pose.rotation)});
+       turn(&s.verb.pose.rotation)});
 }
 
 Row row(ListenerOff& s) {
@@ -324,10 +314,10 @@ Row row(ListenerOff& s) {
 }
 
 Row row(SetListenerAir& s) {
-  return silent(s = {15, 70}, "/listener/air",
+  return silent(s = {{15, 70}}, "/listener/air",
                 "Sets the air between objects and listener, which takes more of high pitches the longer the way.",
-                {number(&s.temperature_c, "temperature", kTemperature, "Of the air."),
-                 optional(number(&s.humidity_percent, "humidity", kHumidity, "Relative humidity."))});
+                {number(&s.verb.temperature_c, "temperature", kTemperature, "Of the air."),
+                 optional(number(&s.verb.humidity_percent, "humidity", kHumidity, "Relative humidity."))});
 }
 
 Row row(FreeObject& s) {
@@ -356,12 +346,13 @@ Row row(ScenePause& s) {
 }
 
 Row row(SpawnBox& s) {
-  return answered(
-      s = {kBell, {0, 0, 1}, {0, 0, -2}, {0.1, 0.1, 0.1}, 0}, "/scene/spawn/box", "Drops a new box into the scene.",
-      {body_object(&s.object), position(&s.position_m),
-       optional(vector(&s.size_m, {"sx", "sy", "sz"}, kSize, "Its edges; 0 0 0 takes the bank's bounding box.")),
-       velocity(&s.velocity_m_s), density(&s.density_kg_m3)},
-      "/done", "the body's number");
+  return answered(s = {kBell, {0, 0, 1}, {0, 0, -2}, {0.1, 0.1, 0.1}, 0}, "/scene/spawn/box",
+                  "Drops a new box into the scene.",
+                  {body_object(&s.object), position(&s.position_m),
+                   optional(vector(&s.size_m, "size", {"sx", "sy", "sz"}, kSize,
+                                   "Its edges; 0 0 0 takes the bank's bounding box.")),
+                   velocity(&s.velocity_m_s), density(&s.density_kg_m3)},
+                  "/done", "the body's number");
 }
 
 Row row(SpawnSphere& s) {
@@ -376,9 +367,10 @@ Row row(SpawnSphere& s) {
 Row row(SceneClear& s) { return answered(s, "/scene/clear", "Removes all bodies from the scene.", {}); }
 
 Row row(ScenePush& s) {
-  return answered(s = {2, {0, 0, 0.5}}, "/scene/push", "Gives a body of the scene an impulse at its centre of mass.",
-                  {integer(&s.body, "body", kCount, "Its number."),
-                   vector(&s.impulse_ns, {"jx", "jy", "jz"}, kImpulse, "The impulse, in the scene's frame.")});
+  return answered(
+      s = {2, {0, 0, 0.5}}, "/scene/push", "Gives a body of the scene an impulse at its centre of mass.",
+      {integer(&s.body, "body", kCount, "Its number."),
+       vector(&s.impulse_ns, "impulse", {"jx", "jy", "jz"}, kImpulse, "The impulse, in the scene's frame.")});
 }
 
 Row row(SceneDescribe& s) {

@@ -108,14 +108,14 @@ Answer browse_all(const session::FileRoots& roots) {
 }  // namespace
 
 Answer answer_to(const protocol::Question& question, const session::Session& session) {
-  return protocol::visit(protocol::Overloaded{
-                             [&](const protocol::DescribeObject& object) { return describe(object, session); },
-                             [&](const protocol::ReadBank& bank) { return read(bank, session); },
-                             [&](const protocol::SceneDescribe&) { return describe(session.scene()); },
-                             [&](const protocol::Browse&) { return browse_all(session.roots()); },
-                             [&](const protocol::Sync& sync) { return Answer({protocol::Synced{sync.id}}); },
-                         },
-                         question);
+  return visit(Overloaded{
+                   [&](const protocol::DescribeObject& object) { return describe(object, session); },
+                   [&](const protocol::ReadBank& bank) { return read(bank, session); },
+                   [&](const protocol::SceneDescribe&) { return describe(session.scene()); },
+                   [&](const protocol::Browse&) { return browse_all(session.roots()); },
+                   [&](const protocol::Sync& sync) { return Answer({protocol::Synced{sync.id}}); },
+               },
+               question);
 }
 
 }  // namespace ringdown::server

@@ -10,13 +10,18 @@ namespace ringdown::server {
 namespace {
 
 using synth::Event;
-using synth::EventType;
 
-Vec3 point_of(const Event& event, const session::ObjectState& object) {
-  if (event.type == EventType::strike) return event.point_m;
+// The news of a strike; nothing of other events.
+std::optional<protocol::NotifyContact> contact_news(const Event& event, const session::ObjectState& object) {
+  if (const auto* strike = event.verb.get_if<synth::verb::Strike>()) {
+    return protocol::NotifyContact{object.name, strike->point_m, strike->impulse_ns, strike->contact_time_s};
+  }
+  const auto* strike = event.verb.get_if<synth::verb::StrikeVertex>();
+  if (!strike) return std::nullopt;
   const modal::Bank& bank = object.map->bank();
-  const modal::Vec3f& point = bank.positions[event.vertex < bank.point_count() ? event.vertex : 0];
-  return object.material.size * Vec3{point[0], point[1], point[2]};
+  const modal::Vec3f& point = bank.positions[strike->vertex < bank.point_count() ? strike->vertex : 0];
+  return protocol::NotifyContact{object.name, object.material.size * Vec3{point[0], point[1], point[2]},
+                                 strike->impulse_ns, strike->contact_time_s};
 }
 
 constexpr float kAudible = 1e-6f;  // -120 dB: quieter objects do not ring
@@ -95,7 +100,8 @@ void Notifier::heard_from(Peer peer) {
 }
 
 void Notifier::played(const Event& event) {
-  if (count_ == 0 || !is_strike(event)) return;
+  if (count_ == 0) return;
+  if (!event.verb.holds<synth::verb::Strike>() && !event.verb.holds<synth::verb::StrikeVertex>()) return;
   const std::scoped_lock lock(mutex_);
   for (Subscriber& subscriber : subscribers_) {
     if (subscriber.contacts.size() == 2 * kMaxContactsPerNotice) {
@@ -199,7 +205,7 @@ std::vector<protocol::Reply> Notifier::messages_for(const Subscriber& subscriber
   for (const Event& event : std::span(subscriber.contacts).subspan(left_out)) {
     const auto object = session_.rack().find({.number = event.object});
     if (!object) continue;
-    add(protocol::NotifyContact{(*object)->name, point_of(event, **object), event.impulse_ns, event.contact_time_s});
+    if (const auto news = contact_news(event, **object)) add(*news);
   }
   add(protocol::NotifyPeak{subscriber.peak});
   for (std::size_t number = 0; number < synth::kMaxObjects; ++number) {

@@ -20,7 +20,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using protocol::Fail;
-using protocol::Overloaded;
 
 // The outcome of a request that is answered by /done, with a number for some requests.
 using Outcome = Result<std::optional<std::int32_t>>;
@@ -222,16 +221,16 @@ void OscServer::handle(const wire::Message& message, synth::Frame frame, Peer fr
   const std::string& address = message.address;
   auto request = protocol::parse(message);
   if (!request) return answer(*ports_, from, Fail{address, request.error().message});
-  protocol::visit(Overloaded{
-                      [&](protocol::MixerRequest&& r) { take(std::move(r), frame, address, from); },
-                      [&](protocol::TimedWorkerRequest&& r) { take(std::move(r), frame, address, from); },
-                      [&](const protocol::WorkerRequest& r) { perform(r, 0, address, from); },
-                      [&](const protocol::FileRequest& r) { write(r, address, from); },
-                      [&](const protocol::Question& r) { ask(r, address, from); },
-                      [&](const protocol::SubscriptionRequest& r) { subscribe(r, address, from); },
-                      [&](const protocol::DaemonRequest& r) { answer_at_once(r, address, from); },
-                  },
-                  protocol::in_its_lane(*std::move(request)));
+  visit(Overloaded{
+            [&](protocol::MixerRequest&& r) { take(std::move(r), frame, address, from); },
+            [&](protocol::TimedWorkerRequest&& r) { take(std::move(r), frame, address, from); },
+            [&](const protocol::WorkerRequest& r) { perform(r, 0, address, from); },
+            [&](const protocol::FileRequest& r) { write(r, address, from); },
+            [&](const protocol::Question& r) { ask(r, address, from); },
+            [&](const protocol::SubscriptionRequest& r) { subscribe(r, address, from); },
+            [&](const protocol::DaemonRequest& r) { answer_at_once(r, address, from); },
+        },
+        protocol::in_its_lane(*std::move(request)));
 }
 
 // Carries a request out if its frame is near; otherwise puts it into the schedule.
@@ -242,21 +241,21 @@ void OscServer::take(Schedule::Request request, synth::Frame frame, const std::s
 }
 
 Result<void> OscServer::schedule(Schedule::Request request, synth::Frame frame, const std::string& address, Peer from) {
-  auto good = protocol::visit([&](const auto& r) { return parts_.session.check(r, frame); }, request);
+  auto good = visit([&](const auto& r) { return parts_.session.check(r, frame); }, request);
   if (!good) return good;
   if (schedule_.add({frame, std::move(request), address, from})) return {};
   return parts_.session.drop(1, std::to_string(kMaxScheduled) + " timed requests are waiting already");
 }
 
 void OscServer::carry_out(const Schedule::Request& request, synth::Frame frame, const std::string& address, Peer from) {
-  protocol::visit(Overloaded{
-                      [&](const protocol::MixerRequest& r) {
-                        const auto played = parts_.session.play(r, frame);
-                        if (!played) answer(*ports_, from, Fail{address, address + ": " + played.error().message});
-                      },
-                      [&](const protocol::TimedWorkerRequest& r) { perform(r, frame, address, from); },
-                  },
-                  request);
+  visit(Overloaded{
+            [&](const protocol::MixerRequest& r) {
+              const auto played = parts_.session.play(r, frame);
+              if (!played) answer(*ports_, from, Fail{address, address + ": " + played.error().message});
+            },
+            [&](const protocol::TimedWorkerRequest& r) { perform(r, frame, address, from); },
+        },
+        request);
 }
 
 void OscServer::carry_out_what_is_near() {
@@ -285,7 +284,7 @@ void OscServer::write(const protocol::FileRequest& request, const std::string& a
   post(
       [ports = ports_, &session = parts_.session, recorder = parts_.recorder, capture = parts_.capture, request,
        address, from] {
-        answer(*ports, from, protocol::visit(WriteFile{session, recorder, capture}, request), address);
+        answer(*ports, from, visit(WriteFile{session, recorder, capture}, request), address);
       },
       address, from);
 }
@@ -297,7 +296,7 @@ void OscServer::ask(const protocol::Question& question, const std::string& addre
 }
 
 void OscServer::subscribe(const protocol::SubscriptionRequest& request, const std::string& address, Peer from) {
-  const Result<void> done = protocol::visit(
+  const Result<void> done = visit(
       Overloaded{
           [&](const protocol::Notify& notify) -> Result<void> {
             if (notify.on) return notifier_.subscribe(from, notify.rate_hz);
@@ -312,18 +311,17 @@ void OscServer::subscribe(const protocol::SubscriptionRequest& request, const st
 }
 
 void OscServer::answer_at_once(const protocol::DaemonRequest& request, const std::string& address, Peer from) {
-  protocol::visit(
-      Overloaded{
-          [&](const protocol::Status&) { answer(*ports_, from, status()); },
-          [&](const protocol::Version&) {
-            answer(*ports_, from, protocol::VersionReply{"ringdownd", RINGDOWN_VERSION, protocol::kProtocolVersion});
-          },
-          [&](const protocol::Quit&) {
-            answer(*ports_, from, protocol::Done{address, std::nullopt});
-            parts_.quit();
-          },
-      },
-      request);
+  visit(Overloaded{
+            [&](const protocol::Status&) { answer(*ports_, from, status()); },
+            [&](const protocol::Version&) {
+              answer(*ports_, from, protocol::VersionReply{"ringdownd", RINGDOWN_VERSION, protocol::kProtocolVersion});
+            },
+            [&](const protocol::Quit&) {
+              answer(*ports_, from, protocol::Done{address, std::nullopt});
+              parts_.quit();
+            },
+        },
+        request);
 }
 
 // Posts a task to the worker. The task answers the sender itself; if the worker has no room for it, or memory does not

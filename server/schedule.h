@@ -18,7 +18,7 @@ inline constexpr std::size_t kMaxScheduled = 16384;  // requests
 class Schedule {
  public:
   // Requests that happen at a frame of their own (protocol/lanes.h).
-  using Request = protocol::OneOf<protocol::Types<protocol::MixerRequest, protocol::TimedWorkerRequest>>;
+  using Request = OneOf<Types<protocol::MixerRequest, protocol::TimedWorkerRequest>>;
 
   struct Entry {
     synth::Frame frame = 0;

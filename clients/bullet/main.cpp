@@ -58,8 +58,8 @@ std::vector<wire::Message> setup_messages(const scene::SceneDescription& scene) 
         protocol::format(protocol::LoadObject{object.name, std::filesystem::absolute(object.bank).string()}));
     messages.push_back(protocol::format(protocol::SetMaterial{ref, object.material}));
     if (!object.group.empty()) messages.push_back(protocol::format(protocol::SetGroup{ref, object.group}));
-    messages.push_back(protocol::format(protocol::SetGain{ref, object.gain, 0}));
-    messages.push_back(protocol::format(protocol::SetPan{ref, object.pan}));
+    messages.push_back(protocol::format(protocol::SetGain{ref, {object.gain, 0}}));
+    messages.push_back(protocol::format(protocol::SetPan{ref, {object.pan}}));
   }
   return messages;
 }

@@ -30,10 +30,8 @@ constexpr double kContactTime_s = 5e-4;
 synth::Event blow(const modal::Bank& bar) {
   const modal::Vec3f& end = bar.positions.front();
   return {.object = 0,
-          .type = synth::EventType::strike,
-          .point_m = {end[0], end[1], end[2]},
-          .impulse_ns = kImpulse_ns,
-          .contact_time_s = kContactTime_s};
+          .verb = synth::verb::Strike{
+              .point_m = {end[0], end[1], end[2]}, .impulse_ns = kImpulse_ns, .contact_time_s = kContactTime_s}};
 }
 
 // Renders a blow on the end of the bar by the daemon's mixer, with the loudest sample at -3 dB of full scale.

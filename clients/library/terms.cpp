@@ -76,7 +76,7 @@ template <>
 constexpr std::array kNames<protocol::ScenePush> = {Name{"body"}, kImpulse};
 
 template <class... Structs>
-std::span<const Name> names_of(std::size_t index, protocol::Types<Structs...>) {
+std::span<const Name> names_of(std::size_t index, Types<Structs...>) {
   static constexpr std::span<const Name> kAll[] = {kNames<Structs>...};
   return kAll[index];
 }

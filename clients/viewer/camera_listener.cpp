@@ -19,7 +19,7 @@ std::optional<protocol::Request> CameraListener::update(const Camera& camera, bo
   listening_ = true;
   sent_ = pose;
   sent_s_ = now_s;
-  return protocol::SetListener{pose};
+  return protocol::SetListener{{pose}};
 }
 
 }  // namespace ringdown::viewer

@@ -65,7 +65,7 @@ void Commands::choose_object(const std::string& name) {
 }
 
 void Commands::strike(const std::string& object, Vec3 point_m, Vec3 normal, double impulse_ns) {
-  send_(protocol::Strike{ref(object), point_m, -impulse_ns * normal, choice_.contact_time_s});
+  send_(protocol::Strike{ref(object), {point_m, -impulse_ns * normal, choice_.contact_time_s}});
 }
 
 void Commands::project_test_force() {
@@ -73,8 +73,8 @@ void Commands::project_test_force() {
   if (!object || !object->bank) return;
   const modal::Bank& bank = object->bank->bank;
   const auto node = std::min<std::uint32_t>(choice_.node, static_cast<std::uint32_t>(bank.point_count()) - 1);
-  send_(protocol::StrikeVertex{ref(object->name), node, -choice_.impulse_ns * outward_normal(bank, node),
-                               choice_.contact_time_s});
+  send_(protocol::StrikeVertex{ref(object->name),
+                               {node, -choice_.impulse_ns * outward_normal(bank, node), choice_.contact_time_s}});
 }
 
 void Commands::play_modes(ModeRange range) {
@@ -82,8 +82,9 @@ void Commands::play_modes(ModeRange range) {
   if (!object) return;
   if (edits_.adjustment_of(*object).range != range)
     edits_.change(*object, protocol::SelectModes{ref(object->name), range}, "modes");
-  send_(protocol::RingModes{ref(object->name), range.first, range.count,
-                            protocol::kDefaultRingAmplitude / std::sqrt(std::max(1, object->modes))});
+  send_(protocol::RingModes{
+      ref(object->name),
+      {range.first, range.count, synth::kDefaultRingAmplitude / std::sqrt(std::max(1, object->modes))}});
 }
 
 void Commands::hear_alone(const KnownObject& object, std::uint32_t rank) {
@@ -95,7 +96,7 @@ void Commands::hear_alone(const KnownObject& object, std::uint32_t rank) {
     return;
   }
   edits_.change(object, protocol::SelectModes{ref(object.name), alone}, "modes");
-  send_(protocol::RingModes{ref(object.name), rank, 1, protocol::kDefaultRingAmplitude});
+  send_(protocol::RingModes{ref(object.name), {rank, 1, synth::kDefaultRingAmplitude}});
 }
 
 void Commands::step_mode_count(int by) {
@@ -242,7 +243,7 @@ bool Commands::perform_modes(Action action) {
       return true;
     case Action::test_tone:
       choice_.tone = !choice_.tone;
-      return send_(protocol::TestTone{choice_.tone ? protocol::kDefaultRingAmplitude : 0, 440}), true;
+      return send_(protocol::TestTone{choice_.tone ? synth::kDefaultRingAmplitude : 0, 440}), true;
     case Action::project_test_force:
       return project_test_force(), true;
     case Action::clear_sound:

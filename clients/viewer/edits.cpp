@@ -14,11 +14,11 @@ std::optional<std::string> apply(const Request& request, Adjustment& adjustment)
     return material->object.name;
   }
   if (const auto* gain = request.get_if<protocol::SetGain>()) {
-    adjustment.gain = gain->gain;
+    adjustment.gain = gain->verb.gain;
     return gain->object.name;
   }
   if (const auto* pan = request.get_if<protocol::SetPan>()) {
-    adjustment.pan = pan->pan;
+    adjustment.pan = pan->verb.pan;
     return pan->object.name;
   }
   if (const auto* modes = request.get_if<protocol::SelectModes>()) {
@@ -31,8 +31,8 @@ std::optional<std::string> apply(const Request& request, Adjustment& adjustment)
 // The request that sets what `request` sets as it is in `adjustment`.
 Request reverted(Request request, const Adjustment& adjustment) {
   if (auto* material = request.get_if<protocol::SetMaterial>()) material->scale = adjustment.scale;
-  if (auto* gain = request.get_if<protocol::SetGain>()) gain->gain = adjustment.gain;
-  if (auto* pan = request.get_if<protocol::SetPan>()) pan->pan = adjustment.pan;
+  if (auto* gain = request.get_if<protocol::SetGain>()) gain->verb.gain = adjustment.gain;
+  if (auto* pan = request.get_if<protocol::SetPan>()) pan->verb.pan = adjustment.pan;
   if (auto* modes = request.get_if<protocol::SelectModes>()) modes->range = adjustment.range;
   return request;
 }

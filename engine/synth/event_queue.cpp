@@ -3,15 +3,82 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 
 namespace ringdown::synth {
+namespace {
+
+template <class One>
+constexpr bool kWaitsInside = sizeof(One) <= QueuedEvent::kSmallVerb;
+
+template <class... Ones>
+constexpr bool all_placings_wait_inside(Types<Ones...>) {
+  return ((kWaitsInside<Ones> || !is_placing(Ones::kEffect)) && ...);
+}
+static_assert(all_placings_wait_inside(Verbs()), "placings_ keeps no places");
+
+}  // namespace
+
+EventQueue::Lane::Lane(std::size_t events, std::size_t large_verbs)
+    : ring(events), large(large_verbs), free(large_verbs) {
+  for (std::size_t i = 0; i < large.size(); ++i) static_cast<void>(free.push(static_cast<std::uint16_t>(i)));
+}
+
+bool EventQueue::push(Producer producer, const Event& event) RINGDOWN_REALTIME {
+  Lane& lane = lanes_[static_cast<std::size_t>(producer)];
+  QueuedEvent queued;
+  queued.frame = event.frame;
+  queued.object = event.object;
+  queued.verb = static_cast<std::uint8_t>(event.verb.index());
+  queued.producer = producer;
+  bool has_place = true, large = false;
+  const auto keep = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+    if constexpr (kWaitsInside<One>) {
+      std::memcpy(queued.small.data(), &one, sizeof one);
+    } else {
+      const std::uint16_t* const place = lane.free.front();
+      large = true;
+      has_place = place != nullptr;
+      if (!has_place) return;
+      queued.place = *place;
+      std::memcpy(lane.large.data()[*place].bytes.data(), &one, sizeof one);
+    }
+  };
+  visit_now(keep, event.verb);
+  if (!has_place || !lane.ring.push(queued)) return false;
+  if (large) lane.free.pop();
+  return true;
+}
+
+Event EventQueue::event_of(const QueuedEvent& queued) const RINGDOWN_REALTIME {
+  Event event{.frame = queued.frame, .object = queued.object};
+  const Lane& lane = lanes_[static_cast<std::size_t>(queued.producer)];
+  const auto copy = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+    const void* from = &one;
+    if constexpr (!kWaitsInside<One>) from = lane.large.data()[queued.place].bytes.data();
+    One made;
+    std::memcpy(&made, from, sizeof made);
+    event.verb = made;
+  };
+  visit_now(copy, Verbs(), queued.verb, queued.small.data());
+  return event;
+}
+
+void EventQueue::release(const QueuedEvent& queued) RINGDOWN_REALTIME {
+  const auto give_back = [&]<class One>(const One&) RINGDOWN_REALTIME {
+    if constexpr (!kWaitsInside<One>) {
+      static_cast<void>(lanes_[static_cast<std::size_t>(queued.producer)].free.push(queued.place));
+    }
+  };
+  visit_now(give_back, Verbs(), queued.verb, queued.small.data());
+}
 
 std::size_t EventQueue::accept(Frame now) RINGDOWN_REALTIME {
   std::size_t late = 0;
   placed_ = 0;
-  for (Ring& ring : rings_) {
-    for (; count_ < kMaxPendingEvents && placed_ < kMaxPlacings; ring.pop()) {
-      const Event* event = ring.front();
+  for (Lane& lane : lanes_) {
+    for (; count_ < kMaxPendingEvents && placed_ < kMaxPlacings; lane.ring.pop()) {
+      const QueuedEvent* event = lane.ring.front();
       if (!event) break;
       late += take(*event, now);
     }
@@ -23,15 +90,15 @@ std::size_t EventQueue::accept(Frame now) RINGDOWN_REALTIME {
 // into it from the rings at each chunk; what finds it full stays in its ring, so nothing is lost.
 //
 // Returns true when the event was late.
-bool EventQueue::take(const Event& event, Frame now) RINGDOWN_REALTIME {
-  if (is_placing(event)) {
-    Event& placing = placings_.data()[placed_++];
+bool EventQueue::take(const QueuedEvent& event, Frame now) RINGDOWN_REALTIME {
+  if (is_placing(effect_of(event.verb))) {
+    QueuedEvent& placing = placings_.data()[placed_++];
     placing = event;
     placing.frame = std::max(event.frame, now);
     return false;
   }
   Pending* const heap = heap_.data();
-  heap[count_] = {event, next_order_++};
+  heap[count_] = {event, next_order_++, false};
   heap[count_].event.frame = std::max(event.frame, now);
   ++count_;
   std::push_heap(heap, heap + count_, Later{});
@@ -41,8 +108,8 @@ bool EventQueue::take(const Event& event, Frame now) RINGDOWN_REALTIME {
 // All events leave the rings, even past kMaxPendingEvents, because those in the rings count the old frames too.
 std::size_t EventQueue::rescale(Frame now, double ratio) {
   std::size_t late = 0;
-  for (Ring& ring : rings_) {
-    for (; const Event* event = ring.front(); ring.pop()) {
+  for (Lane& lane : lanes_) {
+    for (; const QueuedEvent* event = lane.ring.front(); lane.ring.pop()) {
       heap_.resize(std::max(heap_.size(), count_ + 1));
       if (placed_ == kMaxPlacings) placed_ = 0;  // older places do not matter
       late += take(*event, now);

@@ -1,10 +1,15 @@
-// The events to come: one ring per producing thread, and the audio thread's heap of what waits for its frame.
+// The events to come: one ring per producing thread, and the audio thread's heap of those that wait for their frames.
+//
+// Most verbs are small and wait inside of a QueuedEvent. The large ones, lasting contacts, wait in one of their
+// producer's places beside the ring: the producer takes a place when it pushes, and the audio thread gives the place
+// back when the event is over.
 #pragma once
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
 #include "engine/synth/event.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,25 +18,38 @@
 
 namespace ringdown::synth {
 
-// Capacities. Past the first, push() returns false; past the second, events stay in their rings.
-inline constexpr std::size_t kQueueCapacity = 4096;     // events one producer may have in its ring
+// Capacities. Past the first two, push() returns false; past the third, events stay in their rings.
+inline constexpr std::size_t kQueueCapacity = 4096;  // events one producer may have in its ring
+inline constexpr std::size_t kLargeCapacity = 2048;  // of these, contacts; the same of those that wait for their frame
 inline constexpr std::size_t kMaxPendingEvents = 8192;  // events waiting for their frame
 inline constexpr std::size_t kMaxPlacings = 4096;       // events that say where something is, taken in one block
 
-enum class Producer : std::size_t { control, worker, scene, midi, kCount };
+enum class Producer : std::uint8_t { control, worker, scene, midi, kCount };
+
+// An event as it waits.
+struct QueuedEvent {
+  static constexpr std::size_t kSmallVerb = 56;  // bytes of a verb that waits here
+
+  Frame frame = 0;
+  ObjectNumber object = 0;
+  std::uint16_t place = 0;  // of a large verb
+  std::uint8_t verb = 0;    // place in Verbs
+  Producer producer = Producer::control;
+  alignas(8) std::array<std::byte, kSmallVerb> small;
+};
+static_assert(sizeof(QueuedEvent) <= 128, "strikes, gains and poses are small");
 
 class EventQueue {
  public:
   struct Pending {
-    Event event;
+    QueuedEvent event;
     std::uint64_t order = 0;  // among the events of one frame
     bool travelled = false;   // the frame is that at which it is heard
   };
 
-  // Hands an event over. False when the producer's ring is full: the event was not taken. [the producer's thread]
-  [[nodiscard]] bool push(Producer producer, const Event& event) RINGDOWN_REALTIME {
-    return rings_[static_cast<std::size_t>(producer)].push(event);
-  }
+  // Hands an event over. False when the producer's ring or its places are full: the event was not taken. [the
+  // producer's thread]
+  [[nodiscard]] bool push(Producer producer, const Event& event) RINGDOWN_REALTIME;
 
   // Takes what the producers pushed; an event whose frame has passed gets frame `now`. Returns how many events were
   // late. [audio]
@@ -39,17 +57,22 @@ class EventQueue {
 
   // Those of the events that say where something is (is_placing()), in the order in which accept() took them, until the
   // next accept(). They wait for no frame. [audio]
-  [[nodiscard]] std::span<const Event> placings() const RINGDOWN_REALTIME { return {placings_.data(), placed_}; }
+  [[nodiscard]] std::span<const QueuedEvent> placings() const RINGDOWN_REALTIME { return {placings_.data(), placed_}; }
 
   // The earliest event, if it happens before frame `end`, else null; of events at one frame the one pushed first.
   // [audio]
   [[nodiscard]] const Pending* next_before(Frame end) const RINGDOWN_REALTIME {
     return count_ > 0 && heap_.data()[0].event.frame < end ? heap_.data() : nullptr;
   }
-  void pop() RINGDOWN_REALTIME;  // [audio]
-
+  // Takes the earliest event off the queue. Whoever pops an event puts it back or releases it. [audio]
+  void pop() RINGDOWN_REALTIME;
   // Returns an event that was popped since the last accept() to its place among the others. [audio]
   void put_back(const Pending& pending) RINGDOWN_REALTIME;
+  // The event is over. [audio]
+  void release(const QueuedEvent& event) RINGDOWN_REALTIME;
+
+  // The event that waits. [audio, until it is released]
+  [[nodiscard]] Event event_of(const QueuedEvent& queued) const RINGDOWN_REALTIME;
 
   // Changes the length of a frame: every pending event, in the rings too, then comes `ratio` times as many frames after
   // `now` as before. Returns how many events were late. [worker, while nothing is rendered]
@@ -61,14 +84,25 @@ class EventQueue {
       return a.event.frame != b.event.frame ? a.event.frame > b.event.frame : a.order > b.order;
     }
   };
-  bool take(const Event& event, Frame now) RINGDOWN_REALTIME;
+  // A producer's ring, and its places for large verbs.
+  struct Lane {
+    Lane(std::size_t events, std::size_t large_verbs);
 
-  using Ring = SpscRing<Event>;
+    struct Large {
+      alignas(Verb) std::array<std::byte, sizeof(Verb)> bytes;
+    };
+    SpscRing<QueuedEvent> ring;
+    std::vector<Large> large;
+    SpscRing<std::uint16_t> free;  // places of `large`, which the audio thread gives back
+  };
+  bool take(const QueuedEvent& event, Frame now) RINGDOWN_REALTIME;
 
-  std::array<Ring, static_cast<std::size_t>(Producer::kCount)> rings_{Ring(kQueueCapacity), Ring(kQueueCapacity),
-                                                                      Ring(kQueueCapacity), Ring(kQueueCapacity)};
+  // MIDI notes bow, one contact for each key; the worker sends no contacts.
+  std::array<Lane, static_cast<std::size_t>(Producer::kCount)> lanes_{
+      Lane(kQueueCapacity, kLargeCapacity), Lane(kQueueCapacity, 2), Lane(kQueueCapacity, kLargeCapacity),
+      Lane(kQueueCapacity, 256)};
   std::vector<Pending> heap_ = std::vector<Pending>(kMaxPendingEvents);  // earliest first
-  std::vector<Event> placings_ = std::vector<Event>(kMaxPlacings);
+  std::vector<QueuedEvent> placings_ = std::vector<QueuedEvent>(kMaxPlacings);
   std::size_t count_ = 0, placed_ = 0;
   std::uint64_t next_order_ = 0;
 };

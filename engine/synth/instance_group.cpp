@@ -82,7 +82,7 @@ void InstanceGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_RE
                     RINGDOWN_REALTIME { chunk.shedding->apply(sum, 0, look_again, workspace); });
   }
   const auto may_play = [&]() RINGDOWN_REALTIME {
-    return chunk.shedding->may_play(due.first->object->units_of(due.first->event), workspace);
+    return chunk.shedding->may_play(due.first->object->units_of(due.first->event.verb.index()), workspace);
   };
   for (; due.first && due.first->offset == 0 && may_play(); due.first = due.first->next) {
     static_cast<void>(strike(*due.first, 0, chunk));
@@ -114,7 +114,11 @@ void InstanceGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_RE
 bool InstanceGroup::strike(const DueEvent& struck, std::size_t frames_left, const Chunk& chunk) RINGDOWN_REALTIME {
   Voice& voice = *struck.object->voices.current();
   GroupMember& member = struck.object->member;
-  const std::optional<double> energy = voice.find_amplitudes(struck.event);
+  std::optional<double> energy;
+  const auto find = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+    if constexpr (One::kEffect == Effect::excites) energy = voice.find_amplitudes(one);
+  };
+  visit_now(find, struck.event.verb);
   if (!energy || !(*energy <= kAbsurdEnergy)) {
     count(energy ? chunk.counters->not_finite : chunk.counters->refused);
     return false;

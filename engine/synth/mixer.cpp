@@ -73,10 +73,12 @@ bool Mixer::silence(ObjectNumber object, bool silent) {
       Command{.kind = silent ? Command::Kind::silence : Command::Kind::unsilence, .object = object, .ramp = ramp});
 }
 
-bool Mixer::connect_input(std::size_t input, const Event& impulse) {
-  assert(input < kMaxInputs && impulse.object < kMaxObjects);
-  return timeline_.push(
-      Command{.kind = Command::Kind::connect, .object = impulse.object, .input = input, .impulse = impulse});
+bool Mixer::connect_input(std::size_t input, ObjectNumber object, Vec3 point_m, Vec3 impulse_ns) {
+  assert(input < kMaxInputs && object < kMaxObjects);
+  return timeline_.push(Command{.kind = Command::Kind::connect,
+                                .object = object,
+                                .input = input,
+                                .impulse = {.point_m = point_m, .impulse_ns = impulse_ns, .contact_time_s = 0}});
 }
 
 bool Mixer::disconnect_input(std::size_t input) {
@@ -90,7 +92,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   const double rate_hz = sample_rate_hz();
   shedding_.begin_block(frames, rate_hz, deadlines_);
   count(counters.late, timeline_.events().accept(now_));
-  for (const Event& event : timeline_.events().placings()) stage_.place(event, now_, rate_hz);
+  place(rate_hz);
   output_.begin_block(outputs, frames);
   renderer_.main().counts = {};
   for (std::size_t done = 0; done < frames;) {
@@ -120,6 +122,11 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   counters.coupled_voices.store(counts.coupled_voices, std::memory_order_relaxed);
   counters.psi_over_truth.store(counts.psi_over_truth, std::memory_order_relaxed);
   counters.frames.store(now_, std::memory_order_release);
+}
+
+void Mixer::place(double sample_rate_hz) RINGDOWN_REALTIME {
+  const EventQueue& events = timeline_.events();
+  for (const QueuedEvent& placing : events.placings()) stage_.place(events.event_of(placing), now_, sample_rate_hz);
 }
 
 void Mixer::execute_commands(Frame until) RINGDOWN_REALTIME {
@@ -153,7 +160,7 @@ void Mixer::change_sample_rate(double sample_rate_hz) {
   const double ratio = sample_rate_hz / this->sample_rate_hz();
   execute_commands(std::numeric_limits<Frame>::max());
   count(meters_.counters.late, timeline_.events().rescale(now_, ratio));
-  for (const Event& event : timeline_.events().placings()) stage_.place(event, now_, sample_rate_hz);
+  place(sample_rate_hz);
   struct Tables {
     std::shared_ptr<ModeTable> old, renewed;
   };

@@ -2,7 +2,7 @@
 //
 //   Mixer mixer(48000);
 //   mixer.install(0, std::make_unique<Voice>(mixer.table_for(map, material)), Mixer::Install::replace);  // worker
-//   mixer.push(Producer::control, {.frame = 480, .point_m = ..., .impulse_ns = ...});                    // any thread
+//   mixer.push(Producer::control, {.frame = 480, .verb = verb::Strike{point_m, impulse_ns}});            // any thread
 //   mixer.render(left, right);                                                                           // callback
 //
 // Threads. One audio thread calls render(). Each Producer is one thread that pushes events through its own ring. One
@@ -135,10 +135,10 @@ class Mixer {
   [[nodiscard]] bool silence(ObjectNumber object, bool silent);
   static constexpr double kSilenceRamp_s = 0.02;
 
-  // From the next block on, input `input` < kMaxInputs excites an object: a sample of 1 is `impulse`, a strike without
-  // contact time, in one frame. An input excites one object, and an object takes kMaxForces inputs and pulses at a
-  // time; nothing happens when the object does not exist. False when too many commands wait. [worker]
-  [[nodiscard]] bool connect_input(std::size_t input, const Event& impulse);
+  // From the next block on, input `input` < kMaxInputs excites an object: a sample of 1 is an impulse at a point, in
+  // the object's frame, in one frame. An input excites one object, and an object takes kMaxForces inputs and pulses at
+  // a time; nothing happens when the object does not exist. False when too many commands wait. [worker]
+  [[nodiscard]] bool connect_input(std::size_t input, ObjectNumber object, Vec3 point_m, Vec3 impulse_ns);
   [[nodiscard]] bool disconnect_input(std::size_t input);
 
   // Frees the voices that have died away. [worker]
@@ -163,6 +163,7 @@ class Mixer {
   [[nodiscard]] SoundTap& capture_tap() { return output_.capture_tap; }
 
  private:
+  void place(double sample_rate_hz) RINGDOWN_REALTIME;  // what the events of the block say
   void execute_commands(Frame until) RINGDOWN_REALTIME;
   void render_chunk(Chunk& chunk) RINGDOWN_REALTIME;
 

@@ -90,7 +90,7 @@ void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME 
 // Whether something of it is to end in this chunk, which moments cannot cut.
 bool Object::is_cleared() const RINGDOWN_REALTIME {
   for (const DueEvent* event = due.first; event; event = event->next) {
-    if (event->event.type == EventType::clear) return true;
+    if (event->event.verb.holds<verb::Clear>()) return true;
   }
   return false;
 }
@@ -110,24 +110,56 @@ double Object::floor(const Chunk& chunk) const RINGDOWN_REALTIME {
 
 // Takes the next event off the list. False when there is none, or no time for it: then it waits for the next chunk.
 bool Object::play_next(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
-  if (!due.first || !chunk.shedding->may_play(units_of(due.first->event), workspace)) return false;
+  if (!due.first || !chunk.shedding->may_play(units_of(due.first->event.verb.index()), workspace)) return false;
   due.first = due.first->next;
   return true;
 }
 
-void Object::play(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME {
-  if (event.type == EventType::contact) return Exciters::update_contact(event, voices.current(), exciters);
-  if (!is_strike(event) && !(std::abs(event.value) <= kMaxEventValue)) return count(chunk.counters->refused);
-  if (excites(event)) {
-    const bool struck = voices.current() && voices.current()->strike(event, chunk.counters);
-    return count(struck ? chunk.counters->strikes : chunk.counters->refused);
+// Plays an event of the object at its frame.
+struct Object::Play {
+  // The stage, the listener or a TouchGroup plays these.
+  using Elsewhere = Types<verb::Click, verb::Bow, verb::Mallet, verb::Couple, verb::Collision, verb::Rub, verb::Pose,
+                          verb::Listener, verb::ListenerOff, verb::ListenerAir>;
+
+  Object& object;
+  Frame frame;
+  const Chunk& chunk;
+
+  template <class Blow>
+  requires(Blow::kEffect == Effect::excites) void operator()(const Blow& blow) const RINGDOWN_REALTIME {
+    Voice* const voice = object.voices.current();
+    const bool struck = is_sane(blow) && voice && voice->strike(blow, chunk.counters);
+    count(struck ? chunk.counters->strikes : chunk.counters->refused);
   }
+  void operator()(const verb::Contact& contact) const RINGDOWN_REALTIME {
+    Exciters::update_contact(contact, frame, object.voices.current(), object.exciters);
+  }
+  void operator()(const verb::Gain& gain) const RINGDOWN_REALTIME {
+    if (!(std::abs(gain.gain) <= kMaxEventValue)) return count(chunk.counters->refused);
+    object.strip.set_gain(gain.gain, frame, frames_of(gain.ramp_s));
+  }
+  void operator()(const verb::Pan& pan) const RINGDOWN_REALTIME {
+    if (!(std::abs(pan.pan) <= kMaxEventValue)) return count(chunk.counters->refused);
+    object.strip.set_pan(pan.pan, frame, frames_of(0));
+  }
+  void operator()(const verb::Clear& clear) const RINGDOWN_REALTIME {
+    object.voices.fade_out(static_cast<std::size_t>(frames_of(clear.ramp_s)));
+  }
+  template <class One>
+  requires(Elsewhere::kHas<One>) void operator()(const One&) const RINGDOWN_REALTIME {}
+
+ private:
+  static bool is_sane(const verb::Ring& ring) RINGDOWN_REALTIME { return std::abs(ring.amplitude) <= kMaxEventValue; }
+  static bool is_sane(const auto&) RINGDOWN_REALTIME { return true; }
   // Written so that a ramp that is not a number becomes the shortest.
-  const double ramp_s = std::min(event.ramp_s > kMinGainRamp_s ? event.ramp_s : kMinGainRamp_s, kMaxGainRamp_s);
-  const auto ramp = static_cast<Frame>(ramp_s * chunk.sample_rate_hz);
-  if (event.type == EventType::gain) strip.set_gain(event.value, event.frame, ramp);
-  if (event.type == EventType::pan) strip.set_pan(event.value, event.frame, ramp);
-  if (event.type == EventType::clear) voices.fade_out(static_cast<std::size_t>(ramp));
+  [[nodiscard]] Frame frames_of(double ramp_s) const RINGDOWN_REALTIME {
+    const double within_s = std::min(ramp_s > kMinGainRamp_s ? ramp_s : kMinGainRamp_s, kMaxGainRamp_s);
+    return static_cast<Frame>(within_s * chunk.sample_rate_hz);
+  }
+};
+
+void Object::play(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME {
+  visit_now(Play{*this, event.frame, chunk}, event.verb);
 }
 
 void Object::render_by_tables(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
@@ -212,7 +244,13 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
       play(event->event, chunk);
       continue;
     }
-    const bool played = voice && voice->strike_late(event->event, chunk.frames - at, chunk.counters);
+    bool played = false;
+    const auto strike = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+      if constexpr (One::kEffect == Effect::excites) {
+        played = voice && voice->strike_late(one, chunk.frames - at, chunk.counters);
+      }
+    };
+    visit_now(strike, event->event.verb);
     count(played ? chunk.counters->strikes : chunk.counters->refused);
     struck = struck || played;
   }
@@ -316,10 +354,10 @@ bool Object::can_share(Frame now) const RINGDOWN_REALTIME {
   return group->accepts(strip.bus()) && strip.still_at(now);
 }
 
-double Object::units_of(const Event& event) const RINGDOWN_REALTIME {
-  if (!voices.current() || event.type == EventType::click) return 0;
+double Object::units_of(std::size_t verb) const RINGDOWN_REALTIME {
+  if (!voices.current() || verb == Verbs::index_of<verb::Click>()) return 0;
   const auto modes = static_cast<double>(voices.current()->table().columns());
-  if (excites(event)) return (member.shares_states ? kSharedStrikePerMode : kStrikePerMode) * modes;
+  if (effect_of(verb) == Effect::excites) return (member.shares_states ? kSharedStrikePerMode : kStrikePerMode) * modes;
   return member.shares_states ? kJoinPerMode * modes : 0.0;
 }
 

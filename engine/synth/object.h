@@ -84,8 +84,9 @@ class Object final : public Source {
   // Whether something of it is still to be rendered.
   [[nodiscard]] bool ringing() const RINGDOWN_REALTIME;
 
-  // Work (work_cost.h) of an event on the object, and of beginning or ending to share states.
-  [[nodiscard]] double units_of(const Event& event) const RINGDOWN_REALTIME;
+  // Work (work_cost.h) of an event on the object, whose verb has this place in Verbs, and of beginning or ending to
+  // share states.
+  [[nodiscard]] double units_of(std::size_t verb) const RINGDOWN_REALTIME;
   [[nodiscard]] double units_to_share() const RINGDOWN_REALTIME;
 
   // An upper bound of the object's samples at frame `now`, at its gain, for meters. Adds the number of modes that it
@@ -107,6 +108,7 @@ class Object final : public Source {
   [[nodiscard]] bool only_struck(const Chunk& chunk) const RINGDOWN_REALTIME;
   [[nodiscard]] double floor(const Chunk& chunk) const RINGDOWN_REALTIME;
   [[nodiscard]] bool play_next(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  struct Play;
   void play(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME;
   void apply_threshold(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   void render_by_tables(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;

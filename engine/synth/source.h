@@ -5,6 +5,7 @@
 #include "engine/base/realtime.h"
 #include "engine/synth/chunk.h"
 #include "engine/synth/event.h"
+#include "engine/synth/event_queue.h"
 #include "engine/synth/modes/level_histogram.h"
 
 #include <cstddef>
@@ -16,12 +17,12 @@ class Object;
 
 // An event of the chunk that is being rendered.
 struct DueEvent {
-  Event event;               // its frame is not before the chunk
-  Object* object = nullptr;  // that it happens to
-  std::size_t offset = 0;    // frames into the chunk
-  Frame frame = 0;           // as the queue had it, with `order`
-  std::uint64_t order = 0;
-  DueEvent* next = nullptr;  // of the same source
+  Event event;                 // its frame is not before the chunk
+  Object* object = nullptr;    // that it happens to
+  std::size_t offset = 0;      // frames into the chunk
+  EventQueue::Pending queued;  // the event as it was taken off the queue
+  bool waits = false;          // there was no time for it, so that it went back to the queue
+  DueEvent* next = nullptr;    // of the same source
 };
 
 // The events of one source in this chunk, by frame. What is left on the list after the chunk had to wait for the next.

@@ -61,7 +61,7 @@ void Stage::execute(const Command& command, Frame now) RINGDOWN_REALTIME {
   Object& object = objects_.data()[command.object];
   part(object, now);
   if (command.kind == Kind::connect) {
-    return exciters_.connect(command.input, command.impulse, object.voices.current(), object.exciters);
+    return exciters_.connect(command.input, command.object, command.impulse, object.voices.current(), object.exciters);
   }
   if (command.kind == Kind::assign) return object.strip.set_bus(command.channel);
   if (command.kind == Kind::silence || command.kind == Kind::unsilence) {
@@ -73,30 +73,37 @@ void Stage::execute(const Command& command, Frame now) RINGDOWN_REALTIME {
   active_objects_.add(object);  // the next chunk finds out what rings, and retires what does not
 }
 
+// Carries out a verb that places something.
 void Stage::place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
-  const Pose pose{event.point_m, event.rotation};
-  const bool has_pose = event.type == EventType::pose || event.type == EventType::listener;
-  if ((has_pose && !is_sane(pose)) ||
-      (event.type == EventType::listener_air && !(std::isfinite(event.value) && std::isfinite(event.ramp_s)))) {
-    return count(counters_.refused);
-  }
-  if (event.type == EventType::listener_off) return listening_.leave();
-  if (event.type == EventType::listener_air) return listening_.set_air({event.value, event.ramp_s});
-  if (event.type == EventType::listener) {
-    const bool begins = !listening_.on();
-    listening_.place(event.frame, pose, now, sample_rate_hz);
-    for (std::size_t i = 0; begins && i < object_limit_; ++i) {
-      if (objects_.data()[i].placement.track.known()) part(objects_.data()[i], now);
+  const auto refuse = [this]() RINGDOWN_REALTIME { count(counters_.refused); };
+  const auto place = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+    if constexpr (std::is_same_v<One, verb::Pose>) {
+      if (!is_sane(one.pose)) return refuse();
+      Object& object = objects_.data()[event.object];
+      object_limit_ = std::max<std::size_t>(object_limit_, event.object + 1);
+      const bool known = object.placement.track.known();
+      Frame seen = event.frame;
+      if (listening_.travel_time())
+        seen += std::llround(listening_.travel_frames(one.pose.position_m, now, sample_rate_hz));
+      object.placement.track.add(seen, one.pose, now, sample_rate_hz);
+      if (!known && listening_.on()) part(object, now);
+    } else if constexpr (std::is_same_v<One, verb::Listener>) {
+      if (!is_sane(one.pose)) return refuse();
+      const bool begins = !listening_.on();
+      listening_.place(event.frame, one.pose, now, sample_rate_hz);
+      for (std::size_t i = 0; begins && i < object_limit_; ++i) {
+        if (objects_.data()[i].placement.track.known()) part(objects_.data()[i], now);
+      }
+    } else if constexpr (std::is_same_v<One, verb::ListenerOff>) {
+      listening_.leave();
+    } else if constexpr (std::is_same_v<One, verb::ListenerAir>) {
+      if (!std::isfinite(one.temperature_c) || !std::isfinite(one.humidity_percent)) return refuse();
+      listening_.set_air({one.temperature_c, one.humidity_percent});
+    } else {
+      static_assert(!is_placing(One::kEffect), "a verb that places something is carried out here");
     }
-    return;
-  }
-  Object& object = objects_.data()[event.object];
-  object_limit_ = std::max<std::size_t>(object_limit_, event.object + 1);
-  const bool known = object.placement.track.known();
-  Frame seen = event.frame;
-  if (listening_.travel_time()) seen += std::llround(listening_.travel_frames(pose.position_m, now, sample_rate_hz));
-  object.placement.track.add(seen, pose, now, sample_rate_hz);
-  if (!known && listening_.on()) part(object, now);
+  };
+  visit_now(place, event.verb);
 }
 
 std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REALTIME {
@@ -135,24 +142,30 @@ void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shed
       ++sent_on;
       continue;
     }
-    events_waited_ = !shedding.may_accept(object.units_of(next->event));
+    events_waited_ = !shedding.may_accept(object.units_of(next->event.verb));
     if (events_waited_) break;
     DueEvent& due = due_.data()[count];
-    due = {next->event, &object, 0, next->event.frame, next->order, nullptr};
-    due.event.frame = std::max(due.frame, chunk.begin);  // it may have waited since an earlier chunk
+    due = {events_.event_of(next->event), &object, 0, *next, false, nullptr};
+    due.event.frame = std::max(due.event.frame, chunk.begin);  // it may have waited since an earlier chunk
     due.offset = static_cast<std::size_t>(due.event.frame - chunk.begin);
-    count += accept(due, chunk, exact_contacts, shedding, workspace) ? 1 : 0;
     events_.pop();
+    if (accept(due, chunk, exact_contacts, shedding, workspace)) {
+      ++count;
+    } else {
+      events_.release(due.queued.event);
+    }
   }
+  due_count_ = count;
   touches_.regroup();
   for (std::size_t i = 0; i < count; ++i) give_to_source(due_.data()[i], chunk, shedding, workspace);
 }
 
 // Frames for which the sound of an event travels: it leaves where the object is then, and the object's track is late by
 // that time (Listening::set_travel_time()), so the time is found by going there and looking again.
-Frame Stage::travels(const Event& event, const Object& object, const Chunk& chunk) const RINGDOWN_REALTIME {
+Frame Stage::travels(const QueuedEvent& event, const Object& object, const Chunk& chunk) const RINGDOWN_REALTIME {
   const PoseTrack& track = object.placement.track;
-  if (!chunk.listening || !chunk.listening->travel_time() || !is_sound(event) || !track.known()) return 0;
+  if (!chunk.listening || !chunk.listening->travel_time() || !is_sound(effect_of(event.verb)) || !track.known())
+    return 0;
   const Voice* const voice = object.voices.current();
   const Frame now = std::max(event.frame, chunk.begin);
   double way = 0;
@@ -168,54 +181,85 @@ Frame Stage::travels(const Event& event, const Object& object, const Chunk& chun
 // Begins what an event begins at once. True when the event is for its object or group to play.
 bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
                    Workspace& workspace) RINGDOWN_REALTIME {
-  const Event& event = due.event;
   Object& object = *due.object;
-  if (is_strike(event)) return !(exact_contacts && !shedding.tight() && starts_pulse(due, chunk));
-  if (event.type == EventType::ring) return true;
-  if (event.type == EventType::touch) {
-    if (accept_touch(due, chunk, shedding)) return true;
-    if (event.type != EventType::contact) return false;
-  }
-  if (event.type == EventType::click) {
-    start_click(event, chunk, shedding);
-    return false;
-  }
-  if (event.type == EventType::contact) {
-    const bool sane = is_sane(event.contact);
-    if (!sane) count(counters_.refused);
-    if (!sane || !exciters_.open_contact(event, chunk.sample_rate_hz, object.voices.current(), object.exciters)) {
+  const auto rings_alone = [&]() RINGDOWN_REALTIME {
+    if (object.member.shares_states) shedding.worked(object.units_to_share(), workspace);
+    part(object, chunk.begin);
+    return true;
+  };
+  const auto begins = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+    if constexpr (std::is_same_v<One, verb::Strike> || std::is_same_v<One, verb::StrikeVertex>) {
+      return !(exact_contacts && !shedding.tight() && starts_pulse(one, due, chunk));
+    } else if constexpr (TwoWay<One>) {
+      const One felt = one;  // the event may become another one
+      switch (accept_touch(touch_of(felt), due, chunk, shedding)) {
+        case Felt::taken:
+          return true;
+        case Felt::as_strike:
+          due.event.verb = Touches::strike_of(touch_of(felt), object);
+          if constexpr (std::is_same_v<One, verb::Collision>) {  // the scene knows
+            if (length(felt.impulse_ns) > 0) {
+              due.event.verb = verb::Strike{felt.point_m, felt.impulse_ns, felt.contact_time_s};
+            }
+          }
+          return true;
+        case Felt::one_way:
+          if constexpr (std::is_same_v<One, verb::Rub>) {
+            const verb::Contact contact = felt.as_public();
+            due.event.verb = contact;
+            return accept_contact(contact, due, chunk) && rings_alone();
+          }
+          return false;
+        case Felt::not_at_all:
+          return false;
+      }
       return false;
+    } else if constexpr (std::is_same_v<One, verb::Click>) {
+      start_click(one, due, chunk, shedding);
+      return false;
+    } else if constexpr (std::is_same_v<One, verb::Contact>) {
+      return accept_contact(one, due, chunk) && rings_alone();
+    } else if constexpr (One::kEffect == Effect::excites) {
+      return true;
+    } else if constexpr (kEndsContacts<One>) {
+      rings_alone();
+      object.exciters.stop_at(due.event.frame);
+      return true;
+    } else {
+      static_assert(One::kEffect == Effect::sets || is_placing(One::kEffect), "this verb begins nothing here");
+      return !is_placing(One::kEffect) && rings_alone();
     }
+  };
+  return visit_now(begins, due.event.verb);
+}
+
+bool Stage::accept_contact(const verb::Contact& contact, const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME {
+  Object& object = *due.object;
+  if (is_sane(contact.contact)) {
+    return exciters_.open_contact(contact, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
+                                  object.exciters);
   }
-  if (object.member.shares_states) shedding.worked(object.units_to_share(), workspace);
-  part(object, chunk.begin);
-  if (event.type == EventType::clear) object.exciters.stop_at(event.frame);
-  return true;
+  count(counters_.refused);
+  return false;
 }
 
 // A mallet for which there is no place or time becomes a strike, and a rub a one-way contact, which it then stays; a
 // bow or a coupling is refused.
-bool Stage::accept_touch(DueEvent& due, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME {
+Stage::Felt Stage::accept_touch(const Touch& how, const DueEvent& due, const Chunk& chunk,
+                                const Shedding& shedding) RINGDOWN_REALTIME {
   Object& object = *due.object;
-  const Touch& how = due.event.touch;
   const bool rubs = how.kind == Touch::Kind::rub;
   Object* const other = how.other < kMaxObjects ? &objects_.data()[how.other] : nullptr;
   const bool one_way = rubs && object.exciters.find_contact(how.number, due.event.frame);
   Touches::Answer answer = Touches::Answer::refused;
-  if (!rubs || is_sane(due.event.contact))
-    answer = touches_.accept(due.event, object, other, one_way || shedding.tight());
-  if (rubs && (answer == Touches::Answer::one_way || answer == Touches::Answer::nothing)) {
-    due.event.type = EventType::contact;
-    return false;
-  }
-  if (answer == Touches::Answer::nothing) return false;
-  if (answer == Touches::Answer::one_way && how.kind == Touch::Kind::mallet) {
-    due.event = Touches::strike_of(due.event, object);
-    return true;
-  }
+  if (!rubs || is_sane(how.contact))
+    answer = touches_.accept(how, due.event.frame, object, other, one_way || shedding.tight());
+  if (rubs && (answer == Touches::Answer::one_way || answer == Touches::Answer::nothing)) return Felt::one_way;
+  if (answer == Touches::Answer::nothing) return Felt::not_at_all;
+  if (answer == Touches::Answer::one_way && how.kind == Touch::Kind::mallet) return Felt::as_strike;
   if (answer != Touches::Answer::taken) {
     count(counters_.refused);
-    return false;
+    return Felt::not_at_all;
   }
   for (Object* one : {&object, other}) {
     if (!one) continue;
@@ -223,12 +267,15 @@ bool Stage::accept_touch(DueEvent& due, const Chunk& chunk, const Shedding& shed
     active_objects_.add(*one);
     object_limit_ = std::max<std::size_t>(object_limit_, number_of(*one) + 1);
   }
-  return true;
+  return Felt::taken;
 }
 
-bool Stage::starts_pulse(const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME {
+template <class Strike>
+bool Stage::starts_pulse(const Strike& strike, const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME {
   Object& object = *due.object;
-  if (!exciters_.start_pulse(due.event, chunk.sample_rate_hz, object.voices.current(), object.exciters)) return false;
+  if (!exciters_.start_pulse(strike, due.event.frame, chunk.sample_rate_hz, object.voices.current(), object.exciters)) {
+    return false;
+  }
   part(object, chunk.begin);
   active_objects_.add(object);
   count(counters_.strikes);
@@ -309,10 +356,10 @@ void Stage::part(Object& object, Frame now) RINGDOWN_REALTIME {
 // Events for which there was no time happen in the next chunk.
 void Stage::put_back(DueList& due) RINGDOWN_REALTIME {
   for (; due.first; due.first = due.first->next) {
-    EventQueue::Pending pending{due.first->event, due.first->order};
-    pending.event.frame = due.first->frame;
+    EventQueue::Pending pending = due.first->queued;
     pending.travelled = true;
     events_.put_back(pending);
+    due.first->waits = true;
     events_waited_ = true;
   }
 }
@@ -335,6 +382,11 @@ void Stage::finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace
     join(object, chunk.end(), shedding, workspace);
     return false;
   });
+  for (std::size_t i = 0; i < due_count_; ++i) {
+    const DueEvent& due = due_.data()[i];
+    if (!due.waits) events_.release(due.queued.event);
+  }
+  due_count_ = 0;
 }
 
 bool Stage::stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
@@ -350,16 +402,18 @@ bool Stage::stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
   return stays;
 }
 
-void Stage::start_click(const Event& event, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME {
-  const Object& object = objects_.data()[event.object];
-  const Voice* const voice = object.voices.current();
-  const double impulse_ns = length(event.impulse_ns);
+void Stage::start_click(const verb::Click& click, const DueEvent& due, const Chunk& chunk,
+                        const Shedding& shedding) RINGDOWN_REALTIME {
+  const Voice* const voice = due.object->voices.current();
+  const double impulse_ns = length(click.impulse_ns);
   const std::optional<ClickShape> shape = voice ? voice->table().click() : std::nullopt;
   const bool sane =
-      impulse_ns <= kMaxClickImpulse_ns && event.contact_time_s >= 0 && event.contact_time_s <= kMaxClick_s;
+      impulse_ns <= kMaxClickImpulse_ns && click.contact_time_s >= 0 && click.contact_time_s <= kMaxClick_s;
   if (shedding.tight() && sane) return;
   if (!shape || !sane ||
-      !clicks_.add({{*shape, impulse_ns, event.contact_time_s, chunk.sample_rate_hz}, event.object, event.frame})) {
+      !clicks_.add({{*shape, impulse_ns, click.contact_time_s, chunk.sample_rate_hz},
+                    number_of(*due.object),
+                    due.event.frame})) {
     count(counters_.refused);
   }
 }

@@ -121,12 +121,19 @@ class Stage {
   [[nodiscard]] ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME {
     return static_cast<ObjectNumber>(&object - objects_.data());
   }
-  [[nodiscard]] Frame travels(const Event& event, const Object& object, const Chunk& chunk) const RINGDOWN_REALTIME;
+  [[nodiscard]] Frame travels(const QueuedEvent& event, const Object& object,
+                              const Chunk& chunk) const RINGDOWN_REALTIME;
   [[nodiscard]] bool accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
                             Workspace& workspace) RINGDOWN_REALTIME;
-  [[nodiscard]] bool accept_touch(DueEvent& due, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME;
-  [[nodiscard]] bool starts_pulse(const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME;
-  void start_click(const Event& event, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME;
+  [[nodiscard]] bool accept_contact(const verb::Contact& contact, const DueEvent& due,
+                                    const Chunk& chunk) RINGDOWN_REALTIME;
+  enum class Felt { taken, as_strike, one_way, not_at_all };
+  [[nodiscard]] Felt accept_touch(const Touch& how, const DueEvent& due, const Chunk& chunk,
+                                  const Shedding& shedding) RINGDOWN_REALTIME;
+  template <class Strike>
+  [[nodiscard]] bool starts_pulse(const Strike& strike, const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME;
+  void start_click(const verb::Click& click, const DueEvent& due, const Chunk& chunk,
+                   const Shedding& shedding) RINGDOWN_REALTIME;
   void give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding,
                       Workspace& workspace) RINGDOWN_REALTIME;
   void join(Object& object, Frame now, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME;
@@ -150,6 +157,7 @@ class Stage {
   ActiveList<InstanceGroup> active_groups_;
   std::vector<Source*> sources_;  // of the chunk
   std::vector<DueEvent> due_ = std::vector<DueEvent>(kMaxEventsPerChunk);
+  std::size_t due_count_ = 0;
   bool events_waited_ = false;
 };
 

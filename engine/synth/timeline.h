@@ -33,7 +33,7 @@ struct Command {
   std::size_t channel = 0;
   InstanceGroup* group = nullptr;
   std::size_t input = 0;
-  Event impulse{};
+  verb::Strike impulse{};
   Frame ramp = 0;
 };
 

@@ -6,19 +6,6 @@
 #include <utility>
 
 namespace ringdown::synth {
-namespace {
-
-// The factor of a strike's amplitudes. An absurd strike becomes not-a-number, because modes that die within
-// the chunk would hide a merely huge one.
-double gain_for(double energy, const Voice& voice, MixerCounters* counters) RINGDOWN_REALTIME {
-  if (!(energy <= kAbsurdEnergy)) return std::numeric_limits<double>::quiet_NaN();
-  const double limit = voice.blow_limit(voice.amplitudes());
-  if (limit < 1 && counters) count(counters->limited);
-  return limit;
-}
-
-}  // namespace
-
 Voice::Voice(std::shared_ptr<ModeTable> table)
     : ModeStates(*table),
       table_(std::move(table)),
@@ -34,16 +21,12 @@ std::unique_ptr<Voice> Voice::with_table(std::shared_ptr<ModeTable> table) {
   return voice;
 }
 
-bool Voice::strike(const Event& event, MixerCounters* counters) RINGDOWN_REALTIME {
-  const std::optional<double> energy = find_amplitudes(event);
-  if (energy) add(amplitudes(), gain_for(*energy, *this, counters));
-  return energy.has_value();
-}
-
-bool Voice::strike_late(const Event& event, std::size_t frames_left, MixerCounters* counters) RINGDOWN_REALTIME {
-  const std::optional<double> energy = find_amplitudes(event);
-  if (energy) add_late(amplitudes(), gain_for(*energy, *this, counters), frames_left);
-  return energy.has_value();
+// An absurd strike becomes not-a-number, because modes that die within the chunk would hide a merely huge one.
+double Voice::gain_for(double energy, MixerCounters* counters) const RINGDOWN_REALTIME {
+  if (!(energy <= kAbsurdEnergy)) return std::numeric_limits<double>::quiet_NaN();
+  const double limit = blow_limit(amplitudes());
+  if (limit < 1 && counters) count(counters->limited);
+  return limit;
 }
 
 }  // namespace ringdown::synth

@@ -23,20 +23,32 @@ class Voice : public ModeStates {
   explicit Voice(std::shared_ptr<ModeTable> table);
   Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz);
 
-  // Adds a strike (or EventType::ring) at the current frame; the second form adds it as a late strike, `frames_left`
-  // before the end of the chunk. Counts in `counters` when it was limited (blow_limit.h). False when the vertex does
-  // not exist. [audio]
-  bool strike(const Event& event, MixerCounters* counters = nullptr) RINGDOWN_REALTIME;
-  bool strike_late(const Event& event, std::size_t frames_left, MixerCounters* counters = nullptr) RINGDOWN_REALTIME;
+  // Adds a verb that excites() at the current frame; the second form adds it as a late strike, `frames_left` before the
+  // end of the chunk. Counts in `counters` when it was limited (blow_limit.h). False when the vertex does not exist.
+  // [audio]
+  template <class Blow>
+  bool strike(const Blow& blow, MixerCounters* counters = nullptr) RINGDOWN_REALTIME {
+    const std::optional<double> energy = find_amplitudes(blow);
+    if (energy) add(amplitudes(), gain_for(*energy, counters));
+    return energy.has_value();
+  }
+  template <class Blow>
+  bool strike_late(const Blow& blow, std::size_t frames_left, MixerCounters* counters = nullptr) RINGDOWN_REALTIME {
+    const std::optional<double> energy = find_amplitudes(blow);
+    if (energy) add_late(amplitudes(), gain_for(*energy, counters), frames_left);
+    return energy.has_value();
+  }
 
   // Finds the amplitude that a strike gives each mode, for amplitudes(), and returns the sum of their squares; nullopt
   // when the vertex does not exist. [audio]
-  [[nodiscard]] std::optional<double> find_amplitudes(const Event& event) RINGDOWN_REALTIME {
-    return table_->strike(event, {scratch_.data(), scratch_.size()}, amplitudes_.get());
+  template <class Blow>
+  [[nodiscard]] std::optional<double> find_amplitudes(const Blow& blow) RINGDOWN_REALTIME {
+    return table_->strike(blow, {scratch_.data(), scratch_.size()}, amplitudes_.get());
   }
   // As above, and false when the amplitudes are absurd, too (kAbsurdEnergy). [audio]
-  [[nodiscard]] bool find_sane_amplitudes(const Event& event) RINGDOWN_REALTIME {
-    const std::optional<double> energy = find_amplitudes(event);
+  template <class Blow>
+  [[nodiscard]] bool find_sane_amplitudes(const Blow& blow) RINGDOWN_REALTIME {
+    const std::optional<double> energy = find_amplitudes(blow);
     return energy && *energy <= kAbsurdEnergy;
   }
   [[nodiscard]] const double* amplitudes() const RINGDOWN_REALTIME { return amplitudes_.get(); }
@@ -51,6 +63,9 @@ class Voice : public ModeStates {
   Voice* next = nullptr;  // in a list of voices, which must not allocate
 
  private:
+  // The factor on a strike's amplitudes, whose squares add up to `energy`.
+  [[nodiscard]] double gain_for(double energy, MixerCounters* counters) const RINGDOWN_REALTIME;
+
   std::shared_ptr<ModeTable> table_;
   std::vector<double> scratch_;      // one per mode of the bank
   AlignedArray<double> amplitudes_;  // one per column

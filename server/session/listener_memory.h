@@ -24,19 +24,17 @@ class ListenerMemory {
   // Takes notice of an event of the listener; others are nothing to it. Of two threads that say where the listener is
   // at the same moment, each number is from one of them.
   void keep(const synth::Event& event) {
-    using synth::EventType;
     if (!synth::is_of_listener(event)) return;
-    if (event.type == EventType::listener_off && !known_) return;
+    if (event.verb.holds<synth::verb::ListenerOff>() && !known_) return;
     begun_.fetch_add(1);
-    if (event.type == EventType::listener_air) {
-      store(kAir, {event.value, event.ramp_s});
+    if (const auto* air = event.verb.get_if<synth::verb::ListenerAir>()) {
+      store(kAir, {air->temperature_c, air->humidity_percent});
+    } else if (const auto* listener = event.verb.get_if<synth::verb::Listener>()) {
+      const auto& [at, turn] = listener->pose;
+      store(0, {at.x, at.y, at.z, turn.x, turn.y, turn.z, turn.w});
+      on_ = true;
     } else {
-      on_ = event.type == EventType::listener;
-      if (on_) {
-        const Vec3& at = event.point_m;
-        const Rotation& turn = event.rotation;
-        store(0, {at.x, at.y, at.z, turn.x, turn.y, turn.z, turn.w});
-      }
+      on_ = false;
     }
     known_ = true;
     ended_.fetch_add(1);

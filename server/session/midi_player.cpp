@@ -9,12 +9,9 @@ namespace ringdown::session {
 namespace {
 
 using synth::Event;
-using synth::EventType;
 
 constexpr double kMaxContact_s = 0.1;
 constexpr float kFirstPressure = 0.5F;  // of a bow, before any message
-
-const synth::Touch kBow = protocol::SetBow{}.touch;  // with the rosin of a bow whose message names none
 
 float share_of(std::uint8_t value) RINGDOWN_REALTIME { return static_cast<float>(value) / 127.0F; }
 
@@ -59,10 +56,8 @@ void MidiPlayer::press(std::size_t note, std::uint8_t velocity, std::uint8_t cha
   const double share = (velocity / 127.0) * (velocity / 127.0);
   const double contact_time_s = strike->contact_time_s * std::pow(share, -0.2);
   push({.object = strike->object,
-        .type = EventType::strike,
-        .point_m = strike->point_m,
-        .impulse_ns = share * strike->impulse_ns,
-        .contact_time_s = std::min(contact_time_s, kMaxContact_s)},
+        .verb =
+            synth::verb::Strike{strike->point_m, share * strike->impulse_ns, std::min(contact_time_s, kMaxContact_s)}},
        stage);
 }
 
@@ -122,7 +117,7 @@ void MidiPlayer::damp_released(const HeldKeys::Keys& keys, const Stage& stage) R
 void MidiPlayer::damp(std::size_t note, double within_s, const Stage& stage) RINGDOWN_REALTIME {
   const auto& strike = stage.table.notes.data()[note];
   if (!strike || kept(strike->object, stage.table)) return;
-  push({.object = strike->object, .type = EventType::clear, .ramp_s = within_s}, stage);
+  push({.object = strike->object, .verb = synth::verb::Clear{within_s}}, stage);
 }
 
 bool MidiPlayer::kept(synth::ObjectNumber object, const NoteTable& table) const RINGDOWN_REALTIME {
@@ -136,7 +131,7 @@ bool MidiPlayer::kept(synth::ObjectNumber object, const NoteTable& table) const 
 void MidiPlayer::damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME {
   for (std::size_t note = 0; note < kNotes; ++note) {
     const auto& strike = stage.table.notes.data()[note];
-    if (strike) push({.object = strike->object, .type = EventType::clear, .ramp_s = within_s}, stage);
+    if (strike) push({.object = strike->object, .verb = synth::verb::Clear{within_s}}, stage);
   }
 }
 
@@ -145,13 +140,12 @@ void MidiPlayer::draw(std::size_t note, const Stage& stage) RINGDOWN_REALTIME {
   const auto& strike = stage.table.notes.data()[note];
   if (!strike || !strike->bow) return;
   const Bow& bow = bows_[note];
-  Event event{.object = strike->object, .type = EventType::touch, .point_m = strike->point_m};
-  event.touch = kBow;
-  event.touch.number = static_cast<std::uint32_t>(note);
-  event.touch.direction = strike->bow->direction;
-  event.touch.speed_m_s = static_cast<double>(bow.speed) * strike->bow->speed_m_s;
-  event.touch.force_n = bow.drawn ? static_cast<double>(bow.force) * strike->bow->force_n : 0.0;
-  push(event, stage);
+  const synth::verb::Bow drawn{.point_m = strike->point_m,
+                               .direction = strike->bow->direction,
+                               .speed_m_s = static_cast<double>(bow.speed) * strike->bow->speed_m_s,
+                               .force_n = bow.drawn ? static_cast<double>(bow.force) * strike->bow->force_n : 0.0,
+                               .number = static_cast<std::uint32_t>(note)};
+  push({.object = strike->object, .verb = drawn}, stage);
 }
 
 void MidiPlayer::lift(std::size_t note, const Stage& stage) RINGDOWN_REALTIME {

@@ -26,7 +26,7 @@ double motion_at(const modal::Bank& bank, std::size_t point) {
 
 NoteTable::Strike best_strike(const ObjectState& object) {
   const modal::Bank& bank = object.map->bank();
-  NoteTable::Strike strike{.object = object.number, .contact_time_s = protocol::kDefaultContactTimeS};
+  NoteTable::Strike strike{.object = object.number, .contact_time_s = synth::kDefaultContactTime_s};
   if (bank.point_count() == 0 || bank.mode_count() == 0) return strike;
   std::size_t best = 0;
   double most = -1;

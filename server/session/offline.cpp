@@ -173,20 +173,19 @@ class Run {
       render_frames(frame);
       return fail(ErrorKind::refused, std::string(what) + " in a score");
     };
-    const auto done =
-        protocol::visit(protocol::Overloaded{
-                            [&](const protocol::MixerRequest& r) {
-                              flush_now_and_then();
-                              return session_.play(r, frame);
+    const auto done = visit(Overloaded{
+                                [&](const protocol::MixerRequest& r) {
+                                  flush_now_and_then();
+                                  return session_.play(r, frame);
+                                },
+                                [&](const protocol::TimedWorkerRequest& r) { return perform(r); },
+                                [&](const protocol::WorkerRequest& r) { return perform(r); },
+                                [&](const protocol::FileRequest&) { return refuse("no file is written"); },
+                                [&](const protocol::Question&) { return refuse("nothing is answered"); },
+                                [&](const protocol::SubscriptionRequest&) { return refuse("nobody can subscribe"); },
+                                [&](const protocol::DaemonRequest&) { return refuse("there is no daemon to ask"); },
                             },
-                            [&](const protocol::TimedWorkerRequest& r) { return perform(r); },
-                            [&](const protocol::WorkerRequest& r) { return perform(r); },
-                            [&](const protocol::FileRequest&) { return refuse("no file is written"); },
-                            [&](const protocol::Question&) { return refuse("nothing is answered"); },
-                            [&](const protocol::SubscriptionRequest&) { return refuse("nobody can subscribe"); },
-                            [&](const protocol::DaemonRequest&) { return refuse("there is no daemon to ask"); },
-                        },
-                        protocol::in_its_lane(*std::move(request)));
+                            protocol::in_its_lane(*std::move(request)));
     if (!done) warn(event, done.error().message);
   }
 

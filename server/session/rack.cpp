@@ -7,7 +7,6 @@ namespace {
 
 using protocol::ObjectRef;
 using synth::Event;
-using synth::EventType;
 
 std::string shown(const ObjectRef& object) {
   return object.number ? "number " + std::to_string(*object.number) : "\"" + object.name + "\"";
@@ -30,8 +29,12 @@ Result<ObjectSnapshot> Rack::find(const ObjectRef& ref) const {
 
 bool Rack::push(synth::Producer producer, const Event& event) {
   if (!mixer_.push(producer, event)) return false;
-  if (event.type == EventType::gain) objects_.replace(event.object, [&](ObjectState& o) { o.gain = event.value; });
-  if (event.type == EventType::pan) objects_.replace(event.object, [&](ObjectState& o) { o.pan = event.value; });
+  if (const auto* set = event.verb.get_if<synth::verb::Gain>()) {
+    objects_.replace(event.object, [&](ObjectState& o) { o.gain = set->gain; });
+  }
+  if (const auto* set = event.verb.get_if<synth::verb::Pan>()) {
+    objects_.replace(event.object, [&](ObjectState& o) { o.pan = set->pan; });
+  }
   listener_.keep(event);
   observers_.keep(producer, event);
   return true;
@@ -161,8 +164,7 @@ Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& p
   const std::scoped_lock lock(rate_mutex_);
   const Vec3 impulse_ns = (1 / mixer_.sample_rate_hz()) * force_n;
   const bool taken =
-      ends ? mixer_.disconnect_input(input)
-           : mixer_.connect_input(input, {.object = object.number, .point_m = point_m, .impulse_ns = impulse_ns});
+      ends ? mixer_.disconnect_input(input) : mixer_.connect_input(input, object.number, point_m, impulse_ns);
   if (!taken) return fail(ErrorKind::refused, "too many changes of inputs at once; try again");
   excitation = ends ? std::nullopt : std::optional(Excitation{object.number, point_m, force_n});
   inputs_ |= 1u << input;

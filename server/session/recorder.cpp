@@ -8,7 +8,6 @@ namespace ringdown::session {
 namespace {
 
 using synth::Event;
-using synth::EventType;
 using synth::Frame;
 using wire::Message;
 
@@ -34,8 +33,8 @@ std::vector<protocol::Request> requests_between(const ObjectState* before, const
   if (after.group != from.group) {
     requests.emplace_back(protocol::SetGroup{ref, after.group.empty() ? std::nullopt : std::optional(after.group)});
   }
-  if (after.gain != from.gain) requests.emplace_back(protocol::SetGain{ref, after.gain, 0});
-  if (after.pan != from.pan) requests.emplace_back(protocol::SetPan{ref, after.pan});
+  if (after.gain != from.gain) requests.emplace_back(protocol::SetGain{ref, {after.gain, 0}});
+  if (after.pan != from.pan) requests.emplace_back(protocol::SetPan{ref, {after.pan}});
   if (after.mute != from.mute) requests.emplace_back(protocol::SetMute{ref, after.mute});
   if (after.solo != from.solo) requests.emplace_back(protocol::SetSolo{ref, after.solo});
   return requests;

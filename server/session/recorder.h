@@ -7,8 +7,8 @@
 // start is not recorded, and an event that came late is replayed at the time it was meant for.
 #pragma once
 
+#include "engine/base/one_of.h"
 #include "engine/base/result.h"
-#include "protocol/one_of.h"
 #include "protocol/wire/message.h"
 #include "server/session/observers.h"
 #include "server/session/rack.h"
@@ -55,7 +55,7 @@ class Recorder final : public Observer {
     synth::Event event;
     std::string name;  // the name of its object
   };
-  using What = protocol::OneOf<protocol::Types<Played, wire::Message>>;
+  using What = OneOf<Types<Played, wire::Message>>;
   struct Entry {
     synth::Frame frame;
     What what;

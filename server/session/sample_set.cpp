@@ -180,10 +180,11 @@ class Maker {
       if (auto resized = rack.set_material({.name = "object"}, {.size = blow.size}); !resized)
         return fail(resized.error());
     }
-    static_cast<void>(rack.push(synth::Producer::control, {.object = *object,
-                                                           .point_m = blow.size * blow.point_m,
-                                                           .impulse_ns = blow.impulse_ns,
-                                                           .contact_time_s = blow.contact_time_s}));
+    static_cast<void>(
+        rack.push(synth::Producer::control, {.object = *object,
+                                             .verb = synth::verb::Strike{.point_m = blow.size * blow.point_m,
+                                                                  .impulse_ns = blow.impulse_ns,
+                                                                  .contact_time_s = blow.contact_time_s}}));
     std::vector<float> left, right(kBlock);
     const auto most = static_cast<std::size_t>(seconds * options_.sample_rate_hz);
     float peak = 0;

@@ -18,7 +18,6 @@ namespace ringdown::session {
 namespace {
 
 using synth::Event;
-using synth::EventType;
 using synth::Frame;
 
 scene::SoundingObject as_sounding(const ObjectState& object) {
@@ -33,13 +32,10 @@ tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no 
 // set (`ends`), but nobody else's.
 std::vector<Event> listener_events(const scene::SceneDescription& scene, bool ends, Frame frame) {
   if (!scene.listener)
-    return ends ? std::vector<Event>{{.frame = frame, .type = EventType::listener_off}} : std::vector<Event>{};
-  const Pose pose = scene::listener_pose(*scene.listener);
-  return {{.frame = frame,
-           .type = EventType::listener_air,
-           .value = scene.listener->temperature_c,
-           .ramp_s = scene.listener->humidity_percent},
-          {.frame = frame, .type = EventType::listener, .point_m = pose.position_m, .rotation = pose.rotation}};
+    return ends ? std::vector<Event>{{.frame = frame, .verb = synth::verb::ListenerOff{}}} : std::vector<Event>{};
+  const synth::verb::ListenerAir air{scene.listener->temperature_c, scene.listener->humidity_percent};
+  const synth::verb::Listener listener{scene::listener_pose(*scene.listener)};
+  return {{.frame = frame, .verb = air}, {.frame = frame, .verb = listener}};
 }
 
 // Bodies are where they are two poses later for the listener, so that the pose after the next is known, too, whenever
@@ -133,10 +129,8 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     if (object.material != modal::MaterialScale{}) {
       if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
     }
-    const bool sent = rack_.push(synth::Producer::worker,
-                                 {.frame = frame, .object = *number, .type = EventType::gain, .value = object.gain}) &&
-                      rack_.push(synth::Producer::worker,
-                                 {.frame = frame, .object = *number, .type = EventType::pan, .value = object.pan});
+    const bool sent = rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
+                      rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
     if (!sent)
       return fail(ErrorKind::refused,
                   path.string() + ": too many objects at once; wait for those before to be taken up");

@@ -43,11 +43,7 @@ std::uint64_t ScenePoses::send(const scene::World& world, synth::Frame at, Rack&
     const auto object = rack.find({.name = name});
     if (!object) continue;
     const auto push = [&](synth::Frame frame, const Pose& pose) {
-      lost += !rack.push(synth::Producer::scene, {.frame = frame,
-                                                  .object = (*object)->number,
-                                                  .type = synth::EventType::pose,
-                                                  .point_m = pose.position_m,
-                                                  .rotation = pose.rotation});
+      lost += !rack.push(synth::Producer::scene, {frame, (*object)->number, synth::verb::Pose{pose}});
     };
     if (begins) push(at - interval, stood);
     push(at, bodies.pose);

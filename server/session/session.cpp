@@ -20,13 +20,13 @@ Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame 
 
 Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (auto good = check_frame(frame); !good) return good;
-  return protocol::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) -> Result<void> {
-                           const auto object = rack_.find(set.object);
-                           if (!object) return fail(object.error());
-                           if (!(set.damper.damping_ns_m > 0)) return {};  // taken away from wherever it is said to be
-                           return check_point(set.damper.point_m, **object);
-                         }},
-                         request);
+  return visit(Overloaded{[&](const protocol::SetDamper& set) -> Result<void> {
+                 const auto object = rack_.find(set.object);
+                 if (!object) return fail(object.error());
+                 if (!(set.damper.damping_ns_m > 0)) return {};  // taken away from wherever it is said to be
+                 return check_point(set.damper.point_m, **object);
+               }},
+               request);
 }
 
 Result<void> Session::play(const protocol::MixerRequest& request, synth::Frame frame) {
@@ -80,38 +80,37 @@ Answer none(const Result<void>& outcome) {
 
 Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame frame) {
   using namespace protocol;
-  return protocol::visit(
-      Overloaded{
-          [&](const LoadObject& load) { return number(load_object(load)); },
-          [&](const FreeObject& object) { return none(free_object(object)); },
-          [&](const SetMaterial& set) { return none(rack_.set_material(set.object, set.scale)); },
-          [&](const SelectModes& select) { return none(rack_.select_modes(select.object, select.range)); },
-          [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
-          [&](const SetMute& set) { return none(rack_.set_heard(set.object, &ObjectState::mute, set.on)); },
-          [&](const SetSolo& set) { return none(rack_.set_heard(set.object, &ObjectState::solo, set.on)); },
-          [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },
-          [&](const SceneLoad& scene) { return number(scene_.load(scene.path, frame)); },
-          [&](const ScenePause& pause) { return none(scene_.pause(pause.paused)); },
-          [&](const SpawnBox& box) { return number(scene_.spawn(box)); },
-          [&](const SpawnSphere& sphere) { return number(scene_.spawn(sphere)); },
-          [&](const SceneClear&) { return none(scene_.clear()); },
-          [&](const ScenePush& push) {
-            return none(scene_.push(static_cast<scene::BodyId>(push.body), push.impulse_ns));
-          },
-          [&](const TestTone& tone) {
-            rack_.mixer().test_tone().set(tone.amplitude, tone.frequency_hz);
-            return none({});
-          },
-      },
-      request);
+  return visit(Overloaded{
+                   [&](const LoadObject& load) { return number(load_object(load)); },
+                   [&](const FreeObject& object) { return none(free_object(object)); },
+                   [&](const SetMaterial& set) { return none(rack_.set_material(set.object, set.scale)); },
+                   [&](const SelectModes& select) { return none(rack_.select_modes(select.object, select.range)); },
+                   [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
+                   [&](const SetMute& set) { return none(rack_.set_heard(set.object, &ObjectState::mute, set.on)); },
+                   [&](const SetSolo& set) { return none(rack_.set_heard(set.object, &ObjectState::solo, set.on)); },
+                   [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },
+                   [&](const SceneLoad& scene) { return number(scene_.load(scene.path, frame)); },
+                   [&](const ScenePause& pause) { return none(scene_.pause(pause.paused)); },
+                   [&](const SpawnBox& box) { return number(scene_.spawn(box)); },
+                   [&](const SpawnSphere& sphere) { return number(scene_.spawn(sphere)); },
+                   [&](const SceneClear&) { return none(scene_.clear()); },
+                   [&](const ScenePush& push) {
+                     return none(scene_.push(static_cast<scene::BodyId>(push.body), push.impulse_ns));
+                   },
+                   [&](const TestTone& tone) {
+                     rack_.mixer().test_tone().set(tone.amplitude, tone.frequency_hz);
+                     return none({});
+                   },
+               },
+               request);
 }
 
 Answer Session::perform(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (const auto good = check(request, frame); !good) return fail(good.error());
-  return protocol::visit(protocol::Overloaded{[&](const protocol::SetDamper& set) {
-                           return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
-                         }},
-                         request);
+  return visit(Overloaded{[&](const protocol::SetDamper& set) {
+                 return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
+               }},
+               request);
 }
 
 Result<synth::ObjectNumber> Session::load_object(const protocol::LoadObject& load) {

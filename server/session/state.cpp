@@ -221,7 +221,6 @@ modal::Dampers damper_changes(const modal::Dampers& wanted, const modal::Dampers
 
 // `from` is the frame at which a restored scene sets gains and pans: the object's own are set again at that frame.
 Result<void> restore_object(const State::Object& object, Session& session, synth::Frame from) {
-  using synth::EventType;
   Rack& rack = session.rack();
   const protocol::ObjectRef ref{.name = object.name};
   const bool was_there = rack.find(ref).has_value();
@@ -239,11 +238,12 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
   if (const auto held = rack.set_dampers(ref, damper_changes(object.dampers, (*rack.find(ref))->dampers)); !held)
     return held;
   const synth::Frame now = rack.mixer().counters().frames;
-  for (const auto& [type, value] : {std::pair(EventType::gain, object.gain), std::pair(EventType::pan, object.pan)}) {
+  for (const synth::Verb& verb :
+       {synth::Verb(synth::verb::Gain{object.gain}), synth::Verb(synth::verb::Pan{object.pan})}) {
     for (const synth::Frame frame : {now, from}) {
       if (frame == from && (!was_there || from == now)) continue;
       const auto which = static_cast<synth::ObjectNumber>(**number);
-      if (!rack.push(synth::Producer::worker, {.frame = frame, .object = which, .type = type, .value = value})) {
+      if (!rack.push(synth::Producer::worker, {frame, which, verb})) {
         return fail(ErrorKind::refused, "too many objects at once; wait for those before to be taken up");
       }
     }
@@ -252,15 +252,12 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
 }
 
 Result<void> restore_listener(const ListenerMemory::Listener& listener, Session& session, synth::Frame frame) {
-  using synth::EventType;
-  const synth::Event air{.frame = frame,
-                         .type = EventType::listener_air,
-                         .value = listener.temperature_c,
-                         .ramp_s = listener.humidity_percent};
-  const synth::Event place{.frame = frame,
-                           .type = listener.on ? EventType::listener : EventType::listener_off,
-                           .point_m = listener.pose.position_m,
-                           .rotation = normalized(listener.pose.rotation)};
+  const synth::verb::ListenerAir air_verb{listener.temperature_c, listener.humidity_percent};
+  const synth::Event air{.frame = frame, .verb = air_verb};
+  synth::Event place{.frame = frame, .verb = synth::verb::ListenerOff{}};
+  if (listener.on) {
+    place.verb = synth::verb::Listener{{listener.pose.position_m, normalized(listener.pose.rotation)}};
+  }
   Rack& rack = session.rack();
   if (rack.push(synth::Producer::worker, air) && rack.push(synth::Producer::worker, place)) return {};
   return fail(ErrorKind::refused, "listener: too many changes at once; try again");

@@ -14,8 +14,8 @@
 namespace ringdown::synth::test {
 namespace {
 
-Event blow(double impulse_ns) {
-  return {.type = EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, impulse_ns}};
+verb::StrikeVertex blow(double impulse_ns) {
+  return {.vertex = 0, .impulse_ns = {0, 0, impulse_ns}, .contact_time_s = 0};
 }
 
 // What part of a blow is left.
@@ -134,7 +134,8 @@ struct Busy {
   std::pair<int, bool> strike() {
     const Mixer& mixer = player.mixer;
     for (int block = 0; block < 100; ++block) player.render(kChunkFrames, kChunkFrames);
-    player.push({.frame = mixer.counters().frames.load(), .type = EventType::strike_vertex, .impulse_ns = {0, 0, 0.1}});
+    player.push({.frame = mixer.counters().frames.load(),
+                 .verb = verb::StrikeVertex{.vertex = 0, .impulse_ns = {0, 0, 0.1}, .contact_time_s = 0}});
     int coupled = 0;
     bool muted = false;
     for (int block = 0; block < 200; ++block) {

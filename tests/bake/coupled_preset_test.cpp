@@ -110,7 +110,7 @@ void expect_the_centroid(const std::string& preset, double x_m, double y_m, doub
   Voice voice(std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(bank)),
               modal::MaterialScale{}, kRate_hz);
   MixerCounters counters;
-  const Event blow{.type = EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, impulse_ns}};
+  const verb::StrikeVertex blow{.impulse_ns = {0, 0, impulse_ns}, .contact_time_s = 0};
   ASSERT_TRUE(voice.strike(blow, &counters));
   EXPECT_EQ(counters.limited.load(), 0u);
   const std::vector<double> equations = centroids(wanted), coupled = centroids(by_tables(voice, wanted.size()));

@@ -21,8 +21,8 @@ struct Rig {
   void strike(double impulse_ns) {
     std::vector<double> scratch(kModes);
     auto amplitudes = aligned_zeros<double>(table.columns());
-    const Event event{.type = EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, impulse_ns}};
-    ASSERT_TRUE(table.strike(event, scratch, amplitudes.get()));
+    const verb::StrikeVertex blow{.impulse_ns = {0, 0, impulse_ns}, .contact_time_s = 0};
+    ASSERT_TRUE(table.strike(blow, scratch, amplitudes.get()));
     for (std::size_t c = 0; c < table.columns(); ++c) im[c] -= amplitudes.get()[c];
     modes.take(re.data(), im.data());
   }
@@ -164,8 +164,8 @@ TEST(CoupledModes, ABlowBeginsThemAndCalmEndsThem) {
   std::array<double, 128> out{};
   const auto outcome = [&] { return coupling.render(re.data(), im.data(), true, out.data(), out.size()); };
   EXPECT_EQ(outcome(), Coupling::Outcome::nothing);
-  const Event event{.type = EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, 0.06}};
-  ASSERT_TRUE(table.strike(event, scratch, amplitudes.get()));
+  const verb::StrikeVertex blow{.impulse_ns = {0, 0, 0.06}, .contact_time_s = 0};
+  ASSERT_TRUE(table.strike(blow, scratch, amplitudes.get()));
   for (std::size_t c = 0; c < table.columns(); ++c) im[c] -= amplitudes.get()[c];
   int chunks = 0;
   while (outcome() == Coupling::Outcome::rendered && chunks < 2000) ++chunks;

@@ -88,7 +88,7 @@ TEST(Glide, AModeThatRadiatesNothingDetunesTheOthers) {
     bank.radiation = radiation;
     Voice voice(std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(bank))),
                 modal::MaterialScale{}, kRate_hz);
-    EXPECT_TRUE(voice.strike({.type = EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, 0.077}}));
+    EXPECT_TRUE(voice.strike(verb::StrikeVertex{.vertex = 0, .impulse_ns = {0, 0, 0.077}, .contact_time_s = 0}));
     const double own_hz = plate.omega[1] / (2 * std::numbers::pi);
     return cents(pitch_hz(by_tables(voice, 24000), own_hz), own_hz);
   };
@@ -102,7 +102,7 @@ TEST(Glide, ScalesWithSizeAndMaterial) {
   const Plate plate = steel_plate();
   const auto pitch = [&](const modal::MaterialScale& scale, double impulse_ns) {
     Voice voice(map_of(plate, true), scale, kRate_hz);
-    EXPECT_TRUE(voice.strike({.type = EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, impulse_ns}}));
+    EXPECT_TRUE(voice.strike(verb::StrikeVertex{.vertex = 0, .impulse_ns = {0, 0, impulse_ns}, .contact_time_s = 0}));
     const double own_hz = plate.omega[0] / (2 * std::numbers::pi) * std::sqrt(modal::lambda_factor(scale));
     return cents(pitch_hz(by_tables(voice, 24000), own_hz), own_hz);
   };

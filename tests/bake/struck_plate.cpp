@@ -87,7 +87,7 @@ std::vector<Samples> integrated(const Plate& plate, double impulse_ns, double& p
 
 std::unique_ptr<Voice> struck(const Plate& plate, bool nonlinear, double impulse_ns, int coupled) {
   auto voice = std::make_unique<Voice>(map_of(plate, nonlinear, coupled), modal::MaterialScale{}, kRate_hz);
-  EXPECT_TRUE(voice->strike({.type = EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, impulse_ns}}));
+  EXPECT_TRUE(voice->strike(verb::StrikeVertex{.vertex = 0, .impulse_ns = {0, 0, impulse_ns}, .contact_time_s = 0}));
   return voice;
 }
 

@@ -38,7 +38,7 @@ std::optional<protocol::StatusReply> status(test::Daemon& daemon) {
 }
 
 wire::Message strike(const std::string& object, double impulse_ns) {
-  return protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, impulse_ns}, 0});
+  return protocol::format(protocol::Strike{{.name = object}, {{1, 0, 0}, {0, 0, impulse_ns}, 0}});
 }
 
 void need(test::JackServer& server, int sample_rate_hz, int period_frames) {

@@ -116,7 +116,7 @@ int main(int count, char** words) {
     std::fprintf(stderr, "no daemon answers on port %s\n", words[1]);
     return 6;
   }
-  const auto strike = protocol::format(protocol::Strike{{.name = words[2]}, {0.05, 0, 0.02}, {-1e-6, 0, 0}, 0.0005});
+  const auto strike = protocol::format(protocol::Strike{{.name = words[2]}, {{0.05, 0, 0.02}, {-1e-6, 0, 0}, 0.0005}});
   const long lost_before = lost_at(daemon.port);
   const std::size_t sent = flood_from(senders, daemon, wire::encode(strike), rate_hz, seconds);
   const auto begin = Clock::now();

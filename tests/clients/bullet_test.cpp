@@ -16,10 +16,10 @@ using scene::BodyDescription;
 using scene::SceneDescription;
 using scene::ShapeType;
 using synth::Event;
-using synth::EventType;
 using test::body_of;
 using test::box_bank;
 using test::scene_of;
+using test::Struck;
 
 constexpr double kG = 9.81, kOdeRate_hz = 48000;
 constexpr Vec3 kSize{0.1, 0.1, 0.1};
@@ -40,6 +40,8 @@ std::vector<Event> by_bullet(const SceneDescription& scene, const modal::Bank& b
   return all;
 }
 
+const synth::verb::Contact& contact_of(const Event& event) { return event.verb.get<synth::verb::Contact>(); }
+
 // The strikes of one moment.
 struct Blow {
   double time_s = 0, contact_time_s = 0;
@@ -47,9 +49,9 @@ struct Blow {
   std::vector<Vec3> points_m;
 };
 
-std::vector<Blow> blows(std::vector<Event> events, double rate_hz) {
+std::vector<Blow> blows(const std::vector<Event>& events, double rate_hz) {
   std::vector<Blow> found;
-  for (const Event& strike : test::only(EventType::strike, std::move(events))) {
+  for (const Struck& strike : test::only<synth::verb::Strike>(events)) {
     const double time_s = static_cast<double>(strike.frame) / rate_hz;
     if (found.empty() || time_s - found.back().time_s > 1e-4) found.push_back({time_s, strike.contact_time_s, {}, {}});
     found.back().impulse_ns = found.back().impulse_ns + strike.impulse_ns;
@@ -189,7 +191,7 @@ struct Corner {
     double change_m_s = 0;
   };
   [[nodiscard]] Landing landing(const std::vector<Event>& events, double rate_hz) const {
-    const Event& strike = events.front();
+    const Struck strike = test::only<synth::verb::Strike>(events).front();
     const double fall_s = static_cast<double>(strike.frame) / rate_hz;
     return {to_world * strike.impulse_ns, to_world * (strike.point_m - bank.mass->center_of_mass_m),
             (1 + restitution) * kG * fall_s};
@@ -218,7 +220,10 @@ TEST(SameCorner, ABodySlidesOrSticksAsMechanicsSaysInBothEngines) {
     expect_sticking(rough, by_ode(rough.scene, rough.bank, 0.5), kOdeRate_hz);
     expect_sticking(rough, by_bullet(rough.scene, rough.bank, 0.5), kFrameRate_hz);
     const auto in_ode = by_ode(rough.scene, rough.bank, 0.5), in_bullet = by_bullet(rough.scene, rough.bank, 0.5);
-    EXPECT_LT(length(in_ode.front().point_m - in_bullet.front().point_m), 5e-4);
+    const auto point_of = [](const std::vector<Event>& events) {
+      return test::only<synth::verb::Strike>(events).front().point_m;
+    };
+    EXPECT_LT(length(point_of(in_ode) - point_of(in_bullet)), 5e-4);
     EXPECT_NEAR(static_cast<double>(in_ode.front().frame) / kOdeRate_hz,
                 static_cast<double>(in_bullet.front().frame) / kFrameRate_hz, 1e-4);
   }
@@ -237,14 +242,14 @@ TEST(SameSlide, SlidingIsReportedWithWeightFrictionAndSpeedInBothEngines) {
   ASSERT_GT(bullet.size(), 100u);
   const double start_m_s = std::hypot(1.5, 1);
   for (std::size_t k = 2; k + 3 < bullet.size(); ++k) {
-    const synth::Contact& contact = bullet[k].contact;
-    ASSERT_EQ(bullet[k].type, EventType::contact) << k;
+    ASSERT_TRUE(bullet[k].verb.holds<synth::verb::Contact>()) << k;
+    const synth::Contact& contact = contact_of(bullet[k]).contact;
     EXPECT_NEAR(contact.force_n.z, kMass * kG, 0.02 * kMass * kG) << k;
     EXPECT_NEAR(std::hypot(contact.force_n.x, contact.force_n.y), kFriction * contact.force_n.z, 0.1) << k;
     const double slip_m_s = start_m_s - kFriction * kG * static_cast<double>(bullet[k].frame) / kFrameRate_hz;
     EXPECT_NEAR(contact.slip_m_s, slip_m_s, 0.02) << k;
   }
-  EXPECT_EQ(bullet.back().contact.force_n, (Vec3{})) << "it rests";
+  EXPECT_EQ(contact_of(bullet.back()).contact.force_n, (Vec3{})) << "it rests";
 }
 
 TEST(SameRoll, RollingIsReportedWithItsSpeedInBothEngines) {
@@ -258,9 +263,9 @@ TEST(SameRoll, RollingIsReportedWithItsSpeedInBothEngines) {
   EXPECT_NEAR(static_cast<double>(bullet.size()), static_cast<double>(ode.size()), 2);
   ASSERT_GT(bullet.size(), 200u);
   for (std::size_t k = 2; k < bullet.size(); ++k) {
-    EXPECT_NEAR(bullet[k].contact.roll_m_s, 1, 0.02) << k;
-    EXPECT_LT(bullet[k].contact.slip_m_s, 0.01) << k;
-    EXPECT_NEAR(length(bullet[k].point_m), 0.05, 1e-3) << k;
+    EXPECT_NEAR(contact_of(bullet[k]).contact.roll_m_s, 1, 0.02) << k;
+    EXPECT_LT(contact_of(bullet[k]).contact.slip_m_s, 0.01) << k;
+    EXPECT_NEAR(length(contact_of(bullet[k]).point_m), 0.05, 1e-3) << k;
   }
 }
 
@@ -290,12 +295,12 @@ TEST(Bullet, BothBodiesOfAContactRingWithOppositeImpulses) {
                           std::make_shared<const modal::Bank>(box_bank(kSize, 3))};
   auto world = BulletWorld::create(scene, banks);
   ASSERT_TRUE(world) << world.error().message;
-  std::vector<Event> strikes;
+  std::vector<Event> all;
   while (world->time_s() < 1) {
     const auto events = world->step().events;
-    strikes.insert(strikes.end(), events.begin(), events.end());
+    all.insert(all.end(), events.begin(), events.end());
   }
-  strikes = test::only(synth::EventType::strike, strikes);
+  const auto strikes = test::only<synth::verb::Strike>(all);
   ASSERT_EQ(strikes.size(), 2u);
   const Vec3 on_left = test::total_impulse(strikes, 0);
   const Vec3 on_right = scene::to_matrix(right.rotation) * test::total_impulse(strikes, 1);

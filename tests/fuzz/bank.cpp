@@ -46,7 +46,8 @@ bool ring(const modal::Bank& bank) {
   expect(mixer.install(0, std::make_unique<synth::Voice>(map, modal::MaterialScale{}, 48000),
                        synth::Mixer::Install::replace),
          "a voice is installed");
-  const synth::Event strike{.object = 0, .type = synth::EventType::strike, .impulse_ns = {0.1, 0.2, 0.3}};
+  const synth::Event strike{.object = 0,
+                            .verb = synth::verb::Strike{.impulse_ns = {0.1, 0.2, 0.3}, .contact_time_s = 0}};
   expect(mixer.push(synth::Producer::control, strike), "a strike is taken");
   std::array<float, 256> left{}, right{};
   mixer.render(left, right);

@@ -48,16 +48,16 @@ void AttackedSession::take(const wire::Message& message) {
 void AttackedSession::carry_out(const wire::Message& message) {
   auto request = protocol::parse(message);
   if (!request) return;
-  protocol::visit(protocol::Overloaded{
-                      [&](const protocol::MixerRequest& r) { static_cast<void>(session_->play(r, now())); },
-                      [&](const protocol::TimedWorkerRequest& r) { static_cast<void>(session_->perform(r, now())); },
-                      [&](const protocol::WorkerRequest& r) { static_cast<void>(session_->perform(r, now())); },
-                      [](const protocol::FileRequest&) {},
-                      [](const protocol::Question&) {},
-                      [](const protocol::SubscriptionRequest&) {},
-                      [](const protocol::DaemonRequest&) {},
-                  },
-                  protocol::in_its_lane(*std::move(request)));
+  visit(Overloaded{
+            [&](const protocol::MixerRequest& r) { static_cast<void>(session_->play(r, now())); },
+            [&](const protocol::TimedWorkerRequest& r) { static_cast<void>(session_->perform(r, now())); },
+            [&](const protocol::WorkerRequest& r) { static_cast<void>(session_->perform(r, now())); },
+            [](const protocol::FileRequest&) {},
+            [](const protocol::Question&) {},
+            [](const protocol::SubscriptionRequest&) {},
+            [](const protocol::DaemonRequest&) {},
+        },
+        protocol::in_its_lane(*std::move(request)));
 }
 
 void AttackedSession::render(std::size_t frames, const synth::Inputs& inputs) {

@@ -188,8 +188,8 @@ TEST_F(DaemonTest, ARecordedSessionRendersToTheSameSamples) {
     for (int i = 0; i < 40; ++i) {
       const std::string name = i % 3 ? "low" : "high";
       std::vector<Message> together = {
-          protocol::format(protocol::Strike{{.name = name}, {1, 0, 0.02 * i}, {0, 0, 0.01 * i}, 1e-4 * (i % 7)}),
-          protocol::format(protocol::StrikeVertex{{.name = name}, 1, {0, 0, 0.1}, 0})};
+          protocol::format(protocol::Strike{{.name = name}, {{1, 0, 0.02 * i}, {0, 0, 0.01 * i}, 1e-4 * (i % 7)}}),
+          protocol::format(protocol::StrikeVertex{{.name = name}, {1, {0, 0, 0.1}, 0}})};
       if (i % 5 == 0) together.push_back({"/object/*/gain", {0.2f + 0.01f * i, 0.03f}});
       if (i % 7 == 0) together.push_back({"/object/" + name + "/pan", {0.02f * i}});
       if (i == 20) together.push_back({"/object/low/clear", {}});

@@ -36,7 +36,7 @@ testing::AssertionResult JackTest::driver_looks(Daemon& daemon) const {
 }
 
 wire::Message JackTest::strike(const std::string& object, double impulse_ns) {
-  return protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, impulse_ns}, 0});
+  return protocol::format(protocol::Strike{{.name = object}, {{1, 0, 0}, {0, 0, impulse_ns}, 0}});
 }
 
 }  // namespace ringdown::test

@@ -69,7 +69,7 @@ TEST_F(RenderTest, EveryBundleIsHeardWithinASampleOfItsTime) {
       std::vector<wire::ScoreEvent> events;
       for (const double time_s : times(rate_hz)) {
         events.push_back({time_s, protocol::format(protocol::Request(
-                                      protocol::Strike{{.name = "tick"}, {1, 0, 0}, {0, 0, 0.5}, 0}))});
+                                      protocol::Strike{{.name = "tick"}, {{1, 0, 0}, {0, 0, 0.5}, 0}}))});
       }
       SCOPED_TRACE(std::to_string(rate_hz) + " Hz, blocks of " + std::to_string(block));
       expect_at(times(rate_hz), render(events, rate_hz, block), rate_hz);
@@ -80,7 +80,7 @@ TEST_F(RenderTest, EveryBundleIsHeardWithinASampleOfItsTime) {
 TEST_F(RenderTest, AnAmbisonicFileHasAChannelForEachHarmonic) {
   const auto score = folder_ / "score.osc", sound = folder_ / "field.wav";
   const wire::Message strike =
-      protocol::format(protocol::Request(protocol::Strike{{.name = "tick"}, {1, 0, 0}, {0, 0, 0.5}, 0}));
+      protocol::format(protocol::Request(protocol::Strike{{.name = "tick"}, {{1, 0, 0}, {0, 0, 0.5}, 0}}));
   const std::vector<wire::ScoreEvent> events = {{0.1, {"/object/tick/pan", {-1.f}}}, {0.5, strike}};
   ASSERT_TRUE(wire::write_score(events, score));
   const Outcome outcome =

@@ -43,25 +43,25 @@ class Composer {
     if (random_() % 50 == 0) return two_way(object);
     switch (random_() % 12) {
       case 0:
-        return protocol::StrikeVertex{object, static_cast<std::uint32_t>(random_() % 10), vector(0.02), 0.001};
+        return protocol::StrikeVertex{object, {static_cast<std::uint32_t>(random_() % 10), vector(0.02), 0.001}};
       case 1:
-        return protocol::SetGain{object, number(0, 0.5), number(0, 0.1)};
+        return protocol::SetGain{object, {number(0, 0.5), number(0, 0.1)}};
       case 2:
-        return protocol::SetPan{object, number(-1, 1)};
+        return protocol::SetPan{object, {number(-1, 1)}};
       case 3:
-        return protocol::RingModes{object, static_cast<std::uint32_t>(random_() % 5), 2, number(0, 0.02)};
+        return protocol::RingModes{object, {static_cast<std::uint32_t>(random_() % 5), 2, number(0, 0.02)}};
       case 4:
-        return protocol::Click{object, vector(0.01), 0.0005};
+        return protocol::Click{object, {vector(0.01), 0.0005}};
       case 5: {
-        protocol::SetContact contact{object, vector(0.15), {}};
-        contact.contact.force_n = vector(2);
-        contact.contact.slip_m_s = number(0, 1);
+        protocol::SetContact contact{object, {vector(0.15), {}}};
+        contact.verb.contact.force_n = vector(2);
+        contact.verb.contact.slip_m_s = number(0, 1);
         return contact;
       }
       case 6:
-        return protocol::ClearObject{object, number(0, 0.05)};
+        return protocol::ClearObject{object, {number(0, 0.05)}};
       default:
-        return protocol::Strike{object, vector(0.15), vector(0.02), number(0, 0.002)};
+        return protocol::Strike{object, {vector(0.15), vector(0.02), number(0, 0.002)}};
     }
   }
 
@@ -69,19 +69,19 @@ class Composer {
     const Vec3 way{0, number(-1, 1), 1};
     switch (random_() % 3) {
       case 0: {
-        protocol::SetBow bow{object, vector(0.15)};
-        bow.touch.direction = way, bow.touch.speed_m_s = number(-1, 1), bow.touch.force_n = number(0, 2);
+        protocol::SetBow bow{object, {vector(0.15)}};
+        bow.verb.direction = way, bow.verb.speed_m_s = number(-1, 1), bow.verb.force_n = number(0, 2);
         return bow;
       }
       case 1: {
-        protocol::HitMallet hit{object, vector(0.15), vector(2)};
-        hit.touch.mass_kg = number(0.01, 0.1);
+        protocol::HitMallet hit{object, {vector(0.15), vector(2)}};
+        hit.verb.mass_kg = number(0.01, 0.1);
         return hit;
       }
       default: {
-        protocol::SetCoupling set{object, vector(0.15), {.name = {}, .number = (*object.number + 1) % kObjects}};
-        set.touch.other_point_m = vector(0.15), set.touch.direction = way, set.touch.force_n = 1;
-        if (random_() % 2 == 0) set.touch.stiffness = 0;
+        protocol::SetCoupling set{object, {vector(0.15)}, {.name = {}, .number = (*object.number + 1) % kObjects}};
+        set.verb.other_point_m = vector(0.15), set.verb.direction = way, set.verb.weight_n = 1;
+        if (random_() % 2 == 0) set.verb.stiffness = 0;
         return set;
       }
     }
@@ -99,61 +99,61 @@ struct Player {
   static std::array<double, 3> xyz(const Vec3& v) { return {v.x, v.y, v.z}; }
 
   ringdown_result operator()(const protocol::Strike& s) {
-    return ringdown_strike(mixer, frame, *s.object.number, xyz(s.point_m).data(), xyz(s.impulse_ns).data(),
-                           s.contact_time_s, &error);
+    return ringdown_strike(mixer, frame, *s.object.number, xyz(s.verb.point_m).data(), xyz(s.verb.impulse_ns).data(),
+                           s.verb.contact_time_s, &error);
   }
   ringdown_result operator()(const protocol::StrikeVertex& s) {
-    return ringdown_strike_at(mixer, frame, *s.object.number, s.vertex, xyz(s.impulse_ns).data(), s.contact_time_s,
-                              &error);
+    return ringdown_strike_at(mixer, frame, *s.object.number, s.verb.vertex, xyz(s.verb.impulse_ns).data(),
+                              s.verb.contact_time_s, &error);
   }
   ringdown_result operator()(const protocol::SetGain& s) {
-    return ringdown_gain(mixer, frame, *s.object.number, s.gain, s.ramp_s, &error);
+    return ringdown_gain(mixer, frame, *s.object.number, s.verb.gain, s.verb.ramp_s, &error);
   }
   ringdown_result operator()(const protocol::SetPan& s) {
-    return ringdown_pan(mixer, frame, *s.object.number, s.pan, &error);
+    return ringdown_pan(mixer, frame, *s.object.number, s.verb.pan, &error);
   }
   ringdown_result operator()(const protocol::RingModes& s) {
-    return ringdown_ring(mixer, frame, *s.object.number, s.first, s.count, s.amplitude, &error);
+    return ringdown_ring(mixer, frame, *s.object.number, s.verb.first, s.verb.count, s.verb.amplitude, &error);
   }
   ringdown_result operator()(const protocol::Click& s) {
-    return ringdown_click(mixer, frame, *s.object.number, xyz(s.impulse_ns).data(), s.contact_time_s, &error);
+    return ringdown_click(mixer, frame, *s.object.number, xyz(s.verb.impulse_ns).data(), s.verb.contact_time_s, &error);
   }
   ringdown_result operator()(const protocol::SetContact& s) {
     ringdown_contact contact;
     ringdown_contact_init(&contact, sizeof contact);
-    std::ranges::copy(xyz(s.point_m), contact.point_m);
-    std::ranges::copy(xyz(s.contact.force_n), contact.force_n);
-    contact.slip_m_s = s.contact.slip_m_s;
+    std::ranges::copy(xyz(s.verb.point_m), contact.point_m);
+    std::ranges::copy(xyz(s.verb.contact.force_n), contact.force_n);
+    contact.slip_m_s = s.verb.contact.slip_m_s;
     return ringdown_touch(mixer, frame, *s.object.number, &contact, &error);
   }
   ringdown_result operator()(const protocol::SetBow& s) {
     ringdown_bow bow;
     ringdown_bow_init(&bow, sizeof bow);
-    std::ranges::copy(xyz(s.point_m), bow.point_m);
-    std::ranges::copy(xyz(s.touch.direction), bow.direction);
-    bow.speed_m_s = s.touch.speed_m_s, bow.force_n = s.touch.force_n;
+    std::ranges::copy(xyz(s.verb.point_m), bow.point_m);
+    std::ranges::copy(xyz(s.verb.direction), bow.direction);
+    bow.speed_m_s = s.verb.speed_m_s, bow.force_n = s.verb.force_n;
     return ringdown_draw_bow(mixer, frame, *s.object.number, &bow, &error);
   }
   ringdown_result operator()(const protocol::HitMallet& s) {
     ringdown_mallet mallet;
     ringdown_mallet_init(&mallet, sizeof mallet);
-    std::ranges::copy(xyz(s.point_m), mallet.point_m);
-    std::ranges::copy(xyz(s.velocity_m_s), mallet.velocity_m_s);
-    mallet.mass_kg = s.touch.mass_kg;
+    std::ranges::copy(xyz(s.verb.point_m), mallet.point_m);
+    std::ranges::copy(xyz(s.verb.velocity_m_s), mallet.velocity_m_s);
+    mallet.mass_kg = s.verb.mass_kg;
     return ringdown_hit(mixer, frame, *s.object.number, &mallet, &error);
   }
   ringdown_result operator()(const protocol::SetCoupling& s) {
     ringdown_coupling coupling;
     ringdown_coupling_init(&coupling, sizeof coupling);
     coupling.other = *s.other.number;
-    std::ranges::copy(xyz(s.point_m), coupling.point_m);
-    std::ranges::copy(xyz(s.touch.other_point_m), coupling.other_point_m);
-    std::ranges::copy(xyz(s.touch.direction), coupling.direction);
-    coupling.weight_n = s.touch.force_n, coupling.stiffness = s.touch.stiffness;
+    std::ranges::copy(xyz(s.verb.point_m), coupling.point_m);
+    std::ranges::copy(xyz(s.verb.other_point_m), coupling.other_point_m);
+    std::ranges::copy(xyz(s.verb.direction), coupling.direction);
+    coupling.weight_n = s.verb.weight_n, coupling.stiffness = s.verb.stiffness;
     return ringdown_couple(mixer, frame, *s.object.number, &coupling, &error);
   }
   ringdown_result operator()(const protocol::ClearObject& s) {
-    return ringdown_clear(mixer, frame, *s.object.number, s.ramp_s, &error);
+    return ringdown_clear(mixer, frame, *s.object.number, s.verb.ramp_s, &error);
   }
   template <class Other>
   ringdown_result operator()(const Other&) {
@@ -218,7 +218,7 @@ TEST_F(Score, OfTenThousandEventsGivesTheSamplesOfRingdownRender) {
     const std::size_t end = std::min(begin + kBlock, left.size());
     for (; next < score.size() && score[next].frame < static_cast<std::int64_t>(end); ++next) {
       Player player{mixer, score[next].frame};
-      ASSERT_EQ(protocol::visit(player, score[next].request), RINGDOWN_OK) << player.error.sentence;
+      ASSERT_EQ(visit(player, score[next].request), RINGDOWN_OK) << player.error.sentence;
     }
     ringdown_render(mixer, left.data() + begin, right.data() + begin, end - begin);
     ringdown_collect(mixer);

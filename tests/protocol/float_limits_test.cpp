@@ -63,18 +63,18 @@ TEST(FloatLimits, AFloatThatWasWidenedIsTheLimitToo) {
   };
   const auto hit = mallet(1e-5f, 1e14f, 0.01f);
   ASSERT_TRUE(hit) << hit.error().message;
-  EXPECT_EQ(hit->get<HitMallet>().touch.mass_kg, 1e-5);
-  EXPECT_EQ(hit->get<HitMallet>().touch.stiffness, 1e14);
-  EXPECT_EQ(hit->get<HitMallet>().touch.bounce, 0.01);
+  EXPECT_EQ(hit->get<HitMallet>().verb.mass_kg, 1e-5);
+  EXPECT_EQ(hit->get<HitMallet>().verb.head, 1e14);
+  EXPECT_EQ(hit->get<HitMallet>().verb.bounce, 0.01);
   EXPECT_FALSE(mallet(std::nextafter(1e-5, 0.0), 1e7, 0.5)) << "no float, and too small";
 }
 
 TEST(FloatLimits, RequestsMadeWithoutAMessageAreFittedToo) {
   ASSERT_GT(double{0.1f}, 0.1);
-  Request request = Strike{{"", 0}, {}, {0, 0, 1}, 0.1f};
+  Request request = Strike{{"", 0}, {{}, {0, 0, 1}, 0.1f}};
   ASSERT_FALSE(find_out_of_range(request));
-  EXPECT_EQ(request.get<Strike>().contact_time_s, 0.1);
-  request = Strike{{"", 0}, {}, {0, 0, 1}, std::nextafter(0.1f, 1.f)};
+  EXPECT_EQ(request.get<Strike>().verb.contact_time_s, 0.1);
+  request = Strike{{"", 0}, {{}, {0, 0, 1}, std::nextafter(0.1f, 1.f)}};
   EXPECT_TRUE(find_out_of_range(request));
 }
 

@@ -6,12 +6,12 @@ namespace {
 Cases strike_cases() {
   const std::string a = "/object/bell/strike";
   return {{{a, {1.f, 2.f, 3.f, -4.f, 5.f, -6.f}, claim<Strike>([](const Strike& s) {
-              return s.object == named("bell") && s.point_m == Vec3{1, 2, 3} && s.impulse_ns == Vec3{-4, 5, -6} &&
-                     s.contact_time_s == 0.0002;
+              return s.object == named("bell") && s.verb.point_m == Vec3{1, 2, 3} &&
+                     s.verb.impulse_ns == Vec3{-4, 5, -6} && s.verb.contact_time_s == 0.0002;
             })},
            {"/object/7/strike", {1, std::int64_t{-2}, 0.5, 0.25f, 0, 0, 0.1}, claim<Strike>([](const Strike& s) {
-              return s.object == numbered(7) && s.point_m == Vec3{1, -2, 0.5} && s.impulse_ns == Vec3{0.25, 0, 0} &&
-                     s.contact_time_s == 0.1;
+              return s.object == numbered(7) && s.verb.point_m == Vec3{1, -2, 0.5} &&
+                     s.verb.impulse_ns == Vec3{0.25, 0, 0} && s.verb.contact_time_s == 0.1;
             })}},
           {{"/object//strike", {0, 0, 0, 0, 0, 0}, "object"},
            {"/object/a bell/strike", {0, 0, 0, 0, 0, 0}, "object"},
@@ -35,11 +35,11 @@ Cases strike_cases() {
 Cases strike_vertex_cases() {
   const std::string a = "/object/bell/strike_vertex";
   return {{{a, {12.f, 0, 0, 1}, claim<StrikeVertex>([](const StrikeVertex& s) {
-              return s.object == named("bell") && s.vertex == 12 && s.impulse_ns == Vec3{0, 0, 1} &&
-                     s.contact_time_s == 0.0002;
+              return s.object == named("bell") && s.verb.vertex == 12 && s.verb.impulse_ns == Vec3{0, 0, 1} &&
+                     s.verb.contact_time_s == 0.0002;
             })},
            {a, {16777215, 0, 0, 1, 0}, claim<StrikeVertex>([](const StrikeVertex& s) {
-              return s.vertex == 16777215 && s.contact_time_s == 0;
+              return s.verb.vertex == 16777215 && s.verb.contact_time_s == 0;
             })}},
           {{"/object/b+ll/strike_vertex", {1, 0, 0, 0}, "object"},
            {a, {0.5f, 0, 0, 0}, "vertex"},
@@ -84,8 +84,8 @@ Cases record_start_cases() {
 
 Cases gain_cases() {
   const std::string a = "/object/bell/gain";
-  return {{{a, {0.5f}, claim<SetGain>([](const SetGain& s) { return s.gain == 0.5 && s.ramp_s == 0; })},
-           {a, {100, 60}, claim<SetGain>([](const SetGain& s) { return s.gain == 100 && s.ramp_s == 60; })}},
+  return {{{a, {0.5f}, claim<SetGain>([](const SetGain& s) { return s.verb.gain == 0.5 && s.verb.ramp_s == 0; })},
+           {a, {100, 60}, claim<SetGain>([](const SetGain& s) { return s.verb.gain == 100 && s.verb.ramp_s == 60; })}},
           {{"/object/b%/gain", {1}, "object"},
            {a, {-0.1}, "gain"},
            {a, {100.1}, "gain"},
@@ -95,7 +95,7 @@ Cases gain_cases() {
 
 Cases pan_cases() {
   const std::string a = "/object/bell/pan";
-  return {{{a, {-1}, claim<SetPan>([](const SetPan& s) { return s.pan == -1 && s.object == named("bell"); })}},
+  return {{{a, {-1}, claim<SetPan>([](const SetPan& s) { return s.verb.pan == -1 && s.object == named("bell"); })}},
           {{"/object/b%/pan", {1}, "object"}, {a, {1.01}, "pan"}, {a, {-1.01f}, "pan"}}};
 }
 
@@ -145,14 +145,15 @@ Cases excite_cases() {
 
 Cases click_cases() {
   const std::string a = "/object/bell/click";
-  return {{{a, {1, 2, -3, 0.0625f}, claim<Click>([](const Click& c) {
-              return c.object == named("bell") && c.impulse_ns == Vec3{1, 2, -3} && c.contact_time_s == 0.0625;
-            })}},
-          {{"/object/b%/click", {0, 0, 0}, "object"},
-           {a, {kNan, 0, 0}, "jx"},
-           {a, {0, 1e7, 0}, "jy"},
-           {a, {0, 0}, "jz"},
-           {a, {0, 0, 0, -1}, "contact_time"}}};
+  return {
+      {{a, {1, 2, -3, 0.0625f}, claim<Click>([](const Click& c) {
+          return c.object == named("bell") && c.verb.impulse_ns == Vec3{1, 2, -3} && c.verb.contact_time_s == 0.0625;
+        })}},
+      {{"/object/b%/click", {0, 0, 0}, "object"},
+       {a, {kNan, 0, 0}, "jx"},
+       {a, {0, 1e7, 0}, "jy"},
+       {a, {0, 0}, "jz"},
+       {a, {0, 0, 0, -1}, "contact_time"}}};
 }
 
 template <class Struct>
@@ -166,10 +167,10 @@ Cases object_only_cases(const std::string& verb) {
 Cases pose_cases() {
   const std::string a = "/object/bell/pose";
   return {{{a, {1, 2, 3}, claim<SetPose>([](const SetPose& s) {
-              return s.object == named("bell") && s.pose == Pose{{1, 2, 3}, Rotation::from_xyzw(0, 0, 0, 1)};
+              return s.object == named("bell") && s.verb.pose == Pose{{1, 2, 3}, Rotation::from_xyzw(0, 0, 0, 1)};
             })},
            {a, {0, 0, 0, 0.5f, 0.5f, -0.5f, 0.5f}, claim<SetPose>([](const SetPose& s) {
-              return s.pose == Pose{{0, 0, 0}, Rotation::from_xyzw(0.5, -0.5, 0.5, 0.5)};
+              return s.verb.pose == Pose{{0, 0, 0}, Rotation::from_xyzw(0.5, -0.5, 0.5, 0.5)};
             })}},
           {{"/object/b%/pose", {0, 0, 0}, "object"},
            {a, {kNan, 0, 0}, "x"},
@@ -188,7 +189,7 @@ Cases poses_cases() {
 
 Cases listener_cases() {
   return {{{"/listener", {1, 2, 3, 0, 0, 0, 1}, claim<SetListener>([](const SetListener& s) {
-              return s.pose == Pose{{1, 2, 3}, Rotation::from_xyzw(0, 0, 1, 0)};
+              return s.verb.pose == Pose{{1, 2, 3}, Rotation::from_xyzw(0, 0, 1, 0)};
             })}},
           {{"/listener", {1, 2}, "z"},
            {"/listener", {0, kNan, 0}, "y"},
@@ -202,7 +203,7 @@ Cases listener_cases() {
 Cases air_cases() {
   const std::string a = "/listener/air";
   return {{{a, {10}, claim<SetListenerAir>([](const SetListenerAir& s) {
-              return s.temperature_c == 10 && s.humidity_percent == 50;
+              return s.verb.temperature_c == 10 && s.verb.humidity_percent == 50;
             })}},
           {{a, {}, "temperature"}, {a, {61}, "temperature"}, {a, {kNan}, "temperature"}, {a, {20, 101}, "humidity"}}};
 }
@@ -284,7 +285,7 @@ Cases sync_cases() {
 Cases clear_cases() {
   Cases cases = object_only_cases<ClearObject>("clear");
   const std::string a = "/object/bell/clear";
-  cases.good.push_back({a, {0.5f}, claim<ClearObject>([](const ClearObject& c) { return c.ramp_s == 0.5; })});
+  cases.good.push_back({a, {0.5f}, claim<ClearObject>([](const ClearObject& c) { return c.verb.ramp_s == 0.5; })});
   cases.bad.push_back({a, {-1}, "ramp"});
   cases.bad.push_back({a, {61}, "ramp"});
   return cases;
@@ -320,10 +321,10 @@ Cases capture_start_cases() {
 Cases ring_cases() {
   const std::string a = "/object/bell/ring";
   return {{{a, {3}, claim<RingModes>([](const RingModes& r) {
-              return r.object == named("bell") && r.first == 3 && r.count == 1 && r.amplitude == 0.1;
+              return r.object == named("bell") && r.verb.first == 3 && r.verb.count == 1 && r.verb.amplitude == 0.1;
             })},
            {a, {0, 2147483647, 1}, claim<RingModes>([](const RingModes& r) {
-              return r.first == 0 && r.count == 2147483647 && r.amplitude == 1;
+              return r.verb.first == 0 && r.verb.count == 2147483647 && r.verb.amplitude == 1;
             })}},
           {{"/object/b%/ring", {0}, "object"},
            {a, {}, "first"},

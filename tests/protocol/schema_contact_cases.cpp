@@ -5,13 +5,13 @@ namespace ringdown::protocol {
 Cases bow_cases() {
   const std::string a = "/object/bell/bow";
   return {{{a, {1, 2, 3, 0, 0, 2, 0.25f, 1.5f}, claim<SetBow>([](const SetBow& b) {
-              return b.object == named("bell") && b.point_m == Vec3{1, 2, 3} && b.touch.direction == Vec3{0, 0, 2} &&
-                     b.touch.speed_m_s == 0.25 && b.touch.force_n == 1.5 && b.touch.friction == 0.8 &&
-                     b.touch.width_m == 0 && b.touch.number == 0 && b.touch.kind == synth::Touch::Kind::bow;
+              return b.object == named("bell") && b.verb.point_m == Vec3{1, 2, 3} &&
+                     b.verb.direction == Vec3{0, 0, 2} && b.verb.speed_m_s == 0.25 && b.verb.force_n == 1.5 &&
+                     b.verb.rosin == 0.8 && b.verb.width_m == 0 && b.verb.number == 0;
             })},
            {a, {0, 0, 0, 1, 0, 0, -1, 0, 0.5f, 0.25f, 3}, claim<SetBow>([](const SetBow& b) {
-              return b.touch.speed_m_s == -1 && b.touch.force_n == 0 && b.touch.width_m == 0.5 &&
-                     b.touch.friction == 0.25 && b.touch.number == 3;
+              return b.verb.speed_m_s == -1 && b.verb.force_n == 0 && b.verb.width_m == 0.5 && b.verb.rosin == 0.25 &&
+                     b.verb.number == 3;
             })}},
           {{"/object/b%/bow", {0, 0, 0, 0, 0, 1, 0, 0}, "object"},
            {a, {kNan, 0, 0, 0, 0, 1, 0, 0}, "x"},
@@ -30,11 +30,12 @@ Cases bow_cases() {
 Cases mallet_cases() {
   const std::string a = "/object/bell/mallet";
   return {{{a, {1, 2, 3, 0, 0, -2, 0.25f}, claim<HitMallet>([](const HitMallet& m) {
-              return m.object == named("bell") && m.point_m == Vec3{1, 2, 3} && m.velocity_m_s == Vec3{0, 0, -2} &&
-                     m.touch.mass_kg == 0.25 && m.touch.stiffness == 1e7 && m.touch.bounce == 0.9;
+              return m.object == named("bell") && m.verb.point_m == Vec3{1, 2, 3} &&
+                     m.verb.velocity_m_s == Vec3{0, 0, -2} && m.verb.mass_kg == 0.25 && m.verb.head == 1e7 &&
+                     m.verb.bounce == 0.9;
             })},
            {a, {0, 0, 0, 0, 0, -2, 0.25f, 1024, 0.5f}, claim<HitMallet>([](const HitMallet& m) {
-              return m.touch.stiffness == 1024 && m.touch.bounce == 0.5 && m.touch.kind == synth::Touch::Kind::mallet;
+              return m.verb.head == 1024 && m.verb.bounce == 0.5;
             })}},
           {{"/object/b%/mallet", {0, 0, 0, 0, 0, 1, 1}, "object"},
            {a, {kNan, 0, 0, 0, 0, 1, 1}, "x"},
@@ -51,17 +52,17 @@ Cases mallet_cases() {
 Cases couple_cases() {
   const std::string a = "/object/bell/couple";
   return {{{a, {1, 2, 3, "plate", 4, 5, 6, 0, 0, 2}, claim<SetCoupling>([](const SetCoupling& c) {
-              return c.object == named("bell") && c.point_m == Vec3{1, 2, 3} && c.other == named("plate") &&
-                     c.touch.other_point_m == Vec3{4, 5, 6} && c.touch.direction == Vec3{0, 0, 2} &&
-                     c.touch.force_n == 0 && c.touch.gap_m == 0 && c.touch.stiffness == 1e8 &&
-                     c.touch.friction == 0.3 && c.touch.bounce == 0.6 && c.touch.mass_kg == 0;
+              return c.object == named("bell") && c.verb.point_m == Vec3{1, 2, 3} && c.other == named("plate") &&
+                     c.verb.other_point_m == Vec3{4, 5, 6} && c.verb.direction == Vec3{0, 0, 2} &&
+                     c.verb.weight_n == 0 && c.verb.gap_m == 0 && c.verb.stiffness == 1e8 && c.verb.friction == 0.3 &&
+                     c.verb.bounce == 0.6 && c.verb.mass_kg == 0;
             })},
            {a,
             {1, 2, 3, 7, 4, 5, 6, 0, 0, 1, 2, 0.0625f, 0, 0.25f, 0.75f, 0.5f, 2},
             claim<SetCoupling>([](const SetCoupling& c) {
-              return c.other == numbered(7) && c.touch.force_n == 2 && c.touch.gap_m == 0.0625 &&
-                     c.touch.stiffness == 0 && c.touch.friction == 0.25 && c.touch.bounce == 0.75 &&
-                     c.touch.mass_kg == 0.5 && c.touch.number == 2 && c.touch.kind == synth::Touch::Kind::couple;
+              return c.other == numbered(7) && c.verb.weight_n == 2 && c.verb.gap_m == 0.0625 &&
+                     c.verb.stiffness == 0 && c.verb.friction == 0.25 && c.verb.bounce == 0.75 &&
+                     c.verb.mass_kg == 0.5 && c.verb.number == 2;
             })}},
           {{"/object/b%/couple", {0, 0, 0, 1, 0, 0, 0, 0, 0, 1}, "object"},
            {a, {kNan, 0, 0, 1, 0, 0, 0, 0, 0, 1}, "x"},
@@ -86,13 +87,14 @@ Cases couple_cases() {
 Cases contact_cases() {
   const std::string a = "/object/bell/contact";
   return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<SetContact>([](const SetContact& k) {
-              return k.object == named("bell") && k.point_m == Vec3{1, 2, 3} && k.contact.force_n == Vec3{0, 0, -0.5} &&
-                     k.contact.slip_m_s == 0.25 && k.contact.roll_m_s == 0 && k.contact.number == 0 &&
-                     k.contact.texture == synth::Texture{};
+              return k.object == named("bell") && k.verb.point_m == Vec3{1, 2, 3} &&
+                     k.verb.contact.force_n == Vec3{0, 0, -0.5} && k.verb.contact.slip_m_s == 0.25 &&
+                     k.verb.contact.roll_m_s == 0 && k.verb.contact.number == 0 &&
+                     k.verb.contact.texture == synth::Texture{};
             })},
            {a, {0, 0, 0, 0, 0, 0, 0, 2, 7, 0.0625f, 0.25f, -2}, claim<SetContact>([](const SetContact& k) {
-              return k.contact.roll_m_s == 2 && k.contact.number == 7 &&
-                     k.contact.texture == synth::Texture{0.0625, 0.25, -2};
+              return k.verb.contact.roll_m_s == 2 && k.verb.contact.number == 7 &&
+                     k.verb.contact.texture == synth::Texture{0.0625, 0.25, -2};
             })}},
           {{"/object/b%/contact", {0, 0, 0, 0, 0, 0, 0}, "object"},
            {a, {kNan, 0, 0, 0, 0, 0, 0}, "x"},

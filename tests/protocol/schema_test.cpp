@@ -84,7 +84,7 @@ TEST(Schema, FormatIsTheInverseOfParse) {
 }
 
 TEST(Schema, FormatWritesWhatAClientWouldSend) {
-  const Strike strike{named("bell"), {1, 2, 3}, {4, 5, 6}, 0.001};
+  const Strike strike{named("bell"), {{1, 2, 3}, {4, 5, 6}, 0.001}};
   EXPECT_EQ(format(Request(strike)), (wire::Message{"/object/bell/strike", {1., 2., 3., 4., 5., 6., 0.001}}));
   const SpawnSphere ball{std::nullopt, {0, 0, 1}, {0, 0, 0}, 0.5, 7800};
   EXPECT_EQ(format(Request(ball)), (wire::Message{"/scene/spawn/sphere", {"-", 0., 0., 1., 0.5, 0., 0., 0., 7800.}}));

@@ -86,8 +86,9 @@ std::vector<double> contact_times(double height_m, std::optional<double> wavines
   auto world = World::create(scene, std::vector{sounding("a", 0, box_bank(kSize, 1))}, 48000);
   std::vector<double> times;
   while (world->time_s() < 0.6 && times.empty()) {
-    for (const synth::Event& event : world->step().events)
-      if (is_strike(event)) times.push_back(event.contact_time_s);
+    for (const auto& strike : test::only<synth::verb::Strike>(world->step().events)) {
+      times.push_back(strike.contact_time_s);
+    }
   }
   return times;
 }

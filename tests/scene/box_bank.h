@@ -5,6 +5,7 @@
 #include "engine/scene/world.h"
 
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -84,29 +85,52 @@ inline std::vector<synth::Event> run_all(scene::World& world, double seconds) {
   return all;
 }
 
-inline std::vector<synth::Event> only(synth::EventType type, std::vector<synth::Event> events) {
-  std::erase_if(events, [type](const synth::Event& event) { return event.type != type; });
-  return events;
+// A verb with the frame and the object of its event.
+template <class Verb>
+struct Told : Verb {
+  synth::Frame frame = 0;
+  synth::ObjectNumber object = 0;
+};
+using Struck = Told<synth::verb::Strike>;
+
+// The events of one verb.
+template <class Verb>
+std::vector<Told<Verb>> only(std::span<const synth::Event> events) {
+  std::vector<Told<Verb>> all;
+  for (const synth::Event& event : events) {
+    if (const Verb* verb = event.verb.get_if<Verb>()) all.push_back({*verb, event.frame, event.object});
+  }
+  return all;
 }
 
 // Every strike of the next `seconds`.
-inline std::vector<synth::Event> run(scene::World& world, double seconds) {
-  return only(synth::EventType::strike, run_all(world, seconds));
+inline std::vector<Struck> run(scene::World& world, double seconds) {
+  return only<synth::verb::Strike>(run_all(world, seconds));
 }
 
 // Every telling of a contact that lasts.
-inline std::vector<synth::Event> contacts(scene::World& world, double seconds) {
-  return only(synth::EventType::contact, run_all(world, seconds));
+inline std::vector<Told<synth::verb::Contact>> contacts(scene::World& world, double seconds) {
+  return only<synth::verb::Contact>(run_all(world, seconds));
 }
 
 inline bool same_bits(const synth::Event& a, const synth::Event& b) {
-  return a.frame == b.frame && a.object == b.object && a.type == b.type && a.point_m == b.point_m &&
-         a.impulse_ns == b.impulse_ns && a.contact_time_s == b.contact_time_s && a.contact.number == b.contact.number &&
-         a.contact.force_n == b.contact.force_n && a.contact.slip_m_s == b.contact.slip_m_s &&
-         a.contact.roll_m_s == b.contact.roll_m_s;
+  if (a.frame != b.frame || a.object != b.object || a.verb.index() != b.verb.index()) return false;
+  const auto same = [&]<class Verb>(const Verb& one) {
+    const Verb& other = b.verb.get<Verb>();
+    bool all = true;
+    if constexpr (requires { one.point_m; }) all = all && one.point_m == other.point_m;
+    if constexpr (requires { one.impulse_ns; }) all = all && one.impulse_ns == other.impulse_ns;
+    if constexpr (requires { one.contact_time_s; }) all = all && one.contact_time_s == other.contact_time_s;
+    if constexpr (requires { one.contact; }) {
+      all = all && one.contact.number == other.contact.number && one.contact.force_n == other.contact.force_n &&
+            one.contact.slip_m_s == other.contact.slip_m_s && one.contact.roll_m_s == other.contact.roll_m_s;
+    }
+    return all;
+  };
+  return visit(same, a.verb);
 }
 
-inline Vec3 total_impulse(const std::vector<synth::Event>& strikes, synth::ObjectNumber object) {
+inline Vec3 total_impulse(const std::vector<Struck>& strikes, synth::ObjectNumber object) {
   Vec3 sum;
   for (const auto& strike : strikes) {
     if (strike.object == object) sum = sum + strike.impulse_ns;

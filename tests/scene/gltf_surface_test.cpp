@@ -198,8 +198,8 @@ std::array<double, 2> sweeps(SceneDescription scene, double seconds) {
   EXPECT_TRUE(world) << world.error().message;
   std::array<double, 2> last{};
   while (world->time_s() < seconds) {
-    for (const synth::Event& event : world->step().events) {
-      if (event.type != synth::EventType::contact || dot(event.contact.force_n, event.contact.force_n) == 0) continue;
+    for (const auto& event : test::only<synth::verb::Contact>(world->step().events)) {
+      if (dot(event.contact.force_n, event.contact.force_n) == 0) continue;
       for (std::size_t k = 0; k < 2; ++k)
         if (event.contact.surfaces[k].relief) last[k] = event.contact.surfaces[k].speed_m_s;
     }

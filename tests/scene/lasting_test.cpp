@@ -41,7 +41,7 @@ TEST(Sliding, SlidingIsToldWithWeightFrictionAndSpeed) {
   ASSERT_NEAR(static_cast<double>(told.size()), 0.3 / 0.004, 2);
   const double speed0 = std::hypot(1.5, 1);
   for (std::size_t k = 2; k < told.size(); ++k) {
-    const Event& event = told[k];
+    const auto& event = told[k];
     EXPECT_EQ(event.object, 3u);
     EXPECT_EQ(event.contact.number, 0u);
     const Vec3 force = to_matrix(about({0, 0, 1}, 0.7)) * event.contact.force_n;
@@ -171,8 +171,8 @@ TEST(Contact, AContactTellsBothObjectsOppositeForces) {
   const SceneDescription scene = box_on_tray();
   World world = world_of(scene, {sounding("tray", 1, box_bank(kSize, 1)), sounding("box", 2, box_bank(kSize, kMass))});
   const auto told = contacts(world, 0.1);
-  std::map<synth::Frame, std::map<synth::ObjectNumber, Event>> by_frame;
-  for (const Event& event : told) by_frame[event.frame][event.object] = event;
+  std::map<synth::Frame, std::map<synth::ObjectNumber, test::Told<synth::verb::Contact>>> by_frame;
+  for (const auto& event : told) by_frame[event.frame][event.object] = event;
   ASSERT_GT(by_frame.size(), 5u);
   for (const auto& [frame, both] : by_frame) {
     ASSERT_EQ(both.size(), 2u);
@@ -194,39 +194,35 @@ TEST(Contact, ATwoWayBodyRubsAndIsRubbedInOneEvent) {
     body.surface.edge_radius_m = 0.001, body.surface.young_pa = 6e10, body.surface.poisson = 0.25;
   }
   World world = world_of(scene, {sounding("tray", 1, box_bank(kSize, 1)), sounding("box", 2, box_bank(kSize, kMass))});
-  std::vector<Event> all;
-  for (const Event& event : test::run_all(world, 3)) {
-    EXPECT_NE(event.type, synth::EventType::contact);
-    if (event.type == synth::EventType::touch && event.touch.kind == synth::Touch::Kind::rub) all.push_back(event);
-  }
+  const std::vector<Event> events = test::run_all(world, 3);
+  EXPECT_TRUE(test::only<synth::verb::Contact>(events).empty());
+  const auto all = test::only<synth::verb::Rub>(events);
   ASSERT_GT(all.size(), 10u);
-  for (const Event& event : std::span(all).subspan(2, all.size() - 3)) {
-    const bool of_tray = event.object == 1;
+  for (const auto& rub : std::span(all).subspan(2, all.size() - 3)) {
+    const bool of_tray = rub.object == 1;
     const Rotation turned = of_tray ? kTurned : Rotation{};
-    const synth::Touch& rub = event.touch;
-    EXPECT_EQ(event.object, all.front().object);
-    EXPECT_EQ(event.object + rub.other, 3u);
-    EXPECT_EQ(rub.number, event.contact.number);
-    EXPECT_NEAR(rub.force_n, kMass * kG, 0.1 * kMass * kG);
-    EXPECT_NEAR(dot(rub.direction, event.contact.force_n), rub.force_n, 1e-9 * rub.force_n);
+    EXPECT_EQ(rub.object, all.front().object);
+    EXPECT_EQ(rub.object + rub.other, 3u);
+    EXPECT_NEAR(rub.load_n, kMass * kG, 0.1 * kMass * kG);
+    EXPECT_NEAR(dot(rub.direction, rub.contact.force_n), rub.load_n, 1e-9 * rub.load_n);
     EXPECT_NEAR(rub.direction.z, of_tray ? -1 : 1, 1e-6);
     const Vec3 slide = rotated(turned, rub.slide_m_s);
-    EXPECT_NEAR(length(slide), event.contact.slip_m_s, 1e-6);
-    EXPECT_NEAR(of_tray ? slide.x : -slide.x, event.contact.slip_m_s, 1e-3) << "of the other past it";
+    EXPECT_NEAR(length(slide), rub.contact.slip_m_s, 1e-6);
+    EXPECT_NEAR(of_tray ? slide.x : -slide.x, rub.contact.slip_m_s, 1e-3) << "of the other past it";
     EXPECT_NEAR(rub.mass_kg, kMass, 0.1 * kMass);
     EXPECT_NEAR(rub.friction, 0.2, 1e-12);
     EXPECT_NEAR(rub.sliding, 0.5, 1e-12);
-    const double depth = std::pow(rub.force_n / rub.stiffness, 2.0 / 3);
+    const double depth = std::pow(rub.load_n / rub.stiffness, 2.0 / 3);
     const double modulus = 6e10 / (2 * (1 - 0.25 * 0.25)), rough = 1.5 * 0.4 * std::sqrt(2.0) * 3e-6;
-    EXPECT_NEAR(depth, rough + std::pow(0.75 * rub.force_n / (modulus * std::sqrt(0.001)), 2.0 / 3), 1e-3 * depth);
+    EXPECT_NEAR(depth, rough + std::pow(0.75 * rub.load_n / (modulus * std::sqrt(0.001)), 2.0 / 3), 1e-3 * depth);
     const Rotation of_other = of_tray ? Rotation{} : kTurned;
     const Vec3 up = rotated(rub.to_other, rub.direction), x = rotated(rub.to_other, {1, 0, 0});
     EXPECT_NEAR(length(rotated(of_other, up) - rotated(turned, rub.direction)), 0, 1e-6);
     EXPECT_NEAR(length(rotated(of_other, x) - rotated(turned, {1, 0, 0})), 0, 1e-6);
-    EXPECT_NEAR(of_tray ? rub.other_point_m.z : event.point_m.z, -0.05, 2e-3);
-    EXPECT_NEAR(of_tray ? event.point_m.z : rub.other_point_m.z, 0.05, 2e-3);
+    EXPECT_NEAR(of_tray ? rub.other_point_m.z : rub.point_m.z, -0.05, 2e-3);
+    EXPECT_NEAR(of_tray ? rub.point_m.z : rub.other_point_m.z, 0.05, 2e-3);
   }
-  EXPECT_EQ(all.back().touch.force_n, 0) << "it comes to rest";
+  EXPECT_EQ(all.back().load_n, 0) << "it comes to rest";
 }
 
 TEST(Contact, ContactsOfOneObjectHaveNumbersOfTheirOwnWhichAreUsedAgain) {
@@ -241,11 +237,11 @@ TEST(Contact, ContactsOfOneObjectHaveNumbersOfTheirOwnWhichAreUsedAgain) {
   scene.objects.resize(1);
   World world = world_of(scene, {sounding("box", 7, box_bank(kSize, 1))});
   std::map<std::uint32_t, int> numbers;
-  for (const Event& event : contacts(world, 0.1)) ++numbers[event.contact.number];
+  for (const auto& event : contacts(world, 0.1)) ++numbers[event.contact.number];
   EXPECT_EQ(numbers.size(), 2u) << "two slide at once";
   test::run_all(world, 1.8);
   numbers.clear();
-  for (const Event& event : contacts(world, 0.4)) ++numbers[event.contact.number];
+  for (const auto& event : contacts(world, 0.4)) ++numbers[event.contact.number];
   EXPECT_EQ(numbers.size(), 1u);
   EXPECT_EQ(numbers.begin()->first, 0u);
 }
@@ -254,8 +250,8 @@ TEST(Contact, ABounceIsAStrikeAndNothingThatLasts) {
   World world =
       world_of(scene_of({body_of("a", ShapeType::sphere, {0, 0, 1})}, 0.8), {sounding("a", 0, box_bank(kSize, 1))});
   const auto events = test::run_all(world, 1.5);
-  EXPECT_GT(test::only(synth::EventType::strike, events).size(), 1u);
-  EXPECT_EQ(test::only(synth::EventType::contact, events).size(), 0u);
+  EXPECT_GT(test::only<synth::verb::Strike>(events).size(), 1u);
+  EXPECT_EQ(test::only<synth::verb::Contact>(events).size(), 0u);
 }
 
 TEST(Contact, AStackThatSettlesHasNoContactThatLasts) {

@@ -57,9 +57,9 @@ TEST(Limits, AFullSceneOfBoxesThatLandAndSlideLosesNoEvent) {
     const StepReport report = world.step();
     EXPECT_EQ(report.events.data(), room);
     EXPECT_EQ(report.dropped_events, 0u);
-    strikes += std::ranges::count(report.events, synth::EventType::strike, &synth::Event::type);
-    clicks += std::ranges::count(report.events, synth::EventType::click, &synth::Event::type);
-    const auto contacts = std::ranges::count(report.events, synth::EventType::contact, &synth::Event::type);
+    strikes += test::only<synth::verb::Strike>(report.events).size();
+    clicks += test::only<synth::verb::Click>(report.events).size();
+    const auto contacts = test::only<synth::verb::Contact>(report.events).size();
     max_contacts = std::max(max_contacts, static_cast<std::size_t>(contacts));
   }
   EXPECT_EQ(strikes, 4 * kMaxBodies);

@@ -63,7 +63,9 @@ TEST_P(PresetScene, EveryObjectOfAPresetSceneIsHeardAndNothingIsLost) {
     EXPECT_EQ(report.dropped_events + report.dropped_contacts, 0u);
     for (const std::string& notice : report.notices) ADD_FAILURE() << notice;
     for (const synth::Event& strike : report.events) {
-      if (strike.type != synth::EventType::strike && strike.type != synth::EventType::touch) continue;
+      if (!excites(strike) && !strike.verb.holds<synth::verb::Collision>() && !strike.verb.holds<synth::verb::Rub>()) {
+        continue;
+      }
       first_s.try_emplace(strike.object, static_cast<double>(strike.frame) / 48000);
       ++heard[strike.object];
     }

@@ -427,7 +427,7 @@ TEST(Stability, TenThousandBouncesWithoutLossGainNothing) {
     double last = start;
     for (std::ptrdiff_t bounces = 0; bounces < 10000;) {
       const auto report = world.step();
-      bounces += std::ranges::count(report.events, synth::EventType::strike, &synth::Event::type);
+      bounces += test::only<synth::verb::Strike>(report.events).size();
       const double now = kinetic_energy_of_blocks(world);
       ASSERT_LE(now, last * (1 + 1e-8)) << "at " << world.time_s() << " s";
       last = now;

@@ -16,12 +16,13 @@ using test::box_bank;
 using test::run;
 using test::scene_of;
 using test::sounding;
+using test::Struck;
 using test::world_of;
 
 constexpr Vec3 kSize{0.1, 0.1, 0.1};
 
 // One body dropped by `height` onto the floor, at a fine step; the strikes of its first landing.
-std::vector<Event> first_landing(ShapeType shape, double mass_kg, double height, double restitution) {
+std::vector<Struck> first_landing(ShapeType shape, double mass_kg, double height, double restitution) {
   const double rest = shape == ShapeType::sphere ? 0.05 * std::sqrt(3.0) : 0.05;
   SceneDescription scene = scene_of({body_of("a", shape, {0, 0, rest + height})}, restitution);
   scene.step_s = 1.0 / 4000;
@@ -46,7 +47,7 @@ TEST_P(DropTest, ImpulseIsMassTimesOnePlusRestitutionTimesFallSpeed) {
   const auto [shape, mass, height, e] = GetParam();
   const auto strikes = first_landing(shape, mass, height, e);
   ASSERT_FALSE(strikes.empty());
-  for (const Event& strike : strikes) EXPECT_EQ(strike.object, 5u);
+  for (const Struck& strike : strikes) EXPECT_EQ(strike.object, 5u);
   const double expected = mass * (1 + e) * std::sqrt(2 * 9.81 * height);
   const Vec3 impulse = test::total_impulse(strikes, 5);
   EXPECT_NEAR(impulse.z, expected, 0.02 * expected);
@@ -69,9 +70,9 @@ TEST(Strike, TheImpulseOfALandingIsThatOfTheClosedFormAtEveryStep) {
         SceneDescription scene = scene_of({body_of("a", ShapeType::box, {0, 0, 0.05 + height})}, e);
         scene.step_s = step_s;
         World world = world_of(scene, {sounding("a", 0, box_bank(kSize, 1))});
-        std::vector<Event> blow;
+        std::vector<Struck> blow;
         while (blow.empty() && world.time_s() < 1) blow = run(world, 0.5 * step_s);
-        std::erase_if(blow, [&](const Event& strike) { return strike.frame > blow.front().frame; });
+        std::erase_if(blow, [&](const Struck& strike) { return strike.frame > blow.front().frame; });
         const double expected = (1 + e) * std::sqrt(2 * 9.81 * height);
         EXPECT_NEAR(test::total_impulse(blow, 0).z, expected, 0.005 * expected)
             << "step " << step_s << ", from " << height << ", restitution " << e;
@@ -89,33 +90,31 @@ TEST(Strike, ATwoWayBodyMeetsTheOtherWithTheirCommonMass) {
   scene.step_s = 1.0 / 4000;
   scene.bodies[1].two_way = true;
   World world = world_of(scene, {sounding("below", 3, box_bank(kSize, 2)), sounding("above", 4, box_bank(kSize, 1))});
-  std::vector<Event> touches;
+  std::vector<test::Told<synth::verb::Collision>> touches;
   while (touches.empty() && world.time_s() < 1) {
     const auto report = world.step();
-    touches = test::only(synth::EventType::touch, {report.events.begin(), report.events.end()});
+    touches = test::only<synth::verb::Collision>(report.events);
   }
   ASSERT_FALSE(touches.empty());
-  const Event& event = touches.front();
-  const synth::Touch& touch = event.touch;
-  EXPECT_EQ(touch.kind, synth::Touch::Kind::mallet);
-  EXPECT_EQ(event.object + touch.other, 7u);
-  const double down = event.object == 3 ? -1 : 1;
+  const auto& touch = touches.front();
+  EXPECT_EQ(touch.object + touch.other, 7u);
+  const double down = touch.object == 3 ? -1 : 1;
   EXPECT_NEAR(touch.direction.z, down, 1e-3);
   EXPECT_NEAR(touch.other_direction.z, -down, 1e-3);
   EXPECT_NEAR(touch.mass_kg, 2.0 / 3, 1e-3);
   EXPECT_NEAR(touch.speed_m_s, std::sqrt(2 * 9.81 * height), 0.02);
-  EXPECT_NEAR(event.point_m.z, (event.object == 3 ? 1 : -1) * radius, 2e-3);
+  EXPECT_NEAR(touch.point_m.z, (touch.object == 3 ? 1 : -1) * radius, 2e-3);
   const double depth = std::pow(1.25 * touch.mass_kg * touch.speed_m_s * touch.speed_m_s / touch.stiffness, 0.4);
-  EXPECT_NEAR(2.943 * depth / touch.speed_m_s, event.contact_time_s, 0.01 * event.contact_time_s);
+  EXPECT_NEAR(2.943 * depth / touch.speed_m_s, touch.contact_time_s, 0.01 * touch.contact_time_s);
 }
 
 // Whole steps of a fall until one has strikes; the change of momentum in it that gravity did not make.
-double momentum_given(World& world, std::size_t body, double mass, std::vector<Event>& strikes) {
+double momentum_given(World& world, std::size_t body, double mass, std::vector<Struck>& strikes) {
   for (;;) {
     const double before = world.bodies()[body].velocity_m_s.z;
     const auto report = world.step();
     if (report.events.empty()) continue;
-    strikes = test::only(synth::EventType::strike, {report.events.begin(), report.events.end()});
+    strikes = test::only<synth::verb::Strike>(report.events);
     return mass * (world.bodies()[body].velocity_m_s.z - before + 9.81 * world.step_s());
   }
 }
@@ -126,7 +125,7 @@ TEST(Strike, ImpulseIsTheChangeOfMomentum) {
       BodyDescription body = body_of("a", shape, {0, 0, 0.4});
       body.rotation = about({1, 2, 0}, turn);
       World world = world_of(scene_of({body}), {sounding("a", 0, box_bank(kSize, 3))});
-      std::vector<Event> strikes;
+      std::vector<Struck> strikes;
       const double given = momentum_given(world, 0, 3, strikes);
       const double impulse = (to_matrix(body.rotation) * test::total_impulse(strikes, 0)).z;
       EXPECT_NEAR(impulse / given, 1, 0.02) << static_cast<int>(shape) << " turned by " << turn;
@@ -143,7 +142,7 @@ TEST(Strike, ImpulseIsTheChangeOfMomentumByTheIterativeSolverToo) {
     objects.push_back(sounding(name, static_cast<std::uint32_t>(k), box_bank(kSize, 1 + k)));
   }
   World world = world_of(scene_of(bodies), objects);
-  std::vector<Event> strikes;
+  std::vector<Struck> strikes;
   const double given = momentum_given(world, 17, 18, strikes);
   ASSERT_EQ(strikes.size(), 4u * 30) << "all land at once, on four corners each";
   EXPECT_NEAR(test::total_impulse(strikes, 17).z / given, 1, 0.02);
@@ -156,8 +155,8 @@ TEST(Strike, ABlowClicksOnceWithAllItsImpulse) {
     scene.contact.clicks = clicks;
     World world = world_of(scene, {sounding("a", 0, box_bank(kSize, 3))});
     const auto events = test::run_all(world, 0.35);
-    const auto heard = test::only(synth::EventType::click, events);
-    const auto strikes = test::only(synth::EventType::strike, events);
+    const auto heard = test::only<synth::verb::Click>(events);
+    const auto strikes = test::only<synth::verb::Strike>(events);
     ASSERT_EQ(strikes.size(), 4u);
     ASSERT_EQ(heard.size(), clicks ? 1u : 0u);
     if (!clicks) continue;
@@ -173,11 +172,11 @@ TEST(Strike, AFixedBodyDoesNotClick) {
   World world = world_of(scene_of({body_of("a", ShapeType::sphere, {0, 0, 0.6}), hanging}),
                          {sounding("a", 0, box_bank(kSize, 1)), sounding("b", 1, box_bank(kSize, 1))});
   const auto events = test::run_all(world, 0.4);
-  const auto strikes = test::only(synth::EventType::strike, events);
-  const auto heard = test::only(synth::EventType::click, events);
+  const auto strikes = test::only<synth::verb::Strike>(events);
+  const auto heard = test::only<synth::verb::Click>(events);
   ASSERT_GT(strikes.size(), 0u);
   EXPECT_EQ(strikes.size(), 2 * heard.size()) << "both ring";
-  for (const Event& click : heard) EXPECT_EQ(click.object, 0u);
+  for (const auto& click : heard) EXPECT_EQ(click.object, 0u);
 }
 
 TEST(Strike, ASettledBodyIsSilent) {
@@ -237,7 +236,7 @@ TEST(Strike, ContactPointsOfOneBlowAllSound) {
   World world = world_of(scene_of({body_of("a", ShapeType::box, {0, 0, 0.3})}), {sounding("a", 0, box_bank(kSize, 1))});
   const auto strikes = run(world, 0.3);
   ASSERT_EQ(strikes.size(), 4u) << "the four corners of a flat landing";
-  for (const Event& strike : strikes) EXPECT_EQ(strike.frame, strikes.front().frame);
+  for (const Struck& strike : strikes) EXPECT_EQ(strike.frame, strikes.front().frame);
 }
 
 TEST(Strike, BothBodiesRingWithOppositeImpulses) {
@@ -292,9 +291,9 @@ TEST(Strike, TurningSceneAndGravityTogetherChangesNothing) {
     scene.statics[0].surface.friction = scene.statics[0].surface.rolling_m = 0;
     World world = world_of(scene, {sounding("a", 0, box_bank(kSize, 1))});
     const auto strikes = run(world, 1);
-    return strikes.empty() ? Event{} : strikes.front();
+    return strikes.empty() ? Struck{} : strikes.front();
   };
-  const Event flat = landing({}), turned = landing(about({3, -1, 2}, 1.1));
+  const Struck flat = landing({}), turned = landing(about({3, -1, 2}, 1.1));
   EXPECT_EQ(flat.frame, turned.frame);
   EXPECT_NEAR(length(flat.point_m - turned.point_m), 0, 1e-9);
   EXPECT_NEAR(length(flat.impulse_ns - turned.impulse_ns), 0, 1e-9);

@@ -140,9 +140,10 @@ TEST_F(CapacityTest, ANoticeTellsTheLastContacts) {
   ASSERT_TRUE(contacts.empty());
   const auto number = (*session_.rack().find({.name = "bell"}))->number;
   for (std::size_t i = 0; i <= kMaxContactsPerNotice; ++i) {
-    ASSERT_TRUE(
-        session_.rack().push(synth::Producer::worker,
-                             {.object = number, .impulse_ns = {0, 0, static_cast<double>(i)}, .contact_time_s = 0}));
+    ASSERT_TRUE(session_.rack().push(
+        synth::Producer::worker,
+        {.object = number,
+         .verb = synth::verb::Strike{.impulse_ns = {0, 0, static_cast<double>(i)}, .contact_time_s = 0}}));
   }
   next_notice();
   ASSERT_EQ(contacts.size(), kMaxContactsPerNotice);

@@ -37,7 +37,7 @@ class Excite : public testing::Test {
   }
   test::Samples strike(double impulse_ns, std::size_t frames = 4800) {
     const auto now = session_.rack().mixer().counters().frames.load();
-    EXPECT_TRUE(session_.play(protocol::Strike{{.name = "a"}, {1, 0, 0}, {0, 0, impulse_ns}, 0}, now));
+    EXPECT_TRUE(session_.play(protocol::Strike{{.name = "a"}, {{1, 0, 0}, {0, 0, impulse_ns}, 0}}, now));
     std::vector<float> left(frames), right(frames);
     session_.rack().mixer().render(left, right);
     return test::to_doubles(left);
@@ -78,7 +78,7 @@ TEST_F(Excite, PointsFarFromTheObjectAreRefused) {
   EXPECT_EQ(hold_at(1, 1), "");
   ASSERT_TRUE(session_.perform(protocol::SetMaterial{{.name = "a"}, {.size = 100}}, 0));
   EXPECT_EQ(excite_at(100), "");
-  EXPECT_EQ(refusal(session_.play(protocol::Strike{{.name = "a"}, {100, 0, 0}, {0, 0, 1}, 0}, 0)), "");
+  EXPECT_EQ(refusal(session_.play(protocol::Strike{{.name = "a"}, {{100, 0, 0}, {0, 0, 1}, 0}}, 0)), "");
   ASSERT_TRUE(session_.perform(protocol::SetMaterial{{.name = "a"}, {.size = 0.01}}, 0));
   EXPECT_NE(excite_at(1).find("m off the object"), std::string::npos) << "the object measures 2 cm now";
 }

@@ -114,8 +114,8 @@ inline Strike strike_in(const TimedMessage& timed) {
 inline void expect_example_blow(const TimedMessage& timed) {
   const Strike strike = strike_in(timed);
   EXPECT_EQ(strike.object.name, "bell");
-  EXPECT_NEAR(length(strike.point_m - Vec3{0.05, 0, 0.02}), 0, 1e-8);
-  EXPECT_NEAR(length(strike.impulse_ns - Vec3{-0.02, 0, 0}), 0, 1e-8);
+  EXPECT_NEAR(length(strike.verb.point_m - Vec3{0.05, 0, 0.02}), 0, 1e-8);
+  EXPECT_NEAR(length(strike.verb.impulse_ns - Vec3{-0.02, 0, 0}), 0, 1e-8);
 }
 
 }  // namespace ringdown::wire

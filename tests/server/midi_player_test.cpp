@@ -24,8 +24,10 @@ class MidiPlayerTest : public testing::Test {
       auto voice = std::make_unique<synth::Voice>(map, modal::MaterialScale{}, kRate);
       EXPECT_TRUE(mixer_.install(object, std::move(voice), synth::Mixer::Install::replace));
     }
-    table_.notes[60] = NoteTable::Strike{.object = 0, .point_m = {1, 0, 0}, .impulse_ns = {0, 0, 1}};
-    table_.notes[61] = NoteTable::Strike{.object = 1, .point_m = {1, 0, 0}, .impulse_ns = {0, 0, 1}};
+    table_.notes[60] =
+        NoteTable::Strike{.object = 0, .point_m = {1, 0, 0}, .impulse_ns = {0, 0, 1}, .contact_time_s = 0};
+    table_.notes[61] =
+        NoteTable::Strike{.object = 1, .point_m = {1, 0, 0}, .impulse_ns = {0, 0, 1}, .contact_time_s = 0};
     table_.notes[62] = table_.notes[60];  // the same object again
   }
 
@@ -43,10 +45,10 @@ class MidiPlayerTest : public testing::Test {
   }
 
   // The bows' moves since the last call.
-  std::vector<synth::Touch> touches() {
-    std::vector<synth::Touch> all;
+  std::vector<synth::verb::Bow> bows() {
+    std::vector<synth::verb::Bow> all;
     for (; const synth::Event* event = played_.front(); played_.pop()) {
-      if (event->type == synth::EventType::touch) all.push_back(event->touch);
+      if (const auto* bow = event->verb.get_if<synth::verb::Bow>()) all.push_back(*bow);
     }
     return all;
   }
@@ -291,15 +293,15 @@ TEST_F(MidiPlayerTest, WhatNotesDoIsReported) {
   play(kOff, 60, 0, 40);
   const synth::Event* told = played_.front();
   ASSERT_TRUE(told);
-  EXPECT_EQ(told->type, synth::EventType::strike);
+  ASSERT_TRUE(told->verb.holds<synth::verb::Strike>());
   EXPECT_EQ(told->frame, 17);
-  EXPECT_EQ(told->impulse_ns, (Vec3{0, 0, 1}));
+  EXPECT_EQ(told->verb.get<synth::verb::Strike>().impulse_ns, (Vec3{0, 0, 1}));
   played_.pop();
   told = played_.front();
   ASSERT_TRUE(told);
-  EXPECT_EQ(told->type, synth::EventType::clear);
+  ASSERT_TRUE(told->verb.holds<synth::verb::Clear>());
   EXPECT_EQ(told->frame, 40);
-  EXPECT_EQ(told->ramp_s, 0.3);
+  EXPECT_EQ(told->verb.get<synth::verb::Clear>().ramp_s, 0.3);
 }
 
 TEST_F(MidiPlayerTest, NotesThatTheMixerCannotTakeAreCounted) {
@@ -312,9 +314,8 @@ TEST_F(MidiPlayerTest, ABowedNoteSoundsWhileItsKeyIsDownAndFollowsPressureAndSli
   constexpr std::uint8_t kSlide = 74;
   table_.notes[60]->bow = {.direction = {0, 0, 1}, .speed_m_s = 0.1, .force_n = 40};
   play(kOn | 3, 60, 127);
-  auto told = touches();
+  auto told = bows();
   ASSERT_EQ(told.size(), 1u);
-  EXPECT_EQ(told[0].kind, synth::Touch::Kind::bow);
   EXPECT_NEAR(told[0].speed_m_s, 0.1, 1e-6);
   EXPECT_NEAR(told[0].force_n, 20, 1e-6);
   hear(24000);
@@ -322,18 +323,18 @@ TEST_F(MidiPlayerTest, ABowedNoteSoundsWhileItsKeyIsDownAndFollowsPressureAndSli
   EXPECT_EQ(mixer_.counters().refused.load(), 0u);
 
   play(kPressure | 4, 20, 0), play(kControl | 4, kSlide, 20);
-  EXPECT_TRUE(touches().empty()) << "another channel";
+  EXPECT_TRUE(bows().empty()) << "another channel";
   play(kPressure | 3, 127, 0), play(kControl | 3, kSlide, 64), play(kKeyPressure | 3, 60, 0);
-  told = touches();
+  told = bows();
   ASSERT_EQ(told.size(), 3u);
   EXPECT_NEAR(told[0].force_n, 40, 1e-5);
   EXPECT_NEAR(told[1].speed_m_s, 0.1 * 64 / 127, 1e-6);
   EXPECT_EQ(told[2].force_n, 0) << "lifted, the key still down";
   play(kPressure | 3, 60, 0);
-  EXPECT_EQ(touches().size(), 1u);
+  EXPECT_EQ(bows().size(), 1u);
 
   play(kOff | 3, 60, 0);
-  told = touches();
+  told = bows();
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0].force_n, 0);
   hear(4800);
@@ -341,32 +342,32 @@ TEST_F(MidiPlayerTest, ABowedNoteSoundsWhileItsKeyIsDownAndFollowsPressureAndSli
   hear(43200);
   EXPECT_NEAR(hear(4800) / lifted, std::exp(-0.1), 0.005) << "it rings on by itself, and dies as the mode does";
   play(kPressure | 3, 127, 0);
-  EXPECT_TRUE(touches().empty());
+  EXPECT_TRUE(bows().empty());
 }
 
 TEST_F(MidiPlayerTest, ABowIsResetByItsChannelAndFollowsTheChannelThatStillHoldsItsKey) {
   table_.notes[60]->bow = {.direction = {0, 0, 1}, .speed_m_s = 0.1, .force_n = 40};
-  play(kOn | 3, 60, 127), play(kPressure | 3, 127, 0), play(kControl | 3, 11, 10), touches();
+  play(kOn | 3, 60, 127), play(kPressure | 3, 127, 0), play(kControl | 3, 11, 10), bows();
   play(kControl | 4, 121, 0);
-  EXPECT_TRUE(touches().empty()) << "another channel's reset";
+  EXPECT_TRUE(bows().empty()) << "another channel's reset";
   play(kControl | 3, 121, 0);
-  auto told = touches();
+  auto told = bows();
   ASSERT_EQ(told.size(), 1u);
   EXPECT_NEAR(told[0].force_n, 20, 1e-6) << "as before any pressure";
   EXPECT_NEAR(told[0].speed_m_s, 0.1, 1e-6);
   play(kKeyPressure | 4, 60, 0);
-  EXPECT_TRUE(touches().empty()) << "of a channel that does not hold the key";
-  play(kOn | 4, 60, 64), play(kOff | 4, 60, 0), touches();
+  EXPECT_TRUE(bows().empty()) << "of a channel that does not hold the key";
+  play(kOn | 4, 60, 64), play(kOff | 4, 60, 0), bows();
   play(kPressure | 3, 127, 0);
-  told = touches();
+  told = bows();
   ASSERT_EQ(told.size(), 1u);
   EXPECT_NEAR(told[0].force_n, 40, 1e-5);
   play(kControl | 3, 120, 0);
-  told = touches();
+  told = bows();
   ASSERT_EQ(told.size(), 1u) << "all sound off lifts it";
   EXPECT_EQ(told[0].force_n, 0);
   play(kControl | 3, 120, 0);
-  EXPECT_TRUE(touches().empty());
+  EXPECT_TRUE(bows().empty());
 }
 
 }  // namespace

@@ -65,17 +65,17 @@ position_m = [0.02, 0, 0.7]
     const std::vector<std::pair<double, Request>> requests = {
         {0.0, protocol::LoadObject{"x", a}},
         {0.0, protocol::LoadObject{"y", b}},
-        {0.01, protocol::Strike{x, {0.1, 0, 0}, {0.1, 0.2, 0.3}, 0.0003}},
-        {0.1, protocol::SetGain{x, 0.5, 0.05}},
-        {0.12, protocol::SetGain{x, 2, 0.1}},  // while the ramp before still runs
-        {0.13, protocol::SetPan{x, 0.7}},
-        {0.2003, protocol::StrikeVertex{y, 3, {0, 0, 0.4}, 0}},
-        {0.2003, protocol::StrikeVertex{y, 3, {0.1, 0, 0.4}, 0.001}},
+        {0.01, protocol::Strike{x, {{0.1, 0, 0}, {0.1, 0.2, 0.3}, 0.0003}}},
+        {0.1, protocol::SetGain{x, {0.5, 0.05}}},
+        {0.12, protocol::SetGain{x, {2, 0.1}}},  // while the ramp before still runs
+        {0.13, protocol::SetPan{x, {0.7}}},
+        {0.2003, protocol::StrikeVertex{y, {3, {0, 0, 0.4}, 0}}},
+        {0.2003, protocol::StrikeVertex{y, {3, {0.1, 0, 0.4}, 0.001}}},
         {0.3001, protocol::SetMaterial{y, {1, 2, 1.5, 0.8}}},
         {0.4017, protocol::LoadObject{"x", b}},
-        {0.45, protocol::Strike{x, {0, 0.1, 0}, {0.3, 0, 0}, 0.0002}},
+        {0.45, protocol::Strike{x, {{0, 0.1, 0}, {0.3, 0, 0}, 0.0002}}},
         {0.6, protocol::ClearObject{y}},
-        {0.605, protocol::Strike{y, {0, 0, 0.1}, {0, 0.5, 0}, 0.0002}},
+        {0.605, protocol::Strike{y, {{0, 0, 0.1}, {0, 0.5, 0}, 0.0002}}},
         {0.8, protocol::FreeObject{x}},
     };
     std::vector<wire::ScoreEvent> events;
@@ -184,7 +184,7 @@ position_m = [0, 0, 0.05]
 clicks = false
 )";
   const std::vector<wire::ScoreEvent> strike{
-      {1.0, format(protocol::StrikeVertex{{.name = "cube"}, 0, {0, 0, 0.01}, 0})}};
+      {1.0, format(protocol::StrikeVertex{{.name = "cube"}, {0, {0, 0, 0.01}, 0}})}};
   ASSERT_TRUE(wire::write_score(strike, folder_ / "strike.osc"));
   for (const bool rests : {true, false}) {
     std::ofstream(folder_ / "rest.toml") << scene << (rests ? "" : "rest_damping_s_m = 0\n");
@@ -241,7 +241,7 @@ TEST_F(OfflineTest, AFileThatIsWrittenWhileItIsRenderedEqualsOneWrittenFromMemor
 TEST_F(OfflineTest, PitchAndDecayDoNotDependOnTheSampleRate) {
   ASSERT_TRUE(modal::write_bank(test::single_mode_bank(1234.5, 6), folder_ / "tone.glb"));
   const std::vector<wire::ScoreEvent> events = {
-      {0.0, format(Request(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 1}, 0}))}};
+      {0.0, format(Request(protocol::Strike{{.name = "tone"}, {{1, 0, 0}, {0, 0, 1}, 0}}))}};
   ASSERT_TRUE(wire::write_score(events, folder_ / "tone.osc"));
   for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
     const auto recording = render({.score = wire::read_score(folder_ / "tone.osc").value(),
@@ -257,7 +257,7 @@ TEST_F(OfflineTest, PitchAndDecayDoNotDependOnTheSampleRate) {
 TEST_F(OfflineTest, MoreStrikesInOneBlockThanAQueueHoldsAreAllPlayed) {
   ASSERT_TRUE(modal::write_bank(test::single_mode_bank(500, 1), folder_ / "tone.glb"));
   const std::size_t count = 3 * synth::kQueueCapacity / 2;
-  const auto strike = format(Request(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 1e-3}, 0}));
+  const auto strike = format(Request(protocol::Strike{{.name = "tone"}, {{1, 0, 0}, {0, 0, 1e-3}, 0}}));
   std::vector<wire::ScoreEvent> many;
   for (std::size_t i = 0; i < count; ++i) many.push_back({0.001 + 1e-5 * static_cast<double>(i), strike});
   ASSERT_TRUE(wire::write_score(many, folder_ / "many.osc"));

@@ -86,7 +86,7 @@ TEST(OscClients, PureDataStrikes) {
   const auto received = daemon.received(1);
   ASSERT_EQ(received.size(), 1u) << outcome.output;
   expect_example_blow(received[0]);
-  EXPECT_NEAR(strike_in(received[0]).contact_time_s, 0.0005, 1e-8);
+  EXPECT_NEAR(strike_in(received[0]).verb.contact_time_s, 0.0005, 1e-8);
 }
 
 TEST(OscClients, SuperColliderStrikes) {

@@ -193,7 +193,7 @@ class OscServerTest : public testing::Test {
   }
 
   static Message strike(const std::string& object) {
-    return protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, 1}, 0});
+    return protocol::format(protocol::Strike{{.name = object}, {{1, 0, 0}, {0, 0, 1}, 0}});
   }
 
   test::TemporaryFolder folder_;

@@ -135,7 +135,7 @@ TEST_F(OscServerTest, SubscribersHearOfObjectsContactsPeaksAndLoad) {
   const auto there = wait_for<protocol::NotifyObject>(client_, [](const auto& n) { return n.name == "bell"; });
   ASSERT_TRUE(there);
   EXPECT_TRUE(there->loaded);
-  send(protocol::format(protocol::Strike{{.name = "bell"}, {1, 0.5, 0.25}, {0, 0, 0.5}, 0.001}));
+  send(protocol::format(protocol::Strike{{.name = "bell"}, {{1, 0.5, 0.25}, {0, 0, 0.5}, 0.001}}));
   const auto contact = wait_for<protocol::NotifyContact>(client_, [](const auto&) { return true; });
   ASSERT_TRUE(contact);
   EXPECT_EQ(contact->object, "bell");
@@ -256,7 +256,9 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   const std::uint32_t number = (*session_.rack().find({.name = "bell"}))->number;
   // What the audio thread does with a note.
   ASSERT_TRUE(session_.rack().observers().notes_played().push(
-      {.frame = now, .object = number, .point_m = {3, 2, 1}, .impulse_ns = {0, 0, 0.25}, .contact_time_s = 0.001}));
+      {.frame = now,
+       .object = number,
+       .verb = synth::verb::Strike{.point_m = {3, 2, 1}, .impulse_ns = {0, 0, 0.25}, .contact_time_s = 0.001}}));
   const auto contact = wait_for<protocol::NotifyContact>(client_, [](const auto&) { return true; });
   ASSERT_TRUE(contact);
   EXPECT_EQ(contact->point_m, (Vec3{3, 2, 1}));
@@ -265,7 +267,7 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/notify"; });
   onsets_until_now();
   ASSERT_TRUE(session_.rack().observers().notes_played().push(
-      {.frame = now, .object = number, .type = synth::EventType::clear, .ramp_s = 0.25}));
+      {.frame = now, .object = number, .verb = synth::verb::Clear{0.25}}));
   send({"/record/stop", {}});
   ASSERT_TRUE(wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/record/stop"; }));
   const auto events = wire::read_score(score);
@@ -277,9 +279,9 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   EXPECT_TRUE(recorded(protocol::format(protocol::SetGroup{bell, "metal"})));
   EXPECT_TRUE(recorded(protocol::format(protocol::SetMute{bell, true})));
   EXPECT_TRUE(recorded(protocol::format(protocol::SetSolo{bell, true})));
-  EXPECT_TRUE(recorded(protocol::format(protocol::ClearObject{bell, 0.5})));
-  EXPECT_TRUE(recorded(protocol::format(protocol::ClearObject{bell, 0.25}))) << "and the note just before the end";
-  EXPECT_TRUE(recorded(protocol::format(protocol::Strike{bell, {3, 2, 1}, {0, 0, 0.25}, 0.001})));
+  EXPECT_TRUE(recorded(protocol::format(protocol::ClearObject{bell, {0.5}})));
+  EXPECT_TRUE(recorded(protocol::format(protocol::ClearObject{bell, {0.25}}))) << "and the note just before the end";
+  EXPECT_TRUE(recorded(protocol::format(protocol::Strike{bell, {{3, 2, 1}, {0, 0, 0.25}, 0.001}})));
 }
 
 TEST_F(OscServerTest, SubscribersHearOfMutesAndSolosAndSilence) {
@@ -315,7 +317,7 @@ TEST_F(OscServerTest, AStrikeFarFromItsObjectIsRefused) {
   double right_m = -1e9;
   for (const auto& position : bank.positions) right_m = std::max<double>(right_m, position[0]);
   const auto at = [&](const std::string& object, double x_m) {
-    return protocol::format(protocol::Strike{{.name = object}, {x_m, 0, 0}, {0, 0, 0.01}, 0});
+    return protocol::format(protocol::Strike{{.name = object}, {{x_m, 0, 0}, {0, 0, 0.01}, 0}});
   };
   send(at("body", right_m + 0.99 * size_m));
   send(at("point", 1000));

@@ -65,7 +65,7 @@ class Crowd {
     std::minstd_rand random(2);
     while (!stop.stop_requested()) {
       const auto now = session_.rack().mixer().counters().frames.load();
-      const protocol::Strike blow{{.name = name(random() % kObjects)}, {0.1, 0, 0}, {0, 0.01, 0.02}, 0};
+      const protocol::Strike blow{{.name = name(random() % kObjects)}, {{0.1, 0, 0}, {0, 0.01, 0.02}, 0}};
       strikes += session_.play(blow, now + static_cast<synth::Frame>(random() % 100)).has_value();
       std::this_thread::yield();
     }

@@ -22,7 +22,6 @@ namespace ringdown::session {
 namespace {
 
 using synth::Event;
-using synth::EventType;
 
 // A box that slides over a floor for seconds.
 const std::string kSlider = R"(
@@ -52,12 +51,13 @@ class ScenePlayerTest : public testing::Test {
   }
 
   void take(const Event& event) {
-    if (event.type != EventType::contact) return;
-    if (event.contact.force_n == Vec3{}) {
-      going_on_.erase(event.contact.number);
+    const auto* told = event.verb.get_if<synth::verb::Contact>();
+    if (!told) return;
+    if (told->contact.force_n == Vec3{}) {
+      going_on_.erase(told->contact.number);
       ++ends_;
     } else {
-      going_on_[event.contact.number] = event;
+      going_on_[told->contact.number] = event;
     }
   }
 
@@ -112,7 +112,7 @@ TEST_F(ScenePlayerTest, AGltfSceneHasAnObjectForEachNodeAndNamesWhatItLeavesOut)
   Session session(48000);
   session.rack().set_on_warning([&](const std::string& sentence) { warnings.push_back(sentence); });
   session.scene().send_to([&](const scene::StepReport& report) {
-    for (const Event& event : report.events) strikes[event.object] += event.type == EventType::strike;
+    for (const Event& event : report.events) strikes[event.object] += event.verb.holds<synth::verb::Strike>();
     return std::size_t{0};
   });
   const auto loaded = session.scene().load(folder_ / "room.gltf", 0);

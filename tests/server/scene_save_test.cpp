@@ -83,8 +83,8 @@ TEST_F(SceneSaveTest, EditsAreInTheFileThatIsSaved) {
   perform(protocol::LoadObject{"b", (folder_ / "b.glb").string()});
   perform(protocol::SetMaterial{{.name = "a"}, {0.5, 2, 3, 4, 1.5}});
   perform(protocol::SetGroup{{.name = "b"}, "metal"});
-  play(protocol::SetGain{{.name = "a"}, 0.1, 0});
-  play(protocol::SetPan{{.name = "b"}, -1.0 / 3});
+  play(protocol::SetGain{{.name = "a"}, {0.1, 0}});
+  play(protocol::SetPan{{.name = "b"}, {-1.0 / 3}});
   const auto saved = save_scene(session_, saved_);
   ASSERT_TRUE(saved) << saved.error().message;
 
@@ -111,7 +111,7 @@ TEST_F(SceneSaveTest, WhatWasDroppedAndSetSoundsTheSameFromTheFile) {
   const protocol::SpawnBox box{ObjectRef{.name = "a"}, {0.05, 0, 0.5}, {0, 0, -1}, {0.1, 0.1, 0.1}, 2000};
   const protocol::SpawnSphere ball{std::nullopt, {0, 0.02, 0.8}, {}, 0.03, 7850};
   perform(protocol::SceneLoad{scene_.string()});
-  play(protocol::SetGain{{.name = "a"}, 0.3, 0});
+  play(protocol::SetGain{{.name = "a"}, {0.3, 0}});
   session_.scene().advance_to(static_cast<synth::Frame>(drop_s * 48000), std::nullopt);
   perform(box);
   perform(ball);
@@ -121,7 +121,7 @@ TEST_F(SceneSaveTest, WhatWasDroppedAndSetSoundsTheSameFromTheFile) {
   EXPECT_NEAR(bodies[1].start_s, drop_s, 0.01);
 
   const Recording live =
-      render(scene_, {at(0.1, protocol::SetGain{{.name = "a"}, 0.3, 0}), at(drop_s, box), at(drop_s, ball)});
+      render(scene_, {at(0.1, protocol::SetGain{{.name = "a"}, {0.3, 0}}), at(drop_s, box), at(drop_s, ball)});
   const Recording file = render(saved_);
   ASSERT_GT(live.peak, 1e-3F);
   // In the score the gain comes at 0.1 s, with a ramp, before anything has sounded.

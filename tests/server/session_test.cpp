@@ -36,7 +36,7 @@ class SessionTest : public testing::Test {
 
   Result<void> strike(const ObjectRef& object) {
     const auto now = session_.rack().mixer().counters().frames.load();
-    return session_.play(protocol::Strike{object, {1, 0, 0}, {0, 0, 1}, 0}, now);
+    return session_.play(protocol::Strike{object, {{1, 0, 0}, {0, 0, 1}, 0}}, now);
   }
 
   test::TemporaryFolder folder_;
@@ -158,11 +158,11 @@ TEST_F(SessionTest, ARequestThatCannotBeIsRefusedAndChangesNothing) {
   EXPECT_FALSE(session_.perform(protocol::LoadObject{"a", bank("missing.glb")}, 0));
   EXPECT_TRUE(strike({.name = "a"}));
   EXPECT_FALSE(strike({.name = "b"}));
-  EXPECT_FALSE(session_.play(protocol::StrikeVertex{{.name = "a"}, 4, {0, 0, 1}, 0}, 0));
+  EXPECT_FALSE(session_.play(protocol::StrikeVertex{{.name = "a"}, {4, {0, 0, 1}, 0}}, 0));
   EXPECT_FALSE(session_.perform(protocol::FreeObject{{.name = "b"}}, 0));
   EXPECT_FALSE(session_.perform(protocol::SceneClear{}, 0));
   const auto day_ahead = static_cast<synth::Frame>(86400.0 * 48000);
-  EXPECT_FALSE(session_.play(protocol::SetGain{{.name = "a"}, 1, 0}, day_ahead));
+  EXPECT_FALSE(session_.play(protocol::SetGain{{.name = "a"}, {1, 0}}, day_ahead));
 }
 
 TEST_F(SessionTest, TwoObjectsOfOneFileShareItsMemory) {
@@ -206,9 +206,9 @@ TEST_F(SessionTest, ABulkOfStrikesRingsAsTheSameStrikesDoOneByOne) {
     const ObjectRef object{.name = blow.object == 0 ? "a" : "b"};
     const double contact_time_s = static_cast<float>(blow.contact_time_s);
     if (blow.vertex) {
-      ASSERT_TRUE(other.play(protocol::StrikeVertex{object, 1, {0, 0, 0.5}, contact_time_s}, frame));
+      ASSERT_TRUE(other.play(protocol::StrikeVertex{object, {1, {0, 0, 0.5}, contact_time_s}}, frame));
     } else {
-      ASSERT_TRUE(other.play(protocol::Strike{object, {1, 0, 0}, {0, 0, 0.5}, contact_time_s}, frame));
+      ASSERT_TRUE(other.play(protocol::Strike{object, {{1, 0, 0}, {0, 0, 0.5}, contact_time_s}}, frame));
     }
   }
   std::vector<float> left(9600), right(9600);
@@ -253,7 +253,7 @@ TEST_F(SessionTest, AFloodIsMergedWithoutLosingImpulse) {
   const auto flood = render(4800);
   Session other{48000};
   ASSERT_TRUE(other.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
-  ASSERT_TRUE(other.play(protocol::Strike{{.name = "a"}, {1, 0, 0}, {0, 0, kFlood}, 0}, 0));
+  ASSERT_TRUE(other.play(protocol::Strike{{.name = "a"}, {{1, 0, 0}, {0, 0, kFlood}, 0}}, 0));
   std::vector<float> left(4800), right(4800);
   other.rack().mixer().render(left, right);
   EXPECT_LT(test::relative_error_db(flood, test::to_doubles(left)), -120);
@@ -282,9 +282,9 @@ TEST_F(SessionTest, AListenerHearsAnObjectFromItsPlaceUntilTheyLeave) {
     return heard;
   };
   const double alone = level();
-  ASSERT_TRUE(session_.play(protocol::SetPose{{.name = "a"}, {{10, 0, 0}, {}}}, 0));
+  ASSERT_TRUE(session_.play(protocol::SetPose{{.name = "a"}, {{{10, 0, 0}, {}}}}, 0));
   EXPECT_NEAR(level() / alone, 1, 1e-3) << "nobody listens";
-  ASSERT_TRUE(session_.play(protocol::SetListener{{{0, 0, 0}, {}}}, 0));
+  ASSERT_TRUE(session_.play(protocol::SetListener{{{{0, 0, 0}, {}}}}, 0));
   render(2400);
   EXPECT_NEAR(level() / alone, 0.1, 1e-3) << "ten metres in front";
   const std::array<protocol::BulkPose, 1> aside = {protocol::BulkPose{0, {{0, 5, 0}, {}}, 0}};
@@ -300,10 +300,10 @@ TEST_F(SessionTest, APoseThatIsNotTurnedByAUnitQuaternionIsRefusedInOneSentence)
   ASSERT_TRUE(session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
   const Pose unturned{{0, 0, 0}, Rotation::from_xyzw(0, 0, 0, 0)};
   const std::array<protocol::BulkPose, 2> two = {protocol::BulkPose{0, {}, 0}, protocol::BulkPose{0, unturned, 0}};
-  const std::array<Result<void>, 4> refused = {session_.play(protocol::SetPose{{.name = "a"}, unturned}, 0),
-                                               session_.play(protocol::SetListener{unturned}, 0),
+  const std::array<Result<void>, 4> refused = {session_.play(protocol::SetPose{{.name = "a"}, {unturned}}, 0),
+                                               session_.play(protocol::SetListener{{unturned}}, 0),
                                                session_.play(protocol::PoseMany{protocol::encode_poses(two)}, 0),
-                                               session_.play(protocol::SetPose{{.name = "none"}, {}}, 0)};
+                                               session_.play(protocol::SetPose{{.name = "none"}, {{}}}, 0)};
   const std::array<const char*, 4> words = {"length 1", "length 1", "record 2", "no object"};
   for (std::size_t i = 0; i < refused.size(); ++i) {
     ASSERT_FALSE(refused[i]);

@@ -41,7 +41,7 @@ class SoundCaptureTest : public testing::Test {
   SoundCaptureTest() {
     EXPECT_TRUE(modal::write_bank(test::random_bank(1, 40, 4), folder_ / "a.glb"));
     EXPECT_TRUE(session_.perform(protocol::LoadObject{"a", (folder_ / "a.glb").string()}, 0));
-    EXPECT_TRUE(session_.play(protocol::Strike{{.name = "a"}, {0.1, 0, 0}, {0, 0, 100}, 0}, 100));
+    EXPECT_TRUE(session_.play(protocol::Strike{{.name = "a"}, {{0.1, 0, 0}, {0, 0, 100}, 0}}, 100));
   }
 
   // Renders, and lets the capture's thread keep up.

@@ -42,8 +42,8 @@ TEST_F(StateTest, TheListenerComesBack) {
   Daemon one, other;
   EXPECT_FALSE(session::state_of(one.session).listener) << "there has never been one";
   const Pose pose{{1, -2, 0.5}, normalized(Rotation::from_xyzw(0.1, 0.2, -0.3, 0.9))};
-  ASSERT_TRUE(one.session.play(protocol::SetListener{pose}, 0));
-  ASSERT_TRUE(one.session.play(protocol::SetListenerAir{-5, 80}, 0));
+  ASSERT_TRUE(one.session.play(protocol::SetListener{{pose}}, 0));
+  ASSERT_TRUE(one.session.play(protocol::SetListenerAir{{-5, 80}}, 0));
   const auto come_back = [&] {
     const auto state = session::parse_state(to_toml(session::state_of(one.session)), folder_ / "s.toml");
     EXPECT_TRUE(state) << state.error().message;
@@ -93,8 +93,8 @@ position_m = [0, 0, 1]
   perform(protocol::SetDamper{{.name = "bell"}, {{0.1, 0, 0}, {0, 0, 1}, 5}, 3});
   perform(protocol::SetDamper{{.name = "bell"}, {{0.2, 0, 0}, {}, 7}, modal::kFirstSceneDamper});  // as the scene's own
   perform(protocol::Excite{{.name = "bell"}, 3, {0.1, 0.2, 0.3}, {0, 0, -1e-7}});
-  ASSERT_TRUE(one.session.play(protocol::SetGain{{.name = "bell"}, 0.7, 2}, 0));
-  ASSERT_TRUE(one.session.play(protocol::SetPan{{.name = "bell"}, -0.3}, 0));
+  ASSERT_TRUE(one.session.play(protocol::SetGain{{.name = "bell"}, {0.7, 2}}, 0));
+  ASSERT_TRUE(one.session.play(protocol::SetPan{{.name = "bell"}, {-0.3}}, 0));
 
   const auto file = folder_ / "state.toml";
   ASSERT_TRUE(session::write_state(session::state_of(one.session), file));
@@ -144,13 +144,13 @@ TEST_F(StateTest, ASavedStateOutlastsWhatTheSceneSays) {
     Daemon daemon;
     ASSERT_TRUE(restore(state, daemon.session, 48000));
     std::vector<float> left(96000), right(96000);
-    ASSERT_TRUE(daemon.session.play(protocol::Strike{{.name = "bell"}, {1, 0, 0}, {0, 0, 1}, 0}, strike));
+    ASSERT_TRUE(daemon.session.play(protocol::Strike{{.name = "bell"}, {{1, 0, 0}, {0, 0, 1}, 0}}, strike));
     daemon.session.rack().mixer().render(left, right);
     const auto heard = test::to_doubles(std::span(left).subspan(static_cast<std::size_t>(strike)));
     session::Session plain{48000};
     ASSERT_TRUE(plain.rack().load("bell", folder_ / "b.glb"));
-    ASSERT_TRUE(plain.play(protocol::SetPan{{.name = "bell"}, -1}, 0));
-    ASSERT_TRUE(plain.play(protocol::Strike{{.name = "bell"}, {1, 0, 0}, {0, 0, 0.7}, 0}, strike));
+    ASSERT_TRUE(plain.play(protocol::SetPan{{.name = "bell"}, {-1}}, 0));
+    ASSERT_TRUE(plain.play(protocol::Strike{{.name = "bell"}, {{1, 0, 0}, {0, 0, 0.7}, 0}}, strike));
     plain.rack().mixer().render(left, right);
     const auto expected = test::to_doubles(std::span(left).subspan(static_cast<std::size_t>(strike)));
     // 0.01 s of the ramp from gain 1 at the very start

@@ -6,12 +6,14 @@ namespace ringdown::session {
 namespace {
 
 using synth::Event;
-using synth::EventType;
+namespace verb = synth::verb;
 using synth::Frame;
 using Verdict = StrikeMerger::Verdict;
 
 Event blow(Frame frame, double x = 0, synth::ObjectNumber object = 0) {
-  return {.frame = frame, .object = object, .point_m = {x, 0, 0}, .impulse_ns = {0, 0, 1}};
+  return {.frame = frame,
+          .object = object,
+          .verb = verb::Strike{.point_m = {x, 0, 0}, .impulse_ns = {0, 0, 1}, .contact_time_s = 0}};
 }
 
 // A merger that has just been flooded up to its threshold.
@@ -33,7 +35,7 @@ TEST(StrikeMerger, AFloodOfStrikesOnOnePointKeepsItsImpulse) {
   EXPECT_EQ(merger.add(blow(1001)), Verdict::held);
   for (Frame i = 0; i < 1000; ++i) EXPECT_EQ(merger.add(blow(1002 + i % 40)), Verdict::merged);
   ASSERT_EQ(merger.held().size(), 1u);
-  EXPECT_EQ(merger.held()[0].impulse_ns, (Vec3{0, 0, 1001}));
+  EXPECT_EQ(merger.held()[0].verb.get<verb::Strike>().impulse_ns, (Vec3{0, 0, 1001}));
   EXPECT_EQ(merger.held()[0].frame, 1041);
 }
 
@@ -50,7 +52,7 @@ TEST(StrikeMerger, StrikesOnOtherPointsAndObjectsStayApartAndAreBounded) {
 TEST(StrikeMerger, ANewWindowOrAnotherEventHandsOnTheStrikesHeldBack) {
   StrikeMerger merger = flooded();
   EXPECT_EQ(merger.add(blow(1001)), Verdict::held);
-  EXPECT_EQ(merger.add({.frame = 1001, .type = EventType::clear}), Verdict::full);
+  EXPECT_EQ(merger.add({.frame = 1001, .verb = verb::Clear{}}), Verdict::full);
   EXPECT_EQ(merger.add(blow(1049)), Verdict::full);
   merger.clear();
   EXPECT_EQ(merger.add(blow(1050)), Verdict::pass);

@@ -33,18 +33,22 @@ void ExactVoice::advance(Frame to) {
 double ExactVoice::strike(const Event& event, double floor) {
   const modal::Bank& bank = map_->bank();
   std::vector<double> at_point(modes_.size());
-  if (event.type == EventType::strike) map_->excite(event.point_m, event.impulse_ns, at_point);
+  const auto* strike = event.verb.get_if<verb::Strike>();
+  const auto* vertex = event.verb.get_if<verb::StrikeVertex>();
+  if (strike) map_->excite(strike->point_m, strike->impulse_ns, at_point);
+  const double contact_time_s = strike ? strike->contact_time_s : vertex->contact_time_s;
   advance(event.frame);
   double added = 0;
   for (std::size_t m = 0; m < modes_.size(); ++m) {
     ExactMode& mode = modes_[m];
     if (!mode.plays) continue;
     long double along = at_point[m];
-    if (event.type == EventType::strike_vertex) {
-      const modal::Vec3f& shape = bank.shape(m, event.vertex);
-      along = shape[0] * event.impulse_ns.x + shape[1] * event.impulse_ns.y + shape[2] * event.impulse_ns.z;
+    if (vertex) {
+      const modal::Vec3f& shape = bank.shape(m, vertex->vertex);
+      const Vec3& impulse_ns = vertex->impulse_ns;
+      along = shape[0] * impulse_ns.x + shape[1] * impulse_ns.y + shape[2] * impulse_ns.z;
     }
-    const long double a = mode.weight * along * pulse_factor(mode.frequency_hz, event.contact_time_s);
+    const long double a = mode.weight * along * pulse_factor(mode.frequency_hz, contact_time_s);
     if (mode.size - mode.lost <= floor) mode.lost = std::max(mode.lost, mode.size);
     mode.z -= Exact(0, a);
     mode.size = static_cast<double>(std::abs(mode.z));

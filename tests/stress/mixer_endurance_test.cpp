@@ -229,8 +229,9 @@ TEST(StressEndurance, TenThousandStrikesASecondOnAThousandObjects) {
     for (; pushed < due; ++pushed) {
       const Frame frame = heard.now() + static_cast<Frame>(random() % kBlock);
       const Vec3 impulse{uniform(random, -0.1, 0.1), uniform(random, -0.1, 0.1), uniform(random, -0.1, 0.1)};
-      strikes.push_back(vertex_strike_at(frame, random() % kObjects, random() % 12, impulse));
-      strikes.back().contact_time_s = uniform(random, 0, 2e-3);
+      const auto object = static_cast<ObjectNumber>(random() % kObjects);
+      const auto vertex = static_cast<std::uint32_t>(random() % 12);
+      strikes.push_back(vertex_strike_at(frame, object, vertex, impulse, uniform(random, 0, 2e-3)));
       ASSERT_TRUE(heard.mixer.push(Producer::control, strikes.back()));
     }
     std::ranges::stable_sort(strikes, {}, &Event::frame);

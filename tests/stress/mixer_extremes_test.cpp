@@ -307,8 +307,7 @@ TEST(StressPoison, PoisonIsContainedAndHealedByTheNextStrike) {
         }
       }
     }
-    Event contact = vertex_strike_at(2050, PoisonedScene::kVictim, 3, {0, 1, 0});
-    contact.contact_time_s = nan;
+    const Event contact = vertex_strike_at(2050, PoisonedScene::kVictim, 3, {0, 1, 0}, nan);
     PoisonedScene(static_cast<std::uint32_t>(++cases), moments).expect_contained(contact, Then::nothing);
   }
   enter({"poison",

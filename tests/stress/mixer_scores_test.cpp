@@ -104,14 +104,14 @@ class BoundedObject {
     min_gain_ = 1;  // its number starts afresh, with gain 1, once the tails have died away
   }
   void apply(const Event& event, double rate, double floor) {
-    const double ramp_s = std::max(event.ramp_s, 0.005);
-    if (event.type == EventType::gain) {
-      gain_ = std::max(gain(event.frame), std::abs(event.value));
-      settled_gain_ = std::abs(event.value);
-      settled_ = event.frame + static_cast<Frame>(ramp_s * rate) + 1;
-    } else if (event.type == EventType::clear) {
-      fade(event.frame, static_cast<Frame>(ramp_s * rate) + 1);
-    } else if (event.type != EventType::pan && plays(event)) {
+    const auto frames_of = [&](double ramp_s) { return static_cast<Frame>(std::max(ramp_s, 0.005) * rate) + 1; };
+    if (const auto* set = event.verb.get_if<verb::Gain>()) {
+      gain_ = std::max(gain(event.frame), std::abs(set->gain));
+      settled_gain_ = std::abs(set->gain);
+      settled_ = event.frame + frames_of(set->ramp_s);
+    } else if (const auto* clear = event.verb.get_if<verb::Clear>()) {
+      fade(event.frame, frames_of(clear->ramp_s));
+    } else if (!event.verb.holds<verb::Pan>() && plays(event)) {
       struck_ += current_->voice.strike(event, floor);
     }
     block_gain_ = std::max(block_gain_, gain(event.frame));
@@ -134,7 +134,8 @@ class BoundedObject {
     tails_.push_back(left);
   }
   [[nodiscard]] bool plays(const Event& event) const {
-    return current_ && (event.type == EventType::strike || event.vertex < current_->voice.map()->bank().point_count());
+    const auto* vertex = event.verb.get_if<verb::StrikeVertex>();
+    return current_ && (!vertex || vertex->vertex < current_->voice.map()->bank().point_count());
   }
   [[nodiscard]] double gain(Frame frame) const { return std::max(min_gain_, frame < settled_ ? gain_ : settled_gain_); }
   void fade(Frame frame, Frame frames) {
@@ -229,20 +230,15 @@ class Score {
     const double kind = dice_.uniform(0, 1), ramp_s = dice_.chance(0.3) ? 0 : dice_.spread(1e-4, 10);
     if (kind < 0.10) return gain_at(frame, object, dice_.chance(0.2) ? 0 : dice_.spread(1e-6, 1e6), ramp_s);
     if (kind < 0.15) return gain_at(frame, object, -dice_.spread(1e-3, 1e3), ramp_s);
-    if (kind < 0.25) return pan_at(frame, object, dice_.uniform(-1, 1) * dice_.spread(1, 100), ramp_s);
-    if (kind < 0.30) {
-      Event clear = clear_at(frame, object);
-      clear.ramp_s = ramp_s;
-      return clear;
-    }
+    if (kind < 0.25) return pan_at(frame, object, dice_.uniform(-1, 1) * dice_.spread(1, 100));
+    if (kind < 0.30) return clear_at(frame, object, ramp_s);
     const double size = dice_.spread(1e-9, 1e6);
     const Vec3 impulse{size * dice_.uniform(-1, 1), size * dice_.uniform(-1, 1), size * dice_.uniform(-1, 1)};
     const double contact_s = dice_.chance(0.3) ? 0 : dice_.spread(1e-6, 1);
-    Event event = strike_at(frame, object, impulse, contact_s,
-                            {dice_.uniform(-2, 2), dice_.uniform(-2, 2), dice_.uniform(-2, 2)});
-    if (dice_.chance(0.5))
-      event.type = EventType::strike_vertex, event.vertex = static_cast<std::uint32_t>(dice_.below(14));
-    return event;
+    const Vec3 point{dice_.uniform(-2, 2), dice_.uniform(-2, 2), dice_.uniform(-2, 2)};
+    if (!dice_.chance(0.5)) return strike_at(frame, object, impulse, contact_s, point);
+    const verb::StrikeVertex strike{static_cast<std::uint32_t>(dice_.below(14)), impulse, contact_s};
+    return {frame, object, strike};
   }
 
   void push_events(std::size_t count) {
@@ -251,7 +247,7 @@ class Score {
       const std::size_t producer = dice_.below(pushed.size());
       Event event = random_event();
       ASSERT_TRUE(mixer_.push(static_cast<Producer>(producer), event));
-      strikes_pushed_ += event.type == EventType::strike || event.type == EventType::strike_vertex;
+      strikes_pushed_ += excites(event);
       event.frame = std::max(event.frame, now_);
       pushed[producer].push_back(event);
     }

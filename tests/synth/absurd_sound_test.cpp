@@ -129,7 +129,7 @@ TEST(AbsurdSound, AnInputThatIsNoSoundIsHeardNowhereAsNoNumber) {
   for (const float bad : {kNotANumber, kInfinite, -kInfinite, std::numeric_limits<float>::max(), 1e30F}) {
     SCOPED_TRACE(bad);
     Attacked attacked(bending_bank(1));
-    ASSERT_TRUE(attacked.mixer.connect_input(0, strike_at(0, 0, {0, 0, 1e6})));
+    ASSERT_TRUE(attacked.mixer.connect_input(0, 0, {1, 1, 1}, {0, 0, 1e6}));
     std::vector<float> samples(256);
     attacked.push(strike_at(0, 1, {0, 0, 0.1}));
     attacked.render(512, {samples.data()});
@@ -145,7 +145,7 @@ TEST(AbsurdSound, AnInputThatIsNoSoundIsHeardNowhereAsNoNumber) {
 // A force of this size lasts for a chunk in which a fast mode dies: neither its state nor its energy tells.
 TEST(AbsurdSound, AHugeForceOnModesThatDieAtOnceIsFoundByItsSamples) {
   Attacked attacked(single_mode_bank(440, 3e4));
-  ASSERT_TRUE(attacked.mixer.connect_input(0, strike_at(0, 0, {0, 0, 1e6})));
+  ASSERT_TRUE(attacked.mixer.connect_input(0, 0, {1, 1, 1}, {0, 0, 1e6}));
   std::vector<float> samples(256);
   samples[130] = 1e36F;
   attacked.render(256, {samples.data()});
@@ -158,18 +158,10 @@ TEST(AbsurdSound, AMalletOnABankThatHardlyWeighsAnythingIsHeardNowhereAsNoNumber
   for (const float size : {1e-20F, 1e6F, 1e12F, 1e18F, 1e30F, 1e38F}) {
     SCOPED_TRACE(size);
     Attacked attacked(single_mode_bank(440, 4, {0, 0, size}));
-    Event blow{.frame = 0, .object = 0, .type = EventType::touch, .point_m = {1, 1, 1}};
-    blow.touch = {.kind = Touch::Kind::mallet,
-                  .direction = {0, 0, -1},
-                  .speed_m_s = 1000,
-                  .mass_kg = 1000,
-                  .stiffness = 1e14,
-                  .bounce = 1};
-    attacked.push(blow);
+    attacked.push({0, 0, verb::Mallet{{1, 1, 1}, {0, 0, -1000}, 1000, 1e14, 1}});
     attacked.render(4800);
-    Event bow{.frame = attacked.mixer.counters().frames, .object = 0, .type = EventType::touch, .point_m = {1, 1, 1}};
-    bow.touch = {.kind = Touch::Kind::bow, .direction = {0, 0, 1}, .speed_m_s = 100, .force_n = 1e5, .friction = 5};
-    attacked.push(bow);
+    const verb::Bow bow{.point_m = {1, 1, 1}, .direction = {0, 0, 1}, .speed_m_s = 100, .force_n = 1e5, .rosin = 5};
+    attacked.push({attacked.mixer.counters().frames, 0, bow});
     attacked.render(4800);
     EXPECT_EQ(attacked.not_finite, 0u);
   }
@@ -180,7 +172,7 @@ TEST(AbsurdSound, AClickOfABodyWithoutWeightIsHeardNowhereAsNoNumber) {
     modal::Bank bank = single_mode_bank(440, 4);
     bank.mass = modal::MassProperties{.mass_kg = mass_kg, .inertia_kg_m2 = {mass_kg, mass_kg, mass_kg}};
     Attacked attacked(std::move(bank));
-    attacked.push({.frame = 0, .object = 0, .type = EventType::click, .impulse_ns = {0, 0, 1e9}});
+    attacked.push({.frame = 0, .object = 0, .verb = verb::Click{.impulse_ns = {0, 0, 1e9}, .contact_time_s = 0}});
     attacked.render(4800);
     EXPECT_EQ(attacked.not_finite, 0u) << mass_kg;
   }

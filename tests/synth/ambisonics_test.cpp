@@ -171,7 +171,7 @@ TEST(Binaural, FiltersRingOutAfterTheLastSoundAndThenThereIsSilence) {
   ASSERT_TRUE(mixer->push(Producer::control, vertex_strike_at(0, 0, 1, {100, 200, 300})));
   std::vector<float> left(4096), right = left;
   mixer->render(std::span(left).first(256), std::span(right).first(256));
-  ASSERT_TRUE(mixer->push(Producer::control, Event{.frame = 256, .object = 0, .type = EventType::clear}));
+  ASSERT_TRUE(mixer->push(Producer::control, Event{.frame = 256, .object = 0, .verb = verb::Clear{}}));
   mixer->render(left, right);
   EXPECT_GT(peak(to_doubles(std::span(left).first(300))), 0);
   EXPECT_EQ(peak(to_doubles(std::span(left).subspan(2048))), 0) << "the fade is 512 frames long, the filters 77";

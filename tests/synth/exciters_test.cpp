@@ -108,7 +108,7 @@ TEST(ContactPulse, AContactPulseSoundsTheSameInAnyBlocksAndBesideAnything) {
     player.push(strike_at(77, 0, {0, 1, 0}));
     player.push(strike_at(90, 0, {0, 0, 1}, 0.002, {-1, 0, 0}));
     player.push(gain_at(100, 0, 0.3, 0.01));
-    player.push(pan_at(2000, 0, 0.5, 0.01));
+    player.push(pan_at(2000, 0, 0.5));
     player.push(strike_at(2100, 0, {1, 0, 0}, 0.001));
     player.render(6000, block);
     if (reference.empty()) reference = player.left;
@@ -196,7 +196,7 @@ class Input : public testing::Test {
  protected:
   void SetUp() override {
     player.install(0, map_of(single_mode_bank(440, 5)));
-    ASSERT_TRUE(player.mixer.connect_input(1, strike_at(0, 0, {0, 0, 1})));
+    ASSERT_TRUE(player.mixer.connect_input(1, 0, {1, 1, 1}, {0, 0, 1}));
   }
   void render(std::span<const float> signal, std::size_t block) {
     std::vector<float> left(block), right(block);
@@ -255,7 +255,7 @@ TEST_F(Input, AnInputIsConnectedWhileFourPulsesAct) {
   for (int i = 0; i < 4; ++i) player.push(strike_at(i, 0, {0, 0, 1e-9}, 0.1));
   std::vector<float> signal(512, 0.0f);
   render(signal, 512);
-  ASSERT_TRUE(player.mixer.connect_input(1, strike_at(0, 0, {0, 0, 1})));
+  ASSERT_TRUE(player.mixer.connect_input(1, 0, {1, 1, 1}, {0, 0, 1}));
   signal.assign(4096, 1.0f);
   const std::size_t before = out.size();
   render(signal, 512);

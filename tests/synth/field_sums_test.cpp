@@ -70,7 +70,7 @@ constexpr Frame kPoseEvery = 800;  // 60 a second
 template <class Take>
 void play(Mixer& mixer, const Band& band, bool placed, std::size_t block, const Take& take) {
   const auto push = [&](const Event& event) { ASSERT_TRUE(mixer.push(Producer::control, event)); };
-  if (placed) push({.type = EventType::listener});
+  if (placed) push({.verb = verb::Listener{}});
   for (ObjectNumber o = 0; o < kMany; ++o) {
     ASSERT_TRUE(mixer.install(o, std::make_unique<Voice>(mixer.table_for(band.maps[o], {})), Mixer::Install::replace));
     ASSERT_TRUE(mixer.assign(o, o));
@@ -82,11 +82,7 @@ void play(Mixer& mixer, const Band& band, bool placed, std::size_t block, const 
     for (; placed && next < static_cast<Frame>(done) + 3 * kPoseEvery; next += kPoseEvery) {
       for (ObjectNumber o = 0; o < kMany; ++o) {
         const Pose pose = on_circle(o, static_cast<double>(next) / kRate);
-        push({.frame = next,
-              .object = o,
-              .type = EventType::pose,
-              .point_m = pose.position_m,
-              .rotation = pose.rotation});
+        push({.frame = next, .object = o, .verb = verb::Pose{{pose.position_m, pose.rotation}}});
       }
     }
     if (done == 0) {

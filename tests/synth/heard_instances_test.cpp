@@ -27,8 +27,7 @@ Map coin(double t60_s) {
 }
 
 Event pose_at(Frame frame, ObjectNumber object, const Pose& pose) {
-  return {
-      .frame = frame, .object = object, .type = EventType::pose, .point_m = pose.position_m, .rotation = pose.rotation};
+  return {.frame = frame, .object = object, .verb = verb::Pose{{pose.position_m, pose.rotation}}};
 }
 
 // The same things happen to two mixers: in one the objects share a table, in the other each has its own.
@@ -42,7 +41,7 @@ struct Both {
       EXPECT_TRUE(shared.mixer.install(o, std::make_unique<Voice>(table), Mixer::Install::replace));
       EXPECT_TRUE(alone.mixer.install(o, std::make_unique<Voice>(own), Mixer::Install::replace));
     }
-    push({.frame = 0, .type = EventType::listener, .point_m = {0, -2, 0}});
+    push({.frame = 0, .verb = verb::Listener{{{0, -2, 0}, {}}}});
   }
   void push(const Event& event) { shared.push(event), alone.push(event); }
   // Each object turns by `spin` and is struck now and then, for a second.
@@ -90,7 +89,7 @@ TEST(HeardInstances, WhatTurnsMuchRingsAloneAndIsHeardExactly) {
 TEST(HeardInstances, AMoveOfTheListenerEndsWhatWasSharedWithoutALoss) {
   Both both(coin(3));
   both.play(0);
-  both.push({.frame = 24576, .type = EventType::listener, .point_m = {8, 0, 1}});
+  both.push({.frame = 24576, .verb = verb::Listener{{{8, 0, 1}, {}}}});
   both.shared.render(9600);
   both.alone.render(9600);
   const auto last = [](const Player& player) { return std::span(player.left).last(4800); };

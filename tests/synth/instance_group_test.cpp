@@ -76,7 +76,7 @@ TEST(InstanceGroup, GainAndPanMoveOneObjectAlone) {
   Pair pair(3);
   for (ObjectNumber object = 0; object < 3; ++object) pair.push(strike_at(100 + 37 * object, object, {1, 0.2, 0.1}));
   pair.push(gain_at(3000, 1, 0.1, 0.05));
-  pair.push(pan_at(9000, 2, 0.8, 0.1));
+  pair.push(pan_at(9000, 2, 0.8));
   pair.push(strike_at(9100, 2, {0.3, 1, 0}));
   pair.push(gain_at(20000, 1, 2, 0));
   pair.render(40000, 192);

@@ -48,11 +48,10 @@ modal::Bank bank_of(const std::vector<Tone>& tones) {
 Rotation turn_about_z(double angle) { return Rotation::from_xyzw(0, 0, std::sin(angle / 2), std::cos(angle / 2)); }
 
 Event pose_at(Frame frame, ObjectNumber object, const Pose& pose) {
-  return {
-      .frame = frame, .object = object, .type = EventType::pose, .point_m = pose.position_m, .rotation = pose.rotation};
+  return {.frame = frame, .object = object, .verb = verb::Pose{{pose.position_m, pose.rotation}}};
 }
 Event listener_at(Frame frame, const Pose& pose) {
-  return {.frame = frame, .type = EventType::listener, .point_m = pose.position_m, .rotation = pose.rotation};
+  return {.frame = frame, .verb = verb::Listener{{pose.position_m, pose.rotation}}};
 }
 
 using Path = std::function<Pose(double t)>;
@@ -353,7 +352,7 @@ TEST(Listening, PosesThatAreNoNumbersAreRefusedAndChangeNothing) {
     player->push(pose_at(4800, 0, pose));
     player->push(listener_at(4800, pose));
   }
-  player->push({.frame = 4800, .type = EventType::listener_air, .value = kNan});
+  player->push({.frame = 4800, .verb = verb::ListenerAir{kNan, 0}});
   player->render(4800);
   undisturbed->render(4800);
   EXPECT_EQ(player->mixer.counters().refused, 11u);
@@ -392,7 +391,7 @@ TEST(Listening, WithoutAListenerPosesChangeNothingAndWhenTheyLeaveAllIsAsBefore)
     player->render(1000);
     if (listens) player->push(listener_at(1000, {}));
     player->render(4000);
-    if (listens) player->push({.frame = 5000, .type = EventType::listener_off});
+    if (listens) player->push({.frame = 5000, .verb = verb::ListenerOff{}});
     player->render(7000);
     return player;
   };

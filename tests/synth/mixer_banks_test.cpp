@@ -139,9 +139,7 @@ TEST(Retune, RetuningKeepsAFadeGoing) {
 TEST(Clear, ClearingTakesAsLongAsItIsTold) {
   const auto player = ringing(5000);
   const double level = peak(player->left_from(4500));
-  Event slow = clear_at(5000, 0);
-  slow.ramp_s = 0.25;
-  player->push(slow);
+  player->push(clear_at(5000, 0, 0.25));
   player->render(12100);
   EXPECT_LE(largest_step(player->left, 4990, 17000), 1.01 * largest_step(player->left, 4500, 5000));
   EXPECT_GT(peak(player->left_from(5000 + 11500)), 1e-3 * level);

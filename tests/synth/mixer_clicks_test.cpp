@@ -14,9 +14,7 @@ namespace {
 Event click_at(Frame frame, ObjectNumber object, Vec3 impulse_ns, double contact_time_s = 0.0005) {
   return {.frame = frame,
           .object = object,
-          .type = EventType::click,
-          .impulse_ns = impulse_ns,
-          .contact_time_s = contact_time_s};
+          .verb = verb::Click{.impulse_ns = impulse_ns, .contact_time_s = contact_time_s}};
 }
 
 // A mode that nothing strikes here, in a solid sphere.

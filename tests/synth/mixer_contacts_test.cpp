@@ -14,7 +14,7 @@ Contact sliding(double force_n, double speed_m_s) { return {.force_n = {0, 0, fo
 Contact rolling(double force_n, double speed_m_s) { return {.force_n = {0, 0, force_n}, .roll_m_s = speed_m_s}; }
 
 Event contact_at(Frame frame, ObjectNumber object, const Contact& contact) {
-  return {.frame = frame, .object = object, .type = EventType::contact, .point_m = {1, 1, 1}, .contact = contact};
+  return {.frame = frame, .object = object, .verb = verb::Contact{{1, 1, 1}, contact}};
 }
 
 // The impulses of a contact that stays as it is told, over and over, at the very beginning.
@@ -201,8 +201,7 @@ TEST(Contacts, WhichContactsFindAPlaceDoesNotDependOnWhereBlocksEnd) {
       contact.number = number;
       player.push(contact_at(frame, number % 2, contact));
       if (below(10) == 0) player.push(strike_at(frame, number % 2, {0, 0, 0.001}, 0.0005));
-      if (below(100) == 0)
-        player.push({.frame = frame, .object = number % 2, .type = EventType::clear, .ramp_s = 0.01});
+      if (below(100) == 0) player.push({.frame = frame, .object = number % 2, .verb = verb::Clear{0.01}});
     }
     player.render(26000, block);
     if (reference.empty()) {

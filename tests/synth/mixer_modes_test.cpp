@@ -20,8 +20,7 @@ Map four_modes() {
 }
 
 Event ring_at(Frame frame, ObjectNumber object, std::uint32_t first, std::uint32_t count, double amplitude) {
-  return {
-      .frame = frame, .object = object, .type = EventType::ring, .vertex = first, .count = count, .value = amplitude};
+  return {.frame = frame, .object = object, .verb = verb::Ring{first, count, amplitude}};
 }
 
 // a exp(-d t) sin(2 pi f t) of the modes of these ranks, from the first sample on.

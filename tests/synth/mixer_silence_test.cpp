@@ -123,7 +123,7 @@ TEST(Silence, AnObjectThatIsSilencedBeforeItHasAVoiceNeverSounds) {
   ASSERT_TRUE(player.mixer.silence(0, true));
   player.install(0, map_of(random_bank(1, 20, 1)));
   player.push(vertex_strike_at(0, 0, 1, {100, 200, 300}));
-  player.push({.frame = 100, .object = 0, .type = EventType::click, .impulse_ns = {1, 0, 0}, .contact_time_s = 1e-3});
+  player.push({.frame = 100, .object = 0, .verb = verb::Click{.impulse_ns = {1, 0, 0}, .contact_time_s = 1e-3}});
   player.render(4800);
   EXPECT_EQ(peak(player.left), 0);
 }

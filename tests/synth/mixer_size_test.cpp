@@ -49,14 +49,10 @@ Heard play(const modal::Bank& bank, const modal::MaterialScale& material, const 
       0, std::make_unique<Voice>(std::make_shared<ModeTable>(map, material, kRate, dampers)), Mixer::Install::replace));
   player.mixer.meters().watch_objects(true);
   const Vec3 at = {0.04 * kSize, 0, 0};
-  player.push({.frame = 0, .object = 0, .type = EventType::click, .impulse_ns = {0, 0, 0.1}, .contact_time_s = 2e-4});
+  player.push({.frame = 0, .object = 0, .verb = verb::Click{.impulse_ns = {0, 0, 0.1}, .contact_time_s = 2e-4}});
   player.push(strike_at(100, 0, {0, 0, 0.1}, 3e-4, at));
   player.push(vertex_strike_at(2000, 0, 3, {0, 0, -0.05}));
-  player.push({.frame = 3000,
-               .object = 0,
-               .type = EventType::contact,
-               .point_m = at,
-               .contact = {.force_n = {0, 0, -5}, .slip_m_s = 0.3}});
+  player.push({.frame = 3000, .object = 0, .verb = verb::Contact{at, {.force_n = {0, 0, -5}, .slip_m_s = 0.3}}});
   player.render(4800);
   return {player.left, player.mixer.meters().take_peak_level(0)};
 }

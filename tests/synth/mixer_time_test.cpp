@@ -102,7 +102,7 @@ class Performance {
       events_.push_back(strike_at(frame, object, {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}, uniform(0, 2e-3),
                                   {uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(-0.1, 0.1)}));
       if (i % 5 == 0) events_.push_back(gain_at(frame + 300, object, uniform(0, 2), uniform(0, 0.2)));
-      if (i % 7 == 0) events_.push_back(pan_at(frame + 500, object, uniform(-1, 1), uniform(0, 0.2)));
+      if (i % 7 == 0) events_.push_back(pan_at(frame + 500, object, uniform(-1, 1)));
     }
     events_.push_back(clear_at(20001, 1));
     for (std::uint32_t seed = 0; seed < 4; ++seed) maps_.push_back(map_of(random_bank(20 + seed, 45, 40)));

@@ -21,13 +21,13 @@ class Pair {
   Voice& whole() { return *voices_[1]; }
 
   void strike(double impulse_ns) {
-    for (auto& voice : voices_) ASSERT_TRUE(voice->strike(vertex_strike_at(0, 0, 1, {0, impulse_ns, 0})));
+    for (auto& voice : voices_) ASSERT_TRUE(voice->strike(verb::StrikeVertex{1, {0, impulse_ns, 0}, 0}));
   }
   // In the middle of a chunk of which `frames_left` remain.
   void strike_late(double impulse_ns, std::size_t frames_left) {
     for (auto& voice : voices_) {
       std::array<double, kChunkFrames> ignored{};
-      ASSERT_TRUE(voice->strike_late(vertex_strike_at(0, 0, 1, {0, impulse_ns, 0}), frames_left));
+      ASSERT_TRUE(voice->strike_late(verb::StrikeVertex{1, {0, impulse_ns, 0}, 0}, frames_left));
       ASSERT_TRUE(voice->render_late(ignored.data(), frames_left));
       voice->merge_late();
     }

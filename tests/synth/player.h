@@ -33,23 +33,40 @@ inline Event strike_at(Frame frame, ObjectNumber object, Vec3 impulse_ns, double
                        Vec3 point_m = {1, 1, 1}) {
   return {.frame = frame,
           .object = object,
-          .type = EventType::strike,
-          .point_m = point_m,
-          .impulse_ns = impulse_ns,
-          .contact_time_s = contact_time_s};
+          .verb = verb::Strike{.point_m = point_m, .impulse_ns = impulse_ns, .contact_time_s = contact_time_s}};
 }
-inline Event vertex_strike_at(Frame frame, ObjectNumber object, std::uint32_t vertex, Vec3 impulse_ns) {
-  return {
-      .frame = frame, .object = object, .type = EventType::strike_vertex, .vertex = vertex, .impulse_ns = impulse_ns};
+inline Event vertex_strike_at(Frame frame, ObjectNumber object, std::uint32_t vertex, Vec3 impulse_ns,
+                              double contact_time_s = 0) {
+  return {frame, object, verb::StrikeVertex{vertex, impulse_ns, contact_time_s}};
 }
 inline Event gain_at(Frame frame, ObjectNumber object, double gain, double ramp_s = 0) {
-  return {.frame = frame, .object = object, .type = EventType::gain, .value = gain, .ramp_s = ramp_s};
+  return {frame, object, verb::Gain{gain, ramp_s}};
 }
-inline Event pan_at(Frame frame, ObjectNumber object, double pan, double ramp_s = 0) {
-  return {.frame = frame, .object = object, .type = EventType::pan, .value = pan, .ramp_s = ramp_s};
+inline Event pan_at(Frame frame, ObjectNumber object, double pan) { return {frame, object, verb::Pan{pan}}; }
+inline Event clear_at(Frame frame, ObjectNumber object, double ramp_s = 0) {
+  return {frame, object, verb::Clear{ramp_s}};
 }
-inline Event clear_at(Frame frame, ObjectNumber object) {
-  return {.frame = frame, .object = object, .type = EventType::clear};
+// The event that makes this two-way contact. A mallet is a collision, which may have another object's surface as head.
+inline Event touch_at(Frame frame, ObjectNumber object, Vec3 point_m, const Touch& how) {
+  Verb verb = verb::Strike{};
+  switch (how.kind) {
+    case Touch::Kind::bow:
+      verb = verb::Bow{point_m, how.direction, how.speed_m_s, how.force_n, how.width_m, how.friction, how.number};
+      break;
+    case Touch::Kind::mallet:
+      verb = verb::Collision{point_m,    how.direction, how.speed_m_s,     how.mass_kg,        how.stiffness,
+                             how.bounce, how.other,     how.other_point_m, how.other_direction};
+      break;
+    case Touch::Kind::couple:
+      verb = verb::Couple{point_m,       how.other,    how.other_point_m, how.direction, how.force_n, how.gap_m,
+                          how.stiffness, how.friction, how.bounce,        how.mass_kg,   how.number};
+      break;
+    case Touch::Kind::rub:
+      verb = verb::Rub{point_m,      how.contact, how.direction, how.slide_m_s, how.force_n,       how.mass_kg,
+                       how.friction, how.sliding, how.stiffness, how.other,     how.other_point_m, how.to_other};
+      break;
+  }
+  return {frame, object, verb};
 }
 
 // Changes one of the mixer's settings.

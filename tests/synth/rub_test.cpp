@@ -13,11 +13,18 @@ namespace {
 constexpr Vec3 kPlace{0.15, 0, 0};
 
 Event rub_at(Frame frame, ObjectNumber object, const Touch& how, double slip_m_s, const Texture& texture = {}) {
-  Event event{.frame = frame, .object = object, .type = EventType::touch, .point_m = kPlace};
-  event.touch = how;
-  event.contact = {
+  Touch rub = how;
+  rub.contact = {
       .number = how.number, .force_n = how.force_n * how.direction, .slip_m_s = slip_m_s, .texture = texture};
-  return event;
+  return touch_at(frame, object, kPlace, rub);
+}
+
+// The same as a one-way contact.
+Event one_way(const Event& rub) { return {rub.frame, rub.object, rub.verb.get<verb::Rub>().as_public()}; }
+
+// The event that ends it.
+Event end_of(Frame frame, ObjectNumber object, std::uint32_t number) {
+  return touch_at(frame, object, kPlace, {.kind = Touch::Kind::rub, .contact = {.number = number}});
 }
 
 Touch pressed_by(double load, double kg, double depth_m) {
@@ -79,7 +86,7 @@ TEST(Rubs, FeelTheBarAsAFineSimulationDoes) {
     player.push(event);
     player.render(2400);
     Rubbing relief(rub.number, kRate);
-    relief.update(0, event.contact);
+    relief.update(0, event.verb.get<verb::Rub>().contact);
     std::vector<double> heights(2400);
     relief.fill_slopes(0, heights.size(), heights.data());
     for (std::size_t n = 0; n < heights.size(); ++n) {
@@ -105,10 +112,10 @@ TEST(Rubs, AreNearlyAsLoudAsOneWayContactsWhereNothingGivesWay) {
       Touch rub = pressed_by(1, 1, 1e-5);
       rub.number = number;
       Event event = rub_at(begin, 0, rub, 0.05, {.roughness_m = 2e-7});
-      if (!felt) event.type = EventType::contact;
+      if (!felt) event = one_way(event);
       for (; event.frame < begin + 4800; event.frame += 480) player.push(event);
-      event.touch = {.kind = Touch::Kind::rub, .number = number}, event.contact.force_n = {};
-      player.push(event);
+      const Event end = end_of(event.frame, 0, number);
+      player.push(felt ? end : one_way(end));
       player.render(9600);
       sum += rms(player.left_from(static_cast<std::size_t>(begin) + 7200).first(2400));
       player.push(clear_at(static_cast<Frame>(player.left.size()), 0));
@@ -151,7 +158,8 @@ TEST(Rubs, CarryTheirLoadAlongInSilence) {
     player.install(0, map);
     Event event = rub_at(0, 0, pressed_by(5, 0.05, 1e-6), 0);
     for (; event.frame < 24000; event.frame += 192) {
-      if (event.frame > 12000) event.point_m.x = 0.15 - along_m * static_cast<double>(event.frame - 12000) / 12000;
+      if (event.frame > 12000)
+        event.verb.get<verb::Rub>().point_m.x = 0.15 - along_m * static_cast<double>(event.frame - 12000) / 12000;
       player.push(event);
     }
     player.render(24000);
@@ -164,26 +172,26 @@ TEST(Rubs, CarryTheirLoadAlongInSilence) {
 // Sixteen bows leave no place for a rub: to the bit, it is the one-way contact that it also describes, until its end.
 TEST(Rubs, BeyondTheLastPlaceAreOneWay) {
   const Map map = map_of(bar_bank(8));
-  const auto play = [&](EventType type) {
+  const auto play = [&](bool felt) {
     Player player;
     for (ObjectNumber object = 0; object <= 16; ++object) player.install(object, map);
     const Touch bow{.kind = Touch::Kind::bow, .direction = {0, 0, 1}, .speed_m_s = 0.2, .force_n = 1, .friction = 0.8};
     for (ObjectNumber object = 0; object < 16; ++object) player.push(rub_at(0, object, bow, 0));
     Event event = rub_at(100, 16, pressed_by(1, 0.05, 1e-5), 0.1);
-    event.type = type;
+    if (!felt) event = one_way(event);
     for (; event.frame < 9600; event.frame += 480) player.push(event);
     for (ObjectNumber object = 0; object < 16; ++object) {  // a place in the middle of it does not change it
       Touch lifted = bow;
       lifted.force_n = 0;
       player.push(rub_at(4800, object, lifted, 0));
     }
-    event.touch = {.kind = Touch::Kind::rub}, event.contact.force_n = {};
-    player.push(event);
+    const Event end = end_of(event.frame, 16, 0);
+    player.push(felt ? end : one_way(end));
     player.render(24000);
     EXPECT_EQ(player.mixer.counters().refused, 0u);
     return player.left;
   };
-  EXPECT_EQ(play(EventType::touch), play(EventType::contact));
+  EXPECT_EQ(play(true), play(false));
 }
 
 // Another object's surface rubs: it is heard, too, turned as it lies.
@@ -215,7 +223,7 @@ TEST(Rubs, TakeNoMemoryAndNoLocks) {
   Touch rub = pressed_by(1, 0.05, 1e-6);
   rub.other = 1, rub.friction = 0.4, rub.slide_m_s = {0.1, 0, 0};
   Event event = rub_at(0, 0, rub, 0.1);
-  for (; event.frame < 6000; event.frame += 192, event.point_m.x -= 0.001) player.push(event);
+  for (; event.frame < 6000; event.frame += 192, event.verb.get<verb::Rub>().point_m.x -= 0.001) player.push(event);
   const RealtimeScope scope;
   for (int block = 0; block < 60; ++block) player.mixer.render(left, right);
   EXPECT_EQ(scope.seen().total(), 0u) << scope.seen().first;

@@ -77,7 +77,7 @@ class RandomScore {
     for (std::uint32_t i = below(8) == 0 ? below(4) : 0; i > 0; --i) {
       const ObjectNumber object = any();
       for (int twice = 0; twice < 2; ++twice) player.push(gain_at(frame, object, 0.5 + 0.1 * below(5), 0.01));
-      player.push(pan_at(frame, any(), 0.1 * below(9) - 0.4, 0.01));
+      player.push(pan_at(frame, any(), 0.1 * below(9) - 0.4));
     }
     if (below(40) == 0) install(any());
   }

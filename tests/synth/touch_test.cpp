@@ -12,11 +12,6 @@ namespace {
 
 constexpr Vec3 kBarEnd{0.15, 0, 0}, kUpward{0, 0, 1}, kDownward{0, 0, -1};
 
-Event touch_at(Frame frame, ObjectNumber object, Vec3 point_m, const Touch& touch) {
-  Event event{.frame = frame, .object = object, .type = EventType::touch, .point_m = point_m};
-  event.touch = touch;
-  return event;
-}
 Touch mallet_with(double speed, double kg, double stiffness, double bounce = 1) {
   return {.kind = Touch::Kind::mallet,
           .direction = kDownward,

@@ -13,8 +13,8 @@ namespace {
 constexpr double kSpeedOfSound = 343.2;  // of dry air at 20 degrees, as the mixer has it
 constexpr double kTone_hz = 880, kDecay = 0.001;
 
-Event listener_here() { return {.type = EventType::listener}; }
-Event pose_at(Frame frame, Vec3 position_m) { return {.frame = frame, .type = EventType::pose, .point_m = position_m}; }
+Event listener_here() { return {.verb = verb::Listener{}}; }
+Event pose_at(Frame frame, Vec3 position_m) { return {.frame = frame, .verb = verb::Pose{{position_m, {}}}}; }
 
 class TravelTime : public testing::TestWithParam<bool> {
  protected:

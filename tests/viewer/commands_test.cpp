@@ -151,13 +151,13 @@ TEST(Commands, DraggingASliderIsOneChange) {
   Desk desk;
   const KnownObject& bell = *desk.model.object("bell");
   for (int i = 1; i <= 20; ++i) {
-    desk.commands.edits().change(bell, protocol::SetGain{{"bell", std::nullopt}, 0.05 * i}, "gain");
+    desk.commands.edits().change(bell, protocol::SetGain{{"bell", std::nullopt}, {0.05 * i}}, "gain");
     desk.wait(0.016);
   }
   desk.sent.clear();
   desk.commands.perform(Action::undo);
   ASSERT_EQ(desk.of<protocol::SetGain>().size(), 1u);
-  EXPECT_EQ(desk.of<protocol::SetGain>()[0].gain, 1);
+  EXPECT_EQ(desk.of<protocol::SetGain>()[0].verb.gain, 1);
 }
 
 TEST(Commands, AllModesAndTheTwentyHighestArePlayed) {
@@ -166,10 +166,10 @@ TEST(Commands, AllModesAndTheTwentyHighestArePlayed) {
   ASSERT_EQ(desk.of<protocol::SelectModes>().size(), 1u);
   EXPECT_EQ(desk.of<protocol::SelectModes>()[0].range, (modal::ModeRange{80, 20}));
   ASSERT_EQ(desk.of<protocol::RingModes>().size(), 1u);
-  EXPECT_EQ(desk.of<protocol::RingModes>()[0].first, 80u);
+  EXPECT_EQ(desk.of<protocol::RingModes>()[0].verb.first, 80u);
   desk.commands.perform(Action::all_modes);
   EXPECT_EQ(desk.of<protocol::SelectModes>()[1].range, modal::ModeRange{});
-  EXPECT_EQ(desk.of<protocol::RingModes>()[1].first, 0u);
+  EXPECT_EQ(desk.of<protocol::RingModes>()[1].verb.first, 0u);
 }
 
 TEST(Commands, WithFewerThanTwentyModesTheHighestAreAll) {
@@ -191,7 +191,7 @@ TEST(Commands, AModeIsSelectedAloneAndTheSecondTimeAllAre) {
   desk.commands.hear_alone(*desk.model.object("bell"), 12);
   EXPECT_EQ(desk.of<protocol::SelectModes>().back().range, (modal::ModeRange{12, 1}));
   ASSERT_EQ(desk.of<protocol::RingModes>().size(), 1u);
-  EXPECT_EQ(desk.of<protocol::RingModes>()[0].first, 12u);
+  EXPECT_EQ(desk.of<protocol::RingModes>()[0].verb.first, 12u);
   desk.commands.hear_alone(*desk.model.object("bell"), 12);
   EXPECT_EQ(desk.of<protocol::SelectModes>().back().range, modal::ModeRange{});
   EXPECT_EQ(desk.of<protocol::RingModes>().size(), 1u);
@@ -235,8 +235,8 @@ TEST(Commands, AStrikePushesIntoTheSurface) {
   desk.commands.strike("bell", {0.1, 0, 0}, {1, 0, 0}, 0.2);
   const auto strikes = desk.of<protocol::Strike>();
   ASSERT_EQ(strikes.size(), 1u);
-  EXPECT_EQ(strikes[0].impulse_ns, (Vec3{-0.2, 0, 0}));
-  EXPECT_EQ(strikes[0].contact_time_s, 0.001);
+  EXPECT_EQ(strikes[0].verb.impulse_ns, (Vec3{-0.2, 0, 0}));
+  EXPECT_EQ(strikes[0].verb.contact_time_s, 0.001);
 }
 
 TEST(ModeList, ListedModesAreThoseOfTheScaledMaterial) {

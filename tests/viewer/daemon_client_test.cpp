@@ -125,7 +125,7 @@ TEST(DaemonClient, TheClientSendsRequests) {
   Daemon daemon({"--driver", "null", "--object", object_option("bell", "bronze-bell")});
   Window window(at(daemon.port()));
   ASSERT_TRUE(window.reaches([&] { return window.connection == 1; }));
-  window.client.send(protocol::StrikeVertex{{"bell", std::nullopt}, 0, {0, 0, -0.1}});
+  window.client.send(protocol::StrikeVertex{{"bell", std::nullopt}, {0, {0, 0, -0.1}}});
   EXPECT_TRUE(window.reaches([&] { return !window.model.contacts().empty(); }));
   EXPECT_EQ(window.model.contacts().front().object, "bell");
   EXPECT_TRUE(window.reaches([&] { return window.model.peak().held > 0; }));
@@ -225,7 +225,7 @@ TEST(Viewing, TheModelLearnsOfObjectsThatComeAndGo) {
     return !window.model.object("bell") && glass && glass->bank;
   }));
   // Another client changes something of which no notice tells.
-  daemon.send(protocol::format(protocol::SetGain{{"glass", std::nullopt}, 0.25}));
+  daemon.send(protocol::format(protocol::SetGain{{"glass", std::nullopt}, {0.25}}));
   EXPECT_TRUE(window.reaches([&] { return window.model.object("glass")->gain == 0.25; }));
 }
 

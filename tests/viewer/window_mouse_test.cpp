@@ -51,8 +51,8 @@ TEST(Window, AClickOnTheBellStrikesItThere) {
   const protocol::Strike strike = studio.relay().asked<protocol::Strike>()[0];
   EXPECT_EQ(strike.object.name, "bell");
   // A pixel is some 2 mm there, and the surface bends.
-  EXPECT_LT(length(strike.point_m - target.object_m), 0.02);
-  EXPECT_GT(length(strike.impulse_ns), 0);
+  EXPECT_LT(length(strike.verb.point_m - target.object_m), 0.02);
+  EXPECT_GT(length(strike.verb.impulse_ns), 0);
   std::optional<KnownContact> told;
   bool sounds = false, glows = false;
   EXPECT_TRUE(studio.until([&] {
@@ -80,8 +80,9 @@ TEST(Window, AClickHeldLongerStrikesHarder) {
   studio.until([] { return false; }, 2s);
   studio.act({"mouseup", "1"});
   ASSERT_TRUE(studio.until([&] { return strikes().size() == 2; }));
-  EXPECT_LE(length(strikes()[0].impulse_ns), length(strikes()[1].impulse_ns)) << "however long the first took";
-  EXPECT_NEAR(length(strikes()[1].impulse_ns), 8 * studio.app().commands().choice().impulse_ns, 1e-6);
+  EXPECT_LE(length(strikes()[0].verb.impulse_ns), length(strikes()[1].verb.impulse_ns))
+      << "however long the first took";
+  EXPECT_NEAR(length(strikes()[1].verb.impulse_ns), 8 * studio.app().commands().choice().impulse_ns, 1e-6);
 }
 
 TEST(Window, ControlAndAClickChooseASupportWhichIsCopiedAsText) {

@@ -120,7 +120,7 @@ TEST(Window, EveryKeyOfTheSoundDoesWhatItSays) {
   EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().node == 1; }));
   studio.press("r");
   ASSERT_TRUE(studio.asks<protocol::StrikeVertex>());
-  EXPECT_EQ(studio.relay().asked<protocol::StrikeVertex>()[0].vertex, 1u);
+  EXPECT_EQ(studio.relay().asked<protocol::StrikeVertex>()[0].verb.vertex, 1u);
   EXPECT_TRUE(studio.until([&] { return studio.status().sounding_objects == 1; }));
 
   studio.press("Down");
@@ -294,7 +294,8 @@ TEST(Window, AClickInTheTableOfModesSelectsOneAndTheNextSelectsAll) {
   studio.hold({"click", "1"});
   ASSERT_TRUE(studio.until([&] { return studio.bell().selected_modes == 1; }));
   ASSERT_TRUE(studio.asks<protocol::RingModes>());
-  EXPECT_EQ(studio.relay().asked<protocol::RingModes>()[0].first, static_cast<std::uint32_t>(studio.bell().first_mode));
+  EXPECT_EQ(studio.relay().asked<protocol::RingModes>()[0].verb.first,
+            static_cast<std::uint32_t>(studio.bell().first_mode));
   EXPECT_TRUE(studio.until([&] { return studio.status().sounding_modes == 1; }));
   studio.hold({"click", "1"});
   EXPECT_TRUE(studio.until([&] { return studio.bell().selected_modes == modes; }));

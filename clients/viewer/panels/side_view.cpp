@@ -135,9 +135,9 @@ void SideView::draw_sliders(const KnownObject& object, Commands& commands) {
   double level_db = 20 * std::log10(std::max(a.gain, 1e-3));
   if (slider("Level", "How loud the object is. 0 dB is the gain 1, +20 dB the gain 10", level_db, {-60, 40, false},
              "%.1f dB"))
-    commands.edits().change(object, protocol::SetGain{ref, std::pow(10, level_db / 20), 0.02}, "level");
+    commands.edits().change(object, protocol::SetGain{ref, {std::pow(10, level_db / 20), 0.02}}, "level");
   if (slider("Pan", "-1 is left, 1 is right", a.pan, {-1, 1, false}, "%.2f"))
-    commands.edits().change(object, protocol::SetPan{ref, a.pan}, "pan");
+    commands.edits().change(object, protocol::SetPan{ref, {a.pan}}, "pan");
   if (ImGui::SmallButton("As baked")) commands.edits().change(object, protocol::SetMaterial{ref, {}}, "as baked");
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Material and size of the bank's file");
 }

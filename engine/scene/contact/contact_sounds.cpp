@@ -200,16 +200,15 @@ void ContactSounds::strike(const ContactPoint& point, std::optional<double> face
   if (!body || !other) return;
   const double since_s = std::clamp(point.depth_m / point.approach_m_s, 0.0, step_s_);
   latest_s_ = std::max(latest_s_, now_s + point.found_s - since_s);
-  synth::Event event;
-  event.frame = timeline.frame(latest_s_);
-  event.contact_time_s = face_s ? *face_s : contact_time_s(*body, *other, point);
-  if ((body->two_way || other->two_way) && strike_two_way(*body, *other, point, event)) return;
+  const synth::Frame frame = timeline.frame(latest_s_);
+  const double lasting_s = face_s ? *face_s : contact_time_s(*body, *other, point);
+  if ((body->two_way || other->two_way) && strike_two_way(*body, *other, point, lasting_s, frame)) return;
   const auto strike_side = [&](const ContactSide& side, const Motion& motion, Vec3 impulse_ns) {
     if (!side.object) return;
-    event.object = *side.object;
-    event.point_m = to_object(motion, side, point.point_m);
-    event.impulse_ns = transpose(to_matrix(motion.rotation)) * impulse_ns;
-    events_.push(event);
+    const synth::verb::Strike strike{.point_m = to_object(motion, side, point.point_m),
+                                     .impulse_ns = transpose(to_matrix(motion.rotation)) * impulse_ns,
+                                     .contact_time_s = lasting_s};
+    events_.push({frame, *side.object, strike});
   };
   strike_side(*body, point.motions->of_body, point.impulse_ns);
   strike_side(*other, point.motions->of_other, -1 * point.impulse_ns);
@@ -218,11 +217,11 @@ void ContactSounds::strike(const ContactPoint& point, std::optional<double> face
 // The bodies' common mass flies at the first object that sounds, and its head is the other's surface, if that sounds,
 // too. The spring between them is as stiff as makes rigid bodies touch for the contact time. False where there is none.
 bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
-                                   synth::Event event) {
+                                   double contact_time_s, synth::Frame frame) {
   const bool straight = body.object.has_value();
   const ContactSide &struck = straight ? body : other, &head = straight ? other : body;
   const double inverse_mass = inverse_mass_of(body, other, point);
-  if (!struck.object || !(inverse_mass > 0) || !(event.contact_time_s > 0)) return false;
+  if (!struck.object || !(inverse_mass > 0) || !(contact_time_s > 0)) return false;
   const auto in_frame_of = [&](bool of_body, Vec3 world) {
     return transpose(to_matrix((of_body ? point.motions->of_body : point.motions->of_other).rotation)) * world;
   };
@@ -233,24 +232,21 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
   // Bodies that share an impact with others, or graze an edge, give less than they would alone.
   const double pushed_m_s = length(impulse_ns) * inverse_mass;
   const double speed = std::min(point.approach_m_s, pushed_m_s / (1 + kMinBounce));
-  event.type = synth::EventType::touch;
-  event.object = *struck.object;
-  event.point_m = to_object(straight ? point.motions->of_body : point.motions->of_other, struck, point.point_m);
-  event.impulse_ns = in_frame_of(straight, impulse_ns);
-  event.touch.kind = synth::Touch::Kind::mallet;
-  event.touch.direction = in_frame_of(straight, way);
-  event.touch.speed_m_s = speed;
-  event.touch.mass_kg = 1 / inverse_mass;
-  event.touch.stiffness =
-      1.25 * event.touch.mass_kg * speed * speed / std::pow(event.contact_time_s * speed / kHertz, 2.5);
-  event.touch.bounce = std::clamp(pushed_m_s / speed - 1, kMinBounce, 1.0);
+  synth::verb::Collision hit;
+  hit.point_m = to_object(straight ? point.motions->of_body : point.motions->of_other, struck, point.point_m);
+  hit.impulse_ns = in_frame_of(straight, impulse_ns);
+  hit.contact_time_s = contact_time_s;
+  hit.direction = in_frame_of(straight, way);
+  hit.speed_m_s = speed;
+  hit.mass_kg = 1 / inverse_mass;
+  hit.stiffness = 1.25 * hit.mass_kg * speed * speed / std::pow(contact_time_s * speed / kHertz, 2.5);
+  hit.bounce = std::clamp(pushed_m_s / speed - 1, kMinBounce, 1.0);
   if (head.object && *head.object != *struck.object) {
-    event.touch.other = *head.object;
-    event.touch.other_point_m =
-        to_object(straight ? point.motions->of_other : point.motions->of_body, head, point.point_m);
-    event.touch.other_direction = in_frame_of(!straight, -1 * way);
+    hit.other = *head.object;
+    hit.other_point_m = to_object(straight ? point.motions->of_other : point.motions->of_body, head, point.point_m);
+    hit.other_direction = in_frame_of(!straight, -1 * way);
   }
-  events_.push(event);
+  events_.push({frame, *struck.object, hit});
   return true;
 }
 
@@ -266,15 +262,12 @@ void ContactSounds::click(BodyPair pair, std::span<const ContactPoint* const> po
   }
   const ContactSide *body = find(sides_, hardest->body), *other = find(sides_, hardest->other);
   if (!body || !other) return;
-  synth::Event event;
-  event.frame = timeline.frame(latest_s_);
-  event.type = synth::EventType::click;
-  event.contact_time_s = face_s ? *face_s : contact_time_s(*body, *other, *hardest);
+  synth::verb::Click click;
+  click.contact_time_s = face_s ? *face_s : contact_time_s(*body, *other, *hardest);
   const auto click_side = [&](const ContactSide& side, const Motion& motion, double sign) {
     if (!side.object || !side.mass) return;
-    event.object = *side.object;
-    event.impulse_ns = sign * (transpose(to_matrix(motion.rotation)) * on_first_ns);
-    events_.push(event);
+    click.impulse_ns = sign * (transpose(to_matrix(motion.rotation)) * on_first_ns);
+    events_.push({timeline.frame(latest_s_), *side.object, click});
   };
   const double sign = hardest->body == pair.first ? 1 : -1;
   click_side(*body, hardest->motions->of_body, sign);

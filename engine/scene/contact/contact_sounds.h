@@ -59,7 +59,7 @@ class ContactSounds {
   [[nodiscard]] std::optional<double> face_time_s(std::span<const ContactPoint* const> points) const;
   void strike(const ContactPoint& point, std::optional<double> face_s, double now_s, const Timeline& timeline);
   [[nodiscard]] bool strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
-                                    synth::Event event);
+                                    double contact_time_s, synth::Frame frame);
   void click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
              const Timeline& timeline);
 

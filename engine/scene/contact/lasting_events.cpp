@@ -29,11 +29,11 @@ void LastingEvents::add(const ContactReport& report, const ContactSides& sides, 
   const std::size_t struck = first && first->object ? 0 : 1;
   for (std::size_t k = 0; k < halves.size(); ++k) {
     if (numbers.two_way && !numbers.of[k] && k != struck) continue;
-    std::optional<synth::Event> event = event_of(report, halves[k], numbers.of[k], both);
-    if (!event) continue;
-    if (numbers.two_way) feel_back(*event, report.point_m, halves[k], halves[1 - k]);
-    event->frame = frame;
-    events.push(*event);
+    const std::optional<Heard> heard = contact_of(report, halves[k], numbers.of[k], both);
+    if (!heard) continue;
+    synth::Event event{.frame = frame, .object = heard->object, .verb = heard->contact};
+    if (numbers.two_way) event.verb = feel_back(*heard, report.point_m, halves[k], halves[1 - k]);
+    events.push(event);
   }
   if (!numbers.of[0] && !numbers.of[1]) numbers_.erase(report.pair);
 }
@@ -47,53 +47,52 @@ LastingEvents::Felt LastingEvents::felt(const ContactReport& report, const Conta
   return both;
 }
 
-std::optional<synth::Event> LastingEvents::event_of(const ContactReport& report, const Half& half,
-                                                    std::optional<Number>& number, const Felt& felt) {
+std::optional<LastingEvents::Heard> LastingEvents::contact_of(const ContactReport& report, const Half& half,
+                                                              std::optional<Number>& number, const Felt& felt) {
   const bool sounds = half.side && half.side->object;
   if (!number && (!sounds || report.ends)) return {};
   if (!number) number = Number{*half.side->object, take_number(*half.side->object)};
-  synth::Event event;
-  event.type = synth::EventType::contact;
-  event.object = number->object;
-  event.contact.number = number->number;
+  Heard heard{number->object, {}};
+  synth::Contact& contact = heard.contact.contact;
+  contact.number = number->number;
   if (!report.ends && sounds && half.side->object == number->object) {
-    event.point_m = to_object(half.motion, *half.side, report.point_m);
-    event.contact.force_n = transpose(to_matrix(half.motion.rotation)) * half.force_n;
-    event.contact.slip_m_s = report.slip_m_s;
-    event.contact.roll_m_s = report.roll_m_s;
-    event.contact.texture = felt.texture;
-    event.contact.surfaces = felt.surfaces;
-    event.contact.finish_width_m = felt.widths.finish_m;
-    event.contact.relief_width_m = felt.widths.relief_m;
+    heard.contact.point_m = to_object(half.motion, *half.side, report.point_m);
+    contact.force_n = transpose(to_matrix(half.motion.rotation)) * half.force_n;
+    contact.slip_m_s = report.slip_m_s;
+    contact.roll_m_s = report.roll_m_s;
+    contact.texture = felt.texture;
+    contact.surfaces = felt.surfaces;
+    contact.finish_width_m = felt.widths.finish_m;
+    contact.relief_width_m = felt.widths.relief_m;
   } else {
     taken_[number->object][number->number] = false;
     number.reset();
   }
-  return event;
+  return heard;
 }
 
 // The bodies' common mass lies on the struck one, pressed on by the normal part of the force.
-void LastingEvents::feel_back(synth::Event& event, Vec3 point_m, const Half& struck, const Half& other) {
-  event.type = synth::EventType::touch;
-  event.touch = {.kind = synth::Touch::Kind::rub, .number = event.contact.number};
+synth::verb::Rub LastingEvents::feel_back(const Heard& heard, Vec3 point_m, const Half& struck, const Half& other) {
+  synth::verb::Rub rub{.point_m = heard.contact.point_m, .contact = heard.contact.contact};
   const double load_n = dot(struck.force_n, struck.push);
-  if (length(event.contact.force_n) == 0 || !(load_n > 0)) return;  // it ends
+  if (length(rub.contact.force_n) == 0 || !(load_n > 0)) return rub;  // it ends
   const Matrix3 to_frame = transpose(to_matrix(struck.motion.rotation));
   const double inverse = inverse_mass(*struck.side, struck.motion, point_m, struck.push) +
                          inverse_mass(*other.side, other.motion, point_m, struck.push);
   const double depth_m = pressed_depth(*struck.side, *other.side, inverse, load_n);
   const SurfacePair surfaces = combine(struck.side->surface, other.side->surface);
-  event.touch.direction = to_frame * struck.push;
-  event.touch.slide_m_s = to_frame * struck.passing_m_s;
-  event.touch.force_n = load_n;
-  event.touch.mass_kg = 1 / inverse;
-  event.touch.stiffness = std::clamp(load_n / std::pow(depth_m, 1.5), 1.0, 1e15);
-  event.touch.friction = std::min(surfaces.friction, 10.0);
-  if (surfaces.friction > 0) event.touch.sliding = std::min(surfaces.sliding_friction / surfaces.friction, 1.0);
-  if (!other.side->object || *other.side->object == event.object) return;
-  event.touch.other = *other.side->object;
-  event.touch.other_point_m = to_object(other.motion, *other.side, point_m);
-  event.touch.to_other = ringdown::inverse(other.motion.rotation) * struck.motion.rotation;
+  rub.direction = to_frame * struck.push;
+  rub.slide_m_s = to_frame * struck.passing_m_s;
+  rub.load_n = load_n;
+  rub.mass_kg = 1 / inverse;
+  rub.stiffness = std::clamp(load_n / std::pow(depth_m, 1.5), 1.0, 1e15);
+  rub.friction = std::min(surfaces.friction, 10.0);
+  if (surfaces.friction > 0) rub.sliding = std::min(surfaces.sliding_friction / surfaces.friction, 1.0);
+  if (!other.side->object || *other.side->object == heard.object) return rub;
+  rub.other = *other.side->object;
+  rub.other_point_m = to_object(other.motion, *other.side, point_m);
+  rub.to_other = ringdown::inverse(other.motion.rotation) * struck.motion.rotation;
+  return rub;
 }
 
 // Takes the smallest number that none of the object's lasting contacts has.

@@ -61,9 +61,13 @@ class LastingEvents {
     FilterWidths widths;
   };
   static Felt felt(const ContactReport& report, const ContactSide& first, const ContactSide& second);
-  std::optional<synth::Event> event_of(const ContactReport& report, const Half& half, std::optional<Number>& number,
-                                       const Felt& felt);
-  static void feel_back(synth::Event& event, Vec3 point_m, const Half& struck, const Half& other);
+  struct Heard {  // by one object
+    synth::ObjectNumber object;
+    synth::verb::Contact contact;
+  };
+  std::optional<Heard> contact_of(const ContactReport& report, const Half& half, std::optional<Number>& number,
+                                  const Felt& felt);
+  static synth::verb::Rub feel_back(const Heard& heard, Vec3 point_m, const Half& struck, const Half& other);
   std::uint32_t take_number(synth::ObjectNumber object);
 
   PairMap<Numbers> numbers_;

@@ -13,10 +13,9 @@ namespace ringdown::synth {
 namespace {
 
 // An impulse of 1 along the force of a contact.
-Event unit_impulse(const Event& event) RINGDOWN_REALTIME {
-  Event impulse{.frame = event.frame, .object = event.object, .point_m = event.point_m};
-  impulse.impulse_ns = (1 / length(event.contact.force_n)) * event.contact.force_n;
-  return impulse;
+verb::Strike unit_impulse(const verb::Contact& event) RINGDOWN_REALTIME {
+  const Vec3& force_n = event.contact.force_n;
+  return {.point_m = event.point_m, .impulse_ns = (1 / length(force_n)) * force_n, .contact_time_s = 0};
 }
 
 }  // namespace
@@ -41,7 +40,7 @@ void Exciter::fill(Frame first, std::size_t count, const float* samples, double*
     if (contact) {
       rubbing.fill(first, static_cast<std::size_t>(left), impulses);
     } else {
-      pulse.fill(first - impulse.frame, static_cast<std::size_t>(left), impulses);
+      pulse.fill(first - begin, static_cast<std::size_t>(left), impulses);
     }
     std::fill(impulses + left, impulses + count, 0.0);
   } else if (samples) {
@@ -53,10 +52,11 @@ void Exciter::fill(Frame first, std::size_t count, const float* samples, double*
 
 void Exciter::rescale(Frame now, double ratio) {
   if (input) {
-    impulse.impulse_ns = (1 / ratio) * impulse.impulse_ns;
+    verb::Strike& force = impulse.get<verb::Strike>();
+    force.impulse_ns = (1 / ratio) * force.impulse_ns;
     return;
   }
-  impulse.frame = rescaled(impulse.frame, now, ratio);
+  begin = rescaled(begin, now, ratio);
   if (end != kNever) end = rescaled(end, now, ratio);
   if (contact) {
     rubbing.rescale(now, ratio);
@@ -95,8 +95,9 @@ void Exciters::give_back(Exciter& exciter) RINGDOWN_REALTIME { free_ |= 1u << (&
 
 // Finds what an impulse of 1 gives the voice's modes, and adds the exciter to the slots. False when it cannot act.
 bool Exciters::fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME {
-  if (!voice || voice->table().columns() > kMaxDrivenColumns || !voice->find_sane_amplitudes(exciter.impulse))
-    return false;
+  if (!voice || voice->table().columns() > kMaxDrivenColumns) return false;
+  const auto finds = [voice](const auto& impulse) RINGDOWN_REALTIME { return voice->find_sane_amplitudes(impulse); };
+  if (!visit_now(finds, exciter.impulse)) return false;
   std::copy_n(voice->amplitudes(), voice->table().columns(), exciter.amplitudes.get());
   slots.add(exciter);
   return true;
@@ -106,14 +107,13 @@ bool Exciters::fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN
 // contact lasts, instead of a single impulse whose amplitudes are shaped by the pulse's spectrum. Both sound alike once
 // the contact is over; sample by sample, the onset is right, too. When too many forces act, or the pulse is shorter
 // than kMinPulse_frames, false tells the caller to use the spectrum.
-bool Exciters::start_pulse(const Event& strike, double sample_rate_hz, Voice* voice,
-                           ExciterSlots& slots) RINGDOWN_REALTIME {
-  const double frames = strike.contact_time_s * sample_rate_hz;
-  if (!voice || !(frames >= kMinPulse_frames) || slots.full_at(strike.frame)) return false;
-  Exciter* const exciter = take(strike.frame);
+bool Exciters::play_pulse(const decltype(Exciter::impulse)& impulse, double frames, Frame frame, Voice* voice,
+                          ExciterSlots& slots) RINGDOWN_REALTIME {
+  if (!voice || !(frames >= kMinPulse_frames) || slots.full_at(frame)) return false;
+  Exciter* const exciter = take(frame);
   if (!exciter) return false;
-  exciter->impulse = strike;
-  exciter->impulse.contact_time_s = 0;
+  exciter->impulse = impulse;
+  exciter->begin = frame;
   exciter->pulse = HalfSine(frames);
   if (fit(*exciter, voice, slots)) {
     const double limit = voice->blow_limit(exciter->amplitudes.get());
@@ -126,18 +126,19 @@ bool Exciters::start_pulse(const Event& strike, double sample_rate_hz, Voice* vo
   return false;
 }
 
-bool Exciters::open_contact(const Event& event, double sample_rate_hz, Voice* voice,
+bool Exciters::open_contact(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
                             ExciterSlots& slots) RINGDOWN_REALTIME {
   const Contact& contact = event.contact;
-  Exciter* const open = slots.find_contact(contact.number, event.frame);
+  Exciter* const open = slots.find_contact(contact.number, frame);
   if (length(contact.force_n) == 0) return open != nullptr;
   if (open) {
     open->awaits_update = true;
     return true;
   }
-  Exciter* const exciter = voice && !slots.full_at(event.frame) ? take(event.frame) : nullptr;
+  Exciter* const exciter = voice && !slots.full_at(frame) ? take(frame) : nullptr;
   if (exciter) {
     exciter->impulse = unit_impulse(event);
+    exciter->begin = frame;
     exciter->contact = contact.number;
     exciter->rubbing = Rubbing(contact.number, sample_rate_hz);
     exciter->awaits_update = true;
@@ -148,18 +149,22 @@ bool Exciters::open_contact(const Event& event, double sample_rate_hz, Voice* vo
   return false;
 }
 
-void Exciters::update_contact(const Event& event, Voice* voice, const ExciterSlots& slots) RINGDOWN_REALTIME {
-  Exciter* const exciter = slots.find_contact(event.contact.number, event.frame);
+void Exciters::update_contact(const verb::Contact& event, Frame frame, Voice* voice,
+                              const ExciterSlots& slots) RINGDOWN_REALTIME {
+  Exciter* const exciter = slots.find_contact(event.contact.number, frame);
   if (!exciter) return;
   exciter->awaits_update = false;
-  exciter->rubbing.update(event.frame, event.contact);
+  exciter->rubbing.update(frame, event.contact);
   if (length(event.contact.force_n) == 0 || !voice) return;
-  exciter->impulse = unit_impulse(event);
-  if (!voice->find_sane_amplitudes(exciter->impulse)) return;
+  const verb::Strike impulse = unit_impulse(event);
+  exciter->impulse = impulse;
+  exciter->begin = frame;
+  if (!voice->find_sane_amplitudes(impulse)) return;
   std::copy_n(voice->amplitudes(), voice->table().columns(), exciter->amplitudes.get());
 }
 
-void Exciters::connect(std::size_t input, const Event& impulse, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME {
+void Exciters::connect(std::size_t input, ObjectNumber object, const verb::Strike& impulse, Voice* voice,
+                       ExciterSlots& slots) RINGDOWN_REALTIME {
   if (!voice) return;
   if (slots.full()) {  // an input stays; a pulse or contact would soon have ended
     const auto all = slots.all();
@@ -170,10 +175,9 @@ void Exciters::connect(std::size_t input, const Event& impulse, Voice* voice, Ex
   Exciter* const exciter = take(kNever);
   if (!exciter) return count(counters_.refused);
   exciter->impulse = impulse;
-  exciter->impulse.contact_time_s = 0;
   exciter->input = input;
   if (fit(*exciter, voice, slots)) {
-    targets_[input] = impulse.object;
+    targets_[input] = object;
   } else {
     give_back(*exciter);
   }

@@ -54,7 +54,8 @@ class HalfSine {
 
 struct Exciter {
   AlignedArray<double> amplitudes = aligned_zeros<double>(kMaxDrivenColumns);  // what an impulse of 1 gives each mode
-  Event impulse;                         // an impulse of 1: its point and direction, and the frame of its beginning
+  OneOf<Types<verb::Strike, verb::StrikeVertex>> impulse = verb::Strike{};     // of 1 N s, without contact time
+  Frame begin = 0;                                                             // of the force
   std::optional<std::size_t> input;      // the force is this input's samples; else
   std::optional<std::uint32_t> contact;  // it is the friction of this contact of the object; else the pulse
   Rubbing rubbing;
@@ -71,7 +72,7 @@ struct Exciter {
   [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME {
     if (input) return kNever;
     if (awaits_update) return end;
-    return std::min(end, contact ? rubbing.over_from() : impulse.frame + pulse.over_from());
+    return std::min(end, contact ? rubbing.over_from() : begin + pulse.over_from());
   }
 };
 
@@ -123,16 +124,23 @@ class Exciters {
 
   // Plays the strike's contact sample by sample. False when the strike is better shaped by its spectrum: it is too
   // short, or too many forces act already.
-  [[nodiscard]] bool start_pulse(const Event& strike, double sample_rate_hz, Voice* voice,
-                                 ExciterSlots& slots) RINGDOWN_REALTIME;
+  template <class Strike>
+  [[nodiscard]] bool start_pulse(const Strike& strike, Frame frame, double sample_rate_hz, Voice* voice,
+                                 ExciterSlots& slots) RINGDOWN_REALTIME {
+    Strike impulse = strike;
+    impulse.contact_time_s = 0;
+    return play_pulse(impulse, strike.contact_time_s * sample_rate_hz, frame, voice, slots);
+  }
   // Makes room for a contact, unless the object has it already. False when there is no force, or no room.
-  [[nodiscard]] bool open_contact(const Event& event, double sample_rate_hz, Voice* voice,
+  [[nodiscard]] bool open_contact(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
                                   ExciterSlots& slots) RINGDOWN_REALTIME;
   // The contact is as the event says from the event's frame on.
-  static void update_contact(const Event& event, Voice* voice, const ExciterSlots& slots) RINGDOWN_REALTIME;
+  static void update_contact(const verb::Contact& event, Frame frame, Voice* voice,
+                             const ExciterSlots& slots) RINGDOWN_REALTIME;
 
-  // Lets an input excite the object of `impulse`, whose voice and slots these are.
-  void connect(std::size_t input, const Event& impulse, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
+  // Lets an input excite an object, whose voice and slots these are.
+  void connect(std::size_t input, ObjectNumber object, const verb::Strike& impulse, Voice* voice,
+               ExciterSlots& slots) RINGDOWN_REALTIME;
   void disconnect(std::size_t input, ExciterSlots& slots) RINGDOWN_REALTIME;
   [[nodiscard]] std::optional<ObjectNumber> target_of(std::size_t input) const RINGDOWN_REALTIME {
     return targets_[input];
@@ -144,6 +152,8 @@ class Exciters {
   void drop_finished(Frame frame, ExciterSlots& slots) RINGDOWN_REALTIME;
 
  private:
+  [[nodiscard]] bool play_pulse(const decltype(Exciter::impulse)& impulse, double frames, Frame frame, Voice* voice,
+                                ExciterSlots& slots) RINGDOWN_REALTIME;
   [[nodiscard]] Exciter* take(Frame from) RINGDOWN_REALTIME;  // null: none is free from that frame on
   void give_back(Exciter& exciter) RINGDOWN_REALTIME;
   void drop(std::size_t which, ExciterSlots& slots, Frame keep_until = 0) RINGDOWN_REALTIME;

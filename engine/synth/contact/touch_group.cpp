@@ -82,12 +82,12 @@ void TouchGroup::play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_RE
     Object& object = *bodies_[b].object;
     for (; object.due.first && object.due.first->offset <= offset; object.due.first = object.due.first->next) {
       const Event& event = object.due.first->event;
-      if (event.type == EventType::touch) {
-        play_touch(event, chunk);
-        continue;
-      }
-      object.play(event, chunk);
-      if (event.type != EventType::clear) continue;
+      const auto plays = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+        if constexpr (TwoWay<One>) play_touch(touch_of(one), event.frame, object, chunk);
+        if constexpr (!TwoWay<One>) object.play(event, chunk);
+        return kEndsContacts<One>;
+      };
+      if (!visit_now(plays, event.verb)) continue;
       for (TouchSlot* touch : touches()) {
         if (touch->involves(object)) end_touch(*touch);
       }
@@ -95,13 +95,11 @@ void TouchGroup::play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_RE
   }
 }
 
-void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME {
-  const Touch& how = event.touch;
+void TouchGroup::play_touch(const Touch& how, Frame frame, const Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
   const auto slot = std::ranges::find_if(touches(), [&](const TouchSlot* touch) RINGDOWN_REALTIME {
-    const Event& last = touch->event;
-    return touch->used && last.object == event.object && last.touch.kind == how.kind &&
-           last.touch.number == how.number &&
-           (how.kind != Touch::Kind::mallet || (!touch->open && last.frame == event.frame));
+    return touch->used && touch->sides[0].object == &object && touch->touch.kind == how.kind &&
+           touch->touch.number == how.number &&
+           (how.kind != Touch::Kind::mallet || (!touch->open && touch->since == frame));
   });
   if (slot == touches().end()) return;
   TouchSlot& touch = **slot;
@@ -112,38 +110,38 @@ void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REA
     return;
   }
   const auto ramp_s = begins ? kMinBowRamp_s
-                             : std::clamp(static_cast<double>(event.frame - touch.since) / chunk.sample_rate_hz,
+                             : std::clamp(static_cast<double>(frame - touch.since) / chunk.sample_rate_hz,
                                           kMinBowRamp_s, kMaxBowRamp_s);
   const auto ramp = static_cast<Frame>(ramp_s * chunk.sample_rate_hz);
   const bool rubs = how.kind == Touch::Kind::rub;
   const bool lifted = (how.kind == Touch::Kind::bow || rubs) && how.force_n == 0;
   if (!lifted) {  // what is lifted stays where it is and keeps its speed
-    const Touch last = touch.event.touch;
-    touch.stale = touch.stale || !(touch.event.point_m == event.point_m && last.direction == how.direction &&
+    const Touch last = touch.touch;
+    touch.stale = touch.stale || !(last.point_m == how.point_m && last.direction == how.direction &&
                                    last.other_point_m == how.other_point_m && last.to_other == how.to_other &&
                                    last.width_m == how.width_m);
-    touch.event = event;
-    if (begins) touch.speed_m_s = {how.speed_m_s, how.speed_m_s, event.frame, event.frame};
-    touch.speed_m_s.aim(how.speed_m_s, event.frame, ramp);
+    touch.touch = how;
+    if (begins) touch.speed_m_s = {how.speed_m_s, how.speed_m_s, frame, frame};
+    touch.speed_m_s.aim(how.speed_m_s, frame, ramp);
     if (rubs) {
       if (begins) {
         touch.relief = Rubbing(how.number, chunk.sample_rate_hz);
         touch.slide_m_s = {};
         touch.raised_m = 0;
       } else {
-        Touch& kept = touch.event.touch;
+        Touch& kept = touch.touch;
         kept.force_n = last.force_n, kept.mass_kg = last.mass_kg, kept.stiffness = last.stiffness;
         kept.friction = last.friction, kept.sliding = last.sliding;
       }
-      touch.relief.update(event.frame, event.contact);
+      touch.relief.update(frame, how.contact);
       const std::array<Vec3, 2> along = across(how.direction);
       for (std::size_t k = 0; k < along.size(); ++k) {
-        touch.slide_m_s[k].aim(dot(how.slide_m_s, along[k]), event.frame, ramp);
+        touch.slide_m_s[k].aim(dot(how.slide_m_s, along[k]), frame, ramp);
       }
     }
   }
-  touch.force_n.aim(how.force_n, event.frame, ramp);
-  touch.since = event.frame;
+  touch.force_n.aim(how.force_n, frame, ramp);
+  touch.since = frame;
   if (!begins) return;
   touch.open = touch.contact.on = true;
   touch.contact.sliding.release();
@@ -229,7 +227,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
 bool TouchGroup::stays_apart(std::size_t steps) RINGDOWN_REALTIME {
   for (const TouchSlot* touch : touches()) {
     if (!touch->open) continue;
-    if (!touch->contact.impact || touch->event.touch.kind == Touch::Kind::rub) return false;
+    if (!touch->contact.impact || touch->touch.kind == Touch::Kind::rub) return false;
     const double* const row = row_of(approach_, touch->first);
     if (touch->contact.pressed.depth_m() + *std::max_element(row, row + steps + 1) - row[0] > 0) return false;
   }
@@ -254,7 +252,7 @@ void TouchGroup::raise(TouchSlot& touch, Frame begin, std::size_t frames) RINGDO
   double* const row = row_of(approach_, touch.first);
   const double start = touch.raised_m;
   for (std::size_t n = 0; n < frames; ++n) {
-    const double load = touch.force_n.at(begin + static_cast<Frame>(n)) / touch.event.touch.stiffness;
+    const double load = touch.force_n.at(begin + static_cast<Frame>(n)) / touch.touch.stiffness;
     const double before = touch.raised_m - start;
     touch.raised_m = 2.0 / 3 * std::cbrt(load * load) * slopes[n];
     for (std::size_t s = 1; s <= substeps_; ++s) {
@@ -278,11 +276,11 @@ void TouchGroup::find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME {
     for (TouchSlot* touch : touches()) {
       if (!touch->open) continue;
       const Frame frame = begin + static_cast<Frame>(s / substeps_);
-      if (touch->event.touch.kind == Touch::Kind::bow) {
+      if (touch->touch.kind == Touch::Kind::bow) {
         if (s % substeps_ == 0) touch->contact.load_n = touch->force_n.at(frame);
         free[touch->first] += touch->speed_m_s.at(frame) * step_s_;
       }
-      if (touch->event.touch.kind == Touch::Kind::rub) {
+      if (touch->touch.kind == Touch::Kind::rub) {
         const std::size_t j = touch->first;
         load[j] = touch->force_n.at(frame);
         loaded = true;
@@ -333,7 +331,7 @@ void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk&
   if (touched_) {
     if (!at_once) move_freely(begin, frames, chunk, Directions::along);
     for (TouchSlot* touch : touches()) {
-      if (touch->open && touch->event.touch.kind == Touch::Kind::rub) {
+      if (touch->open && touch->touch.kind == Touch::Kind::rub) {
         raise(*touch, chunk.begin + static_cast<Frame>(begin), frames);
       }
     }
@@ -380,7 +378,7 @@ void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk&
 void TouchGroup::close_finished(Frame now) RINGDOWN_REALTIME {
   for (TouchSlot* touch : touches()) {
     if (!touch->open) continue;
-    const Touch& how = touch->event.touch;
+    const Touch& how = touch->touch;
     const bool rubs = how.kind == Touch::Kind::rub;
     const double rate_hz = 1 / (step_s_ * static_cast<double>(substeps_));
     if (rubs && touch->force_n.to != 0 && static_cast<double>(now - touch->since) >= kContactTimeOut_s * rate_hz) {

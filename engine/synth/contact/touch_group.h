@@ -15,6 +15,7 @@
 #include "engine/base/realtime.h"
 #include "engine/contact/network.h"
 #include "engine/synth/contact/rubbing.h"
+#include "engine/synth/contact/touch.h"
 #include "engine/synth/kernels/aligned_array.h"
 #include "engine/synth/object.h"
 #include "engine/synth/ramp.h"
@@ -61,7 +62,7 @@ struct TouchSlot {
   bool open = false;   // its event has happened
   bool stale = false;  // its ports are to be found anew
   bool fresh = false;  // accepted since the group was set: other objects than before may touch here
-  Event event;         // the last one
+  Touch touch;         // as the last event said
   std::array<Side, 2> sides;
   RigidMass rigid;
   double per_kg = 0;  // one over the mass that a short push along the normal feels
@@ -109,7 +110,7 @@ class TouchGroup final : public Source {
     return {touches_.data(), touch_count_};
   }
   void play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_REALTIME;
-  void play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME;
+  void play_touch(const Touch& how, Frame frame, const Object& object, const Chunk& chunk) RINGDOWN_REALTIME;
   void refresh(const Chunk& chunk) RINGDOWN_REALTIME;
   void find_poles(Body& body) RINGDOWN_REALTIME;
   // Returns the sum of the modes' squared shapes: one over the mass that a short push feels [1/kg].

@@ -29,7 +29,7 @@ double rub_depth_m(const Touch& rub) RINGDOWN_REALTIME {
 // Steps in a sample, for a mass that hits at a speed: Hertz's contact time in samples; for one that rubs, half a
 // period.
 std::size_t substeps_for(const TouchSlot& slot, double sample_rate_hz) RINGDOWN_REALTIME {
-  const Touch& touch = slot.event.touch;
+  const Touch& touch = slot.touch;
   if (touch.kind == Touch::Kind::bow || !(touch.stiffness > 0)) return 1;
   const double kg = mass_of(slot);
   const auto in_a_sample = [](double samples) RINGDOWN_REALTIME {
@@ -70,8 +70,7 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
   const std::size_t points = width_m > 0 ? 5 : 1;
   for (std::size_t k = 0; k < points; ++k) {
     const double side = k % 2 == 1 ? 0.5 * width_m : -0.5 * width_m;
-    Event push;
-    push.point_m = point_m, push.impulse_ns = direction;
+    verb::Strike push{.point_m = point_m, .impulse_ns = direction, .contact_time_s = 0};
     if (k > 0) push.point_m = point_m + side * aside[(k - 1) / 2];
     const double share = points == 1 ? 1.0 : (k == 0 ? 2.0 : 1.0) / 6.0;
     if (!voice.find_sane_amplitudes(push)) continue;
@@ -99,7 +98,7 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
 }
 
 void TouchGroup::find_ports(TouchSlot& touch) RINGDOWN_REALTIME {
-  const Touch& how = touch.event.touch;
+  const Touch& how = touch.touch;
   const bool rubs = how.kind == Touch::Kind::rub, slides = rubs || how.kind == Touch::Kind::couple;
   const std::array<Vec3, 2> along = across(how.direction);
   const auto on_other = [&](const Vec3& push)
@@ -109,7 +108,7 @@ void TouchGroup::find_ports(TouchSlot& touch) RINGDOWN_REALTIME {
     TouchSlot::Side& side = touch.sides[s];
     if (!side.object) continue;
     Body& body = body_of(*side.object);
-    const Vec3& point_m = s == 0 ? touch.event.point_m : how.other_point_m;
+    const Vec3& point_m = s == 0 ? how.point_m : how.other_point_m;
     const bool turned = s == 1 && length(how.other_direction) > 0;
     const Vec3 direction = s == 0 ? how.direction : turned ? how.other_direction : on_other(how.direction);
     touch.per_kg += find_port(body, point_m, direction, how.width_m, side.ports[0]);
@@ -122,7 +121,7 @@ void TouchGroup::find_ports(TouchSlot& touch) RINGDOWN_REALTIME {
 // The step and the bodies' compliance limit how stiff bristles can be: stiffer ones than half of 1 / Z would ring from
 // step to step.
 void TouchGroup::find_laws(TouchSlot& touch) RINGDOWN_REALTIME {
-  const Touch& how = touch.event.touch;
+  const Touch& how = touch.touch;
   touch.contact.on = touch.open;
   if (how.kind != Touch::Kind::bow) {
     touch.contact.impact = contact::ImpactLaw{.stiffness = how.stiffness, .bounce = how.bounce};

@@ -33,14 +33,56 @@ bool is_sane(const Touch& t) RINGDOWN_REALTIME {
 
 }  // namespace
 
-Touches::Answer Touches::accept(const Event& event, Object& object, Object* other, bool tight) RINGDOWN_REALTIME {
-  const Touch& how = event.touch;
-  if (!is_sane(how) || !std::isfinite(dot(event.point_m, event.point_m))) return Answer::refused;
+Touch touch_of(const verb::Bow& bow) RINGDOWN_REALTIME {
+  Touch touch{.kind = Touch::Kind::bow, .number = bow.number, .point_m = bow.point_m, .direction = bow.direction};
+  touch.speed_m_s = bow.speed_m_s, touch.force_n = bow.force_n;
+  touch.friction = bow.rosin, touch.width_m = bow.width_m;
+  return touch;
+}
+
+Touch touch_of(const verb::Mallet& mallet) RINGDOWN_REALTIME {
+  Touch touch{.kind = Touch::Kind::mallet, .point_m = mallet.point_m};
+  touch.speed_m_s = length(mallet.velocity_m_s);
+  touch.direction = (1 / touch.speed_m_s) * mallet.velocity_m_s;
+  touch.mass_kg = mallet.mass_kg, touch.stiffness = mallet.head, touch.bounce = mallet.bounce;
+  return touch;
+}
+
+Touch touch_of(const verb::Couple& couple) RINGDOWN_REALTIME {
+  Touch touch{.kind = Touch::Kind::couple, .number = couple.number, .point_m = couple.point_m};
+  touch.direction = couple.direction;
+  touch.force_n = couple.weight_n, touch.mass_kg = couple.mass_kg, touch.gap_m = couple.gap_m;
+  touch.stiffness = couple.stiffness, touch.friction = couple.friction, touch.bounce = couple.bounce;
+  touch.other = couple.other, touch.other_point_m = couple.other_point_m;
+  return touch;
+}
+
+Touch touch_of(const verb::Collision& hit) RINGDOWN_REALTIME {
+  Touch touch{.kind = Touch::Kind::mallet, .point_m = hit.point_m, .direction = hit.direction};
+  touch.speed_m_s = hit.speed_m_s;
+  touch.mass_kg = hit.mass_kg, touch.stiffness = hit.stiffness, touch.bounce = hit.bounce;
+  touch.other = hit.other, touch.other_point_m = hit.other_point_m, touch.other_direction = hit.other_direction;
+  return touch;
+}
+
+Touch touch_of(const verb::Rub& rub) RINGDOWN_REALTIME {
+  Touch touch{.kind = Touch::Kind::rub, .number = rub.contact.number, .point_m = rub.point_m};
+  touch.direction = rub.direction, touch.slide_m_s = rub.slide_m_s, touch.force_n = rub.load_n;
+  touch.mass_kg = rub.mass_kg, touch.friction = rub.friction, touch.sliding = rub.sliding;
+  touch.stiffness = rub.stiffness;
+  touch.other = rub.other, touch.other_point_m = rub.other_point_m, touch.to_other = rub.to_other;
+  touch.contact = rub.contact;
+  return touch;
+}
+
+Touches::Answer Touches::accept(const Touch& how, Frame frame, Object& object, Object* other,
+                                bool tight) RINGDOWN_REALTIME {
+  if (!is_sane(how) || !std::isfinite(dot(how.point_m, how.point_m))) return Answer::refused;
   const bool couple = how.kind == Touch::Kind::couple, two = couple || other;
   if (how.kind != Touch::Kind::mallet) {
     const bool known = std::ranges::any_of(slots_, [&](const TouchSlot& slot) RINGDOWN_REALTIME {
-      return slot.used && slot.event.object == event.object && slot.event.touch.kind == how.kind &&
-             slot.event.touch.number == how.number && (!couple || how.stiffness == 0 || slot.sides[1].object == other);
+      return slot.used && slot.sides[0].object == &object && slot.touch.kind == how.kind &&
+             slot.touch.number == how.number && (!couple || how.stiffness == 0 || slot.sides[1].object == other);
     });
     if (known) return Answer::taken;
   }
@@ -51,14 +93,14 @@ Touches::Answer Touches::accept(const Event& event, Object& object, Object* othe
   if (slot == slots_.end()) return Answer::one_way;
   slot->used = slot->stale = slot->fresh = true;
   slot->open = false;
-  slot->event = event;
+  slot->touch = how;
   slot->sides[0].object = &object;
   slot->sides[1].object = two ? other : nullptr;
   slot->contact = {};
   slot->contact.on = false;
   slot->rigid = {};
   slot->speed_m_s = slot->force_n = {};
-  slot->since = event.frame;
+  slot->since = frame;
   if (how.kind == Touch::Kind::mallet || how.kind == Touch::Kind::rub) slot->rigid.kg = how.mass_kg;
   if (couple && how.force_n > 0) {
     slot->rigid.kg = how.mass_kg > 0 ? how.mass_kg : how.force_n / 9.81;
@@ -115,20 +157,16 @@ void Touches::regroup() RINGDOWN_REALTIME {
   }
 }
 
-Event Touches::strike_of(const Event& mallet, const Object& object) RINGDOWN_REALTIME {
-  const Touch& how = mallet.touch;
-  Event strike = mallet;
-  strike.type = EventType::strike;
-  if (length(strike.impulse_ns) > 0) return strike;  // a scene knows
+verb::Strike Touches::strike_of(const Touch& mallet, const Object& object) RINGDOWN_REALTIME {
   const Voice* const voice = object.voices.current();
-  double kg = how.mass_kg;
+  double kg = mallet.mass_kg;
   if (voice && voice->table().bank().mass && voice->table().bank().mass->mass_kg > 0) {
     kg = 1 / (1 / kg + 1 / voice->table().bank().mass->mass_kg);
   }
-  strike.impulse_ns = 2 * kg * how.speed_m_s * how.direction;
-  const double speed = std::max(how.speed_m_s, 1e-3);
-  strike.contact_time_s = std::min(0.1, 2.94 * std::pow(1.25 * kg * speed * speed / how.stiffness, 0.4) / speed);
-  return strike;
+  const double speed = std::max(mallet.speed_m_s, 1e-3);
+  return {.point_m = mallet.point_m,
+          .impulse_ns = 2 * kg * mallet.speed_m_s * mallet.direction,
+          .contact_time_s = std::min(0.1, 2.94 * std::pow(1.25 * kg * speed * speed / mallet.stiffness, 0.4) / speed)};
 }
 
 }  // namespace ringdown::synth

@@ -20,7 +20,8 @@ class Touches {
   };
   // Makes room for a two-way contact of `object`, and of `other` for a coupling, unless it is there already. The
   // objects ring alone from now on. `tight`: there is no time for more contacts.
-  [[nodiscard]] Answer accept(const Event& event, Object& object, Object* other, bool tight) RINGDOWN_REALTIME;
+  [[nodiscard]] Answer accept(const Touch& how, Frame frame, Object& object, Object* other,
+                              bool tight) RINGDOWN_REALTIME;
 
   // After the events of a chunk have been accepted: ends contacts whose objects are gone, and sorts the others into
   // groups that share no object. Objects in a group are marked as touched.
@@ -31,7 +32,7 @@ class Touches {
   [[nodiscard]] std::span<TouchGroup* const> groups() RINGDOWN_REALTIME { return {active_.data(), active_count_}; }
 
   // The strike that stands in for a mallet of which nothing is felt.
-  [[nodiscard]] static Event strike_of(const Event& mallet, const Object& object) RINGDOWN_REALTIME;
+  [[nodiscard]] static verb::Strike strike_of(const Touch& mallet, const Object& object) RINGDOWN_REALTIME;
 
  private:
   [[nodiscard]] static bool can_touch(const Object* object) RINGDOWN_REALTIME {

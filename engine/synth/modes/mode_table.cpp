@@ -172,31 +172,39 @@ std::optional<std::size_t> ModeTable::at_column(std::size_t column) const RINGDO
   return slow_modes_ + column - first_fast;
 }
 
-double ModeTable::ring(const Event& event, double* amplitudes) const RINGDOWN_REALTIME {
-  const modal::ModeRange range{event.vertex, event.count};
+std::optional<double> ModeTable::strike(const verb::Ring& ring, std::span<double> /*scratch*/,
+                                        double* amplitudes) const RINGDOWN_REALTIME {
+  const modal::ModeRange range{ring.first, ring.count};
   double energy = 0;
   for (std::size_t i = 0; i < playable_modes(); ++i) {
-    const double a = range.has(map_->rank(mode_of(i))) ? event.value : 0;
+    const double a = range.has(map_->rank(mode_of(i))) ? ring.amplitude : 0;
     amplitudes[column(i)] = a;
     energy += a * a;
   }
   return energy;
 }
 
-std::optional<double> ModeTable::strike(const Event& event, std::span<double> scratch,
+std::optional<double> ModeTable::strike(const verb::StrikeVertex& strike, std::span<double> scratch,
                                         double* amplitudes) const RINGDOWN_REALTIME {
-  if (event.type == EventType::ring) return ring(event, amplitudes);
-  if (event.type == EventType::strike_vertex) {
-    if (event.vertex >= bank().point_count()) return std::nullopt;
-    map_->excite_vertex(event.vertex, event.impulse_ns, scratch);
-  } else {
-    map_->excite(per_size_ * event.point_m, event.impulse_ns, scratch);
-  }
+  if (strike.vertex >= bank().point_count()) return std::nullopt;
+  map_->excite_vertex(strike.vertex, strike.impulse_ns, scratch);
+  return weigh(scratch, strike.contact_time_s, amplitudes);
+}
+
+std::optional<double> ModeTable::strike(const verb::Strike& strike, std::span<double> scratch,
+                                        double* amplitudes) const RINGDOWN_REALTIME {
+  map_->excite(per_size_ * strike.point_m, strike.impulse_ns, scratch);
+  return weigh(scratch, strike.contact_time_s, amplitudes);
+}
+
+// From what the blow gives each mode of the bank to the amplitudes of the columns.
+double ModeTable::weigh(std::span<const double> excited, double contact_time_s,
+                        double* amplitudes) const RINGDOWN_REALTIME {
   const std::uint32_t *mode = mode_of_.data(), *column = column_.data();
   const double *weight = weight_.data(), *frequency = frequency_hz_.data();
   double energy = 0;
   for (std::size_t i = 0; i < playable_modes(); ++i) {
-    const double a = weight[i] * scratch[mode[i]] * modal::pulse_spectrum(frequency[i], event.contact_time_s);
+    const double a = weight[i] * excited.data()[mode[i]] * modal::pulse_spectrum(frequency[i], contact_time_s);
     amplitudes[column[i]] = a;
     energy += a * a;
   }

@@ -75,11 +75,14 @@ class ModeTable {
   // Which playable mode has this column; nullopt for padding.
   [[nodiscard]] std::optional<std::size_t> at_column(std::size_t column) const RINGDOWN_REALTIME;
 
-  // The output amplitude that a strike (EventType::strike, its point in the frame of the object in its size, or
-  // strike_vertex) or EventType::ring gives the mode of each column, and the sum of their squares; nullopt when the
-  // vertex does not exist.
-  // `scratch` has one element per mode of the bank, `amplitudes` one per column; its padding stays as it was. [audio]
-  [[nodiscard]] std::optional<double> strike(const Event& event, std::span<double> scratch,
+  // Finds the output amplitude that a strike gives the mode of each column, and returns the sum of their squares;
+  // nullopt when the vertex does not exist. Points are in the frame of the object in its size. `scratch` has one
+  // element per mode of the bank, `amplitudes` one per column; padding columns stay as they were. [audio]
+  [[nodiscard]] std::optional<double> strike(const verb::Strike& strike, std::span<double> scratch,
+                                             double* amplitudes) const RINGDOWN_REALTIME;
+  [[nodiscard]] std::optional<double> strike(const verb::StrikeVertex& strike, std::span<double> scratch,
+                                             double* amplitudes) const RINGDOWN_REALTIME;
+  [[nodiscard]] std::optional<double> strike(const verb::Ring& ring, std::span<double> scratch,
                                              double* amplitudes) const RINGDOWN_REALTIME;
 
   // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
@@ -116,7 +119,8 @@ class ModeTable {
  private:
   enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, exponent_re, exponent_im, kRows };
 
-  [[nodiscard]] double ring(const Event& event, double* amplitudes) const RINGDOWN_REALTIME;
+  [[nodiscard]] double weigh(std::span<const double> excited, double contact_time_s,
+                             double* amplitudes) const RINGDOWN_REALTIME;
   void add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s);
   [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
 

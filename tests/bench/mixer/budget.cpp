@@ -111,7 +111,7 @@ class Workshop {
 
  private:
   static synth::Event blow() {
-    return {.point_m = {0.05, 0.02, 0.03}, .impulse_ns = {1, 2, 3}, .contact_time_s = 1e-4};
+    return {.verb = verb::Strike{.point_m = {0.05, 0.02, 0.03}, .impulse_ns = {1, 2, 3}, .contact_time_s = 1e-4}};
   }
 
   std::vector<std::unique_ptr<synth::Voice>> voices_;

@@ -53,7 +53,7 @@ class Round {
  public:
   Round(const std::vector<Map>& maps, Moves moves) : moves_(moves), stage_(std::make_unique<Stage>(kBlock)) {
     for (std::size_t o = 0; o < maps.size(); ++o) stage_->install(static_cast<synth::ObjectNumber>(o), maps[o]);
-    if (moves != Moves::unheard) stage_->push({.type = synth::EventType::listener});
+    if (moves != Moves::unheard) stage_->push({.verb = synth::verb::Listener{}});
     tell();
     stage_->render();
     for (std::size_t o = 0; o < maps.size(); ++o) stage_->push(strike_of(static_cast<synth::ObjectNumber>(o)));
@@ -73,9 +73,8 @@ class Round {
       const double angle = place + kTurn_rad_s * t, away = 3 + (moves_ == Moves::fly ? 2 * std::sin(t + place) : 0);
       stage_->push({.frame = static_cast<synth::Frame>(at),
                     .object = static_cast<synth::ObjectNumber>(o),
-                    .type = synth::EventType::pose,
-                    .point_m = {away * std::cos(place), away * std::sin(place), 0.2},
-                    .rotation = about({std::cos(place), 1, std::sin(place)}, angle)});
+                    .verb = synth::verb::Pose{{{away * std::cos(place), away * std::sin(place), 0.2},
+                                               about({std::cos(place), 1, std::sin(place)}, angle)}}});
     }
     next_ = at;
   }

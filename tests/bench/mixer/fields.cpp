@@ -30,8 +30,7 @@ class Round {
       auto voice = std::make_unique<synth::Voice>(mixer_.table_for(maps[o], {}));
       ok_ = mixer_.install(object, std::move(voice), synth::Mixer::Install::replace) && ok_;
       const double pan = 2.0 * static_cast<double>(o) / static_cast<double>(maps.size()) - 1;
-      ok_ =
-          mixer_.push(synth::Producer::control, {.object = object, .type = synth::EventType::pan, .value = pan}) && ok_;
+      ok_ = mixer_.push(synth::Producer::control, {.object = object, .verb = synth::verb::Pan{pan}}) && ok_;
     }
     render();
     for (std::size_t o = 0; o < maps.size(); ++o) {

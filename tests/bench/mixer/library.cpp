@@ -36,11 +36,8 @@ class Library {
   Library& operator=(const Library&) = delete;
 
   void strike(std::uint32_t object) {
-    const synth::Event event = strike_of(object);
-    const double point_m[3] = {event.point_m.x, event.point_m.y, event.point_m.z};
-    const double impulse_ns[3] = {event.impulse_ns.x, event.impulse_ns.y, event.impulse_ns.z};
-    good_ =
-        ringdown_strike(mixer_, 0, object, point_m, impulse_ns, event.contact_time_s, nullptr) == RINGDOWN_OK && good_;
+    const double point_m[3] = {0, 0, 0}, impulse_ns[3] = {0, 0, 1};
+    good_ = ringdown_strike(mixer_, 0, object, point_m, impulse_ns, 0, nullptr) == RINGDOWN_OK && good_;
   }
   void render() { ringdown_render(mixer_, left_.data(), right_.data(), kBlock); }
   [[nodiscard]] bool rings() const {

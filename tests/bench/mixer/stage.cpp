@@ -38,7 +38,8 @@ Map bank_of(const Spread& spread, std::size_t first, std::size_t step) {
 }
 
 synth::Event strike_of(synth::ObjectNumber object) {
-  return {.object = object, .type = synth::EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, 1}};
+  return {.object = object,
+          .verb = synth::verb::StrikeVertex{.vertex = 0, .impulse_ns = {0, 0, 1}, .contact_time_s = 0}};
 }
 
 std::vector<Sinusoid> sinusoids_of(const modal::Bank& bank) {

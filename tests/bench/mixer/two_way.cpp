@@ -23,15 +23,12 @@ std::unique_ptr<Stage> stage_in(State state) {
     stage->push(strike_of(object));
   }
   for (std::size_t c = 0; c < kCouplings && state != State::free; ++c) {
-    synth::Event event{.object = static_cast<synth::ObjectNumber>(2 * c), .type = synth::EventType::touch};
-    event.touch = {.kind = synth::Touch::Kind::couple,
-                   .direction = {0, 0, 1},
-                   .friction = 0.3,
-                   .stiffness = 1e7,
-                   .bounce = 0.9,
-                   .gap_m = state == State::touching ? -1e-4 : 0.01,
-                   .other = static_cast<synth::ObjectNumber>(2 * c + 1)};
-    stage->push(event);
+    const synth::verb::Couple couple{.other = static_cast<synth::ObjectNumber>(2 * c + 1),
+                                     .direction = {0, 0, 1},
+                                     .gap_m = state == State::touching ? -1e-4 : 0.01,
+                                     .stiffness = 1e7,
+                                     .bounce = 0.9};
+    stage->push({.object = static_cast<synth::ObjectNumber>(2 * c), .verb = couple});
   }
   stage->render();
   stage->render();

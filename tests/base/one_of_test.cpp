@@ -1,12 +1,12 @@
 // A value of one type of a list: each value that is made is destroyed once, whatever is copied, moved and assigned.
-#include "protocol/one_of.h"
+#include "engine/base/one_of.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <string>
 
-namespace ringdown::protocol {
+namespace ringdown {
 namespace {
 
 struct Held {
@@ -50,6 +50,16 @@ TEST(OneOf, CopiesMovesAndDestroysWhatItHolds) {
   EXPECT_EQ(count.use_count(), 1);
 }
 
+TEST(OneOf, OfTrivialTypesIsTrivialAndIsVisitedOnTheAudioThread) {
+  using Small = OneOf<Types<int, double, Empty>>;
+  static_assert(std::is_trivially_copyable_v<Small> && !std::is_trivially_copyable_v<One>);
+  const Overloaded number{[](int one) { return one + 0.5; }, [](double one) { return one; },
+                          [](const Empty&) { return -1.0; }};
+  EXPECT_EQ(visit_now(number, Small(3)), 3.5);
+  EXPECT_EQ(visit_now(number, Small(0.25)), 0.25);
+  EXPECT_EQ(visit_now(number, Small(Empty{})), -1);
+}
+
 TEST(OneOf, IsVisitedByTheOverloadForItsType) {
   const Overloaded number{[](const Empty&) { return 0; }, [](const Held&) { return 1; },
                           [](const std::string& text) { return static_cast<int>(text.size()); }};
@@ -67,4 +77,4 @@ TEST(OneOf, IsMovedIntoTheVisitorWhenItIsGivenAway) {
 }
 
 }  // namespace
-}  // namespace ringdown::protocol
+}  // namespace ringdown

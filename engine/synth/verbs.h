@@ -1,0 +1,256 @@
+// The verbs: everything that can be done to an object of the mixer or to its listener, one struct each.
+//
+// A verb is declared here once, with its fields and their defaults. All doors speak of it in the same words: its row in
+// protocol/table.cpp gives each field a name, a unit, a range and a sentence, and from the row come OSC messages,
+// scores, the C function, Python's method and the reference. Inside the mixer every place that handles events visits
+// the verb, so a verb that nothing plays does not compile.
+//
+// Points, impulses, forces and directions are in the object's frame. All structs are trivially copyable, because they
+// cross threads by value. [any thread]
+#pragma once
+
+#include "engine/base/one_of.h"
+#include "engine/base/realtime.h"
+#include "engine/base/rotation.h"
+#include "engine/base/vec3.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace ringdown::modal {
+struct SurfaceRelief;  // surface_relief.h
+}
+
+namespace ringdown::synth {
+
+using ObjectNumber = std::uint32_t;  // the object's place in the mixer, as the daemon assigned it
+inline constexpr ObjectNumber kNoObject = ~ObjectNumber{0};
+inline constexpr ObjectNumber kMaxObjects = 1024;  // objects of a mixer, numbered from 0
+
+// Contact time of a strike that names none. An ideal impulse, 0 s, excites every mode up to 20 kHz alike and sounds
+// brighter than any real mallet. The force of a real contact is about half a sine in time, whose spectrum falls off
+// above 1/contact_time. Hertz's law for a ball that meets steel at 1 m/s (K. L. Johnson, Contact Mechanics,
+// equation 11.24) gives 0.07 ms for steel of 10 mm radius, and for 15 mm 0.1 ms of hardwood (E = 11 GPa), 0.2 ms of
+// hard plastic (3 GPa) and 0.7 ms of hard rubber (0.1 GPa). Ours is the plastic mallet.
+inline constexpr double kDefaultContactTime_s = 0.0002;
+
+// Amplitude, of full scale, at which modes ring when a message names none: -20 dB.
+inline constexpr double kDefaultRingAmplitude = 0.1;
+
+// The profile of a surface, as a sliding body feels it: random heights. For two surfaces in contact, their sum.
+struct Texture {
+  double roughness_m = 2e-6;     // root mean square of its heights
+  double correlation_m = 5e-5;   // longest wavelength of its roughness
+  double spectral_slope = -2.4;  // power over spatial frequency falls as f^slope, <= 0
+  double shortest_m = 0;         // shortest wavelength of its roughness; 0: a sixteenth of the longest
+
+  // The octaves of wavelengths that the roughness has, from the longest down.
+  static constexpr std::size_t kOctaves = 5, kMaxOctaves = 12;  // without a shortest wavelength, and at most
+  [[nodiscard]] std::size_t octaves() const RINGDOWN_REALTIME {
+    if (!(shortest_m > 0)) return kOctaves;
+    const double count = 1 + std::round(std::log2(correlation_m / shortest_m));
+    return static_cast<std::size_t>(std::clamp(count, 1.0, static_cast<double>(kMaxOctaves)));
+  }
+  friend bool operator==(const Texture&, const Texture&) = default;
+};
+
+// One of the two surfaces of a contact, where its heights are known, and how fast the contact travels over it.
+struct Passing {
+  const modal::SurfaceRelief* relief = nullptr;  // null: they are not known. Whoever sends the event keeps it
+  double speed_m_s = 0;
+};
+
+// A lasting contact at one moment. Force and speeds change gradually from one event to the next, and after the last
+// event they stay as they are. The contact ends when the force is 0, or when no event has come for a while.
+struct Contact {
+  std::uint32_t number = 0;  // which of the object's contacts
+  Vec3 force_n;              // on the object: normal force and friction together
+  double slip_m_s = 0;       // speed at which the two surfaces slide past each other
+  double roll_m_s = 0;       // speed at which the point of contact travels over the object as they roll
+  Texture texture;           // of both surfaces together, unless one has a profile
+  std::array<Passing, 2> surfaces;
+  double finish_width_m = 0, relief_width_m = 0;  // over which profiles and mesoscale relief are smoothed
+};
+
+// What a verb does to the samples.
+enum class Effect : std::uint8_t {
+  excites,  // adds to the states of modes, and does nothing else
+  sounds,   // changes the sound of one object in another way
+  sets,     // sets how an object is heard
+  places,   // says where an object is. It takes effect as soon as it is known, because one moves there ahead of time
+  listens,  // concerns the listener and no object, and takes effect as soon as it is known
+};
+
+namespace verb {
+
+// Rings the object at the point of its surface that is nearest to point_m.
+struct Strike {
+  static constexpr Effect kEffect = Effect::excites;
+  Vec3 point_m, impulse_ns;
+  double contact_time_s = kDefaultContactTime_s;  // duration of the half-sine force pulse
+};
+
+// Rings the object at one sample point of its bank.
+struct StrikeVertex {
+  static constexpr Effect kEffect = Effect::excites;
+  std::uint32_t vertex = 0;
+  Vec3 impulse_ns;
+  double contact_time_s = kDefaultContactTime_s;
+};
+
+// Sets modes going, each at the same amplitude. Modes count from the lowest frequency, from 0.
+struct Ring {
+  static constexpr Effect kEffect = Effect::excites;
+  std::uint32_t first = 0, count = 1;
+  double amplitude = kDefaultRingAmplitude;
+};
+
+// A blow sets the object in motion as a whole, which is heard, too. Its strikes are verbs of their own.
+struct Click {
+  static constexpr Effect kEffect = Effect::sounds;
+  Vec3 impulse_ns;
+  double contact_time_s = kDefaultContactTime_s;
+};
+
+// Something slides or rolls on the object, or has stopped to.
+struct Contact {
+  static constexpr Effect kEffect = Effect::sounds;
+  Vec3 point_m;
+  synth::Contact contact;
+};
+
+// A bow on the object, which feels how the surface moves.
+struct Bow {
+  static constexpr Effect kEffect = Effect::sounds;
+  Vec3 point_m;
+  Vec3 direction;  // in which the hair moves, a unit vector
+  double speed_m_s = 0;
+  double force_n = 0;  // 0 lifts the bow
+  double width_m = 0;
+  double rosin = 0.8;        // coefficient of static friction
+  std::uint32_t number = 0;  // which of the object's bows
+};
+
+// A mallet that flies at the object and feels how the surface moves. Every mallet is a new one.
+struct Mallet {
+  static constexpr Effect kEffect = Effect::sounds;
+  Vec3 point_m, velocity_m_s;
+  double mass_kg = 0.02;
+  double head = 1e7;    // Hertz's k [N / m^1.5]
+  double bounce = 0.9;  // speed after over speed before a blow on a wall, 0.01 to 1
+};
+
+// Another object touches this one: each feels how the other moves. The axes of the two are taken as parallel.
+struct Couple {
+  static constexpr Effect kEffect = Effect::sounds;
+  Vec3 point_m;
+  ObjectNumber other = kNoObject;
+  Vec3 other_point_m;        // in the other object's frame
+  Vec3 direction;            // in which the other pushes this object, a unit vector
+  double weight_n = 0;       // with which the other rests on this object; 0: both are held
+  double gap_m = 0;          // between the surfaces at rest; negative: pressed together so deep
+  double stiffness = 1e8;    // Hertz's k [N / m^1.5]; 0 parts the two
+  double friction = 0.3;     // coefficient of static friction
+  double bounce = 0.6;       // speed after over speed before an impact, 0.01 to 1
+  double mass_kg = 0;        // of the other, where it rests by its weight; 0: from the weight
+  std::uint32_t number = 0;  // which of the object's couplings
+};
+
+// Sets the linear gain, reached over ramp_s.
+struct Gain {
+  static constexpr Effect kEffect = Effect::sets;
+  double gain = 1, ramp_s = 0;
+};
+
+// Sets the pan, -1 left ... +1 right, at equal power.
+struct Pan {
+  static constexpr Effect kEffect = Effect::sets;
+  double pan = 0;
+};
+
+// Fades what rings to silence within ramp_s, or a few milliseconds if that is longer, and ends every contact.
+struct Clear {
+  static constexpr Effect kEffect = Effect::sounds;
+  double ramp_s = 0;
+};
+
+// Where the object's frame lies in the scene at this frame.
+struct Pose {
+  static constexpr Effect kEffect = Effect::places;
+  ringdown::Pose pose;
+};
+
+// Where the listener's frame lies: x to the front, y to the left, z up.
+struct Listener {
+  static constexpr Effect kEffect = Effect::listens;
+  ringdown::Pose pose;
+};
+
+// Nobody listens from a place any more.
+struct ListenerOff {
+  static constexpr Effect kEffect = Effect::listens;
+};
+
+// The air between the objects and the listener.
+struct ListenerAir {
+  static constexpr Effect kEffect = Effect::listens;
+  double temperature_c = 20, humidity_percent = 50;
+};
+
+// The two verbs below come from scenes only, which know more of a two-way contact than a message says. A score has
+// them as as_public() says.
+
+// A body of a scene hits an object and both feel it: a mallet whose head may be another object's surface.
+struct Collision {
+  static constexpr Effect kEffect = Effect::sounds;
+  Vec3 point_m;
+  Vec3 direction;  // of the flight, a unit vector
+  double speed_m_s = 0;
+  double mass_kg = 0, stiffness = 0, bounce = 1;
+  ObjectNumber other = kNoObject;  // the object whose surface is the head, if any
+  Vec3 other_point_m;              // in the other object's frame
+  Vec3 other_direction;            // in which the other is pushed, in its own frame
+  Vec3 impulse_ns;                 // of the strike on the first object that stands in when there is no time, and
+  double contact_time_s = 0;       // its duration
+
+  [[nodiscard]] Mallet as_public() const { return {point_m, speed_m_s * direction, mass_kg, stiffness, bounce}; }
+};
+
+// A lasting contact whose surfaces feel each other. Mass, stiffness and friction stay as they were at first.
+struct Rub {
+  static constexpr Effect kEffect = Effect::sounds;
+  Vec3 point_m;
+  synth::Contact contact;  // how it sounds one-way; profiles and the speeds along them are taken from here
+  Vec3 direction;          // in which the other pushes this object, a unit vector
+  Vec3 slide_m_s;          // velocity of the other along the surface
+  double load_n = 0;       // 0 ends the contact
+  double mass_kg = 0;
+  double friction = 0;             // coefficient of static friction
+  double sliding = 0.375;          // the share of the friction that is left at high speed
+  double stiffness = 0;            // Hertz's k [N / m^1.5]
+  ObjectNumber other = kNoObject;  // the object whose surface rubs, if any
+  Vec3 other_point_m;              // in the other object's frame
+  Rotation to_other;               // turns the object's frame into the other's
+
+  [[nodiscard]] Contact as_public() const { return {point_m, contact}; }
+};
+
+}  // namespace verb
+
+// The verbs that every door has, in the order of the reference.
+using PublicVerbs =
+    Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Ring, verb::Clear, verb::Contact, verb::Bow,
+          verb::Mallet, verb::Couple, verb::Click, verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
+using Verbs = Joined<PublicVerbs, Types<verb::Collision, verb::Rub>>;
+using Verb = OneOf<Verbs>;
+
+// Whether a verb ends every contact of its object.
+template <class One>
+inline constexpr bool kEndsContacts = std::is_same_v<One, verb::Clear>;
+
+static_assert(Verbs::kTrivial);
+
+}  // namespace ringdown::synth
