@@ -3,9 +3,9 @@
 #include <cmath>
 #include <span>
 
-// Corners of each body are compared with the triangles of the other, and edges with edges. For each kind the trees of
-// both bodies are descended together, as far as boxes of the one come near boxes of the other. Trees of corners and of
-// edges have small boxes also where triangles are long, as on the flat side of a hull.
+// Corners of each body are compared with the triangles of the other, and edges with edges. For each kind, the trees of
+// both bodies are descended together as long as their boxes are near each other. Trees of corners and of edges have
+// small boxes also where triangles are long, as on the flat side of a hull.
 //
 // A corner touches a triangle if it lies over it, and if none of the corner's edges leads into the triangle's plane.
 // Two edges touch if their common perpendicular ends on both, and if it lies between the normals of the two triangles
@@ -14,8 +14,8 @@
 namespace ringdown::scene {
 namespace {
 
-// Sine of an angle by which a feature may miss its condition: faces that lie on each other meet theirs to rounding
-// only.
+// Sine of the angle by which a feature may miss its condition. Faces that lie on each other meet the condition only up
+// to rounding.
 constexpr double kSlack = 0.02;
 
 // Sine of the least angle between two edges that touch in a point.

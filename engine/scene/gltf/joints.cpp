@@ -222,8 +222,8 @@ class JointMaker {
     return made;
   }
 
-  // A free joint takes the limits as they are. What it holds, it holds as it lies, and hard limits are widened to how
-  // the scene begins.
+  // A free joint takes the limits unchanged. Locked freedoms are held at their present pose, and hard limits are
+  // widened to include it.
   void make_free(const Freedoms& freedoms) {
     made_.frame_of_body = swapped_;
     made_.rotation = frame_;

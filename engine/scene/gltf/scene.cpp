@@ -132,8 +132,8 @@ class GltfSceneReader {
     return nearest(node, [](const GltfNode& n) { return physics_of(n)["motion"].present(); });
   }
 
-  // The node of the body that a collider or a model belongs to: that of the motion; without one, the nearest node with
-  // a modal model, else its own.
+  // Returns the node of the body that a collider or a model belongs to: the node of the motion; without a motion, the
+  // nearest node with a modal model, else its own node.
   [[nodiscard]] std::size_t owner_of(std::size_t node) const {
     if (const auto motion = motion_of(node)) return *motion;
     return nearest(node, [](const GltfNode& n) { return audio_of(n)["modalModel"].present(); }).value_or(node);
