@@ -44,7 +44,7 @@ struct Body {
   RigidMass mass;
   Vec3 size_m;
   bool spawned = false;
-  std::optional<Solid> waiting;  // mass and shape of a body that has not entered the scene yet; empty afterwards
+  std::optional<Solid> waiting;  // mass and shape of a body that waits for its start_s; empty afterwards
   Motion motion;                 // of the centre of mass, at the end of the last step
   int resets = 0;
 

@@ -8,8 +8,9 @@
 
 // Gains of modes move in straight lines from one look at their maps to the next. A line's end is looked up ahead, where
 // the object will be by then, so that the line is right at both ends. How far ahead follows from how fast the object
-// turns under the listener and from how sharp its maps are: by kMaxTurn at most, which leaves the middle of a line off
-// by kMaxTurn^2 / 8, -60 dB rms. Lines begin and end where cells do (chunk.h), wherever chunks end.
+// turns under the listener and from how sharp its maps are. In one line it turns by kMaxTurn at most, which leaves an
+// error of kMaxTurn^2 / 8, -60 dB rms, in the line's middle. Lines begin and end at the boundaries of cells (chunk.h),
+// regardless of chunks.
 namespace ringdown::synth {
 namespace {
 
@@ -149,9 +150,9 @@ void Placement::aim(const Chunk& chunk, bool fresh, bool within, bool stands, Vo
   hear(0, chunk.frames, chunk, voices);
 }
 
-// The time of the source that passes in a cell is found from how the distance changes; what is left is of second order.
-// How far it lies off a straight line in the middle follows from the rates at both ends. Parts of the cell follow the
-// parabola through these, so that it does not matter where chunks end.
+// The source time that passes in a cell follows from the change of distance, up to terms of second order. Its deviation
+// from a straight line in the middle follows from the rates at both ends. Parts of the cell follow the parabola through
+// these values, so that the result does not depend on where chunks end.
 void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
                      VoiceStack& voices) const RINGDOWN_REALTIME {
   ModeStates::HeardTime time{.offset = offset};
