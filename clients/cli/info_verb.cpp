@@ -41,8 +41,8 @@ double directivity_db(const modal::FarField& field) {
   return 20 * std::log10(loudest / modal::rms(field));
 }
 
-// The pressure at 1 m, rms over directions, with which a blow of 1 N s at a random point starts the mode [dB re 20
-// uPa].
+// Returns the rms pressure over directions at 1 m with which a blow of 1 N s at a random point starts the mode [dB re
+// 20 uPa].
 double blow_level_db(const modal::Bank& bank, std::size_t mode) {
   constexpr double kReference_pa = 20e-6;
   const double omega = modal::hz_to_rad_per_s(bank.frequency_hz[mode]);

@@ -51,8 +51,8 @@ std::size_t nearest_point(const Shapes& bank, const Vec3& position_m) {
   return nearest;
 }
 
-// Walks from where the leading modes move most to the sample point nearest to the middle. Where the main mode rests,
-// the direction is the one before: that of the nearest place where it moves.
+// Walks from the place where the leading modes move most to the sample point nearest to the middle. Where the main mode
+// is at rest, the direction is that of the nearest place where it moves.
 void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
   std::size_t best = 0;
   double most = -1;
@@ -71,8 +71,7 @@ void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
   }
 }
 
-// Returns the pressure of each mode at 1 m after an impulse of 1 N s at the first station [Pa]; 0 for modes that nobody
-// hears.
+// Returns the pressure of each mode at 1 m after an impulse of 1 N s at the first station [Pa]; 0 for inaudible modes.
 std::vector<double> audible_pa(const ringdown_bank* bank, const Shapes& shapes, const Body& body) {
   std::vector<double> amplitudes(shapes.modes);
   if (ringdown_bank_levels_pa(bank, amplitudes.data()) != RINGDOWN_OK) return amplitudes;
@@ -92,8 +91,9 @@ double heard_of_blow(double frequency_hz) {
   return std::abs(std::cos(std::numbers::pi * turns / 2) / (1 - turns * turns));
 }
 
-// The pitch that earlier versions found: the lowest of the modes that send nearly as much energy as any after a blow
-// of wood. Sessions that they saved at concert pitch have sizes by it, so players are told where it differs.
+// Returns the pitch that earlier versions found: the lowest of the modes that radiate nearly as much energy as any
+// after a blow of wood. Sessions that they saved at concert pitch have sizes based on it, so players are told if it
+// differs.
 double pitch_before_hz(const ringdown_bank* bank, const std::vector<double>& amplitudes_pa) {
   const double* const frequencies_hz = ringdown_bank_frequencies_hz(bank);
   const double* const decays_per_s = ringdown_bank_decays_per_s(bank);
@@ -258,7 +258,7 @@ double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterV
 }
 
 // A body that is s times as large has s^3 times the mass. Its modes move 1/s^(3/2) times as much per impulse and
-// radiate 1/sqrt(s) times the pressure per modal velocity, so an impulse s^2 times as large is as loud.
+// radiate 1/sqrt(s) times the pressure per modal velocity, so an impulse s^2 times as large is equally loud.
 double full_impulse_ns(const Body& body, const ParameterValues& parameters, double size) RINGDOWN_REALTIME {
   if (parameters.on(Parameter::even_loudness)) return body.even_impulse_ns * size * size;
   return kBlow_m_s * body.mass_kg * parameters[Parameter::density] * size * size * size;

@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 using SoundHandle = std::unique_ptr<SNDFILE, int (*)(SNDFILE*)>;
 using Channels = std::vector<std::vector<double>>;
 
-// The mean of channels falls below the level that channels without relation would have by more than this where they
-// cancel: energies, 10 dB.
+// Channels cancel each other if the energy of their mean is below this share of the energy that unrelated channels
+// would have: 10 dB.
 constexpr double kCancels = 0.1;
 
 tl::unexpected<Error> refuse(const fs::path& path, const std::string& why) {
