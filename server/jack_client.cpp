@@ -20,7 +20,7 @@ constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;
 // Silences libjack's own messages, which would repeat what our log says.
 void quiet(const char*) {}
 
-// JACK metadata: what patchbays show of a port beside its name. It is no error if the server keeps none.
+// JACK metadata: what patchbays show of a port in addition to its name. Not an error if the server does not keep it.
 struct PortDescription {
   std::string pretty_name;
   std::string group;  // ports of one group stand together

@@ -99,7 +99,7 @@ class JackClient {
   void remove_port(std::size_t channel);
   void tell_latency();
   void process(std::uint32_t frames) RINGDOWN_REALTIME;
-  void process_offline(std::uint32_t frames);  // in freewheel; steps the scene in the callback
+  void process_offline(std::uint32_t frames);  // used in freewheel; steps the scene in the callback
   void render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME;
   [[nodiscard]] synth::Inputs read_inputs(std::uint32_t frames) RINGDOWN_REALTIME;
   void play_notes(std::uint32_t frames, synth::Frame first) RINGDOWN_REALTIME;
@@ -116,7 +116,7 @@ class JackClient {
   _jack_port* midi_port_ = nullptr;
   std::shared_ptr<const session::NoteTable> table_;                    // keeps the table of notes_ alive
   std::atomic<const session::NoteTable*> notes_ = nullptr;             // the table in use
-  std::array<std::atomic<_jack_port*>, synth::kMaxChannels> ports_{};  // by the mixer's channel
+  std::array<std::atomic<_jack_port*>, synth::kMaxChannels> ports_{};  // indexed by the mixer's channel
   std::map<std::size_t, std::string> buses_;                           // buses of the last show_buses()
   std::array<std::atomic<_jack_port*>, synth::kMaxInputs> inputs_{};   // in_1 first; null: none
   std::uint32_t shown_inputs_ = 0;                                     // inputs of the last show_inputs()

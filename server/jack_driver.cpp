@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kPatience = 1s;        // a server that does not call for so long is left,
-constexpr double kPatientBlocks = 4;  // or for so many blocks, where that is longer
+constexpr double kPatientBlocks = 4;  // or for this many blocks, if that is longer
 constexpr auto kMaxPause = 30s;       // between two tries with a server that does not call
 
 // Wakes the driver's thread. JACK's threads share ownership, because they may use it after the driver has gone.

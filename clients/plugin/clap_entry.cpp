@@ -38,7 +38,7 @@ std::uint8_t seven_bits(double share) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(std::isfinite(share) ? share : 0.0, 0.0, 1.0) * 127));
 }
 
-// The events of one block as DPF shall see them: those of the host, and MIDI made of note expressions.
+// The events of one block for DPF: those of the host, and MIDI made from note expressions.
 class Events {
  public:
   void take(const clap_input_events_t* given) {

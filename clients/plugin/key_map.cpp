@@ -12,7 +12,7 @@ namespace ringdown::plugin {
 namespace {
 
 constexpr std::size_t kLeadingModes = 8;  // decide where an object moves most, as without a note map in the daemon
-constexpr double kBlow_m_s = 0.1;         // what a blow gives the object as a whole, likewise
+constexpr double kBlow_m_s = 0.1;         // speed that a blow gives the object as a whole
 constexpr double kMinSize = 0.01, kMaxSize = 100;  // what libringdown takes
 constexpr double kLowest_hz = 20, kHighest_hz = 20000;
 constexpr double kPitchContact_s = 2e-4,
@@ -84,7 +84,7 @@ std::vector<double> audible_pa(const ringdown_bank* bank, const Shapes& shapes, 
   return amplitudes;
 }
 
-// How much of a mode is left when the blow is no ideal impulse, but a half sine of kPitchContact_s.
+// Returns the share of a mode that is left if the blow is not an ideal impulse, but a half sine of kPitchContact_s.
 double heard_of_blow(double frequency_hz) {
   const double turns = 2 * frequency_hz * kPitchContact_s;
   if (std::abs(turns - 1) < 1e-6) return std::numbers::pi / 4;
@@ -147,7 +147,7 @@ std::string notice_of(const Body& body, const ringdown_bank* bank, const Source&
   return source.path.string() + text;
 }
 
-// libringdown refuses blows beside the object, and the audio thread must not make any.
+// libringdown refuses blows outside of the object, and the audio thread must not make any.
 Result<void> check_point(const session::NoteMap::Entry& entry, const ringdown_bank* bank) {
   if (!entry.point_m) return {};
   ringdown_bank_info info{};

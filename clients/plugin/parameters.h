@@ -36,8 +36,8 @@ inline constexpr std::size_t kParameters = 19;
 enum class Scale { linear, logarithmic, whole, choice, toggle, output };
 
 struct ParameterInfo {
-  const char* symbol;  // in files
-  const char* name;    // for people
+  const char* symbol;  // name in files
+  const char* name;    // name for users
   const char* unit;    // "" for a factor or a choice
   float least, most, standard;
   Scale scale;

@@ -80,7 +80,7 @@ enum class Action : std::uint8_t {
 
 enum class Pane : std::uint8_t { any, scene, sound, side };
 
-// The panes that have keys, in the order in which lists of keys show them; the side pane has none of its own.
+// The panes that have keys, in the order of lists of keys; the side pane has no keys.
 inline constexpr std::array kPanesWithKeys = {Pane::any, Pane::scene, Pane::sound};
 
 // The behaviour of a key that is held down: the action happens once, repeats with the keyboard's repeat rate, or goes

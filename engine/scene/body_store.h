@@ -39,7 +39,7 @@ class Random {
 };
 
 struct Body {
-  BodyDescription description;  // its position includes the scatter
+  BodyDescription description;  // the position includes the scatter
   std::optional<synth::ObjectNumber> object;
   RigidMass mass;
   Vec3 size_m;

@@ -21,12 +21,12 @@ constexpr double kSlack = 0.02;
 // Sine of the least angle between two edges that touch in a point.
 constexpr double kMinCrossing = 0.02;
 
-// A corner this far beside a triangle is still over it, so that none falls between two triangles.
+// A corner this far outside of a triangle still counts as over it, so that no corner is lost between two triangles.
 constexpr double kRounding_m = 1e-9;
 
 Vec3 carry(const RelativePose& pose, Vec3 point) { return pose.position + pose.rotation * point; }
 
-// Whether a box of one body, carried into the other's frame, comes near a box of the other.
+// Returns whether a box of one body, carried into the other's frame, comes near a box of the other.
 bool near(const BoxNode& one, const BoxNode& two, const RelativePose& pose, double margin_m) {
   const Vec3 half = 0.5 * (one.high - one.low), other = 0.5 * (two.high - two.low);
   const Vec3 way = carry(pose, 0.5 * (one.low + one.high)) - 0.5 * (two.low + two.high);
@@ -120,7 +120,7 @@ class Search {
     if (between(normal, two) && between(-1 * normal, one)) add(on_two, normal, -distance_m);
   }
 
-  // Whether a direction across the edge lies between the normals beside the edge.
+  // Returns whether a direction across the edge lies between the normals beside the edge.
   static bool between(Vec3 way, const SurfaceEdge& edge) {
     const Vec3 turn = cross(edge.normal, edge.other_normal);
     const double least = -kSlack * length(turn);

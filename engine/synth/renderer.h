@@ -28,7 +28,9 @@ class Renderer {
     for (Workspace& workspace : workspaces_) workspace.sums.have_field(on);
   }
 
-  // All functions below: [audio] ¶ Begins a chunk; more than kChunkFrames only if nothing is rendered in it.
+  // All functions below: [audio]
+
+  // Begins a chunk; more than kChunkFrames only if nothing is rendered in it.
   void open(std::size_t frames) RINGDOWN_REALTIME;
   // Returns whether moments are cheaper than tables in a chunk of `frames`.
   [[nodiscard]] bool prefers_moments(std::size_t frames) const RINGDOWN_REALTIME;

@@ -38,7 +38,9 @@ class TimeBudget {
     clock_ = clock;
   }
 
-  // All functions below: [audio] ¶ Begins a block. Without a deadline the block's time is unlimited.
+  // All functions below: [audio]
+
+  // Begins a block. Without a deadline the block's time is unlimited.
   void begin_block(std::size_t frames, double sample_rate_hz, bool deadline) RINGDOWN_REALTIME;
   void begin_chunk(std::size_t frames) RINGDOWN_REALTIME;
   void begin_rendering() RINGDOWN_REALTIME;

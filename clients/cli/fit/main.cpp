@@ -161,7 +161,7 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   return written ? ExitCode::ok : complain(written.error());
 }
 
-// The text of the man page beside the options.
+// The text of the man page in addition to the options.
 const std::vector<manual::Section> kSections = {
     {"EXAMPLES",
      {{"ringdown fit cup.wav -o cup.glb", "The modes of a cup that was tapped once, as a bank that plays them."},

@@ -123,7 +123,8 @@ double mean_of(const std::vector<double>& samples) {
   return sum / static_cast<double>(samples.size());
 }
 
-// The energy of a sound beside its mean. One that never moves has none, and neither has what rounding leaves of it.
+// Returns the energy of a sound around its mean. A constant sound has none, and neither does one that varies only by
+// rounding.
 double energy_of(const std::vector<double>& samples) {
   constexpr double kRounding = 1e-12;
   const double mean = mean_of(samples);

@@ -25,7 +25,7 @@ namespace ringdown::viewer {
 struct KnownObject {
   std::string name;
   std::int32_t number = 0;
-  std::int32_t version = 0;  // of its bank
+  std::int32_t version = 0;  // version of its bank
   std::int32_t bank_bytes = 0;
   std::string bank_content;  // identifies the content of the bank's file; objects with equal values share the bank
   std::string bank_path;

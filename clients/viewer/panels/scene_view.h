@@ -67,7 +67,7 @@ class SceneView {
   Stage stage_;
   Camera camera_;
   std::optional<std::string> shown_;  // the scene, or the objects without a body, for which the camera was set
-  ImVec2 origin_{0, 0}, size_{1, 1};  // of the picture
+  ImVec2 origin_{0, 0}, size_{1, 1};  // place and size of the picture in the window
   bool hovered_ = false;
   double detail_ = 1;
   std::optional<Press> press_;

@@ -31,9 +31,9 @@ inline constexpr double kMinContactSpeed_m_s = 0.01;
 struct PairContact {
   BodyPair pair;
   Vec3 point_m;             // mean of the contact points, weighted by their force
-  Vec3 impulse_ns;          // on the first body
+  Vec3 impulse_ns;          // received by the first body
   Vec3 normal;              // mean direction in which the first body leaves the second
-  Vec3 slide_m_s;           // of the first body's surface past the second's
+  Vec3 slide_m_s;           // velocity of the first body's surface past the second's
   double max_roll_m_s = 0;  // bound on the rolling speed: spin times the distance to a centre of mass
   Motion first, second;     // for a static: rest at the origin
 };
@@ -82,8 +82,8 @@ class ContactLives {
     double weight = 0, slip = 0, max_roll = 0;
     Vec3 over_first_m, over_second_m;  // path of the contact point over both surfaces, in world axes
     int rolled = 0;                    // number of steps in that path
-    bool touched_before = false;       // in the last step
-    bool touches = false;              // in this step
+    bool touched_before = false;       // whether the pair touched in the last step
+    bool touches = false;              // whether the pair touches in this step
     Vec3 on_first_m, on_second_m;      // the contact point in both bodies' frames
     PairContact latest;
   };

@@ -40,7 +40,7 @@ class RestDampings {
   // call.
   std::span<const RestDamping> advance(std::span<const MovedBody> moved, const ContactSides& sides, synth::Frame frame);
 
-  // Whether an object is to be checked at the next advance() even if nothing moves.
+  // Returns whether an object must be checked at the next advance() even if nothing moves.
   [[nodiscard]] bool has_unchecked() const { return !to_check_.empty(); }
   [[nodiscard]] bool pending() const { return has_unchecked() || resting_.pending(); }
 

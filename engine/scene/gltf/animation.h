@@ -18,8 +18,8 @@ class GltfAnimations {
   static constexpr double kEvery_s = 1.0 / 240;  // between the poses of a path
   static constexpr std::size_t kMaxPoses =
       std::size_t{1} << 20;  // limit for all paths of a scene, each counted times its number of nodes up to the root
-  static constexpr std::size_t kMaxKeys = std::size_t{1} << 16;     // of one channel
-  static constexpr std::size_t kMaxAllKeys = std::size_t{1} << 22;  // of all channels together
+  static constexpr std::size_t kMaxKeys = std::size_t{1} << 16;     // keys of one channel
+  static constexpr std::size_t kMaxAllKeys = std::size_t{1} << 22;  // keys of all channels together
 
   // Reads the channels that move or turn nodes. The document's notes name everything refused or left out.
   explicit GltfAnimations(GltfDocument& document);

@@ -160,12 +160,12 @@ class JointMaker {
     made_.limit_damping = freedom.stiffness > 0 ? freedom.damping : 0;
   }
 
-  // Where the second end lies in the first one's frame.
+  // Returns the position of the second end in the first one's frame.
   [[nodiscard]] Vec3 apart() const {
     return transpose(to_matrix(frame_)) * (second_.node.world.shift_m - first_.node.world.shift_m);
   }
 
-  // How the second end is turned in the first one's frame.
+  // Returns the rotation of the second end in the first one's frame.
   [[nodiscard]] Rotation turned() const { return inverse(frame_) * parts_of(second_.node.world.linear).rotation; }
 
   // A limit counted from the pose of the scene, which it must hold.

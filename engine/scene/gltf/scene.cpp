@@ -57,7 +57,7 @@ struct GatheredBody {
 Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysicsExtension]; }
 Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudioExtension]; }
 
-// Whether two surfaces act alike in all that a file says of them.
+// Returns whether a file describes two surfaces identically.
 bool same(const FrictionSurface& a, const FrictionSurface& b) {
   const auto all = [](const FrictionSurface& s) {
     return std::tie(s.friction, s.sliding_friction, s.restitution, s.friction_combine, s.restitution_combine,

@@ -242,7 +242,7 @@ std::optional<GltfGeometry> implicit(GltfDocument& document, const Field& shape)
   return geometry.points ? std::optional(geometry) : std::nullopt;
 }
 
-// Whether the map only stretches along the axes and shifts; then by how much.
+// Returns the factors along the axes if the map only stretches along the axes and shifts; otherwise nothing.
 std::optional<Vec3> stretch(const Matrix3& m) {
   const Vec3 along{std::abs(m[0][0]), std::abs(m[1][1]), std::abs(m[2][2])};
   const double least = 1e-9 * std::max({along.x, along.y, along.z});

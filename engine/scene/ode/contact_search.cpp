@@ -168,7 +168,7 @@ int find_all(dxGeom* first, dxGeom* second, std::span<dContactGeom> found, doubl
   return count;
 }
 
-// Whether all contacts act in one direction.
+// Returns whether all contacts act in one direction.
 bool agree(std::span<const dContactGeom> found) {
   return std::ranges::all_of(found, [&](const dContactGeom& contact) {
     return dot(to_vec3(contact.normal), to_vec3(found.front().normal)) > kAlike;

@@ -188,7 +188,8 @@ void OdeFreeJoint::add_drive(const AxisDrive& axis, const Place& place) {
   pull(axis.turns, at->direction, place.point_m, speed / at->scale, 1 / gain, drive.most);
 }
 
-// Lets the second frame move along the direction beside the first one by at most this speed, which may be negative.
+// Limits the speed of the second frame along the direction, relative to the first one, to at most this speed, which may
+// be negative.
 void OdeFreeJoint::keep_below(bool turns, Vec3 direction, Vec3 point_m, double most, double cfm) {
   const Vec3 inward = -side_ * direction;
   if (turns) {
@@ -213,7 +214,8 @@ void OdeFreeJoint::keep_below(bool turns, Vec3 direction, Vec3 point_m, double m
   dJointAttach(rows_.back().get(), body_, other_);
 }
 
-// Asks for a speed of the second frame along the direction beside the first one, with at most this force or torque.
+// Asks for a speed of the second frame along the direction, relative to the first one, with at most this force or
+// torque.
 void OdeFreeJoint::pull(bool turns, Vec3 direction, Vec3 point_m, double speed, double cfm, double most) {
   const Vec3 along = side_ * direction;
   if (turns) {

@@ -53,7 +53,7 @@ struct Row {
   double wanted_m = 0, push = 0;
 };
 
-// How a body has moved in the part of the step. The points of a body follow each other.
+// The motion of a body in the part of the step. The points of a body follow each other.
 class Carried {
  public:
   void set(const Collider& collider, const Motion& before) {

@@ -40,7 +40,7 @@ struct SpaceDeleter {
   void operator()(dxSpace* space) const { dSpaceDestroy(space); }
 };
 
-// When fewer than one body in this many is awake, each of those looks for its contacts by itself.
+// If fewer than one body in this many is awake, each awake body searches for its contacts by itself.
 constexpr std::size_t kFewAwake = 16;
 
 // A body that has moved more slowly than this for kSleepAfter_s sleeps until something touches it. Speeds are averaged
@@ -55,7 +55,8 @@ constexpr double kSleepWhenStill_s = 0.3;
 // Energy that an island may gain in one part, as a share of its kinetic energy: the error of the solvers.
 constexpr double kGain = 1e-9, kGainByIteration = 1e-2;
 
-// How often a part is solved again with less restitution, the last time with none, until it gains no energy.
+// Maximum number of times that a part is solved again with less restitution, the last time with none, until it gains no
+// energy.
 constexpr int kMaxRounds = 6;
 
 // The exact solver's time grows with the cube of an island's contact points, and a long step leaves more time.

@@ -16,7 +16,7 @@ namespace ringdown::synth {
 
 // Impulse responses from each ambisonic channel to the left ear and to the right one, at one sample rate.
 struct HeadFilters {
-  std::size_t taps = 0;                        // of each filter
+  std::size_t taps = 0;                        // taps of each filter
   std::array<std::vector<float>, 2> reversed;  // per ear: kMaxAmbisonicChannels x taps, the last tap first
 };
 

@@ -14,7 +14,7 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr double kMaxTurn = 0.1;  // of the phase in which a mode's gain goes through its lobes [rad]
+constexpr double kMaxTurn = 0.1;  // phase by which a mode's gain moves through its lobes [rad]
 constexpr double kMaxCellsAhead = 8;
 constexpr double kMaxAhead_s = 0.3;  // under pressure
 
@@ -25,9 +25,9 @@ double terms_of(const ModeTable& table) RINGDOWN_REALTIME {
   return static_cast<double>(map.terms()) + harmonics + static_cast<double>(table.columns());
 }
 
-constexpr double kFewModes = 1000;     // up to which looks may add up kMaxTerms in a cell, some 1 % of a core
+constexpr double kFewModes = 1000;     // up to this number of modes, kMaxTerms applies, some 1 % of a core
 constexpr double kMaxTerms = 16000;    // in a cell
-constexpr double kTermsPerMode = 0.3;  // and with more modes, so many for each that sounds, a tenth of what it costs
+constexpr double kTermsPerMode = 0.3;  // with more modes: terms for each sounding mode, a tenth of the mode's own cost
 
 }  // namespace
 

@@ -31,8 +31,9 @@ class MixOutput {
   // Returns the limiter's delay of the mix in frames. [any, but not while limit() runs]
   [[nodiscard]] std::size_t latency_frames() const { return limiter_ ? limiter_->delay_frames() : 0; }
 
-  // All functions below: [audio] ¶ Begins a block. If no output takes the mix but a tap is watched, the mix is rendered
-  // nevertheless.
+  // All functions below: [audio]
+
+  // Begins a block. If no output takes the mix but a tap is watched, the mix is rendered nevertheless.
   void begin_block(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return outputs_.wanted(); }
   // Returns the channels that objects must be added to in order to produce the wanted channels.
