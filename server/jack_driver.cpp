@@ -25,9 +25,9 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kPatience = 1s;        // a server that does not call for so long is left,
-constexpr double kPatientBlocks = 4;  // or for this many blocks, if that is longer
-constexpr auto kMaxPause = 30s;       // between two tries with a server that does not call
+constexpr auto kPatience = 1s;        // a server that has not called for this long is left
+constexpr double kPatientBlocks = 4;  // or for this many blocks, if that is longer than kPatience
+constexpr auto kMaxPause = 30s;       // pause between two tries with a server that does not call
 
 // Wakes the driver's thread. JACK's threads share ownership, because they may use it after the driver has gone.
 using Bell = std::counting_semaphore<>;

@@ -4,8 +4,8 @@
 //
 //   (1 + B Z) f = a + B free,
 //
-// which is exact to rounding for any prediction, so that the lines' own passivity conserves energy. A normal force that
-// comes out negative is released, with its friction, and the rest is solved again.
+// which is exact to rounding for any prediction, so that the passivity of the lines ensures that no energy is created.
+// A normal force that comes out negative is released, with its friction, and the rest is solved again.
 //
 // 1 + B Z is a symmetric positive definite matrix between two diagonal ones, so elimination needs no pivots.
 #include "engine/contact/network.h"

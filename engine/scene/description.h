@@ -105,11 +105,9 @@ struct FrictionSurface {
   std::optional<double> young_pa;        // unset: that of the bank's material, or kDefaultYoung_pa
   std::optional<double> poisson;         // unset: that of the bank's material, or kDefaultPoisson
   synth::Texture texture;                // roughness that sliding and rolling excite
-  std::optional<double> waviness;  // departure from flatness, height over length, which reduces the bearing part of a
-                                   // patch shared by flat faces; unset: impacts of faces count as impacts of their
-                                   // corners
-  std::shared_ptr<const modal::SurfaceRelief> relief;  // measured heights and mesoscale relief (glTF scenes only) or
-                                                       // null
+  std::optional<double> waviness;  // height over length of the departure from flatness, which reduces the bearing part
+                                   // of a patch; unset: faces hit like corners
+  std::shared_ptr<const modal::SurfaceRelief> relief;  // measured relief, in glTF scenes; or null
 };
 
 // Elasticity of bodies without another material: hard stone or glass.

@@ -29,20 +29,20 @@ namespace {
 constexpr Level kNoThreshold = ModeStates::kNoThreshold;
 
 // Shares of what the budget can afford in a chunk:
-constexpr double kTight = 0.75;             // from here on levels are surveyed
-constexpr double kEventsShare = 0.3;        // more events wait
-constexpr double kForget = 1.001;           // what was learnt of modes that exchange energy grows by, each chunk
-constexpr double kCoupledShare = 0.7;       // is all that is done when modes begin to exchange energy
-constexpr double kSurveyShare = 0.06;       // for the survey of a chunk
-constexpr double kRecoverShare = 0.05;      // is to be left before what was cut short comes back out of turn
-constexpr double kUnprovenShare = 0.05;     // may enter before anything was rendered
-constexpr double kMaxEvent = 0.7;           // an event that costs more is not waited for
-constexpr double kLittle = 0.25;            // where less is to do, another program took the time
+constexpr double kTight = 0.75;             // above this load levels are surveyed
+constexpr double kEventsShare = 0.3;        // share for events; further ones wait
+constexpr double kForget = 1.001;           // growth per chunk of coupled_affordable_ while no modes exchange energy
+constexpr double kCoupledShare = 0.7;       // maximum total work at which modes begin to exchange energy
+constexpr double kSurveyShare = 0.06;       // share for the survey in a chunk
+constexpr double kRecoverShare = 0.05;      // share that must be left before modes cut short come back early
+constexpr double kUnprovenShare = 0.05;     // share that may enter before anything was rendered
+constexpr double kMaxEvent = 0.7;           // a costlier event only waits for this share of the time
+constexpr double kLittle = 0.25;            // with less work than this, another program took the time
 constexpr double kAverage = 0.05;           // weight of a chunk in running means
-constexpr std::size_t kLowerFrames = 1024;  // frames in which the threshold falls once, by kLowerBy
-constexpr Level kLowerPart = 2;             // or by the kLowerPart-th part of the way, where that is more
-constexpr Level kLowerBy = 8;               // 3 dB, 140 dB in a second
-constexpr double kMinShare = 0.02;          // of a source's modes, however little time is left
+constexpr std::size_t kLowerFrames = 1024;  // frames per fall of the threshold
+constexpr Level kLowerPart = 2;             // the threshold falls by the distance over kLowerPart
+constexpr Level kLowerBy = 8;               // but at least by 3 dB; 140 dB in a second
+constexpr double kMinShare = 0.02;          // minimum share of a source's modes, however little time is left
 
 }  // namespace
 

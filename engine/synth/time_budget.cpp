@@ -7,13 +7,13 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr double kTypical_ns = 2;   // a unit, before anything was measured
-constexpr double kMinUnits = 500;   // less work says little about what a unit takes
-constexpr double kLearn = 0.25;     // weight of an answer in the running mean,
-constexpr double kLearnFull = 0.5;  // and of one from a chunk that used up its time
-constexpr int kFirstLessons = 10;   // answers that are averaged at first
-constexpr double kRecover = 1.03;   // per chunk in which there was little to do
-constexpr double kMaxChange = 4;    // what one answer may say, up or down, against the mean
+constexpr double kTypical_ns = 2;   // time of a unit before anything was measured
+constexpr double kMinUnits = 500;   // less work says little about the price of a unit
+constexpr double kLearn = 0.25;     // weight of an answer in the running mean
+constexpr double kLearnFull = 0.5;  // weight of an answer from a chunk that used up its time
+constexpr int kFirstLessons = 10;   // number of first answers, none of which is dismissed
+constexpr double kRecover = 1.03;   // growth of the mean per chunk with little work
+constexpr double kMaxChange = 4;    // largest factor between an answer and the mean, up or down
 constexpr double kDoubted = 0.8;    // an answer below this share of the mean must be confirmed by the next one
 constexpr double kMinAffordable = 1;
 constexpr double kMinPace = 0.05;  // of affordable(): after less work the price of this chunk is not known

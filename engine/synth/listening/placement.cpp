@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMaxTurn = 0.1;  // phase by which a mode's gain moves through its lobes [rad]
 constexpr double kMaxCellsAhead = 8;
-constexpr double kMaxAhead_s = 0.3;  // under pressure
+constexpr double kMaxAhead_s = 0.3;  // limit under pressure
 
 // The cost of a look-up, in terms of its map.
 double terms_of(const ModeTable& table) RINGDOWN_REALTIME {
@@ -26,7 +26,7 @@ double terms_of(const ModeTable& table) RINGDOWN_REALTIME {
 }
 
 constexpr double kFewModes = 1000;     // up to this number of modes, kMaxTerms applies, some 1 % of a core
-constexpr double kMaxTerms = 16000;    // in a cell
+constexpr double kMaxTerms = 16000;    // maximum number of terms in a cell
 constexpr double kTermsPerMode = 0.3;  // with more modes: terms for each sounding mode, a tenth of the mode's own cost
 
 }  // namespace
