@@ -1,4 +1,4 @@
-// Answers to those who sent requests: by the way the request came, UDP or TCP, and in as few packets as is wise.
+// Sends answers to the senders of requests: by UDP or TCP, as the request arrived, and in few packets.
 //
 //   answer(ports, peer, outcome, "/object/bell/material");     // /done, or /fail with the error's sentence
 //   send_in_bundles(replies, [&](auto packet) { ports.send(peer, packet); });
@@ -35,7 +35,7 @@ struct AnswerPorts {
   void send(Peer to, std::span<const std::byte> packet);
 };
 
-// Sends one reply. A refusal (/fail) is also logged. It is no error if nobody receives the reply.
+// Sends one reply. A refusal (/fail) is also logged. Does not fail if nobody receives the reply.
 void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply);
 
 // Sends the replies to a question, or /fail with the error's sentence.

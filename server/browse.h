@@ -14,12 +14,12 @@
 namespace ringdown::server {
 
 inline constexpr std::size_t kMaxBrowsed = 1024;    // files in one answer
-inline constexpr std::size_t kMaxLookedAt = 16384;  // files and folders below one root that are looked at
+inline constexpr std::size_t kMaxLookedAt = 16384;  // files and folders visited below one root
 inline constexpr int kMaxBrowseDepth = 4;           // folders below a root
 
-// Scenes first, then banks, each in order of paths; numbered from 0. A path below the current folder is relative to it;
-// other paths are absolute. Fails where the system cannot look, for lack of file descriptors or by a fault of the disk;
-// a folder that is gone or may not be read counts as empty.
+// Returns scenes first, then banks, each sorted by path; numbered from 0. A path below the current folder is relative
+// to it; other paths are absolute. Fails if the system cannot read folders, for lack of file descriptors or because of
+// a disk fault; a folder that is gone or may not be read counts as empty.
 Result<std::vector<protocol::BrowseFile>> browse(const session::FileRoots& roots);
 
 }  // namespace ringdown::server

@@ -1,4 +1,4 @@
-// Notices that an audio server has stopped calling us.
+// Detects that an audio server has stopped calling us.
 //
 //   CallWatch watch;                                      // a new one for each client
 //   if (watch.look(client.calls(), may_be_silent, Clock::now()) > kPatience) leave();     // several times a second

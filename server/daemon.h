@@ -5,9 +5,10 @@
 //   while (!(*daemon)->quits()) sleep_a_little();       // it runs on threads of its own
 //   const Result<void> finished = (*daemon)->finish();  // silence; writes what is being recorded and captured
 //
-// A Daemon owns everything below it, and its members stand in the order of their lives: each is made after those above
-// it, which it may use, and ends before them. Threads: the driver renders on an audio thread; Service holds the worker,
-// the OSC server's threads, the scene's and the session manager's. All public functions are for the main thread.
+// A Daemon owns everything below it, and its members are declared in order of their lifetimes: each is made after those
+// above it, which it may use, and ends before them. Threads: the driver renders on an audio thread; Service holds the
+// worker, the OSC server's threads, the scene's and the session manager's. All public functions are for the main
+// thread.
 #pragma once
 
 #include "engine/base/result.h"
@@ -33,28 +34,28 @@ namespace ringdown::server {
 
 class Daemon {
  public:
-  // Binds the ports, joins the session manager if one started us, opens the driver, loads what the options name and
-  // plays it. The driver is not `wav`. The error's kind is usage for options that cannot be followed, port_busy and
-  // no_sound_server for what others hold or do not offer, and bad_input for files.
+  // Binds the ports, joins the session manager if one started us, opens the driver, then loads and plays everything
+  // that the options name. The driver is not `wav`. The error's kind is usage for invalid options, port_busy for ports
+  // that others hold, no_sound_server if there is none, and bad_input for files.
   static Result<std::unique_ptr<Daemon>> start(DaemonOptions options);
   ~Daemon();
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
-  // Whether a client has asked it to end by /quit.
+  // Returns whether a client has sent /quit.
   [[nodiscard]] bool quits() const { return quits_; }
 
-  // Frames rendered and rounds of the worker so far: they show systemd that both threads run.
+  // Return the frames rendered and the rounds of the worker so far: they show systemd that both threads run.
   [[nodiscard]] std::uint64_t frames() const { return session_.rack().mixer().counters().frames; }
   [[nodiscard]] std::uint64_t worker_rounds() const { return worker_rounds_; }
 
-  // Ends all threads, then writes what is being recorded and captured. A recording that cannot be written where it
-  // should be goes to the folder for temporary files; the error says so. Call once.
+  // Ends all threads, then writes any recording and capture in progress. A recording that cannot be written to its
+  // place goes to the folder for temporary files; the error says so. Call once.
   Result<void> finish();
 
  private:
   struct Ports;    // sockets and the driver, opened before there is a session
-  struct Files;    // what is read from files before there is a session
+  struct Files;    // data read from files before there is a session
   struct Service;  // the daemon's own threads
 
   static Result<Ports> open_ports(DaemonOptions& options);
@@ -69,14 +70,14 @@ class Daemon {
   Result<void> write_recording();
 
   const DaemonOptions options_;
-  const session::State state_;          // of --state
-  std::unique_ptr<NsmClient> manager_;  // null: nobody manages our session
+  const session::State state_;          // the state from --state
+  std::unique_ptr<NsmClient> manager_;  // null: there is no session manager
   std::atomic<bool> quits_ = false;     // set by the OSC server
   std::atomic<std::uint64_t> worker_rounds_ = 0;
   session::Session session_;
-  session::Notes notes_;                // of the session's rack
+  session::Notes notes_;                // notes of the session's rack
   session::Recorder recorder_;          // observes the session's rack
-  session::SoundCapture capture_;       // of the session's mixer
+  session::SoundCapture capture_;       // captures the session's mixer
   std::shared_ptr<OscStream> stream_;   // null: no --tcp
   std::unique_ptr<QueryServer> query_;  // null: no --query; reads the rack's names
   WorkerLine worker_line_;              // for the driver and the scene, which outlive the worker

@@ -1,5 +1,5 @@
-// Answers to questions, which are requests that change nothing: /object/.../describe and bank, /scene/describe,
-// /browse, /sync. [worker]
+// Answers questions, which are requests that change nothing: /object/.../describe and bank, /scene/describe, /browse,
+// /sync. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -11,7 +11,7 @@
 
 namespace ringdown::server {
 
-// The messages of the answer, in their order. An error names the wrong argument.
+// Returns the messages of the answer, in order. An error names the wrong argument.
 Result<std::vector<protocol::Reply>> answer_to(const protocol::Question& question, const session::Session& session);
 
 }  // namespace ringdown::server

@@ -1,5 +1,5 @@
 // A driver plays a program: it calls Mixer::render from its own audio thread and knows which frame is due. There are
-// two: JACK (open_jack) and a clock of our own, which throws the sound away (open_null).
+// two: JACK (open_jack) and our own clock, which discards the sound (open_null).
 //
 //   auto driver = open_jack({.client_name = "ringdown"});
 //   (*driver)->start(program);     // renders until the driver is destroyed
@@ -27,16 +27,16 @@ namespace ringdown::server {
 class Driver {
  public:
   struct Load {
-    double mean = 0;             // the share of its period that the callback used, averaged over about a second
-    double p99 = 0;              // 99 of 100 callbacks of the last seconds stayed below this share
-    double peak = 0;             // the largest share so far
+    double mean = 0;             // share of its period that the callback used, averaged over about a second
+    double p99 = 0;              // share that 99 of 100 callbacks of the last seconds did not exceed
+    double peak = 0;             // largest share so far
     std::int32_t misses = 0;     // callbacks that took longer than their period
     std::int32_t xruns = 0;      // cycles that the audio server found late
     std::int32_t own_xruns = 0;  // late cycles in which our callback was late
-    double skipped_s = 0;        // sound that was never made, because the audio server went on without us
+    double skipped_s = 0;        // duration of sound never made, because the audio server went on without us
   };
 
-  // Everything that a driver plays.
+  // Everything that a driver needs to play.
   struct Program {
     synth::Mixer& mixer;
     // Changes the sample rate of the mixer and of everything that counts its frames. The driver's own thread calls it
@@ -45,11 +45,11 @@ class Driver {
     // Advances the scene to this frame; may block. The driver calls it before each block while it freewheels: nothing
     // else advances the scene then.
     std::function<void(synth::Frame)> prepare_offline;
-    // The numbers and names of the mixer's buses that are to have a port. [any but audio]
+    // Returns numbers and names of the mixer's buses that should have a port. [any but audio]
     std::function<std::map<std::size_t, std::string>()> buses;
-    // The mixer's inputs that are to have a port; bit 0 is the first input. [any but audio]
+    // Returns the mixer's inputs that should have a port; bit 0 is the first input. [any but audio]
     std::function<std::uint32_t()> inputs;
-    // The table that says which object a MIDI note strikes. [the driver's own thread]
+    // Returns the table of objects that MIDI notes strike. [the driver's own thread]
     std::function<std::shared_ptr<const session::NoteTable>()> notes;
     // Receives a copy of each event that a note became, for the observers.
     SpscRing<synth::Event>& notes_played;
@@ -66,15 +66,15 @@ class Driver {
   // Tells the driver that the program's buses(), inputs() or notes() have changed. [any but audio]
   virtual void program_changed() {}
 
-  // The mixer's frame that is being computed at this instant; while the audio server does not call, at most a block
-  // more than has been rendered. [any but audio]
+  // Returns the mixer's frame that is being computed at this instant; while the audio server does not call, at most a
+  // block beyond the frames rendered. [any but audio]
   [[nodiscard]] virtual synth::Frame now() const = 0;
 
-  // True while blocks come as fast as they are rendered: now() then runs ahead of the clock. [any]
+  // Returns whether blocks follow each other as fast as they are rendered: now() then runs ahead of the clock. [any]
   [[nodiscard]] virtual bool freewheels() const { return false; }
 
-  // The real-time priority for threads that should be punctual but must not delay the audio thread: just below the
-  // audio thread's priority; 0 if the audio thread has none. May change. [any but audio]
+  // Returns the real-time priority for threads that should be punctual but must not delay the audio thread: just below
+  // the audio thread's priority; 0 if the audio thread has none. May change. [any but audio]
   [[nodiscard]] virtual int control_priority() const { return 0; }
 
   [[nodiscard]] virtual Load load() const = 0;  // [any but audio]
@@ -82,19 +82,19 @@ class Driver {
 
 struct JackOptions {
   std::string client_name = "ringdown";
-  bool connect = false;            // to the first two physical playback ports
-  bool wait = false;               // for a server, if there is none yet
+  bool connect = false;            // connect to the first two physical playback ports
+  bool wait = false;               // wait for a server, if there is none yet
   double sample_rate_hz = 48000;   // until then
   std::size_t block_frames = 256;  // until then
 };
-// Opens a JACK client that outlives its server. While there is no server, the mixer is rendered by a clock of our own
-// and its sound is thrown away; when a server answers again, at whatever rate and period, our ports and their
-// connections come back (jack_driver.cpp). Fails with ErrorKind::no_sound_server when no JACK server answers and
-// options.wait is false, and with ErrorKind::usage when the name is too long for JACK.
+// Opens a JACK client that outlives its server. While there is no server, the mixer is rendered by our own clock and
+// its sound is discarded. When a server answers again, at any rate and period, our ports and their connections are
+// restored (jack_driver.cpp). Fails with ErrorKind::no_sound_server if no JACK server answers and options.wait is
+// false, and with ErrorKind::usage if the name is too long for JACK.
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options);
 
-// Renders in real time and throws the sound away. While the mixer's sound is captured, it waits for the capture to
-// keep up, so that no frame is lost.
+// Renders in real time and discards the sound. While the mixer's sound is captured, it waits for the capture to keep
+// up, so that no frame is lost.
 Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames);
 
 }  // namespace ringdown::server

@@ -1,9 +1,9 @@
-// Tells which frame sounds at a given time, and when a given frame sounds, by reading the audio driver's clock and the
-// computer's together now and then.
+// Converts between times and frames, by reading the audio driver's clock and the computer's together from time to time.
 //
 // A reading is a pair (time, frame). The scheduler may put milliseconds between its two halves, and JACK's own estimate
 // of the frame jitters. Each reading therefore keeps the tightest of a few pairs, and the difference of the clocks is
-// averaged over half a second. A jump is accepted after three readings in a row: an xrun, or a new server.
+// averaged over half a second. A jump is accepted after three readings in a row; its cause may be an xrun or a new
+// server.
 //
 //   FrameClock clock(driver_clock(*driver), steady_now_s);
 //   clock.measure();                                   // at least every 0.1 s or so
@@ -19,7 +19,7 @@
 
 namespace ringdown::server {
 
-double steady_now_s();  // a clock that nobody sets
+double steady_now_s();  // a clock that is never set
 double unix_now_s();    // seconds since 1970
 
 // The computer's clocks; tests pass their own.
@@ -45,14 +45,14 @@ class FrameClock {
 
  private:
   struct Reading {
-    double time_s, first_s;  // when the frames were counted; when frame 0 was, by that count
+    double time_s, first_s;  // time of the count; time of frame 0 by that count
   };
   [[nodiscard]] Reading read() const;
 
   Source source_;
   std::function<double()> seconds_;
   double rate_hz_ = 0;
-  double first_s_ = 0;  // when frame 0 was
+  double first_s_ = 0;  // time of frame 0
   double measured_s_ = 0;
   int readings_ = 0, jumps_ = 0;
 };

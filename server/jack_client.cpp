@@ -20,7 +20,7 @@ constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;
 // Silences libjack's own messages, which would repeat what our log says.
 void quiet(const char*) {}
 
-// JACK metadata: what patchbays show of a port beside its name. It is no error if the server keeps none.
+// JACK metadata: what patchbays show of a port in addition to its name. Not an error if the server does not keep it.
 struct PortDescription {
   std::string pretty_name;
   std::string group;  // ports of one group stand together
@@ -219,9 +219,9 @@ Result<void> JackClient::start(const Driver::Program& program) {
   return fail(ErrorKind::no_sound_server, "the JACK server refused to start the client; see its own messages");
 }
 
-// JACK counts 32 bits of frames since its server started; the mixer counts 64 since it was made. `offset_` is their
-// difference modulo 2^32, renewed in every callback because an xrun moves JACK's count but not ours. JACK's count also
-// goes on while no callback comes; ours is then held back, or the scene would run ahead of the sound.
+// JACK counts frames in 32 bits since its server started; the mixer counts in 64 bits since it was made. `offset_` is
+// their difference modulo 2^32, renewed in every callback because an xrun moves JACK's count but not ours. JACK's count
+// also continues while no callback runs; ours is then held back, or the scene would run ahead of the sound.
 synth::Frame JackClient::now() const {
   const synth::Frame rendered = program_->mixer.counters().frames.load(std::memory_order_acquire);
   const std::int64_t offset = offset_.load(std::memory_order_relaxed);

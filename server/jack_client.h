@@ -28,32 +28,32 @@ struct _jack_port;
 
 namespace ringdown::server {
 
-// A port of ours by its short name, and what it is connected to by its full name.
+// A connection: our port by its short name, and the other port by its full name.
 struct JackConnection {
   std::string ours, theirs;
   friend auto operator<=>(const JackConnection&, const JackConnection&) = default;
 };
 
-// The longest name that a client can have, in bytes. [any]
+// Returns the maximum length of a client's name, in bytes. [any]
 std::size_t max_jack_name_length();
 
 class JackClient {
  public:
-  // Returns null when no server answers or the server is full. JACK's threads call `on_change` when the server has
-  // gone, when somebody has connected something, and when a port has come; `on_change` must return at once. [one
-  // thread, always the same, calls this and every function below that names no other thread]
+  // Returns null if no server answers or the server is full. JACK's threads call `on_change` when the server has gone,
+  // when a connection was made, and when a port has appeared; `on_change` must return at once. [one thread, always the
+  // same, calls this and every function below that names no other thread]
   static std::unique_ptr<JackClient> open(const std::string& name, std::shared_ptr<LoadMeter> meter,
                                           std::shared_ptr<session::MidiPlayer> midi, std::function<void()> on_change);
 
-  // Closes the client at JACK, which may hang when the server died. [any]
+  // Closes the client at JACK, which may hang if the server died. [any]
   ~JackClient();
   JackClient(const JackClient&) = delete;
   JackClient& operator=(const JackClient&) = delete;
 
-  [[nodiscard]] std::string name() const;                        // the name that the server gave
+  [[nodiscard]] std::string name() const;                        // name assigned by the server
   [[nodiscard]] bool lost() const { return lost_; }              // the server has gone [any]
   [[nodiscard]] bool freewheels() const { return freewheels_; }  // [any]
-  // The beginnings and ends of callbacks so far: odd while JACK is inside one. [any]
+  // Returns the number of beginnings and ends of callbacks so far: odd while JACK is inside one. [any]
   [[nodiscard]] std::uint64_t calls() const { return calls_; }
   [[nodiscard]] double sample_rate_hz() const;     // the server's [any but audio]
   [[nodiscard]] std::size_t block_frames() const;  // the server's [any but audio]
@@ -61,14 +61,15 @@ class JackClient {
   // Starts to render `program`, which must exist until the client is stopped or destroyed.
   Result<void> start(const Driver::Program& program);
 
-  // Stops and continues rendering; between, the ports are silent. When stop() returns, no callback is in the mixer.
+  // stop() and go_on() stop and continue rendering; in between, the ports are silent. When stop() returns, no callback
+  // is in the mixer.
   void stop() { gate_.shut(); }
   void go_on() { gate_.open(); }
 
-  // The mixer's frame that is being computed. [any but audio]
+  // Returns the mixer's frame that is being computed. [any but audio]
   [[nodiscard]] synth::Frame now() const;
 
-  // The real-time priority of its audio thread; 0 for none. [any but audio]
+  // Returns the real-time priority of the client's audio thread; 0 for none. [any but audio]
   [[nodiscard]] int priority() const;
 
   // Registers ports for these buses and removes the others. A port whose bus keeps its name stays untouched.
@@ -77,12 +78,12 @@ class JackClient {
   // Registers an input port for each bit that is set; bit 0 is in_1. Ports that exist stay.
   void show_inputs(std::uint32_t inputs);
 
-  // Sets what notes strike from the next block on.
+  // Sets the objects that notes strike from the next block on.
   void set_notes(std::shared_ptr<const session::NoteTable> notes);
 
-  // The connections of our ports.
+  // Returns the connections of our ports.
   [[nodiscard]] std::set<JackConnection> connections() const;
-  // Asks the server for a connection; does nothing where one of the ports does not exist.
+  // Asks the server for a connection; does nothing if one of the ports does not exist.
   void connect(const JackConnection& connection);
   void connect_to_speakers();
 
@@ -98,7 +99,7 @@ class JackClient {
   void remove_port(std::size_t channel);
   void tell_latency();
   void process(std::uint32_t frames) RINGDOWN_REALTIME;
-  void process_offline(std::uint32_t frames);  // in freewheel; steps the scene in the callback
+  void process_offline(std::uint32_t frames);  // used in freewheel; steps the scene in the callback
   void render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME;
   [[nodiscard]] synth::Inputs read_inputs(std::uint32_t frames) RINGDOWN_REALTIME;
   void play_notes(std::uint32_t frames, synth::Frame first) RINGDOWN_REALTIME;
@@ -113,15 +114,15 @@ class JackClient {
   const Driver::Program* program_ = nullptr;
   Gate gate_;
   _jack_port* midi_port_ = nullptr;
-  std::shared_ptr<const session::NoteTable> table_;                    // keeps what the next one
-  std::atomic<const session::NoteTable*> notes_ = nullptr;             // points to
-  std::array<std::atomic<_jack_port*>, synth::kMaxChannels> ports_{};  // by the mixer's channel
-  std::map<std::size_t, std::string> buses_;                           // those of the last show_buses()
+  std::shared_ptr<const session::NoteTable> table_;                    // keeps the table of notes_ alive
+  std::atomic<const session::NoteTable*> notes_ = nullptr;             // the table in use
+  std::array<std::atomic<_jack_port*>, synth::kMaxChannels> ports_{};  // indexed by the mixer's channel
+  std::map<std::size_t, std::string> buses_;                           // buses of the last show_buses()
   std::array<std::atomic<_jack_port*>, synth::kMaxInputs> inputs_{};   // in_1 first; null: none
-  std::uint32_t shown_inputs_ = 0;                                     // those of the last show_inputs()
-  std::atomic<std::uint32_t> fed_ = 0;                                 // those of them that are connected
-  std::atomic<synth::ChannelSet> listened_ = 0;                        // those of them that are connected
-  std::atomic<std::int64_t> offset_ = kUnknown;                        // 32 bits once it is known
+  std::uint32_t shown_inputs_ = 0;                                     // inputs of the last show_inputs()
+  std::atomic<std::uint32_t> fed_ = 0;                                 // connected inputs
+  std::atomic<synth::ChannelSet> listened_ = 0;                        // connected output channels
+  std::atomic<std::int64_t> offset_ = kUnknown;                        // difference of both frame counts (now())
   std::int64_t next_start_ = kUnknown;  // audio thread: where JACK's next block begins, by its count of 32 bits
   std::atomic<bool> lost_ = false, freewheels_ = false;
   std::atomic<std::uint64_t> calls_ = 0;

@@ -1,12 +1,11 @@
-// The JACK driver: a thread that looks after a JackClient, and goes on without one while there is no server.
+// The JACK driver: a thread that manages a JackClient, and continues without one while there is no server.
 //
-// While the server is away the null driver renders, so that time passes: tails die away, the scene plays, timed events
-// come when they should, queues are emptied. When a server answers, the mixer is retuned to its rate between two
-// blocks.
+// While the server is away the null driver renders, so that time passes: tails decay, the scene plays, timed events
+// happen on time, queues are emptied. When a server answers, the mixer is retuned to its rate between two blocks.
 //
-// A server that stays but no longer calls is left and met again in the same way: PipeWire 0.3.65 was seen to forget a
-// client when it changed its quantum on a busy machine. While it does not call a new client either, the driver tries
-// again at intervals that grow to half a minute.
+// A server that still exists but no longer calls is left and joined again in the same way: PipeWire 0.3.65 was seen to
+// forget a client when it changed its quantum on a busy machine. While it does not call a new client either, the driver
+// retries at intervals that grow to half a minute.
 #include "server/call_watch.h"
 #include "server/driver.h"
 #include "server/jack_client.h"
@@ -26,9 +25,9 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kPatience = 1s;        // a server that does not call for so long is left,
-constexpr double kPatientBlocks = 4;  // or for so many blocks, where that is longer
-constexpr auto kMaxPause = 30s;       // between two tries with a server that does not call
+constexpr auto kPatience = 1s;        // a server that has not called for this long is left
+constexpr double kPatientBlocks = 4;  // or for this many blocks, if that is longer than kPatience
+constexpr auto kMaxPause = 30s;       // pause between two tries with a server that does not call
 
 // Wakes the driver's thread. JACK's threads share ownership, because they may use it after the driver has gone.
 using Bell = std::counting_semaphore<>;
@@ -202,9 +201,9 @@ class JackDriver final : public Driver {
     log_info("JACK's sample rate is now " + fixed(rate, 0) + " Hz");
   }
 
-  // A server that ends stops its audio, disconnects its ports, and tells us last, which may take long where the machine
-  // is busy. A connection that is gone is therefore forgotten only once the server has called for 0.3 s of sound more.
-  // One that was asked for is missing until it is seen, for the server may end in between.
+  // A server that ends stops its audio, disconnects its ports, and notifies us last, which may take long on a busy
+  // machine. A lost connection is therefore forgotten only once the server has called for another 0.3 s of sound. A
+  // requested connection counts as missing until it is seen, because the server may end in between.
   void remember_connections() {
     const auto present = client_->connections();
     if (client_->lost()) return;
@@ -234,8 +233,8 @@ class JackDriver final : public Driver {
     reported_at_ = Clock::now();
   }
 
-  // Closes the client on a detached thread, because jack_client_close() may hang; without one, where the system gives
-  // us no more threads.
+  // Closes the client on a detached thread, because jack_client_close() may hang; or on this thread, if the system
+  // gives us no more threads.
   void close(std::unique_ptr<JackClient> client) {
     closed_ = std::make_shared<std::atomic<bool>>(false);
     const auto close_now = [client = client.release(), closed = closed_, bell = bell_] {

@@ -1,5 +1,5 @@
-// How long after its arrival an untimed event happens. The latency is constant, so that a rhythm that is played evenly
-// sounds evenly at any block size. [any thread but audio]
+// The time from the arrival of an untimed event until it happens. The latency is constant, so that an evenly played
+// rhythm sounds even at any block size. [any thread but audio]
 #pragma once
 
 #include "engine/base/result.h"
@@ -21,8 +21,8 @@ inline constexpr double kMaxLatency_s = 1;
 // Reads "256", which means frames, or "5ms".
 Result<Latency> parse_latency(const std::string& text);
 
-// The latency in frames: what is wanted, but at least one block, so that the frame is still to come, and a sixteenth of
-// a block for the jitter of the clock.
+// Returns the latency in frames: the wanted value, but at least one block, so that the frame is still to come, and a
+// sixteenth of a block for the jitter of the clock.
 synth::Frame latency_frames(const Driver& driver, const Latency& wanted = {});
 
 }  // namespace ringdown::server

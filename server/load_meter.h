@@ -20,7 +20,7 @@ class LoadMeter {
 
   static Clock::time_point clock_now() RINGDOWN_REALTIME;  // Linux reads this clock without a system call
 
-  // Callbacks are measured by `now`; tests pass a clock of their own.
+  // `now` is the clock for callbacks; tests pass their own.
   explicit LoadMeter(Now now = clock_now) : now_(now) {}
 
   // Call at the beginning and at the end of a callback of `frames`. Without a `deadline`, in freewheel, a long callback
@@ -35,8 +35,8 @@ class LoadMeter {
   // Counts time for which the server did not let us render. [audio]
   void note_skipped(double seconds) RINGDOWN_REALTIME;
 
-  // Counts a cycle that never came: the server has not called for this long, so it is left. Nothing may be rendering.
-  // [the driver's own thread]
+  // Counts a cycle that never happened: the server has not called for this long, so it is left. Nothing may be
+  // rendering. [the driver's own thread]
   void note_stall(double seconds);
 
   [[nodiscard]] Driver::Load read() const;  // [any]
@@ -49,10 +49,10 @@ class LoadMeter {
   Now now_;
   std::atomic<double> mean_ = 0, peak_ = 0;
   std::array<Histogram, 2> histograms_{};
-  std::atomic<std::size_t> filling_ = 0;  // which of them
-  double filled_s_ = 0;                   // audio thread's own
+  std::atomic<std::size_t> filling_ = 0;  // index of the histogram that is being filled
+  double filled_s_ = 0;                   // used by the audio thread only
   double period_s_ = 0;
-  std::atomic<Clock::rep> due_ = Clock::duration::max().count();  // when the callback that runs should end
+  std::atomic<Clock::rep> due_ = Clock::duration::max().count();  // when the running callback should end
   Clock::time_point begin_;
   std::atomic<std::int32_t> misses_ = 0, xruns_ = 0, own_xruns_ = 0, misses_at_xrun_ = 0;
   std::atomic<double> skipped_s_ = 0;

@@ -28,8 +28,8 @@ std::atomic<Log*> current = nullptr;
 
 }  // namespace
 
-// O_NONBLOCK belongs to what was opened, which we share with our parent and its other children: a shell whose terminal
-// suddenly does not block misbehaves. So a pipe or a terminal is opened once more, for us alone.
+// O_NONBLOCK belongs to the open file, which we share with our parent and its other children: a shell misbehaves if its
+// terminal suddenly does not block. So a pipe or a terminal is opened once more, for us alone.
 LineWriter::LineWriter(int descriptor) : descriptor_(descriptor) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return;
@@ -47,8 +47,8 @@ LineWriter::~LineWriter() {
   if (owns_) ::close(descriptor_);
 }
 
-// Where the descriptor may block, a write of PIPE_BUF bytes or less does not once poll() has said that there is room,
-// unless another process takes the room in between.
+// If the descriptor may block, a write of PIPE_BUF bytes or less does not block once poll() has reported room, unless
+// another process takes the room in between.
 std::size_t LineWriter::write_some(std::string_view text) {
   if (kind_ == Kind::other) {
     if (!waits_for_room(descriptor_, milliseconds(0))) return 0;

@@ -1,13 +1,13 @@
-// The daemon's log: lines on the standard error that never wait for whoever reads them.
+// The daemon's log: lines on the standard error that never wait for a reader.
 //
 //   Log log(STDERR_FILENO);              // where lines go from now on  [main, before other threads start]
 //   log_warning("...");                  // [any but audio]
 //   log.report_dropped();                // now and then  [main]
 //   return log.complain(error);          // the last words before an exit  [main]
 //
-// A pipe whose reader has stopped takes 64 KiB, then a plain write() would wait for ever, and with it the thread that
-// logs: OSC would not be answered any more, and no signal would end the daemon. So lines for which there is no room are
-// dropped and counted, and the count is logged as soon as there is room again.
+// A pipe whose reader has stopped takes 64 KiB; then a plain write() would wait for ever, and the logging thread with
+// it: OSC would no longer be answered, and no signal would end the daemon. So lines without room are dropped and
+// counted, and the count is logged as soon as there is room again.
 #pragma once
 
 #include "engine/base/result.h"
@@ -33,12 +33,13 @@ class LineWriter {
   // Writes a line that ends in '\n', or drops it. Waits for room no longer than `patience`.
   void write(std::string_view line, std::chrono::milliseconds patience = {});
 
-  // Writes how many lines were dropped since the last such report, if any were and there is room.
+  // Writes the number of lines dropped since the last such report, if there are any and there is room.
   void report_dropped();
 
  private:
   void report(std::chrono::milliseconds patience);
-  // Writes `text` as far as there is room, and keeps what is left of a line that has begun. False: nothing was written.
+  // Writes `text` as far as there is room, and keeps the rest of a line that has begun. Returns false if nothing was
+  // written.
   bool put(std::string_view text, std::chrono::milliseconds patience);
   std::size_t write_some(std::string_view text);
 
@@ -48,18 +49,18 @@ class LineWriter {
   bool owns_ = false;
   Kind kind_ = Kind::other;
   std::mutex mutex_;         // guards the members below
-  std::string rest_;         // of a line that was written in part
+  std::string rest_;         // rest of a partly written line
   std::size_t dropped_ = 0;  // lines since the last report
 };
 
-// Lines of the log: "12:34:56.789 info ready". Without a Log they go nowhere. [any but audio]
+// Both log a line: "12:34:56.789 info ready". Without a Log, lines are discarded. [any but audio]
 void log_info(std::string_view sentence);
 void log_warning(std::string_view sentence);
 
-// A number with so many decimals, for such a sentence.
+// Returns a number with this many decimals, for log sentences.
 std::string fixed(double value, int decimals);
 
-// A Log takes the log's lines of the whole process as long as it lives.
+// A Log receives the log lines of the whole process as long as it lives.
 class Log {
  public:
   // Writes to `descriptor`, in colours if it is a terminal.
@@ -70,7 +71,7 @@ class Log {
 
   void report_dropped() { writer_.report_dropped(); }
 
-  // As protocol::complain(), but waits for room no longer than a second.
+  // Like protocol::complain(), but waits for room no longer than a second.
   protocol::ExitCode complain(const Error& error);
 
  private:

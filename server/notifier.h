@@ -1,9 +1,9 @@
-// Sends notices to subscribers, at the rate that each has asked for by /notify: objects that come, go and change
-// groups; contacts (every strike that the mixer has taken, from OSC or from the scene); the peaks of the mix and of
-// objects; the load; the scene's time, and the poses of its bodies. Subscribers that ask for it also get the amplitudes
-// of objects' modes (/object/.../watch) and, every kSoundEvery, the samples of the mix (/watch/sound).
+// Sends notices to subscribers, at the rate that each has requested by /notify: objects that are added, removed or
+// change groups; contacts (every strike that the mixer has accepted, from OSC or from the scene); the peaks of the mix
+// and of objects; the load; the scene's time, and the poses of its bodies. Subscribers that ask for it also get the
+// amplitudes of objects' modes (/object/.../watch) and, every kSoundEvery, the samples of the mix (/watch/sound).
 //
-// A subscriber that sends nothing for kSilence_s is removed, because a program that ends does not say so over UDP. The
+// A subscriber that sends nothing for kSilence_s is removed, because UDP does not report the end of a program. The
 // notifier's thread sleeps while there is no subscriber; events and levels then cost nothing.
 #pragma once
 
@@ -27,7 +27,7 @@
 namespace ringdown::server {
 
 inline constexpr std::size_t kMaxSubscribers = 32;
-inline constexpr std::size_t kMaxContactsPerNotice = 256;  // the last ones; earlier ones are left out
+inline constexpr std::size_t kMaxContactsPerNotice = 256;  // latest contacts; earlier ones are left out
 inline constexpr double kSilence_s = 60;
 inline constexpr std::chrono::milliseconds kSoundEvery{20};
 
@@ -37,19 +37,19 @@ class Notifier final : public session::Observer {
   using Clock = std::chrono::steady_clock;
   using Now = std::function<Clock::time_point()>;
 
-  // Observes the session's rack, before anything is loaded into it. Session, driver and whatever `send` uses must
-  // outlive the notifier. Silence is measured by `now`, which tests replace. [main]
+  // Observes the session's rack, before anything is loaded into it. Session, driver and everything that `send` uses
+  // must outlive the notifier. `now` measures silence; tests replace it. [main]
   Notifier(session::Session& session, const Driver& driver, Send send, Now now = Clock::now);
   ~Notifier() override;
 
-  // Adds a subscriber, or changes a subscriber's rate. Refused when there are kMaxSubscribers already. [osc]
+  // Adds a subscriber, or changes a subscriber's rate. Fails if there are kMaxSubscribers already. [osc]
   Result<void> subscribe(Peer peer, double rate_hz);
   void unsubscribe(Peer peer);
 
   [[nodiscard]] std::size_t subscribers() const { return count_; }  // [any]
 
   // Starts or ends sending the sound, or the amplitudes of an object's modes, to a subscriber, until its subscription
-  // ends. Refused to peers that have not subscribed, and when synth::kMaxWatched objects are watched. [osc]
+  // ends. Fails for peers that have not subscribed, and if synth::kMaxWatched objects are watched. [osc]
   Result<void> watch_sound(Peer peer, bool on);
   Result<void> watch_object(Peer peer, const protocol::ObjectRef& object, bool on);
 
@@ -70,7 +70,7 @@ class Notifier final : public session::Observer {
     float peak = 0;
     std::vector<float> object_peaks = std::vector<float>(synth::kMaxObjects);
     std::vector<synth::Event> contacts;
-    std::vector<protocol::Reply> changes;  // of objects
+    std::vector<protocol::Reply> changes;  // changes of objects
     // In the last notice:
     std::vector<bool> rang = std::vector<bool>(synth::kMaxObjects);
   };
@@ -98,9 +98,9 @@ class Notifier final : public session::Observer {
   std::mutex mutex_;              // guards all members below except the thread
   std::condition_variable_any wake_;
   std::vector<Subscriber> subscribers_;
-  std::set<synth::ObjectNumber> watched_;  // by at least one subscriber
+  std::set<synth::ObjectNumber> watched_;  // objects watched by at least one subscriber
   bool changed_ = false;                   // subscribers have changed since the thread began to wait
-  synth::Frame sound_from_ = 0;            // samples before this frame were kept for an earlier listener
+  synth::Frame sound_from_ = 0;            // samples before this frame are for an earlier listener
   std::jthread thread_;                    // last member: ends before the others are destroyed
 };
 

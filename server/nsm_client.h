@@ -28,11 +28,11 @@ namespace ringdown::server {
 
 class NsmClient {
  public:
-  // The value of NSM_URL in the environment; nullopt: no session manager has started us. [main]
+  // Returns the value of NSM_URL in the environment; nullopt: no session manager has started us. [main]
   static std::optional<std::string> url();
 
-  // Announces us to the manager and waits until it opens a session. An error says who did not answer, or what was
-  // refused. [main]
+  // Announces us to the manager and waits until it opens a session. An error names the peer that did not answer, or the
+  // refused request. [main]
   static Result<std::unique_ptr<NsmClient>> announce(const std::string& url,
                                                      std::chrono::milliseconds patience = std::chrono::seconds(10));
   NsmClient(const NsmClient&) = delete;
@@ -41,7 +41,7 @@ class NsmClient {
 
   [[nodiscard]] const NsmSession& session() const { return session_; }
 
-  // The state file of the session.
+  // Returns the state file of the session.
   [[nodiscard]] std::filesystem::path state_file() const { return session_.path.string() + ".toml"; }
 
   // Answers that the session is open. From now on the client's thread calls `save` whenever the manager wants the

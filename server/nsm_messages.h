@@ -1,5 +1,5 @@
-// Parses a session manager's messages (New Session Manager's protocol). It is apart from the client's socket and
-// thread, so that tests can feed it broken messages. [any thread]
+// Parses a session manager's messages (New Session Manager's protocol). Separate from the client's socket and thread,
+// so that tests can pass in broken messages. [any thread]
 #pragma once
 
 #include "engine/base/result.h"
@@ -23,7 +23,7 @@ struct NsmRequest {
   Result<NsmSession> session = NsmSession{};  // open: the session, or what its message lacks; refuse: the reason
 };
 
-// Reads the first message of a datagram. nullopt: the datagram is broken, or asks for nothing that we do.
+// Reads the first message of a datagram. nullopt: the datagram is broken, or asks for nothing that we support.
 std::optional<NsmRequest> parse_nsm(std::span<const std::byte> datagram);
 
 }  // namespace ringdown::server

@@ -51,7 +51,7 @@ class NullDriver final : public Driver {
 
   double sample_rate_hz_;
   std::size_t block_;
-  std::vector<float> left_, right_;  // a block that nobody hears
+  std::vector<float> left_, right_;  // a discarded block
   LoadMeter meter_;
   synth::Frame first_frame_ = 0;
   LoadMeter::Clock::time_point origin_;

@@ -1,4 +1,4 @@
-// The options of ringdownd, and the one table that its command line and --help are made from. [main]
+// The options of ringdownd, and the one table from which its command line and --help are made. [main]
 //
 //   DaemonOptions options;
 //   manual::App app;
@@ -30,12 +30,12 @@ namespace ringdown::server {
 struct DaemonOptions {
   enum class DriverKind { jack, wav, null };
   DriverKind driver = DriverKind::jack;
-  std::vector<std::pair<std::string, std::filesystem::path>> objects;  // name, bank
+  std::vector<std::pair<std::string, std::filesystem::path>> objects;  // name and bank
   struct Input {
     std::string object;
     std::optional<Vec3> point_m, force_n;  // in the object's frame; absent: chosen from its bank
   };
-  std::vector<Input> inputs;                   // JACK ports in_1 and so on, and what they excite
+  std::vector<Input> inputs;                   // JACK ports in_1 and so on, and the objects that they excite
   std::optional<std::filesystem::path> state;  // loaded after objects, inputs and scene (state.h)
   std::optional<std::filesystem::path> scene;
   std::optional<std::string> scene_to;  // osc.udp://host:port that gets the scene's strikes instead of our own mixer
@@ -44,16 +44,16 @@ struct DaemonOptions {
   std::optional<std::uint16_t> tcp_port;         // OSC by TCP as well; 0: any free one
   std::optional<std::uint16_t> query_port;       // OSCQuery over HTTP; 0: any free one
   bool zeroconf = false;                         // announce both OSC ports
-  std::optional<std::filesystem::path> record;   // the whole session, as an OSC score
-  std::optional<std::filesystem::path> capture;  // what the null driver renders, as a sound file
+  std::optional<std::filesystem::path> record;   // file for the whole session, as an OSC score
+  std::optional<std::filesystem::path> capture;  // sound file for what the null driver renders
   double merge_s = 0.001;                    // in a flood, strikes on one point this close become one (strike_merger.h)
-  std::vector<std::filesystem::path> roots;  // where messages may open files; empty: the current folder
-  Latency latency;                           // of untimed messages
+  std::vector<std::filesystem::path> roots;  // folders in which messages may open files; empty: the current folder
+  Latency latency;                           // latency of untimed messages
   std::string jack_name = "ringdown";
-  std::optional<std::filesystem::path> notes;        // what MIDI notes strike (note_map.h)
-  session::PortMode ports = session::PortMode::mix;  // JACK ports beside the stereo mix
-  bool connect = false;                              // to the speakers
-  bool wait = false;                                 // for a JACK server, where there is none yet
+  std::optional<std::filesystem::path> notes;        // note map for MIDI (note_map.h)
+  session::PortMode ports = session::PortMode::mix;  // JACK ports in addition to the stereo mix
+  bool connect = false;                              // connect to the speakers
+  bool wait = false;                                 // wait for a JACK server if there is none yet
   double sample_rate_hz = 48000;                     // wav, null, and until there is a JACK server
   std::size_t block_frames = 256;                    // wav, null, and until there is a JACK server
   synth::MixerSettings mixer = {.budget = 0.8};      // the budget counts with jack only

@@ -91,7 +91,7 @@ struct Node {
   Attributes attributes;
   std::map<std::string, Node> contents;
 
-  // With CONTENTS, all that is below it.
+  // With CONTENTS, includes everything below the node.
   [[nodiscard]] Attributes all() const {
     Attributes all = attributes;
     Attributes below;
@@ -101,7 +101,7 @@ struct Node {
   }
 };
 
-// The attributes of an address that are the same for every object.
+// The attributes of an address that are equal for all objects.
 Attributes attributes_of(const AddressSpec& spec) {
   std::string types;
   std::vector<std::string> ranges, units;

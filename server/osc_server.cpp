@@ -265,8 +265,8 @@ void OscServer::carry_out_what_is_near() {
   }
 }
 
-// Posts a request that changes objects or the scene to the worker. It takes effect at `frame`, or as soon as anything
-// can be heard.
+// Posts a request that changes objects or the scene to the worker. The request takes effect at `frame`, or at the
+// earliest audible frame.
 template <class Lane>
 void OscServer::perform(const Lane& request, synth::Frame frame, const std::string& address, Peer from) {
   post(
@@ -324,8 +324,8 @@ void OscServer::answer_at_once(const protocol::DaemonRequest& request, const std
         request);
 }
 
-// Posts a task to the worker. The task answers the sender itself; if the worker has no room for it, or memory does not
-// suffice, post() does.
+// Posts a task to the worker. The task answers the sender itself; if the worker has no room for the task, or there is
+// not enough memory, post() answers.
 void OscServer::post(Worker::Task task, const std::string& address, Peer from) {
   const bool posted = parts_.worker.post([task = std::move(task), ports = ports_, address, from] {
     const auto done = within_memory("carry it out", [&task]() -> Result<void> {

@@ -3,11 +3,10 @@
 //   OscServer server(std::move(socket), {session, worker, driver, quit});   // serves until it is destroyed
 //
 // The server's thread plays events itself and posts everything slow to the worker, in order. An untimed event happens
-// `latency` after the kernel received its packet, so two strikes 3 ms apart stay 3 ms apart whatever the block size and
-// however late the thread wakes. The events of a bundle happen at the bundle's time; those further than kHorizon_s
-// ahead wait in the server's Schedule. Loads and scene changes happen when the worker comes to them. Where the audio
-// thread has real-time priority, the server's thread has the next lower one, in a flood for half of the time
-// (realtime_share.h).
+// `latency` after the kernel received its packet, so two strikes 3 ms apart stay 3 ms apart at any block size and
+// however late the thread wakes. The events of a bundle happen at the bundle's time; those more than kHorizon_s ahead
+// wait in the server's Schedule. Loads and scene changes happen in the worker's order. If the audio thread has
+// real-time priority, the server's thread has the next lower one, in a flood for half of the time (realtime_share.h).
 #pragma once
 
 #include "protocol/reply.h"
@@ -59,11 +58,11 @@ class OscServer {
   [[nodiscard]] std::uint16_t port() const { return ports_->socket.port(); }
 
  private:
-  // When a packet arrived, by the clock that frames are measured with and by the clock of time tags.
+  // Arrival time of a packet, by the clock that frames are measured with and by the clock of time tags.
   struct Arrival {
     Peer from;
     double steady_s, unix_s;
-    double age_s;  // how long the packet had waited in the kernel or in the inbox
+    double age_s;  // time that the packet waited in the kernel or in the inbox
   };
 
   void run(const std::stop_token& stop);
@@ -107,12 +106,12 @@ class OscServer {
   Parts parts_;
   Notifier notifier_;
   Inbox inbox_;
-  FrameClock clock_;  // the server thread's own, as the next two members are
+  FrameClock clock_;  // used by the server thread only, like the next two members
   Schedule schedule_;
   RealtimeShare share_;
-  bool told_of_epoch_ = false;  // somebody's time tags count from 1970
-  int priority_ = 0;            // what the driver reported last
-  double looked_at_s_ = -1e9;   // when the driver was asked for it
+  bool told_of_epoch_ = false;  // whether time tags from 1970 were reported
+  int priority_ = 0;            // the driver's last reported priority
+  double looked_at_s_ = -1e9;   // when the driver was last asked for the priority
   std::jthread thread_;         // last member: ends before the others are destroyed
 };
 

@@ -31,8 +31,9 @@ struct Connection {
   bool broken = false;
 };
 
-// A web page can make a browser send any bytes to a port of this computer, even valid OSC packets. But the browser
-// sends the head of its HTTP request first, and that does not begin as an OSC packet does.
+// Returns whether a packet begins like OSC. A web page can make a browser send any bytes to a port of this computer,
+// even valid OSC packets. But the browser sends the head of its HTTP request first, which does not begin like an OSC
+// packet.
 bool begins_as_osc(std::span<const std::byte> packet) {
   return packet.front() == std::byte{'/'} || packet.front() == std::byte{'#'};
 }

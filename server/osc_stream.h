@@ -7,8 +7,8 @@
 //   (*stream)->send(peer, answer);                                                // on any thread
 //
 // The stream's own thread accepts connections, reads and writes. It closes the connection of a client that sends bytes
-// in neither framing, that sends a packet of more than wire::kMaxPacketBytes or one that begins with neither / nor # (a
-// browser whose page tries to play), and says so in the log; also that of a client that leaves more than
+// in neither framing, a packet of more than wire::kMaxPacketBytes, or a packet that begins with neither / nor # (from a
+// web page in a browser), and logs this. It also closes the connection of a client that leaves more than
 // kMaxUnreadBytes of answers unread. A connection beyond kMaxConnections is closed at once.
 #pragma once
 
@@ -24,12 +24,12 @@
 namespace ringdown::server {
 
 inline constexpr std::size_t kMaxConnections = 16;
-inline constexpr std::size_t kMaxUnreadBytes = std::size_t{1} << 20;  // of answers that wait for one client
+inline constexpr std::size_t kMaxUnreadBytes = std::size_t{1} << 20;  // answers waiting for one client
 
-// Who sent a packet and gets its answers.
+// The sender of a packet, who gets its answers.
 struct Peer {
   wire::Endpoint endpoint;
-  std::uint32_t connection = 0;  // a number that OscStream gave; 0: the packet came by UDP
+  std::uint32_t connection = 0;  // number given by OscStream; 0: the packet arrived by UDP
   friend bool operator==(const Peer&, const Peer&) = default;
 };
 
@@ -46,11 +46,11 @@ class OscStream {
   using Take = std::function<void(std::span<const std::byte> packet, Peer from)>;
   void start(Take take);
 
-  // Ends the thread; `take` is not called any more after this function has returned. [main]
+  // Ends the thread. `take` is not called after this function has returned. [main]
   void stop();
 
-  // Sends a packet to a client, now or when the client has read what waits for it. Does nothing if the client has
-  // gone. [any thread]
+  // Sends a packet to a client, now or when the client has read earlier packets. Does nothing if the client has gone.
+  // [any thread]
   void send(Peer to, std::span<const std::byte> packet);
 
  private:

@@ -25,7 +25,7 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::ExitCode;
 
-// Sections of the man page beside the options.
+// Sections of the man page in addition to the options.
 const std::vector<manual::Section> kSections = {
     {"FILES",
      {{"$XDG_CONFIG_HOME/ringdown/ringdownd.toml",

@@ -5,7 +5,7 @@
 
 namespace ringdown::server {
 
-// Returns the exit code.
+// Runs the daemon and returns its exit code.
 int run_program(int argc, char** argv);
 
 }  // namespace ringdown::server

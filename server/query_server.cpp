@@ -23,7 +23,7 @@ namespace {
 using SteadyTime = std::chrono::steady_clock::time_point;
 
 constexpr std::size_t kAnswerBlock = 8192;  // bytes of an answer that are made at once
-constexpr unsigned kLeaving = 16;           // connections that may be open beside the most, until they are closed
+constexpr unsigned kLeaving = 16;           // connections that may be open beyond the maximum, until they are closed
 
 // An open connection, and since when it has been receiving a request, or sending an answer, or waiting.
 struct QueryClient {

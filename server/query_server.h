@@ -1,9 +1,10 @@
 // Describes the daemon's OSC namespace by OSCQuery: JSON over HTTP, read-only. The daemon opens it with --query.
 //
-// GET / or GET /object/bell answers the namespace or a part of it (osc_namespace.h); ?HOST_INFO answers where OSC is
-// received. One thread accepts connections and answers, without waiting for any of them. Whatever is sent, memory stays
-// bounded: a request has kMaxRequestBytes and no body, ranges are not looked at, and answers are made while they are
-// sent. When kMaxQueryConnections are open, the one that has waited longest makes room for the next.
+// GET / or GET /object/bell answers the namespace or a part of it (osc_namespace.h); ?HOST_INFO answers with the
+// address at which OSC is received. One thread accepts connections and answers, without waiting for any of them. Memory
+// stays bounded for any input: a request has at most kMaxRequestBytes and no body, ranges are ignored, and answers are
+// generated while they are sent. If kMaxQueryConnections are open, the one that has waited longest makes room for the
+// next.
 #pragma once
 
 #include "engine/base/result.h"
@@ -17,10 +18,10 @@
 
 namespace ringdown::server {
 
-inline constexpr std::size_t kMaxRequestBytes = 16384;  // of a request's line and headers, and of its answer's headers
+inline constexpr std::size_t kMaxRequestBytes = 16384;  // of a request's line and headers, and of an answer's headers
 inline constexpr std::size_t kMaxQueryConnections = 32;
-inline constexpr unsigned kMaxQuerySilence_s = 2;  // of a client in the middle of a request, or between two
-inline constexpr unsigned kMaxQueryTime_s = 10;  // from a request's first byte to its last, and the same for an answer
+inline constexpr unsigned kMaxQuerySilence_s = 2;  // silence of a client in the middle of a request, or between two
+inline constexpr unsigned kMaxQueryTime_s = 10;    // from a request's first byte to its last, and equally for an answer
 
 class QueryServer {
  public:

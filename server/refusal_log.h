@@ -41,7 +41,7 @@ class RefusalLog {
   const std::function<Clock::time_point()> now_;
   std::mutex mutex_;  // guards the members below
   Clock::time_point begin_{};
-  std::map<std::string, std::size_t> repeats_;  // by sentence, of those logged in this second
+  std::map<std::string, std::size_t> repeats_;  // repetitions of the sentences logged in this second
   std::size_t others_ = 0;                      // refusals with other sentences in this second
 };
 

@@ -1,5 +1,5 @@
-// The embedded scene as an outside simulator: its strikes go to another daemon as OSC, the same messages that a game
-// would send.
+// Plays the embedded scene like an outside simulator: sends its strikes to another daemon as OSC, in the messages that
+// a game would send.
 #pragma once
 
 #include "engine/base/result.h"
@@ -12,8 +12,9 @@
 
 namespace ringdown::server {
 
-// A sink that sends strikes to the daemon at `url` (osc.udp://host:port) in bundles, whose time tag is the moment at
-// which our driver would play their frame. Objects go by name. `rack` and `driver` must outlive the sink.
+// Returns a sink that sends strikes to the daemon at `url` (osc.udp://host:port) in bundles, whose time tag is the
+// moment at which our driver would play their frame. Objects are identified by name. `rack` and `driver` must outlive
+// the sink.
 Result<session::ScenePlayer::Sink> open_remote_strikes(const std::string& url, const session::Rack& rack,
                                                        const Driver& driver, Clocks clocks = {});
 

@@ -1,5 +1,5 @@
-// Keeps requests that are to happen much later, in order, until their time is near. So a song that is sent ahead, or a
-// sender with a wrong clock, does not fill the mixer's short queue, which events of this moment need. [one thread]
+// Keeps requests for a much later time, in order, until that time is near. Thus a song sent ahead, or a sender with a
+// wrong clock, does not fill the mixer's short queue, which is needed for present events. [one thread]
 #pragma once
 
 #include "engine/synth/event.h"
@@ -17,7 +17,7 @@ inline constexpr std::size_t kMaxScheduled = 16384;  // requests
 
 class Schedule {
  public:
-  // Requests that happen at a frame of their own (protocol/lanes.h).
+  // Requests that have a frame of their own (protocol/lanes.h).
   using Request = OneOf<Types<protocol::MixerRequest, protocol::TimedWorkerRequest>>;
 
   struct Entry {

@@ -1,4 +1,4 @@
-// Tells systemd that the daemon is ready, when the first sound has been rendered, that it is alive, for the watchdog,
+// Tells systemd that the daemon is ready, once the first sound has been rendered; that it is alive, for the watchdog;
 // and that it is stopping.
 //
 // systemd gives a service of Type=notify a datagram socket in NOTIFY_SOCKET and, with WatchdogSec, a time in
@@ -31,11 +31,11 @@ class ServiceNotice {
   using Clock = std::chrono::steady_clock;
   void say(std::string_view what) const;
 
-  std::string address_;  // the socket's, with a zero byte in front if it is abstract; empty: nobody listens
+  std::string address_;  // the socket's address, with a leading zero byte if it is abstract; empty: no socket
   int socket_ = -1;
   bool ready_ = false;
   std::uint64_t last_beats_ = 0;
-  Clock::duration interval_{};  // between two WATCHDOG=1; zero: systemd wants none
+  Clock::duration interval_{};  // time between two WATCHDOG=1; zero: systemd wants none
   Clock::time_point next_{};
 };
 

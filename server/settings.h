@@ -5,7 +5,8 @@
 //   object = ["bell=/banks/bell.glb", "bowl=/banks/bowl.glb"]
 //
 // Every option of options.h may stand in the file, except --help, --version and --settings. An option on the command
-// line wins over the file. Paths are as on the command line: a relative one starts where the daemon was started. [main]
+// line overrides the file. As on the command line, a relative path starts in the folder where the daemon was started.
+// [main]
 #pragma once
 
 #include "engine/base/result.h"
@@ -23,12 +24,12 @@ namespace ringdown::server {
 // The value of --settings that means: read no file.
 inline constexpr const char* kNoSettings = "none";
 
-// The file to read: the one that the user has `named`; otherwise ringdown/ringdownd.toml in $XDG_CONFIG_HOME or
+// Returns the file to read: the one that the user has `named`; otherwise ringdown/ringdownd.toml in $XDG_CONFIG_HOME or
 // ~/.config, if it exists; otherwise nullopt.
 std::optional<std::filesystem::path> settings_file(const std::optional<std::string>& named);
 
-// Call after app.parse(). Gives every option of `app` that the command line does not name the value that stands in the
-// file. An error begins with path:line and names the key.
+// Call after app.parse(). Gives every option of `app` that is not on the command line its value from the file. An error
+// begins with path:line and names the key.
 Result<void> read_settings(manual::App& app, const std::filesystem::path& path);
 
 }  // namespace ringdown::server

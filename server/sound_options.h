@@ -1,5 +1,4 @@
-// The command-line options for how the mixer computes sound: the daemon and `ringdown render` have them in common.
-// [main]
+// The command-line options for the mixer's sound, shared by the daemon and `ringdown render`. [main]
 #pragma once
 
 namespace ringdown::manual {

@@ -1,4 +1,4 @@
-// The loop of a thread that lives as long as what it serves, also where memory does not suffice for one of its turns.
+// The loop of a long-lived thread, which continues even if there is not enough memory for one of its turns.
 //
 //   take_turns("serve OSC", stop, [&] { receive(), answer(); });
 #pragma once
@@ -9,7 +9,7 @@
 
 namespace ringdown::server {
 
-// Calls `turn` until `stop` is requested. A turn for which there is too little memory, or no thread, is given up and
+// Calls `turn` until `stop` is requested. A turn for which there is too little memory, or no thread, is abandoned and
 // logged as "there is not enough memory to `what`"; the next one begins a tenth of a second later. [any but audio]
 void take_turns(const std::string& what, const std::stop_token& stop, const std::function<void()>& turn);
 

@@ -1,4 +1,4 @@
-// A thread for everything slow: it reads files and builds voices, one task after the other, in order.
+// A thread for slow tasks: it reads files and builds voices, one task after the other, in order.
 //
 //   Worker worker([&] { rack.collect(); }, 50ms);
 //   if (!worker.post([&] { load(); })) refuse();
@@ -17,7 +17,7 @@ class Worker {
  public:
   using Task = std::function<void()>;
 
-  // At most this many tasks wait; post() refuses more.
+  // Maximum number of waiting tasks; post() refuses more.
   static constexpr std::size_t kMaxTasks = 1024;
 
   // Runs `chore` after each task, and every `period` if there is no task. Tasks and chore run on the worker's thread.
@@ -38,8 +38,8 @@ class Worker {
   std::jthread thread_;  // last member: ends before the others are destroyed
 };
 
-// Posts tasks to a worker that may not exist yet, or not any more: for the driver and the scene, which live longer than
-// the worker. [any but audio]
+// Posts tasks to a worker that may not exist yet, or not any more; used by the driver and the scene, which live longer
+// than the worker. [any but audio]
 class WorkerLine {
  public:
   // While a Connection exists, tasks reach `worker`; otherwise they are refused.

@@ -1,8 +1,9 @@
-// Announces on the network where OSC is received, by DNS-SD (Zeroconf, Bonjour): service _osc._udp, and _osc._tcp.
+// Announces the address at which OSC is received on the network, by DNS-SD (Zeroconf, Bonjour): service _osc._udp, and
+// _osc._tcp.
 //
-// Avahi's daemon announces the services. Where it does not run, one line in the log says so, and the services are
-// announced when it starts. A name that is taken gets a number. The announcement ends when the Zeroconf object is
-// destroyed. [main; Avahi's client has a thread of its own]
+// Avahi's daemon announces the services. If it does not run, one line in the log says so, and the services are
+// announced when it starts. A number is appended to a name that is in use. The announcement ends when the Zeroconf
+// object is destroyed. [main; Avahi's client has a thread of its own]
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace ringdown::server {
 
 class Zeroconf {
  public:
-  // `name` is the name that people see.
+  // `name` is the name that users see.
   Zeroconf(std::string name, std::uint16_t udp_port, std::optional<std::uint16_t> tcp_port);
   ~Zeroconf();
   Zeroconf(const Zeroconf&) = delete;

@@ -96,8 +96,8 @@ class ListeningWorld : public btDiscreteDynamicsWorld {
     }
   };
 
-  // Bullet solves contacts before the bodies touch. That steadies resting bodies but slows approaching ones, so contact
-  // points of bodies that will bounce are removed until they touch.
+  // Bullet solves contacts before the bodies touch, which steadies resting bodies but slows approaching ones. So
+  // contact points of bodies that will bounce are removed until they touch.
   void note(const Item& a, const Item& b, btPersistentManifold& manifold) {
     const scene::SurfacePair surface = scene::combine(a.surface, b.surface);
     const Item &body = a.movable() ? a : b, &other = a.movable() ? b : a;
@@ -252,7 +252,7 @@ Result<void> BulletWorld::Impl::add(const BodyDescription& body,
   place(item, body.fixed ? 0 : solid->mass.mass_kg, {inertia[0][0], inertia[1][1], inertia[2][2]}, at);
   if (!body.fixed) {
     // A step moves a body by its velocity at the end of the step. Starting with the velocity of half a step earlier
-    // puts a fall on the true parabola.
+    // makes a fall follow the true parabola.
     item.body->setLinearVelocity(to_bullet(body.velocity_m_s - (0.5 * scene.step_s) * scene.gravity_m_s2));
     item.body->setAngularVelocity(to_bullet(body.spin_rad_s));
   }

@@ -37,7 +37,7 @@ class BulletWorld {
     std::span<const scene::RestDamping> dampings;
   };
 
-  // Advances by the scene's step_s.
+  // Advances by the scene's step_s and returns the step's events.
   StepEvents step();
 
   [[nodiscard]] double time_s() const;

@@ -65,7 +65,7 @@ std::vector<wire::Message> setup_messages(const scene::SceneDescription& scene) 
 }
 
 // Plays the scene in real time. Each event is sent ahead of its time, in a bundle whose time tag says when it is due,
-// so that delays in the network and in this program are not step.
+// so that delays in the network and in this program are inaudible.
 ExitCode play(const Options& options, const scene::SceneDescription& scene, bullet::BulletWorld& world,
               double seconds) {
   auto link = cli::DaemonLink::open(options.to);

@@ -13,7 +13,7 @@ using protocol::Reply;
 using wire::Message;
 using Clock = std::chrono::steady_clock;
 
-// Whether `reply` is about the message sent to `address`, for which `expected` is the address of success.
+// Returns whether `reply` is about the message sent to `address`, for which `expected` is the address of success.
 bool answers(const Message& message, const Reply& reply, std::string_view address, std::string_view expected) {
   if (const auto* fail = reply.get_if<protocol::Fail>()) return fail->address == address;
   if (const auto* done = reply.get_if<protocol::Done>()) return done->address == address;

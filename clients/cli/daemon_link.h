@@ -17,8 +17,8 @@ class DaemonLink {
   static Result<DaemonLink> open(const std::string& url);
 
   // Sends a message of the protocol and waits for its answer. After a request that succeeds in silence, /sync is sent:
-  // the answer Synced then means that the request has arrived. The daemon's refusal is an answer (protocol::Fail); an
-  // error means that no answer came in time.
+  // the answer Synced then means that the request has arrived. A refusal by the daemon is an answer (protocol::Fail);
+  // an error means that no answer arrived in time.
   Result<protocol::Reply> ask(const wire::Message& message, std::chrono::milliseconds timeout);
 
  private:

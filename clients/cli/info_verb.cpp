@@ -17,7 +17,7 @@
 namespace ringdown::cli {
 namespace {
 
-// How strongly the mode answers a blow at a random point: sqrt of the mean of |phi|^2 over the sample points.
+// Returns the mode's response to a blow at a random point: sqrt of the mean of |phi|^2 over the sample points.
 double rms_shape(const modal::Bank& bank, std::size_t mode) {
   double sum = 0;
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
@@ -26,13 +26,13 @@ double rms_shape(const modal::Bank& bank, std::size_t mode) {
   return std::sqrt(sum / static_cast<double>(bank.point_count()));
 }
 
-// How much louder than on average over all directions a mode sounds where it is loudest [dB].
+// Returns how much louder the mode sounds in its loudest direction than on average over all directions [dB].
 double directivity_db(const modal::FarField& field) {
   constexpr int kDirections = 2000;
   const int degree = std::max(modal::degree_of(field), 0);
   std::vector<float> harmonics(static_cast<std::size_t>(modal::harmonic_count(degree)));
   double loudest = 0;
-  for (int i = 0; i < kDirections; ++i) {  // a spiral of directions, each for the same part of the sphere
+  for (int i = 0; i < kDirections; ++i) {  // a spiral of directions that divides the sphere evenly
     const double z = 1 - (2 * i + 1.0) / kDirections, turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
     const double across = std::sqrt(1 - z * z);
     modal::real_harmonics({across * std::cos(turn), across * std::sin(turn), z}, degree, harmonics);
@@ -41,8 +41,8 @@ double directivity_db(const modal::FarField& field) {
   return 20 * std::log10(loudest / modal::rms(field));
 }
 
-// The pressure at 1 m, rms over directions, with which a blow of 1 N s at a random point starts the mode [dB re 20
-// uPa].
+// Returns the rms pressure over directions at 1 m with which a blow of 1 N s at a random point starts the mode [dB re
+// 20 uPa].
 double blow_level_db(const modal::Bank& bank, std::size_t mode) {
   constexpr double kReference_pa = 20e-6;
   const double omega = modal::hz_to_rad_per_s(bank.frequency_hz[mode]);

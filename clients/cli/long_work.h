@@ -12,7 +12,7 @@
 
 namespace ringdown::cli {
 
-// Shows what is being done. [one thread]
+// Shows the present stage of the work. [one thread]
 class ProgressLine {
  public:
   enum class Style {
@@ -48,11 +48,11 @@ class ProgressLine {
 protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::stop_token)>& work,
                                    std::chrono::milliseconds patience = std::chrono::seconds(1));
 
-// Says on stderr what the kernel lacks of the sandbox in which mesh files are read, if anything
+// Writes to stderr which features the kernel lacks for the sandbox in which mesh files are read, if any
 // (engine/base/process/sandbox.h). [main]
 void warn_of_open_sandbox();
 
-// Says why `output` was not written, and returns the exit code for it.
+// Writes why `output` was not written, and returns the exit code for it.
 protocol::ExitCode complain_unwritten(const Error& error, const std::filesystem::path& output);
 
 }  // namespace ringdown::cli

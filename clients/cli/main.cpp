@@ -49,7 +49,7 @@ void add_protocol_verb(manual::App& app, ExitCode& outcome) {
   });
 }
 
-// The text of the man page beside the options.
+// The text of the man page in addition to the options.
 const std::vector<manual::Section> kSections = {
     {"ENVIRONMENT",
      {{"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},

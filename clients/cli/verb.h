@@ -1,8 +1,8 @@
 // The verbs of the `ringdown` program: those that talk to a daemon in daemon_verbs.cpp, short ones in main.cpp, every
 // other one in NAME_verb.cpp. [main]
 //
-// add_NAME_verb adds a subcommand and its options to `app`. When the user gave that verb, its callback does the work
-// and sets `outcome`, which must outlive the parsing; a verb that fails has said why on stderr with complain().
+// add_NAME_verb adds a subcommand and its options to `app`. If the user gave that verb, its callback does the work and
+// sets `outcome`, which must outlive the parsing. A verb that fails has written the reason to stderr with complain().
 #pragma once
 
 #include "protocol/exit_codes.h"

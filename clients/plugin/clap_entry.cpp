@@ -1,13 +1,13 @@
-// The CLAP plug-in's entry: DPF's, with what DPF 1.6 lacks in front of it.
+// The CLAP plug-in's entry: a layer in front of DPF's entry that adds what DPF 1.6 lacks.
 //
 // - Note expressions become MIDI: pressure is the key's aftertouch, brightness controller 74, tuning a bend of the key.
-// - Events that DPF would misread do not reach it: modulation, gestures, transport, parameters that there are not,
-//   releases of all keys at once.
+// - Events that DPF would misread do not reach it: modulation, gestures, transport, unknown parameters, releases of
+//   all keys at once.
 // - A state may be read in pieces of any size; DPF takes a short piece for the end of a text.
 // - Notes may come as CLAP's own, which note expressions need, or as MPE.
 //
-// DPF's entry is compiled under the name dpf_clap_entry. A plug-in of ours is a copy of DPF's struct, with a few
-// functions exchanged; the others find their instance in it as before.
+// DPF's entry is compiled under the name dpf_clap_entry. Our plug-in is a copy of DPF's struct with a few functions
+// replaced; the others find their instance in the struct as before.
 #include "clients/plugin/keyboard.h"
 #include "clients/plugin/parameters.h"
 
@@ -38,7 +38,7 @@ std::uint8_t seven_bits(double share) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(std::isfinite(share) ? share : 0.0, 0.0, 1.0) * 127));
 }
 
-// The events of one block as DPF shall see them: those of the host, and MIDI made of note expressions.
+// The events of one block for DPF: those of the host, and MIDI made from note expressions.
 class Events {
  public:
   void take(const clap_input_events_t* given) {

@@ -150,8 +150,8 @@ void Instrument::load(const Source& source) {
   plan_ = std::make_unique<KeyPlan>(*std::move(plan));
 }
 
-// Gives each object its bank and its material. False: the mixer has no room before the audio thread has taken what
-// waits; what is left is done in another round.
+// Gives each object its bank and its material. Returns false if the mixer has no room until the audio thread has taken
+// what waits in its queues; the remaining objects are installed in another round.
 bool Instrument::install(KeyPlan& plan) {
   silence_keys();
   const std::size_t count = plan.map.objects.size();
@@ -172,8 +172,8 @@ bool Instrument::install(KeyPlan& plan) {
   return true;
 }
 
-// While objects get other banks, a blow by the old map could be one that libringdown refuses, for which it allocates a
-// sentence. So the keys strike nothing until the new map is there, and nobody reads the old one.
+// While objects get other banks, libringdown might refuse a blow from the old map and allocate a sentence for the
+// error. So the keys strike nothing until the new map is ready, and nobody reads the old one.
 void Instrument::silence_keys() {
   if (!map_) return;
   const KeyMap* const old = map_.get();
@@ -213,7 +213,7 @@ bool Instrument::tune(const KeyMap& map, const KeyMap::Object& object, Tuning& t
   return true;
 }
 
-// The worker frees no map that stands in in_use_. It may have been replaced between our reading and our writing, so we
+// The worker never frees the map in in_use_. The map may have been replaced between our reading and our writing, so we
 // read again.
 const KeyMap* Instrument::take_map() RINGDOWN_REALTIME {
   const KeyMap* map = published_.load();

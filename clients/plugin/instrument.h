@@ -1,5 +1,5 @@
-// The instrument behind the plug-in, whatever the format: MIDI and parameters in, sound out. It knows no plug-in
-// interface; plugin.cpp gives it to DPF.
+// The instrument behind the plug-in, for any format: MIDI and parameters in, sound out. It knows no plug-in interface;
+// plugin.cpp connects it to DPF.
 //
 //   Instrument instrument(48000, "/usr/lib/lv2/ringdown.lv2/ringdown.so");
 //   instrument.set_file("bell.glb");
@@ -7,13 +7,14 @@
 //   instrument.render(messages, left, right, 256);               // audio
 //   instrument.stop();
 //
-// THREADS. render() is the audio thread's and neither allocates, locks nor makes a system call; parameters() may be set
-// by any thread. Everything else belongs to the host's main thread, or whichever it restores states on.
+// THREADS. render() belongs to the audio thread and neither allocates, locks nor makes a system call. parameters() may
+// be set by any thread. Everything else belongs to the host's main thread, or the thread on which the host restores
+// states.
 //
-// WORKER. A thread of the instrument looks every few milliseconds at what is asked for: another bank, another material
-// or size, a bend, a hand on a key. It loads and retunes, and hands the audio thread a new KeyMap through a pointer. It
-// runs between start() and stop(); start() and set_...() do the same themselves before they return, so that the first
-// block of a session that was opened sounds.
+// WORKER. A thread of the instrument checks every few milliseconds what is wanted: another bank, another material or
+// size, a bend, a hand on a key. It loads and retunes, and passes the audio thread a new KeyMap through a pointer. It
+// runs between start() and stop(). start() and set_...() do this work themselves before they return, so that the first
+// block after a session was opened sounds.
 #pragma once
 
 #include "clients/plugin/key_map.h"
@@ -37,7 +38,7 @@ struct MixerDestroy {
 };
 
 struct MidiMessage {
-  std::uint32_t frame;  // of the block
+  std::uint32_t frame;  // position in the block
   std::span<const std::uint8_t> bytes;
 };
 
@@ -52,16 +53,16 @@ class Instrument {
   [[nodiscard]] ParameterValues& parameters() { return parameters_; }
   [[nodiscard]] const ParameterValues& parameters() const { return parameters_; }
 
-  // The file of choice 0, a bank or a note map; "": the first preset.
+  // Sets the file of choice 0, a bank or a note map; "": the first preset.
   void set_file(const std::string& path);
   [[nodiscard]] std::string file() const;
 
-  // The bank itself, for sessions that go to other computers: the name of its source, a blank and base64; "" unless the
-  // parameter asks for that. It counts for as long as a source of that name is asked for.
+  // Sets the bank itself, for sessions that move to other computers: the name of its source, a space and base64; ""
+  // unless the parameter asks for it. It is used while a source of this name is selected.
   void set_embedded(const std::string& text);
   [[nodiscard]] std::string embedded() const;
 
-  // While stopped only.
+  // Call only while stopped.
   void set_sample_rate(double sample_rate_hz) { sample_rate_hz_ = sample_rate_hz; }
 
   void start();
@@ -71,7 +72,7 @@ class Instrument {
   void render(std::span<const MidiMessage> messages, float* left, float* right, std::size_t frames) RINGDOWN_REALTIME;
 
  private:
-  // The retuning that the worker gave an object last.
+  // The retuning that the worker last gave an object.
   struct Tuning {
     ringdown_material material{};
     double damping_ns_m = 0;
@@ -84,7 +85,7 @@ class Instrument {
     std::size_t left = 0;
   };
 
-  void work();  // the worker's thread
+  void work();  // runs on the worker's thread
   void catch_up();
   void load(const Source& source);
   bool install(KeyPlan& plan);
@@ -101,21 +102,21 @@ class Instrument {
   Keyboard keyboard_;
   std::unique_ptr<ringdown_mixer, MixerDestroy> mixer_;
 
-  mutable std::mutex mutex_;  // of everything in this paragraph; the audio thread takes none
+  mutable std::mutex mutex_;  // guards the members of this paragraph; the audio thread never locks it
   std::string file_, embedded_;
-  bool is_other_ = true;           // whether the file or the embedded bank is another
-  std::size_t choice_ = 0;         // of the last round
-  Source source_;                  // what was loaded last, or could not be
+  bool is_other_ = true;           // whether the file or the embedded bank has changed
+  std::size_t choice_ = 0;         // choice in the last round
+  Source source_;                  // the source that was last loaded, or could not be
   std::unique_ptr<KeyPlan> plan_;  // loaded, but not yet in the mixer
-  std::int64_t full_at_ = -1;      // the frame at which the mixer had no room for the plan: it has none before another
-  std::vector<Tuning> tunings_;    // of the objects of map_
+  std::int64_t full_at_ = -1;      // frame at which the mixer had no room for the plan; next try after it
+  std::vector<Tuning> tunings_;    // tunings of map_'s objects
   std::unique_ptr<const KeyMap> map_;
-  std::vector<std::unique_ptr<const KeyMap>> retired_;  // which the audio thread may still read
+  std::vector<std::unique_ptr<const KeyMap>> retired_;  // maps that the audio thread may still read
   std::uint64_t generations_ = 0;
-  std::uint64_t rounds_ = 0;  // of the worker
+  std::uint64_t rounds_ = 0;  // rounds of the worker
 
-  std::atomic<const KeyMap*> published_ = nullptr, in_use_ = nullptr;  // what to play; what the audio thread reads now
-  std::uint64_t spread_generation_ = 0;                                // [audio] of the last map that was spread
+  std::atomic<const KeyMap*> published_ = nullptr, in_use_ = nullptr;  // the map to play; the map being read
+  std::uint64_t spread_generation_ = 0;                                // [audio] that of the map last spread
   double spread_pan_ = 0, spread_width_ = 0;                           // [audio]
   GainRamp gain_;                                                      // [audio]
 

@@ -12,7 +12,7 @@ namespace ringdown::plugin {
 namespace {
 
 constexpr std::size_t kLeadingModes = 8;  // decide where an object moves most, as without a note map in the daemon
-constexpr double kBlow_m_s = 0.1;         // what a blow gives the object as a whole, likewise
+constexpr double kBlow_m_s = 0.1;         // speed that a blow gives the object as a whole
 constexpr double kMinSize = 0.01, kMaxSize = 100;  // what libringdown takes
 constexpr double kLowest_hz = 20, kHighest_hz = 20000;
 constexpr double kPitchContact_s = 2e-4,
@@ -51,8 +51,8 @@ std::size_t nearest_point(const Shapes& bank, const Vec3& position_m) {
   return nearest;
 }
 
-// Walks from where the leading modes move most to the sample point nearest to the middle. Where the main mode rests,
-// the direction is the one before: that of the nearest place where it moves.
+// Walks from the place where the leading modes move most to the sample point nearest to the middle. Where the main mode
+// is at rest, the direction is that of the nearest place where it moves.
 void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
   std::size_t best = 0;
   double most = -1;
@@ -71,8 +71,7 @@ void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
   }
 }
 
-// Returns the pressure of each mode at 1 m after an impulse of 1 N s at the first station [Pa]; 0 for modes that nobody
-// hears.
+// Returns the pressure of each mode at 1 m after an impulse of 1 N s at the first station [Pa]; 0 for inaudible modes.
 std::vector<double> audible_pa(const ringdown_bank* bank, const Shapes& shapes, const Body& body) {
   std::vector<double> amplitudes(shapes.modes);
   if (ringdown_bank_levels_pa(bank, amplitudes.data()) != RINGDOWN_OK) return amplitudes;
@@ -85,15 +84,16 @@ std::vector<double> audible_pa(const ringdown_bank* bank, const Shapes& shapes, 
   return amplitudes;
 }
 
-// How much of a mode is left when the blow is no ideal impulse, but a half sine of kPitchContact_s.
+// Returns the share of a mode that is left if the blow is not an ideal impulse, but a half sine of kPitchContact_s.
 double heard_of_blow(double frequency_hz) {
   const double turns = 2 * frequency_hz * kPitchContact_s;
   if (std::abs(turns - 1) < 1e-6) return std::numbers::pi / 4;
   return std::abs(std::cos(std::numbers::pi * turns / 2) / (1 - turns * turns));
 }
 
-// The pitch that earlier versions found: the lowest of the modes that send nearly as much energy as any after a blow
-// of wood. Sessions that they saved at concert pitch have sizes by it, so players are told where it differs.
+// Returns the pitch that earlier versions found: the lowest of the modes that radiate nearly as much energy as any
+// after a blow of wood. Sessions that they saved at concert pitch have sizes based on it, so players are told if it
+// differs.
 double pitch_before_hz(const ringdown_bank* bank, const std::vector<double>& amplitudes_pa) {
   const double* const frequencies_hz = ringdown_bank_frequencies_hz(bank);
   const double* const decays_per_s = ringdown_bank_decays_per_s(bank);
@@ -147,7 +147,7 @@ std::string notice_of(const Body& body, const ringdown_bank* bank, const Source&
   return source.path.string() + text;
 }
 
-// libringdown refuses blows beside the object, and the audio thread must not make any.
+// libringdown refuses blows outside of the object, and the audio thread must not make any.
 Result<void> check_point(const session::NoteMap::Entry& entry, const ringdown_bank* bank) {
   if (!entry.point_m) return {};
   ringdown_bank_info info{};
@@ -258,7 +258,7 @@ double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterV
 }
 
 // A body that is s times as large has s^3 times the mass. Its modes move 1/s^(3/2) times as much per impulse and
-// radiate 1/sqrt(s) times the pressure per modal velocity, so an impulse s^2 times as large is as loud.
+// radiate 1/sqrt(s) times the pressure per modal velocity, so an impulse s^2 times as large is equally loud.
 double full_impulse_ns(const Body& body, const ParameterValues& parameters, double size) RINGDOWN_REALTIME {
   if (parameters.on(Parameter::even_loudness)) return body.even_impulse_ns * size * size;
   return kBlow_m_s * body.mass_kg * parameters[Parameter::density] * size * size * size;

@@ -1,8 +1,8 @@
-// The map from keys to the objects they strike: made by the worker, read by the audio thread, never changed in between.
+// The map from keys to the objects they strike: made by the worker, read by the audio thread, and immutable.
 //
-// One bank across the keyboard: each key is an object of that bank, as large as its pitch asks for. Frequencies go as
-// sqrt(stiffness / density) / size, exactly. Or a note map (docs/use/midi.md): each key strikes an object of its own
-// bank, in the size that the bank has.
+// With one bank across the keyboard, each key is an object of that bank, in the size that its pitch requires;
+// frequencies are exactly proportional to sqrt(stiffness / density) / size. With a note map (docs/use/midi.md), each
+// key strikes an object of its own bank, in the bank's size.
 #pragma once
 
 #include "clients/library/ringdown.h"
@@ -24,26 +24,26 @@
 namespace ringdown::plugin {
 
 inline constexpr std::size_t kKeys = session::kNotes;
-inline constexpr std::size_t kStations = 101;  // of the parameter "Strike point", one per percent
+inline constexpr std::size_t kStations = 101;  // positions of the parameter "Strike point", one per percent
 
 struct BankRelease {
   void operator()(ringdown_bank* bank) const { ringdown_bank_release(bank); }
 };
 using Bank = std::unique_ptr<ringdown_bank, BankRelease>;
 
-// The numbers of a bank that blows are computed from, in the size it was baked.
+// The values of a bank from which blows are computed, in the size in which it was baked.
 struct Body {
   // A sample point where the object may be struck, and the direction in which its main mode moves there.
   struct Station {
     std::uint32_t point = 0;
     Vec3 position_m, direction;
   };
-  std::array<Station, kStations> stations;  // from where the main modes move most to the middle of the object
-  double pitch_hz = 1;                      // as ringdown_bank_pitch() has it
+  std::array<Station, kStations> stations;  // from the place where the main modes move most to the middle of the object
+  double pitch_hz = 1;                      // pitch by ringdown_bank_pitch()
   double mass_kg = 1;
-  double even_impulse_ns = 0;  // a blow at the first station that gives kEvenLevel_pa
+  double even_impulse_ns = 0;  // impulse at the first station that gives kEvenLevel_pa
 };
-inline constexpr double kEvenLevel_pa = 2;  // rms of what rings first, at 1 m: 20 dB below full scale
+inline constexpr double kEvenLevel_pa = 2;  // rms of the first sound, at 1 m: 20 dB below full scale
 
 // Measures a bank. [worker]
 Result<Body> measure(const ringdown_bank* bank);
@@ -52,41 +52,42 @@ struct KeyMap {
   struct Key {
     bool sounds = false;
     std::uint32_t object = 0;                 // position in `objects`
-    std::optional<Vec3> point_m, impulse_ns;  // of a note map that says them
+    std::optional<Vec3> point_m, impulse_ns;  // only if a note map states them
     std::optional<double> contact_time_s;
   };
   struct Object {
-    std::uint32_t number = 0;  // of the mixer
+    std::uint32_t number = 0;  // number in the mixer
     std::size_t body = 0;      // position in `bodies`
-    std::size_t key = 0;       // the lowest that strikes it
+    std::size_t key = 0;       // lowest key that strikes it
   };
-  std::uint64_t generation = 0;  // another number for every map
+  std::uint64_t generation = 0;  // unique number of the map
   bool is_note_map = false;
   std::array<Key, kKeys> keys;
   std::vector<Object> objects;
   std::vector<Body> bodies;
-  std::optional<double> release_s;  // of a note map
+  std::optional<double> release_s;  // only from a note map
   double damp_s = 0.15;
-  double evening = 1;  // on all impulses that a note map says, which makes it as loud as other sources on the whole
+  double evening = 1;  // factor on all impulses that a note map states, so that it is about as loud as other sources
 
   [[nodiscard]] const Body& body_of(const Object& object) const RINGDOWN_REALTIME { return bodies.data()[object.body]; }
 };
 
-// A map and the bank of each of its objects, which are not in the mixer yet.
+// A map and the banks of its objects, which are not in the mixer yet.
 struct KeyPlan {
   KeyMap map;
   std::vector<std::shared_ptr<ringdown_bank>> banks;  // one for each of map.bodies
-  std::string notice;  // a sentence for who plays a single bank at concert pitch; or empty
+  std::string notice;  // a sentence for players of a single bank at concert pitch; may be empty
 };
 
-// Reads what the source names; `embedded`: the bytes of its bank, instead of the file. [worker]
+// Reads the bank or note map that the source names. `embedded` holds the bytes of its bank, which replace the file.
+// [worker]
 Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded);
 
-// The factor on the object's lengths when it is bent by so many semitones.
+// Returns the factor on the object's lengths for a bend in semitones.
 double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterValues& parameters,
                double bend_semitones) RINGDOWN_REALTIME;
 
-// The impulse of full velocity [N s] on an object of that size, unless a note map says it.
+// Returns the impulse of full velocity [N s] on an object of this size, unless a note map states it.
 double full_impulse_ns(const Body& body, const ParameterValues& parameters, double size) RINGDOWN_REALTIME;
 
 }  // namespace ringdown::plugin

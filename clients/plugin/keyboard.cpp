@@ -19,7 +19,7 @@ constexpr double kMasterBend_semitones = 2;                  // of MPE's channel
 constexpr double kRingsOn_s = 29.9;                          // a release from here on is none
 constexpr int kBendCentre = 8192;
 
-// How long a released key takes to be damped; nothing: it rings on.
+// Time that a released key takes to be damped; nothing: it continues to ring.
 std::optional<double> release_s(const Keyboard::Stage& stage) RINGDOWN_REALTIME {
   if (stage.map.is_note_map) return stage.map.release_s;
   const double time_s = stage.parameters[Parameter::release];

@@ -1,11 +1,11 @@
-// The keyboard's state, and what MIDI does: notes strike, released notes and pedals damp, bends and pressure wait for
-// the worker, who retunes. [audio, except what says otherwise]
+// The keyboard's state and the effects of MIDI: notes strike, released notes and pedals damp, bends and pressure wait
+// for the worker, which retunes. [audio, except where stated otherwise]
 //
 // A velocity v gives the share (v / 127)^2 of the full impulse, and the blow lasts share^(-1/5) times as long as the
 // full one, by Hertz's law: soft blows are duller. Controller 74 makes blows harder or softer.
 //
 // Two messages that MIDI leaves undefined bend a single key; only clap_entry.cpp sends them, for CLAP's note
-// expressions: kTuneKeyHigh key h, then kTuneKeyLow key l, of the 14-bit number 128 h + l that tuning_code() makes.
+// expressions: kTuneKeyHigh key h, then kTuneKeyLow key l, for the 14-bit number 128 h + l that tuning_code() makes.
 #pragma once
 
 #include "clients/plugin/key_map.h"
@@ -19,7 +19,7 @@
 namespace ringdown::plugin {
 
 inline constexpr std::uint8_t kTuneKeyHigh = 0xf4, kTuneKeyLow = 0xf5;
-inline constexpr double kTuning_semitones = 120;  // the largest, up and down
+inline constexpr double kTuning_semitones = 120;  // maximum bend up and down
 constexpr int tuning_code(double semitones) {
   return semitones <= -kTuning_semitones
              ? 0
@@ -36,17 +36,17 @@ class Keyboard {
     const KeyMap& map;
     const ParameterValues& parameters;
   };
-  // Plays one message at stage.frame. What is not MIDI, or not played, is ignored.
+  // Plays one message at stage.frame. Ignores messages that are not MIDI or not played.
   void play(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME;
 
-  // To be called before the messages of a block: libringdown takes so many events in a block, and would allocate a
-  // sentence for each that it refuses.
+  // Call before the messages of a block: libringdown accepts a limited number of events per block, and would allocate a
+  // sentence for each one that it refuses.
   void begin_block() RINGDOWN_REALTIME { events_left_ = kMaxEvents; }
 
   // Forgets keys, pedals, controllers, bends and pressure.
   void reset() RINGDOWN_REALTIME;
 
-  // The worker reads from these how each key's object is to be retuned. [any]
+  // The worker reads from these functions how each key's object should be retuned. [any]
   [[nodiscard]] double bend_semitones(std::size_t key) const RINGDOWN_REALTIME {
     return bend_semitones_.data()[key].load(std::memory_order_relaxed);
   }
@@ -58,7 +58,7 @@ class Keyboard {
   static constexpr std::size_t kMaxEvents = 3900;
   struct Channel {
     double bend = 0;      // -1 ... 1
-    double hardness = 0;  // of controller 74, -1 ... 1
+    double hardness = 0;  // from controller 74, -1 ... 1
   };
   void press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Stage& stage) RINGDOWN_REALTIME;
   void tune_key(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME;
@@ -80,10 +80,10 @@ class Keyboard {
 
   std::size_t events_left_ = kMaxEvents;
   session::HeldKeys keys_;
-  int tuning_high_ = 64;                    // of the single key's tuning that arrives
-  std::array<double, kKeys> key_tuning_{};  // [semitones] of single keys
+  int tuning_high_ = 64;                    // first half of a single key's tuning that is arriving
+  std::array<double, kKeys> key_tuning_{};  // [semitones] bends of single keys
   std::array<Channel, session::midi::kChannels> channels_;
-  std::array<std::uint8_t, kKeys> channel_of_{};  // that played the key last
+  std::array<std::uint8_t, kKeys> channel_of_{};  // channel that last played the key
   std::array<std::atomic<double>, kKeys> bend_semitones_{}, pressure_{};
 };
 

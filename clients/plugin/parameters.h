@@ -1,4 +1,4 @@
-// The plug-in's parameters: what a host shows, automates and saves. Their numbers and symbols stand in people's
+// The plug-in's parameters, which a host shows, automates and saves. Their numbers and symbols are stored in people's
 // sessions, so new ones are added at the end and none is removed. [any]
 #pragma once
 
@@ -11,7 +11,7 @@
 namespace ringdown::plugin {
 
 enum class Parameter : std::size_t {
-  level,  // an output; DPF 1.6 cannot read the first parameter of a VST3, and nobody reads this one
+  level,  // an output; put first because DPF 1.6 cannot read the first parameter of a VST3, and nobody reads this one
   object,
   tuning,
   root_key,
@@ -36,8 +36,8 @@ inline constexpr std::size_t kParameters = 19;
 enum class Scale { linear, logarithmic, whole, choice, toggle, output };
 
 struct ParameterInfo {
-  const char* symbol;  // in files
-  const char* name;    // for people
+  const char* symbol;  // name in files
+  const char* name;    // name for users
   const char* unit;    // "" for a factor or a choice
   float least, most, standard;
   Scale scale;
@@ -45,11 +45,11 @@ struct ParameterInfo {
 };
 extern const std::array<ParameterInfo, kParameters> kParameterInfo;
 
-// Present values, which any thread may read and set.
+// The present values, which any thread may read and set.
 class ParameterValues {
  public:
   ParameterValues();
-  // Values out of range, or not numbers, become the nearest in range, or the standard one.
+  // Sets a value. Values out of range become the nearest value in range, and NaN becomes the default.
   void set(std::size_t parameter, float value) RINGDOWN_REALTIME;
   void set(Parameter parameter, double value) RINGDOWN_REALTIME {
     set(static_cast<std::size_t>(parameter), static_cast<float>(value));

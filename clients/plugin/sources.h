@@ -1,4 +1,5 @@
-// Which bank or note map the plug-in plays: the choices of its parameter "Object", and where their files lie. [worker]
+// Finds the bank or note map that the plug-in plays: the choices of its parameter "Object", and the places of their
+// files. [worker]
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@ namespace ringdown::plugin {
 // Choice 0 is the file that the host chose; choices 1 to kOwnFiles are files of the user's folder; then come presets.
 inline constexpr std::size_t kOwnFiles = 8;
 inline constexpr std::size_t kFirstPreset = kOwnFiles + 1;
-// Their order stands in people's sessions: new ones are added at the end.
+// Their order is stored in people's sessions: new ones are added at the end.
 inline constexpr std::array<std::string_view, 44> kPresets = {"vibraphone-key",
                                                               "anvil",
                                                               "block",
@@ -60,28 +61,28 @@ inline constexpr std::array<std::string_view, 44> kPresets = {"vibraphone-key",
 inline constexpr std::array<std::string_view, 3> kNoteMapPresets = {"vibraphone", "music-box-comb", "kalimba"};
 inline constexpr std::size_t kChoices = kFirstPreset + kPresets.size();
 
-// A choice as people see it: "file", "own 3", "mug".
+// Returns a choice as shown to people: "file", "own 3", "mug".
 std::string choice_name(std::size_t choice);
 
 struct Source {
-  std::string name;  // the same in every computer; for a file its path
+  std::string name;  // equal on every computer; for a file its path
   std::filesystem::path path;
   friend bool operator==(const Source&, const Source&) = default;
 };
 
-// Finds what to play: `file` counts for choice 0, and is the first preset when it is empty; so is any choice that there
-// is not. `binary` is the plug-in's own file, near which presets may lie.
+// Finds the source of a choice. `file` is used for choice 0; if it is empty, or if the choice does not exist, the first
+// preset is used. `binary` is the plug-in's own file, near which presets may lie.
 Source find_source(std::size_t choice, const std::string& file, const std::filesystem::path& binary);
 
-// A note map ends in .toml; everything else is a bank.
+// Returns whether the source is a note map: its name ends in .toml; everything else is a bank.
 bool is_note_map(const Source& source);
 
 // Returns the folder of the user's files 1.glb, 2.toml ...: $XDG_DATA_HOME/ringdown/plugin or
 // ~/.local/share/ringdown/plugin.
 std::filesystem::path own_folder();
 
-// The environment's RINGDOWN_PRESETS; else the first of presets/ and share/ringdown/presets in the folder of `binary`
-// or one of those above it; else what preset_folder() finds. Empty when there is none.
+// Returns RINGDOWN_PRESETS of the environment; otherwise the first of presets/ and share/ringdown/presets in the folder
+// of `binary` or one of those above it; otherwise the result of preset_folder(). Empty if there is none.
 std::filesystem::path presets_near(const std::filesystem::path& binary);
 
 }  // namespace ringdown::plugin

@@ -1,5 +1,5 @@
 // Lets the LV2 plug-in write its Turtle files into the present folder, and adds presets.ttl: write_ttl PLUGIN.so NAME.
-// Only for the build. DPF 1.6 could write presets, too, but gives them each other's states.
+// Used only by the build. DPF 1.6 could write presets, too, but mixes up their states.
 #include "clients/plugin/parameters.h"
 #include "clients/plugin/sources.h"
 
@@ -38,8 +38,7 @@ void write_presets(std::ostream& manifest, std::ostream& file) {
   }
 }
 
-// Takes out the two properties of a vendor's hosts that no vocabulary in Debian defines, so that validators are
-// content.
+// Removes two properties of a vendor's hosts that no vocabulary in Debian defines, so that validators accept the file.
 void tidy(const std::string& path) {
   std::ifstream before(path);
   std::string text;

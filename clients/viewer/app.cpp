@@ -15,8 +15,8 @@ constexpr auto kFramePeriod = std::chrono::microseconds(16600);
 constexpr double kMinimised_s = 0.2;
 constexpr double kMaxStep_s = 0.1;  // the longest time that a held key acts for in one frame
 
-// Widths in heights of the text: at these no text of the side panes is cut. A window that is too narrow for all three
-// makes the side panes narrower still.
+// Minimum widths of the panes, in heights of the text: no text of the side panes is cut at these widths. In a window
+// too narrow for all three, the side panes become narrower still.
 constexpr float kMinSide_em = 17, kMinSound_em = 20, kMinScene_em = 8;
 
 }  // namespace

@@ -26,21 +26,21 @@ class App {
   static constexpr double kNotices_hz = 60;
 
   struct Options {
-    std::string daemon;                // its URL
+    std::string daemon;                // URL of the daemon
     std::optional<std::string> scene;  // loaded once, when a daemon answers
-    Pane only = Pane::any;             // shows the scene or the sound pane alone; any: all three
-    std::optional<double> shown_at_s;  // the scene time to show; nothing: the current time
+    Pane only = Pane::any;             // if not `any`: shows only the scene pane or the sound pane
+    std::optional<double> shown_at_s;  // scene time to show; nothing: the current time
   };
   App(Window window, SceneRenderer renderer, const Settings& settings, Options options);
   App(const App&) = delete;  // its parts refer to each other by address
   App& operator=(const App&) = delete;
 
-  // False once the user has quit.
+  // Returns false once the user has quit.
   [[nodiscard]] bool runs() const { return runs_ && !window_.closed(); }
 
   // Waits until the next frame is due, and draws it.
   void frame();
-  // Takes replies from the daemon and input from the user, and draws a frame at once.
+  // Processes replies from the daemon and input from the user, and draws a frame at once.
   void draw();
 
   [[nodiscard]] Model& model() { return model_; }
@@ -82,7 +82,7 @@ class App {
   std::optional<Pane> focus_next_;
   std::uint32_t connection_ = 0;
   bool runs_ = true, help_ = false;
-  bool popup_ = false;  // whether a list such as that of the materials was open in the last frame
+  bool popup_ = false;  // whether a list, such as that of materials, was open in the last frame
   Clock::time_point start_ = Clock::now(), last_frame_ = Clock::now();
   double skinned_scale_ = 0;
 };

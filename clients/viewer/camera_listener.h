@@ -10,8 +10,8 @@ namespace ringdown::viewer {
 
 class CameraListener {
  public:
-  // Returns the request to send in this frame, if one is due: where the camera is, whenever it has moved and now and
-  // then besides, because a scene that is loaded may have a listener of its own; and once that nobody listens any more.
+  // Returns the request to send in this frame, if one is due: the camera's pose whenever it has moved, and from time to
+  // time besides, because a newly loaded scene may set its own listener; and once when the user stops listening.
   std::optional<protocol::Request> update(const Camera& camera, bool listens, double now_s);
 
  private:
@@ -21,7 +21,7 @@ class CameraListener {
   double sent_s_ = 0;
 };
 
-// Returns the pose of a listener that looks as the camera does: x to the front, y to the left, z up.
+// Returns the listener's pose for a camera: x to the front, y to the left, z up.
 ringdown::Pose listener_of(const Camera& camera);
 
 }  // namespace ringdown::viewer

@@ -253,8 +253,8 @@ bool Commands::perform_modes(Action action) {
   }
 }
 
-// New bodies play the chosen object and take their size from it; without one they are silent and have a size of their
-// own.
+// New bodies play the chosen object and take their size from it; without a chosen object they are silent and have a
+// default size.
 bool Commands::perform_scene(Action action) {
   constexpr double kSilentSize_m = 0.06, kSilentDensity_kg_m3 = 2500;
   const KnownObject* object = chosen();

@@ -14,11 +14,11 @@
 
 namespace ringdown::viewer {
 
-// The objects of the user's actions.
+// What the user has chosen as the target of actions.
 struct Choice {
-  std::string object;      // empty: there is none
+  std::string object;      // empty: there is no object
   std::uint32_t node = 0;  // the sample point that test forces strike
-  std::uint32_t mode = 0;  // by ascending frequency
+  std::uint32_t mode = 0;  // rank by ascending frequency
   bool vibrate = false;    // whether the object is shown vibrating in that mode
   bool tone = false;       // whether the test tone sounds
   double impulse_ns = 0.05;
@@ -26,7 +26,7 @@ struct Choice {
   Vec3 drop_m{0, 0, 1};  // where new bodies start
 };
 
-// The present time as a name of a file may have it: "20110516-142501".
+// Returns the present time for use in a file name: "20110516-142501".
 std::string time_of_day();
 
 class Commands {
@@ -34,13 +34,13 @@ class Commands {
   using Send = Edits::Send;
   Commands(Model& model, Send send) : model_(model), send_(std::move(send)), edits_(model, send_) {}
 
-  // Call at every frame. Chooses the object with the most modes until the user chooses one that exists.
+  // Call at every frame. Chooses the object with the most modes until the user chooses an existing one.
   void update(double now_s);
 
-  // Another daemon answers: its objects have no history.
+  // Call when another daemon answers: its objects have no history.
   void restart();
 
-  // Performs actions that concern sound, objects and bodies. Returns false for those of the window and the camera.
+  // Performs actions on sound, objects and bodies. Returns false for actions of the window and the camera.
   bool perform(Action action);
 
   [[nodiscard]] Choice& choice() { return choice_; }
@@ -49,17 +49,17 @@ class Commands {
   [[nodiscard]] Edits& edits() { return edits_; }
   void choose_object(const std::string& name);
 
-  // Strikes the object at a point, in its frame, against the surface whose outward normal there is `normal`.
+  // Strikes the object at a point in its frame, against the outward `normal` of the surface there.
   void strike(const std::string& object, Vec3 point_m, Vec3 normal, double impulse_ns);
   void push(std::int32_t body, Vec3 impulse_ns) { send_(protocol::ScenePush{body, impulse_ns}); }
-  // Selects the mode of that rank alone and rings it; if it is selected alone already, selects all modes again.
+  // Selects only the mode of this rank and rings it; if only this mode is selected already, selects all modes again.
   void hear_alone(const KnownObject& object, std::uint32_t rank);
 
   void load_scene(const std::string& path) { send_(protocol::SceneLoad{path}); }
   void load_bank(const std::string& path);
   void toggle_recording();
 
-  // Others than the user may mute and solo too, so these are not undone.
+  // Muting and soloing cannot be undone, because other clients may do it too.
   void set_mute(const KnownObject& object, bool on);
   void set_solo(const KnownObject& object, bool on);
 

@@ -1,4 +1,4 @@
-// Changes to how objects are set: they are sent to the daemon, and can be undone. [UI]
+// Changes to the settings of objects: sent to the daemon, and undoable. [UI]
 #pragma once
 
 #include "clients/viewer/link/model.h"
@@ -18,17 +18,17 @@ inline constexpr std::size_t kMaxUndone = 256;  // older changes are forgotten
 // Undo and redo. Each entry holds the request that reverts a change, and the request that makes it again.
 class History {
  public:
-  // Notes a change of `what` ("bell: stiffness") that was already sent. A change that follows one of the same thing
-  // within kOneGesture_s extends it, so that dragging a slider is one change.
+  // Records a change of `what` ("bell: stiffness") that was already sent. A change that follows one with an equal
+  // `what` within kOneGesture_s extends it, so that dragging a slider is one change.
   void note(const std::string& what, protocol::Request before, protocol::Request after, double now_s);
 
   static constexpr double kOneGesture_s = 0.7;
 
-  // The request to send; nothing when no change is left.
+  // Return the request to send; nothing if no change is left.
   std::optional<protocol::Request> undo();
   std::optional<protocol::Request> redo();
 
-  // Names of the changes that undo() and redo() would concern; empty for none.
+  // Return the names of the changes that undo() and redo() would revert or repeat; empty for none.
   [[nodiscard]] std::string undoes() const { return done_ == 0 ? "" : entries_[done_ - 1].what; }
   [[nodiscard]] std::string redoes() const { return done_ == entries_.size() ? "" : entries_[done_].what; }
 
@@ -44,7 +44,7 @@ class History {
   std::size_t done_ = 0;  // entries before this index are done, the others are undone
 };
 
-// How an object is set.
+// The settings of an object.
 struct Adjustment {
   modal::MaterialScale scale;
   double gain = 1, pan = 0;
@@ -56,10 +56,11 @@ class Edits {
   using Send = std::function<void(protocol::Request)>;
   Edits(const Model& model, Send send) : model_(model), send_(std::move(send)) {}
 
-  void update(double now_s);  // at every frame
-  void restart();             // another daemon answers: its objects have no history
+  void update(double now_s);  // call at every frame
+  void restart();             // call when another daemon answers: its objects have no history
 
-  // How the object is set: as last sent, until the daemon has had a second to confirm; then as the daemon reports.
+  // Returns the object's settings: as last sent, until the daemon has had a second to confirm; then as the daemon
+  // reports.
   [[nodiscard]] Adjustment adjustment_of(const KnownObject& object) const;
 
   // Sends a change, which undo() can revert: SetMaterial, SetGain, SetPan or SelectModes of an object that is known.
@@ -79,7 +80,7 @@ class Edits {
   const Model& model_;
   Send send_;
   History history_;
-  std::map<std::string, Pending> pending_;  // sent and not yet confirmed, by object
+  std::map<std::string, Pending> pending_;  // changes sent and not yet confirmed, by object
   double now_s_ = 0;
 };
 

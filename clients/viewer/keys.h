@@ -1,8 +1,8 @@
-// The actions that a key, a button or a menu can ask for, and the one table of keys, which the window obeys, F1 shows
-// and docs/use/window.md lists. commands.h says what an action does.
+// The actions that a key, a button or a menu can ask for, and the one table of keys, which the window uses, F1 shows
+// and docs/use/window.md lists. commands.h describes the actions.
 //
 // The letters are those of the 2011 report's two programs: its test GUI is the sound pane, its OpenGL scene is the
-// scene pane. Letters with a meaning in both (Q W A S) follow the focused pane. [any thread]
+// scene pane. Letters with a meaning in both (Q W A S) act on the focused pane. [any thread]
 #pragma once
 
 #include <array>
@@ -80,7 +80,7 @@ enum class Action : std::uint8_t {
 
 enum class Pane : std::uint8_t { any, scene, sound, side };
 
-// The panes that have keys, in the order in which lists of keys show them; the side pane has none of its own.
+// The panes that have keys, in the order of lists of keys; the side pane has no keys.
 inline constexpr std::array kPanesWithKeys = {Pane::any, Pane::scene, Pane::sound};
 
 // The behaviour of a key that is held down: the action happens once, repeats with the keyboard's repeat rate, or goes
@@ -88,7 +88,7 @@ inline constexpr std::array kPanesWithKeys = {Pane::any, Pane::scene, Pane::soun
 enum class WhileDown : std::uint8_t { once, repeats, continues };
 
 struct Binding {
-  Pane pane;             // where the key works; bindings of the focused pane take precedence over those of Pane::any
+  Pane pane;             // pane in which the key works; the focused pane's bindings take precedence over Pane::any
   std::string_view key;  // "Q", "space", "ctrl+Z": as key_name() writes them
   Action action;
   WhileDown while_down;
@@ -97,16 +97,17 @@ struct Binding {
 
 std::span<const Binding> bindings();
 
-// The heading above the keys of a pane: "Everywhere", "In the scene", "In the sound".
+// Returns the heading above the keys of a pane: "Everywhere", "In the scene", "In the sound".
 std::string_view heading_of(Pane pane);
 
-// The action of `key` while `focused` has the focus.
+// Returns the binding of `key` while `focused` has the focus.
 std::optional<Binding> binding_for(Pane focused, std::string_view key);
 
-// The name of a key with its modifiers. `base` is an upper-case letter, a digit or sign, or "space", "escape", "F1" ...
+// Returns the name of a key with its modifiers. `base` is an upper-case letter, a digit or sign, or "space", "escape",
+// "F1" ...
 std::string key_name(std::string_view base, bool control, bool shift);
 
-// The table as lists in Markdown, for docs/use/window.md.
+// Returns the table as lists in Markdown, for docs/use/window.md.
 std::string keys_as_markdown();
 
 }  // namespace ringdown::viewer

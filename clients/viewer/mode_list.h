@@ -17,11 +17,11 @@ struct ListedMode {
   bool selected = false;  // whether the object plays the mode
 };
 
-// The modes by rank. `node` is a sample point of the bank; a number past the last point stands for the last point.
+// Returns the modes by rank. `node` is a sample point of the bank; a number past the last point means the last point.
 std::vector<ListedMode> list_modes(const KnownBank& bank, const Adjustment& adjustment, std::uint32_t node);
 
-// The direction out of the surface at a sample point: the mean of its triangles' normals, or up where it has none.
-// Unit.
+// Returns the unit direction out of the surface at a sample point: the mean of its triangles' normals, or up if there
+// are none.
 Vec3 outward_normal(const modal::Bank& bank, std::uint32_t point);
 
 }  // namespace ringdown::viewer

@@ -78,10 +78,10 @@ class LocalDaemon {
   std::jthread thread_;
 };
 
-// Whether the object's bank is here, or is known to be unavailable.
+// Returns whether the object's bank has arrived, or is known to be unavailable.
 bool has_bank(const KnownObject* object) { return object && (object->bank || !object->bank_fault.empty()); }
 
-// Whether the scene is described and the bank of every object that a body plays is settled.
+// Returns whether the scene is described and the bank of every object that a body plays is settled.
 bool is_complete(const Model& model) {
   const auto is_seen = [&](const auto& entry) {
     const std::string& object = entry.second.object;
@@ -152,7 +152,7 @@ Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& s
           {own ? own->url() : *request.daemon, std::nullopt, request.only, std::nullopt});
   // A daemon that was already running resolves the path itself, perhaps on another computer.
   const auto scene = own ? std::filesystem::absolute(request.scene) : request.scene;
-  // On a machine that is too busy the daemon may seem to have gone; the model then starts from nothing.
+  // On a machine that is too busy the daemon may seem to have gone; the model then starts empty.
   bool complete = false;
   for (int attempt = 0; attempt < kAttempts && !complete; ++attempt) {
     app.show_at(std::nullopt);

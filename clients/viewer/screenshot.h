@@ -16,13 +16,13 @@ struct ScreenshotRequest {
   std::filesystem::path output;       // .png
   std::filesystem::path scene;        // a path that the daemon can read
   double at_s = 1;                    // scene time
-  std::optional<std::string> daemon;  // its URL; nothing: starts one, which ends afterwards
+  std::optional<std::string> daemon;  // URL of the daemon; nothing: starts one, which ends afterwards
   Pane only = Pane::any;
   std::function<bool()> keep_going = [] { return true; };  // false cancels
 };
 
-// Plays the scene from its beginning to `at_s` in real time, and draws the bodies where they are then. Fails when the
-// daemon refuses the scene, or is more than a minute late.
+// Plays the scene from its beginning to `at_s` in real time, and draws the bodies at that time. Fails if the daemon
+// refuses the scene, or is more than a minute late.
 Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& settings);
 
 }  // namespace ringdown::viewer

@@ -8,8 +8,8 @@
 #include <numbers>
 
 // The spectrum of the last kFrames samples: a Hann window, a real Fourier transform, and the size of each bin in dB. A
-// Hann window spreads a sine over three bins, and between two bins reads it 1.4 dB too low at most; in exchange its
-// side lobes fall fast enough that loud modes do not hide quiet ones.
+// Hann window spreads a sine over three bins, and between two bins reads it 1.4 dB too low at most; but its side lobes
+// fall fast enough that loud modes do not hide quiet ones.
 namespace ringdown::viewer {
 
 struct Spectrum::Plan {

@@ -159,8 +159,8 @@ void Stage::add_bodiless(Model& model, const Commands& commands, double now_s) {
   }
 }
 
-// Returns where the objects without a body begin: on the ground, to the right of all bodies that the scene has had so
-// far, so that bodies in motion do not push them about.
+// Returns the place where the objects without a body begin: on the ground, to the right of all bodies that the scene
+// has had so far, so that bodies in motion do not push them about.
 glm::vec3 Stage::beside_scene(const Model& model) {
   constexpr float kGap_m = 0.1F;
   const std::string scene = model.scene().description().file.value_or("");
@@ -194,8 +194,8 @@ void Stage::add_statics(const Model& model) {
   if (contents_.frame.statics.empty()) contents_.frame.statics.push_back({.position_m = {0, 0, lowest_fixed_m(model)}});
 }
 
-// The height of the lowest point of all fixed bodies, and at most 0. A scene without statics is drawn with a ground
-// plane at this height, so that a fixed table stands on it.
+// Returns the height of the lowest point of all fixed bodies, and at most 0. A scene without statics is drawn with a
+// ground plane at this height, so that a fixed table stands on the ground.
 float Stage::lowest_fixed_m(const Model& model) const {
   float lowest = 0;
   for (std::size_t i = 0; i < contents_.items.size(); ++i) {

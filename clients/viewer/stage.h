@@ -16,7 +16,7 @@
 
 namespace ringdown::viewer {
 
-// One thing that is drawn: a body of the scene, or an object that no body plays.
+// A drawn item: a body of the scene, or an object that no body plays.
 struct StageItem {
   std::optional<std::int32_t> body;  // the body's number; nothing for an object without a body
   std::string object;                // empty: silent
@@ -32,7 +32,7 @@ class MeshStore {
   };
   const Mesh& of_bank(const std::shared_ptr<const KnownBank>& bank, SceneRenderer& renderer);
   const Mesh& of_shape(const std::string& shape, Vec3 size_m, SceneRenderer& renderer);
-  // Removes the meshes of banks that nobody else holds any more.
+  // Removes the meshes of banks that are not in use any more.
   void collect(SceneRenderer& renderer);
 
  private:
@@ -47,18 +47,19 @@ class MeshStore {
 class Stage {
  public:
   // Everything to draw and to pick. `items` and `picked` are in the order of frame.bodies. Bodies name meshes of the
-  // renderer, and picked bodies point into this stage; both are valid until the next update().
+  // renderer, and picked bodies point into the stage; both are valid until the next update().
   struct Contents {
     SceneFrame frame;
     std::vector<StageItem> items;
     std::vector<PickedBody> picked;
   };
-  // Fills the stage for one picture. `at_s` is the scene time to show; nothing: the time of the model's display clock.
+  // Fills the stage for one picture. `at_s` is the scene time to show; nothing means the time of the model's display
+  // clock.
   const Contents& update(Model& model, const Commands& commands, SceneRenderer& renderer, bool dark, double now_s,
                          std::optional<double> at_s = std::nullopt);
   [[nodiscard]] const Contents& contents() const { return contents_; }
 
-  // The camera to start with: the scene's own, or one that shows everything.
+  // Returns the initial camera: the scene's own, or one that shows everything.
   [[nodiscard]] Camera home(const Model& model, float aspect) const;
 
  private:
@@ -74,17 +75,17 @@ class Stage {
   Displacement displacement_of(const std::shared_ptr<const KnownBank>& bank, std::uint32_t rank);
 
   MeshStore meshes_;
-  SceneRenderer* renderer_ = nullptr;  // during update()
+  SceneRenderer* renderer_ = nullptr;  // valid during update()
   Contents contents_;
   std::optional<Sphere> interest_;
   std::string edge_of_;            // the scene's file
-  std::optional<glm::vec2> edge_;  // the largest x and the smallest y of its bodies so far [m]
+  std::optional<glm::vec2> edge_;  // largest x and smallest y of the scene's bodies so far [m]
   std::shared_ptr<const KnownBank> displaced_;
   std::uint32_t displaced_mode_ = 0;
   Displacement displacement_;
 };
 
-// How brightly a body glows whose object had the level `peak`, `age_s` ago: 0 at -70 dB, 1 at full scale.
+// Returns the brightness of a body whose object had the level `peak`, `age_s` ago: 0 at -70 dB, 1 at full scale.
 float glow_of(double peak, double age_s);
 
 }  // namespace ringdown::viewer

@@ -25,7 +25,7 @@ Vec3 unit_of(Vec3 v) { return 1 / length(v) * v; }
 
 Vec3 area_vector(const SupportChoice::Triangle& t) { return 0.5 * cross(t[1] - t[0], t[2] - t[0]); }
 
-// To a multiple of a power of ten, at most `most` wide.
+// Rounds to a multiple of a power of ten, at most `most` wide.
 double rounded(double value, double most) {
   const double step = std::pow(10.0, std::floor(std::log10(most)));
   return step * std::round(value / step) + 0.0;  // no negative zero

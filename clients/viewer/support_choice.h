@@ -1,10 +1,10 @@
-// The part of an object's surface that the user chooses as a support, and the text that says so in an object file. [UI]
+// The part of an object's surface that the user chooses as a support, and its text for an object file. [UI]
 //
 //   support.toggle_flat("kalimba", bank, point_m);    // ctrl and click
 //   support.add("kalimba", bank, is_in_rectangle);    // ctrl and drag
 //   std::string text = support.text();                // [[support]] ...
 //
-// Triangles are those of the bank, in the frame of its file, which is the geometry's in metres before `scale`.
+// Triangles are those of the bank, in the frame of its file: that of the geometry, in metres before `scale`.
 #pragma once
 
 #include "clients/viewer/link/bank_transfer.h"
@@ -25,11 +25,11 @@ class SupportChoice {
   using Bank = std::shared_ptr<const KnownBank>;
   using Triangle = std::array<Vec3, 3>;
 
-  // Chooses the flat piece of the surface that is nearest to a point, or gives it up where it is chosen. What was
-  // chosen of another object or bank is given up first. Does nothing for a bank without triangles.
+  // Toggles the choice of the flat piece of the surface that is nearest to a point. Drops a choice on another object or
+  // bank first. Does nothing for a bank without triangles.
   void toggle_flat(const std::string& object, const Bank& bank, Vec3 point_m);
 
-  // Chooses all triangles for which `holds`, too.
+  // Adds all triangles for which `holds` returns true to the choice.
   void add(const std::string& object, const Bank& bank, const std::function<bool(const Triangle&)>& holds);
 
   void clear() { *this = {}; }
@@ -41,8 +41,9 @@ class SupportChoice {
   [[nodiscard]] std::vector<Triangle> triangles() const;
   [[nodiscard]] double area_m2() const;
 
-  // A [[support]] of an object file: faces on a plane where all triangles of the bank that lie on it are chosen, else
-  // those in the box around what is chosen, a thousandth of the body larger. Empty where nothing is chosen.
+  // Returns a [[support]] for an object file: the faces on a plane, if all triangles of the bank on that plane are
+  // chosen; otherwise the faces in the box around the choice, enlarged by a thousandth of the body. Empty if nothing is
+  // chosen.
   [[nodiscard]] std::string text() const;
 
  private:
@@ -55,7 +56,7 @@ class SupportChoice {
 
   std::string object_;
   Bank bank_;
-  std::vector<std::size_t> chosen_;  // numbers of triangles, ascending
+  std::vector<std::size_t> chosen_;  // numbers of chosen triangles, ascending
   std::size_t kind_ = 0;
 };
 

@@ -113,8 +113,8 @@ struct Window::State {
     glfwTerminate();
   }
 
-  // ImGui gets every key but Tab, with which it would move its own focus; in a text field it does get Tab, and goes to
-  // the next field.
+  // ImGui gets every key except Tab, with which it would move its own focus. In a text field it does get Tab, which
+  // moves to the next field.
   void on_key(int key, int scancode, int action, int modifiers) {
     const bool tab = key == GLFW_KEY_TAB && action != GLFW_RELEASE;
     const bool control = (modifiers & GLFW_MOD_CONTROL) != 0;

@@ -1,12 +1,12 @@
-// By backward Euler with a = alpha |v| / z_ss held over the step h: z' = (z + h v) / (1 + a h), so
+// Backward Euler with a = alpha |v| / z_ss held over the step h gives z' = (z + h v) / (1 + a h), so
 //
 //   f = (sigma0 - sigma1 a) z / (1 + a h) + ((sigma0 - sigma1 a) h / (1 + a h) + sigma1 + sigma2) v,
 //
-// a straight line in v, which takes energy out for any a as long as sigma1 <= 4 sigma0 / a; where it is larger it is
-// clipped. v follows from f, and a from v: one unknown, |v|. A faster slide has weaker friction, so repeated insertion,
-// |v| -> a -> f -> |v|, comes closer and closer to the next root from one side; where three speeds are possible the
-// bodies thus keep to the one they have, stuck or slipping. A secant hastens it, within limits, and regula falsi
-// (Illinois) ends it once the root has been passed.
+// a straight line in v, which takes energy out for any a as long as sigma1 <= 4 sigma0 / a; a larger sigma1 is clipped.
+// v follows from f, and a from v: one unknown, |v|. Faster sliding has weaker friction, so the repeated insertion |v|
+// -> a -> f -> |v| approaches the nearest root from one side. If three speeds are possible, the bodies thus keep their
+// present one, stuck or slipping. A secant speeds this up, within limits, and regula falsi (Illinois) ends it once the
+// root has been passed.
 #include "engine/contact/friction.h"
 
 #include <algorithm>
@@ -68,8 +68,8 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
   };
   Trial trial = slide(0);
   const double along = bend_[0] * trial.slide_m[0] + bend_[1] * trial.slide_m[1] < 0 ? -1 : 1;
-  // a for bristles that are loaded at a speed. What weakens the bristles is the speed of slip proper, of their roots,
-  // not that of their own bending: what merely creeps holds until its limit.
+  // Returns a for loaded bristles at a speed. Bristles are weakened by the slip speed of their roots, not by the speed
+  // of their own bending: a slow creep holds until its limit.
   double slip = rate_ * bend;
   const auto rate_at = [&](double speed) RINGDOWN_REALTIME {
     const double ratio = slip / law.stribeck_m_s;

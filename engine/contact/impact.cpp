@@ -1,14 +1,13 @@
 // V(d) = k d^(alpha + 1) / (alpha + 1) is the spring's energy and P = sqrt(2 V).
 //
-// The exact mean force over a step is (V(d + x) - V(d)) / x for a change x, and x follows from
-// x = free - Z (that force + r x). The left side minus the right is convex and rising for alpha >= 1, so Newton's steps
-// from x = free come down to the root from one side; three of them, or one from the tangent at d, leave an error that
-// only matters for accuracy. The line that is returned is a discrete gradient of psi^2 / 2: with g = (P(d + x) - P(d))
-// / x,
+// The exact mean force over a step is (V(d + x) - V(d)) / x for a change x, and x follows from x = free - Z (mean force
+// + r x). The left side minus the right is convex and rising for alpha >= 1, so Newton's steps from x = free come down
+// to the root from one side; three of them, or one from the tangent at d, leave an error that affects accuracy but not
+// passivity. The line that is returned is a discrete gradient of psi^2 / 2: with g = (P(d + x) - P(d)) / x,
 //
 //   f = g psi + (g^2 / 2 + r) x',  psi' = psi + g x'   =>   f x' = (psi'^2 - psi^2) / 2 + r x'^2
 //
-// for any change x' that then happens. psi and P(d) are the same to a small error, which is corrected downwards only.
+// for any change x' that then happens. psi and P(d) agree up to a small error, which is only corrected downwards.
 #include "engine/contact/impact.h"
 
 #include <algorithm>

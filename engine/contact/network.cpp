@@ -1,11 +1,11 @@
-// A step has two halves. First each contact foresees its own force, the others' held as they were in the last step;
-// when a contact has just begun or ended, twice around (Gauss-Seidel). That turns every law into a straight line, f = a
-// + b x. Then all lines are closed at once with the bodies' x = free - Z f:
+// A step has two halves. First each contact predicts its own force, with the others' forces held at the last step's
+// values, or, if a contact has just begun or ended, in two rounds (Gauss-Seidel). This turns every law into a straight
+// line, f = a + b x. Then all lines are solved together with the bodies' x = free - Z f:
 //
 //   (1 + B Z) f = a + B free,
 //
-// which is exact to rounding, whatever was foreseen, so that energy is kept by the lines' own passivity. A normal force
-// that comes out negative is released, with its friction, and the rest is closed again.
+// which is exact to rounding for any prediction, so that the passivity of the lines ensures that no energy is created.
+// A normal force that comes out negative is released, with its friction, and the rest is solved again.
 //
 // 1 + B Z is a symmetric positive definite matrix between two diagonal ones, so elimination needs no pivots.
 #include "engine/contact/network.h"
@@ -28,8 +28,8 @@ std::optional<std::size_t> Network::add(Contact& contact) RINGDOWN_REALTIME {
   return first;
 }
 
-// Freedom i would change by this much [m] under the other contacts' forces: all but `skip_count` freedoms from `skip`
-// on.
+// Returns by how much [m] freedom i would change under the other contacts' forces: all but `skip_count` freedoms from
+// `skip` on.
 double Network::free_of(std::size_t i, std::span<const double> free_m, std::span<const double> force_n,
                         std::size_t skip, std::size_t skip_count) const RINGDOWN_REALTIME {
   double change = free_m[i];

@@ -1,10 +1,10 @@
 // Contacts that share bodies, solved together, one time step after another.
 //
-// Each contact touches in one to three directions: along the normal, by Hunt and Crossley's law or under a load that is
-// given, and in one or two directions along the surface, by bristles. A direction of a contact is a *freedom*; its
-// change in a step is the approach, or the sliding, of the two surfaces. All that the network knows of the bodies is by
-// how much each freedom would change without forces, and the compliances: by how much a newton at freedom j lowers the
-// change of freedom i, which is a sum over modes. A body's mass, modes and number do not matter to the cost.
+// Each contact has one to three directions: the normal, with Hunt and Crossley's law or a given load, and one or two
+// directions along the surface, with bristles. A direction of a contact is a *freedom*; its change in a step is the
+// approach, or the sliding, of the two surfaces. The network knows the bodies only by how much each freedom would
+// change without forces, and by the compliances: a newton at freedom j lowers the change of freedom i by this much, a
+// sum over modes. The number of bodies, their masses and modes do not affect the cost.
 //
 //   network.clear(); const auto i = network.add(contact); ... set_compliance(i, j, m_n) ...
 //   each step: network.step(free_m, step_s, force_n)
@@ -23,17 +23,17 @@
 
 namespace ringdown::contact {
 
-inline constexpr std::size_t kMaxContacts = 16;  // of a network
-inline constexpr std::size_t kMaxFreedoms = 24;  // of all its contacts
+inline constexpr std::size_t kMaxContacts = 16;  // contacts of a network
+inline constexpr std::size_t kMaxFreedoms = 24;  // freedoms of all its contacts together
 
 struct Contact {
-  std::optional<ImpactLaw> impact;  // none: pressed together by load_n
+  std::optional<ImpactLaw> impact;  // none: the surfaces are pressed together by load_n
   double load_n = 0;
   std::optional<FrictionLaw> friction;
-  std::size_t directions = 0;  // along the surface: 0 without friction, else 1 or 2
+  std::size_t directions = 0;  // number of directions along the surface: 0 without friction, else 1 or 2
   Impact pressed;              // states
   Friction sliding;
-  bool on = true;  // off: neither touches nor rubs
+  bool on = true;  // false: the contact neither touches nor rubs
 
   [[nodiscard]] std::size_t freedoms() const RINGDOWN_REALTIME { return (impact ? 1 : 0) + directions; }
 };
@@ -41,15 +41,15 @@ struct Contact {
 class Network {
  public:
   void clear() RINGDOWN_REALTIME { contacts_ = freedoms_ = 0, fresh_ = true; }
-  // The first of the contact's freedoms: its normal, then its directions along the surface. The contact must outlive
-  // the network or its next clear(). nullopt: there is no room.
+  // Adds a contact and returns its first freedom: its normal, then its directions along the surface. The contact must
+  // outlive the network or its next clear(). Returns nullopt if there is no room.
   [[nodiscard]] std::optional<std::size_t> add(Contact& contact) RINGDOWN_REALTIME;
   [[nodiscard]] std::size_t freedoms() const RINGDOWN_REALTIME { return freedoms_; }
   void set_compliance(std::size_t i, std::size_t j, double m_n) RINGDOWN_REALTIME {
     compliance_[i][j] = compliance_[j][i] = m_n;
   }
 
-  // Finds the forces of a step from what the freedoms would change by without them. False when all are 0.
+  // Computes the forces of a step from the changes of the freedoms without forces. Returns false if all forces are 0.
   bool step(std::span<const double> free_m, double step_s, std::span<double> force_n) RINGDOWN_REALTIME;
 
  private:
@@ -69,8 +69,8 @@ class Network {
   std::array<Place, kMaxContacts> places_;
   std::size_t contacts_ = 0, freedoms_ = 0;
   std::array<std::array<double, kMaxFreedoms>, kMaxFreedoms> compliance_{};
-  bool fresh_ = true;                        // a contact has begun to work, or ended to
-  std::array<double, kMaxFreedoms> last_{};  // forces of the last step, where the next prediction begins
+  bool fresh_ = true;                        // whether a contact has just begun or ended
+  std::array<double, kMaxFreedoms> last_{};  // forces of the last step; the next prediction starts from them
 };
 
 }  // namespace ringdown::contact

@@ -1,6 +1,6 @@
-// Every body of a scene, whether it has entered the scene or still waits for its time, and the objects that bodies may
-// play. Knows masses, shapes and where bodies were at the end of the last step, but neither the physics engine nor
-// sound. [one thread at a time]
+// All bodies of a scene, those still waiting for their start time included, and the objects that bodies may play. Knows
+// masses, shapes and the motion at the end of the last step, but neither the physics engine nor sound. [one thread at a
+// time]
 #pragma once
 
 #include "engine/base/result.h"
@@ -20,11 +20,11 @@
 
 namespace ringdown::scene {
 
-// An object as the mixer knows it; bodies that name it play it.
+// An object that the mixer plays. Bodies refer to objects by name.
 struct SoundingObject {
   std::string name;
   synth::ObjectNumber number = 0;
-  std::shared_ptr<const modal::Bank> bank;  // as baked: the scene applies the description's density scale
+  std::shared_ptr<const modal::Bank> bank;  // unscaled; the scene applies the description's density scale
 };
 
 // Pseudo-random numbers that are the same on every machine (Steele, Lea, Flood 2014: SplitMix64).
@@ -39,12 +39,12 @@ class Random {
 };
 
 struct Body {
-  BodyDescription description;  // its position includes the scatter
+  BodyDescription description;  // the position includes the scatter
   std::optional<synth::ObjectNumber> object;
   RigidMass mass;
   Vec3 size_m;
   bool spawned = false;
-  std::optional<Solid> waiting;  // until start_s, when the simulation receives it
+  std::optional<Solid> waiting;  // mass and shape of a body that waits for its start_s; empty afterwards
   Motion motion;                 // of the centre of mass, at the end of the last step
   int resets = 0;
 
@@ -60,22 +60,22 @@ class BodyStore {
   [[nodiscard]] std::map<BodyId, Body>& bodies() { return bodies_; }
   [[nodiscard]] BodyId next_id() const { return next_id_; }
 
-  // Adds a body, which waits for its start. Refused when the scene is full, a value is out of range, the object
-  // unknown, or mass and shape cannot be made from its bank.
+  // Adds a body, which waits for its start. Fails if the scene is full, a value is out of range, the object is unknown,
+  // or mass and shape cannot be made from its bank.
   Result<BodyId> add(BodyDescription description, bool spawned);
   void remove(BodyId id) { bodies_.erase(id); }
 
-  // Adds an object, or replaces the one of that name.
+  // Adds an object, or replaces the object with that name.
   void put_object(const SoundingObject& object);
   // Removes an object; its bodies become silent.
   void remove_object(synth::ObjectNumber number);
   [[nodiscard]] const SoundingObject* find_object(const std::string& name) const;  // null: unknown
   [[nodiscard]] modal::MaterialScale scale_of(const std::string& object) const;
 
-  // Mass and shape of every body that plays the object, from the bank that `object` has. Changes nothing.
+  // Computes mass and shape of every body that plays the object, from the bank in `object`. Changes nothing.
   [[nodiscard]] Result<std::map<BodyId, Solid>> solids_of(const SoundingObject& object) const;
 
-  // Gives a body another mass and shape. The object's frame stays in place; the centre of mass moves within it.
+  // Replaces a body's mass and shape. The object's frame stays in place; the centre of mass moves within it.
   void reshape(Body& body, const Solid& solid);
 
  private:

@@ -108,8 +108,8 @@ Result<void> check_all(const Things& things, std::string_view kind, std::size_t 
   return {};
 }
 
-// A mass in its range, and moments whose radii of gyration lie between a nanometre and, where they stand for infinite
-// ones, 10,000 km.
+// Returns whether the mass is in its range and all radii of gyration lie between a nanometre and 10,000 km, which
+// represents infinite moments.
 bool is_sound(const modal::MassProperties& mass) {
   const Vec3 c = mass.center_of_mass_m, i = mass.inertia_kg_m2;
   const Range moment{1e-18 * mass.mass_kg, 1e14 * mass.mass_kg};

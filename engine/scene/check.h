@@ -14,10 +14,10 @@ Result<void> check(const BodyDescription& body);  // sizes and mass are checked 
 Result<void> check(const StaticDescription& description);
 Result<void> check(const EmitterDescription& emitter);
 
-// Also checks that the joint's bodies are among `bodies`, and differ, and that one of them can move.
+// Also checks that the joint's two bodies are among `bodies`, that they differ, and that at least one can move.
 Result<void> check(const JointDescription& joint, std::span<const BodyDescription> bodies);
 
-// Checks all of the above and the scene's own numbers and counts, that names are unique and that objects exist.
+// Checks every part of a scene, its own numbers and counts, that names are unique and that objects exist.
 Result<void> check(const SceneDescription& scene);
 
 }  // namespace ringdown::scene

@@ -1,5 +1,5 @@
-// The plain data that the simulation of bodies hands to everybody else: where bodies are, and where they touch. SI
-// units, world axes. [any thread]
+// Plain data that the simulation of bodies returns: where bodies are, and where they touch. SI units, world axes. [any
+// thread]
 #pragma once
 
 #include "engine/base/vec3.h"
@@ -9,11 +9,11 @@
 
 namespace ringdown::scene {
 
-// A body's number, never used twice in one scene. Statics are numbered from kFirstStatic.
+// A body's number, never reused in one scene. Statics are numbered from kFirstStatic.
 using BodyId = std::uint32_t;
 inline constexpr BodyId kFirstStatic = 1u << 31;
 
-// Where a body is and how it moves. The position and the velocity are those of the centre of mass.
+// A body's position and velocity, both of its centre of mass, and its rotation and spin.
 struct Motion {
   Vec3 position_m;
   Rotation rotation;  // object frame -> world
@@ -23,7 +23,7 @@ struct Motion {
   [[nodiscard]] Vec3 velocity_at(Vec3 world_m) const { return velocity_m_s + cross(spin_rad_s, world_m - position_m); }
 };
 
-// How two bodies move when they touch; a static's motion is that of the origin at rest.
+// The motions of two bodies when they touch. A static has the motion of a body at rest at the origin.
 struct MotionPair {
   Motion of_body, of_other;
 };
@@ -35,9 +35,10 @@ struct ContactPoint {
   Vec3 normal;                          // unit, into `body`
   double depth_m = 0;                   // how far the two overlapped when the contact was found
   Vec3 impulse_ns;                      // received by `body` in this step; `other` received the opposite
-  double approach_m_s = 0;              // speed along the normal at which the two came together just before
+  double approach_m_s = 0;              // closing speed along the normal just before the contact
   double found_s = 0;                   // when the contact was found, from the beginning of the step
-  const MotionPair* motions = nullptr;  // at that time; shared by the points of a pair, valid as long as the point
+  const MotionPair* motions = nullptr;  // the bodies' motions at found_s; shared by all points of a pair, valid as long
+                                        // as the point
 };
 
 // A body that moved in a step, and its motion at the end of the step.

@@ -6,18 +6,17 @@
 
 // The contact points of two convex bodies that touch in a face are found by clipping.
 //
-// Of each body the face is taken that looks most directly against the contact normal (face_across()). If neither looks
-// along it to within kFlat_degrees the bodies touch at an edge or a corner, and there is no polygon. Otherwise the
-// better of the two faces is the floor, and the other is clipped by the planes that stand on the floor's edges (cut()).
-// Corners of what is left that lie below the floor become contact points, half of their depth up. This is how
-// rigid-body engines make box-box contacts: a reference face and an incident face.
+// For each body, face_across() takes the face that looks most directly against the contact normal. If neither face
+// agrees with the normal to within kFlat_degrees, the bodies touch at an edge or a corner, and there is no polygon.
+// Otherwise the better of the two faces is the floor, and the other is clipped by the planes that stand on the floor's
+// edges (cut()). Corners of the remaining polygon that lie below the floor become contact points, raised by half of
+// their depth. This is how rigid-body engines make box-box contacts: a reference face and an incident face.
 namespace ringdown::scene {
 namespace {
 
 const double kFlat = std::cos(kFlat_degrees * std::numbers::pi / 180);
 
-// Where two faces are about equally good the first body's is taken, so that the choice does not change from step to
-// step.
+// If two faces are about equally good, the first body's is taken, so that the choice does not change from step to step.
 constexpr double kBetter = 1e-3;
 
 // Counter-clockwise about `normal`, without points inside (A. M. Andrew's monotone chain, 1979).
@@ -75,7 +74,7 @@ std::vector<Vec3> cut(std::span<const Vec3> polygon, Vec3 on, Vec3 outward) {
 }  // namespace
 
 // Triangles are merged into faces greedily, the largest first: every triangle within kFlat_degrees of its normal joins
-// its face. That is correct for a convex body, in which equal normals mean the same plane, and for no other.
+// its face. This is correct only for a convex body, in which equal normals mean one plane.
 std::vector<Face> flat_faces(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> triangles) {
   std::vector<Vec3> areas;
   std::vector<std::size_t> by_size(triangles.size());

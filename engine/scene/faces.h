@@ -1,7 +1,7 @@
 // The polygon over which the faces of two convex bodies touch. Free of any physics engine. [any thread]
 //
 // A collision library that knows hulls only as sets of points (libccd, which ODE uses) finds a single contact point, on
-// which no body can rest: a stack of such hulls wobbles and rattles for ever. Where two faces lie on each other, the
+// which no body can rest: a stack of such hulls wobbles and rattles for ever. If two faces lie on each other, the
 // functions here find the corners of the polygon that they share.
 #pragma once
 
@@ -25,7 +25,7 @@ struct Face {
 
 // The faces of a convex body; every triangle belongs to one face or to none.
 std::vector<Face> flat_faces(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> triangles);
-std::vector<Face> box_faces(Vec3 size_m);  // about its centre
+std::vector<Face> box_faces(Vec3 size_m);  // centred at the origin
 
 // The faces of a body, and the pose of the body's frame in the world.
 struct PosedFaces {
@@ -35,16 +35,16 @@ struct PosedFaces {
 };
 
 struct FacePoint {
-  Vec3 point_m;  // world, between the two
+  Vec3 point_m;  // world, halfway between the two faces
   double depth_m = 0;
 };
 struct FaceContact {
-  Vec3 normal;  // unit, world, into the first
+  Vec3 normal;  // unit, world, into the first body
   std::vector<FacePoint> points;
 };
 
-// The corners of the polygon that a face of each body shares, as far as the bodies overlap there; none where an edge or
-// a corner touches. `normal` is the approximate direction in which the first body leaves the second.
+// Finds the corners of the polygon that a face of each body shares, as far as the bodies overlap there. There are none
+// if an edge or a corner touches. `normal` is the approximate direction in which the first body leaves the second.
 FaceContact share_of_faces(const PosedFaces& first, const PosedFaces& second, Vec3 normal);
 
 }  // namespace ringdown::scene

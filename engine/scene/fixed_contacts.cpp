@@ -94,7 +94,7 @@ class System {
     }
   }
 
-  // Gives the free rows the impulses with which none of them misses its speed, and the others their bounds.
+  // Gives the free rows the impulses that bring all of them to their wanted speeds, and the other rows their bounds.
   bool solve_free(int count) {
     std::array<int, kMaxRows> free;
     int n = 0;

@@ -97,8 +97,8 @@ std::vector<Vec3> extremes(std::span<const Vec3> points) {
 
 }  // namespace
 
-// The hull by Qhull. If it has more than kMaxHullPoints corners, only those are kept that are farthest in one of
-// kMaxHullPoints evenly spread directions, and the hull of these is taken: it lies within the exact one.
+// The hull by Qhull. If it has more than kMaxHullPoints corners, keeps only those that are farthest in one of
+// kMaxHullPoints evenly spread directions and takes their hull, which lies within the exact one.
 Result<Hull> convex_hull(std::span<const Vec3> points) {
   constexpr double kFarthest_m = 1e9;  // squares of coordinates near the end of what a double holds crash Qhull
   for (const Vec3& p : points) {

@@ -12,16 +12,16 @@
 namespace ringdown::scene {
 
 struct Hull {
-  std::vector<Vec3> points;                             // corners, some of the points given
+  std::vector<Vec3> points;                             // corners, a subset of the given points
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise from outside
 };
 
-// The most corners of a hull. The cost of a collision grows with the product of both hulls' corners.
+// Maximum number of corners of a hull. The cost of a collision grows with the product of both hulls' corner counts.
 inline constexpr std::size_t kMaxHullPoints = 128;
 
-// The hull of `points`. Where it would have more than kMaxHullPoints corners, the hull of the farthest points in that
-// many evenly spread directions instead, which lies within the full hull. Fails when the points lie in one plane, or
-// one of them farther than 1e9 m from the origin.
+// Computes the hull of `points`. If it would have more than kMaxHullPoints corners, keeps the farthest points in that
+// many evenly spread directions, whose hull lies within the full one. Fails if the points lie in one plane, or if a
+// point is farther than 1e9 m from the origin.
 Result<Hull> convex_hull(std::span<const Vec3> points);
 
 }  // namespace ringdown::scene

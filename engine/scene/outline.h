@@ -10,7 +10,7 @@
 
 namespace ringdown::scene {
 
-// The look of a body, which may have entered the scene or not; BodyState (world.h) has its position.
+// The appearance of a body, whether or not it has entered the scene; BodyState (world.h) has its position.
 struct BodyOutline {
   BodyId id = 0;
   std::string name;
@@ -32,7 +32,7 @@ struct StaticOutline {
 Vec3 size_of(const CollisionShape& shape);
 StaticOutline outline_of(const StaticDescription& description);
 
-// The names that scene files use: "box", "sphere", "convex", "trimesh"; "plane", "box".
+// Returns the names used in scene files: "box", "sphere", "convex", "trimesh"; "plane", "box".
 std::string to_text(ShapeType shape);
 std::string to_text(StaticType type);
 

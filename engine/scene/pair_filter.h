@@ -1,5 +1,5 @@
-// Which bodies of a scene may touch: by their collision filters, and apart from pairs that a joint holds together.
-// [one thread at a time]
+// Decides which bodies of a scene may touch, from their collision filters and from the pairs that joints exclude. [one
+// thread at a time]
 #pragma once
 
 #include "engine/scene/contact_point.h"
@@ -13,7 +13,7 @@
 
 namespace ringdown::scene {
 
-// Whether two bodies with these filters collide.
+// Returns whether two bodies with these filters collide.
 bool collide(const CollisionFilter& a, const CollisionFilter& b);
 
 class PairFilter {
@@ -22,18 +22,18 @@ class PairFilter {
   void set(BodyId id, const CollisionFilter& filter);
   void forget(BodyId id) { filter_of_.erase(id); }
 
-  void part(BodyId a, BodyId b) { parted_.insert(std::minmax(a, b)); }  // they do not touch from now on
+  void part(BodyId a, BodyId b) { parted_.insert(std::minmax(a, b)); }  // keeps two bodies from touching from now on
   void unpart(BodyId a, BodyId b) { parted_.erase(std::minmax(a, b)); }
 
-  // Cheap where no filter and no parted pair is known.
+  // Cheap if there are no filters and no parted pairs.
   [[nodiscard]] bool may_touch(BodyId a, BodyId b) const;
 
  private:
   [[nodiscard]] std::size_t filter_of(BodyId id) const;
 
-  std::vector<CollisionFilter> filters_{CollisionFilter{}};  // those that differ; the first is that of most bodies
-  std::vector<std::vector<bool>> collides_{{true}};          // by the numbers of two filters
-  std::unordered_map<BodyId, std::size_t> filter_of_;        // of the bodies whose filter is not the first
+  std::vector<CollisionFilter> filters_{CollisionFilter{}};  // distinct filters; the first is the empty one
+  std::vector<std::vector<bool>> collides_{{true}};          // indexed by two filter numbers
+  std::unordered_map<BodyId, std::size_t> filter_of_;        // filter numbers of bodies whose filter is not the first
   std::set<std::pair<BodyId, BodyId>> parted_;               // lower number first
 };
 

@@ -13,20 +13,20 @@ namespace ringdown::scene {
 
 using BodyPair = std::pair<BodyId, BodyId>;  // the smaller number first
 
-// A map that expects to be asked for one pair after the other: the pair after the one asked for last is found without a
-// search. Every step of a scene asks for all pairs that touch, in order.
+// A map optimised for access in order: the pair after the last one found is found without a search. Every step of a
+// scene asks for all pairs that touch, in order.
 template <class Value>
 class PairMap {
  public:
-  // The value of a pair, made if there is none.
+  // Returns the value of a pair, creating it if there is none.
   Value& operator[](BodyPair pair) {
     const auto entry = map_.try_emplace(next_.value_or(map_.begin()), pair);
     next_ = std::next(entry);
     return entry->second;
   }
 
-  // Removes the pairs for which `goes`, called with each pair and its value in order, returns true. The next search
-  // begins at the first pair.
+  // Calls `goes` with each pair and its value, in order, and removes the pairs for which it returns true. The next
+  // search begins at the first pair.
   template <class Goes>
   void erase_if(const Goes& goes) {
     next_.reset();

@@ -96,8 +96,8 @@ void read_drive(TomlTable& table, JointDrive& drive) {
   table.number("most", drive.most, range::kDriveMost);
 }
 
-// `along = "x"` or `about = ["x", "y"]`: the axes of a limit or a drive of a free joint, and whether it turns about
-// them.
+// Reads the axes of a limit or a drive of a free joint from `along = "x"` or `about = ["x", "y"]`; `turns` is set for
+// `about`.
 void read_axes(TomlTable& table, bool& turns, std::vector<std::size_t>& axes) {
   turns = table.has("about");
   if (turns == table.has("along")) return table.complain("along", "it needs either along or about, with its axes");

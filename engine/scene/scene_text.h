@@ -7,8 +7,8 @@
 
 namespace ringdown::scene {
 
-// The text of a scene file from which parse_scene() makes the same description, bit for bit. Values that a file may
-// leave out are left out. Banks stand in it with the paths that the description has.
+// Returns the text of a scene file from which parse_scene() makes an identical description, bit for bit. Omits optional
+// values that have their defaults. Bank paths are written as they are in the description.
 std::string to_toml(const SceneDescription& scene);
 
 }  // namespace ringdown::scene

@@ -1,4 +1,4 @@
-// Why a scene, or a body of it, is not heard: sentences for its user. [any thread]
+// Explains to the user why a scene, or a body of it, is not heard. [any thread]
 #pragma once
 
 #include "engine/scene/body_store.h"
@@ -11,14 +11,15 @@
 
 namespace ringdown::scene {
 
-inline constexpr std::size_t kMaxNamed = 8;  // bodies that are named one by one; of more, their number is given
+inline constexpr std::size_t kMaxNamed = 8;  // maximum number of bodies listed by name; beyond it only their number is
+                                             // given
 
-// The bodies that play an object whose modes all lie above hearing, a sentence for each. Of them only the click of
-// their blows is heard.
+// Returns one sentence for each body that plays an object whose modes all lie above hearing. Only the click of a strike
+// on such a body is heard.
 std::vector<std::string> above_hearing(const SceneDescription& scene, std::span<const SoundingObject> objects);
 
-// Why nothing in the scene can ever sound, as long as nobody adds to it; nothing where something can, or where the
-// scene only has objects for requests to play. `cure` says what gives a body its sound.
+// Returns why nothing in the scene can ever sound unless something is added. Returns nothing if something can sound, or
+// if the scene only has objects for requests to play. `cure` says how to give a body a sound.
 std::optional<std::string> why_silent(const SceneDescription& scene, std::span<const SoundingObject> objects,
                                       const std::string& cure);
 

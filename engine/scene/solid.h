@@ -22,7 +22,7 @@ struct RigidMass {
 // All coordinates are relative to the centre of mass, along the object frame's axes.
 struct CollisionShape {
   ShapeType type = ShapeType::box;
-  Vec3 center_m;                                        // of the box or sphere
+  Vec3 center_m;                                        // centre of a box or sphere
   Vec3 size_m;                                          // box
   double radius_m = 0;                                  // sphere
   std::vector<Vec3> points;                             // convex: corners; trimesh: vertices
@@ -36,11 +36,11 @@ struct Solid {
 
 // Makes a body's mass and shape. Mass and inertia come from the bank's massProperties, scaled in material and size, or
 // from the body's own density and size; sizes left at 0 come from the bank's surface, scaled. `bank` is null for a
-// silent body. A fixed body needs no mass. Fails on everything a physics engine could not handle: a missing or
+// silent body. A fixed body needs no mass. Fails on anything that a physics engine could not handle: a missing or
 // degenerate mass, no surface, no size.
 Result<Solid> make_solid(const BodyDescription& body, const modal::Bank* bank, const modal::MaterialScale& scale = {});
 
-// I = R diag(principal moments) R^T, R from the orientation quaternion.
+// Returns I = R diag(principal moments) R^T, with R from the orientation quaternion.
 Matrix3 inertia_tensor(const modal::MassProperties& mass);
 
 }  // namespace ringdown::scene

@@ -1,6 +1,6 @@
-// Whether a body stays where it is, however its velocity trembles. The solver leaves some bodies trembling that lie on
-// each other askew, by a few hundredths of a millimetre from step to step and for ever; what trembles in truth loses
-// its energy. [one thread]
+// Detects a body that stays in place although its velocity trembles. The solver leaves some bodies that lie askew on
+// each other trembling for ever, by a few hundredths of a millimetre per step; real trembling would lose its energy.
+// [one thread]
 #pragma once
 
 #include "engine/scene/description.h"
@@ -12,11 +12,11 @@ namespace ringdown::scene {
 
 class Stillness {
  public:
-  // Begins anew: the body moves on purpose.
+  // Restarts the measurement. Call when the body moves on purpose.
   void reset() { still_s_ = 0; }
 
-  // After a step that has ended with `pose`. No point of a body that reaches `outer_radius_m` from its centre may leave
-  // its place by more than two millimetres, or by more than a fiftieth of that radius.
+  // Call after each step with the pose at its end. A body is still while no point of it moves from its place by more
+  // than two millimetres, or by more than a fiftieth of `outer_radius_m`, its farthest extent from its centre.
   void step(const Pose& pose, double outer_radius_m, double step_s) {
     const double limit_m = std::min(0.002, 0.02 * outer_radius_m);
     const double way_m = length(pose.position_m - place_.position_m) +

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <span>
 
-// Corners of each body are compared with the triangles of the other, and edges with edges. For each kind the trees of
-// both bodies are descended together, as far as boxes of the one come near boxes of the other. Trees of corners and of
-// edges have small boxes also where triangles are long, as on the flat side of a hull.
+// Corners of each body are compared with the triangles of the other, and edges with edges. For each kind, the trees of
+// both bodies are descended together as long as their boxes are near each other. Trees of corners and of edges have
+// small boxes also where triangles are long, as on the flat side of a hull.
 //
 // A corner touches a triangle if it lies over it, and if none of the corner's edges leads into the triangle's plane.
 // Two edges touch if their common perpendicular ends on both, and if it lies between the normals of the two triangles
@@ -14,19 +14,19 @@
 namespace ringdown::scene {
 namespace {
 
-// Sine of an angle by which a feature may miss its condition: faces that lie on each other meet theirs to rounding
-// only.
+// Sine of the angle by which a feature may miss its condition. Faces that lie on each other meet the condition only up
+// to rounding.
 constexpr double kSlack = 0.02;
 
 // Sine of the least angle between two edges that touch in a point.
 constexpr double kMinCrossing = 0.02;
 
-// A corner this far beside a triangle is still over it, so that none falls between two triangles.
+// A corner this far outside of a triangle still counts as over it, so that no corner is lost between two triangles.
 constexpr double kRounding_m = 1e-9;
 
 Vec3 carry(const RelativePose& pose, Vec3 point) { return pose.position + pose.rotation * point; }
 
-// Whether a box of one body, carried into the other's frame, comes near a box of the other.
+// Returns whether a box of one body, carried into the other's frame, comes near a box of the other.
 bool near(const BoxNode& one, const BoxNode& two, const RelativePose& pose, double margin_m) {
   const Vec3 half = 0.5 * (one.high - one.low), other = 0.5 * (two.high - two.low);
   const Vec3 way = carry(pose, 0.5 * (one.low + one.high)) - 0.5 * (two.low + two.high);
@@ -120,7 +120,7 @@ class Search {
     if (between(normal, two) && between(-1 * normal, one)) add(on_two, normal, -distance_m);
   }
 
-  // Whether a direction across the edge lies between the normals beside the edge.
+  // Returns whether a direction across the edge lies between the normals beside the edge.
   static bool between(Vec3 way, const SurfaceEdge& edge) {
     const Vec3 turn = cross(edge.normal, edge.other_normal);
     const double least = -kSlack * length(turn);

@@ -1,9 +1,9 @@
-// Where two closed surfaces of triangles touch, or will in a moment. Free of any physics engine. [any thread]
+// Finds where two closed surfaces of triangles touch, or nearly touch. Free of any physics engine. [any thread]
 //
-// A library that looks for intersections of triangles finds other points in every step, with directions that depend on
-// how two triangles happen to cross, and none where bodies rest on each other without overlap. Here a contact is a pair
-// of features that face each other: a corner of one body over a triangle of the other, or two edges across each other.
-// Such pairs stay the same while bodies rest, and have one direction each, also at a distance.
+// Libraries that intersect triangles find different points in every step, with directions that depend on how two
+// triangles happen to cross, and find none if bodies rest on each other without overlap. Here a contact is a pair of
+// features that face each other: a corner of one body over a triangle of the other, or two edges across each other.
+// Such pairs persist while bodies rest, and each has one direction, even at a distance.
 #pragma once
 
 #include "engine/scene/rotation.h"
@@ -26,11 +26,12 @@ struct RelativePose {
   Vec3 position;
 };
 
-// How deep features may be in each other to count at all.
+// Deepest overlap at which a pair of features still counts as a contact.
 struct DepthLimit {
-  double standing_m = 0;                                     // of bodies that do not approach each other
-  double max_m = 0;                                          // of the fastest
-  std::function<double(Vec3 point, Vec3 normal)> came_in_m;  // how far they may have come into each other at a point
+  double standing_m = 0;                                     // limit for bodies that do not approach each other
+  double max_m = 0;                                          // limit for the fastest bodies
+  std::function<double(Vec3 point, Vec3 normal)> came_in_m;  // distance by which the bodies may have moved into each
+                                                             // other at a point
 };
 
 // Appends the contacts of two surfaces that are at most `margin_m` apart, in the second one's frame.

@@ -150,7 +150,7 @@ void World::State::let_in() {
       continue;
     }
     // A part moves a body by its velocity at the end of the part. Starting with the velocity of half a part earlier
-    // puts a fall on the true parabola.
+    // makes a fall follow the true parabola.
     if (!body.description.fixed) {
       const Vec3 gravity = body.description.gravity_factor * gravity_m_s2;
       body.motion.velocity_m_s = body.motion.velocity_m_s - (0.5 * part_s) * gravity;

@@ -33,8 +33,8 @@
 
 namespace ringdown::scene {
 
-// A longer step is done in equal parts of at most this length, so that towers stand and bounces are accurate whatever
-// the step, which is only the interval at which a World reports.
+// Longer steps are divided into equal parts of at most this length, so that towers stand and bounces are accurate for
+// any step. The step itself is only the interval at which a World reports.
 inline constexpr double kMaxPart_s = 1.0 / 480;
 
 inline constexpr int kMaxResets = 3;  // a body that has to be reset more often is removed
@@ -59,7 +59,7 @@ struct BodyState {
   Vec3 velocity_m_s;  // of the centre of mass
   Vec3 spin_rad_s;
   bool fixed = false;
-  bool waiting = false;  // for its start_s; not in the scene yet
+  bool waiting = false;  // waits for its start_s and is not in the scene yet
 };
 
 class World {
@@ -81,15 +81,16 @@ class World {
   // Advances by one step. A strike's frame is that of its impact, within this step or the one before; reports of
   // lasting contacts have the frame of the beginning of the step. Never fails: a body whose motion has become unreal
   // (not a number, too fast) goes back to its start at rest, a body that has left the scene is removed, and a notice
-  // says so. While all bodies sleep a step costs nothing. As soon as `*given_up` is not 0, no more contacts are looked
-  // for: the step ends soon, for an owner who is about to clear the world.
+  // says so. While all bodies sleep a step costs nothing. Once `*given_up` is not 0 the step stops looking for contacts
+  // and ends soon; for an owner who is about to clear the world.
   StepReport step(const std::atomic<int>* given_up = nullptr);
 
-  // Whether any body plays an object. Otherwise steps make no events, except those that end lasting contacts.
+  // Returns whether any body plays an object. If none does, steps make no events, except those that end lasting
+  // contacts.
   [[nodiscard]] bool sounds() const;
 
-  // Whether the end of a lasting contact is still to be reported. Once all bodies are gone, a few steps report all
-  // ends.
+  // Returns whether a lasting contact has not been reported as ended yet. After all bodies are gone, a few more steps
+  // report all ends.
   [[nodiscard]] bool has_lasting_contacts() const;
 
   [[nodiscard]] double time_s() const;  // step_s() times the steps so far
@@ -98,11 +99,11 @@ class World {
   // Adds a body, whose number is appended to its name and never used again. Fails when the scene is full, a value is
   // out of range, or the object is unknown.
   Result<BodyId> spawn(BodyDescription body);
-  void clear_spawned();  // only what spawn() added
-  void clear();          // every body; statics stay
+  void clear_spawned();  // removes only bodies that spawn() added
+  void clear();          // removes every body; statics stay
 
-  // Adds an object, or gives the object of this name a new bank: its bodies take the new mass and shape in place.
-  // Fails, and changes nothing, when one of the bodies cannot be built.
+  // Adds an object, or replaces the bank of the object with this name: its bodies take the new mass and shape in place.
+  // Fails, and changes nothing, if one of the bodies cannot be built.
   Result<void> set_object(const SoundingObject& object);
 
   // Removes an object. Its bodies stay and become silent.
@@ -111,7 +112,7 @@ class World {
   // Gives a body an impulse [N s, world axes] at its centre of mass.
   Result<void> push(BodyId id, Vec3 impulse_ns);
 
-  [[nodiscard]] std::vector<BodyState> bodies() const;  // by number: those described, in order, then those spawned
+  [[nodiscard]] std::vector<BodyState> bodies() const;  // in order of number: described bodies first, then spawned ones
 
   // The appearance of all bodies, in the order of bodies(). The result changes with spawn(), clear(), set_object(),
   // remove_object(), and when a step removes a body.

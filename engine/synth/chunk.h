@@ -1,5 +1,5 @@
-// A chunk, up to kChunkFrames frames that are rendered in one go: what every thread that renders it reads, and what
-// each of them writes to.
+// A chunk, up to kChunkFrames frames that are rendered in one go: its shared input for all rendering threads, and each
+// thread's own buffers.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -28,16 +28,16 @@ struct Chunk {
   double floor = 0;                             // amplitude at full gain below which modes rest
   bool moments = false;                         // slow modes are summed as moments, not by tables
   ChannelSet wanted = 0;                        // channels that are listened to
-  Inputs inputs{};                              // at the chunk's first frame
-  std::array<bool, kMaxInputs> input_sounds{};  // which of them are not silent in this chunk
+  Inputs inputs{};                              // buffers at the chunk's first frame
+  std::array<bool, kMaxInputs> input_sounds{};  // which inputs are not silent in this chunk
   const Shedding* shedding = nullptr;
   MixerCounters* counters = nullptr;
   const Listening* listening = nullptr;  // null: there has never been a listener
-  double look_pressure = 1;              // by which maps are looked up less often than would be exact (placement.h)
+  double look_pressure = 1;              // factor by which maps are looked up less often than ideal (placement.h)
 
   [[nodiscard]] Frame end() const RINGDOWN_REALTIME { return begin + static_cast<Frame>(frames); }
-  // The cell in which the chunk lies where there is a listener (Timeline): what moves is looked at where cells begin
-  // and end, which does not depend on the size of blocks.
+  // The cell in which the chunk lies if there is a listener (Timeline). Moving things are evaluated at the boundaries
+  // of cells, which do not depend on the size of blocks.
   [[nodiscard]] Frame cell_begin() const RINGDOWN_REALTIME { return begin - begin % static_cast<Frame>(kChunkFrames); }
   [[nodiscard]] Frame cell_end() const RINGDOWN_REALTIME { return cell_begin() + static_cast<Frame>(kChunkFrames); }
 };
@@ -45,13 +45,13 @@ struct Chunk {
 // Counts of what sounds in a chunk, for status and for the next chunk's choices.
 struct ChunkCounts {
   std::uint32_t voices = 0, modes = 0, muted_modes = 0;
-  std::size_t slow_modes = 0;        // of `modes`, those that take moments
-  double units = 0;                  // of work (work_cost.h)
-  double enter_units = 0;            // of these, for muted modes that came back
-  double look_terms = 0;             // of maps, to find gains in directions as often as would be exact
-  std::uint32_t coupled_voices = 0;  // whose modes exchange energy,
-  float psi_over_truth = 1;          // and of these the value farthest from 1
-  bool shed = false;                 // something was left out for want of time
+  std::size_t slow_modes = 0;        // number of `modes` that take moments
+  double units = 0;                  // units of work (work_cost.h)
+  double enter_units = 0;            // units spent on muted modes that came back
+  double look_terms = 0;             // terms of maps, if gains in directions were found as often as exactness requires
+  std::uint32_t coupled_voices = 0;  // voices whose modes exchange energy
+  float psi_over_truth = 1;          // value farthest from 1 among these voices
+  bool shed = false;                 // whether something was left out for lack of time
 
   void add(const ChunkCounts& other) RINGDOWN_REALTIME {
     voices += other.voices;
@@ -83,12 +83,12 @@ struct Workspace {
   alignas(64) std::array<std::array<double, kChunkFrames>, kMaxForces> impulses{};  // of the forces on one object
   // Set by Shedding before each source:
   Level threshold = ModeStates::kNoThreshold;  // modes below this level are muted
-  bool at_once = false;                        // without a ramp
-  double units_before = 0;                     // of counts.units, those worked before rendering began
-  double enter_units = 0;                      // of work that entering modes may still cost in this chunk
-  std::size_t allowance = 0;                   // muted modes of the source that may enter
-  double coupled_units = 0;                    // of work that modes about to exchange energy may begin
-  bool recovers = false;                       // there is time enough to bring back what was cut short
+  bool at_once = false;                        // mute without a ramp
+  double units_before = 0;                     // counts.units before rendering began
+  double enter_units = 0;                      // units that entering modes may still cost in this chunk
+  std::size_t allowance = 0;                   // number of the source's muted modes that may enter
+  double coupled_units = 0;                    // units that modes about to exchange energy may begin
+  bool recovers = false;                       // whether there is enough time to bring back modes cut short
 };
 
 }  // namespace ringdown::synth

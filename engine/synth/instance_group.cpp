@@ -8,16 +8,15 @@
 #include <algorithm>
 #include <utility>
 
-// One strike on one of many
+// A strike on one member
 //
 // A member's amplitudes are added twice: to the member's own states, which catch_up() first moves to the strike's frame
 // in one jump, and, times the member's gain there, to the sums of the outputs. Only the sums are rendered, so a chunk
-// costs a set of states for each output however many members ring. The member's own states are what leave() subtracts
-// from the sums later, moved on by the same poles: sums and member agree to rounding, and nothing is heard of the
-// parting.
+// costs one set of states for each output, however many members ring. leave() later subtracts the member's own states,
+// moved on by the same poles, from the sums: both agree to rounding, so the subtraction is inaudible.
 //
-// The chunk itself goes as that of an object (object.cpp): by tables it is cut at the strikes, by moments strikes
-// within it are late strikes. An event for which there is no time stays on the list, with all that follow it.
+// A chunk is rendered like that of an object (object.cpp): with tables it is cut at strikes; with moments, strikes
+// inside it are late strikes. An event for which there is no time stays on the list, with all later ones.
 namespace ringdown::synth {
 
 InstanceGroup::InstanceGroup(ModeTable& table, std::size_t ambisonic_channels) : table_(table) {

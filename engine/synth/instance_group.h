@@ -1,14 +1,14 @@
-// One set of states for all objects that share a table, however many ring: a thousand coins for the price of two banks.
+// One set of states for all objects that share a table, however many ring: a thousand coins cost as much as two banks.
 //
-// An output hears the sum of the members' states, each times its object's gain there. While these gains stand
-// still, the sum moves on just as each of them does, because its poles are theirs; so it is enough to move on the sum,
-// and a strike is added to it times the object's gain. Beside the sum every member keeps states of its own, which are
-// moved on only when it is struck, in one jump. When its gain or pan is about to move, these states are subtracted from
-// the sum, and the object rings alone until it is still again.
+// An output receives the sum of the members' states, each times its object's gain there. While these gains are
+// constant, the sum evolves like each member, because it has the members' poles; so only the sum has to be moved on,
+// and a strike is added to it times the object's gain. In addition every member keeps its own states, which are moved
+// on in one jump when it is struck. When a member's gain or pan is about to move, its states are subtracted from the
+// sum, and the object rings alone until the gain is constant again.
 //
-// A member that a listener hears from its place has gains of its own for each mode, too, which stand while it is a
-// member: the direction from which a strike is heard is taken at the strike. Placement::may_share() says which objects
-// stay within a decibel of that while they ring. [audio, after construction]
+// A member that a listener hears from its place also has a gain for each mode, which is constant while it is a member:
+// the direction from which a strike is heard is that at the strike. Placement::may_share() decides which objects stay
+// within a decibel of this while they ring. [audio, after construction]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -23,21 +23,21 @@
 
 namespace ringdown::synth {
 
-// An object's view of its membership.
+// An object's record of its membership.
 struct GroupMember {
-  bool shares_states = false;     // its states stand in the group's sums, and the rest says how
-  ChannelStrip::Shares shares{};  // its gain at each output
-  Frame anchor = 0;               // the frame that its own states have reached
-  std::uint32_t struck_in = 0;    // InstanceGroup's round in which it was last struck
-  std::uint32_t losses_seen = 0;  // the group's losses when its own states were last valid
+  bool shares_states = false;     // whether its states are in the group's sums; if not, nothing below counts
+  ChannelStrip::Shares shares{};  // the object's gain at each output
+  Frame anchor = 0;               // the frame that the object's own states have reached
+  std::uint32_t struck_in = 0;    // the round of InstanceGroup in which the object was last struck
+  std::uint32_t losses_seen = 0;  // the group's losses_ when the object's own states were last valid
 };
 
 class InstanceGroup final : public Source {
  public:
-  // The table outlives the group, or is not used any more. [worker]
+  // The table must outlive the group, or not be used any more. [worker]
   InstanceGroup(ModeTable& table, std::size_t ambisonic_channels);
 
-  // From now on voices of the table may join.
+  // Lets voices of the table join from now on.
   void found() RINGDOWN_REALTIME { table_.instances = this; }
 
   void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
@@ -47,19 +47,19 @@ class InstanceGroup final : public Source {
   void count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME override;
   [[nodiscard]] ModeStates::Counts counts() const RINGDOWN_REALTIME override;
 
-  // Whether an object at that bus may join: all members share one.
+  // Returns whether an object at this bus may join: all members share one bus.
   [[nodiscard]] bool accepts(std::size_t bus) const RINGDOWN_REALTIME { return members_ == 0 || bus_ == bus; }
-  // Takes the object's states over at frame `now`, which they have reached. True when they ring.
+  // Takes over the object's states, which must have reached frame `now`. Returns true if they ring.
   [[nodiscard]] bool join(Object& object, Frame now) RINGDOWN_REALTIME;
   // Gives the object its states back at frame `now`.
   void leave(Object& object, Frame now) RINGDOWN_REALTIME;
-  // Whether the member's own states still stand for its part of the sums.
+  // Returns whether the member's own states are still its part of the sums.
   [[nodiscard]] bool keeps_states_of(const GroupMember& member) const RINGDOWN_REALTIME {
     return active && member.losses_seen == losses_;
   }
 
   [[nodiscard]] bool ringing() const RINGDOWN_REALTIME { return std::ranges::any_of(sums_, &ModeStates::ringing); }
-  // The group has fallen silent: no member counts as struck any more.
+  // Call when the group has fallen silent. No member counts as struck any more.
   void end_round() RINGDOWN_REALTIME;
 
  private:
@@ -83,13 +83,13 @@ class InstanceGroup final : public Source {
   void silence() RINGDOWN_REALTIME;
 
   ModeTable& table_;
-  std::vector<ModeStates> sums_;  // left, right, bus, and the ambisonic channels that there are
+  std::vector<ModeStates> sums_;  // left, right, bus, and the existing ambisonic channels
   std::size_t bus_ = kNoBus;      // channel of the third sum
   std::size_t members_ = 0;
   std::size_t struck_ = 0;    // members struck in this round
-  std::uint32_t round_ = 1;   // grows when the group falls silent
-  double lowest_level_ = 1;   // by distance, of the members of this round: the floor is one before distance
-  std::uint32_t losses_ = 0;  // grows when the sums had to be thrown away
+  std::uint32_t round_ = 1;   // increases when the group falls silent
+  double lowest_level_ = 1;   // smallest distance gain among this round's members; scales the audibility floor
+  std::uint32_t losses_ = 0;  // number of times that the sums had to be discarded
 };
 
 }  // namespace ringdown::synth

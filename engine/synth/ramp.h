@@ -21,7 +21,7 @@ struct Ramp {
   void aim(double target, Frame now, Frame length) RINGDOWN_REALTIME { *this = {at(now), target, now, now + length}; }
 };
 
-// A frame after the sample rate has changed at frame `now`: it comes `ratio` times as many frames after `now`.
+// Converts a frame after a change of the sample rate at frame `now`: it comes `ratio` times as many frames after `now`.
 inline Frame rescaled(Frame frame, Frame now, double ratio) {
   return now + static_cast<Frame>(std::llround(static_cast<double>(frame - now) * ratio));
 }

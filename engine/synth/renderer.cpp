@@ -28,8 +28,9 @@ bool Renderer::prefers_moments(std::size_t frames) const RINGDOWN_REALTIME {
 
 // The sources of a chunk are a list of independent tasks. The audio thread and the helpers take them from the worker
 // pool, each adds to the sums of its own workspace, and the audio thread adds these up when all are done. Which thread
-// renders a source decides in which order numbers are added, so with helpers two renders agree to rounding only; on one
-// thread they are the same to the bit. Few modes are not shared: handing them over would take longer than they do.
+// renders a source decides in which order numbers are added, so with helpers two renders agree only to rounding; on one
+// thread they agree bit for bit. Few modes are not shared among threads: handing them over would take longer than
+// rendering them.
 void Renderer::render(std::span<Source* const> sources, const Chunk& chunk) RINGDOWN_REALTIME {
   sources_ = sources;
   chunk_ = &chunk;

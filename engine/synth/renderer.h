@@ -1,4 +1,4 @@
-// Renders the sources of a chunk, on the audio thread or spread over several threads, and adds up what they give.
+// Renders the sources of a chunk, on the audio thread or spread over several threads, and adds up their sounds.
 //
 // Every thread has a workspace of its own, so threads share nothing while they render; the audio thread then adds the
 // helpers' sums to its own. Slow modes are summed as moments when enough of them sounded in the last chunk, else by
@@ -22,32 +22,33 @@ class Renderer {
   // Renders on `threads` threads, the audio thread among them. [worker, while nothing is rendered]
   void set_threads(std::size_t threads);
   [[nodiscard]] std::size_t threads() const RINGDOWN_REALTIME { return workspaces_.size(); }
-  // Makes room for ambisonic channels in each thread, which is to be done again after set_threads(). [worker, while
-  // nothing is rendered]
+  // Makes room for ambisonic channels in each thread. Must be repeated after set_threads(). [worker, while nothing is
+  // rendered]
   void have_field(bool on) {
     for (Workspace& workspace : workspaces_) workspace.sums.have_field(on);
   }
 
-  // The rest: [audio]
+  // All functions below: [audio]
+
   // Begins a chunk; more than kChunkFrames only if nothing is rendered in it.
   void open(std::size_t frames) RINGDOWN_REALTIME;
-  // Whether moments are the cheaper way in a chunk of `frames`.
+  // Returns whether moments are cheaper than tables in a chunk of `frames`.
   [[nodiscard]] bool prefers_moments(std::size_t frames) const RINGDOWN_REALTIME;
   void render(std::span<Source* const> sources, const Chunk& chunk) RINGDOWN_REALTIME;
-  // Turns the sums into samples, after everything was added; they stand in sums() until the next open().
+  // Turns the sums into samples, after everything was added; the samples are in sums() until the next open().
   void close() RINGDOWN_REALTIME { main().sums.close(); }
 
-  // The audio thread's own workspace; all of them.
+  // Return the audio thread's own workspace, and all workspaces.
   [[nodiscard]] Workspace& main() RINGDOWN_REALTIME { return workspaces_.data()[0]; }
   [[nodiscard]] std::span<Workspace> workspaces() RINGDOWN_REALTIME { return {workspaces_.data(), workspaces_.size()}; }
 
  private:
   void render_source(std::size_t which, std::size_t thread) RINGDOWN_REALTIME;
 
-  std::vector<Workspace> workspaces_ = std::vector<Workspace>(1);  // the audio thread's, then its helpers'
-  std::unique_ptr<WorkerPool> helpers_;                            // null: the audio thread is alone
-  std::size_t slow_modes_ = 0;                                     // that sounded in the last chunk
-  std::span<Source* const> sources_;                               // of the chunk being rendered
+  std::vector<Workspace> workspaces_ = std::vector<Workspace>(1);  // the audio thread's, then its helpers' workspaces
+  std::unique_ptr<WorkerPool> helpers_;                            // null: the audio thread works alone
+  std::size_t slow_modes_ = 0;                                     // slow modes that sounded in the last chunk
+  std::span<Source* const> sources_;                               // sources of the chunk being rendered
   const Chunk* chunk_ = nullptr;
 };
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-// One chunk under a budget. All work is counted in units (work_cost.h), and `affordable` is how many units fit.
+// One chunk under a budget. All work is counted in units (work_cost.h); `affordable` is the number of units that fit.
 //
 // 1. Events are taken off the queue until they would cost kEventsShare of what is affordable (may_accept()); the others
 //    wait for the next chunk.
@@ -15,10 +15,10 @@
 //    and overhead. The threshold rises to that level at once, and falls towards it by 3 dB, or half of the way if that
 //    is more, in every kLowerFrames frames: a threshold that fell at once would let modes in that must leave again.
 // 3. Before each source, may_render() compares the time left, at the pace of this chunk so far, with the work planned.
-//    What is missing is taken from the quietest modes of the sources still to come, by a higher threshold without a
-//    ramp; time to spare lets muted modes enter. A source for which even that is too much is skipped.
+//    Missing time is taken from the quietest modes of the remaining sources, by a higher threshold without a ramp;
+//    spare time lets muted modes enter. A source for which there is not even time for this is skipped.
 // 4. apply() mutes modes of one source, or brings them back, and charges for that.
-// 5. end_chunk() takes the means of what events and overhead cost, and teaches the budget what a unit costs.
+// 5. end_chunk() updates the mean costs of events and overhead, and the budget's cost of a unit.
 //
 // Helpers run steps 3 and 4 for their own sources at the same time. They share what plan() has set and change only the
 // source and their own workspaces.
@@ -29,20 +29,20 @@ namespace {
 constexpr Level kNoThreshold = ModeStates::kNoThreshold;
 
 // Shares of what the budget can afford in a chunk:
-constexpr double kTight = 0.75;             // from here on levels are surveyed
-constexpr double kEventsShare = 0.3;        // more events wait
-constexpr double kForget = 1.001;           // what was learnt of modes that exchange energy grows by, each chunk
-constexpr double kCoupledShare = 0.7;       // is all that is done when modes begin to exchange energy
-constexpr double kSurveyShare = 0.06;       // for the survey of a chunk
-constexpr double kRecoverShare = 0.05;      // is to be left before what was cut short comes back out of turn
-constexpr double kUnprovenShare = 0.05;     // may enter before anything was rendered
-constexpr double kMaxEvent = 0.7;           // an event that costs more is not waited for
-constexpr double kLittle = 0.25;            // where less is to do, another program took the time
+constexpr double kTight = 0.75;             // above this load levels are surveyed
+constexpr double kEventsShare = 0.3;        // share for events; further ones wait
+constexpr double kForget = 1.001;           // growth per chunk of coupled_affordable_ while no modes exchange energy
+constexpr double kCoupledShare = 0.7;       // maximum total work at which modes begin to exchange energy
+constexpr double kSurveyShare = 0.06;       // share for the survey in a chunk
+constexpr double kRecoverShare = 0.05;      // share that must be left before modes cut short come back early
+constexpr double kUnprovenShare = 0.05;     // share that may enter before anything was rendered
+constexpr double kMaxEvent = 0.7;           // a costlier event only waits for this share of the time
+constexpr double kLittle = 0.25;            // with less work than this, another program took the time
 constexpr double kAverage = 0.05;           // weight of a chunk in running means
-constexpr std::size_t kLowerFrames = 1024;  // frames in which the threshold falls once, by kLowerBy
-constexpr Level kLowerPart = 2;             // or by the kLowerPart-th part of the way, where that is more
-constexpr Level kLowerBy = 8;               // 3 dB, 140 dB in a second
-constexpr double kMinShare = 0.02;          // of a source's modes, however little time is left
+constexpr std::size_t kLowerFrames = 1024;  // frames per fall of the threshold
+constexpr Level kLowerPart = 2;             // the threshold falls by the distance over kLowerPart
+constexpr Level kLowerBy = 8;               // but at least by 3 dB; 140 dB in a second
+constexpr double kMinShare = 0.02;          // minimum share of a source's modes, however little time is left
 
 }  // namespace
 
@@ -154,8 +154,8 @@ void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
   }
 }
 
-// The chunk's work at the pace so far: what does not fit into the time that is left is taken from the quietest modes of
-// the sources still to come, and what is left over lets muted modes enter.
+// Compares the chunk's work at the pace so far with the time left. Work that does not fit is taken from the quietest
+// modes of the remaining sources; spare time lets muted modes enter.
 bool Shedding::may_render(const Source& source, const Chunk& chunk, Workspace& workspace) const RINGDOWN_REALTIME {
   if (!budget_.limited() || little_) return true;
   const double done = workspace.counts.units - workspace.units_before;

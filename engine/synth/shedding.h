@@ -1,14 +1,14 @@
-// Leaves out the quietest modes when time is short, of all objects taken together.
+// Leaves out the quietest modes of all objects when time is short.
 //
-// One threshold holds for all modes. A survey counts, some sources in each chunk, how many modes ring at which level;
-// from that and from what the time budget can afford follows the level below which modes are muted. It rises at once
-// and falls slowly, so nothing pumps. When a chunk turns out to be more expensive than the last ones, the threshold of
-// what is still to be rendered in it is raised, by the pace so far. Strikes for which there is no time wait for the
-// next chunk, and when time is over, what is left is muted for a chunk. Nothing is lost: states move on, and whatever
-// was muted comes back when there is time.
+// One threshold applies to all modes. A survey, which visits some sources in each chunk, counts how many modes ring at
+// which level. From this count and from the work that the time budget can afford follows the level below which modes
+// are muted. The threshold rises at once and falls slowly, so nothing pumps. If a chunk turns out to be more expensive
+// than the last ones, the threshold for its remaining sources is raised according to the pace so far. Strikes for which
+// there is no time wait for the next chunk, and when time is over, the remaining sources are muted for a chunk. Nothing
+// is lost: states move on, and muted modes come back when there is time.
 //
-// The mixer asks "may I?" before it does something that costs time. Without a limit everything may, and nothing here
-// costs anything. One audio thread; const functions are called by its helpers too.
+// The mixer asks for permission before it does something that costs time. Without a limit everything is permitted, and
+// asking costs nothing. One audio thread; const functions are called by its helpers too.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -26,39 +26,42 @@ namespace ringdown::synth {
 
 class Shedding {
  public:
-  // The share of a block's time that may be used, 0: no limit; and the threads that render. [worker, while nothing is
-  // rendered]
+  // Sets the share of a block's time that may be used (0: no limit), the clock, and the number of threads that render.
+  // [worker, while nothing is rendered]
   void configure(double share, WorkClock clock, std::size_t threads);
 
-  // The rest: [audio]
+  // All functions below: [audio]
   void begin_block(std::size_t frames, double sample_rate_hz, bool deadline) RINGDOWN_REALTIME {
     budget_.begin_block(frames, sample_rate_hz, deadline);
   }
   void begin_chunk(std::size_t frames) RINGDOWN_REALTIME;
-  // After events have found their sources: surveys some sources, sets the threshold, and opens the workspaces.
+  // Call after events have been assigned to their sources: surveys some sources, sets the threshold, and opens the
+  // workspaces.
   void plan(std::span<Source* const> sources, const Chunk& chunk, std::span<Workspace> workspaces) RINGDOWN_REALTIME;
   void end_chunk(const ChunkCounts& counts, const Chunk& chunk, bool events_waited) RINGDOWN_REALTIME;
 
-  // Whether modes may have to be muted, or brought back, in this chunk.
+  // Returns whether modes may have to be muted, or brought back, in this chunk.
   [[nodiscard]] bool active() const RINGDOWN_REALTIME { return active_; }
-  // Whether time is short: what is only an embellishment should be left out.
+  // Returns whether time is short, so that embellishments should be left out.
   [[nodiscard]] bool tight() const RINGDOWN_REALTIME { return tight_; }
-  // Whether something was shed in the last chunk.
+  // Returns whether something was shed in the last chunk.
   [[nodiscard]] bool shed() const RINGDOWN_REALTIME { return shed_; }
 
-  // May an event that costs `units` happen in this chunk? The first one of a chunk always may, whatever it costs.
+  // Returns whether an event that costs `units` may happen in this chunk. The first event of a chunk always may,
+  // whatever it costs.
   [[nodiscard]] bool may_accept(double units) RINGDOWN_REALTIME;
-  // May an object begin to share its states?
+  // Returns whether an object may begin to share its states.
   [[nodiscard]] bool may_join(double units) const RINGDOWN_REALTIME;
-  // May an event happen, now that its turn has come? One that costs more than a chunk happens late rather than never.
+  // Returns whether an event may happen, now that its turn has come. One that costs more than a chunk happens late
+  // rather than never.
   [[nodiscard]] bool may_play(double units, Workspace& workspace) const RINGDOWN_REALTIME;
-  // May a source be rendered? Sets the threshold for it.
+  // Returns whether a source may be rendered, and sets the threshold for it.
   [[nodiscard]] bool may_render(const Source& source, const Chunk& chunk, Workspace& workspace) const RINGDOWN_REALTIME;
-  // May modes that exchange energy do so, or go on to? Once they have been stopped they begin again when there is
-  // plenty of time.
+  // Returns whether modes that exchange energy may do so, or continue. Once they have been stopped they begin again
+  // only when there is plenty of time.
   [[nodiscard]] bool may_couple(const Coupling& coupling, const Chunk& chunk,
                                 Workspace& workspace) const RINGDOWN_REALTIME;
-  // Mutes modes of a source and brings others back; their sound is `gain` above their states.
+  // Mutes modes of a source and brings others back; the source's sound is `gain` above its states.
   void apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const RINGDOWN_REALTIME;
   void worked(double units, Workspace& workspace) const RINGDOWN_REALTIME {
     workspace.counts.units += units;
@@ -72,21 +75,21 @@ class Shedding {
 
   TimeBudget budget_;
   std::size_t threads_ = 1;
-  LevelHistogram counting_, counted_;  // the survey that goes on, and the last one that is complete
-  std::size_t next_surveyed_ = 0;      // in the list of sources
+  LevelHistogram counting_, counted_;  // the running survey, and the last complete one
+  std::size_t next_surveyed_ = 0;      // index in the list of sources
   Level threshold_ = ModeStates::kNoThreshold;
-  std::size_t since_lowered_ = 0;  // frames
+  std::size_t since_lowered_ = 0;  // frames since the threshold was last lowered
   bool active_ = false, tight_ = false, shed_ = false;
-  bool little_ = true;    // in the last chunk there was little to do
-  bool at_once_ = false;  // there is no time for ramps
-  ChunkCounts last_;      // of the last chunk
+  bool little_ = true;    // whether there was little to do in the last chunk
+  bool at_once_ = false;  // whether there is no time for ramps
+  ChunkCounts last_;      // counts of the last chunk
   // The affordable work when modes last exchanged energy [units/frame].
   double coupled_affordable_ = std::numeric_limits<double>::max();
-  double event_units_ = 0;      // accepted in this chunk
-  double event_average_ = 0;    // the same, on average
-  double overhead_ = 0;         // units that were neither events nor rendering, on average
-  double planned_units_ = 0;    // of this chunk
-  double rendering_share_ = 1;  // of these, rendering
+  double event_units_ = 0;      // units of events accepted in this chunk
+  double event_average_ = 0;    // mean of event_units_
+  double overhead_ = 0;         // mean number of units that were neither events nor rendering
+  double planned_units_ = 0;    // units planned for this chunk
+  double rendering_share_ = 1;  // share of rendering in planned_units_
 };
 
 }  // namespace ringdown::synth

@@ -7,13 +7,13 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr double kTypical_ns = 2;   // a unit, before anything was measured
-constexpr double kMinUnits = 500;   // less work says little about what a unit takes
-constexpr double kLearn = 0.25;     // weight of an answer in the running mean,
-constexpr double kLearnFull = 0.5;  // and of one from a chunk that used up its time
-constexpr int kFirstLessons = 10;   // answers that are averaged at first
-constexpr double kRecover = 1.03;   // per chunk in which there was little to do
-constexpr double kMaxChange = 4;    // what one answer may say, up or down, against the mean
+constexpr double kTypical_ns = 2;   // time of a unit before anything was measured
+constexpr double kMinUnits = 500;   // less work says little about the price of a unit
+constexpr double kLearn = 0.25;     // weight of an answer in the running mean
+constexpr double kLearnFull = 0.5;  // weight of an answer from a chunk that used up its time
+constexpr int kFirstLessons = 10;   // number of first answers, none of which is dismissed
+constexpr double kRecover = 1.03;   // growth of the mean per chunk with little work
+constexpr double kMaxChange = 4;    // largest factor between an answer and the mean, up or down
 constexpr double kDoubted = 0.8;    // an answer below this share of the mean must be confirmed by the next one
 constexpr double kMinAffordable = 1;
 constexpr double kMinPace = 0.05;  // of affordable(): after less work the price of this chunk is not known
@@ -38,8 +38,8 @@ void TimeBudget::begin_block(std::size_t frames, double sample_rate_hz, bool dea
   if (lessons_ == 0) affordable_ = kTarget * frame_ns_ * static_cast<double>(kChunkFrames) / kTypical_ns;
 }
 
-// A chunk gets its share, by frames, of the time that is left until the block's deadline. So what earlier chunks saved
-// or lost is spread over all that remain.
+// A chunk gets a share, by frames, of the time left until the block's deadline. So gains and losses of earlier chunks
+// are spread over all remaining ones.
 void TimeBudget::begin_chunk(std::size_t frames) RINGDOWN_REALTIME {
   if (!limited_) return;
   chunk_begin_ns_ = render_begin_ns_ = clock_.now_ns();
@@ -63,13 +63,13 @@ double TimeBudget::units_left(double done, std::size_t threads) const RINGDOWN_R
   return static_cast<double>(std::max<std::int64_t>(chunk_end_ns_ - now_ns, 0)) / price_ns;
 }
 
-// Each chunk that did enough work is a lesson: the units that would have taken kTarget of its time, at the price that
-// its units had. affordable_ is the running mean of these answers: at first the plain mean, from the fourth on an
+// Each chunk that did enough work gives an answer: the units that would have taken kTarget of its time, at its own
+// price per unit. affordable_ is the running mean of these answers: at first the plain mean, from the fourth on an
 // exponential one, with twice the weight for a chunk that used up its time, since being late is worse than being
 // careful. An answer may change the mean by a factor of kMaxChange at most.
 //
-// A machine that stands still for a moment says little about what work costs, so an answer that is much smaller than
-// the mean counts only when the next one confirms it.
+// A machine that pauses for a moment says little about the cost of work, so an answer that is much smaller than the
+// mean counts only if the next one confirms it.
 void TimeBudget::end_chunk(double units) RINGDOWN_REALTIME {
   if (!limited_) return;
   if (units < kMinUnits * chunk_share_) {
@@ -84,8 +84,8 @@ void TimeBudget::end_chunk(double units) RINGDOWN_REALTIME {
   doubted_ = lessons_ > 0 && answer < kDoubted * affordable_ ? answer : 0;
   const bool confirmed = doubted_ == 0 || before > 0;
   if (!confirmed) answer = kDoubted * affordable_;
-  // Work that took time without being counted makes the answer too small while there was time left, and too large when
-  // there was none. Such an answer says nothing about affordable().
+  // Time that is not counted as units makes the answer too small if there was time left, and too large if there was
+  // none. Such an answer says nothing about affordable().
   if (lessons_ == kFirstLessons && (used > kTarget) == (answer > affordable_)) return;
   if (lessons_ > 0) answer = std::clamp(answer, affordable_ / kMaxChange, affordable_ * kMaxChange);
   const double weight =

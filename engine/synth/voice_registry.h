@@ -1,4 +1,4 @@
-// The worker's book of voices: which tables they share, how many are alive, and freeing those that are done with.
+// The worker's record of voices: which tables they share, how many are alive, and which can be freed.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -17,39 +17,40 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMaxVoices = 4096;  // playing, ringing out or waiting for collect()
+inline constexpr std::size_t kMaxVoices = 4096;  // voices playing, ringing out or waiting for collect()
 
 class VoiceRegistry {
  public:
-  // The table that voices of this bank, material, dampers and choice of modes share; a new one if there is none.
-  // [worker]
+  // Returns the table that voices of this bank, material, dampers and choice of modes share, and makes one if there is
+  // none. [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> table_for(const std::shared_ptr<const modal::StrikeMap>& map,
                                                      const modal::MaterialScale& material,
                                                      const modal::Dampers& dampers, modal::ModeRange modes,
                                                      double sample_rate_hz, const TableSettings& settings) const;
 
-  // Groups that are made from now on render so many ambisonic channels. [worker]
+  // Makes groups created from now on render this number of ambisonic channels. [worker]
   void set_ambisonic_channels(std::size_t count) { ambisonic_channels_ = count; }
 
-  // Whether another voice may be installed. [worker]
+  // Returns whether another voice may be installed. [worker]
   [[nodiscard]] bool has_room() const { return voices_ < kMaxVoices; }
-  // A voice is about to be installed. Returns the group that its table needs from now on, because it is the second
-  // voice of the table; null: none. keep_group() makes the group stay. [worker]
+  // Call before a voice is installed. Returns the group that its table needs from now on, because it is the table's
+  // second voice, or null. keep_group() makes the group permanent. [worker]
   [[nodiscard]] std::unique_ptr<InstanceGroup> group_for(const std::shared_ptr<ModeTable>& table);
   void keep_group(const std::shared_ptr<ModeTable>& table, std::unique_ptr<InstanceGroup> group);
-  // A voice of the object has been handed to the mixer. [worker]
+  // Call when a voice of the object has been handed to the mixer. [worker]
   void count_installed(ObjectNumber object);
 
-  // True while the object has a voice that is playing, ringing out or not yet collected. [worker]
+  // Returns whether the object has a voice that is playing, ringing out or not yet collected. [worker]
   [[nodiscard]] bool in_use(ObjectNumber object) const { return voices_of_[object] > 0; }
 
-  // Hands back a voice that has fallen silent. There is always room, because has_room() allows no more. [audio]
+  // Returns a voice that has fallen silent to the worker. There is always room, because has_room() limits the number.
+  // [audio]
   void retire(ObjectNumber object, Voice* voice) RINGDOWN_REALTIME;
-  // Frees what has been handed back. [worker]
+  // Frees voices that have been returned. [worker]
   void collect();
 
-  // Exchanges every table for the one that `renewed(table)` returns, null where it is not in use, and every group for
-  // an empty one. [worker, while nothing is rendered]
+  // Replaces every table by the one that `renewed(table)` returns, null for a table that is not in use, and every group
+  // by an empty one. [worker, while nothing is rendered]
   template <class Renewed>
   void renew(const Renewed& renewed) {
     for (SharedTable& shared : tables_) {
@@ -75,7 +76,7 @@ class VoiceRegistry {
 
   std::vector<SharedTable> tables_;
   std::size_t ambisonic_channels_ = 0;
-  std::array<std::uint32_t, kMaxObjects> voices_of_{};  // of each object
+  std::array<std::uint32_t, kMaxObjects> voices_of_{};  // number of voices of each object
   std::size_t voices_ = 0;
   SpscRing<Retired> retired_{kMaxVoices};
 };

@@ -62,11 +62,11 @@ bool WorkerPool::take_some(std::size_t who) RINGDOWN_REALTIME {
 }
 
 // A share is one 64-bit word: the round, the end of the share and the next item in it. A thread takes the next few
-// items by one fetch_add, whoever else does so at the same time, and gets none if others were faster. It takes an
-// eighth of what is left, so that the last helpings are small and all threads finish at about the same time: a form of
-// guided self-scheduling (Polychronopoulos & Kuck, IEEE Trans. Comput. 36, 1987).
+// items by one fetch_add, even if others do so at the same time, and gets none if others were faster. It takes an
+// eighth of the remaining items, so that the last portions are small and all threads finish at about the same time: a
+// form of guided self-scheduling (Polychronopoulos & Kuck, IEEE Trans. Comput. 36, 1987).
 //
-// work_ is what the constructor was given, and promised to be fit for the audio thread.
+// work_ was given to the constructor, whose caller promises that it is fit for the audio thread.
 RINGDOWN_TRUST_REALTIME_BEGIN
 bool WorkerPool::take_some_of(Share& share, std::size_t who) RINGDOWN_REALTIME {
   constexpr std::size_t kHelpings = 8;  // of what is left of a share

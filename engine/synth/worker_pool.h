@@ -1,9 +1,9 @@
-// Threads that help the audio thread with a list of things to do, without a lock or a system call on its side.
+// Threads that help the audio thread with a list of items, without a lock or a system call on the audio thread.
 //
-// Each thread has its share of the list, the same items in each round, so that what they touch stays in its cache;
-// whoever is done takes a few items at a time from the others' shares. A helper that is late, or that the system does
-// not let run, takes none, and the audio thread does them; it waits only for items that somebody has taken. Helpers
-// spin while there has been work in recent blocks, and sleep otherwise.
+// Each thread has its share of the list, the same items in each round, so that their data stay in its cache. A thread
+// that has finished takes a few items at a time from the others' shares. A helper that is late, or that the system does
+// not run, takes none, and the audio thread does its items; the audio thread waits only for items already taken.
+// Helpers spin while there has been work in recent blocks, and sleep otherwise.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -21,14 +21,14 @@ class WorkerPool {
  public:
   static constexpr std::size_t kMaxItems = 1 << 16;
 
-  // `work(item, who)` does an item; who is 0 on the audio thread and 1 ... helpers on the others. It lives as long as
-  // the pool, and allocates, locks and throws nothing. [worker]
+  // `work(item, who)` does an item; `who` is 0 on the audio thread and 1 ... helpers on the others. `work` is called
+  // until the pool is destroyed, and must not allocate, lock or throw. [worker]
   WorkerPool(std::size_t helpers, std::function<void(std::size_t item, std::size_t who)> work);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // Has items 0 ... count - 1 done, count <= kMaxItems, and returns when all are. [audio]
+  // Does items 0 ... count - 1, count <= kMaxItems, on all threads and returns when all are done. [audio]
   void run(std::size_t count) RINGDOWN_REALTIME;
 
  private:
@@ -45,8 +45,8 @@ class WorkerPool {
   [[nodiscard]] bool take_some_of(Share& share, std::size_t who) RINGDOWN_REALTIME;
 
   std::function<void(std::size_t, std::size_t)> work_;
-  std::vector<Share> shares_;  // of the audio thread, then of the helpers
-  std::uint64_t round_ = 0;    // the audio thread's own
+  std::vector<Share> shares_;  // the audio thread's share, then those of the helpers
+  std::uint64_t round_ = 0;    // used by the audio thread only
   alignas(64) std::atomic<std::size_t> done_{0};
   std::vector<std::jthread> helpers_;
 };

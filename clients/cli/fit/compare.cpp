@@ -264,7 +264,7 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   return written ? ExitCode::ok : complain(written.error());
 }
 
-// The text of the man page beside the options.
+// The text of the man page in addition to the options.
 const std::vector<manual::Section> kCompareSections = {
     {"EXAMPLES",
      {{"ringdown compare my-bowl",

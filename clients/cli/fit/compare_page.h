@@ -17,28 +17,29 @@ struct ComparedSound {
   std::string name;
   Sound sound;
   fit::Fit found;
-  std::vector<fit::Mode> baked;  // the bank's matching modes, as loud as in this recording
+  std::vector<fit::Mode> baked;  // the bank's matching modes, with their levels in this recording
   double distance_db = 0;
 };
 
 struct Comparison {
   std::string name, material;
-  std::vector<fit::Mode> heard;  // of all recordings
-  modal::Bank bank;              // as it was baked, with the fitted Poisson's ratio
+  std::vector<fit::Mode> heard;  // modes heard in all recordings
+  modal::Bank bank;              // unscaled, with the fitted Poisson's ratio
   fit::Calibration calibration;
   double poisson_ratio = 0, given_poisson_ratio = 0;
   bool nu_told = false;
   std::vector<ComparedSound> sounds;
 
-  [[nodiscard]] double stiffness() const;   // E/rho over that of the material
-  [[nodiscard]] double mean_cents() const;  // of the matches, after E/rho and nu
+  [[nodiscard]] double stiffness() const;   // fitted E/rho over that of the material
+  [[nodiscard]] double mean_cents() const;  // mean deviation of the matches, after fitting E/rho and nu
   [[nodiscard]] double worst_cents() const;
-  [[nodiscard]] double decay_error() const;  // the mean factor by which decays are off that fit the damping, less 1
-  // Of the energy of all modes heard: that of those that match, and of what is heard within kCompanion_cents of them.
+  [[nodiscard]] double decay_error() const;  // mean factor between measured decays and the fitted damping, less 1
+  // Returns the share of the energy of all heard modes that belongs to matching modes and to modes heard within
+  // kCompanion_cents of these.
   [[nodiscard]] double matched_part() const;
 };
 
-// The comparison's result in a few lines of text; the page shows the same at length.
+// Returns the comparison's result in a few lines of text; the page shows it in detail.
 std::string verdict(const Comparison& comparison);
 
 std::string compare_page(const Comparison& comparison);

@@ -94,8 +94,8 @@ fit::Kept keep(const fit::Fit& found, const cli::Sound& sound, const Arguments& 
   return fit::keep(part, sound.sample_rate_hz, sample_at(found.onset_s, sound), found.modes, !arguments.without_burst);
 }
 
-// Writes the sum of the modes in their own phases with a burst that was fitted beside just these. The bank's burst was
-// fitted beside modes in other phases, and would count twice what those lack.
+// Writes the sum of the modes in their own phases with a burst that was fitted together with them. The bank's burst was
+// fitted with modes in other phases, and would count twice what those modes lack.
 Result<void> write_sounds(const fit::Fit& found, const cli::Sound& sound, const Arguments& arguments,
                           const std::stop_token& stop) {
   if (arguments.resynth.empty() && arguments.residual.empty()) return {};
@@ -161,7 +161,7 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   return written ? ExitCode::ok : complain(written.error());
 }
 
-// The text of the man page beside the options.
+// The text of the man page in addition to the options.
 const std::vector<manual::Section> kSections = {
     {"EXAMPLES",
      {{"ringdown fit cup.wav -o cup.glb", "The modes of a cup that was tapped once, as a bank that plays them."},

@@ -13,8 +13,8 @@ namespace ringdown::cli {
 // Prints one paragraph about the recording and a row for each mode.
 void print_fit(const std::string& name, const fit::Fit& fit);
 
-// Prints what the burst is and how far all that is kept lies from the recording; and on stderr
-// a warning when the modes explain little of it.
+// Prints a description of the burst and the distance between the kept sound and the recording; and on stderr a warning
+// if the modes explain little of it.
 void print_kept(const std::string& name, const fit::Fit& fit, const fit::Kept& kept);
 
 // Prints a row for each matched mode and the fitted damping.

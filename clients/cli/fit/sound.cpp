@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 using SoundHandle = std::unique_ptr<SNDFILE, int (*)(SNDFILE*)>;
 using Channels = std::vector<std::vector<double>>;
 
-// The mean of channels falls below the level that channels without relation would have by more than this where they
-// cancel: energies, 10 dB.
+// Channels cancel each other if the energy of their mean is below this share of the energy that unrelated channels
+// would have: 10 dB.
 constexpr double kCancels = 0.1;
 
 tl::unexpected<Error> refuse(const fs::path& path, const std::string& why) {
@@ -123,7 +123,8 @@ double mean_of(const std::vector<double>& samples) {
   return sum / static_cast<double>(samples.size());
 }
 
-// The energy of a sound beside its mean. One that never moves has none, and neither has what rounding leaves of it.
+// Returns the energy of a sound around its mean. A constant sound has none, and neither does one that varies only by
+// rounding.
 double energy_of(const std::vector<double>& samples) {
   constexpr double kRounding = 1e-12;
   const double mean = mean_of(samples);

@@ -12,19 +12,19 @@ namespace ringdown::cli {
 
 struct Answer {
   std::size_t point = 0;
-  Vec3 direction;                 // of the blow, a unit vector into the surface
-  std::vector<double> amplitude;  // of each mode, for 1 N s, without contact time: 2 pi f (phi . direction)
+  Vec3 direction;                 // direction of the blow, a unit vector into the surface
+  std::vector<double> amplitude;  // amplitude of each mode for 1 N s, without contact time: 2 pi f (phi . direction)
 };
 
-// At the sample point nearest to `at`, or at the one that answers with most energy. Along the surface's normal; where
-// there are no triangles, along whichever axis answers most.
+// Computes the response at the sample point nearest to `at`, or at the one that responds with the most energy. The blow
+// is along the surface's normal, or, without triangles, along the axis with the strongest response.
 Answer answer_of(const modal::Bank& bank, std::optional<Vec3> at);
 
-// Level of the sound's spectrum at a frequency [dB re an arbitrary unit]: the modes' resonances, summed with their
-// phases.
+// Returns the level of the sound's spectrum at a frequency [dB re an arbitrary unit]: the modes' resonances, summed
+// with their phases.
 double level_db(const modal::Bank& bank, const Answer& answer, double frequency_hz);
 
-// Unit normals of the sample points; (0, 0, 0) where no triangle is.
+// Returns the unit normals of the sample points; (0, 0, 0) for points without a triangle.
 std::vector<Vec3> normals_of(const modal::Bank& bank);
 
 inline Vec3 wide(const modal::Vec3f& v) { return {v[0], v[1], v[2]}; }

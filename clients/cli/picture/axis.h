@@ -1,4 +1,4 @@
-// The frame of a chart: two axes with ticks, and the way from numbers to the sheet. [any]
+// The frame of a chart: two axes with ticks, and the map from values to the sheet. [any]
 #pragma once
 
 #include "clients/cli/picture/canvas.h"
@@ -21,15 +21,15 @@ struct Axis {
   [[nodiscard]] double share(double value) const;  // 0 at low, 1 at high
 };
 
-// Ticks at 1, 2 and 5 of each decade, or at decades only where there are more than three.
+// Returns an axis with ticks at 1, 2 and 5 of each decade, or only at decades if there are more than three.
 Axis log_axis(double low, double high, std::string title);
 Axis linear_axis(double low, double high, double step, std::string title);
 
-// "200", "2k", "0.05": numbers as ticks say them.
+// Returns a number as ticks show it: "200", "2k", "0.05".
 std::string tick_label(double value);
 
 struct Chart {
-  Box box;  // of the plot itself: labels stand outside of it
+  Box box;  // area of the plot; labels lie outside
   Axis x, y;
 
   [[nodiscard]] Dot at(double horizontal, double vertical) const;

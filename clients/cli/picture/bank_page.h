@@ -1,5 +1,5 @@
-// A bank as one HTML file: the picture, a view of the surface that turns and vibrates, and a table of all modes. It
-// needs no network and nothing beside it. [any]
+// A bank as one HTML file: the picture, a view of the surface that turns and vibrates, and a table of all modes. The
+// file needs neither a network nor other files. [any]
 #pragma once
 
 #include "clients/cli/picture/answer.h"
@@ -10,13 +10,13 @@
 
 namespace ringdown::cli {
 
-// Empty when the picture could not be drawn.
+// Returns the page; empty if the picture could not be drawn.
 std::string bank_page(const modal::Bank& bank, const Answer& answer);
 
-// The text with & < > " ' as entities, control characters as spaces, and bytes that are not UTF-8 as U+FFFD.
+// Returns the text with & < > " ' as entities, control characters as spaces, and bytes that are not UTF-8 as U+FFFD.
 std::string escaped(std::string_view text);
 
-// The text with control characters and bad bytes replaced as by escaped(), but without entities: for pictures.
+// Returns the text with control characters and bad bytes replaced like escaped(), but without entities: for pictures.
 std::string clean_text(std::string_view text);
 
 extern const char* const kViewScript;  // view_script.cpp

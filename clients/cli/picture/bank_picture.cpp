@@ -44,7 +44,7 @@ struct Level {
   double hz, db;
 };
 
-// At every half pixel, and at each mode, so that no peak falls between.
+// Samples at every half pixel and at each mode, so that no peak is missed.
 std::vector<Level> spectrum_of(const modal::Bank& bank, const Answer& answer, const Axis& axis, double pixels) {
   std::vector<double> places = bank.frequency_hz;
   const int count = static_cast<int>(2 * pixels);

@@ -11,7 +11,7 @@ namespace ringdown::cli {
 
 inline constexpr double kPictureWidth = 1120, kPictureHeight = 900, kSmallWidth = 480, kSmallHeight = 200;
 
-// The file's bytes; empty when it could not be drawn. Small: one shape and the spectrum.
+// Returns the file's bytes; empty if it could not be drawn. `small` selects one shape and the spectrum.
 std::string draw_bank(Canvas::Kind kind, const modal::Bank& bank, const Answer& answer, bool small = false);
 
 }  // namespace ringdown::cli

@@ -1,4 +1,4 @@
-// A sheet to draw on, which becomes a PNG or an SVG: the same calls give the same picture.
+// A sheet to draw on, written as a PNG or an SVG: equal calls give equal pictures.
 //
 //   Canvas canvas(Canvas::Kind::svg, 800, 600);
 //   canvas.line({{10, 10}, {90, 90}}, kInk, 2);
@@ -19,16 +19,17 @@ struct Colour {
   double red, green, blue, alpha = 1;
 };
 inline constexpr Colour kPaper{1, 1, 1}, kInk{0.13, 0.15, 0.19}, kFaint{0.45, 0.48, 0.53}, kGrid{0.89, 0.90, 0.92},
-    kBlue{0, 0.447, 0.698}, kOrange{0.835, 0.369, 0};  // the last two: Okabe & Ito, told apart by the colour-blind
+    kBlue{0, 0.447, 0.698}, kOrange{0.835, 0.369, 0};  // the last two: Okabe & Ito, distinguishable by the colour-blind
 
-// 0 ... 1 -> dark violet, blue, green, yellow: even in lightness, and told apart by the colour-blind (viridis).
+// Maps 0 ... 1 to dark violet, blue, green, yellow: even in lightness, and distinguishable by the colour-blind
+// (viridis).
 Colour heat(double value);
 
 struct Dot {
   double x, y;
 };
 
-// Numbers in words, by the rules of std::printf; cut after 255 bytes.
+// Formats numbers by the rules of std::printf; cut after 255 bytes.
 template <class... Numbers>
 std::string format(const char* pattern, Numbers... numbers) {
   std::array<char, 256> text{};
@@ -47,15 +48,15 @@ class Canvas {
   Canvas& operator=(const Canvas&) = delete;
 
   void line(std::span<const Dot> points, Colour colour, double width);
-  void area(std::span<const Dot> corners, Colour fill);  // closed
+  void area(std::span<const Dot> corners, Colour fill);  // fills the closed polygon
   void disc(Dot centre, double radius, Colour fill);
   void text(Dot baseline, const std::string& utf8, double size, Colour colour, Align align = Align::left,
             bool bold = false);
   [[nodiscard]] double text_width(const std::string& utf8, double size, bool bold = false);
-  void clip(Dot corner, double width, double height);  // until unclip()
+  void clip(Dot corner, double width, double height);  // in effect until unclip()
   void unclip();
 
-  // The file's bytes; nothing can be drawn after. Empty when the drawing failed, for want of memory.
+  // Returns the file's bytes; nothing can be drawn afterwards. Empty if the drawing failed for lack of memory.
   [[nodiscard]] std::string finish() &&;
 
  private:

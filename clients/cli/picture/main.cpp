@@ -62,7 +62,7 @@ ExitCode draw(const Arguments& arguments, const std::string& ending, const std::
   return written ? ExitCode::ok : complain(written.error());
 }
 
-// The text of the man page beside the options.
+// The text of the man page in addition to the options.
 const std::vector<manual::Section> kSections = {
     {"EXAMPLES",
      {{"ringdown picture bell.glb -o bell.png", "A picture of the bell's modes."},

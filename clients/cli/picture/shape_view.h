@@ -1,4 +1,4 @@
-// A mode shape as a picture: the surface, bent by the mode and coloured by how far each place moves. [any]
+// A mode shape as a picture: the surface, bent by the mode and coloured by the displacement of each place. [any]
 #pragma once
 
 #include "clients/cli/picture/axis.h"
@@ -6,10 +6,10 @@
 
 namespace ringdown::cli {
 
-inline constexpr std::size_t kMaxDrawn = 20000;  // triangles or points; a surface of more is not drawn
+inline constexpr std::size_t kMaxDrawn = 20000;  // triangles or points; a larger surface is not drawn
 
-// Seen from the front right, above; z is up. The place `struck`, if there is one, gets a mark. Sample points stand for
-// the surface of a bank without triangles.
+// Draws the shape seen from the front right, above; z is up. Marks the place `struck`, if there is one. Without
+// triangles, draws the sample points.
 void draw_shape(Canvas& canvas, const Box& box, const modal::Bank& bank, std::size_t mode,
                 const std::size_t* struck = nullptr);
 

@@ -7,10 +7,11 @@
 
 namespace ringdown::cli {
 
-inline constexpr std::size_t kMaxViewBytes = std::size_t{4} << 20;  // of shapes; later modes are left out
+inline constexpr std::size_t kMaxViewBytes = std::size_t{4} << 20;  // bytes of shapes; later modes are left out
 
-// JSON: points (16-bit, of 32000 the body's largest extent), triangles (32-bit), shapes (8-bit, of 127 each mode's
-// largest component), and how many modes have one. {} when the surface has more than kMaxDrawn triangles or points.
+// Returns JSON: points (16-bit; 32000 is the body's largest extent), triangles (32-bit), shapes (8-bit; 127 is each
+// mode's largest component), and the number of modes with a shape. {} if the surface has more than kMaxDrawn triangles
+// or points.
 std::string view_data(const modal::Bank& bank);
 
 }  // namespace ringdown::cli

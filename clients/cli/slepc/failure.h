@@ -1,4 +1,4 @@
-// How a process of ringdown-modes-slepc gives up. [every process]
+// Functions by which a process of ringdown-modes-slepc gives up. [every process]
 #pragma once
 
 #include <petscsys.h>
@@ -14,8 +14,7 @@ namespace ringdown::cli {
   std::abort();
 }
 
-// Stands around every call of PETSc and SLEPc. Their error handler, in main.cpp, gives up before a call returns an
-// error.
+// Wraps every call of PETSc and SLEPc. Their error handler, in main.cpp, gives up before a call returns an error.
 inline void check(PetscErrorCode code) {
   if (code != 0) give_up("PETSc's error " + std::to_string(static_cast<int>(code)));
 }

@@ -78,7 +78,7 @@ Inertia inertia_of(EPS solver) {
   return found;
 }
 
-// All of them; SLEPc waits until one is asked for.
+// Gets all of them; SLEPc waits until one is requested.
 void compute_shapes(EPS solver) {
   PetscInt count = 0;
   Mat stiffness = nullptr;

@@ -10,24 +10,24 @@
 
 namespace ringdown::cli {
 
-// Called in every process now and then with how far the iteration is, about: 0..1.
+// Called in every process from time to time with the approximate progress of the iteration: 0..1.
 using SolveProgress = std::function<void(double fraction)>;
 
 struct Solved {
   EPS solver = nullptr;
-  std::vector<double> lambda;   // ascending; of K and M as they came, not scaled
-  std::vector<PetscInt> order;  // number in `solver` of each
+  std::vector<double> lambda;   // ascending; of the original K and M, not scaled
+  std::vector<PetscInt> order;  // number of each mode in `solver`
   int solves = 0, factorizations = 0;
   double factor_seconds = 0, iterate_seconds = 0;
 };
 
-// All modes below highest_lambda: SLEPc slices the spectrum, and by Sylvester's law of inertia knows how many lie in
-// each slice. Factors by MUMPS, which works over all processes. Gives up unless as many are found as were counted, or
-// when there are more than max_modes.
+// Finds all modes below highest_lambda. SLEPc slices the spectrum, and knows by Sylvester's law of inertia how many
+// modes lie in each slice. Factors by MUMPS, which works over all processes. Gives up unless the counted number is
+// found, or if there are more than max_modes.
 Solved solve_band(const Pencil& pencil, const SolveProgress& progress);
 
-// The first `count` modes, from one factorisation, uncounted: for comparison. PETSc's own options choose what factors:
-// -st_pc_factor_mat_solver_type petsc | cholmod | mumps.
+// Finds the first `count` modes from one factorisation, without counting; for comparison. PETSc's own options choose
+// the factorisation: -st_pc_factor_mat_solver_type petsc | cholmod | mumps.
 Solved solve_first(const Pencil& pencil, int count, const SolveProgress& progress);
 
 }  // namespace ringdown::cli

@@ -2,8 +2,9 @@
 //
 //   mpirun -n 8 ringdown-modes-slepc PROBLEM MODES
 //
-// reads the first file and writes the second (engine/solve/distributed_files.h). Options of PETSc and SLEPc may follow.
-// On standard output a line "STAGE FRACTION" now and then; on failure one sentence on standard error and exit code 1.
+// It reads the first file and writes the second (engine/solve/distributed_files.h). Options of PETSc and SLEPc may
+// follow. From time to time it writes a line "STAGE FRACTION" to standard output; on failure one sentence to standard
+// error, with exit code 1.
 #include "clients/cli/slepc/failure.h"
 #include "clients/cli/slepc/krylov_schur.h"
 

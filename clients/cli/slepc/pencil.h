@@ -1,4 +1,4 @@
-// K and M, their rows spread over the processes. [all processes together]
+// K and M, with their rows spread over the processes. [all processes together]
 #pragma once
 
 #include "engine/solve/distributed_files.h"
@@ -8,13 +8,14 @@
 namespace ringdown::cli {
 
 struct Pencil {
-  solve::ProblemHeader header;  // the same in every process
+  solve::ProblemHeader header;  // equal in every process
   Mat stiffness = nullptr;      // K / highest_lambda: the band is 0 ... 1
-  Mat mass = nullptr;           // M, whose every entry stands for x, y and z
+  Mat mass = nullptr;           // M; each entry stands for x, y and z
 };
 
-// The first process reads the file and sends the others their rows, so no folder need be shared. Each process has about
-// as many nodes as the others, with the three unknowns of a node together. Gives up when the file is not a good one.
+// Reads K and M: the first process reads the file and sends the others their rows, so no folder need be shared. All
+// processes have about equal numbers of nodes, with the three unknowns of a node together. Gives up if the file is
+// invalid.
 Pencil read_pencil(const char* path);
 
 }  // namespace ringdown::cli

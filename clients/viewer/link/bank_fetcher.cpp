@@ -83,7 +83,7 @@ void BankFetcher::finish_transfer(KnownObjects& objects, double now_s) {
   transfer_.reset();
 }
 
-// Gives a bank that one object has to the others that play the same file.
+// Shares a bank of one object with the others that play its file.
 void BankFetcher::share_banks(KnownObjects& objects) {
   std::erase_if(banks_, [](const auto& bank) { return bank.second.expired(); });
   for (auto& [name, object] : objects.all()) {

@@ -1,6 +1,6 @@
 // Fetches the banks of all objects, one at a time: the chosen object's first, then the others in the order of their
-// names. Objects that play the same file share one bank, which is fetched once. A bank that the daemon refuses is asked
-// for again after five seconds; one that would exceed the bound on all banks together too. [one thread: the window's]
+// names. Objects that play the same file share one bank, which is fetched once. A bank that the daemon refuses, or that
+// would exceed the bound on all banks together, is requested again after five seconds. [one thread: the window's]
 #pragma once
 
 #include "clients/viewer/link/bank_transfer.h"
@@ -16,14 +16,14 @@ namespace ringdown::viewer {
 
 class BankFetcher {
  public:
-  static constexpr std::size_t kMaxBytesTotal = std::size_t{1} << 30;  // of all banks together, as files
+  static constexpr std::size_t kMaxBytesTotal = std::size_t{1} << 30;  // total size of all banks, as files
 
   explicit BankFetcher(std::size_t max_bytes) : max_bytes_(max_bytes) {}
 
   void take(const protocol::BankReply& piece);
   void refuse(const std::string& object, const std::string& sentence);
 
-  // Puts banks that have come into `objects`, and adds the requests for pieces that are due.
+  // Stores banks that have arrived in `objects`, and adds the requests for pieces that are due.
   void add_requests(KnownObjects& objects, const std::string& chosen, double now_s, Requests& requests);
 
  private:

@@ -5,8 +5,8 @@
 //   transfer.take(piece);                                          // for every /bank.reply of that object
 //   if (auto outcome = transfer.outcome()) ...                     // the bank, or why there is none
 //
-// A few pieces are asked for at a time, and again when they do not come. A thread of its own parses the finished file.
-// [one thread: the window's]
+// A few pieces are requested at a time, and again if they do not arrive. The transfer's own thread parses the finished
+// file. [one thread: the window's]
 #pragma once
 
 #include "engine/base/result.h"
@@ -34,12 +34,12 @@ struct KnownBank {
 class BankTransfer {
  public:
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // a larger bank file is not fetched
-  static constexpr std::size_t kMaxOutstanding = 8;                // pieces asked for at a time
-  static constexpr double kPatience_s = 0.5;                       // after which a piece is asked for again
+  static constexpr std::size_t kMaxOutstanding = 8;                // pieces requested at a time
+  static constexpr double kPatience_s = 0.5;                       // time after which a piece is requested again
 
   struct Subject {
     std::string object;
-    std::int32_t version = 0;  // of its bank
+    std::int32_t version = 0;  // version of its bank
     std::int32_t bytes = 0;
     std::string content;  // hash of the file (ContentHash)
     friend bool operator==(const Subject&, const Subject&) = default;
@@ -51,7 +51,7 @@ class BankTransfer {
   [[nodiscard]] const Subject& subject() const { return subject_; }
   [[nodiscard]] std::vector<protocol::Request> wants(double now_s);
 
-  // Takes one piece. Pieces of another object, version or size, and pieces that nobody asked for, are ignored. If the
+  // Takes one piece. Pieces of another object, version or size, and pieces that were not requested, are ignored. If the
   // pieces do not have the subject's hash, because the file changed meanwhile, the outcome is an error.
   void take(const protocol::BankReply& piece);
 
@@ -59,17 +59,17 @@ class BankTransfer {
   void refuse(std::string sentence);
   [[nodiscard]] bool refused() const { return refused_; }
 
-  [[nodiscard]] double progress() const;  // 0 to 1: of the bytes
+  [[nodiscard]] double progress() const;  // share of bytes received, 0 to 1
 
   using Outcome = Result<std::shared_ptr<const KnownBank>>;
-  // Nothing while pieces are missing or the bank is being parsed.
+  // Returns nothing while pieces are missing or the bank is being parsed.
   [[nodiscard]] std::optional<Outcome> outcome();
 
  private:
   Subject subject_;
   std::vector<std::byte> file_;
-  std::map<std::uint32_t, double> asked_at_s_;  // by offset
-  std::uint32_t next_offset_ = 0;               // of the first piece that has not been asked for yet
+  std::map<std::uint32_t, double> asked_at_s_;  // time of the last request, by offset
+  std::uint32_t next_offset_ = 0;               // offset of the first piece that has not been requested yet
   std::size_t received_bytes_ = 0;
   std::optional<Error> fault_;
   bool refused_ = false;

@@ -1,4 +1,4 @@
-// A queue that never grows past its bound, and counts the items lost to that. [one thread at a time]
+// A queue that never grows past its bound, and counts the items lost because of it. [one thread at a time]
 #pragma once
 
 #include <cstddef>

@@ -30,8 +30,8 @@ struct ConnectionState {
   std::string sentence;             // for the user: the state, and what to do about it
   double seconds = 0;               // how long the state has lasted
   std::uint32_t connection = 0;     // number of the connection; 0 before the first
-  std::uint64_t lost_replies = 0;   // because take() was not called in time
-  std::uint64_t lost_requests = 0;  // because too many were sent at once
+  std::uint64_t lost_replies = 0;   // replies lost because take() was not called in time
+  std::uint64_t lost_requests = 0;  // requests lost because too many were sent at once
 };
 
 // Replies of one connection, in the order in which they came.
@@ -42,9 +42,9 @@ struct Batch {
 
 class DaemonClient {
  public:
-  static constexpr std::size_t kMaxReplies = 16384;  // that wait for take(); the oldest are dropped
-  static constexpr std::size_t kMaxRequests = 4096;  // that wait to be sent; further ones are dropped
-  static constexpr double kAway_s = 1.5;             // without an answer
+  static constexpr std::size_t kMaxReplies = 16384;  // waiting for take(); the oldest are dropped
+  static constexpr std::size_t kMaxRequests = 4096;  // waiting to be sent; further ones are dropped
+  static constexpr double kAway_s = 1.5;             // time without an answer after which the daemon counts as away
 
   // `url` is like osc.udp://127.0.0.1:7770; a malformed one leads to a state whose sentence says so. `notice_rate_hz`
   // is clamped to 0.1 ... 200.

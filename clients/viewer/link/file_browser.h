@@ -1,5 +1,5 @@
-// The scenes and banks that the daemon can load. Its answer to /browse comes as many datagrams, of which some may be
-// lost: the question is asked again until all files it counts have come. [one thread: the window's]
+// The scenes and banks that the daemon can load. The answer to /browse comes as many datagrams, some of which may be
+// lost, so the question is repeated until all files that the answer counts have arrived. [one thread: the window's]
 #pragma once
 
 #include "clients/viewer/link/question.h"
@@ -21,9 +21,9 @@ class FileBrowser {
   void on(const protocol::BrowseReply& reply);
   void on(const protocol::BrowseFile& file);
   void add_requests(double now_s, Requests& requests);
-  void browse_again() { answer_ = {}; }  // files come and go
+  void browse_again() { answer_ = {}; }  // call when files may have changed
 
-  // Paths as the daemon takes them, of the last complete answer.
+  // Return the paths of the last complete answer, in the form that the daemon accepts.
   [[nodiscard]] const std::vector<std::string>& scenes() const { return scenes_; }
   [[nodiscard]] const std::vector<std::string>& banks() const { return banks_; }
 

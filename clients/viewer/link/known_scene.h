@@ -1,8 +1,8 @@
 // The scene as the window knows it: bodies with their poses, and statics.
 //
-// The description (/scene/describe) comes in parts that carry a common version. The scene asks for a description when
-// notices name a newer version, and again while parts of it are missing. Poses come with every notice.
-// [one thread: the window's]
+// The description (/scene/describe) comes in parts that carry a common version. A description is requested when notices
+// name a newer version, and again while parts of it are missing. Poses come with every notice. [one thread: the
+// window's]
 #pragma once
 
 #include "clients/viewer/link/pose_track.h"
@@ -24,10 +24,10 @@ struct KnownBody {
   std::string name;
   std::string object;  // the object that sounds when the body is hit; empty: silent
   std::string shape;   // "box", "sphere", "convex", "trimesh"; empty: not described yet
-  Vec3 size_m;         // of the shape's bounding box
+  Vec3 size_m;         // edges of the shape's bounding box
   bool fixed = false;
-  PoseTrack track;                // empty: not in the scene yet
-  std::uint64_t last_notice = 0;  // number of the notice that brought the last pose
+  PoseTrack track;                // empty: the body is not in the scene yet
+  std::uint64_t last_notice = 0;  // number of the notice with the last pose
 };
 
 class KnownScene {
@@ -42,10 +42,10 @@ class KnownScene {
   void on(const protocol::NotifyScene& reply, double now_s);
   void on(const protocol::NotifyBody& reply);  // belongs to the last NotifyScene
 
-  // /scene/describe when it is due.
+  // Returns /scene/describe when it is due.
   [[nodiscard]] std::optional<protocol::Request> wants(double now_s);
 
-  // The last complete description. Without a file: there is no scene.
+  // Returns the last complete description. A description without a file means that there is no scene.
   [[nodiscard]] const protocol::SceneReply& description() const { return description_; }
   [[nodiscard]] bool described() const { return described_version_.has_value(); }
   [[nodiscard]] const std::map<std::int32_t, KnownBody>& bodies() const { return bodies_; }
@@ -53,10 +53,11 @@ class KnownScene {
   [[nodiscard]] double reported_time_s() const { return time_s_; }
   [[nodiscard]] bool paused() const { return paused_; }
 
-  // Whether notices still name the body. Otherwise it has left the scene, or has not entered yet.
+  // Returns whether notices still name the body. If not, it has left the scene, or has not entered yet.
   [[nodiscard]] bool present(const KnownBody& body) const;
 
-  // The scene time to show now, by bodies().at(id).track.pose_at(*time). Advances the display clock to `now_s`.
+  // Returns the scene time to show now, for bodies().at(id).track.pose_at(*time). Advances the display clock to
+  // `now_s`.
   std::optional<double> shown_time_at(double now_s) { return clock_.time_at(now_s); }
 
  private:

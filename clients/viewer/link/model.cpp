@@ -20,7 +20,7 @@ std::optional<ObjectAddress> object_address(std::string_view address) {
   return ObjectAddress{std::string(address.substr(0, slash)), address.substr(slash + 1)};
 }
 
-// Whether the model itself asks this: the user need not hear how such a request ended.
+// Returns whether the model itself makes this request: the user need not be told how such a request ended.
 bool is_own_question(std::string_view address) {
   if (address == "/notify" || address == "/watch/sound" || address == "/scene/describe" || address == "/browse") {
     return true;

@@ -6,9 +6,9 @@
 //   for (auto& request : model.wants(now_s)) client.send(request);   // at every frame
 //   for (const auto& [name, object] : model.objects()) ...
 //
-// The model asks for what it lacks, again and again until the answer comes, because datagrams get lost. Replies are not
-// trusted: every list has a bound, and whatever exceeds a bound is ignored. `now_s` is the steady clock's time.
-// [one thread: the window's]
+// The model requests missing data repeatedly until the answer arrives, because datagrams get lost. Replies are not
+// trusted: every list has a bound, and everything beyond a bound is ignored. `now_s` is the steady clock's time. [one
+// thread: the window's]
 #pragma once
 
 #include "clients/viewer/link/bank_fetcher.h"
@@ -32,18 +32,18 @@ struct KnownContact {
   std::string object;
   Vec3 point_m, impulse_ns;  // object frame
   double contact_time_s = 0;
-  double at_s = 0;  // when its notice came
+  double at_s = 0;  // when the notice arrived
 };
 
 struct KnownMessage {
   bool failed = false;  // false: a request was carried out
   std::string address;
-  std::string sentence;  // of a failure
+  std::string sentence;  // sentence of a failure
   std::optional<std::int32_t> number;
   double at_s = 0;
 };
 
-// The mix's level: `held` is the largest of the last kPeakHold_s.
+// The mix's level; `held` is the maximum of the last kPeakHold_s.
 struct KnownPeak {
   double now = 0, held = 0, held_at_s = 0;
 };
@@ -55,16 +55,16 @@ class Model {
   static constexpr std::size_t kMaxMessages = 64;
   static constexpr double kPeakHold_s = 1;
 
-  // `notice_rate_hz` is the client's; `max_bank_bytes` bounds the size of all banks together.
+  // `notice_rate_hz` is that of the client; `max_bank_bytes` bounds the size of all banks together.
   explicit Model(double notice_rate_hz, std::size_t max_bank_bytes = BankFetcher::kMaxBytesTotal);
 
   void apply(const protocol::Reply& reply, double now_s);
   Requests wants(double now_s);
 
-  // Another daemon answers: forgets everything except the chosen object and whether sound is wanted.
+  // Call when another daemon answers: forgets everything except the chosen object and whether sound is wanted.
   void restart();
 
-  // Names the object whose modes are shown: its bank is fetched first, and it is always watched. Empty: none.
+  // Sets the object whose modes are shown: its bank is fetched first, and it is always watched. Empty: none.
   void choose(std::string object) { chosen_ = std::move(object); }
   [[nodiscard]] const std::string& chosen() const { return chosen_; }
   void watch_sound(bool on) { sound_watch_.want(on); }  // off at first
@@ -72,7 +72,7 @@ class Model {
   [[nodiscard]] const std::map<std::string, KnownObject>& objects() const { return objects_.all(); }
   [[nodiscard]] const KnownObject* object(const std::string& name) const { return objects_.find(name); }
   [[nodiscard]] const KnownScene& scene() const { return scene_; }
-  [[nodiscard]] KnownScene& scene() { return scene_; }                                  // for its clock
+  [[nodiscard]] KnownScene& scene() { return scene_; }                                  // mutable for its clock
   [[nodiscard]] const std::deque<KnownContact>& contacts() const { return contacts_; }  // oldest first
   [[nodiscard]] const SoundHistory& sound() const { return sound_; }
   [[nodiscard]] const std::optional<protocol::StatusReply>& status() const { return status_; }
@@ -95,7 +95,7 @@ class Model {
 
   double notice_rate_hz_;
   std::size_t max_bank_bytes_;
-  bool has_daemon_ = false;  // whether anything has come, so that there is somebody to ask
+  bool has_daemon_ = false;  // whether anything has arrived, so that there is a daemon to ask
   KnownObjects objects_;
   BankFetcher banks_;
   ObjectWatches watches_;

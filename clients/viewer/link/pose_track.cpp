@@ -83,18 +83,18 @@ DisplayClock::Course DisplayClock::observe(double now_s, double time_s, bool pau
   return course;
 }
 
-// How far scene time is ahead of our clock. A notice that was delayed on its way makes the difference too small, never
-// too large, so the largest difference of the last kWindow_s belongs to the shortest delay and is the
-// best estimate: the minimum filter of network clocks, as in NTP.
+// Returns how far scene time is ahead of our clock. A delayed notice makes the difference too small, never too large,
+// so the largest difference of the last kWindow_s belongs to the shortest delay and is the best estimate: the minimum
+// filter of network clocks, as in NTP.
 double DisplayClock::offset_s() const {
   double largest = readings_.front().time_s - readings_.front().now_s;
   for (const Reading& reading : readings_) largest = std::max(largest, reading.time_s - reading.now_s);
   return largest;
 }
 
-// How far the shown time stays behind the scene: a period, since the next notice must have come before a pose can be
-// interpolated, plus the spread of the delays seen in the last kWindow_s; at least 1.5 and at most kMaxPeriodsLate
-// periods.
+// Returns how far the shown time stays behind the scene: a period, since the next notice must have arrived before a
+// pose can be interpolated, plus the spread of the delays seen in the last kWindow_s; at least 1.5 and at most
+// kMaxPeriodsLate periods.
 double DisplayClock::delay_s() const {
   if (readings_.empty()) return 1.5 * period_s_;
   const double largest = offset_s();
@@ -104,8 +104,8 @@ double DisplayClock::delay_s() const {
 }
 
 // The target is the scene time now, less the delay. The shown time runs with our clock and is corrected towards the
-// target by running up to 10 % faster or slower, or up to 50 % for larger errors, so that motion looks even. A target
-// half a second ahead is jumped to.
+// target by running up to 10 % faster or slower, or up to 50 % for larger errors, so that motion looks even. If the
+// target is half a second ahead, the time jumps to it.
 std::optional<double> DisplayClock::time_at(double now_s) {
   if (!has_time_) return std::nullopt;
   const bool stands = paused_ || readings_.empty();

@@ -31,7 +31,7 @@ struct Pose {
   friend bool operator==(const Pose&, const Pose&) = default;
 };
 
-// Interpolates positions linearly, and rotations at constant angular velocity the shortest way. A fraction of 0 gives
+// Interpolates positions linearly, and rotations at constant angular velocity the shortest way. Fraction 0 gives
 // `from`, 1 gives `to`.
 Pose between(const Pose& from, const Pose& to, double fraction);
 
@@ -39,15 +39,15 @@ class PoseTrack {
  public:
   static constexpr std::size_t kMaxPoses = 64;  // 2 s at 30 notices a second; older poses are dropped
 
-  // Adds a pose. One at the time of the last pose replaces it; an earlier one is too late and is ignored, and so are
+  // Adds a pose. A pose at the time of the last one replaces it. Ignores an earlier pose, which is too late, as well as
   // numbers that are not finite and a rotation of length zero.
   void add(double time_s, Pose pose);
 
   // Forgets all poses: the body was moved elsewhere, or the scene's time has restarted.
   void restart() { poses_.clear(); }
 
-  // The pose at a time: exact at the times added, and between them for constant velocities. Before the first pose and
-  // after the last, that pose. Nothing for an empty track.
+  // Returns the pose at a time: exact at the times added, interpolated with constant velocities between them. Before
+  // the first pose or after the last, returns that pose. Nothing for an empty track.
   [[nodiscard]] std::optional<Pose> pose_at(double time_s) const;
 
   [[nodiscard]] std::optional<double> last_time_s() const;
@@ -57,11 +57,11 @@ class PoseTrack {
     double time_s;
     Pose pose;
   };
-  std::deque<TimedPose> poses_;  // by time
+  std::deque<TimedPose> poses_;  // sorted by time
 };
 
-// The scene time to show now. It advances evenly although notices arrive unevenly, follows a scene that runs slowly,
-// stands still while the scene is paused, and goes back only when the scene's time does.
+// Computes the scene time to show now. The time advances evenly although notices arrive unevenly, follows a scene that
+// runs slowly, stands still while the scene is paused, and goes back only when the scene's time does.
 class DisplayClock {
  public:
   static constexpr double kJump_s = 0.25;  // a notice this much earlier than the last one means that time restarted
@@ -75,10 +75,10 @@ class DisplayClock {
   };
   Course observe(double now_s, double time_s, bool paused);
 
-  // The time to show: at most the last notice's time; nothing before the first notice.
+  // Returns the time to show: at most the last notice's time; nothing before the first notice.
   std::optional<double> time_at(double now_s);
 
-  // The delay of the display: 1.5 notice periods, and more when notices arrive unevenly.
+  // Returns the delay of the display: 1.5 notice periods, and more if notices arrive unevenly.
   [[nodiscard]] double delay_s() const;
 
   void restart();

@@ -14,12 +14,13 @@ using Requests = std::vector<protocol::Request>;
 
 inline protocol::ObjectRef object_named(const std::string& name) { return {name, std::nullopt}; }
 
-// When one question was last asked. Whoever receives the answer stops asking.
+// Remembers when a question was last asked. The receiver of the answer must stop asking.
 class Question {
  public:
   static constexpr double kPatience_s = 0.5;  // the usual time to wait for an answer
 
-  // Whether to ask now: at first, and whenever `patience_s` have passed since. If so, counts the question as asked.
+  // Returns whether to ask now: the first time, and whenever `patience_s` have passed since the last time. If so,
+  // counts the question as asked.
   bool due(double now_s, double patience_s = kPatience_s) {
     if (asked_at_s_ && now_s - *asked_at_s_ <= patience_s) return false;
     asked_at_s_ = now_s;

@@ -15,8 +15,8 @@ class SoundHistory {
   static constexpr double kMaxRate_hz = 768000;  // a piece at a higher rate is ignored
 
   // Appends a piece. Frames missing between the last piece and this one are filled with silence and counted. A piece
-  // that repeats or precedes what is here is ignored; if it lies more than half a second back, or has another sample
-  // rate, the history starts again with it.
+  // that repeats or precedes stored frames is ignored. If it lies more than half a second back, or has another sample
+  // rate, the history restarts with it.
   void take(const protocol::NotifySound& piece);
 
   void restart();
@@ -24,9 +24,9 @@ class SoundHistory {
   // Writes the last `frames` frames, oldest first, into both vectors, which are resized; silence before the beginning.
   void last(std::size_t frames, std::vector<float>& left, std::vector<float>& right) const;
 
-  [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }  // 0: no piece has come
+  [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }  // 0: no piece has arrived
   [[nodiscard]] std::size_t capacity() const { return left_.size(); }      // frames in kLength_s
-  // How many frames have come since the history started, gaps included.
+  // Returns how many frames have arrived since the history started, gaps included.
   [[nodiscard]] std::uint64_t end() const { return end_; }
   [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
   [[nodiscard]] std::uint64_t missing_frames() const { return missing_frames_; }
@@ -39,7 +39,7 @@ class SoundHistory {
   double sample_rate_hz_ = 0;
   std::vector<float> left_, right_;  // ring buffers: frame n is at n modulo their size
   std::uint64_t end_ = 0, gaps_ = 0, missing_frames_ = 0;
-  std::int32_t next_frame_ = 0;  // in the daemon's count
+  std::int32_t next_frame_ = 0;  // number of the next frame, in the daemon's count
 };
 
 }  // namespace ringdown::viewer

@@ -1,6 +1,6 @@
-// Which objects the daemon reports the mode amplitudes of, and whether it sends the mix. The window watches at most
-// kMaxWatched objects: the chosen one and the loudest. A subscription that brings nothing is renewed.
-// [one thread: the window's]
+// Decides for which objects the daemon reports mode amplitudes, and whether it sends the mix. The window watches at
+// most kMaxWatched objects: the chosen one and the loudest. A subscription that delivers nothing is renewed. [one
+// thread: the window's]
 #pragma once
 
 #include "clients/viewer/link/known_objects.h"
@@ -33,11 +33,11 @@ class ObjectWatches {
 
 class SoundWatch {
  public:
-  void want(bool on) { wanted_ = on; }  // off at first
+  void want(bool on) { wanted_ = on; }  // off by default
   [[nodiscard]] bool wanted() const { return wanted_; }
   void note_piece(double now_s) { last_piece_s_ = now_s; }
 
-  // Adds /watch/sound while what arrives differs from what is wanted.
+  // Adds /watch/sound while arriving data differ from the wanted state.
   void add_requests(double now_s, Requests& requests);
 
  private:

@@ -12,11 +12,11 @@ namespace ringdown::viewer {
 
 class MaterialPicker {
  public:
-  // One line of the current window. A choice is one change, which can be undone.
+  // Draws one line of the current window. Each choice is one undoable change.
   void draw(const KnownObject& object, Commands& commands);
 
  private:
-  std::optional<std::vector<modal::Material>> known_;  // read when they are first needed
+  std::optional<std::vector<modal::Material>> known_;  // read at first use
 };
 
 }  // namespace ringdown::viewer

@@ -10,24 +10,24 @@
 
 namespace ringdown::viewer {
 
-// The scene's name and clock: "demo   3.2 s of 12 s". The clock stops at the scene's duration, although bodies may move
-// on; a duration of 0 stands for a scene without an end.
+// Returns the scene's name and clock: "demo   3.2 s of 12 s". The clock stops at the scene's duration, although bodies
+// may still move. A duration of 0 means a scene without an end.
 std::string scene_note(const std::string& name, double time_s, double duration_s, bool paused);
 
-// Notes over the scene pane, which lies at `origin`: the scene's name and time. `shown_at_s` is the scene time on
+// Draws notes over the scene pane, which lies at `origin`: the scene's name and time. `shown_at_s` is the scene time on
 // display; nothing: the time that the daemon reports.
 void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene,
                 std::optional<double> shown_at_s);
 
-// Without a daemon, what to do about that, in the middle of a pane that lies at `origin`.
+// If there is no daemon, draws advice in the middle of a pane that lies at `origin`.
 void draw_connection(const Skin& skin, ImVec2 origin, ImVec2 size, const ConnectionState& state);
 
-// All keys, by pane, over everything else. Returns false when the user closes the help.
+// Draws all keys, by pane, over everything else. Returns false when the user closes the help.
 bool draw_help(const Skin& skin);
 
-// A bar at `x` between two panes, which the mouse drags. `share` is the share of the window's width that one of them
-// has; `direction` is +1 if that is the pane at the left of the bar, -1 if it is the pane at the right. Returns the new
-// share while the user drags.
+// Draws a bar at `x` between two panes, which the mouse can drag. `share` is the share of the window's width of one of
+// them; `direction` is +1 if that is the pane at the left of the bar, -1 if it is the pane at the right. Returns the
+// new share while the user drags.
 std::optional<double> drag_splitter(const char* name, float x, double share, double direction);
 
 }  // namespace ringdown::viewer

@@ -1,4 +1,4 @@
-// Two buttons that have the daemon write a file: what is heard, as WAV, and the scene as it is set now. [UI]
+// Two buttons with which the daemon writes a file: the sound, as WAV, and the scene in its present state. [UI]
 #pragma once
 
 #include "clients/viewer/commands.h"
@@ -22,7 +22,7 @@ class SavePanel {
 
   Name sound_{}, scene_{};
   bool replace_ = false;
-  // The length of what is captured goes on between the daemon's reports of it.
+  // The file being captured; its length, as last reported, is extrapolated between the daemon's reports.
   std::string capture_;
   double reported_s_ = -1, reported_at_s_ = 0;
 };

@@ -113,8 +113,8 @@ void SceneView::choose(const Hit& hit, const Model& model) {
   if (object) support_.toggle_flat(object->name, object->bank, from_glm(hit.object_point_m));
 }
 
-// All triangles of an object that face the camera and lie between the press and `to`: of the object that was pressed,
-// else of the one chosen before.
+// Chooses all triangles of an object that face the camera and lie between the press and `to`: of the object that was
+// pressed, or else of the one chosen before.
 void SceneView::choose_between(const Press& press, ImVec2 to, const Model& model) {
   const auto& items = stage_.contents().items;
   const bool pressed = press.hit && press.hit->id < items.size();

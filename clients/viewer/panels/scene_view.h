@@ -1,8 +1,9 @@
 // The scene pane: the picture, the camera, and the mouse. [UI]
 //
 // Dragging turns the camera, the wheel moves it forward. A click on a surface strikes it there: harder the longer the
-// button is held, or with the slider's impulse. Shift and drag pushes a body in the direction of the drag. Control and
-// a click choose the flat piece of a surface as a support, control and a drag all that faces the camera in a rectangle.
+// button is held, or with the slider's impulse. Shift and drag pushes a body in the direction of the drag. A click with
+// Control chooses a flat piece of a surface as a support; a drag with Control chooses all triangles in a rectangle that
+// face the camera.
 #pragma once
 
 #include "clients/viewer/commands.h"
@@ -24,10 +25,10 @@ class SceneView {
   void draw(const Skin& skin, Model& model, Commands& commands, bool strength_by_time, double now_s,
             std::optional<double> at_s = std::nullopt);
 
-  // Draws the picture with this share of its width and height, and stretches it.
+  // Sets the share of the width and height at which the picture is drawn before it is stretched.
   void set_detail(double share) { detail_ = share; }
 
-  // Performs actions of the camera and the test force; returns false for all others.
+  // Performs actions of the camera and the test force. Returns false for all others.
   bool perform(Action action, Model& model, Commands& commands);
   // Performs the action of a key that is held down, for `seconds`.
   void move(Action action, double seconds);
@@ -35,10 +36,10 @@ class SceneView {
   [[nodiscard]] const Camera& camera() const { return camera_; }
   [[nodiscard]] const Stage& stage() const { return stage_; }
   [[nodiscard]] const SupportChoice& support() const { return support_; }
-  [[nodiscard]] ImVec2 origin() const { return origin_; }  // of the picture in the window, in pixels
+  [[nodiscard]] ImVec2 origin() const { return origin_; }  // position of the picture in the window, in pixels
   [[nodiscard]] ImVec2 size() const { return size_; }
 
-  // The factor on the impulse of a click whose button was down for so long: 1 at kUsualClick_s.
+  // Returns the factor on the impulse of a click whose button was down for this time: 1 at kUsualClick_s.
   static double strength_of_click(double seconds);
   static constexpr double kUsualClick_s = 0.25;
 
@@ -57,7 +58,7 @@ class SceneView {
   void strike(const Hit& hit, Commands& commands, double factor);
   void choose(const Hit& hit, const Model& model);
   void choose_between(const Press& press, ImVec2 to, const Model& model);
-  // Where a point of an object's frame is in the window; nothing when it is behind the camera or not drawn.
+  // Returns the window position of a point in an object's frame; nothing if it is behind the camera or not drawn.
   [[nodiscard]] std::optional<ImVec2> place_of(const std::string& object, Vec3 point_m) const;
   [[nodiscard]] std::optional<Hit> hit_at(ImVec2 at) const;
   [[nodiscard]] glm::vec3 push_of(const Press& press, ImVec2 to) const;
@@ -65,8 +66,8 @@ class SceneView {
   SceneRenderer renderer_;
   Stage stage_;
   Camera camera_;
-  std::optional<std::string> shown_;  // the scene, or the objects without a body, that the camera was set for
-  ImVec2 origin_{0, 0}, size_{1, 1};  // of the picture
+  std::optional<std::string> shown_;  // the scene, or the objects without a body, for which the camera was set
+  ImVec2 origin_{0, 0}, size_{1, 1};  // place and size of the picture in the window
   bool hovered_ = false;
   double detail_ = 1;
   std::optional<Press> press_;

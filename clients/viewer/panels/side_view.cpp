@@ -25,8 +25,8 @@ struct SliderRange {
   bool logarithmic = true;
 };
 
-// A row with a label, whose tooltip says more, a slider, and the slider's number, which can be dragged for fine steps
-// and clicked to type. Returns true while the user changes the value.
+// Draws a row with a label and its tooltip, a slider, and the slider's number, which can be dragged for fine steps and
+// clicked to type. Returns true while the user changes the value.
 bool slider(const char* label, const char* tip, double& value, SliderRange range, const char* format) {
   const float em = ImGui::GetFontSize(), gap = 0.3f * em, label_width = 7.3f * em, number_width = 4.9f * em;
   const auto least = static_cast<float>(range.least), most = static_cast<float>(range.most);

@@ -32,7 +32,7 @@ class SideView {
   static void draw_messages(const Skin& skin, const Model& model);
 
   std::array<char, 128> url_{}, filter_{};
-  // The list of files takes what the rest of the pane leaves; both heights are the last frame's.
+  // The list of files takes the height that the rest of the pane leaves; both heights are those of the last frame.
   float files_height_ = 0, others_height_ = 1e9f;
   SavePanel save_;
   MaterialPicker materials_;

@@ -1,5 +1,5 @@
 // Colours and shapes of the window, dark and light. Curves take Okabe and Ito's palette ("Color Universal Design",
-// 2008), which people with any colour vision tell apart; no information is given by colour alone. [UI]
+// 2008), which is distinguishable with any colour vision; no information is given by colour alone. [UI]
 #pragma once
 
 #include <imgui.h>
@@ -15,7 +15,7 @@ struct Skin {
 
 Skin make_skin(bool dark);
 
-// The colour of the i-th object, voice or curve.
+// Returns the colour of the i-th object, voice or curve.
 ImU32 series_colour(std::size_t i);
 
 // Sets ImGui's style for a skin and a scale.

@@ -81,7 +81,7 @@ void draw_legend(const Skin& skin, const std::vector<BarGroup>& groups) {
   ImGui::Dummy({right - at.x, ImGui::GetTextLineHeight()});
 }
 
-// How the chosen object is set, for a window without the sliders.
+// Draws the chosen object's settings, for a window without the sliders.
 void draw_settings(const KnownObject* object, const Commands& commands) {
   if (object) {
     const modal::MaterialScale scale = commands.edits().adjustment_of(*object).scale;

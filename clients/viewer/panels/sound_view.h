@@ -14,7 +14,8 @@ namespace ringdown::viewer {
 
 class SoundView {
  public:
-  // Fills the current ImGui window. `alone`: no other pane shows how the chosen object is set, so this one does.
+  // Fills the current ImGui window. `alone` means that no other pane shows the chosen object's settings, so this one
+  // does.
   void draw(const Skin& skin, Model& model, Commands& commands, bool alone);
 
  private:

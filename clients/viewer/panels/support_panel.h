@@ -10,16 +10,17 @@
 
 namespace ringdown::viewer {
 
-// A triangle that is counter-clockwise from outside, where its corners are in the window, whose y points down.
+// Returns whether a triangle faces the camera, from its corners in the window, whose y points down: triangles are
+// counter-clockwise from outside.
 bool faces_camera(const std::array<ImVec2, 3>& corners);
 
-// Marks the chosen triangles that face the camera. `place` gives a point of the object's frame in the window, or
-// nothing where it is not seen.
+// Marks the chosen triangles that face the camera. `place` returns the window position of a point in the object's
+// frame, or nothing if it is not visible.
 void mark_support(const Skin& skin, const SupportChoice& choice,
                   const std::function<std::optional<ImVec2>(Vec3)>& place);
 
-// A panel at the lower right of the picture, while anything is chosen: kind, text, and buttons that copy it (to the
-// clipboard and standard output) or give the choice up.
+// While anything is chosen, draws a panel at the lower right of the picture: kind, text, and buttons that copy the text
+// (to the clipboard and standard output) or drop the choice.
 void draw_support(const Skin& skin, ImVec2 origin, ImVec2 size, SupportChoice& choice);
 
 // Copies the text to the clipboard and prints it.

@@ -1,4 +1,4 @@
-// Where the scene is seen from. Lengths in metres, angles in radians; z is up.
+// The viewpoint of the scene. Lengths in metres, angles in radians; z is up.
 //
 // Positions in a picture are in pixels from the top left corner, x to the right and y down; the centre of the first
 // pixel is at (0.5, 0.5). Mouse positions of a window have the same origin. A camera is a plain value. [any]
@@ -38,14 +38,15 @@ struct Camera {
   float pitch = 0;                            // above the horizon
   float field_of_view = kDefaultFieldOfView;  // vertical
 
-  // A camera at `position_m` that looks at `target_m`, or along y when both are the same point. A field of view of 0
-  // stands for the default.
+  // Returns a camera at `position_m` that looks at `target_m`, or along y if both are equal. A field of view of 0 means
+  // the default.
   static Camera from(glm::vec3 position_m, glm::vec3 target_m, float field_of_view = kDefaultFieldOfView);
   // Scenes are composed for a picture of kComposedAspect (width over height). Returns the vertical field of view with
-  // which a picture of `aspect` shows everything that one shows: `field_of_view` itself, or more in a narrower picture.
+  // which a picture of `aspect` shows everything that the composed picture shows: `field_of_view` itself, or more in a
+  // narrower picture.
   static float fitted_field_of_view(float field_of_view, float aspect);
   static constexpr float kComposedAspect = 1.6F;
-  // A camera that sees the whole sphere from the front (-y) and somewhat above, in a picture of that aspect.
+  // Returns a camera that sees the whole sphere from the front (-y) and somewhat above, in a picture of this aspect.
   static Camera showing(Sphere scene, float aspect = 1.6F);
 
   // Turns the camera by a mouse drag: to the right for positive `dx`, down for positive `dy`, through the angle that
@@ -61,13 +62,14 @@ struct Camera {
   [[nodiscard]] glm::vec3 right() const;    // unit, level
   [[nodiscard]] glm::vec3 up() const;       // unit, upward in the picture
   [[nodiscard]] glm::mat4 view() const;     // scene -> camera (x right, y up, -z forward)
-  // Camera -> clip space of OpenGL (z in -1 ... 1). The far plane lies kGround radii beyond the centre of `scene`, so
-  // that the ground around the scene is visible; the near plane lies at 1/5000 of that distance.
+  // Returns the map from camera to clip space of OpenGL (z in -1 ... 1). The far plane lies kGround radii beyond the
+  // centre of `scene`, so that the ground around the scene is visible; the near plane lies at 1/5000 of that distance.
   [[nodiscard]] glm::mat4 projection(float aspect, Sphere scene) const;
   static constexpr float kGround = 12;
 
   [[nodiscard]] Ray ray_through(float x, float y, int width, int height) const;
-  // The position of a point in the picture, which may lie outside the edges; nothing for a point behind the camera.
+  // Returns the position of a point in the picture, which may lie outside the edges; nothing for a point behind the
+  // camera.
   [[nodiscard]] std::optional<glm::vec2> project(glm::vec3 point_m, int width, int height) const;
 };
 

@@ -116,9 +116,9 @@ using Pair = std::pair<std::uint32_t, std::uint32_t>;
 //
 // A PN triangle is a cubic Bezier patch whose corners are the triangle's own. Each edge has two control points, a third
 // of the way from either end; a control point is the flat one projected into the plane of the corner's normal. The
-// middle control point follows from the six of the edges. Where an edge separates two smooth surfaces, both sides must
-// compute the same control points or a gap opens: there the control point lies on the line in which the two tangent
-// planes meet. Where that line is not well defined, and at an open border, the edge stays straight.
+// middle control point follows from the six of the edges. If an edge separates two smooth surfaces, both sides must
+// compute equal control points or a gap opens: there the control point lies on the line in which the two tangent planes
+// meet. If that line is not well defined, or at an open border, the edge stays straight.
 //
 // The corners of the flat mesh keep their numbers; corners within edges are shared by both triangles of one surface.
 class Curver {
@@ -149,8 +149,8 @@ class Curver {
             control(second, first, other.first, other.second, open)};
   }
 
-  // The control point next to corner `from` of the edge to corner `to`. `other_from` and `other_to` are the corners of
-  // the triangle beyond the edge at those two points; an edge without a triangle beyond is `open`.
+  // Returns the control point next to corner `from` of the edge to corner `to`. `other_from` and `other_to` are the
+  // corners of the triangle beyond the edge at those two points; an edge without a triangle beyond is `open`.
   [[nodiscard]] glm::vec3 control(std::uint32_t from, std::uint32_t to, std::uint32_t other_from,
                                   std::uint32_t other_to, bool open) const {
     const glm::vec3 p = flat_.positions[from], way = flat_.positions[to] - p, n = flat_.normals[from];
@@ -190,7 +190,7 @@ class Curver {
   }
 
   // Returns the number of a piece's corner, making the corner if it is new. Corners on an edge are shared with the
-  // triangle beyond when both belong to the same smooth surface.
+  // triangle beyond if both belong to one smooth surface.
   std::uint32_t corner(const std::array<std::uint32_t, 3>& t, std::array<std::uint32_t, 3> steps, glm::vec3 weights,
                        glm::vec3 at) {
     const auto zeros = std::count(steps.begin(), steps.end(), 0U);

@@ -1,4 +1,4 @@
-// The meshes that are drawn and picked: made once for each bank or silent body, then immutable. [any]
+// Meshes for drawing and picking: made once for each bank or silent body, then immutable. [any]
 #pragma once
 
 #include "engine/modal/bank.h"
@@ -13,7 +13,7 @@
 
 namespace ringdown::viewer {
 
-// The points of the bank that a corner of the mesh follows: it moves as their weighted mean does.
+// The bank's points that a corner of the mesh follows: it moves by their weighted mean.
 struct Origin {
   std::array<std::uint32_t, 3> points{};
   std::array<float, 3> weights{1, 0, 0};
@@ -24,7 +24,7 @@ struct Origin {
 struct DrawnMesh {
   std::vector<glm::vec3> positions;                     // V [m]
   std::vector<glm::vec3> normals;                       // V, unit, outwards
-  std::vector<Origin> origins;                          // V; in boxes and spheres each corner is its own point
+  std::vector<Origin> origins;                          // V; in boxes and spheres each corner has its own point
   std::vector<std::array<std::uint32_t, 3>> triangles;  // T, corner numbers, counter-clockwise from outside
   glm::vec3 low_m{0}, high_m{0};                        // the bounding box
 };
@@ -32,30 +32,30 @@ struct DrawnMesh {
 // Triangles whose normals differ by less than this angle form one smooth surface. [rad]
 inline constexpr float kCreaseAngle = 0.87F;
 
-// A bank's surface has few triangles. Each is drawn as a curved one, cut into n^2 flat pieces: n is 4, or less where
-// that would make more than kMaxPieces.
+// A bank's surface has few triangles. Each is drawn as a curved one, cut into n^2 flat pieces: n is 4, or less if that
+// would make more than kMaxPieces.
 inline constexpr std::size_t kMaxPieces = 4096;
 
-// The mesh of a bank. A bank without triangles is drawn as small octahedra at its points, at most kMaxMarks of them at
-// evenly spaced point numbers.
+// Returns the mesh of a bank. A bank without triangles is drawn as small octahedra at its points, at most kMaxMarks of
+// them at evenly spaced point numbers.
 inline constexpr std::size_t kMaxMarks = 4096;
 DrawnMesh shaded_mesh(const modal::Bank& bank);
 
 DrawnMesh box_mesh(glm::vec3 size_m);   // edges; centred at the origin
 DrawnMesh sphere_mesh(float radius_m);  // centred at the origin
 
-// How each of the bank's P points moves in a mode: the mode shape, scaled so that the largest displacement is 1; all
+// The displacement of each of the bank's P points in a mode: the mode shape, scaled to a maximum displacement of 1; all
 // zero for a mode in which nothing moves. The renderer recognises a displacement it has uploaded by this pointer.
 using Displacement = std::shared_ptr<const std::vector<glm::vec3>>;
 // `mode` counts by ascending frequency from 0, as in the protocol, and is less than bank.mode_count().
 Displacement mode_displacement(const modal::Bank& bank, std::size_t mode);
 
-// The displacement of each of a mesh's V corners. Points beyond the end of `displacement` do not move.
+// Returns the displacement of each of a mesh's V corners. Points beyond the end of `displacement` do not move.
 std::vector<glm::vec3> corner_moves(const DrawnMesh& mesh, const std::vector<glm::vec3>& displacement);
 
-// The first-order change of each corner's unit normal under a displacement of 1, V vectors: the derivative of the sum
-// of the area vectors of the triangles at the corner, divided by the length of that sum. `moves` are the V corners'
-// displacements.
+// Returns the first-order change of each corner's unit normal under a displacement of 1, V vectors: the derivative of
+// the sum of the area vectors of the triangles at the corner, divided by the length of that sum. `moves` are the V
+// corners' displacements.
 std::vector<glm::vec3> normal_changes(const DrawnMesh& mesh, const std::vector<glm::vec3>& moves);
 
 }  // namespace ringdown::viewer

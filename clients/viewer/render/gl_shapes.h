@@ -37,7 +37,7 @@ class GlMesh {
   std::vector<Displaced> displaced_;
 };
 
-// Contacts as light: each is a spot that faces the camera, and a ring across the contact normal.
+// Contacts drawn as light: each is a spot that faces the camera, and a ring around the contact normal.
 class FlashQuads {
  public:
   FlashQuads();

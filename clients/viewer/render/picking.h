@@ -34,7 +34,7 @@ struct Hit {
   std::uint32_t id = 0;
   glm::vec3 object_point_m{0};  // in the frame of the mesh, before `size` is applied
   glm::vec3 point_m{0};         // in the scene
-  glm::vec3 normal{0};          // in the scene: unit, of the flat triangle, on the side that the ray comes from
+  glm::vec3 normal{0};          // in the scene: unit normal of the flat triangle, on the side of the ray's origin
   float distance_m = 0;         // from the ray's origin
 };
 

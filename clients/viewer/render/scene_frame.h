@@ -14,7 +14,7 @@
 
 namespace ringdown::viewer {
 
-using MeshId = std::uint32_t;  // from SceneRenderer::add_mesh; 0 is none and draws nothing
+using MeshId = std::uint32_t;  // from SceneRenderer::add_mesh; 0: no mesh, nothing is drawn
 
 struct DrawnBody {
   std::uint32_t id = 0;  // chosen by the application
@@ -39,7 +39,7 @@ struct DrawnStatic {
   glm::vec3 size_m{0};         // a box's edges
 };
 
-// A contact, shown for a moment as a spot of light and a widening ring.
+// A contact, shown briefly as a spot of light and a widening ring.
 struct Flash {
   glm::vec3 point_m{0};
   glm::vec3 normal{0, 0, 1};  // unit, out of the surface; the ring lies across it
@@ -54,8 +54,8 @@ inline glm::vec3 towards_light() { return {-0.48F, -0.36F, 0.8F}; }
 
 struct SceneFrame {
   Theme theme = Theme::dark;
-  // The sphere to which the light, its shadow and the fading of the ground are fitted. It should hold all that moves,
-  // and not much more. Bodies outside are drawn but throw no shadow.
+  // The sphere to which the light, its shadow and the fading of the ground are fitted. It should hold everything that
+  // moves, and little more. Bodies outside are drawn but cast no shadow.
   Sphere interest;
   std::vector<DrawnBody> bodies;
   std::vector<DrawnStatic> statics;

@@ -39,7 +39,7 @@ class SceneRenderer {
   // count as 1.
   std::uint32_t render(const SceneFrame& frame, const Camera& camera, int width, int height);
 
-  // The picture drawn by the last render(); empty before the first. Waits for the driver.
+  // Returns the picture drawn by the last render(); empty before the first. Waits for the driver.
   [[nodiscard]] Image read_pixels() const;
 
  private:
@@ -48,16 +48,17 @@ class SceneRenderer {
   std::unique_ptr<State> state_;
 };
 
-// Chooses how finely to draw where drawing is slow: software rendering of every pixel would make the window sluggish.
+// Chooses the resolution of drawing if drawing is slow: software rendering of every pixel would make the window
+// sluggish.
 class DetailControl {
  public:
   static constexpr double kSlow_s = 0.045, kQuick_s = 0.018;  // mean frame times beyond which the detail changes
   static constexpr double kCoarsest = 0.35;
-  static constexpr int kFrames = 8;  // between two changes
+  static constexpr int kFrames = 8;  // minimum number of frames between two changes
 
-  void observe(double frame_s);  // after every frame: how long it took
+  void observe(double frame_s);  // call after every frame with its duration
 
-  // The share of the picture's width and height to draw, from kCoarsest to 1.
+  // Returns the share of the picture's width and height to draw, from kCoarsest to 1.
   [[nodiscard]] double detail() const { return detail_; }
 
  private:

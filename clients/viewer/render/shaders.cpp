@@ -11,8 +11,8 @@ layout(std140) uniform Frame {
 )";
 
 // lit() is the share of the key light that reaches a point. It samples the shadow map at the points of a wide disc,
-// with the depth bias following the plane of the receiver, so that a surface does not shadow itself. Where all outer
-// points agree the inner ones are not sampled.
+// with the depth bias following the plane of the receiver, so that a surface does not shadow itself. If all outer
+// points agree, the inner ones are not sampled.
 const std::string kShadow = R"(
 uniform sampler2DShadow shadow_map;
 float lit(vec3 place, vec3 normal) {

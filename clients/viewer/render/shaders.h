@@ -20,15 +20,15 @@ struct FrameBlock {
   glm::vec4 sky{0}, earth{0};  // light from above and from below
   glm::vec4 ground{0};         // colour; w: strength of the grid
   glm::vec4 high{0}, low{0};   // the background's top and bottom
-  glm::vec4 ink{0};            // of the grid and of the outline
+  glm::vec4 ink{0};            // colour of the grid and of the outline
   glm::vec4 flash{0};          // colour; w: 1 adds light, 0 covers the picture behind
 };
 
 const std::string& body_vertex_shader();    // uniforms pose, size, displacement, to_clip
 const std::string& body_shader();           // uniforms colour, glow
-const std::string& flat_shader();           // writes 1: for the shadow map and the mask of what is selected
+const std::string& flat_shader();           // writes 1: for the shadow map and the selection mask
 const std::string& ground_vertex_shader();  // uniform pose; draws 4 corners of a strip without attributes
-const std::string& ground_shader();         // uniform spacing: of the grid's fine lines
+const std::string& ground_shader();         // uniform spacing: distance of the grid's fine lines
 const std::string& whole_vertex_shader();   // one triangle over the picture, without attributes
 const std::string& background_shader();
 const std::string& flash_vertex_shader();  // attributes: those of QuadCorner (gl_shapes.cpp)

@@ -15,8 +15,8 @@
 namespace ringdown::scene {
 namespace {
 
-// The rms slope of a surface's finish along a cut: measured, or of the random octaves of its texture (rubbing.h), whose
-// wavelengths fall from the longest to the shortest and whose power goes by the spectral slope.
+// Returns the rms slope of a surface's finish along a cut: measured, or that of the random octaves of its texture
+// (rubbing.h), whose wavelengths fall from the longest to the shortest and whose power follows the spectral slope.
 double finish_slope(const FrictionSurface& surface) {
   if (surface.relief && surface.relief->profile) return surface.relief->profile->rms_slope();
   const synth::Texture& t = surface.texture;

@@ -62,9 +62,9 @@ SurfacePair combine(const FrictionSurface& a, const FrictionSurface& b) {
 }
 
 // The solver's velocities are those of half a step before or after a position, hence half_m_s. Conservation of energy
-// over the overlap `depth_m` gives the speed at which the body touched the surface, v_touch^2 = v^2 - 2 g d;
-// restitution gives the speed at which it should leave the surface; and energy again gives the speed needed at depth d
-// for that.
+// over the overlap `depth_m` gives the speed at which the body touched the surface, v_touch^2 = v^2 - 2 g d.
+// Restitution then gives the speed at which the body should leave the surface, and energy again the speed needed at
+// depth d.
 Landing corrected_landing(const Fall& fall) {
   const double half_m_s = 0.5 * fall.fall_m_s2 * fall.part_s;
   const double now = fall.approach_m_s + half_m_s, gained = 2 * fall.fall_m_s2 * fall.depth_m;

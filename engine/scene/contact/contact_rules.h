@@ -1,5 +1,5 @@
-// The numbers of a contact: its stiffness, what two surfaces make of it, and the bounce of a body that lands. Free of
-// any physics engine. [any thread]
+// Computes the numbers of a contact: its stiffness, the combined properties of two surfaces, and the bounce of a body
+// that lands. Free of any physics engine. [any thread]
 #pragma once
 
 #include "engine/scene/description.h"
@@ -18,13 +18,13 @@ struct SoftConstraint {
 //   ERP = h k_p / (h k_p + k_d),   CFM = 1 / (h k_p + k_d).
 SoftConstraint soft_constraint(double spring_n_m, double damper_ns_m, double step_s);
 
-// The approach speed above which a contact bounces and strikes: the description's threshold, or 1.5 times the speed
-// gained by falling for one step if that is larger, because a resting body may lose contact for one step. [m/s]
+// Returns the approach speed above which a contact bounces and strikes: the description's threshold, or 1.5 times the
+// speed gained by falling for one step if that is larger, because a resting body may lose contact for one step. [m/s]
 double bounce_threshold(const SceneDescription& scene);
 
 // The properties of a contact between two surfaces.
 struct SurfacePair {
-  double restitution = 0, friction = 0, sliding_friction = 0;  // as both surfaces ask to combine them
+  double restitution = 0, friction = 0, sliding_friction = 0;  // combined in the way that the surfaces name
   double rolling_m = 0;                                        // geometric mean
   std::optional<double> contact_time_s;                        // the longer of those given: the softer surface decides
   synth::Texture texture;                                      // variances add; the rest are means weighted by variance
@@ -42,13 +42,13 @@ struct Fall {
   double pushed_m_s = 0;     // speed at which the overlap alone would be corrected
 };
 
-// The bounce that makes up for finding the contact late: a body is stopped below the surface, after falling on for up
-// to one time step, so its speed is too high and its way back up costs speed again. Without the correction a rebound of
-// 0.4 m/s would come out 7 % too slow at a step of 2 ms.
+// A bounce corrected for the late detection of the contact. A body is stopped below the surface, after falling on for
+// up to one time step, so its speed is too high, and the way back up costs speed again. Without the correction a
+// rebound of 0.4 m/s would come out 7 % too slow at a step of 2 ms.
 struct Landing {
-  double bounce = 0;        // ratio of speeds to ask the solver for, so that the body leaves the surface as it should
+  double bounce = 0;        // ratio of speeds for the solver, so that the body leaves the surface correctly
   double approach_m_s = 0;  // at the surface
-  double share = 1;         // of the solver's impulse: the part due to the impact, without gravity's since then
+  double share = 1;         // share of the solver's impulse due to the impact, without gravity since then
 };
 Landing corrected_landing(const Fall& fall);
 

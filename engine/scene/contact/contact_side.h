@@ -1,4 +1,4 @@
-// The contribution of each of two bodies in contact to the sound of that contact. [any thread]
+// What each of two bodies in contact contributes to the contact's sound. [any thread]
 #pragma once
 
 #include "engine/modal/bank.h"
@@ -15,24 +15,24 @@ struct ContactSide {
   FrictionSurface surface;
   Elastic elastic;
   Curvature curvature;
-  std::optional<RigidMass> mass;              // nothing: it does not move
+  std::optional<RigidMass> mass;              // nothing: immovable
   std::optional<synth::ObjectNumber> object;  // nothing: silent
-  bool two_way = false;                       // what touches it feels how it vibrates
+  bool two_way = false;                       // whether contacts feel the object's vibration
   Vec3 center_m;                              // centre of mass in the object's frame
 };
 
-// The sides of all bodies and statics in a scene.
+// Sides of all bodies and statics in a scene.
 using ContactSides = std::unordered_map<BodyId, ContactSide>;
 const ContactSide* find(const ContactSides& sides, BodyId id);  // null: none
 
-// A point of the world in the frame of the side's object, whose centre of mass moves by `motion`.
+// Converts a point of the world to the frame of the side's object. `motion` is that of the object's centre of mass.
 Vec3 to_object(const Motion& motion, const ContactSide& side, Vec3 world_m);
 
-// One over the mass that a side opposes to a push along the unit `normal`; 0 where it does not move. [1/kg]
+// Returns one over the side's effective mass against a push along the unit `normal`; 0 if it cannot move. [1/kg]
 double inverse_mass(const ContactSide& side, const Motion& motion, Vec3 point_m, Vec3 normal);
 
-// All but the object. The elasticity is that of the surface if it gives one, else of the bank's material, scaled, else
-// that of hard stone.
+// Returns a side without its object. The elasticity is that of the surface if it gives one, else that of the bank's
+// material, scaled, else that of hard stone.
 ContactSide side_of(const BodyDescription& body, const Solid& solid, const modal::Bank* bank,
                     const modal::MaterialScale& scale);
 ContactSide side_of(const StaticDescription& description);

@@ -1,4 +1,4 @@
-// How long two elastic bodies touch in an impact: Hertz's law. [any thread]
+// Computes how long two elastic bodies touch in an impact, by Hertz's law. [any thread]
 //
 // Bodies that meet with the speed v deform each other by Hertz's force F = 4/3 E* sqrt(R) d^1.5, and part after
 //
@@ -24,19 +24,19 @@ double contact_modulus(const Elastic& a, const Elastic& b);
 // The curvature of a body where it is touched.
 struct Curvature {
   enum Kind { sphere, edged, flat } kind = edged;
-  double radius_m = 0;  // of the sphere, or of the rounded edges; not used when flat
+  double radius_m = 0;  // radius of the sphere or of the rounded edges; not used if flat
 };
 
-// The relative radius R. For two spheres, 1/R = 1/R_a + 1/R_b; a sphere is assumed to meet a face of any other shape,
-// so R is its own radius; of two other shapes the sharper edge is assumed to meet a face. [m]
+// Returns the relative radius R. For two spheres, 1/R = 1/R_a + 1/R_b. A sphere is assumed to meet a face of any other
+// shape, so R is the sphere's radius. For two other shapes, the sharper edge is assumed to meet a face. [m]
 double relative_radius(const Curvature& a, const Curvature& b);
 
-// The inverse effective mass of a body against an impact along the unit `normal` at `arm_m` from its centre of mass:
-// 1/m + (r x n) . I^-1 (r x n), where the second term is due to the body's turning. `to_world` rotates the object
+// Returns the inverse effective mass of a body against an impact along the unit `normal` at `arm_m` from its centre of
+// mass: 1/m + (r x n) . I^-1 (r x n), where the second term is due to the body's turning. `to_world` rotates the object
 // frame, in which the inertia is given, into the frame of the two vectors. [1/kg]
 double inverse_effective_mass(const RigidMass& mass, const Matrix3& to_world, Vec3 arm_m, Vec3 normal);
 
-// The contact time T, from the sum of both inverse masses [1/kg] and the approach speed, > 0. [s]
+// Returns the contact time T, from the sum of both inverse masses [1/kg] and the approach speed, > 0. [s]
 double hertz_time(double inverse_mass, double radius_m, double modulus_pa, double approach_m_s);
 
 }  // namespace ringdown::scene

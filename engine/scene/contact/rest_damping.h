@@ -14,7 +14,7 @@
 namespace ringdown::scene {
 
 // All resting contacts of an object in its scene, as dampers numbered from modal::kFirstSceneDamper. A contact that has
-// ended stands there without damping.
+// ended is listed with zero damping.
 struct RestDamping {
   synth::Frame frame = 0;
   synth::ObjectNumber object = 0;
@@ -22,13 +22,13 @@ struct RestDamping {
 };
 
 // Finds the objects whose resting contacts have changed, and their dampers. A contact point with normal force F between
-// surfaces with the restitution e damps by c (1 - e) F, with the scene's coefficient c (ContactSettings). Where several
-// bodies share an object nothing is damped, because the bodies share its modes.
+// surfaces with the restitution e damps by c (1 - e) F, with the scene's coefficient c (ContactSettings). An object
+// that several bodies share is not damped, because the bodies share its modes.
 class RestDampings {
  public:
   explicit RestDampings(const SceneDescription& scene);
 
-  // The body that plays an object has come, changed or gone.
+  // Call when the body that plays an object was added, changed or removed.
   void side_changed(const ContactSide& side);
   void remove(BodyId id) { resting_.remove(id); }
   void silence(synth::ObjectNumber object) { damped_.erase(object); }
@@ -40,7 +40,7 @@ class RestDampings {
   // call.
   std::span<const RestDamping> advance(std::span<const MovedBody> moved, const ContactSides& sides, synth::Frame frame);
 
-  // Whether an object is to be checked at the next advance() even if nothing moves.
+  // Returns whether an object must be checked at the next advance() even if nothing moves.
   [[nodiscard]] bool has_unchecked() const { return !to_check_.empty(); }
   [[nodiscard]] bool pending() const { return has_unchecked() || resting_.pending(); }
 

@@ -57,9 +57,9 @@ void RestingContacts::note_change(BodyPair pair) {
   changed_.push_back(pair.second);
 }
 
-// Decides at the end of a window: a pair rests if it did not slide or roll in the window, touched in at least half of
-// its steps, and pressed on each other. What was reported is replaced only if the force or the position has changed
-// noticeably.
+// Decides at the end of a window: a pair rests if in that window it did not slide or roll, touched in at least half of
+// the steps, and its bodies pressed on each other. The last report is replaced only if the force or the position has
+// changed noticeably.
 void RestingContacts::judge(BodyPair pair, Life& life) {
   life.latest.force_n = life.impulse_ns / (life.steps * step_s_);
   const bool rests =
@@ -74,8 +74,8 @@ void RestingContacts::judge(BodyPair pair, Life& life) {
 }
 
 // Every pair has a window of its own, in which touches and impulses are added up. Steps in which a pair neither touches
-// nor moves do not count, so a pair that has fallen asleep keeps what was reported of it. At the end of a window the
-// pair is judged; a pair that has not touched in the whole window is forgotten.
+// nor moves do not count, so a pair that has fallen asleep keeps its report. At the end of a window the pair is judged;
+// a pair that has not touched in the whole window is forgotten.
 std::span<const BodyId> RestingContacts::advance(std::span<const MovedBody> moved) {
   moved_.clear();
   for (const MovedBody& one : moved) moved_.push_back(one.id);

@@ -1,9 +1,9 @@
 // Resting contacts: contacts that last and do not move. They damp the objects whose bodies they touch.
 //
-// RestingContacts is fed once a step with every pair that touches without striking, and names the bodies whose resting
+// RestingContacts receives once a step every pair that touches without striking, and returns the bodies whose resting
 // contacts have changed. A pair is judged over windows of kRestWindow_s, so that a trembling body does not flicker.
-// Time in which both bodies sleep does not count: what they rest on stays. Free of any physics engine. [one thread at a
-// time]
+// Time in which both bodies sleep does not count: their resting contact is kept. Free of any physics engine. [one
+// thread at a time]
 //
 //   RestingContacts resting(step_s);
 //   resting.add(contact, points);                   // for each such pair, once
@@ -43,10 +43,10 @@ class RestingContacts {
   // changed by more than a third; valid until the next call.
   std::span<const BodyId> advance(std::span<const MovedBody> moved);
 
-  // Removes a body with its resting contacts. The next advance() names the bodies it rested on.
+  // Removes a body with its resting contacts. The next advance() returns the bodies it rested on.
   void remove(BodyId id);
 
-  // Whether the next advance() names a body even if none moves.
+  // Returns whether the next advance() will return a body even if none moves.
   [[nodiscard]] bool pending() const { return !changed_.empty(); }
 
   // Calls `each` with the resting contacts of a body.
@@ -59,11 +59,11 @@ class RestingContacts {
 
  private:
   struct Life {
-    int steps = 0;    // of this window
+    int steps = 0;    // steps in this window
     int touched = 0;  // steps of this window with a contact
     double impulse_ns = 0;
-    bool moves = false;    // in this window
-    bool touches = false;  // in this step
+    bool moves = false;    // whether the pair slides or rolls in this window
+    bool touches = false;  // whether the pair touches in this step
     RestingContact latest;
     std::optional<RestingContact> reported;  // nothing: the pair does not rest
   };

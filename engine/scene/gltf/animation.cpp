@@ -52,7 +52,7 @@ void GltfAnimations::add(const Field& animation) {
   }
 }
 
-// As glTF's appendix C says.
+// Follows glTF's appendix C.
 std::vector<double> GltfAnimations::value_at(const Channel& channel, double time_s) {
   const std::vector<float>& times = channel.times_s;
   const std::size_t width = channel.target == Target::rotation ? 4 : 3;

@@ -17,15 +17,15 @@ class GltfAnimations {
  public:
   static constexpr double kEvery_s = 1.0 / 240;  // between the poses of a path
   static constexpr std::size_t kMaxPoses =
-      std::size_t{1} << 20;  // of all paths of a scene together, each times the nodes from its own up to the root
-  static constexpr std::size_t kMaxKeys = std::size_t{1} << 16;     // of one channel
-  static constexpr std::size_t kMaxAllKeys = std::size_t{1} << 22;  // of all channels together
+      std::size_t{1} << 20;  // limit for all paths of a scene, each counted times its number of nodes up to the root
+  static constexpr std::size_t kMaxKeys = std::size_t{1} << 16;     // keys of one channel
+  static constexpr std::size_t kMaxAllKeys = std::size_t{1} << 22;  // keys of all channels together
 
-  // Reads the channels that move or turn nodes. What is refused or left out, the document notes.
+  // Reads the channels that move or turn nodes. The document's notes name everything refused or left out.
   explicit GltfAnimations(GltfDocument& document);
 
-  // The path of a node's frame in the world; null where neither the node nor one above it is animated, and where the
-  // paths of the scene have too many poses already, which the notes then say.
+  // Returns the path of a node's frame in the world. Null if neither the node nor any node above it is animated. Also
+  // null, with a note, if the scene's paths already have too many poses.
   std::shared_ptr<const MotionPath> path_of(std::size_t node);
 
  private:
@@ -41,7 +41,7 @@ class GltfAnimations {
   static std::vector<double> value_at(const Channel& channel, double time_s);
 
   GltfDocument& document_;
-  std::map<std::size_t, std::vector<Channel>> channels_;  // by their nodes
+  std::map<std::size_t, std::vector<Channel>> channels_;  // indexed by node
   double length_s_ = 0;
   std::size_t keys_ = 0, poses_ = 0;
 };

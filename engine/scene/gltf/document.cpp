@@ -58,7 +58,7 @@ Affine operator*(const Affine& outer, const Affine& inner) {
 
 Vec3 operator*(const Affine& map, Vec3 point_m) { return map.linear * point_m + map.shift_m; }
 
-// glTF's y points up, ours z. Exact, because no number changes but in its place and sign.
+// In glTF y points up, in our axes z. Exact, because numbers only change their places and signs.
 Affine upright(const Affine& map) {
   const Matrix3& m = map.linear;
   return {{{{m[0][0], m[0][1], m[0][2]}, {-m[2][0], -m[2][1], -m[2][2]}, {m[1][0], m[1][1], m[1][2]}}},
@@ -162,7 +162,7 @@ std::vector<std::size_t> GltfDocument::roots() {
   return found;
 }
 
-// From the roots down. A node within itself hangs below no root, and is never reached.
+// Goes from the roots down. A node within itself is below no root, so it is never reached.
 void GltfDocument::place_nodes() {
   std::vector<std::size_t> open = roots();
   for (const std::size_t top : open) nodes_[top].world = upright(nodes_[top].local);

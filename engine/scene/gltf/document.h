@@ -1,5 +1,5 @@
-// The nodes of a glTF document with their places, and its numbers with the first error kept. For the reader of scenes
-// (gltf/scene.h). [worker]
+// The nodes of a glTF document with their poses, and checked access to its numbers, which keeps the first error. Used
+// by the reader of scenes (gltf/scene.h). [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -20,7 +20,7 @@ inline constexpr const char* kPhysicsExtension = "KHR_physics_rigid_bodies";
 inline constexpr const char* kAudioExtension = "KHR_audio_rigid_bodies";
 inline constexpr const char* kShapesExtension = "KHR_implicit_shapes";
 
-// A linear map and a shift: a point p of the inner frame lies at linear p + shift_m.
+// An affine map: a point p of the inner frame lies at linear p + shift_m.
 struct Affine {
   Matrix3 linear{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   Vec3 shift_m;
@@ -28,15 +28,15 @@ struct Affine {
 Affine operator*(const Affine& outer, const Affine& inner);
 Vec3 operator*(const Affine& map, Vec3 point_m);
 
-// The map that a pose is, and back from a pose's frame: a point of the world in that frame.
+// Returns the affine map of a pose, and the inverse: from world coordinates to the pose's frame.
 Affine to_affine(const Pose& pose);
 Affine inverse(const Pose& pose);
 
-// A map of the file, whose y points up, in our axes, whose z does.
+// Converts a map of the file, in which y points up, to our axes, in which z points up.
 Affine upright(const Affine& map);
 
-// A linear map as lengths along its columns and a rotation, and whether that is all of it: the columns of a sheared
-// map are not at right angles. A mirror's rotation has one column turned round.
+// A linear map as lengths along its columns and a rotation, and whether these represent it exactly: the columns of a
+// sheared map are not at right angles. For a mirror, one column of the rotation is reversed.
 struct Parts {
   Vec3 scale;  // >= 0
   Rotation rotation;
@@ -49,11 +49,11 @@ struct GltfNode {
   std::string name;  // never empty
   std::optional<std::size_t> parent;
   std::vector<std::size_t> children;
-  Affine local, world;    // in its parent; in the scene, whose z points up as ours does
-  bool in_scene = false;  // below a root of the scene that is played
+  Affine local, world;    // relative to the parent; relative to the scene, with z up
+  bool in_scene = false;  // whether the node is below a root of the scene that is played
 };
 
-// Sentences about what a scene has and Ringdown does not play, each once.
+// Sentences about parts of a scene that Ringdown does not play, each listed once.
 class GltfNotes {
  public:
   void add(const std::string& sentence);
@@ -66,8 +66,8 @@ class GltfNotes {
 
 class GltfDocument {
  public:
-  // Reads the nodes. Fails on indices that name nothing, on nodes with two parents or within themselves, and on places
-  // that are not finite.
+  // Reads the nodes. Fails on indices that refer to nothing, on nodes with two parents or within themselves, and on
+  // poses that are not finite.
   static Result<GltfDocument> read(const modal::Glb& glb);
 
   [[nodiscard]] const std::vector<GltfNode>& nodes() const { return nodes_; }
@@ -81,7 +81,7 @@ class GltfDocument {
   Rotation rotation(const modal::Field& field);
   std::vector<std::string> texts(const modal::Field& field);
 
-  // The element of `list` that the field names; absent when the field is.
+  // Returns the element of `list` that the field refers to; absent if the field is absent.
   modal::Field element(const modal::Field& field, const modal::Field& list);
 
   // Notes the first error.

@@ -160,12 +160,12 @@ class JointMaker {
     made_.limit_damping = freedom.stiffness > 0 ? freedom.damping : 0;
   }
 
-  // Where the second end lies in the first one's frame.
+  // Returns the position of the second end in the first one's frame.
   [[nodiscard]] Vec3 apart() const {
     return transpose(to_matrix(frame_)) * (second_.node.world.shift_m - first_.node.world.shift_m);
   }
 
-  // How the second end is turned in the first one's frame.
+  // Returns the rotation of the second end in the first one's frame.
   [[nodiscard]] Rotation turned() const { return inverse(frame_) * parts_of(second_.node.world.linear).rotation; }
 
   // A limit counted from the pose of the scene, which it must hold.
@@ -222,8 +222,8 @@ class JointMaker {
     return made;
   }
 
-  // A free joint takes the limits as they are. What it holds, it holds as it lies, and hard limits are widened to how
-  // the scene begins.
+  // A free joint takes the limits unchanged. Locked freedoms are held at their present pose, and hard limits are
+  // widened to include it.
   void make_free(const Freedoms& freedoms) {
     made_.frame_of_body = swapped_;
     made_.rotation = frame_;

@@ -1,4 +1,4 @@
-// Joints of a glTF scene (KHR_physics_rigid_bodies) as joints of ours. [worker]
+// Converts joints of a glTF scene (KHR_physics_rigid_bodies) to our joints. [worker]
 #pragma once
 
 #include "engine/scene/description.h"
@@ -8,15 +8,15 @@
 
 namespace ringdown::scene {
 
-// A node that a joint holds, and the body that it moves with; an empty one is the world.
+// A node that a joint holds, and the name of the body that it moves with; an empty name is the world.
 struct JointEnd {
   const GltfNode& node;
   std::string body;
 };
 
-// Adds the joint of `first`'s node to the scene, whose bodies must all be there. `joint` is the node's `joint` object.
-// A joint becomes a hinge, a ball joint, a slider or a rigid one where it leaves just that freedom, and otherwise a
-// free joint with limits. The document's notes say what cannot be made as it stands there.
+// Adds the joint of `first`'s node to the scene, which must already contain all bodies. `joint` is the node's `joint`
+// object. The joint becomes a hinge, a ball joint, a slider or a rigid joint if it leaves exactly that freedom, and
+// otherwise a free joint with limits. The document's notes name everything that cannot be reproduced exactly.
 void add_joint(GltfDocument& document, const modal::Field& joint, const JointEnd& first, const JointEnd& second,
                SceneDescription& scene);
 

@@ -33,7 +33,7 @@ std::optional<Picture> unpack_png(std::span<const std::byte> bytes) {
   if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) return {};
   if (png.width == 0 || png.height == 0 || png.width > kMaxMapPixels / png.height) return {};
   if (png.width > kMaxMapSamples) return {};
-  // As the numbers stand in the file: normals are no colours, and alpha, which is not read, changes none of them.
+  // Reads the numbers unchanged: normals are not colours, and alpha, which is not read, does not affect them.
   png.format = PNG_FORMAT_RGBA;
   png.flags |= PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB;
   Picture picture{.width = png.width, .height = png.height};

@@ -57,7 +57,7 @@ struct GatheredBody {
 Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysicsExtension]; }
 Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudioExtension]; }
 
-// Whether two surfaces act alike in all that a file says of them.
+// Returns whether a file describes two surfaces identically.
 bool same(const FrictionSurface& a, const FrictionSurface& b) {
   const auto all = [](const FrictionSurface& s) {
     return std::tie(s.friction, s.sliding_friction, s.restitution, s.friction_combine, s.restitution_combine,
@@ -132,8 +132,8 @@ class GltfSceneReader {
     return nearest(node, [](const GltfNode& n) { return physics_of(n)["motion"].present(); });
   }
 
-  // The node of the body that a collider or a model belongs to: that of the motion; without one, the nearest node with
-  // a modal model, else its own.
+  // Returns the node of the body that a collider or a model belongs to: the node of the motion; without a motion, the
+  // nearest node with a modal model, else its own node.
   [[nodiscard]] std::size_t owner_of(std::size_t node) const {
     if (const auto motion = motion_of(node)) return *motion;
     return nearest(node, [](const GltfNode& n) { return audio_of(n)["modalModel"].present(); }).value_or(node);

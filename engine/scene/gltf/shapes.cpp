@@ -122,8 +122,8 @@ void add_mesh(GltfDocument& document, const Field& mesh, const Affine& map, Shap
   }
 }
 
-// The points that lie in one place become one: meshes made for pictures have several points for each corner, with
-// different normals, and a mesh that collides must be closed.
+// Merges points in one place: meshes made for pictures have several points for each corner, with different normals, and
+// a collision mesh must be closed.
 ShapeMesh welded(const ShapeMesh& mesh) {
   const auto less = [](Vec3 a, Vec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); };
   ShapeMesh out;
@@ -242,7 +242,7 @@ std::optional<GltfGeometry> implicit(GltfDocument& document, const Field& shape)
   return geometry.points ? std::optional(geometry) : std::nullopt;
 }
 
-// Whether the map only stretches along the axes and shifts; then by how much.
+// Returns the factors along the axes if the map only stretches along the axes and shifts; otherwise nothing.
 std::optional<Vec3> stretch(const Matrix3& m) {
   const Vec3 along{std::abs(m[0][0]), std::abs(m[1][1]), std::abs(m[2][2])};
   const double least = 1e-9 * std::max({along.x, along.y, along.z});
@@ -388,9 +388,9 @@ void set_inertia(modal::MassProperties& mass, const Matrix3& tensor) {
   mass.orientation = {axes.x, axes.y, axes.z, axes.w};
 }
 
-// A mesh's volume, first and second moments are sums over the tetrahedra of its triangles and the origin. With corners
-// a, b, c and s = a + b + c, a tetrahedron has V = a . (b x c) / 6, the first moment V s / 4 and the second moments
-// V (s s^T + a a^T + b b^T + c c^T) / 20.
+// A mesh's volume and its first and second moments are sums over the tetrahedra made of its triangles and the origin.
+// With corners a, b, c and s = a + b + c, a tetrahedron has V = a . (b x c) / 6, the first moment V s / 4 and the
+// second moments V (s s^T + a a^T + b b^T + c c^T) / 20.
 modal::MassProperties mass_of(const Shape& shape, double density_kg_m3) {
   ShapeMesh mesh = mesh_of(shape);
   if (mesh.triangles.empty()) {

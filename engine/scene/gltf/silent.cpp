@@ -81,7 +81,7 @@ class SilentFinder {
     }
   }
 
-  // Whether a node of the body plays a model, or, without a motion, one above the collider.
+  // Returns whether a node of the body plays a model, or, without a motion, a node above the collider does.
   [[nodiscard]] bool sounds(std::size_t body) const {
     const auto plays = [this](std::size_t k) { return audio(k)["modalModel"].present(); };
     if (motion_of(body) != body) return nearest(body, plays).has_value();
@@ -103,7 +103,7 @@ class SilentFinder {
       return body;
     }
     body.scale = high - 1 < kEven && 1 - low < kEven ? 1 : s.x;
-    // From the world into the node's frame, in metres: its turn and place undone, not its scale.
+    // From the world to the node's frame, in metres: inverts its rotation and position, but not its scale.
     const Affine back = inverse(Pose{nodes()[node].world.shift_m, parts.rotation});
     body.surface = visible(node, back);
     if (body.surface.triangles.empty()) take_colliders(colliders, back, body);
@@ -227,7 +227,7 @@ class SilentFinder {
       } else if (std::abs(bottom - top) >= height) {  // one ball holds the other
         ball(first, bottom > top ? -0.5 * height : 0.5 * height, std::max(bottom, top));
       } else {
-        // The balls touch the cone along circles that lie by the cone's slope beside their middles.
+        // The balls touch the cone along circles that are offset from their middles according to the cone's slope.
         const double slope = (bottom - top) / height, across = std::sqrt(1 - slope * slope);
         const double low = -0.5 * height + bottom * slope, high = 0.5 * height + top * slope;
         frustum(first, low, high - low, bottom * across, top * across);

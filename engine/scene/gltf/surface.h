@@ -1,4 +1,4 @@
-// Acoustic surfaces of a glTF scene (KHR_audio_rigid_bodies) as surfaces of ours. [worker]
+// Reads acoustic surfaces of a glTF scene (KHR_audio_rigid_bodies). [worker]
 #pragma once
 
 #include "engine/modal/surface_relief.h"
@@ -16,20 +16,20 @@ namespace ringdown::scene {
 
 class GltfDocument;
 
-// Reads the finish and the waviness of an `acousticSurfaces` element; what it leaves out, or an absent one, has the
-// draft's default values.
+// Reads the finish and the waviness of an `acousticSurfaces` element. Missing values, or a missing element, take the
+// draft's defaults.
 void read_finish(GltfDocument& document, const modal::Field& finish, FrictionSurface& surface);
 
-// Its measured track, if it has one.
+// Reads the measured track of an `acousticSurfaces` element, if there is one.
 std::optional<modal::SurfaceTrack> read_profile(GltfDocument& document, const modal::Field& finish);
 
-// Keeps the reliefs of scenes that were played: a mixer feels those to which events pointed (synth::Passing), perhaps
-// after the scene has ended. Equal ones are kept once.
+// Keeps the reliefs of scenes that were played, because a mixer may use a relief that an event points to
+// (synth::Passing) after the scene has ended. Equal reliefs are kept once.
 class Reliefs {
  public:
   static constexpr std::size_t kMost = 1024;
 
-  // Puts the ones kept before in place of equal ones in the scene. Fails when there are more than kMost.
+  // Replaces reliefs in the scene by equal ones kept before, and keeps the rest. Fails if there are more than kMost.
   Result<void> keep(SceneDescription& scene);
 
  private:

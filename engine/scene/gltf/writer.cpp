@@ -69,8 +69,8 @@ class GlbScene {
   }
 
  private:
-  // Objects with the same bank share its model. An object in another size or material has a model of its own for other
-  // programs, which know no such scale.
+  // Objects with the same bank share its model. An object in another size or material also gets its own model, for
+  // other programs, which have no such scale.
   void add_models() {
     std::map<std::pair<std::string, std::string>, std::size_t> known;
     const auto model_at = [&](std::size_t k, const modal::MaterialScale& scale) {

@@ -11,10 +11,10 @@
 
 namespace ringdown::scene {
 
-// The bytes of a .glb file. `banks` are those of the scene's objects, in their order. Every body, static and joint and
-// the camera stand in it as KHR_physics_rigid_bodies and KHR_audio_rigid_bodies say them; of an emitter, its first
-// body. What these cannot say is in the file as a scene of ours besides, from which parse_gltf_scene() makes the same
-// description bit for bit, unless another program has changed the file. Fails where a body cannot be made.
+// Returns the bytes of a .glb file. `banks` are those of the scene's objects, in their order. Every body, static and
+// joint and the camera are written in KHR_physics_rigid_bodies and KHR_audio_rigid_bodies; of an emitter, only its
+// first body. The file also contains Ringdown's own scene, from which parse_gltf_scene() makes an identical
+// description, bit for bit, unless another program has changed the file. Fails if a body cannot be made.
 Result<std::vector<std::byte>> to_glb(const SceneDescription& scene, std::span<const modal::Bank> banks);
 
 }  // namespace ringdown::scene

@@ -93,8 +93,8 @@ FreeBody Collider::without_contacts(Vec3 gravity_m_s2, double part_s) const {
 }
 
 // Euler's equations for the angular momentum in the body's frame, dL/dt = L x w with w = I^-1 L, by the implicit
-// midpoint rule. The rule keeps quadratic invariants, so energy L.w/2 and length of L stay what they are, to rounding;
-// and it turns L by the Cayley transform of the mean spin, so that the body, turned the opposite way, keeps its angular
+// midpoint rule. The rule keeps quadratic invariants, so the energy L.w/2 and the length of L are constant to rounding.
+// It turns L by the Cayley transform of the mean spin, so that the body, turned the opposite way, keeps its angular
 // momentum in the world. The rule's step is stretched to 2 tan(w h/2)/w, which makes a steady spin exact. ODE would
 // hold the spin constant in the world while the body turns, and its energy would drift.
 Motion Collider::after(const Motion& motion, double time_s) const {

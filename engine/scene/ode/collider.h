@@ -1,4 +1,4 @@
-// A body or a static as ODE knows it. Callers hold OdeLock. This header only names ODE's types, so that ODE's own
+// A body or a static as ODE knows it. Callers must hold OdeLock. This header only names ODE's types, so that ODE's own
 // headers stay in the .cpp files.
 #pragma once
 
@@ -23,20 +23,20 @@ struct JointDeleter {
   void operator()(dxJoint* joint) const;
 };
 
-// The notes of Islands (islands.h) about a body, and about the island of which the body is the root.
+// What Islands (islands.h) stores about a body, and about the island of which the body is the root.
 struct Collider;
 struct IslandState {
-  Collider* parent = nullptr;  // null: in no island; itself: the root of one
+  Collider* parent = nullptr;  // null: the body is in no island; the body itself: it is the root of one
   double before_j = 0;         // kinetic energy before the part of the step
-  Vec3 velocity_m_s;           // before the part
-  bool exempt = false;         // from the energy check
-  bool has_others = false;     // whether the body touches one that can move
-  bool held = false;           // whether it touches one that cannot
+  Vec3 velocity_m_s;           // velocity before the part of the step
+  bool exempt = false;         // whether the body is exempt from the energy check
+  bool has_others = false;     // whether the body touches a movable body
+  bool held = false;           // whether the body touches something immovable
   bool solved = false;         // whether the body's contacts have been solved without ODE
-  // Of the island, kept at its root:
+  // Members for the whole island, kept at its root:
   bool any_moves = false;
   std::size_t contacts = 0;
-  // Islands::weigh() finds these.
+  // Computed by Islands::weigh():
   bool any_exempt = false, any_held = false;
   double total_before_j = 0, total_j = 0, gained_j = 0, bounced_j = 0;
   double mass_kg = 0;
@@ -50,61 +50,63 @@ inline Vec3 to_vec3(const double* v) { return {v[0], v[1], v[2]}; }
 struct Collider {
   BodyId id = 0;
   FrictionSurface surface;
-  double mass_kg = 0;                    // of a body, like the next two
+  double mass_kg = 0;                    // mass and the two inertias: of bodies only
   Matrix3 inertia{}, inverse_inertia{};  // in the body's frame [kg m^2]
-  double half_thickness_m = 0;           // where the shape is thin; infinite for a plane
-  double outer_radius_m = 0;             // of a ball about the centre of mass that holds the body; statics: unused
-  double gravity_factor = 1;             // of a body
+  double half_thickness_m = 0;           // see half_thickness(); infinite for a plane
+  double outer_radius_m = 0;             // see outer_radius(); unused for statics
+  double gravity_factor = 1;             // multiplies the scene's gravity; bodies only
   bool round = false;                    // a sphere
-  bool joined = false;                   // by a joint of the scene
-  bool kept_moving = false;              // by a drive that asks for a speed; such a body does not sleep
-  bool driven = false;                   // moves as it is told, whatever touches it
-  Motion told;                           // of a driven body, in this part of the step
-  double elasticity = 1;                 // share of its contacts' restitution that the part of the step has
-  bool was_awake = false;                // before the step
+  bool joined = false;                   // whether a joint of the scene holds the body
+  bool kept_moving = false;              // whether a drive asks for a speed; such a body does not sleep
+  bool driven = false;                   // whether the body follows a prescribed motion, unaffected by contacts
+  Motion told;                           // prescribed motion of a driven body in this part of the step
+  double elasticity = 1;                 // share of its contacts' restitution that acts in this part of the step
+  bool was_awake = false;                // whether the body was awake before the step
   IslandState island;
   Stillness stillness;
-  double lifted_j = 0;                        // energy owed for height that overlap.h has given the body
+  double lifted_j = 0;                        // energy still to be taken from the body because overlap.h lifted it
   std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
   OdeShape shape;
-  std::unique_ptr<dxJoint, JointDeleter> support;  // a joint that holds nothing; see let_sleep()
+  std::unique_ptr<dxJoint, JointDeleter> support;  // a joint without effect; see let_sleep()
   bool supported = false;
 
   [[nodiscard]] bool movable() const;
   [[nodiscard]] bool awake() const;
-  [[nodiscard]] Motion motion() const;  // of a static: the origin at rest
+  [[nodiscard]] Motion motion() const;  // for a static: rest at the origin
   void move(const Motion& motion);      // wakes the body
-  void drive(const Motion& motion);     // of a driven body
+  void drive(const Motion& motion);     // sets the motion of a driven body
   void set_mass(const RigidMass& mass);
   void add_torque(Vec3 torque_nm);           // for the next part of a step; world axes
   void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
 
-  void fall_asleep();  // at rest, until something touches the body
+  void fall_asleep();  // the body rests until something touches it
 
-  // Lets the body fall asleep although ODE knows no contact of it. ODE keeps bodies without joints awake, so that none
-  // sleeps in the air.
+  // Allows the body to fall asleep without contacts that ODE knows of. ODE keeps bodies without joints awake, so that
+  // none sleeps in the air.
   void let_sleep(bool allowed);
 
-  // How the body will move at the end of the next part by gravity and the forces and torques added, without contacts.
+  // Returns the body's motion at the end of the next part from gravity and the forces and torques added, without
+  // contacts.
   [[nodiscard]] FreeBody without_contacts(Vec3 gravity_m_s2, double part_s) const;
 
-  // Where the body is after some time without force or torque: its energy and angular momentum unchanged.
+  // Returns the body's motion after some time without force or torque, with energy and angular momentum unchanged.
   [[nodiscard]] Motion after(const Motion& motion, double time_s) const;
 
-  // Turns the body for a part of a step, from the rotation that it had before, with the spin that the solver gave it.
+  // Turns the body for one part of a step: from the rotation `from`, which it had before the part, with its present
+  // spin from the solver.
   void turn(const Rotation& from, double part_s);
 
   // Moves and turns the body. The spin turns with it, so that kinetic energy stays the same.
   void shift(Vec3 way_m, Vec3 turn_rad);
 
-  // Leaves a share of its spin, and of its velocity beside `mean_m_s`.
+  // Scales down the spin and the velocity relative to `mean_m_s` to this share.
   void slow(double share, Vec3 mean_m_s);
 
-  // Takes kinetic energy from the body for `lifted_j`, at most nine tenths of what it has: velocity and spin shrink in
-  // proportion.
+  // Takes kinetic energy from the body to pay for `lifted_j`, at most nine tenths of what the body has: velocity and
+  // spin shrink in proportion.
   void pay_for_lifts();
 
-  // Everything about a body that a step changes.
+  // All variables of a body that a step changes.
   struct State {
     Motion motion;
     Vec3 force_n, torque_nm;
@@ -114,12 +116,13 @@ struct Collider {
   void restore(const State& state);
 };
 
-// Half of a shape's thickness: the radius of the largest ball about the centre of mass that is known to fit in (for a
-// trimesh or a hull: up to the plane of the nearest face), or volume over surface where that is more, as for a bowl.
+// Returns half of a shape's thickness: the radius of the largest ball about the centre of mass that is known to fit in
+// (for a trimesh or a hull: up to the plane of the nearest face), or the ratio of volume to surface if that is larger,
+// as for a bowl.
 double half_thickness(const CollisionShape& shape);
 double half_thickness(const StaticDescription& description);
 
-// The radius of the smallest ball about the centre of mass that holds the shape.
+// Returns the radius of the smallest ball about the centre of mass that holds the shape.
 double outer_radius(const CollisionShape& shape);
 
 }  // namespace ringdown::scene

@@ -14,11 +14,11 @@
 namespace ringdown::scene {
 namespace {
 
-// The bodies of a joint are pushed apart by ODE, because it also corrects the joint: a correction of positions alone
-// would pull the joint's two ends apart.
+// ODE pushes the bodies of a joint apart, because it also corrects the joint: correcting positions alone would pull the
+// joint's two ends apart.
 bool pushed_by_ode(const Collider& body, const Collider& other) { return body.joined || other.joined; }
 
-// The largest speed at which a hull is moved out of an overlap. Its contacts agree on the way out, and a hull that lies
+// Maximum speed at which a hull is moved out of an overlap. All its contacts have similar normals, and a hull that lies
 // on an edge of another one slips into it again and again until it lies flat.
 constexpr double kMaxWayOut_m_s = 0.06;
 
@@ -30,8 +30,8 @@ constexpr double kMinSlip_m_s = 1e-6;
 // Above this speed the bodies slide, and friction is that of sliding.
 constexpr double kSlides_m_s = 1e-3;
 
-// ODE's friction acts along two directions, each up to its limit. With the first one along the sliding, or the rolling
-// where nothing slides, both together obey Coulomb's cone.
+// ODE's friction acts along two directions, each up to its limit. If the first one is along the sliding, or along the
+// rolling if nothing slides, both together obey Coulomb's cone.
 Vec3 friction_direction(Vec3 normal, const Motion& of_body, const Motion& of_other, Vec3 approach) {
   Vec3 along = approach - dot(approach, normal) * normal;
   if (length(along) < kMinSlip_m_s) along = cross(of_body.spin_rad_s - of_other.spin_rad_s, normal);
@@ -218,8 +218,8 @@ void ContactJoints::hand_over(bool exact, const Islands& islands) {
   free_friction();
 }
 
-// Solves what ODE's exact solver would be given: the motion that the body would have without its contacts, and of each
-// contact the speed that restitution, or the way that is left before the bodies touch, asks for.
+// Solves the problem that ODE's exact solver would receive: the body's motion without contacts, and for each contact
+// the speed required by restitution or by the distance left before the bodies touch.
 bool ContactJoints::solve_lone_body(Collider& body, std::span<const std::size_t> points) {
   if (points.size() > kMaxFixedContacts) return false;
   std::vector<FixedContact>& contacts = room_->contacts;
@@ -252,8 +252,8 @@ void ContactJoints::push_lone_bodies() {
   }
 }
 
-// Without a bound, ODE bounds friction by the impulse that the contact would have without friction. With one, `mu` is
-// taken for the largest force.
+// Without a bound, ODE bounds friction by the coefficient times the contact's normal force without friction. With a
+// bound, `mu` is used as the maximum force.
 void ContactJoints::join(std::size_t point, std::optional<double> bound_n) {
   const Contact& made = made_[point];
   const ContactPoint& at = points_[point];

@@ -1,5 +1,5 @@
-// The contacts of a step as ODE's solver sees them: contact points are found, become contact joints, and receive their
-// impulses once the solver has run. Callers hold OdeLock.
+// Prepares the contacts of a step for ODE's solver: finds contact points, makes contact joints of them, and stores
+// their impulses once the solver has run. Callers must hold OdeLock.
 //
 //   joints.begin_step();
 //   joints.begin_part(found_s, part_s);      // a step may be done in several parts
@@ -51,34 +51,34 @@ class ContactJoints {
   // `found_s` is the time from the beginning of the step to this part, `part_s` the part's length.
   void begin_part(double found_s, double part_s);
 
-  // Finds the contact points of two geometries, and unites the bodies' islands. Where the contact has a single point or
-  // one of the bodies is a sphere, adds rolling resistance.
+  // Finds the contact points of two geometries and unites the bodies' islands. Adds rolling resistance if the contact
+  // has a single point or one of the bodies is a sphere.
   void collide(dxGeom* first, dxGeom* second, Islands& islands);
 
   // Hands the contact points of the part to the exact or to the iterative solver, as joints. The iterative solver
-  // pushes overlapping bodies apart itself, because what it leaves of a tower's weight in one part is pushed back in
-  // the next. Where the exact one will run, the contacts of a body that touches only what cannot move are solved here
-  // (fixed_contacts.h); push_lone_bodies() then has to be called.
+  // pushes overlapping bodies apart itself, because the part of a tower's weight that it fails to carry in one part is
+  // pushed back in the next. If the exact solver will run, the contacts of a body that touches only immovable things
+  // are solved here (fixed_contacts.h); push_lone_bodies() must then be called.
   void hand_over(bool exact, const Islands& islands);
 
-  // Adds the forces of the contacts that hand_over() has solved to their bodies, for the next part.
+  // Adds the forces of the contacts that hand_over() has solved to their bodies, for the next part of the step.
   void push_lone_bodies();
 
   // Stores the solver's impulses in the part's contact points.
   void read_impulses();
 
-  // Returns true where a body, which is no sphere, lands in this part in such a way that friction may change the normal
+  // Returns true if a body other than a sphere lands in this part in such a way that friction may change the normal
   // impulse.
   [[nodiscard]] bool lands_aslant() const { return lands_aslant_; }
 
-  // Makes all joints of the part anew, with friction bounded so that the bound should be the coefficient times the
-  // normal impulse. Returns by how much the bounds before differed from that, as a share of the largest one.
+  // Remakes all joints of the part, with friction bounded by the coefficient times the normal impulse of the last
+  // solution. Returns the largest change of a bound as a share of the largest bound.
   double bound_friction();
 
-  // Makes all joints of the part anew, as hand_over() made them.
+  // Remakes all joints of the part as hand_over() made them.
   void free_friction();
 
-  // Moves overlapping bodies of the part apart (overlap.h), unless the solver has done so.
+  // Moves overlapping bodies of the part apart (overlap.h), unless the solver has done so already.
   void move_bodies_apart();
 
   void forget(BodyId id) { pairs_.forget(id); }  // must be called when a body goes or changes its shape
@@ -86,15 +86,15 @@ class ContactJoints {
   void undo_part();
   void end_part();
 
-  [[nodiscard]] std::span<const ContactPoint> points() const { return points_; }  // of the step so far
+  [[nodiscard]] std::span<const ContactPoint> points() const { return points_; }  // all points of the step so far
   [[nodiscard]] std::span<const ContactPoint> part_points() const { return std::span(points_).subspan(part_begin_); }
 
-  // Points and whole pairs beyond kMaxContactsPerStep in the step.
+  // Number of points and whole pairs beyond kMaxContactsPerStep in the step.
   [[nodiscard]] std::size_t dropped() const { return dropped_; }
 
  private:
-  struct Room;      // for results of ODE and of the solution of one body
-  struct Contact;   // what a joint is made of
+  struct Room;      // work space for ODE's results and for solve_lone_body()
+  struct Contact;   // the data of one joint
   struct Touching;  // two bodies
   struct JointGroupDeleter {
     void operator()(dxJointGroup* joints) const;
@@ -114,17 +114,17 @@ class ContactJoints {
   std::unique_ptr<dxJointGroup, JointGroupDeleter> joints_;
   std::unique_ptr<Room> room_;
   std::vector<ContactPoint> points_;
-  std::vector<MotionPair> motions_;  // of the pairs of the step that touch
+  std::vector<MotionPair> motions_;  // motions of the touching pairs of the step
   std::vector<Further> further_;     // contacts of the part that only move bodies apart
   std::vector<Overlap> overlaps_;
-  std::vector<Contact> made_;          // of each contact point
-  std::vector<std::size_t> lone_;      // the contact points of the part whose bodies touch only what cannot move
-  std::vector<FrictionBound> bounds_;  // of friction in the part [N], that bound_friction() has set
+  std::vector<Contact> made_;          // one for each contact point
+  std::vector<std::size_t> lone_;      // contact points of the part whose bodies touch only immovable things
+  std::vector<FrictionBound> bounds_;  // friction bounds of the part [N], set by bound_friction()
   bool lands_aslant_ = false, solver_pushes_ = false;
   std::size_t part_begin_ = 0, motions_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
   SurfacePairs pairs_;
   Partings partings_;
-  ContactLoads loads_;  // of the part before
+  ContactLoads loads_;  // loads of the previous part
 };
 
 }  // namespace ringdown::scene

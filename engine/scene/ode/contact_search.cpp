@@ -14,8 +14,7 @@
 namespace ringdown::scene {
 namespace {
 
-// Two limits hold for meshes: the cosine of the largest angle between normals that agree, and how far meshes overlap at
-// rest.
+// Two limits for meshes: the cosine of the largest angle between normals that agree, and the overlap of meshes at rest.
 constexpr double kAgree = 0.7, kRestOverlap_m = 1e-4;
 
 // Contacts whose normals differ by no more than this cosine act in one direction.
@@ -24,8 +23,8 @@ constexpr double kAlike = 0.95;
 // The least number of corners of a polygon that two hulls share, for it to hold them.
 constexpr int kFaceCorners = 4;
 
-// Moves the deepest contact to the front, then each time the one that differs most from those already chosen, by its
-// place and its direction. Where directions differ, as in a bowl within a bowl, four points do not hold a body.
+// Moves the deepest contact to the front, then repeatedly the contact that differs most in position and direction from
+// those already chosen. If directions differ, as in a bowl within a bowl, four points do not hold a body.
 FoundContacts choose_contacts(std::span<dContactGeom> found) {
   if (found.size() <= kMaxContactsPerPair) return {found, {}};
   std::ranges::iter_swap(found.begin(), std::ranges::max_element(found, {}, &dContactGeom::depth));
@@ -53,8 +52,9 @@ FoundContacts choose_contacts(std::span<dContactGeom> found) {
   return {found.first(std::min(carry, wanted)), found.first(wanted).subspan(std::min(carry, wanted))};
 }
 
-// A contact for every corner of the box below the plane, with the normal out of the plane. ODE itself finds at most
-// four; for a thin plate that overlaps the plane these are the corners of one edge, about which the plate then rocks.
+// Makes a contact for every corner of the box below the plane, with the normal out of the plane. ODE itself finds at
+// most four; for a thin plate that overlaps the plane these are the corners of one edge, about which the plate then
+// rocks.
 int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
   dVector3 size;
   dVector4 half_space;
@@ -89,8 +89,8 @@ PosedFaces posed_faces(dxGeom* geom) {
   return {static_cast<const Collider*>(dGeomGetData(geom))->shape.faces, turn, to_vec3(dGeomGetPosition(geom))};
 }
 
-// ODE finds one contact point of two hulls. Where faces of the hulls lie on each other, replaces it by the corners of
-// the polygon that the faces share; returns the number of points.
+// ODE finds one contact point of two hulls. If faces of the hulls lie on each other, replaces the point by the corners
+// of the polygon that the faces share. Returns the number of points.
 int spread(std::span<dContactGeom> found) {
   const dContactGeom one = found.front();
   const FaceContact shared = share_of_faces(posed_faces(one.g1), posed_faces(one.g2), to_vec3(one.normal));
@@ -122,9 +122,9 @@ Vec3 velocity_at(dxGeom* geom, const dReal* point) {
 
 // Removes false contacts of two meshes. ODE tests every pair of triangles, and gives each contact the shortest way out
 // of the other triangle's plane: for two plates on each other also sideways ways, as long as the plates are wide. A
-// contact is false if a contact within its own depth has less than half of that depth. It is also false if its normal
-// disagrees with that of the shallowest contact, and it is deeper than that contact and the bodies' approach since the
-// last step can explain.
+// contact is false if another contact, no farther away than its depth, has less than half of that depth. It is also
+// false if its normal disagrees with that of the shallowest contact and it is deeper than the shallowest contact and
+// the bodies' approach since the last step can explain.
 std::size_t drop_false(std::span<dContactGeom> found, double part_s) {
   if (found.empty()) return 0;
   const dContactGeom least = *std::ranges::min_element(found, {}, &dContactGeom::depth);
@@ -168,17 +168,17 @@ int find_all(dxGeom* first, dxGeom* second, std::span<dContactGeom> found, doubl
   return count;
 }
 
-// Whether all contacts act in one direction.
+// Returns whether all contacts act in one direction.
 bool agree(std::span<const dContactGeom> found) {
   return std::ranges::all_of(found, [&](const dContactGeom& contact) {
     return dot(to_vec3(contact.normal), to_vec3(found.front().normal)) > kAlike;
   });
 }
 
-// Finds contacts by the surfaces of two bodies where those serve better than ODE's, and by ODE elsewhere. Hulls whose
-// faces lie on each other rest on the polygon that the faces share, and rock on corners of round outlines; where they
-// share no face, ODE knows a single point. Meshes within each other, as nested bowls, touch in many directions, of
-// which corners and edges miss some.
+// Finds contacts by the surfaces of two bodies if these serve better than ODE's, otherwise by ODE. Hulls whose faces
+// lie on each other rest on the polygon that the faces share, whereas they would rock on corners of round outlines; for
+// hulls that share no face ODE finds a single point. Meshes within each other, such as nested bowls, touch in many
+// directions, some of which corners and edges miss.
 int find_best(dxGeom* first, dxGeom* second, SurfacePairs& pairs, std::span<dContactGeom> room, double part_s) {
   const Collider& one = *static_cast<const Collider*>(dGeomGetData(first));
   const Collider& two = *static_cast<const Collider*>(dGeomGetData(second));

@@ -1,4 +1,4 @@
-// The search for contacts of two geometries: by their surfaces where those serve better, and by ODE elsewhere. Callers
+// Finds the contacts of two geometries: by their surfaces if those give better contacts, otherwise by ODE. Callers must
 // hold OdeLock.
 #pragma once
 
@@ -12,23 +12,24 @@ namespace ringdown::scene {
 
 class SurfacePairs;
 
-// The deepest, and those farthest from each other; of bodies that touch in several directions, some more.
+// Maximum number of contacts of a pair that become joints: the deepest, and those that differ most from each other.
+// Pairs that touch in several directions get the larger number.
 inline constexpr std::size_t kMaxContactsPerPair = 4, kMaxContactsOfShells = 8;
 
-// The most contacts of a pair out of which overlapping bodies are moved.
+// Maximum number of contacts of a pair that are used to move overlapping bodies apart.
 inline constexpr std::size_t kMaxContactsMoved = 24;
 
-// A mesh on a plane gives one contact per vertex, of which a good few are then chosen.
+// Maximum number of contacts found, from which the best are chosen. A mesh on a plane gives one contact per vertex.
 inline constexpr int kMaxContactsFound = 256;
 
 struct FoundContacts {
-  std::span<dContactGeom> carry;  // hold the bodies: each becomes a joint
-  std::span<dContactGeom> move;   // further ones, out of which overlapping bodies are moved
+  std::span<dContactGeom> carry;  // contacts that hold the bodies; each becomes a joint
+  std::span<dContactGeom> move;   // further contacts, used only to move overlapping bodies apart
 };
 
 // Finds the contacts of two geometries: the deepest, and those that differ most from each other. Normals point into the
-// first. `room` holds kMaxContactsFound entries; the results are parts of it. `part_s` is how long the bodies have
-// moved since contacts were last looked for. The user data of both geometries is their Collider.
+// first body. `room` holds kMaxContactsFound entries; the results are parts of `room`. `part_s` is the time that the
+// bodies have moved since the last search. The user data of both geometries is their Collider.
 FoundContacts find_contacts(dxGeom* first, dxGeom* second, SurfacePairs& pairs, std::span<dContactGeom> room,
                             double part_s);
 

@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kLinesInRing = 8, kLines = 1 + 2 * kLinesInRing;
 
-// A line along the flight of a ball: its distance from the centre line, and how far ahead of the centre the ball's
-// surface is on that line.
+// A line along the flight of a ball: its distance from the centre line, and how far the ball's surface is ahead of its
+// centre on that line.
 struct Line {
   Vec3 aside_m;
   double front_m = 0;
@@ -89,13 +89,13 @@ void FlightProbe::set_box(Vec3 from_m, Vec3 way_m, double radius_m) const {
 }
 
 // If no point of a body moves by more than half of the body's thickness in the time left, the body cannot get lost in a
-// plane nor pass through anything, and the whole time is free. So it is with an obstacle into which the body would not
-// get by half of both thicknesses: the contacts at the end of the way find it.
+// plane nor pass through anything, and the whole time is free. The time is also free if the body would enter an
+// obstacle by less than half of both thicknesses: the contacts at the end of the flight find it.
 //
 // For a ball, rays are cast along the flight, from the centre and from two rings about it. The ball may fly until, on
 // one of the lines, its surface is inside an obstacle by half of its extent on that line. A ball that already touches
-// an obstacle may be turned back by it, so it is looked at again after one radius. Any other body is swept
-// (ode/sweep.h), because its tips may meet what its middle misses.
+// an obstacle may be turned back by it, so it is checked again after one radius. Any other body is swept (ode/sweep.h),
+// because its tips may hit something that its middle misses.
 double FlightProbe::free_flight(Collider& collider, double rest_s, dxSpace* space) const {
   const Motion motion = collider.motion();
   const double fastest = point_speed(collider, motion);

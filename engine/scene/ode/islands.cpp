@@ -104,10 +104,10 @@ void Islands::weigh(std::span<const ContactPoint> points, double part_s, Vec3 gr
   }
 }
 
-// A gain is taken away by less restitution. A mass M that comes with speed v is given the impulse J = M v (1 + e) and
-// keeps the energy M v^2 e^2 / 2, which changes by M v^2 e per unit of e: at e = 1 that is J v / 2. So e is lowered by
-// the gain over the sum of J v / 2, and by kMargin more, because contacts act on each other. Where that was not enough,
-// the next solution shows it. Where nothing bounces, nothing can be taken away.
+// A gain is removed by lowering restitution. A mass M that arrives with speed v receives the impulse J = M v (1 + e)
+// and keeps the energy M v^2 e^2 / 2, which changes by M v^2 e per unit of e: at e = 1 that is J v / 2. So e is lowered
+// by the gain over the sum of J v / 2, and by kMargin more, because contacts act on each other. If this was not enough,
+// the next solution shows it. If nothing bounces, nothing can be removed.
 bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2,
                             const Check& check) {
   if (std::ranges::none_of(links_, &Link::bounces)) return false;
@@ -129,8 +129,8 @@ bool Islands::gains(const IslandState& island, double tolerance) {
   return island.gained_j > tolerance * island.total_before_j + kMinGain_j && !island.any_exempt && island.bounced_j > 0;
 }
 
-// All velocities of the island, beside its mean one unless something holds it, are lowered in proportion, which leaves
-// its momentum as it is and contacts that part parting.
+// Scales down all velocities of the island, relative to its mean velocity unless something holds it. The island keeps
+// its momentum, and contacts that separate continue to separate.
 void Islands::take_gains(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance) {
   if (std::ranges::none_of(links_, &Link::bounces)) return;
   weigh(points, part_s, gravity_m_s2);

@@ -1,8 +1,7 @@
 // Islands: groups of bodies that touch or are joined, so that impulses can pass within an island but not between two.
-// They tell two things about one part of a step: how large a system of equations the solver has for each island, and
-// whether contacts have created energy. Restitution is applied at every contact point on its own; where a body is
-// struck at several points at once, in conflicting directions, the result may have more energy than before. Callers
-// hold OdeLock.
+// For one part of a step they show how large a system of equations the solver has for each island, and whether contacts
+// have created energy. Restitution is applied at every contact point on its own; if a body is struck at several points
+// at once, in conflicting directions, the result may have more energy than before. Callers must hold OdeLock.
 //
 //   islands.open(colliders);                  // before contacts are found
 //   islands.unite(body, other, pushed_m_s, bounces);   // for each contact point, in order
@@ -17,7 +16,7 @@
 
 namespace ringdown::scene {
 
-// The body that stands for the island of a body: the body itself where it is in none.
+// Returns the body that stands for the island of a body: the body itself if it is in no island.
 Collider& island_of(Collider& body);
 
 class Islands {
@@ -25,22 +24,22 @@ class Islands {
   // Makes an island of every body that is awake.
   void open(std::span<Collider* const> colliders);
 
-  // Unites the islands of two bodies that touch. What a driven body touches is exempt from the energy check.
-  // `pushed_m_s` is the speed at which the solver would push them apart for overlapping too far, which adds energy;
-  // `bounces` says whether restitution acts.
+  // Unites the islands of two bodies that touch. Islands that a driven body touches are exempt from the energy check.
+  // `pushed_m_s` is the speed at which the solver would push the two apart because they overlap too far, which adds
+  // energy; `bounces` says whether restitution acts.
   void unite(Collider& body, Collider& other, double pushed_m_s, bool bounces);
 
-  // Unites the islands of two bodies that are joined; null: a joint with the world. Correcting a joint adds energy, so
-  // islands with joints are exempt from the energy check.
+  // Unites the islands of two bodies that are joined. A null `other` is a joint with the world. Correcting a joint adds
+  // energy, so islands with joints are exempt from the energy check.
   void join(Collider& body, Collider* other);
 
-  // The number of contact points of the island that has the most.
+  // Returns the largest number of contact points of any island.
   [[nodiscard]] std::size_t max_contacts() const;
 
-  // Returns true where the body touches only what cannot move, and has no joints.
+  // Returns true if the body touches only immovable things and has no joints.
   [[nodiscard]] static bool is_alone(const Collider& body) { return !body.island.has_others && !body.island.exempt; }
 
-  // All bodies that are awake, and those they touch.
+  // All awake bodies, and those they touch.
   [[nodiscard]] std::span<Collider* const> members() const { return members_; }
 
   struct Check {
@@ -49,12 +48,13 @@ class Islands {
     bool last = false;     // whether the part can be repeated only once more
   };
 
-  // Returns whether an island that bounces has gained energy, beyond the work of gravity and of pushes. The elasticity
-  // of the bodies of such islands is lowered: by as much as should do, or to 0 if it is the last time. `points` are
-  // those passed to unite(), in that order.
+  // Returns whether an island that bounces has gained energy, beyond the work of gravity and of pushes. Lowers the
+  // elasticity of the bodies of such islands: by the amount that should remove the gain, or to 0 if `last` is set.
+  // `points` are those passed to unite(), in that order.
   bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, const Check& check);
 
-  // Takes what islands that bounce have gained nevertheless, the work of pushes included, from their velocities.
+  // Removes the energy that bouncing islands have gained nevertheless, the work of pushes included, by lowering their
+  // velocities.
   void take_gains(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance);
 
  private:

@@ -19,9 +19,9 @@
 //   one side; its first friction row, with the bound `mu` of its force, is a motor. ODE's linear motor (LMotor) would
 //   act at the centres of mass.
 //
-// A hard limit lets its quantity come as near as the gap in one part, v <= gap / h, and takes back a share of what is
-// beyond it. Thus a limit is met and not passed. A soft limit is a spring with a damper (contact_rules.h), and so is a
-// drive, whose row asks for the force at the end of the part.
+// A hard limit lets its quantity close at most the gap in one part, v <= gap / h, and corrects a share of any excess.
+// Thus a limit is reached but not passed. A soft limit is a spring with a damper (contact_rules.h). A drive is one too;
+// its row asks for the force at the end of the part.
 namespace ringdown::scene {
 namespace {
 
@@ -102,9 +102,9 @@ OdeFreeJoint::Place OdeFreeJoint::place() const {
   return place;
 }
 
-// Returns the coordinate that a limit bounds, if it has a direction now. A twist about axis k grows with the spin along
-// the mean of the axis in both frames, by 1 / cos(s/2) where the axes stand at an angle s: for the quaternion q, from
-// d/dt 2 atan2(q_k, w).
+// Returns the coordinate that a limit bounds, if its direction is defined now. A twist about axis k grows with the spin
+// along the mean of the axis in both frames, by 1 / cos(s/2) if the axes stand at an angle s: for the quaternion q,
+// from d/dt 2 atan2(q_k, w).
 std::optional<OdeFreeJoint::Coordinate> OdeFreeJoint::coordinate(const AxesLimit& limit, const Place& place) const {
   const std::size_t first = limit.axes[0], count = limit.axes.size();
   const auto into_world = [&](Vec3 v) { return v.x * place.axes[0] + v.y * place.axes[1] + v.z * place.axes[2]; };
@@ -188,7 +188,8 @@ void OdeFreeJoint::add_drive(const AxisDrive& axis, const Place& place) {
   pull(axis.turns, at->direction, place.point_m, speed / at->scale, 1 / gain, drive.most);
 }
 
-// Lets the second frame move along the direction beside the first one by at most this speed, which may be negative.
+// Limits the speed of the second frame along the direction, relative to the first one, to at most this speed, which may
+// be negative.
 void OdeFreeJoint::keep_below(bool turns, Vec3 direction, Vec3 point_m, double most, double cfm) {
   const Vec3 inward = -side_ * direction;
   if (turns) {
@@ -213,7 +214,8 @@ void OdeFreeJoint::keep_below(bool turns, Vec3 direction, Vec3 point_m, double m
   dJointAttach(rows_.back().get(), body_, other_);
 }
 
-// Asks for a speed of the second frame along the direction beside the first one, with at most this force or torque.
+// Asks for a speed of the second frame along the direction, relative to the first one, with at most this force or
+// torque.
 void OdeFreeJoint::pull(bool turns, Vec3 direction, Vec3 point_m, double speed, double cfm, double most) {
   const Vec3 along = side_ * direction;
   if (turns) {

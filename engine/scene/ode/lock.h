@@ -12,8 +12,8 @@ class OdeLock {
  public:
   OdeLock();
 
-  // ODE's warnings since whoever holds the lock has set this to 0. The only warning seen so far says that the exact
-  // solver has left some contacts without a force, which happens in very symmetrical scenes.
+  // The number of ODE's warnings since the holder of the lock set it to 0. The only warning seen so far says that the
+  // exact solver has left some contacts without a force, which happens in very symmetrical scenes.
   static std::size_t& warnings();
 
  private:

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 // Sweep and prune along one axis: boxes are sorted by where they begin, and each is compared with those that begin
-// before it ends. The axis is the one along which the bodies are spread the most. For a thousand bodies on a floor this
-// takes a tenth of the time of ODE's hash space, which allocates a node for each cell that a body lies in.
+// before it ends. The axis is that with the largest spread of bodies. For a thousand bodies on a floor this takes a
+// tenth of the time of ODE's hash space, which allocates a node for each cell that a body lies in.
 namespace ringdown::scene {
 namespace {
 

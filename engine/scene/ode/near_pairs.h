@@ -1,5 +1,4 @@
-// Which bodies and statics are so near each other that they may touch: the boxes about them overlap. Callers hold
-// OdeLock.
+// Finds bodies and statics whose bounding boxes overlap, so that they may touch. Callers must hold OdeLock.
 #pragma once
 
 #include "engine/scene/ode/collider.h"
@@ -15,8 +14,8 @@ class NearPairs {
  public:
   using Pair = std::pair<Collider*, Collider*>;  // the smaller number first
 
-  // All pairs of which at least one body is awake, ordered by their numbers, so that the order does not depend on where
-  // bodies are. Valid until the next call.
+  // Returns all such pairs with at least one awake body, ordered by their numbers, so that the order does not depend on
+  // the bodies' positions. Valid until the next call.
   std::span<const Pair> find(std::span<Collider* const> colliders);
 
  private:
@@ -27,7 +26,7 @@ class NearPairs {
     bool awake;
   };
   struct Found {
-    std::uint64_t numbers;  // of both, the smaller in the upper half
+    std::uint64_t numbers;  // both bodies' numbers, the smaller in the upper half
     Pair pair;
   };
   std::vector<Box> boxes_;

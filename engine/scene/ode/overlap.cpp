@@ -10,10 +10,10 @@
 #include <vector>
 
 // The shifts of bodies follow from pushes at their contact points, as velocities follow from impulses: a push p along
-// the normal n shifts a body of mass m by p n/m and turns it by I^-1 (r x p n). Each point asks for a way apart; its
-// push is what gives that way, and never pulls. Points are visited in turn, some kSweeps times, each time with what the
-// other points' pushes have already done (projected Gauss-Seidel). Points without overlap take part too, because a push
-// elsewhere must not press their bodies into each other.
+// the normal n shifts a body of mass m by p n/m and turns it by I^-1 (r x p n). Each point asks for a separation; its
+// push produces that separation, and never pulls. Points are visited in turn, kSweeps times at most, each time taking
+// into account the pushes at other points (projected Gauss-Seidel). Points without overlap take part too, because a
+// push elsewhere must not press their bodies into each other.
 namespace ringdown::scene {
 namespace {
 
@@ -22,8 +22,8 @@ constexpr int kSweeps = 10;
 // Smaller ways are rounding errors of the solver.
 constexpr double kMin_m = 1e-9;
 
-// The most height that a body owes energy for. Trembling lifts bodies by hundredths of a millimetre; what has been
-// moved out of a deep overlap should fall freely soon.
+// Maximum height for which a body owes energy. Trembling lifts bodies by hundredths of a millimetre; a body moved out
+// of a deep overlap should fall freely soon.
 constexpr double kMaxOwed_m = 2e-4;
 
 struct Shift {
@@ -53,7 +53,7 @@ struct Row {
   double wanted_m = 0, push = 0;
 };
 
-// How a body has moved in the part of the step. The points of a body follow each other.
+// The motion of a body in the part of the step. The points of a body follow each other.
 class Carried {
  public:
   void set(const Collider& collider, const Motion& before) {

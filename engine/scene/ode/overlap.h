@@ -1,6 +1,6 @@
-// Moves overlapping bodies apart at the end of a part of a step. The way out of an overlap is no motion: it gives no
-// velocity, so that a body that is moved out of another rests meanwhile. What a body gains in height it owes
-// in kinetic energy (Collider::pay_for_lifts), or it would tremble for ever, lifted and falling. Callers hold OdeLock.
+// Moves overlapping bodies apart at the end of a part of a step. This shift gives no velocity, so a body that is moved
+// out of another one remains at rest. The potential energy that a body gains is later taken from its kinetic energy
+// (Collider::pay_for_lifts); otherwise it would tremble for ever, lifted and falling. Callers must hold OdeLock.
 #pragma once
 
 #include "engine/scene/ode/collider.h"
@@ -9,20 +9,20 @@
 
 namespace ringdown::scene {
 
-// A contact point, as far as its bodies have to be moved.
+// A contact point at which bodies may have to be moved apart.
 struct Overlap {
   Collider *body, *other;
   const ContactPoint* point;  // as found, before the bodies moved
-  double max_m;               // the farthest that the point may be moved apart in this part of the step
+  double max_m;               // maximum distance that the point may be moved apart in this part of the step
 };
 
 struct Correction {
-  double allowed_m = 0;  // overlap at which two bodies may stay
-  double share = 0;      // of the overlap beyond what is allowed that should be gone after this part
+  double allowed_m = 0;  // overlap that is left as it is
+  double share = 0;      // share of the excess overlap that should be gone after this part
 };
 
-// Moves and turns the bodies so that they move apart at each point by its share, the motion of the part included.
-// Bodies that cannot move stay. Of an island in which no point needs it, nothing changes.
+// Moves and turns the bodies so that at each point they move apart by the wanted share, the motion of the part
+// included. Immovable bodies stay. Islands without such points do not change.
 void move_apart(std::span<const Overlap> overlaps, const Correction& correction, Vec3 gravity_m_s2);
 
 }  // namespace ringdown::scene

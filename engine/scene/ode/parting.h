@@ -1,7 +1,7 @@
-// How long meshes that cut through each other are moved apart. Where walls cross, no direction is the way out: contacts
+// Limits how long meshes that cut through each other are moved apart. If walls cross, no direction leads out: contacts
 // disagree, and a body that follows them wanders, or climbs out of a bowl that it should lie in. Such a pair is moved
-// until it could have come out of walls of its thickness; then it is left as it is, and held there by its contacts.
-// Callers hold OdeLock.
+// for the time that it needs to come out of walls of its thickness; then it is left in place, held there by its
+// contacts. Callers must hold OdeLock.
 #pragma once
 
 #include "engine/scene/ode/overlap.h"
@@ -18,10 +18,10 @@ class Partings {
 
  private:
   struct Parting {
-    double tried_s = 0;                    // how long the pair has been moved apart, less the time that it was not
-    double limit_s = 0, deepest_m = 0;     // of the part's contacts
-    bool touches = false, differ = false;  // in the part
-    Vec3 normal;                           // of the part's first contact
+    double tried_s = 0;                    // time spent moving the pair apart, less the time without
+    double limit_s = 0, deepest_m = 0;     // limit for tried_s; depth of the part's deepest contact
+    bool touches = false, differ = false;  // flags for the present part
+    Vec3 normal;                           // normal of the part's first contact
   };
   PairMap<Parting> pairs_;
 };

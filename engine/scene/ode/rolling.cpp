@@ -38,10 +38,10 @@ double ContactLoads::of_n(BodyId one, BodyId two) const {
   return load == loads_.end() || load->pair != key_of(one, two) ? 0 : load->force_n;
 }
 
-// The torque needed is the one that stops the relative spin within this part of the step: minus the spin, over the time
-// and the two bodies' inverse moments about its axis. Against a body that cannot move, the torque by which gravity
-// would roll the body down its slope is balanced as well, without its component along the contact normal. The torque is
-// limited to the load times the coefficient of rolling resistance.
+// The required torque stops the relative spin within this part of the step: minus the spin, over the time and the two
+// bodies' inverse moments about its axis. Against an immovable body it also balances the torque by which gravity would
+// roll the body down its slope, without its component along the contact normal. The torque is limited to the load times
+// the coefficient of rolling resistance.
 void resist_rolling(Collider& body, Collider& other, Vec3 point_m, Vec3 normal, double limit_nm, Vec3 gravity_m_s2,
                     double part_s) {
   const Motion of_body = body.motion(), of_other = other.motion();

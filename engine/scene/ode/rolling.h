@@ -21,12 +21,12 @@ class ContactLoads {
     std::uint64_t pair = 0;
     double force_n = 0;
   };
-  std::vector<Load> loads_;  // by pair
+  std::vector<Load> loads_;  // sorted by pair
 };
 
-// Adds the torque for the next `part_s` to both bodies: at most `limit_nm`, and no more than stops the relative spin or
-// holds `body` on its slope, so that the torque never reverses a spin. `point_m` and `normal` are of the contact, in
-// world axes.
+// Adds a torque for the next `part_s` to both bodies: at most `limit_nm`, and no more than the torque that stops the
+// relative spin or holds `body` on its slope, so that it never reverses a spin. `point_m` and `normal` are those of the
+// contact, in world axes.
 void resist_rolling(Collider& body, Collider& other, Vec3 point_m, Vec3 normal, double limit_nm, Vec3 gravity_m_s2,
                     double part_s);
 

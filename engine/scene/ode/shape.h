@@ -37,8 +37,8 @@ struct OdeShape {
 // Makes the geometry of a body's shape. The caller attaches it to a body, and then sets its offset to `shape.center_m`.
 OdeShape make_shape(dxSpace* space, const CollisionShape& shape);
 
-// A second geometry of the same shape, which belongs to no space and no body and may be put anywhere, to see what the
-// shape would touch there. Made on the first call.
+// Returns a second geometry of the same shape that belongs to no space and no body. Callers may place it anywhere to
+// test what the shape would touch there. Made on the first call.
 dxGeom* ghost_of(OdeShape& shape);
 
 // Makes the geometry of a static, in its position.

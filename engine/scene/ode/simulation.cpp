@@ -29,7 +29,7 @@
 //    without it (fixed_contacts.h). If the exact solver warns that it failed, the bodies are restored and the iterative
 //    one is used (State::solve).
 // 4. If an island has gained energy in the part, its bodies are restored and the part is repeated with less restitution
-//    for that island (State::do_part). What the solver has added besides is taken from the island's velocities.
+//    for that island (State::do_part). Any further gain is removed from the island's velocities.
 namespace ringdown::scene {
 namespace {
 
@@ -40,22 +40,23 @@ struct SpaceDeleter {
   void operator()(dxSpace* space) const { dSpaceDestroy(space); }
 };
 
-// When fewer than one body in this many is awake, each of those looks for its contacts by itself.
+// If fewer than one body in this many is awake, each awake body searches for its contacts by itself.
 constexpr std::size_t kFewAwake = 16;
 
-// A body that has moved less than this for kSleepAfter_s sleeps until something touches it. Speeds are averaged over
-// kSleepSamples steps, because the iterative solver leaves resting bodies trembling.
+// A body that has moved more slowly than this for kSleepAfter_s sleeps until something touches it. Speeds are averaged
+// over kSleepSamples steps, because the iterative solver leaves resting bodies trembling.
 constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.01, kSleepSpin_rad_s = 0.1;
 constexpr int kSleepSamples = 10;
 
-// Bodies that have stayed where they are for this long sleep, however they tremble. Of 600 starts of crossed knives 0.5
-// s left nine trembling for more than a second; 0.3 s leaves two to four.
+// Bodies that have stayed in place for this long sleep, even if they tremble. Of 600 starts of crossed knives 0.5 s
+// left nine trembling for more than a second; 0.3 s leaves two to four.
 constexpr double kSleepWhenStill_s = 0.3;
 
 // Energy that an island may gain in one part, as a share of its kinetic energy: the error of the solvers.
 constexpr double kGain = 1e-9, kGainByIteration = 1e-2;
 
-// How often a part is solved again with less restitution, the last time with none, until it gains no energy.
+// Maximum number of times that a part is solved again with less restitution, the last time with none, until it gains no
+// energy.
 constexpr int kMaxRounds = 6;
 
 // The exact solver's time grows with the cube of an island's contact points, and a long step leaves more time.
@@ -64,7 +65,7 @@ std::size_t max_exact_contacts(double step_s) {
 }
 
 // The iterative solver's time grows with contacts times iterations. A tower needs many iterations; a heap, which has
-// more contacts, can do with fewer.
+// more contacts, needs fewer.
 int iterations(std::size_t contacts) {
   return std::clamp(static_cast<int>(6000 / std::max<std::size_t>(contacts, 1)), 20, 60);
 }
@@ -208,8 +209,7 @@ void Simulation::State::find_and_solve() {
   contacts.read_impulses();
 }
 
-// Each body that is awake looks for its contacts by itself where these are few: that is cheaper than sorting all
-// bodies.
+// If few bodies are awake, each of them searches for its contacts by itself: that is cheaper than sorting all bodies.
 void Simulation::State::find_contacts() {
   const auto awake = std::ranges::count_if(in_order, &Collider::awake);
   if (static_cast<std::size_t>(awake) * kFewAwake >= in_order.size()) {
@@ -270,10 +270,10 @@ void Simulation::State::solve() {
   dWorldQuickStep(world.get(), part_s);
 }
 
-// ODE bounds friction by the normal impulse that there would be without friction. Where a body lands on an edge,
-// friction turns the body and so changes that impulse: by 18 % in the worst case seen. The part is solved again with
-// the bounds that follow from the last solution, until they agree with the solution's own impulses. Where they do not
-// come to rest, at a very high friction, ODE's first solution stands.
+// ODE bounds friction by the normal impulse that would occur without friction. If a body lands on an edge, friction
+// turns the body and so changes that impulse: by 18 % in the worst case seen. The part is solved again with bounds from
+// the last solution, until they agree with the solution's own impulses. If they do not converge, at a very high
+// friction, ODE's first solution is used.
 void Simulation::State::correct_friction() {
   for (int round = 0; round < kMaxFrictionRounds; ++round) {
     contacts.read_impulses();
@@ -296,8 +296,8 @@ void Simulation::State::restore() {
   move_driven(driven_s);
 }
 
-// Puts driven bodies where they are after so much of the step: ODE's own solutions, of which there may be several, move
-// them, too.
+// Places driven bodies at their poses after `done_s` of the step. This is needed because each of ODE's solutions, of
+// which there may be several, moves them too.
 void Simulation::State::move_driven(double done_s) {
   driven_s = done_s;
   if (!has_driven) return;
@@ -334,8 +334,9 @@ std::vector<BodyJoint> Simulation::State::joints_of(BodyId id) const {
   return found;
 }
 
-// Bodies sleep that lie on others and have all stayed where they are for kSleepWhenStill_s. Those of an island sleep
-// together, for one that moves would wake the others. None does while a driven body moves, which may shake them.
+// Lets bodies sleep that lie on others and have all stayed in place for kSleepWhenStill_s. The bodies of an island
+// sleep together, because a moving one would wake the others. None sleeps while a driven body moves, which may shake
+// them.
 void Simulation::State::let_still_bodies_sleep() {
   const bool shaken = std::ranges::any_of(in_order, [](const Collider* collider) {
     return collider->driven && (collider->told.velocity_m_s != Vec3{} || collider->told.spin_rad_s != Vec3{});

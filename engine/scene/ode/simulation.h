@@ -1,9 +1,9 @@
-// Rigid bodies that collide: everything Ringdown asks of ODE, and nothing about sound. World (world.h) passes the
-// contact points on to ContactSounds (contact_sounds.h), which turn them into events.
+// Rigid bodies that collide: all uses of ODE, and nothing about sound. World (world.h) passes the contact points on to
+// ContactSounds (contact_sounds.h), which turns them into events.
 //
-// Input must be checked before it gets here, by solid.h and the ranges of description.h: ODE ends the process on a NaN
-// or a mass of zero. Every call takes one process-wide lock, because ODE's collision code keeps global state;
-// simulations on several threads are safe but wait for each other. [one thread at a time per Simulation]
+// Input must be checked beforehand, by solid.h and the ranges of description.h: ODE ends the process on a NaN or a mass
+// of zero. Every call takes one process-wide lock, because ODE's collision code keeps global state; simulations on
+// several threads are safe but wait for each other. [one thread at a time per Simulation]
 #pragma once
 
 #include "engine/scene/contact/contact_rules.h"
@@ -19,11 +19,11 @@
 
 namespace ringdown::scene {
 
-// The most contact points in one island of bodies that ODE's exact solver handles; with more, the iterative solver
-// takes over for all bodies. Holds at a step of 2 ms and grows with the cube root of the step.
+// Maximum number of contact points in one island of bodies for ODE's exact solver; with more, the iterative solver
+// takes over for all bodies. The number applies at a step of 2 ms and grows with the cube root of the step.
 inline constexpr double kMaxExactContacts = 52;
 
-// The most parts that a step is done in, so that fast bodies do not fly through what they should hit.
+// Maximum number of parts into which a step is divided, so that fast bodies do not fly through obstacles.
 inline constexpr int kMaxParts = 16;
 
 class Simulation {
@@ -36,34 +36,34 @@ class Simulation {
 
   void add_static(BodyId id, const StaticDescription& description);
 
-  // Adds a body, or replaces one, whose joints then stay. A fixed body ignores velocity, gravity and contacts.
+  // Adds a body, or replaces one but keeps its joints. A fixed body ignores velocity, gravity and contacts.
   // `gravity_factor` scales the scene's gravity.
   void put_body(BodyId id, const Solid& solid, const Motion& motion, const FrictionSurface& surface, bool fixed,
                 double gravity_factor = 1);
-  void set_filter(BodyId id, const CollisionFilter& filter);  // of a body or a static; until it is removed
-  void remove_body(BodyId id);                                // with its joints
+  void set_filter(BodyId id, const CollisionFilter& filter);  // for a body or a static; holds until it is removed
+  void remove_body(BodyId id);                                // also removes its joints
 
   // Joins two bodies in their present poses, or one body to the world. The names in the description are ignored.
   void add_joint(BodyId body, std::optional<BodyId> other, const JointDescription& description);
 
   void set_motion(BodyId id, const Motion& motion);  // wakes the body
 
-  // Says how a fixed body moves in the next step, at a constant velocity; wakes all bodies if it does move.
+  // Sets the motion of a fixed body in the next step, at a constant velocity. Wakes all bodies if the body does move.
   void drive(BodyId id, const Motion& motion);
 
-  // Advances by one step and returns its contact points, which stay valid until the next call. A body about to fly
-  // through another, or deep into it, is stopped where they meet: the step is then done in parts. As soon as
-  // `*given_up` is not 0, no more contacts are looked for, and the bodies go through each other.
+  // Advances by one step and returns its contact points, which stay valid until the next call. If a body is about to
+  // fly through another, or deep into it, the step is done in parts, one of which ends where the two meet. Once
+  // `*given_up` is not 0, no more contacts are searched, and bodies pass through each other.
   std::span<const ContactPoint> step(const std::atomic<int>* given_up = nullptr);
 
   // The bodies that the last step moved. Sleeping bodies are not among them.
   [[nodiscard]] std::span<const MovedBody> moved() const;
 
-  // Whether all bodies sleep, so that a step would change nothing.
+  // Returns whether all bodies sleep, so that a step would change nothing.
   [[nodiscard]] bool asleep() const;
 
-  // The number of contact points, and of whole pairs of bodies, beyond kMaxContactsPerStep, which the last step
-  // ignored: such bodies sink into each other until other contacts end.
+  // Returns how many contact points and whole pairs of bodies the last step ignored because they were beyond
+  // kMaxContactsPerStep. Such bodies sink into each other until other contacts end.
   [[nodiscard]] std::size_t dropped_contacts() const;
 
  private:

@@ -14,7 +14,7 @@ constexpr double kDeepest = 0.2;
 // Surfaces that are this close touch, so that a resting body does not lose and find its contacts.
 constexpr double kMargin_m = 1e-4;
 
-// Two bodies that have moved by less than this in relation to each other have the same contacts: another could be no
+// Contacts are reused while two bodies have moved by less than this relative to each other: a new contact could be no
 // nearer than kMargin_m less this.
 constexpr double kSame_m = 3e-5;
 

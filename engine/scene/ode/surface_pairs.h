@@ -1,6 +1,6 @@
-// The contacts of pairs of bodies by their surfaces, kept from one part of a step to the next. While two bodies stay
-// where they are in relation to each other, the features that touch stay the same, and only their depths are found
-// anew; the search is made again when the two have moved. Callers hold OdeLock.
+// Finds contacts of pairs of bodies by their surfaces, and keeps them from one part of a step to the next. While the
+// relative pose of two bodies stays nearly unchanged, the touching features are kept and only their depths are updated;
+// when the pose has changed, the search is repeated. Callers must hold OdeLock.
 #pragma once
 
 #include "engine/scene/ode/collider.h"
@@ -17,11 +17,12 @@ namespace ringdown::scene {
 
 class SurfacePairs {
  public:
-  // Whether contacts of the two shapes are found by their surfaces: not those of spheres, planes, and two boxes.
+  // Returns whether the two shapes' contacts are found by surfaces: not for spheres, planes, and two boxes.
   [[nodiscard]] static bool covers(const Collider& one, const Collider& two);
 
-  // Stores the contacts of the two bodies in `room` and returns their number. Normals point into the first. `part_s` is
-  // how long the bodies have moved since contacts were last looked for: features may be that much deeper in each other.
+  // Stores the contacts of the two bodies in `room` and returns their number. Normals point into the first body.
+  // `part_s` is the time that the bodies have moved since the last search, in which features may have moved deeper into
+  // each other.
   int find(const Collider& first, const Collider& second, double part_s, std::span<dContactGeom> room);
 
   void end_part();         // forgets pairs that were not looked at since the last call
@@ -30,7 +31,7 @@ class SurfacePairs {
  private:
   struct Kept {
     RelativePose pose;
-    std::vector<SurfaceContact> contacts;  // in the second's frame, at that pose
+    std::vector<SurfaceContact> contacts;  // in the second body's frame, at the stored pose
     bool used = false;
   };
   std::map<std::pair<BodyId, BodyId>, Kept> kept_;

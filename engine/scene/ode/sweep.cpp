@@ -11,9 +11,9 @@
 #include <span>
 
 // The body's motion is tried at moments so close to each other that no point moves by more than the sum of both half
-// thicknesses in between, so nothing passes anything unnoticed. Only moments at which the ball about the body touches
-// the box about the obstacle are tried. Of the first two neighbouring moments with and without an overlap, bisection
-// makes the first overlap.
+// thicknesses in between, so no passage is missed. Only moments at which the ball about the body touches the box about
+// the obstacle are tried. Bisection between the first two neighbouring moments without and with an overlap finds the
+// first overlap.
 namespace ringdown::scene {
 namespace {
 
@@ -80,7 +80,7 @@ double deepest(std::span<const dContactGeom> touches) {
   return depth_m;
 }
 
-// When a ball that moves by `velocity_m_s` touches a box, whose edges are along the axes; nothing if not by `rest_s`.
+// Returns when a ball that moves by `velocity_m_s` touches an axis-aligned box; nothing if it does not by `rest_s`.
 // ODE's box about a plane is infinite, except along the axis that the plane may be normal to.
 std::optional<Span> ball_in_box(Vec3 place_m, Vec3 velocity_m_s, double radius_m, dxGeom* geom, double rest_s) {
   dReal box[6];

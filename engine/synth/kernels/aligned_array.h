@@ -1,4 +1,4 @@
-// Arrays as the kernels' aligned loads need them, at any vector size.
+// Arrays aligned for the kernels' loads, at any vector size.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ struct AlignedDelete {
 template <class T>
 using AlignedArray = std::unique_ptr<T[], AlignedDelete>;
 
-// `count` zeros.
+// Returns `count` zeros.
 template <class T>
 AlignedArray<T> aligned_zeros(std::size_t count) {
   AlignedArray<T> block(new (kVectorAlignment) T[count]);

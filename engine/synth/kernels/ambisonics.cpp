@@ -5,9 +5,8 @@
 
 namespace ringdown::synth {
 
-// Real spherical harmonics without the Condon-Shortley phase, as homogeneous polynomials of
-// the direction's components. See M.
-// Chapman et al., "A standard for interchange of ambisonic signal sets", Ambisonics Symposium, Graz, 2009.
+// Real spherical harmonics without the Condon-Shortley phase, as homogeneous polynomials of the direction's components.
+// See M. Chapman et al., "A standard for interchange of ambisonic signal sets", Ambisonics Symposium, Graz, 2009.
 AmbisonicGains encode(Vec3 towards) RINGDOWN_REALTIME {
   const auto& [x, y, z] = towards;
   constexpr double k3 = std::numbers::sqrt3;

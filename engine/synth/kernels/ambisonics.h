@@ -1,5 +1,5 @@
-// Ambisonics: the sound field at the listener, as a sum of spherical harmonics, in the convention that is called AmbiX:
-// channels in ACN order, normalised as SN3D. Any decoder for loudspeakers or headphones that reads AmbiX takes it.
+// Ambisonics: the sound field at the listener, as a sum of spherical harmonics, in the AmbiX convention: channels in
+// ACN order, SN3D normalisation. Any AmbiX decoder for loudspeakers or headphones reads it.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -17,8 +17,9 @@ inline constexpr std::size_t kMaxAmbisonicChannels = ambisonic_channels(kMaxAmbi
 
 using AmbisonicGains = std::array<double, kMaxAmbisonicChannels>;
 
-// The gain of a source at each channel. `towards` is the unit vector from the listener to the source: x to the front, y
-// to the left, z up. A shorter vector is heard less from that side and more from all around. [any]
+// Returns the gain of a source at each channel. `towards` is the unit vector from the listener to the source: x to the
+// front, y to the left, z up. With a shorter vector the sound comes less from that direction and more from all around.
+// [any]
 AmbisonicGains encode(Vec3 towards) RINGDOWN_REALTIME;
 
 }  // namespace ringdown::synth

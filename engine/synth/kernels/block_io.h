@@ -10,14 +10,14 @@
 
 namespace ringdown::synth {
 
-// Channels: left and right of the mix, then the buses. Where there are ambisonic channels, they take the places of the
+// Channels: left and right of the mix, then the buses. Ambisonic channels, if there are any, take the places of the
 // last buses.
 inline constexpr std::size_t kMaxChannels = 64;
 inline constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;
 inline constexpr std::size_t kFirstAmbisonic = kMaxChannels - kMaxAmbisonicChannels;
-inline constexpr std::size_t kNoBus = 0;  // in place of a bus's channel
+inline constexpr std::size_t kNoBus = 0;  // means no bus where a bus's channel is expected
 
-// Some of the channels: bit c stands for channel c.
+// A set of channels: bit c stands for channel c.
 using ChannelSet = std::uint64_t;
 constexpr bool contains(ChannelSet set, std::size_t channel) { return (set >> channel & 1) != 0; }
 constexpr ChannelSet only(std::size_t channel) { return ChannelSet{1} << channel; }
@@ -25,7 +25,7 @@ constexpr ChannelSet only(std::size_t channel) { return ChannelSet{1} << channel
 constexpr ChannelSet ambisonic_set(std::size_t count) { return ((ChannelSet{1} << count) - 1) << kFirstAmbisonic; }
 inline constexpr ChannelSet kAllAmbisonic = ambisonic_set(kMaxAmbisonicChannels);
 
-// Where a block is written. A channel to which nobody listens is not rendered.
+// The output buffers of a block. A channel without a buffer is not rendered.
 class Outputs {
  public:
   Outputs() = default;
@@ -44,11 +44,11 @@ class Outputs {
     samples_[channel] = samples;
     wanted_ |= only(channel);
   }
-  std::array<float*, kMaxChannels> samples_;  // set for the channels that are wanted
+  std::array<float*, kMaxChannels> samples_;  // valid for wanted channels only
   ChannelSet wanted_ = 0;
 };
 
-// Audio that excites objects: for each input null, or one sample per frame.
+// Audio inputs that excite objects: for each input null, or one sample per frame.
 inline constexpr std::size_t kMaxInputs = 4;
 using Inputs = std::array<const float*, kMaxInputs>;
 

@@ -17,25 +17,25 @@ namespace ringdown::synth {
 
 class ChannelSums {
  public:
-  // Makes room for ambisonic channels, or gives it back. [worker, while nothing is rendered]
+  // Allocates or frees the ambisonic channels. [worker, while nothing is rendered]
   void have_field(bool on) { field_ = on ? std::make_unique<FieldSums>() : nullptr; }
 
-  // Begins a chunk of `frames`; what was added before is dropped. More than kChunkFrames only if nothing is added.
+  // Begins a chunk of `frames` and drops earlier sums. More than kChunkFrames only if nothing is added.
   void open(std::size_t frames) RINGDOWN_REALTIME;
 
-  // The samples or moments of a channel, to be added to.
+  // Return the samples or moments of a channel, to which callers add.
   double* samples(std::size_t channel) RINGDOWN_REALTIME;
   MomentSums* moments(std::size_t channel) RINGDOWN_REALTIME;
-  // Returns the sums that take an object for all of its channels together; null where there are no ambisonic channels.
+  // Returns the sums that take an object for all of its channels together; null if there are no ambisonic channels.
   [[nodiscard]] FieldSums* field() RINGDOWN_REALTIME { return field_.get(); }
 
-  // Adds all that was added to `other` in the same chunk.
+  // Adds the sums of `other` for the present chunk.
   void add(const ChannelSums& other) RINGDOWN_REALTIME;
 
   // Turns moments into samples, after everything was added.
   void close() RINGDOWN_REALTIME;
 
-  // The channel's samples; null where nothing was added.
+  // Returns the channel's samples; null if nothing was added.
   [[nodiscard]] const double* result(std::size_t channel) const RINGDOWN_REALTIME;
 
  private:

@@ -50,7 +50,7 @@ double forces_of(const CoupledArrays& terms, const float* HWY_RESTRICT q, float*
   return energy;
 }
 
-// More modes than registers hold: y stays in the nearest memory, and four rows of H are added to it at a time.
+// For more modes than registers hold: y stays in the L1 cache, and four rows of H are added to it at a time.
 double forces_of_many(const CoupledArrays& terms, const float* HWY_RESTRICT q, float* HWY_RESTRICT gradient) {
   const FloatTag tag;
   constexpr std::size_t kLanes = hn::MaxLanes(FloatTag());

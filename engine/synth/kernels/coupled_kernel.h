@@ -1,5 +1,5 @@
-// The inner loop of modes that bend each other sample by sample (coupled_modes.h). One source, compiled for every
-// instruction set that Highway knows.
+// The inner loop of modes that are coupled and exchange energy sample by sample (coupled_modes.h). One source, compiled
+// for every instruction set that Highway knows.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -8,7 +8,7 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kCoupledPadding = 16;  // modes are padded with zeros to a multiple of this
+inline constexpr std::size_t kCoupledPadding = 16;  // arrays of modes are padded with zeros to a multiple of this
 
 inline constexpr std::size_t kMaxCoupledStride = 304;
 

@@ -8,14 +8,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
-// A group's sums stay in registers while its terms are gone through.
+// A group's sums stay in registers for all of its terms.
 void look_up_here(const modal::DirectionMap& map, const float* harmonics, float* re, float* im) {
   constexpr std::size_t kGroup = modal::DirectionMap::kGroup;
   const hn::CappedTag<float, kGroup> tag;
   constexpr std::size_t kLanes = hn::MaxLanes(hn::CappedTag<float, kGroup>()), kVectors = 2 * kGroup / kLanes;
   const std::uint32_t* const first = map.first();
   for (std::size_t group = 0; group < map.groups(); ++group, re += kGroup, im += kGroup) {
-    hn::Vec<decltype(tag)> sum[kVectors], other[kVectors];  // two sums, so that additions need not wait for each other
+    hn::Vec<decltype(tag)> sum[kVectors], other[kVectors];  // two sums, so that additions do not wait for each other
     RINGDOWN_UNROLL
     for (std::size_t v = 0; v < kVectors; ++v) sum[v] = other[v] = hn::Zero(tag);
     std::uint32_t term = first[group];

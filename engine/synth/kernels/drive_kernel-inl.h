@@ -9,20 +9,20 @@
 
 // A chunk under forces
 //
-// An impulse adds to the states in the very frame in which it acts, so a mode under a force has no closed form over a
-// chunk, and its recurrence is run frame by frame in double: the sample is Re z; each force takes (impulse) x
-// (amplitude) off Im z, which starts a sine; then z <- z p. Lanes are modes, and the states of four vectors stay in
-// registers for the whole chunk, because one vector alone would spend most of its time waiting for its own products.
-// The sum over lanes is left for the end: until then each frame keeps one vector of partial sums.
+// An impulse changes the states in the frame in which it acts, so a mode under a force has no closed form over a chunk,
+// and its recurrence is run frame by frame in double: the sample is Re z; each force subtracts (impulse) x (amplitude)
+// from Im z, which starts a sine; then z <- z p. Lanes are modes, and the states of four vectors stay in registers for
+// the whole chunk, because one vector alone would spend most of its time waiting for its own products. The sum over
+// lanes is left for the end: until then each frame keeps one vector of partial sums.
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
-// Partial sums, one vector for each sample. The lanes of each are added up at the end.
+// Partial sums, one vector for each sample, whose lanes are added up at the end.
 struct Sums {
   alignas(64) double lanes[kChunkFrames * kModePadding];
 };
 
-// Poles in a time that runs faster or slower.
+// Returns poles for a Doppler-shifted time.
 HWY_INLINE Complex shifted(Complex pole, const Hearing& hearing, std::size_t at) {
   if (hearing.rate == 1 || hearing.log_re == nullptr) return pole;
   const Tag tag;
@@ -32,7 +32,7 @@ HWY_INLINE Complex shifted(Complex pole, const Hearing& hearing, std::size_t at)
   return multiply(pole, {hn::Mul(size, hn::Cos(tag, angle)), hn::Mul(size, hn::Sin(tag, angle))});
 }
 
-// The gains at which the modes of a few vectors are heard, and their steps per frame.
+// The gains of the modes of a few vectors, and their steps per frame.
 template <std::size_t kVectors>
 struct Gains {
   Complex now[kVectors], step[kVectors];
@@ -59,7 +59,7 @@ struct Gains<0> {
   HWY_INLINE Gains(const Hearing* /*all*/, std::size_t /*first*/) {}
 };
 
-// Adds one frame of a few vectors of modes, as they are heard, to its partial sums at `to`, and moves the gains on.
+// Adds one frame of a few vectors of modes, at their gains, to its partial sums at `to`, and advances the gains.
 template <std::size_t kVectors, bool kHeard>
 HWY_INLINE void add_heard(const Complex* z, Gains<kHeard ? kVectors : 0>& gains, double* to) {
   const Tag tag;
@@ -77,7 +77,7 @@ HWY_INLINE void add_heard(const Complex* z, Gains<kHeard ? kVectors : 0>& gains,
   hn::Store(sum, tag, to);
 }
 
-// Stores the states of a few vectors of modes. Returns the lanes of their energy.
+// Stores the states of a few vectors of modes. Returns their energy, by lanes.
 template <std::size_t kVectors>
 HWY_INLINE Vec store_vectors(const Complex* z, const ModeArrays& modes, std::size_t first) {
   const Tag tag;
@@ -91,7 +91,7 @@ HWY_INLINE Vec store_vectors(const Complex* z, const ModeArrays& modes, std::siz
 }
 
 // Runs drive.vectors<kVectors, kHeard>(first, sums) over all columns, several vectors together while there are enough.
-// Returns the energy that is left, and adds the samples to `out` unless that energy is absurd (kAbsurdEnergy).
+// Returns the remaining energy, and adds the samples to `out` unless that energy is absurd (kAbsurdEnergy).
 template <class Drive>
 HWY_INLINE double drive_columns(const ModeArrays& modes, std::size_t columns, const Drive& drive, double* out,
                                 std::size_t frames) {
@@ -118,7 +118,7 @@ HWY_INLINE double drive_columns(const ModeArrays& modes, std::size_t columns, co
   return left;
 }
 
-// A few vectors of modes at once, whose chains of products run side by side.
+// A few vectors of modes at once, whose chains of products run in parallel.
 template <std::size_t kVectors, bool kHeard>
 HWY_INLINE Vec drive_vectors(const ModeArrays& modes, std::size_t first, std::span<const Force> forces,
                              std::size_t frames, Sums& sums) {
@@ -220,7 +220,7 @@ double drive_touched_here(const ModeArrays& modes, std::size_t columns, std::spa
   return drive_columns(modes, columns, UnderTouches{modes, forces, ports, frames, substeps}, out, frames);
 }
 
-// Where a few vectors of modes move the surface at kPlaces places, added to sums of lanes for each step.
+// Adds the surface displacement of a few vectors of modes at kPlaces places to sums of lanes, for each step.
 template <std::size_t kPlaces, std::size_t kVectors>
 HWY_INLINE void move_places(const ModeArrays& modes, std::size_t first, const double* const* weights, std::size_t count,
                             double* sums) {

@@ -11,14 +11,15 @@
 
 // From objects to a field
 //
-// Objects wait until there are kBatch of them; then add_objects_here() adds all to the field, as a product of matrices:
-// a vector is a number of all channels, so gains are vectors, and each number of an object is multiplied with its own.
+// Objects wait until there are kBatch of them; then add_objects_here() adds them to the field as a product of matrices:
+// a vector holds one number of all channels, so an object's gains are vectors, and each of its numbers is multiplied by
+// its gain vector.
 //
-// In the end, fill_lines_here() makes of the lines the spectra of eight sequences, one for each two channels, of which
-// one becomes the real part and the other the imaginary one: as the lines of a real signal, they stand at the mirrored
-// frequency, too, conjugate. ChunkTransform transforms them at once. Because lines lie between the frequencies of the
-// transform, write_frames_here() turns each frame by half a line's phase, and multiplies it with psi. Gains that move
-// have a second set of lines, whose frames are multiplied with t.
+// At the end, fill_lines_here() turns the lines into the spectra of eight sequences, each for two channels, of which
+// one becomes the real part and the other the imaginary part. As lines of a real signal, they also appear at the
+// mirrored frequency, conjugated. ChunkTransform transforms all sequences at once. Because lines lie between the
+// frequencies of the transform, write_frames_here() rotates each frame by half a line's phase, and multiplies it by
+// psi. Gains that move have a second set of lines, whose frames are multiplied by t.
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
@@ -71,7 +72,7 @@ void fill_lines_here(const float* bundle, float* re, float* im) {
   for (std::size_t line = kEdge + kPoints / 2; line < kGridLines; ++line) put(line, false);
 }
 
-// `turns`: by which a frame is multiplied, kChunkFrames real parts and then imaginary ones.
+// `turns` are the factors of frames: kChunkFrames real parts, then imaginary parts.
 void write_frames_here(const float* re, const float* im, const std::uint16_t* place, const float* turns, bool first,
                        float* samples, std::size_t frames) {
   for (std::size_t j = 0; j < frames; ++j, samples += kFieldWidth) {
@@ -169,7 +170,7 @@ float* FieldSums::part_of_field(Part part) RINGDOWN_REALTIME {
   return field_[part].data();
 }
 
-// The ambisonic channels first; then others take their places in the bundle, as many as it has.
+// Synthesises the ambisonic channels first, then the others in bundles of up to kWidth.
 void FieldSums::close(const std::array<double*, kMaxChannels>& out, std::size_t frames) RINGDOWN_REALTIME {
   add_waiting(waiting_);
   std::array<double*, kWidth> to;

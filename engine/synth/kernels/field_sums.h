@@ -1,5 +1,5 @@
-// The sum of many objects in all ambisonic channels, for one chunk at a time: each object's modes come down to lines of
-// a frequency grid, which are added to every channel at the object's gain there. [audio, after construction]
+// The sum of many objects in all ambisonic channels, for one chunk at a time: each object's modes are reduced to lines
+// of a frequency grid, which are added to every channel with the object's gain there. [audio, after construction]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -11,12 +11,13 @@
 
 namespace ringdown::synth {
 
-// A gain that moves in a straight line: what it is in the middle of a chunk's window, and how much more at its end.
+// A gain that moves in a straight line: its value in the middle of a chunk's window, and the increase from there to the
+// window's end.
 struct GainLine {
   float middle = 0, slope = 0;
 };
 
-// The gains of an object at all ambisonic channels.
+// An object's gains at all ambisonic channels.
 struct FieldGains {
   alignas(64) std::array<float, kMaxAmbisonicChannels> middle{}, slope{};
   bool moves = false;
@@ -26,28 +27,31 @@ class FieldSums {
  public:
   FieldSums();
 
-  // Begins a chunk; what was added before is dropped.
+  // Begins a chunk and drops earlier sums.
   void open() RINGDOWN_REALTIME;
 
-  // Begins an object. To this target, which stands alone in a call, kernels add its modes at full level.
+  // Begins an object. Kernels add the object's modes at full level to the returned target, which must be the only
+  // target of a call.
   [[nodiscard]] MomentTarget begin_object() RINGDOWN_REALTIME;
-  // The object is heard in channels beside the ambisonic ones, and then in these, of which `wanted` are listened to.
+  // add_to() adds the object to a channel that is not ambisonic; end_object() then adds it to the ambisonic channels,
+  // of which `wanted` are listened to.
   void add_to(std::size_t channel, const GainLine& gain) RINGDOWN_REALTIME;
   void end_object(const FieldGains& gains, ChannelSet wanted) RINGDOWN_REALTIME;
 
-  // Adds all that was added to `other` in the same chunk.
+  // Adds the sums of `other` for the present chunk.
   void add(const FieldSums& other) RINGDOWN_REALTIME;
 
-  // The channels to which something was added. Adds their samples to `out`; the sums are used up.
+  // channels() returns the channels to which something was added. close() adds their samples to `out` and uses up the
+  // sums.
   [[nodiscard]] ChannelSet channels() const RINGDOWN_REALTIME { return field_channels_ | other_channels_; }
   void close(const std::array<double*, kMaxChannels>& out, std::size_t frames) RINGDOWN_REALTIME;
 
  private:
   static constexpr std::size_t kWidth = kMaxAmbisonicChannels;
-  static constexpr std::size_t kBatch = 16;  // objects that wait to be added to the field, so that it is read seldom
-  enum Part { middle, slope, kParts };       // of what is heard: what stands, and what goes as t
+  static constexpr std::size_t kBatch = 16;  // objects added to the field together, so that the field is read rarely
+  enum Part { middle, slope, kParts };       // parts of the sound: constant, and proportional to t
   using Lines = std::array<float, kGridNumbers>;
-  using Bundle = std::array<float, kGridNumbers * kWidth>;  // of kWidth channels: a number of each, then the next
+  using Bundle = std::array<float, kGridNumbers * kWidth>;  // for each number, the values of kWidth channels
   struct Waiting {
     alignas(64) std::array<Lines, kBatch> objects;
     alignas(64) std::array<std::array<std::array<float, kWidth>, kBatch>, kParts> gains;
@@ -70,7 +74,7 @@ class FieldSums {
   ChannelSet field_channels_ = 0, other_channels_ = 0;
 
   ChunkTransform transform_;
-  std::array<std::array<float, 2 * kChunkFrames>, kParts> turns_;  // by which a frame is multiplied: re, then im
+  std::array<std::array<float, 2 * kChunkFrames>, kParts> turns_;  // factors of frames: real, then imaginary parts
   alignas(64) std::array<float, ChunkTransform::kPoints * kWidth / 2> re_, im_;
   alignas(64) std::array<float, kChunkFrames * kWidth> samples_;
 };

@@ -40,8 +40,8 @@ Half solve(std::array<Half, kHalf> matrix, Half right) {  // by Gauss; the matri
   return right;
 }
 
-// The shapes q_p, without the decay about which they expand, are even or odd in t as p is. So lines come in pairs, as
-// cosines or sines, and least squares fit these to the shape.
+// Without the decay about which they are expanded, the shapes q_p are even or odd in t, like p. So lines come in pairs,
+// as cosines or sines, and least squares fit these to the shape.
 Half fit(std::size_t p) {
   std::array<Half, kHalf> matrix{};
   Half right{};

@@ -8,24 +8,23 @@
 #include <cmath>
 #include <numbers>
 
-// Modes with a gain of their own, by moments
+// Modes with individual gains, by moments
 //
-// A gain that moves in a straight line over the chunk, g (a + b t), is taken for little: t exp(delta t) is the
-// derivative of exp(delta t) by delta, so that the moments of b are those of a moved up by one power
-// (Numbers::times_t()). A straight line goes through the zero between two lobes of a mode, where a geometric change,
-// which would be a mere change of the exponent, would turn its phase instead: at -31 dB of the lobes for a dipole that
-// turns ten times in a second.
+// A gain that moves in a straight line over the chunk, g (a + b t), is cheap: t exp(delta t) is the derivative of
+// exp(delta t) with respect to delta, so the moments of b are those of a moved up by one power (Numbers::times_t()). A
+// straight line passes through the zero between two lobes of a mode. A geometric change, which would merely change the
+// exponent, would rotate its phase instead: at -31 dB of the lobes for a dipole that turns ten times in a second.
 //
-// Where time runs faster or slower (a Doppler shift), exponents are multiplied by the rate. Bands and weights are then
-// found anew, in double and in SIMD lanes, and the states move on by p^(rate n). A rate that changes is a phase that
-// bends: exp(s bend 4 (j / n) (1 - j / n)) is taken to first order, which adds a term in t^2.
+// With a Doppler shift, exponents are multiplied by the rate. Bands and weights are then recomputed, in double and in
+// SIMD lanes, and the states move on by p^(rate n). A changing rate bends the phase: exp(s bend 4 (j / n) (1 - j / n))
+// is taken to first order, which adds a term in t^2.
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
-// How much is to be found for each mode.
+// How the modes' hearing changes during the call.
 enum class Way { still, moving, shifted };
 
-// The sums of one band: for the parts of modes' sound that are constant, go as t, and go as t^2.
+// The sums of one band: for the parts of the sound that are constant, proportional to t, and proportional to t^2.
 template <std::size_t kOrders>
 class HeardSums {
  public:
@@ -40,7 +39,7 @@ class HeardSums {
       by_im_[o] = multiply_add(Pair::all(im[o * kModePadding]), weight, by_im_[o]);
     }
   }
-  // The same for modes that change in a straight line: constant parts, and then those that go as t.
+  // Adds modes whose gains change in a straight line: constant parts, then those proportional to t.
   HWY_INLINE void add_lines(const float* re, const float* im, const float* weights) {
     static_assert(kOrders == 1);
     const Pair weight = Pair::load(weights), sloping = weight.times_t();
@@ -72,9 +71,9 @@ class HeardSums {
 template <std::size_t kOrders>
 struct HeardGroup {
   alignas(64) float re[kOrders * kModePadding], im[kOrders * kModePadding];
-  // where time is shifted:
+  // only with a Doppler shift:
   alignas(64) float own_weights[2 * kMoments * kModePadding];
-  alignas(64) double on_re[kModePadding], on_im[kModePadding];  // what moves a state on
+  alignas(64) double on_re[kModePadding], on_im[kModePadding];  // factors that move the states on
   std::uint16_t own_bands[kModePadding];
 };
 
@@ -101,8 +100,8 @@ HWY_INLINE Complex scaled(Complex x, double by) {
   return {hn::Mul(x.re, factor), hn::Mul(x.im, factor)};
 }
 
-// The bands and weights of modes whose exponents have become `s`, as moment_weights() finds them. What is above Nyquist
-// now is left out: its weights are zero.
+// Computes the bands and weights of modes with the shifted exponents `s`, like moment_weights(). Modes now above
+// Nyquist get zero weights.
 template <class Group>
 HWY_INLINE void weigh(Complex s, std::size_t i, Group& group) {
   const Tag tag;
@@ -131,7 +130,7 @@ HWY_INLINE void weigh(Complex s, std::size_t i, Group& group) {
   }
 }
 
-// Finds a group's weights and steps where time is shifted. It is not inlined: its exponentials are long, and several
+// Computes a group's weights and steps for a Doppler shift. Not inlined, because its exponentials are long and several
 // functions need it.
 template <class Group>
 HWY_NOINLINE HWY_ATTR void shift(const ModeArrays& modes, std::size_t first, std::size_t frames, Group& group) {
@@ -147,7 +146,7 @@ HWY_NOINLINE HWY_ATTR void shift(const ModeArrays& modes, std::size_t first, std
   }
 }
 
-// Takes a group's states as they are heard, and moves them on.
+// Reads a group's states, applies their gains, and moves the states on.
 template <Way kWay, std::size_t kOrders>
 HWY_INLINE void take_group(const ModeArrays& modes, std::size_t first, std::size_t frames, EnergyCheck& check,
                            HeardGroup<kOrders>& group) {

@@ -52,7 +52,7 @@ float write_samples_here(const double* from, float* to, std::size_t frames) {
   const hn::CappedTag<double, 8> wide;
   const hn::CappedTag<float, hn::MaxLanes(hn::CappedTag<double, 8>())> narrow;
   const std::size_t lanes = hn::Lanes(wide);
-  auto peak = hn::Zero(narrow), spoilt = peak;  // zero times what is not finite is not a number
+  auto peak = hn::Zero(narrow), spoilt = peak;  // zero times an infinity or NaN is NaN
   std::size_t n = 0;
   for (; n + lanes <= frames; n += lanes) {
     const auto sample = hn::DemoteTo(narrow, hn::LoadU(wide, from + n));

@@ -10,9 +10,8 @@ namespace ringdown::synth {
 // out += gain * from.
 void add_scaled(const double* from, double gain, double* out, std::size_t frames) RINGDOWN_REALTIME;
 
-// Two filters of the same samples, from the last tap on, each with a result of its own:
-// out[n] += sum over j < taps of reversed[j] * samples[n + j]. Reads and writes up to kFilterOverrun frames further
-// than `frames` says.
+// Applies two filters to the samples, from the last tap on, each with its own result: out[n] += sum over j < taps of
+// reversed[j] * samples[n + j]. Reads and writes up to kFilterOverrun frames beyond `frames`.
 inline constexpr std::size_t kFilterOverrun = 64;
 struct FilterOutput {
   const float* reversed;
@@ -21,8 +20,7 @@ struct FilterOutput {
 void add_filtered(const float* samples, std::size_t taps, const FilterOutput& first, const FilterOutput& second,
                   std::size_t frames) RINGDOWN_REALTIME;
 
-// to = from; returns the largest |to|. When one of them would not be a finite number, to = 0 throughout, and infinity
-// is returned.
+// to = from; returns the largest |to|. If a sample would not be finite, sets to = 0 throughout and returns infinity.
 float write_samples(const double* from, float* to, std::size_t frames) RINGDOWN_REALTIME;
 
 }  // namespace ringdown::synth

@@ -11,13 +11,13 @@
 // Frame n of a chunk is written as n = kRun r + l. Mode z then sounds as Re(z p^(kRun r) p^l): a product of an anchor,
 // z p^(kRun r), and of an entry of the mode's run, p^l for l < kRun, which was computed once in double and rounded to
 // float. Over all modes this is a product of two real matrices, anchors (runs x 2 modes) times runs (2 modes x kRun),
-// so a sample costs each mode two multiply-adds, none of which waits for the frame before. The plain recurrence z <- z
-// p would take four, one after the other, and would gather the rounding of every frame.
+// so a sample costs each mode two multiply-adds, none of which waits for the previous frame. The plain recurrence z <-
+// z p would take four in sequence, and would accumulate the rounding of every frame.
 //
 // render_modes_here() takes the active groups in batches. advance_group() fills in the anchors of a group, moves its
-// states in double by p^frames, and measures the energy that is left. add_batch() multiplies: it holds the sums of as
-// many runs as fit into eight vector registers and goes through the batch for them, then takes the next runs. The sums
-// of a chunk are float and are added to the output in double at the end, unless a state was absurd: then nothing is.
+// states on in double by p^frames, and measures the remaining energy. add_batch() multiplies: it holds the sums of as
+// many runs as fit into eight vector registers, goes through the batch for them, then takes the next runs. The sums of
+// a chunk are float and are added to the output in double at the end; if a state was absurd, nothing is added.
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
@@ -28,8 +28,8 @@ struct Anchors {
   alignas(64) float re[kMaxRuns][kModePadding], im[kMaxRuns][kModePadding];
 };
 
-// Multiplies the anchors of a group with the gains at which its modes are heard. A gain that moves does so from run to
-// run, as it is in the middle of each.
+// Multiplies the anchors of a group by the gains of its modes. A moving gain is constant within a run, with its value
+// in the run's middle.
 HWY_INLINE void hear_group(const Hearing& hearing, std::size_t first, std::size_t runs, Anchors& anchors) {
   const hn::CappedTag<float, kModePadding> tag;
   for (std::size_t i = 0; i < kModePadding; i += hn::Lanes(tag)) {
@@ -51,7 +51,7 @@ HWY_INLINE void hear_group(const Hearing& hearing, std::size_t first, std::size_
   }
 }
 
-// Fills in `runs` anchors of a group and moves its states on; looks at what it leaves.
+// Fills in `runs` anchors of a group, moves its states on, and checks the new states.
 HWY_INLINE void advance_group(const ModeArrays& modes, std::size_t first, std::size_t frames, std::size_t runs,
                               Anchors& anchors, EnergyCheck& check) {
   const Tag tag;
@@ -81,7 +81,7 @@ struct Batch {
   static constexpr std::size_t kMaxGroups = 4;
   std::size_t count = 0;
   Anchors anchors[kMaxGroups];
-  const float* runs[kMaxGroups];  // of each group's modes
+  const float* runs[kMaxGroups];  // runs of each group's modes
 };
 
 // Adds kRuns runs of a batch, from run `first_run` on, to `sums`; the sums stay in registers. With four sums or fewer
@@ -121,7 +121,7 @@ HWY_INLINE void add_runs(const Batch& batch, std::size_t first_run, float* HWY_R
   }
 }
 
-// All of a batch's runs from `run` on, at most kRuns at once.
+// Adds all of a batch's runs from `run` on, at most kRuns at once.
 template <std::size_t kRuns>
 HWY_INLINE void add_batch(const Batch& batch, std::size_t run, std::size_t runs, float* sums) {
   for (; run + kRuns <= runs; run += kRuns) add_runs<kRuns>(batch, run, sums + run * kRun);
@@ -140,7 +140,7 @@ HWY_INLINE void add_samples(const float* from, double* out, std::size_t frames) 
 
 bool render_modes_here(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
                        std::size_t frames) {
-  // As many runs at once as eight registers hold.
+  // The number of runs that eight registers hold.
   constexpr std::size_t kTogether =
       std::clamp<std::size_t>(8 * hn::MaxLanes(hn::CappedTag<float, kRun>()) / kRun, 1, kMaxRuns);
   alignas(64) float sums[kChunkFrames];

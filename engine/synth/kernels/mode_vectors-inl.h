@@ -11,7 +11,8 @@
 #include <hwy/highway.h>
 
 // Loops over a few vectors must unroll, or g++ keeps them in memory instead of registers: measured 2.9 times slower.
-// clang unrolls them unasked. Where a vector is one number, the loops are long, and unrolling only takes compile time.
+// clang unrolls them by itself. Without SIMD a vector is one number, the loops are long, and unrolling only costs
+// compile time.
 #undef RINGDOWN_UNROLL
 #if defined(__GNUC__) && !defined(__clang__) && HWY_TARGET != HWY_SCALAR
 #define RINGDOWN_UNROLL _Pragma("GCC unroll 8")
@@ -26,7 +27,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, kModePadding>;
 using Vec = hn::Vec<Tag>;
 
-// Its constructors are written out: those that g++ makes itself are not compiled for the instruction set.
+// Constructors are written out, because those that g++ generates are not compiled for the instruction set.
 struct Complex {
   HWY_INLINE Complex() {}
   HWY_INLINE Complex(Vec real, Vec imaginary) : re(real), im(imaginary) {}
@@ -59,8 +60,8 @@ HWY_INLINE void store_states(Complex z, const ModeArrays& modes, std::size_t at)
   hn::Store(z.im, Tag(), modes.z_im + at);
 }
 
-// Checks |z|^2 of a group's modes against the limits. Each is compared by itself, because a running maximum forgets a
-// NaN as soon as it meets a number.
+// Checks |z|^2 of a group's modes against the limits. Each value is compared by itself, because a running maximum loses
+// a NaN at the next number.
 class EnergyCheck {
  public:
   HWY_INLINE explicit EnergyCheck(const EnergyLimits& limits)
@@ -79,7 +80,7 @@ class EnergyCheck {
   bool silent_ = true, sane_ = true;
 };
 
-// Sets states to zero: a group that rests must not come back as it was when the next strike wakes it.
+// Sets states to zero: a group at rest must not come back with old states when the next strike wakes it.
 HWY_INLINE void forget_states(const ModeArrays& modes, std::size_t first) {
   const Complex none{hn::Zero(Tag()), hn::Zero(Tag())};
   for (std::size_t i = 0; i < kModePadding; i += hn::Lanes(Tag())) store_states(none, modes, first + i);
@@ -89,7 +90,7 @@ HWY_INLINE Complex load_poles(const ModeArrays& modes, std::size_t at) {
   return {hn::Load(Tag(), modes.pole_re + at), hn::Load(Tag(), modes.pole_im + at)};
 }
 
-// p^frames, from the tables where they hold it.
+// Returns p^frames, from the tables if they hold it.
 HWY_INLINE Complex advance_of(const ModeArrays& modes, std::size_t at, std::size_t frames) {
   if (modes.advance_re == nullptr) return power(load_poles(modes, at), frames);
   return {hn::Load(Tag(), modes.advance_re + at), hn::Load(Tag(), modes.advance_im + at)};

@@ -1,5 +1,5 @@
-// The kernels that compute modes by the moments of their bands. They are one unit, because what they include is
-// compiled once for each instruction set.
+// The kernels that compute modes by the moments of their bands. They are one translation unit, because everything they
+// include is compiled once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/synth/kernels/moment_kernels.cpp"
 #include <hwy/foreach_target.h>  // compiles the rest of this file once for each instruction set

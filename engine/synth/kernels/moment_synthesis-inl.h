@@ -9,16 +9,16 @@
 
 // From moments to samples (moments.h derives the expansion)
 //
-// 1. fill_spectrum_here() makes of the moments the spectra of eight sequences. A complex transform serves two channels:
-//    the left one becomes its real part and the right one its imaginary part, because band k of a real signal stands at
-//    the mirrored frequency, too, conjugate.
+// 1. fill_spectrum_here() turns the moments into the spectra of eight sequences. A complex transform serves two
+//    channels: the left one becomes its real part and the right one its imaginary part, because band k of a real signal
+//    also appears at the mirrored frequency, conjugated.
 // 2. transform_here() transforms the eight sequences at once, one in each lane. Bands lie pi / kChunkFrames apart, so
-//    the transform has twice as many points as the chunk has frames, and only its first half is wanted.
-// 3. shape_here() multiplies moment p at frame j with q_p(t_j) and adds up over p: that is the sample.
+//    the transform has twice as many points as the chunk has frames, and only its first half is used.
+// 3. shape_here() multiplies moment p at frame j by q_p(t_j) and sums over p, which gives the sample.
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
-// Four neighbours of a butterfly's legs, complex.
+// Four adjacent values of each leg of a butterfly, complex.
 struct Legs {
   Eight ar, br, cr, dr, ai, bi, ci, di;
   HWY_INLINE Legs(const float* re, const float* im, std::size_t next)
@@ -33,7 +33,7 @@ struct Legs {
 };
 
 // kWindow-point transform of kMoments sequences at once, in place, exp(+2 pi i j k / kWindow); frame j ends at the
-// place of j with its base-4 digits turned round. Only frames below `frames`, at most half of the window, are found.
+// index of j with its base-4 digits reversed. Only frames below `frames`, at most half of the window, are computed.
 // Source: the radix-4 decimation in frequency of every textbook.
 void transform_here(float* re, float* im, const float* cosine, const float* sine, std::size_t window,
                     std::size_t frames) {
@@ -63,7 +63,8 @@ void transform_here(float* re, float* im, const float* cosine, const float* sine
       }
     }
   }
-  // The last butterflies need no turning, and their second legs begin a quarter of the window, the others half of it.
+  // The last butterflies need no twiddle factors. Their second legs begin at a quarter of the window, the others at
+  // half of it.
   const bool all = frames > window / 4;
   for (std::size_t start = 0; start < window * kMoments; start += 4 * kMoments) {
     float* const r = re + start;

@@ -18,7 +18,7 @@ namespace ringdown::synth::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// This table tells from where each element of two halves of kMoments comes when both are moved round by some places.
+// Source index of each element if two halves of kMoments are each rotated by some places.
 struct MovedRound {
   alignas(64) std::int32_t of[kMoments][2 * kMoments] = {};
   constexpr MovedRound() {
@@ -61,16 +61,16 @@ struct Numbers {
     for (std::size_t v = 1; v < kVectors; ++v) total = hn::Add(total, part[v]);
     return hn::GetLane(hn::SumOfLanes(Tag(), total));
   }
-  // The second half first.
+  // Returns the numbers with their halves swapped.
   [[nodiscard]] HWY_INLINE Numbers turned() const {
-#if HWY_TARGET != HWY_SCALAR  // which has no vectors to turn
+#if HWY_TARGET != HWY_SCALAR  // which has no vectors to swap
     if constexpr (kVectors == 1) {
       return make([this](std::size_t) HWY_ATTR { return hn::ConcatLowerUpper(Tag(), part[0], part[0]); });
     }
 #endif
     return make([this](std::size_t v) HWY_ATTR { return part[(v + kVectors / 2) % kVectors]; });
   }
-  // Each half moved up by `by` < kMoments elements, the last ones to its beginning.
+  // Returns the numbers with each half rotated up by `by` < kMoments elements.
   [[nodiscard]] HWY_INLINE Numbers moved_round(std::size_t by) const {
     static_assert(kMoments == 8 && kCount == 2 * kMoments);
 #if HWY_TARGET != HWY_SCALAR
@@ -84,8 +84,9 @@ struct Numbers {
     for (std::size_t i = 0; i < kCount; ++i) to[i] = from[kMovedRound.of[by][i]];
     return load(to);
   }
-  // Element i of each half of kMoments times i, and moved up from i - 1: as exp(delta t) is a sum of x^p q_p(t), t
-  // exp(delta t) is one of p x^(p-1) q_p(t), so this multiplies what the moments stand for with t.
+  // Returns the moments of t times the function that these moments represent: multiplies element i of each half of
+  // kMoments by i and moves up from i - 1. As exp(delta t) is a sum of x^p q_p(t), t exp(delta t) is a sum of p x^(p-1)
+  // q_p(t).
   [[nodiscard]] HWY_INLINE Numbers times_t() const {
     alignas(64) static constexpr float kPower[16] = {0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
     static_assert(kMoments == 8 && kCount == 2 * kMoments);
@@ -122,7 +123,7 @@ struct Numbers {
 using Eight = Numbers<kMoments>;
 using Pair = Numbers<2 * kMoments>;  // real parts, then imaginary ones
 
-// This table has, for a band that begins at a place, a 1 at the places of its lines that lie in the next block.
+// For a band that begins at a given place: 1 at the places of lines that lie in the next block.
 struct InNextBlock {
   alignas(64) float of[kGridReach][2 * kGridReach] = {};
   constexpr InNextBlock() {
@@ -138,18 +139,18 @@ inline constexpr InNextBlock kInNextBlock;
 class GridBlocks {
  public:
   HWY_INLINE explicit GridBlocks(const MomentGrid* grid) : grid_(grid), first_(Pair::all(0)), second_(Pair::all(0)) {}
-  // `lines`: of line i at place i modulo kGridReach.
+  // `lines` has line i at index i modulo kGridReach.
   HWY_INLINE void add(std::size_t band, Pair lines) {
     if (band / kGridReach != block_) go_to(band / kGridReach);
     const Pair next = Pair::load(kInNextBlock.of[band % kGridReach]);
     first_ = first_ + subtract_product(next, lines, lines);
     second_ = multiply_add(next, lines, second_);
   }
-  // Turns a band's moments into lines and adds these.
+  // Converts a band's moments to lines and adds these.
   HWY_INLINE void add_moments(std::size_t band, Pair moments) {
     alignas(64) float numbers[2 * kMoments];
     moments.store(numbers);
-    Pair sum[4] = {Pair::all(0), Pair::all(0), Pair::all(0), Pair::all(0)};  // so that none waits for the one before
+    Pair sum[4] = {Pair::all(0), Pair::all(0), Pair::all(0), Pair::all(0)};  // so that no sum waits for another
     RINGDOWN_UNROLL
     for (std::size_t p = 0; p < kMoments; ++p) {
       const float* const spread = grid_->spread + p * 4 * kGridReach;
@@ -185,7 +186,7 @@ class GridBlocks {
   Pair first_, second_;
 };
 
-// Where the moments of bands go: to the sums of targets; to a grid; or to a grid, as lines already.
+// Destination of the bands' moments: sums of targets; a grid; or a grid, already in lines.
 enum class Into { sums, grid, grid_as_lines };
 inline Into where_to(std::span<const MomentTarget> targets, bool lines_known) {
   if (targets.empty() || targets[0].grid == nullptr) return Into::sums;

@@ -10,17 +10,17 @@
 
 // A chunk by moments (moments.h derives the expansion)
 //
-// add_moments_here() goes through the active groups, whose modes are in ascending order of bands but for groups that
-// have come back. A mode's eight moments are z times its eight complex weights. The sum over a band keeps the products
-// with Re z and with Im z apart, so a mode costs two multiply-adds on vectors of sixteen; they are combined into
-// complex moments once, when the band changes (BandMoments::moments), and scaled by the gain of each output.
+// add_moments_here() goes through the active groups, whose modes are in ascending order of bands, except for groups
+// that have come back. A mode's eight moments are z times its eight complex weights. The sum over a band keeps the
+// products with Re z and with Im z apart, so a mode costs two multiply-adds on vectors of sixteen. They are combined
+// into complex moments once, when the band changes (BandMoments::moments), and scaled by the gain of each output.
 //
-// Moments are float; the states are double and are moved on by p^frames as in mode_kernel.cpp. Modes that are heard by
-// gains of their own go through heard_moments.cpp, and moment_synthesis.cpp makes samples of the sums.
+// Moments are float. The states are double and are moved on by p^frames as in mode_kernel-inl.h. Modes with individual
+// gains are handled in heard_moments-inl.h, and moment_synthesis-inl.h turns the sums into samples.
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
-// The moments of some modes of one band: what the real parts of their states give, and the imaginary ones.
+// The moments of some modes of one band: those from the real parts of their states, and those from the imaginary parts.
 class BandMoments {
  public:
   HWY_INLINE BandMoments() : by_re_(Pair::all(0)), by_im_(Pair::all(0)) {}
@@ -40,7 +40,8 @@ class BandMoments {
   }
 
  private:
-  // Times level + slope t: as exp(delta t) is a sum of x^p q_p(t), t exp(delta t) is one of p x^(p-1) q_p(t).
+  // Returns the moments times level + slope t: as exp(delta t) is a sum of x^p q_p(t), t exp(delta t) is a sum of p
+  // x^(p-1) q_p(t).
   static Pair faded(Pair moments, float level, float slope) {
     alignas(64) float from[2 * kMoments], to[2 * kMoments];
     moments.store(from);
@@ -53,7 +54,7 @@ class BandMoments {
   Pair by_re_, by_im_;
 };
 
-// The states of a group as floats; looks at them and moves them on.
+// Reads the states of a group as floats, checks them, and moves them on.
 HWY_INLINE void take_states(const ModeArrays& modes, std::size_t first, std::size_t frames, float* re, float* im,
                             EnergyCheck& check) {
   const Tag tag;
@@ -98,7 +99,7 @@ bool add_plain_groups(const ModeArrays& modes, const MomentArrays& moments, Acti
     };
     if (band[0] == band[kModePadding - 1]) {
       change_to(band[0]);
-      BandMoments odd;  // two sums, so that additions need not wait for each other
+      BandMoments odd;  // two sums, so that additions do not wait for each other
       for (std::size_t m = 0; m < kModePadding; m += 2) {
         sum.add(re[m], im[m], weights + m * 2 * kMoments);
         odd.add(re[m + 1], im[m + 1], weights + (m + 1) * 2 * kMoments);

@@ -5,9 +5,9 @@
 
 namespace ringdown::synth {
 
-// Without travel time the rate is that of what is heard at the listener from where the source is now: to first order in
-// the speeds the change of distance over c, and `excess` beyond that. With it, the source's track is late by the time
-// that the sound has travelled, and the rate is 1 less the change of distance over c, exactly.
+// Without travel time, the rate is that of the sound heard at the listener from the source's present position: to first
+// order in the speeds the change of distance over c, and `excess` beyond that. With travel time, the source's track is
+// delayed by that time, and the rate is exactly 1 less the change of distance over c.
 Sighting Listening::sight(const Motion& source, const Vec3& origin_m, const Motion& listener) const RINGDOWN_REALTIME {
   constexpr double kMaxMach = 0.5;
   const Vec3 arm = rotated(source.pose.rotation, origin_m);

@@ -1,6 +1,6 @@
-// The listener: where they are, which way they look, and what of a source reaches them. [audio, after construction]
+// The listener: position and direction, and how a source reaches them. [audio, after construction]
 //
-// The listener's own frame has x to the front, y to the left and z up, as ambisonics has it.
+// The listener's own frame has x to the front, y to the left and z up, as in ambisonics.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -13,18 +13,18 @@
 
 namespace ringdown::synth {
 
-// A source as it is heard at one moment.
+// How a source is heard at one moment.
 struct Sighting {
   Vec3 toward_listener;  // unit, in the source's frame
-  Vec3 toward_source;    // in the listener's frame; of length 1, or less nearer than kNear_m
+  Vec3 toward_source;    // in the listener's frame; length 1, or less if nearer than kNear_m
   double distance_m = 1;
-  double rate = 1;    // by which frequencies are heard higher
-  double excess = 0;  // by which the rate is above 1 - (change of distance) / c: of second order in speeds over c
+  double rate = 1;    // factor on frequencies (Doppler)
+  double excess = 0;  // rate - (1 - (change of distance) / c): of second order in speeds over c
 };
 
-// The distance at which sources have their own level; nearer ones are not louder.
+// Distance at which sources have their own level; nearer sources are not louder.
 inline constexpr double kReferenceDistance_m = 1;
-// Sources nearer than this are heard from less and less of a direction.
+// Sources nearer than this are heard less and less from one direction.
 inline constexpr double kNear_m = 0.25;
 
 inline double level_at(double distance_m) RINGDOWN_REALTIME {
@@ -36,40 +36,42 @@ class Listening {
   Listening() { set_air({}); }
 
   [[nodiscard]] bool on() const RINGDOWN_REALTIME { return on_; }
-  // Whether there has ever been a listener.
+  // Returns whether there has ever been a listener.
   [[nodiscard]] bool used() const RINGDOWN_REALTIME { return track_.known(); }
   void place(Frame at, const Pose& pose, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
     track_.add(at, pose, now, sample_rate_hz);
     on_ = true;
   }
   void leave() RINGDOWN_REALTIME { on_ = false; }
-  // Whether what a source does is heard later, by as long as its sound travels. Its poses then have to come as much
-  // later, too, so that its track is where it was when the sound left it. [worker, while nothing is rendered]
+  // Sets whether sounds arrive later by their travel time. If so, a source's poses must be delivered later by this
+  // time, too, so that its track shows its position when the sound left it. [worker, while nothing is rendered]
   void set_travel_time(bool on) { travel_time_ = on; }
   [[nodiscard]] bool travel_time() const RINGDOWN_REALTIME { return travel_time_ && on_; }
-  // Frames for which sound travels from a place to where the listener is at a frame from the last cell on.
+  // Returns the travel time of sound, in frames, from `from_m` to the listener's position at frame `heard`, which must
+  // not lie before the last cell.
   [[nodiscard]] double travel_frames(const Vec3& from_m, Frame heard, double sample_rate_hz) const RINGDOWN_REALTIME {
     return length(track_.at(heard, sample_rate_hz).pose.position_m - from_m) / sound_speed_m_s_ * sample_rate_hz;
   }
   void set_air(const modal::AirConditions& conditions) RINGDOWN_REALTIME;
   void rescale(Frame now) { track_.rescale(now); }  // [worker]
 
-  // Before every chunk of a cell (chunk.h).
+  // Call before every chunk of a cell (chunk.h).
   void begin_cell(Frame begin, Frame end, double sample_rate_hz) RINGDOWN_REALTIME;
-  // The rest holds from begin_cell() on, for the cell's first frame, the one after its last, or any from the first on.
+  // The functions below are valid from begin_cell() on, for the cell's first frame, the frame after its last, or any
+  // frame from the first on.
   [[nodiscard]] const Motion& at_begin() const RINGDOWN_REALTIME { return begin_; }
   [[nodiscard]] const Motion& at_end() const RINGDOWN_REALTIME { return end_; }
   [[nodiscard]] Motion at(Frame frame, double sample_rate_hz) const RINGDOWN_REALTIME {
     return track_.at(frame, sample_rate_hz);
   }
-  // `origin_m`: where the source's sound comes from, in its frame.
+  // `origin_m` is the point that the source's sound comes from, in the source's frame.
   [[nodiscard]] Sighting sight(const Motion& source, const Vec3& origin_m,
                                const Motion& listener) const RINGDOWN_REALTIME;
   [[nodiscard]] bool still() const RINGDOWN_REALTIME { return track_.still(); }
   [[nodiscard]] std::uint32_t jumps() const RINGDOWN_REALTIME { return track_.jumps(); }
   [[nodiscard]] const modal::AirAbsorption& absorption() const RINGDOWN_REALTIME { return absorption_; }
   [[nodiscard]] double sound_speed_m_s() const RINGDOWN_REALTIME { return sound_speed_m_s_; }
-  // Grows when the air changes.
+  // Increases when the air changes.
   [[nodiscard]] std::uint32_t airs() const RINGDOWN_REALTIME { return airs_; }
 
  private:

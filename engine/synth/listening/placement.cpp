@@ -8,14 +8,15 @@
 
 // Gains of modes move in straight lines from one look at their maps to the next. A line's end is looked up ahead, where
 // the object will be by then, so that the line is right at both ends. How far ahead follows from how fast the object
-// turns under the listener and from how sharp its maps are: by kMaxTurn at most, which leaves the middle of a line off
-// by kMaxTurn^2 / 8, -60 dB rms. Lines begin and end where cells do (chunk.h), wherever chunks end.
+// turns under the listener and from how sharp its maps are. In one line it turns by kMaxTurn at most, which leaves an
+// error of kMaxTurn^2 / 8, -60 dB rms, in the line's middle. Lines begin and end at the boundaries of cells (chunk.h),
+// regardless of chunks.
 namespace ringdown::synth {
 namespace {
 
-constexpr double kMaxTurn = 0.1;  // of the phase in which a mode's gain goes through its lobes [rad]
+constexpr double kMaxTurn = 0.1;  // phase by which a mode's gain moves through its lobes [rad]
 constexpr double kMaxCellsAhead = 8;
-constexpr double kMaxAhead_s = 0.3;  // under pressure
+constexpr double kMaxAhead_s = 0.3;  // limit under pressure
 
 // The cost of a look-up, in terms of its map.
 double terms_of(const ModeTable& table) RINGDOWN_REALTIME {
@@ -24,9 +25,9 @@ double terms_of(const ModeTable& table) RINGDOWN_REALTIME {
   return static_cast<double>(map.terms()) + harmonics + static_cast<double>(table.columns());
 }
 
-constexpr double kFewModes = 1000;     // up to which looks may add up kMaxTerms in a cell, some 1 % of a core
-constexpr double kMaxTerms = 16000;    // in a cell
-constexpr double kTermsPerMode = 0.3;  // and with more modes, so many for each that sounds, a tenth of what it costs
+constexpr double kFewModes = 1000;     // up to this number of modes, kMaxTerms applies, some 1 % of a core
+constexpr double kMaxTerms = 16000;    // maximum number of terms in a cell
+constexpr double kTermsPerMode = 0.3;  // with more modes: terms for each sounding mode, a tenth of the mode's own cost
 
 }  // namespace
 
@@ -149,9 +150,9 @@ void Placement::aim(const Chunk& chunk, bool fresh, bool within, bool stands, Vo
   hear(0, chunk.frames, chunk, voices);
 }
 
-// The time of the source that passes in a cell is found from how the distance changes; what is left is of second order.
-// How far it lies off a straight line in the middle follows from the rates at both ends. Parts of the cell follow the
-// parabola through these, so that it does not matter where chunks end.
+// The source time that passes in a cell follows from the change of distance, up to terms of second order. Its deviation
+// from a straight line in the middle follows from the rates at both ends. Parts of the cell follow the parabola through
+// these values, so that the result does not depend on where chunks end.
 void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
                      VoiceStack& voices) const RINGDOWN_REALTIME {
   ModeStates::HeardTime time{.offset = offset};

@@ -5,11 +5,11 @@
 #include <utility>
 
 // A curve leads from one end to the other: positions by Hermite's cubic, rotations by the same cubic for the rotation
-// vector from the first end's rotation on. It begins with the velocity that the curve before ended with. The velocity
-// at its far end is found from the poses around that end: from both neighbours when the next pose is known already,
-// which is so for poses that are sent ahead of their frames, and from the last three otherwise. A curve never takes
-// less than the interval between its pose and the one before, or the thing would have to hurry; when poses wait that
-// are overdue, a quarter less. A curve that ends without a next pose is followed by one that comes to rest.
+// vector relative to the first end's rotation. It begins with the final velocity of the previous curve. The velocity at
+// its far end is found from the poses around that end: from both neighbours if the next pose is known already, as for
+// poses sent ahead of their frames, and otherwise from the last three. A curve is never shorter than the interval
+// between its pose and the previous one, or the motion would be too fast; if overdue poses wait, it is a quarter
+// shorter.  If no next pose is known at its end, a curve that comes to rest follows.
 namespace ringdown::synth {
 namespace {
 
@@ -83,8 +83,8 @@ void PoseTrack::advance(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
   }
 }
 
-// Nobody has asked for a while: what has passed since is passed over. The track goes on from the last pose that was
-// due, at that pose's own frame, or it would stay behind for as long as poses come.
+// Skips the time in which the track was not read. It continues from the last pose that was due, at that pose's own
+// frame; otherwise it would lag behind for as long as poses come.
 void PoseTrack::catch_up(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
   std::size_t passed = 0;
   for (; passed < count_ && pending_.data()[passed].at <= now; ++passed) {

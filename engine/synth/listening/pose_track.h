@@ -1,9 +1,9 @@
-// Where something is and how it is turned, at every frame, from poses that come now and then. [audio, after
+// Interpolates position and rotation at every frame from poses that arrive at irregular times. [audio, after
 // construction]
 //
-// Between poses the track goes along cubic curves, so that velocity and spin are continuous and nothing is heard of the
-// rate at which poses come. A pose that is known one interval before its frame is reached at its frame; one that comes
-// later is reached one interval after it is known. A pose too far away to be reached by moving is jumped to.
+// Between poses the track follows cubic curves, so that velocity and spin are continuous and the rate of poses is
+// inaudible. A pose known one interval before its frame is reached at its frame; a later one is reached one interval
+// after it becomes known. If a pose is too far away to be reached by moving, the track jumps.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -15,46 +15,46 @@
 
 namespace ringdown::synth {
 
-// A pose and how it changes.
+// A pose and its rate of change.
 struct Motion {
   Pose pose;
   Vec3 velocity_m_s;  // in the scene's axes
   Vec3 spin_rad_s;    // in the moving thing's own axes
 };
 
-// Whether every number of a pose is finite, positions are at most kMaxPosition_m, and the rotation has a direction.
+// Returns whether every number of a pose is finite, positions are at most kMaxPosition_m, and the rotation has a
+// direction.
 inline constexpr double kMaxPosition_m = 1e6;
 [[nodiscard]] bool is_sane(const Pose& pose) RINGDOWN_REALTIME;
 
 class PoseTrack {
  public:
-  static constexpr double kMaxSpeed_m_s = 120;    // what would have to move faster jumps
+  static constexpr double kMaxSpeed_m_s = 120;    // faster motions become jumps
   static constexpr double kMaxInterval_s = 0.1;   // poses farther apart are not one motion
-  static constexpr double kLonePose_s = 0.03;     // the time in which a pose that follows no other soon is reached
-  static constexpr std::size_t kMaxPending = 96;  // poses that wait for their frames: 500 a second in a block of 8,192
+  static constexpr double kLonePose_s = 0.03;     // duration of the motion to an isolated pose
+  static constexpr std::size_t kMaxPending = 96;  // poses waiting for their frames: 500 a second in a block of 8,192
 
   [[nodiscard]] bool known() const RINGDOWN_REALTIME { return known_; }
   void forget() RINGDOWN_REALTIME { *this = {}; }
 
-  // Adds a pose, which is sane, for frame `at`, at frame `now`. The first pose is where the track starts. Where nobody
-  // has asked for the track for a while, poses that have passed make room; of more than kMaxPending the last one
-  // counts.
+  // Adds a sane pose for frame `at`, at frame `now`. The track starts at the first pose. If the track has not been read
+  // for a while, poses in the past make room. If kMaxPending poses wait already, the new one replaces the last.
   void add(Frame at, const Pose& pose, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
 
-  // Goes on to frame `now`, which never decreases.
+  // Advances to frame `now`, which never decreases.
   void advance(Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
-  // Where it is at a frame from the last advance() on, as far as is known by then.
+  // Returns the motion at a frame from the last advance() on, as far as it was known then.
   [[nodiscard]] Motion at(Frame frame, double sample_rate_hz) const RINGDOWN_REALTIME;
-  // Whether it stands from the last advance() on until another pose comes.
+  // Returns whether the track stands still from the last advance() until another pose comes.
   [[nodiscard]] bool still() const RINGDOWN_REALTIME { return still_ && count_ == 0; }
-  // Whether it turns at most, and keeps its position until the next advance().
+  // Returns whether the position is constant until the next advance(); the track may turn.
   [[nodiscard]] bool stays_in_place() const RINGDOWN_REALTIME {
     return from_.pose.position_m == to_.pose.position_m && from_.velocity == Vec3{} && to_.velocity == Vec3{};
   }
-  // How often it has jumped.
+  // Returns the number of jumps so far.
   [[nodiscard]] std::uint32_t jumps() const RINGDOWN_REALTIME { return jumps_; }
 
-  // After a change of the sample rate at frame `now`: it stands where it was going to. [worker]
+  // Call after a change of the sample rate at frame `now`. The track then stands at its latest pose. [worker]
   void rescale(Frame now);
 
  private:
@@ -73,12 +73,12 @@ class PoseTrack {
   [[nodiscard]] End end_at(const Key& key, const Key* next, double longest) const RINGDOWN_REALTIME;
   [[nodiscard]] End state_at(Frame frame) const RINGDOWN_REALTIME;
 
-  std::array<Key, kMaxPending> pending_{};  // by frame
+  std::array<Key, kMaxPending> pending_{};  // sorted by frame
   std::size_t count_ = 0;
-  std::array<Key, 2> reached_{};  // the last poses that the track has gone to, the latest first
+  std::array<Key, 2> reached_{};  // last poses that the track has reached, the latest first
   std::size_t reached_count_ = 0;
   End from_, to_;
-  Vec3 turn_;  // from one rotation to the other, in the axes of the first
+  Vec3 turn_;  // rotation vector from from_ to to_, in the axes of from_
   Frame begin_ = 0, end_ = 0;
   Frame now_ = 0;
   bool known_ = false, still_ = true;

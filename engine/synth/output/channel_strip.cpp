@@ -66,7 +66,7 @@ ChannelStrip::Shares ChannelStrip::shares_at(Frame frame) const RINGDOWN_REALTIM
   return shares;
 }
 
-// On the straight line from one place to another, where it stays at its end.
+// Returns the gains on the straight line from one place to another; after its end, those of the end.
 ChannelStrip::Shares ChannelStrip::line_at(Frame frame) const RINGDOWN_REALTIME {
   if (frame >= line_.end) return to_;
   const double share = static_cast<double>(frame - line_.begin) / static_cast<double>(line_.end - line_.begin);

@@ -1,6 +1,6 @@
-// An object's gain, pan and bus: how its sound, one channel, reaches the channels of the mixer. Gains move in straight
-// lines that do not depend on how time is cut into chunks. An object that a listener hears from a place (placement.h)
-// is panned by that place instead, in one straight line for each cell (chunk.h). [audio]
+// An object's gain, pan and bus: routes its sound, one channel, to the mixer's channels. Gains move in straight lines
+// that do not depend on how time is cut into chunks. An object that a listener hears from a place (placement.h) is
+// panned by that place instead, in one straight line for each cell (chunk.h). [audio]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -20,19 +20,18 @@ class ChannelStrip {
 
   // Moves the gain or the pan (-1 left ... +1 right, equal power) to a value within `length` frames from frame `at` on.
   void set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME;
-  // To ambisonic channels a pan is a direction between the places of two loudspeakers, 30 degrees from the front.
+  // In ambisonic channels a pan is a direction between two loudspeakers at 30 degrees from the front.
   void set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME;
-  // Silences the object at all outputs, or lets it be heard again at the gain that was set last. A gain that is set
-  // meanwhile is kept for then.
+  // Silences the object at all outputs, or restores the gain that was set last, including one set in the meantime.
   void set_silent(bool silent, Frame at, Frame length) RINGDOWN_REALTIME;
-  // The channel of a bus that gets the object's sound at its gain, beside the mix; kNoBus: none.
+  // Sets the channel of a bus that gets the object's sound at its gain, in addition to the mix. kNoBus: none.
   void set_bus(std::size_t channel) RINGDOWN_REALTIME { bus_ = channel; }
   void reset() RINGDOWN_REALTIME { *this = {}; }
-  // Changes the length of a frame: ramps end `ratio` times as many frames after `now`. [worker]
+  // Adapts to a new sample rate: ramps end `ratio` times as many frames after `now`. [worker]
   void rescale(Frame now, double ratio);
 
-  // The place from which an object is heard: the direction towards it, in the listener's frame (listening.h), shorter
-  // than 1 where it is all around; and its level.
+  // The place from which an object is heard: its level, and the direction towards it in the listener's frame
+  // (listening.h), shorter than 1 if the sound surrounds the listener.
   struct Place {
     Vec3 toward{1, 0, 0};
     double level = 1;
@@ -41,16 +40,16 @@ class ChannelStrip {
   struct Span {
     Frame begin = 0, end = 0;
   };
-  // In the frames of a span it goes from one place to another, from where it is heard from at its begin by a share of
-  // the way. A share above 1: it was not heard before, and begins at `from`.
+  // In the frames of a span, moves the object from its present place towards `to`, by this share of the way. A share
+  // above 1 means that it was not heard before; it then begins at `from`.
   void place(const Place& from, const Place& to, Span span, double share) RINGDOWN_REALTIME;
-  // Returns whether the object is on its way, by place(), to where it should be at the frame `end`, and to its gain.
+  // Returns whether place() has already set the line that ends at frame `end`, with the gain of that frame.
   [[nodiscard]] bool placed_until(Frame end) const RINGDOWN_REALTIME;
-  // The object goes back to its own pan, as by place().
+  // Moves the object back to its own pan, in the way of place().
   void place_nowhere(Span span, double share) RINGDOWN_REALTIME;
-  void stand(Frame now) RINGDOWN_REALTIME;  // from now on it stays where it is
+  void stand(Frame now) RINGDOWN_REALTIME;  // keeps the object in place from now on
   void unplace() RINGDOWN_REALTIME { placed_ = false; }
-  // By what distance lowers its level; 1 without a place.
+  // Returns the gain due to distance; 1 without a place.
   [[nodiscard]] double place_level() const RINGDOWN_REALTIME { return placed_ ? place_.level : 1; }
 
   [[nodiscard]] bool still_at(Frame frame) const RINGDOWN_REALTIME {
@@ -58,48 +57,48 @@ class ChannelStrip {
   }
   [[nodiscard]] double gain_at(Frame frame) const RINGDOWN_REALTIME { return gain_.at(frame); }
   [[nodiscard]] double final_gain() const RINGDOWN_REALTIME { return gain_.to; }
-  [[nodiscard]] double max_gain() const RINGDOWN_REALTIME;  // the largest |gain| of a ramp that runs, or last ran
+  [[nodiscard]] double max_gain() const RINGDOWN_REALTIME;  // largest |gain| of the present or last ramp
   [[nodiscard]] std::size_t bus() const RINGDOWN_REALTIME { return bus_; }
   [[nodiscard]] bool heard(ChannelSet wanted) const RINGDOWN_REALTIME;
 
-  // Final gains to the left, the right, the bus (0 without one), and the ambisonic channels.
+  // Returns the final gains of left, right, bus (0 without one), and ambisonic channels.
   static constexpr std::size_t kFirstField = 3, kOutputs = kFirstField + kMaxAmbisonicChannels;
   using Shares = std::array<double, kOutputs>;
   [[nodiscard]] Shares shares() const RINGDOWN_REALTIME;
 
-  // Adds frames begin ... end - 1 of the chunk, which stand in `mono` from its index `begin` on.
+  // Adds frames begin ... end - 1 of the chunk from `mono`, whose index is the frame in the chunk.
   void add_samples(const double* mono, std::size_t begin, std::size_t end, const Chunk& chunk,
                    ChannelSums& sums) const RINGDOWN_REALTIME;
-  // The sums to which moments are added while gain and pan stand still, but for ambisonic channels. Returns the part of
-  // `targets` that it filled in.
+  // Returns the sums, except those of ambisonic channels, to which moments are added while gain and pan are constant:
+  // the part of `targets` that it filled in.
   static constexpr std::size_t kMaxTargets = 3;
   std::span<const MomentTarget> moment_targets(const Chunk& chunk, ChannelSums& sums,
                                                std::array<MomentTarget, kMaxTargets>& targets) const RINGDOWN_REALTIME;
-  // In place of these, where ambisonic channels are wanted: what was added since FieldSums::begin_object() is heard in
-  // all channels.
+  // Used instead if ambisonic channels are wanted: adds to all channels everything that was added since
+  // FieldSums::begin_object().
   void add_to_field(const Chunk& chunk, FieldSums& field) const RINGDOWN_REALTIME;
 
  private:
   void set_direction(Vec3 towards, Frame at, Frame length) RINGDOWN_REALTIME;
   static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
-  // Gains at the outputs: left, right, bus and field.
+  // Returns the gains at left, right, bus and field.
   [[nodiscard]] Shares shares_at(const Place& place, Frame frame) const RINGDOWN_REALTIME;
   [[nodiscard]] Shares shares_at(Frame frame) const RINGDOWN_REALTIME;
   [[nodiscard]] Shares line_at(Frame frame) const RINGDOWN_REALTIME;
   void go(const Shares& from, const Shares& to, Span span, double share) RINGDOWN_REALTIME;
-  // In a chunk, at left, right, or the bus.
+  // Returns the gain in a chunk at left, right, or the bus.
   [[nodiscard]] GainLine gain_line(std::size_t output, Frame chunk_begin) const RINGDOWN_REALTIME;
 
   bool placed_ = false;
-  Shares from_{}, to_{};  // at the ends of line_, while it is placed
+  Shares from_{}, to_{};  // gains at the ends of line_, while placed_
   Span line_;
-  Place place_;            // the last one
-  double place_gain_ = 0;  // the gain at which to_ is that place's; not a number: to_ is on its way
+  Place place_;            // the last place
+  double place_gain_ = 0;  // the gain for which to_ was computed; NaN: to_ is not final
   Ramp gain_{1, 1}, left_{kCentre, kCentre}, right_{kCentre, kCentre};
   std::array<Ramp, kMaxAmbisonicChannels> encoded_;
-  std::array<float, kMaxAmbisonicChannels> encoded_to_;  // where they end
+  std::array<float, kMaxAmbisonicChannels> encoded_to_;  // final gains of encoded_
   std::size_t bus_ = kNoBus;
-  double set_gain_ = 1;  // as set last; gain_ moves to 0 instead while the object is silent
+  double set_gain_ = 1;  // last gain set; gain_ moves to 0 instead while the object is silent
   bool silent_ = false;
 };
 

@@ -38,9 +38,9 @@ Limiter::Gain Limiter::Sum::push(Gain value) RINGDOWN_REALTIME {
   return sum_;
 }
 
-// The minimum of a sliding window by a monotonic queue. An entry behind which a smaller or equal value comes can never
-// be the minimum again, so it is dropped: values in the queue ascend, the first one is the minimum of the window, and
-// it leaves when the window has moved past its frame. Each value enters and leaves once, so the mean cost is constant.
+// The minimum of a sliding window by a monotonic queue. An entry followed by a smaller or equal value can never be the
+// minimum again, so it is dropped. Values in the queue ascend, and the first one is the minimum of the window; it is
+// removed when the window has moved past its frame. Each value enters and leaves once, so the mean cost is constant.
 Limiter::Gain Limiter::Least::push(Gain value) RINGDOWN_REALTIME {
   Entry* const ring = entries_.data();
   const std::size_t size = entries_.size();
@@ -53,11 +53,11 @@ Limiter::Gain Limiter::Least::push(Gain value) RINGDOWN_REALTIME {
   return ring[first_].value;
 }
 
-// The gain of the frame that leaves the delay now, given the peak of the one that enters. Its four stages: the gain
-// that the entering peak needs; the minimum of these over the delay; the release, an exponential way back to 1 that the
-// minimum interrupts; and two means of about half the delay each, one after the other, which together weight the delay
-// like a triangle and turn steps into smooth curves. While nothing is loud and all stages have settled at 1 there is
-// nothing to do.
+// Returns the gain of the frame that now leaves the delay, given the peak of the one that enters. It has four stages:
+// the gain that the entering peak needs; the minimum of these gains over the delay; the release, an exponential return
+// to 1 that the minimum interrupts; and two successive means of about half the delay each, which together weight the
+// delay like a triangle and turn steps into smooth curves. While nothing is loud and all stages have settled at 1,
+// there is nothing to do.
 double Limiter::gain_for(float peak) RINGDOWN_REALTIME {
   const bool loud = peak > ceiling_;
   if (!loud && unsettled_ == 0) return 1;

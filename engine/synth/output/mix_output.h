@@ -1,4 +1,4 @@
-// Takes the sums of a chunk to the listeners: writes samples, adds the test tone, limits the mix, and feeds the tap.
+// Turns the sums of a chunk into output: writes samples, adds the test tone, limits the mix, and feeds the taps.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -20,26 +20,27 @@ namespace ringdown::synth {
 class MixOutput {
  public:
   TestTone test_tone;    // a sine in the mix
-  SoundTap sound_tap;    // what the mix sounds like, for clients that show it
-  SoundTap capture_tap;  // the same, for a sound file
+  SoundTap sound_tap;    // the mix, for clients that show it
+  SoundTap capture_tap;  // the mix, for a sound file
 
-  // Keeps the mix, but not the buses, below a ceiling in dB of full scale (limiter.h); nullopt: samples go out as they
-  // are. [worker, while nothing is rendered]
+  // Keeps the mix, but not the buses, below a ceiling in dB of full scale (limiter.h); nullopt: samples are unchanged.
+  // [worker, while nothing is rendered]
   void limit(std::optional<double> ceiling_db, double sample_rate_hz);
   // Renders the mix for a head's ears from the ambisonic channels; null: stereo. [worker, while nothing is rendered]
   void wear(std::shared_ptr<const HeadFilters> head);
-  // Frames by which the limiter delays the mix. [any, but not while limit() runs]
+  // Returns the limiter's delay of the mix in frames. [any, but not while limit() runs]
   [[nodiscard]] std::size_t latency_frames() const { return limiter_ ? limiter_->delay_frames() : 0; }
 
-  // The rest: [audio]
-  // Begins a block. Where nobody listens to the mix but somebody watches it, it is rendered all the same.
+  // All functions below: [audio]
+
+  // Begins a block. If no output takes the mix but a tap is watched, the mix is rendered nevertheless.
   void begin_block(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return outputs_.wanted(); }
-  // The channels that objects are to be added to, for the sake of those that are wanted.
+  // Returns the channels that objects must be added to in order to produce the wanted channels.
   [[nodiscard]] ChannelSet to_render() const RINGDOWN_REALTIME;
   // Writes a chunk's sums to frames at ... at + frames - 1 of the block.
   void write(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME;
-  // Ends the block, whose first frame is `begin`. Returns the largest |sample| of what is heard; infinity when a piece
+  // Ends the block, whose first frame is `begin`. Returns the largest |sample| of the outputs, or infinity if a piece
   // of a channel was silenced because a sample of it would not have been finite.
   [[nodiscard]] float end_block(Frame begin, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
 
@@ -48,8 +49,8 @@ class MixOutput {
 
   std::optional<Limiter> limiter_;
   std::optional<Binaural> binaural_;
-  Outputs outputs_;                    // of the block
-  float mix_peak_ = 0, bus_peak_ = 0;  // largest |sample| written to them
+  Outputs outputs_;                    // outputs of the present block
+  float mix_peak_ = 0, bus_peak_ = 0;  // largest |sample| written to the mix and to the buses
   std::vector<float> spare_left_ = std::vector<float>(kMaxSpare), spare_right_ = spare_left_;
 };
 

@@ -1,5 +1,5 @@
-// Hands the mix to whoever shows or captures it: while somebody watches, the audio thread puts pieces into a ring, and
-// another thread takes them out. A piece that finds the ring full is dropped; frame numbers then show a gap.
+// Hands the mix to threads that show or capture it: while the tap is watched, the audio thread puts pieces into a ring,
+// and another thread takes them out. A piece that finds the ring full is dropped; frame numbers then show a gap.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -12,14 +12,14 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kTappedFrames = 256;  // of a piece, at most
-inline constexpr std::size_t kMaxTapped = 512;     // pieces that wait: 2.7 s in blocks of 256 frames at 48 kHz
-inline constexpr std::size_t kMaxSpare = 8192;     // frames of a block that are watched though nobody listens to them
+inline constexpr std::size_t kTappedFrames = 256;  // maximum length of a piece
+inline constexpr std::size_t kMaxTapped = 512;     // waiting pieces: 2.7 s in blocks of 256 frames at 48 kHz
+inline constexpr std::size_t kMaxSpare = 8192;     // maximum block that can be watched if no output takes the mix
 
 class SoundTap {
  public:
   struct Piece {
-    Frame frame = 0;  // of the first
+    Frame frame = 0;  // number of the piece's first frame
     double sample_rate_hz = 0;
     std::size_t frames = 0;
     std::array<float, 2 * kTappedFrames> samples;  // left right left right ...
@@ -28,15 +28,15 @@ class SoundTap {
   void watch(bool on) { watched_.store(on, std::memory_order_relaxed); }  // [any]
   [[nodiscard]] bool watched() const RINGDOWN_REALTIME { return watched_.load(std::memory_order_relaxed); }
 
-  // False while somebody watches and put() would drop a piece of a block of `frames`, unless an empty ring would, too.
-  // [audio]
+  // Returns false if the tap is watched and put() would drop a piece of a block of `frames` that an empty ring would
+  // hold. [audio]
   [[nodiscard]] bool takes(std::size_t frames) const RINGDOWN_REALTIME;
 
-  // A block whose first frame is `frame`. [audio]
+  // Puts a block whose first frame is `frame`. [audio]
   void put(Frame frame, double sample_rate_hz, const float* left, const float* right,
            std::size_t frames) RINGDOWN_REALTIME;
 
-  // The oldest piece, valid until pop(); null when there is none. [one thread that is not audio]
+  // Returns the oldest piece, valid until pop(), or null if there is none. [one thread that is not audio]
   [[nodiscard]] const Piece* front() const { return ring_.front(); }
   void pop() { ring_.pop(); }
 
