@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cctype>
 #include <charconv>
 #include <numeric>
 #include <unordered_map>
@@ -189,6 +190,8 @@ std::span<const AddressSpec> addresses() {
   return specs;
 }
 
+std::span<const AddressSpec> verb_addresses() { return addresses().first(VerbRequests::kCount); }
+
 std::span<const AddressSpec> reply_addresses() {
   static const std::vector<AddressSpec> specs = specs_of(reply_table().rows);
   return specs;
@@ -228,6 +231,37 @@ std::optional<OutOfRange> find_out_of_range(Request& request) {
     row.fields[i].write(request.address(), value);
   }
   return std::nullopt;
+}
+
+std::optional<OutOfRange> fill(Request& request, std::span<const double> numbers) {
+  const Row& row = request_table().rows[request.index()];
+  assert(numbers.size() == row.fields.size());
+  for (std::size_t i = 0; i < row.fields.size(); ++i) {
+    const ArgumentSpec& argument = row.spec.arguments[i];
+    Value value = numbers[i];
+    if (argument.type == ValueType::object) {
+      value = ObjectRef{.name = {}, .number = static_cast<std::uint32_t>(numbers[i])};
+    } else {
+      assert(argument.type == ValueType::number || argument.type == ValueType::integer);
+      const Result<void> good = fit(argument, value);
+      if (!good) return OutOfRange{i, good.error().message};
+      if (argument.type == ValueType::integer) value = static_cast<std::int32_t>(std::get<double>(value));
+    }
+    row.fields[i].write(request.address(), value);
+  }
+  return std::nullopt;
+}
+
+std::string member_name(const ArgumentSpec& argument) {
+  std::string name(argument.group.empty() ? argument.name : argument.group);
+  std::string_view unit = argument.unit;
+  if (unit == "degrees C") unit = "c";
+  if (unit.empty() || unit.find('^') != unit.npos) return name;
+  name += '_';
+  for (const char c : unit) {
+    if (c != ' ') name += c == '/' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return name;
 }
 
 Result<Request> parse(const wire::Message& message) {

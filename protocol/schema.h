@@ -69,6 +69,8 @@ struct AddressSpec {
 
 // Every address a client may send, in the order of Request's alternatives.
 std::span<const AddressSpec> addresses();
+// Those of the verbs of the mixer (engine/synth/verbs.h), in the order of PublicVerbs.
+std::span<const AddressSpec> verb_addresses();
 // Every address the daemon may answer with, in the order of Reply's alternatives.
 std::span<const AddressSpec> reply_addresses();
 
@@ -91,6 +93,14 @@ struct OutOfRange {
 // The first such number, for requests that were made otherwise than by parse(). In the numbers before it, a 32-bit
 // float nearest to a limit has become the limit, as in parse(). Allocates nothing if there is none.
 std::optional<OutOfRange> find_out_of_range(Request& request);
+
+// Fills a request that is made of numbers: one for each of its arguments, in order; an object is given by its number.
+// Like find_out_of_range(), returns the first number that is wrong, and allocates nothing if there is none.
+std::optional<OutOfRange> fill(Request& request, std::span<const double> numbers);
+
+// What an argument is called where it is a member or a parameter with its unit: "contact_time_s". The arguments of a
+// vector are one member: "impulse_ns".
+std::string member_name(const ArgumentSpec& argument);
 
 // The inverse of parse. Requests carry numbers as d, so that nothing is lost; replies as f (reply.h).
 wire::Message format(const Request& request);

@@ -201,6 +201,15 @@ Row row(ClearObject& s) {
                  optional(number(&s.verb.ramp_s, "ramp", kRamp, "How long that takes; at least some 10 ms."))});
 }
 
+Row row(OnObject<synth::verb::Choke>& s) {
+  return silent(
+      s = {kBell, {0.2}}, "/object/{object}/choke",
+      "Lets what rings in the object die away, as a hand on a cymbal does. Bows and other contacts go on, and "
+      "what is struck afterwards rings.",
+      {object(&s.object),
+       optional(number(&s.verb.within_s, "within", kRamp, "In which it falls by 60 dB; at least some 10 ms."))});
+}
+
 Row row(SetContact& s) {
   return silent(
       s = {kBell, {{0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}}}, "/object/{object}/contact",

@@ -167,37 +167,127 @@ public sealed class Mixer : IDisposable {
   public void Collect() { Native.ringdown_collect(handle_); }
 
   // [control]
+  // <verbs> What follows is written by ringdown_write_verbs.
+  // Strikes the object at the surface point nearest to x y z.
   public void Strike(uint body, Vector point, Vector impulse, double contactTime = 0.0002, long frame = 0) {
-    eventFailure_.Check(
-        Native.ringdown_strike(handle_, frame, body, ref point, ref impulse, contactTime, eventFailure_.Room));
+    eventFailure_.Check(Native.ringdown_strike(handle_, frame, body, ref point, ref impulse, contactTime,
+                                               eventFailure_.Room));
   }
-  public void Click(uint body, Vector impulse, double contactTime = 0.0002, long frame = 0) {
-    eventFailure_.Check(Native.ringdown_click(handle_, frame, body, ref impulse, contactTime, eventFailure_.Room));
+  // Strikes the object at a sample point of its bank.
+  public void StrikeVertex(uint body, uint vertex, Vector impulse, double contactTime = 0.0002, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_strike_vertex(handle_, frame, body, vertex, ref impulse, contactTime,
+                                                      eventFailure_.Room));
   }
-  // Slides at slip metres per second, or rolls. Send it while it lasts, at 30 to 200 Hz; a force of 0 ends it.
-  public void Touch(uint body, uint contact, Vector point, Vector force, double slip, double roll = 0, long frame = 0) {
-    var touch = new Native.Contact();
-    Native.ringdown_contact_init(ref touch, (UIntPtr)Marshal.SizeOf(typeof(Native.Contact)));
-    touch.Number = contact;
-    touch.Point = point;
-    touch.Force = force;
-    touch.Slip = slip;
-    touch.Roll = roll;
-    eventFailure_.Check(Native.ringdown_touch(handle_, frame, body, ref touch, eventFailure_.Room));
-  }
-  public void Gain(uint body, double gain, double ramp = 0.02, long frame = 0) {
+  // Sets the object's loudness.
+  public void Gain(uint body, double gain, double ramp = 0, long frame = 0) {
     eventFailure_.Check(Native.ringdown_gain(handle_, frame, body, gain, ramp, eventFailure_.Room));
   }
+  // Pans the object at equal power.
   public void Pan(uint body, double pan, long frame = 0) {
     eventFailure_.Check(Native.ringdown_pan(handle_, frame, body, pan, eventFailure_.Room));
   }
+  // Starts these modes without a strike, each as a sine from 0.
+  public void Ring(uint body, uint first, uint count = 1, double amplitude = 0.1, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_ring(handle_, frame, body, first, count, amplitude, eventFailure_.Room));
+  }
+  // Fades what rings in the object.
+  public void Clear(uint body, double ramp = 0, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_clear(handle_, frame, body, ramp, eventFailure_.Room));
+  }
+  // Lets what rings in the object die away, as a hand on a cymbal does. Bows and other contacts go on, and what is
+  // struck afterwards rings.
+  public void Choke(uint body, double within = 0.2, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_choke(handle_, frame, body, within, eventFailure_.Room));
+  }
+  // Something slides or rolls on the object. Values are interpolated between messages: send 50 to 250 a second. A
+  // force of 0 0 0, or 0.1 s without a message, ends the contact.
+  public void Contact(uint body, Vector point, Vector force, double slip, double roll = 0, uint number = 0,
+                      double roughness = 2e-6, double correlation = 5e-5, double slope = -2.4, long frame = 0) {
+    var args = new Native.ContactArgs();
+    Native.ringdown_contact_args_init(ref args, (UIntPtr)Marshal.SizeOf(typeof(Native.ContactArgs)));
+    args.Point = point;
+    args.Force = force;
+    args.Slip = slip;
+    args.Roll = roll;
+    args.Number = number;
+    args.Roughness = roughness;
+    args.Correlation = correlation;
+    args.Slope = slope;
+    eventFailure_.Check(Native.ringdown_contact(handle_, frame, body, ref args, eventFailure_.Room));
+  }
+  // Bows the object: the hair sticks to the surface, slips, and feels how it moves. Send it again to change speed or
+  // force, which then move there in the time since the last message, 2 to 50 ms. A force of 0 lifts the bow.
+  public void Bow(uint body, Vector point, Vector direction, double speed, double force, double width = 0,
+                  double rosin = 0.8, uint number = 0, long frame = 0) {
+    var args = new Native.BowArgs();
+    Native.ringdown_bow_args_init(ref args, (UIntPtr)Marshal.SizeOf(typeof(Native.BowArgs)));
+    args.Point = point;
+    args.Direction = direction;
+    args.Speed = speed;
+    args.Force = force;
+    args.Width = width;
+    args.Rosin = rosin;
+    args.Number = number;
+    eventFailure_.Check(Native.ringdown_bow(handle_, frame, body, ref args, eventFailure_.Room));
+  }
+  // A mallet flies at the object and feels it: how long the blow lasts, and how often it hits, follows from mass,
+  // head and speed, and from what the object does.
+  public void Mallet(uint body, Vector point, Vector velocity, double mass = 0.02, double head = 10000000,
+                     double bounce = 0.9, long frame = 0) {
+    var args = new Native.MalletArgs();
+    Native.ringdown_mallet_args_init(ref args, (UIntPtr)Marshal.SizeOf(typeof(Native.MalletArgs)));
+    args.Point = point;
+    args.Velocity = velocity;
+    args.Mass = mass;
+    args.Head = head;
+    args.Bounce = bounce;
+    eventFailure_.Check(Native.ringdown_mallet(handle_, frame, body, ref args, eventFailure_.Room));
+  }
+  // Lets another object touch this one at a point of each, so that both rattle, buzz and ring together. The axes of
+  // the two are taken as parallel. A stiffness of 0 parts them.
+  public void Couple(uint body, Vector point, uint other, Vector otherPoint, Vector direction, double weight = 0,
+                     double gap = 0, double stiffness = 100000000, double friction = 0.3, double bounce = 0.6,
+                     double mass = 0, uint number = 0, long frame = 0) {
+    var args = new Native.CoupleArgs();
+    Native.ringdown_couple_args_init(ref args, (UIntPtr)Marshal.SizeOf(typeof(Native.CoupleArgs)));
+    args.Point = point;
+    args.Other = other;
+    args.OtherPoint = otherPoint;
+    args.Direction = direction;
+    args.Weight = weight;
+    args.Gap = gap;
+    args.Stiffness = stiffness;
+    args.Friction = friction;
+    args.Bounce = bounce;
+    args.Mass = mass;
+    args.Number = number;
+    eventFailure_.Check(Native.ringdown_couple(handle_, frame, body, ref args, eventFailure_.Room));
+  }
+  // The click of a free object that a blow sets in motion as a whole, which strikes do not include. Send it once for
+  // all points struck at one time.
+  public void Click(uint body, Vector impulse, double contactTime = 0.0002, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_click(handle_, frame, body, ref impulse, contactTime, eventFailure_.Room));
+  }
+  // Says where the object is, for a listener (/listener), who then hears it from there. Send 30 to 250 a second of
+  // what moves; motion between poses is smooth. A pose sent one interval ahead of its time is reached exactly then,
+  // any other one interval after it comes.
   public void Pose(uint body, Vector position, Turn turn, long frame = 0) {
     eventFailure_.Check(Native.ringdown_pose(handle_, frame, body, ref position, ref turn, eventFailure_.Room));
   }
-  // Its frame has x to the front, y to the left and z up: Turn.ListenerFromUnity() and the like turn cameras into it.
+  // Says where somebody listens. Objects with a pose are then heard from their places: by what each mode sends that
+  // way, by distance, and higher or lower as they come and go. Objects without a pose sound as before.
   public void Listener(Vector position, Turn turn, long frame = 0) {
     eventFailure_.Check(Native.ringdown_listener(handle_, frame, ref position, ref turn, eventFailure_.Room));
   }
+  // Ends that: everything sounds as without a listener.
+  public void ListenerOff(long frame = 0) {
+    eventFailure_.Check(Native.ringdown_listener_off(handle_, frame, eventFailure_.Room));
+  }
+  // Sets the air between objects and listener, which takes more of high pitches the longer the way.
+  public void ListenerAir(double temperature, double humidity = 50, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_listener_air(handle_, frame, temperature, humidity, eventFailure_.Room));
+  }
+  // </verbs>
 
   // [audio] Left and right, which are as long as the block.
   public void Render(float[] left, float[] right) {
@@ -267,14 +357,6 @@ static class Native {
                          Ambisonics = new IntPtr[kAmbisonicChannels], Inputs = new IntPtr[4] };
     }
   }
-  [StructLayout(LayoutKind.Sequential)]
-  internal struct Contact {
-    public UIntPtr Size;
-    public uint Number;
-    public Vector Point, Force;
-    public double Slip, Roll, Roughness, Correlation, SpectralSlope;
-  }
-
   [DllImport(kLibrary)] internal static extern int ringdown_bank_open(byte[] path, out IntPtr bank, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_bank_parse(byte[] glb, UIntPtr bytes, byte[] name, out IntPtr bank, IntPtr error);
   [DllImport(kLibrary)] internal static extern void ringdown_bank_release(IntPtr bank);
@@ -288,14 +370,94 @@ static class Native {
   [DllImport(kLibrary)] internal static extern int ringdown_remove(IntPtr mixer, uint body, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_hold(IntPtr mixer, long frame, uint body, uint hand, ref Vector point, ref Vector direction, double damping, IntPtr error);
   [DllImport(kLibrary)] internal static extern void ringdown_collect(IntPtr mixer);
-  [DllImport(kLibrary)] internal static extern int ringdown_strike(IntPtr mixer, long frame, uint body, ref Vector point, ref Vector impulse, double contactTime, IntPtr error);
-  [DllImport(kLibrary)] internal static extern int ringdown_click(IntPtr mixer, long frame, uint body, ref Vector impulse, double contactTime, IntPtr error);
-  [DllImport(kLibrary)] internal static extern void ringdown_contact_init(ref Contact contact, UIntPtr size);
-  [DllImport(kLibrary)] internal static extern int ringdown_touch(IntPtr mixer, long frame, uint body, ref Contact contact, IntPtr error);
-  [DllImport(kLibrary)] internal static extern int ringdown_gain(IntPtr mixer, long frame, uint body, double gain, double ramp, IntPtr error);
-  [DllImport(kLibrary)] internal static extern int ringdown_pan(IntPtr mixer, long frame, uint body, double pan, IntPtr error);
-  [DllImport(kLibrary)] internal static extern int ringdown_pose(IntPtr mixer, long frame, uint body, ref Vector position, ref Turn turn, IntPtr error);
-  [DllImport(kLibrary)] internal static extern int ringdown_listener(IntPtr mixer, long frame, ref Vector position, ref Turn turn, IntPtr error);
+  // <verbs of the library> What follows is written by ringdown_write_verbs.
+  [DllImport(kLibrary)] internal static extern int ringdown_strike(IntPtr mixer, long frame, uint body,
+                                                                   ref Vector point, ref Vector impulse,
+                                                                   double contactTime, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_strike_vertex(IntPtr mixer, long frame, uint body,
+                                                                          uint vertex, ref Vector impulse,
+                                                                          double contactTime, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_gain(IntPtr mixer, long frame, uint body, double gain,
+                                                                 double ramp, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_pan(IntPtr mixer, long frame, uint body, double pan,
+                                                                IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_ring(IntPtr mixer, long frame, uint body, uint first,
+                                                                 uint count, double amplitude, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_clear(IntPtr mixer, long frame, uint body, double ramp,
+                                                                  IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_choke(IntPtr mixer, long frame, uint body,
+                                                                  double within, IntPtr error);
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct ContactArgs {
+    public UIntPtr Size;
+    public Vector Point;
+    public Vector Force;
+    public double Slip;
+    public double Roll;
+    public uint Number;
+    public double Roughness;
+    public double Correlation;
+    public double Slope;
+  }
+  [DllImport(kLibrary)] internal static extern void ringdown_contact_args_init(ref ContactArgs args, UIntPtr size);
+  [DllImport(kLibrary)] internal static extern int ringdown_contact(IntPtr mixer, long frame, uint body,
+                                                                    ref ContactArgs args, IntPtr error);
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct BowArgs {
+    public UIntPtr Size;
+    public Vector Point;
+    public Vector Direction;
+    public double Speed;
+    public double Force;
+    public double Width;
+    public double Rosin;
+    public uint Number;
+  }
+  [DllImport(kLibrary)] internal static extern void ringdown_bow_args_init(ref BowArgs args, UIntPtr size);
+  [DllImport(kLibrary)] internal static extern int ringdown_bow(IntPtr mixer, long frame, uint body,
+                                                                ref BowArgs args, IntPtr error);
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct MalletArgs {
+    public UIntPtr Size;
+    public Vector Point;
+    public Vector Velocity;
+    public double Mass;
+    public double Head;
+    public double Bounce;
+  }
+  [DllImport(kLibrary)] internal static extern void ringdown_mallet_args_init(ref MalletArgs args, UIntPtr size);
+  [DllImport(kLibrary)] internal static extern int ringdown_mallet(IntPtr mixer, long frame, uint body,
+                                                                   ref MalletArgs args, IntPtr error);
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct CoupleArgs {
+    public UIntPtr Size;
+    public Vector Point;
+    public uint Other;
+    public Vector OtherPoint;
+    public Vector Direction;
+    public double Weight;
+    public double Gap;
+    public double Stiffness;
+    public double Friction;
+    public double Bounce;
+    public double Mass;
+    public uint Number;
+  }
+  [DllImport(kLibrary)] internal static extern void ringdown_couple_args_init(ref CoupleArgs args, UIntPtr size);
+  [DllImport(kLibrary)] internal static extern int ringdown_couple(IntPtr mixer, long frame, uint body,
+                                                                   ref CoupleArgs args, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_click(IntPtr mixer, long frame, uint body,
+                                                                  ref Vector impulse, double contactTime,
+                                                                  IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_pose(IntPtr mixer, long frame, uint body,
+                                                                 ref Vector position, ref Turn turn, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_listener(IntPtr mixer, long frame, ref Vector position,
+                                                                     ref Turn turn, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_listener_off(IntPtr mixer, long frame, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_listener_air(IntPtr mixer, long frame,
+                                                                         double temperature, double humidity,
+                                                                         IntPtr error);
+  // </verbs of the library>
   [DllImport(kLibrary)] internal static extern void ringdown_render(IntPtr mixer, [Out] float[] left, [Out] float[] right, UIntPtr frames);
   [DllImport(kLibrary)] internal static extern void ringdown_render_all(IntPtr mixer, ref Block block);
   [DllImport(kLibrary)] internal static extern long ringdown_now(IntPtr mixer);

@@ -242,120 +242,177 @@ RINGDOWN_API void ringdown_collect(ringdown_mixer* mixer);
  * in 128 frames: those beyond happen in the 128 frames that follow, in order, and are not counted as late. So a flood
  * of 4096 events for one frame takes 1024 frames. */
 
-/* Strikes the object: an impulse [N s] at the point of its surface nearest to point_m. The contact lasts contact_time_s,
- * 0 ... 0.1: about 0.0001 for steel or hard wood, 0.001 for a rubber mallet; 0 is an ideal impulse. */
+/* Bows, mallets and couplings feel how the surface moves under them, sample by sample; at most 16 such contacts act at a
+ * time. Where there is no room a mallet becomes a strike, and a bow or a coupling is counted in `refused` of the status.
+ *
+ * Functions with many parameters take a struct, whose _init function fills in the defaults. */
+
+/* <verbs> What follows is written by ringdown_write_verbs. */
+/* Strikes the object at the surface point nearest to x y z. point_m: Where it is struck. impulse_ns: The impulse it
+ * receives. contact_time_s: How long the blow lasts; longer is duller. 0 ... 0.1, default 0.0002. */
 RINGDOWN_API ringdown_result ringdown_strike(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                              const double point_m[3], const double impulse_ns[3],
                                              double contact_time_s, ringdown_error* error);
-/* The same at sample point `point` < P of the object's bank. */
-RINGDOWN_API ringdown_result ringdown_strike_at(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t point,
-                                                const double impulse_ns[3], double contact_time_s,
-                                                ringdown_error* error);
-/* A blow that sets the object in motion as a whole, which is heard too; its ringing is a strike of its own. */
-RINGDOWN_API ringdown_result ringdown_click(ringdown_mixer* mixer, int64_t frame, uint32_t object,
-                                            const double impulse_ns[3], double contact_time_s, ringdown_error* error);
 
-/* Something slides or rolls on the object. Send one such event for each contact at 30 to 200 Hz while it lasts; force
- * and speeds change gradually in between. It ends with a force of 0 0 0, or 0.1 s after the last event. */
-typedef struct ringdown_contact {
-  size_t size;
-  uint32_t number;             /* which of the object's contacts, which has four at once; 0 ... 16777215 */
-  double point_m[3];           /* object frame */
-  double force_n[3];           /* on the object: normal and friction together */
-  double slip_m_s;             /* speed at which the surfaces slide past each other, 0 ... 1000 */
-  double roll_m_s;             /* speed at which the point of contact travels as they roll, 0 ... 1000 */
-  double roughness_m;          /* rms height of both surfaces' roughness, 0 ... 0.1; default 2e-6 */
-  double correlation_m;        /* longest wavelength of the roughness, 1e-7 ... 10; default 5e-5 */
-  double spectral_slope;       /* power over spatial frequency falls as f^slope, -10 ... 0; default -2.4 */
-} ringdown_contact;
-RINGDOWN_API void ringdown_contact_init(ringdown_contact* contact, size_t size); /* [any] */
-RINGDOWN_API ringdown_result ringdown_touch(ringdown_mixer* mixer, int64_t frame, uint32_t object,
-                                            const ringdown_contact* contact, ringdown_error* error);
+/* Strikes the object at a sample point of its bank. vertex: The point's number, from 0. 0 ... 16777215. impulse_ns:
+ * The impulse it receives. contact_time_s: How long the blow lasts; longer is duller. 0 ... 0.1, default 0.0002. */
+RINGDOWN_API ringdown_result ringdown_strike_vertex(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                                    uint32_t vertex, const double impulse_ns[3],
+                                                    double contact_time_s, ringdown_error* error);
 
-/* What follows feels how the surface moves under it, sample by sample; at most 16 such contacts act at a time. Where
- * there is no room a mallet becomes a strike, and a bow or a coupling is counted in `refused` of the status. */
-
-/* A bow: its hair sticks to the surface, slips, and feels how it moves. Call it again to change speed or force, which
- * then move there in the time since the last call, 2 to 50 ms. A force of 0 lifts the bow. */
-typedef struct ringdown_bow {
-  size_t size;
-  uint32_t number;             /* which of the object's bows, 0 ... 16777215 */
-  double point_m[3];           /* object frame */
-  double direction[3];         /* the way the hair moves, along the surface; any length but 0 */
-  double speed_m_s;            /* -100 ... 100, negative for the way back */
-  double force_n;              /* how hard it is pressed, 0 ... 1e5 */
-  double width_m;              /* of the hair, 0 ... 1; default 0 */
-  double rosin;                /* coefficient of static friction, 0 ... 5; default 0.8 */
-} ringdown_bow;
-RINGDOWN_API void ringdown_bow_init(ringdown_bow* bow, size_t size); /* [any] */
-RINGDOWN_API ringdown_result ringdown_draw_bow(ringdown_mixer* mixer, int64_t frame, uint32_t object,
-                                               const ringdown_bow* bow, ringdown_error* error);
-
-/* A mallet that flies at the object: how long the blow lasts, and how often it hits, follows from mass, head and speed,
- * and from what the object does. */
-typedef struct ringdown_mallet {
-  size_t size;
-  double point_m[3];           /* object frame */
-  double velocity_m_s[3];      /* each within 1000, not all 0 */
-  double mass_kg;              /* shaft and hand included, 1e-5 ... 100; default 0.02 */
-  double head;                 /* Hertz's stiffness [N / m^1.5], 1 ... 1e14: 1e5 for yarn, 1e7 (default) for rubber, 1e9
-                                  for wood */
-  double bounce;               /* speed after a blow on a wall over that before, 0.01 ... 1; default 0.9 */
-} ringdown_mallet;
-RINGDOWN_API void ringdown_mallet_init(ringdown_mallet* mallet, size_t size); /* [any] */
-RINGDOWN_API ringdown_result ringdown_hit(ringdown_mixer* mixer, int64_t frame, uint32_t object,
-                                          const ringdown_mallet* mallet, ringdown_error* error);
-
-/* Another object that touches this one at a point of each, so that both rattle, buzz and ring together. The axes of
- * the two are taken as parallel. A stiffness of 0 parts them. */
-typedef struct ringdown_coupling {
-  size_t size;
-  uint32_t number;             /* which of this object's couplings, 0 ... 16777215 */
-  uint32_t other;              /* the other object */
-  double point_m[3];           /* where this object is touched, in its frame */
-  double other_point_m[3];     /* where the other is, in its own */
-  double direction[3];         /* the way in which the other pushes this object; any length but 0 */
-  double weight_n;             /* with which the other rests on this object, 0 ... 1e5; default 0: both are held where they
-                                  are */
-  double gap_m;                /* between the two at rest, -0.01 ... 0.1; negative: pressed together so deep; default 0 */
-  double stiffness;            /* Hertz's [N / m^1.5], 0 ... 1e14; default 1e8 */
-  double friction;             /* coefficient of static friction, 0 ... 5; default 0.3 */
-  double bounce;               /* speed after an impact over that before, 0.01 ... 1; default 0.6 */
-  double mass_kg;              /* of the other, where it rests by its weight, 0 ... 1e5; default 0: follows from the weight */
-} ringdown_coupling;
-RINGDOWN_API void ringdown_coupling_init(ringdown_coupling* coupling, size_t size); /* [any] */
-RINGDOWN_API ringdown_result ringdown_couple(ringdown_mixer* mixer, int64_t frame, uint32_t object,
-                                             const ringdown_coupling* coupling, ringdown_error* error);
-
-/* Sets `count` modes going, from mode `first` up, counted from the lowest frequency, each at `amplitude` of full scale,
- * 0 ... 1, before gain and pan. */
-RINGDOWN_API ringdown_result ringdown_ring(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t first,
-                                           uint32_t count, double amplitude, ringdown_error* error);
-
-/* Linear gain, 0 ... 100, reached over ramp_s seconds, 0 ... 60; and pan at equal power, -1 left ... 1 right, which
- * counts while nobody listens from a place. */
+/* Sets the object's loudness. gain: The factor on its signal; 1 is as computed. 0 ... 100. ramp_s: How long the
+ * change takes. 0 ... 60, default 0. */
 RINGDOWN_API ringdown_result ringdown_gain(ringdown_mixer* mixer, int64_t frame, uint32_t object, double gain,
                                            double ramp_s, ringdown_error* error);
+
+/* Pans the object at equal power. pan: -1 is left, 0 the middle, 1 right. -1 ... 1. */
 RINGDOWN_API ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double pan,
                                           ringdown_error* error);
 
-/* Fades what rings to silence within ramp_s seconds, 0 ... 60, or a few milliseconds if that is longer. */
+/* Starts these modes without a strike, each as a sine from 0. first: The lowest one; 0 has the lowest frequency. 0
+ * ... 16777215. count: How many, counted upwards. 0 ... 2147483647, default 1. amplitude: Of each, at gain 1, before
+ * the pan; 1 is full scale. 0 ... 1, default 0.1. */
+RINGDOWN_API ringdown_result ringdown_ring(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t first,
+                                           uint32_t count, double amplitude, ringdown_error* error);
+
+/* Fades what rings in the object. ramp_s: How long that takes; at least some 10 ms. 0 ... 60, default 0. */
 RINGDOWN_API ringdown_result ringdown_clear(ringdown_mixer* mixer, int64_t frame, uint32_t object, double ramp_s,
                                             ringdown_error* error);
 
-/* Where the object's frame lies in the world at this frame: position and unit quaternion w x y z, whose length is 1 to
- * one percent. Counts once a listener is set. Poses 30 to 100 times a second are enough: they are interpolated. */
+/* Lets what rings in the object die away, as a hand on a cymbal does. Bows and other contacts go on, and what is
+ * struck afterwards rings. within_s: In which it falls by 60 dB; at least some 10 ms. 0 ... 60, default 0.2. */
+RINGDOWN_API ringdown_result ringdown_choke(ringdown_mixer* mixer, int64_t frame, uint32_t object, double within_s,
+                                            ringdown_error* error);
+
+/* Something slides or rolls on the object. Values are interpolated between messages: send 50 to 250 a second. A force
+ * of 0 0 0, or 0.1 s without a message, ends the contact. */
+typedef struct ringdown_contact_args {
+  size_t size; /* sizeof the struct, as _init sets it */
+  /* Where it touches. */
+  double point_m[3];
+  /* The force on the object, friction included. */
+  double force_n[3];
+  /* Speed at which the surfaces slide past each other. 0 ... 1000. */
+  double slip_m_s;
+  /* Speed at which the point of contact travels. 0 ... 1000, default 0. */
+  double roll_m_s;
+  /* Which contact; an object can have four at once. 0 ... 16777215, default 0. */
+  uint32_t number;
+  /* Of both surfaces together, root mean square. 0 ... 0.1, default 2e-6. */
+  double roughness_m;
+  /* The longest wavelength of the roughness. 1e-7 ... 10, default 5e-5. */
+  double correlation_m;
+  /* The power of the heights over spatial frequency f goes as f^slope. -10 ... 0, default -2.4. */
+  double slope;
+} ringdown_contact_args;
+RINGDOWN_API void ringdown_contact_args_init(ringdown_contact_args* args, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_contact(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                              const ringdown_contact_args* args, ringdown_error* error);
+
+/* Bows the object: the hair sticks to the surface, slips, and feels how it moves. Send it again to change speed or
+ * force, which then move there in the time since the last message, 2 to 50 ms. A force of 0 lifts the bow. */
+typedef struct ringdown_bow_args {
+  size_t size; /* sizeof the struct, as _init sets it */
+  /* Where the bow lies. */
+  double point_m[3];
+  /* The way the hair moves, along the surface; any length but 0. */
+  double direction[3];
+  /* The hair's speed; negative for the way back. -100 ... 100. */
+  double speed_m_s;
+  /* How hard the bow is pressed. 0 ... 100000. */
+  double force_n;
+  /* Of the hair: modes whose waves are shorter feel less of it. 0 ... 1, default 0. */
+  double width_m;
+  /* Coefficient of static friction; sliding has three eighths of it. 0 ... 5, default 0.8. */
+  double rosin;
+  /* Which of the object's bows. 0 ... 16777215, default 0. */
+  uint32_t number;
+} ringdown_bow_args;
+RINGDOWN_API void ringdown_bow_args_init(ringdown_bow_args* args, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_bow(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                          const ringdown_bow_args* args, ringdown_error* error);
+
+/* A mallet flies at the object and feels it: how long the blow lasts, and how often it hits, follows from mass, head
+ * and speed, and from what the object does. */
+typedef struct ringdown_mallet_args {
+  size_t size; /* sizeof the struct, as _init sets it */
+  /* Where the mallet lands. */
+  double point_m[3];
+  /* Its velocity; not 0. */
+  double velocity_m_s[3];
+  /* Its mass, shaft and hand included. 1e-5 ... 100, default 0.02. */
+  double mass_kg;
+  /* How hard the head is: some 1e5 for yarn, 1e7 for rubber, 1e9 for wood, 1e10 for steel. 1 ... 1e14, default
+   * 10000000. */
+  double head;
+  /* Its speed after a blow on a wall, over that before. 0.01 ... 1, default 0.9. */
+  double bounce;
+} ringdown_mallet_args;
+RINGDOWN_API void ringdown_mallet_args_init(ringdown_mallet_args* args, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_mallet(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                             const ringdown_mallet_args* args, ringdown_error* error);
+
+/* Lets another object touch this one at a point of each, so that both rattle, buzz and ring together. The axes of the
+ * two are taken as parallel. A stiffness of 0 parts them. */
+typedef struct ringdown_couple_args {
+  size_t size; /* sizeof the struct, as _init sets it */
+  /* Where this object is touched. */
+  double point_m[3];
+  /* The other object. */
+  uint32_t other;
+  /* Where the other is touched, in its own frame. */
+  double other_point_m[3];
+  /* The way in which the other pushes this object; any length but 0. */
+  double direction[3];
+  /* With which the other rests on this object; 0: both are held where they are. 0 ... 100000, default 0. */
+  double weight_n;
+  /* Between the two at rest; negative: pressed together so deep. -0.01 ... 0.1, default 0. */
+  double gap_m;
+  /* Of the contact, by Hertz's law. 0 ... 1e14, default 100000000. */
+  double stiffness;
+  /* Coefficient of static friction. 0 ... 5, default 0.3. */
+  double friction;
+  /* Speed after an impact over that before. 0.01 ... 1, default 0.6. */
+  double bounce;
+  /* Of the other, where it rests by its weight; 0 follows from the weight. 0 ... 100000, default 0. */
+  double mass_kg;
+  /* Which of this object's couplings. 0 ... 16777215, default 0. */
+  uint32_t number;
+} ringdown_couple_args;
+RINGDOWN_API void ringdown_couple_args_init(ringdown_couple_args* args, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_couple(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                             const ringdown_couple_args* args, ringdown_error* error);
+
+/* The click of a free object that a blow sets in motion as a whole, which strikes do not include. Send it once for
+ * all points struck at one time. impulse_ns: The impulse it receives. contact_time_s: How long the blow lasts; longer
+ * is duller. 0 ... 0.1, default 0.0002. */
+RINGDOWN_API ringdown_result ringdown_click(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                            const double impulse_ns[3], double contact_time_s, ringdown_error* error);
+
+/* Says where the object is, for a listener (/listener), who then hears it from there. Send 30 to 250 a second of what
+ * moves; motion between poses is smooth. A pose sent one interval ahead of its time is reached exactly then, any
+ * other one interval after it comes. position_m: Where the object's origin lies in the scene. rotation_wxyz: How it
+ * is turned, as a unit quaternion. */
 RINGDOWN_API ringdown_result ringdown_pose(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                            const double position_m[3], const double rotation_wxyz[4],
                                            ringdown_error* error);
-/* Where the listener's frame lies, as in ringdown_pose(): x to the front, y to the left, z up. From then on directions, distances, Doppler
- * shift and absorption by the air are heard. */
+
+/* Says where somebody listens. Objects with a pose are then heard from their places: by what each mode sends that
+ * way, by distance, and higher or lower as they come and go. Objects without a pose sound as before. position_m:
+ * Where the listener's head is in the scene. Not turned, it faces along x with its left ear to y. rotation_wxyz: How
+ * it is turned, as a unit quaternion. */
 RINGDOWN_API ringdown_result ringdown_listener(ringdown_mixer* mixer, int64_t frame, const double position_m[3],
                                                const double rotation_wxyz[4], ringdown_error* error);
+
+/* Ends that: everything sounds as without a listener. */
 RINGDOWN_API ringdown_result ringdown_listener_off(ringdown_mixer* mixer, int64_t frame, ringdown_error* error);
-/* The air between, for what it absorbs: -50 ... 60 degrees Celsius, 0 ... 100 percent; default 20, 50. */
+
+/* Sets the air between objects and listener, which takes more of high pitches the longer the way. temperature_c: Of
+ * the air. -50 ... 60. humidity_percent: Relative humidity. 0 ... 100, default 50. */
 RINGDOWN_API ringdown_result ringdown_listener_air(ringdown_mixer* mixer, int64_t frame, double temperature_c,
                                                    double humidity_percent, ringdown_error* error);
+
+/* </verbs> */
 
 /* ---- Sound [audio] ----------------------------------------------------------------------------------------------- */
 

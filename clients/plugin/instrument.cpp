@@ -202,7 +202,7 @@ bool Instrument::tune(const KeyMap& map, const KeyMap::Object& object, Tuning& t
     tuning.is_new = false;
   }
   const double pressure = keyboard_.pressure(object.key);
-  const double damping_ns_m = parameters_[Parameter::touch] * pressure * pressure;
+  const double damping_ns_m = parameters_[Parameter::hand] * pressure * pressure;
   if (damping_ns_m == tuning.damping_ns_m) return true;
   const Vec3 place = material.size * map.body_of(object).stations[0].position_m;
   const double point_m[3] = {place.x, place.y, place.z}, direction[3] = {0, 0, 0};

@@ -116,7 +116,7 @@ void Keyboard::strike(const KeyMap::Key& key, double share, double softness, dou
     const double point_m[3] = {point.x, point.y, point.z};
     ringdown_strike(stage.mixer, stage.frame, object.number, point_m, impulse_ns, contact_time_s, nullptr);
   } else {
-    ringdown_strike_at(stage.mixer, stage.frame, object.number, station.point, impulse_ns, contact_time_s, nullptr);
+    ringdown_strike_vertex(stage.mixer, stage.frame, object.number, station.point, impulse_ns, contact_time_s, nullptr);
   }
 }
 

@@ -30,7 +30,7 @@ const std::array<ParameterInfo, kParameters> kParameterInfo = {{
     {"width", "Width", "%", 0, 100, 50, Scale::linear, "How far low keys lie to the left and high keys to the right."},
     {"release", "Release", "s", 0.02F, 30, 0.4F, Scale::logarithmic,
      "Time in which a released key is damped; 30: it rings on."},
-    {"touch", "Touch damping", "N s/m", 0.01F, 100, 3, Scale::logarithmic,
+    {"hand", "Hand damping", "N s/m", 0.01F, 100, 3, Scale::logarithmic,
      "Damping of the hand that full aftertouch lays on the object."},
     {"bend_range", "Bend range", "semitones", 0, 48, 2, Scale::whole, "What a full pitch bend changes."},
     {"mpe", "MPE", "", 0, 1, 0, Scale::toggle,

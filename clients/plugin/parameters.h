@@ -26,7 +26,7 @@ enum class Parameter : std::size_t {
   pan,
   width,
   release,
-  touch,
+  hand,
   bend_range,
   mpe,
   embed,

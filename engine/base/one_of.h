@@ -30,6 +30,7 @@ namespace ringdown {
 template <class... Alternatives>
 struct Types {
   static constexpr std::size_t kCount = sizeof...(Alternatives);
+  static constexpr std::size_t kMaxSize = std::max({sizeof(Alternatives)...});
   static constexpr bool kTrivial = (std::is_trivially_copyable_v<Alternatives> && ...);
   template <class T>
   static constexpr bool kHas = (std::is_same_v<T, Alternatives> || ...);

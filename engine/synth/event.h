@@ -44,7 +44,7 @@ inline bool excites(const Event& event) RINGDOWN_REALTIME { return effect_of(eve
 
 // Whether the verb is heard, rather than sets something.
 constexpr bool is_sound(Effect effect) RINGDOWN_REALTIME {
-  return effect == Effect::excites || effect == Effect::sounds;
+  return effect == Effect::excites || effect == Effect::begins || effect == Effect::damps;
 }
 
 // Whether the verb takes effect as soon as it is known.

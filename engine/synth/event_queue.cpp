@@ -11,12 +11,6 @@ namespace {
 template <class One>
 constexpr bool kWaitsInside = sizeof(One) <= QueuedEvent::kSmallVerb;
 
-template <class... Ones>
-constexpr bool all_placings_wait_inside(Types<Ones...>) {
-  return ((kWaitsInside<Ones> || !is_placing(Ones::kEffect)) && ...);
-}
-static_assert(all_placings_wait_inside(Verbs()), "placings_ keeps no places");
-
 }  // namespace
 
 EventQueue::Lane::Lane(std::size_t events, std::size_t large_verbs)
@@ -73,48 +67,18 @@ void EventQueue::release(const QueuedEvent& queued) RINGDOWN_REALTIME {
   visit_now(give_back, Verbs(), queued.verb, queued.small.data());
 }
 
-std::size_t EventQueue::accept(Frame now) RINGDOWN_REALTIME {
-  std::size_t late = 0;
-  placed_ = 0;
-  for (Lane& lane : lanes_) {
-    for (; count_ < kMaxPendingEvents && placed_ < kMaxPlacings; lane.ring.pop()) {
-      const QueuedEvent* event = lane.ring.front();
-      if (!event) break;
-      late += take(*event, now);
-    }
-  }
-  return late;
-}
-
 // A binary heap by frame, and among events of one frame by the order in which they came. The audio thread moves events
 // into it from the rings at each chunk; what finds it full stays in its ring, so nothing is lost.
-//
-// Returns true when the event was late.
-bool EventQueue::take(const QueuedEvent& event, Frame now) RINGDOWN_REALTIME {
-  if (is_placing(effect_of(event.verb))) {
-    QueuedEvent& placing = placings_.data()[placed_++];
-    placing = event;
-    placing.frame = std::max(event.frame, now);
-    return false;
-  }
+bool EventQueue::wait(const QueuedEvent& queued, Frame now) RINGDOWN_REALTIME {
   Pending* const heap = heap_.data();
-  heap[count_] = {event, next_order_++, false};
-  heap[count_].event.frame = std::max(event.frame, now);
+  heap[count_] = {queued, next_order_++, false};
+  heap[count_].event.frame = std::max(queued.frame, now);
   ++count_;
   std::push_heap(heap, heap + count_, Later{});
-  return event.frame < now;
+  return queued.frame < now;
 }
 
-// All events leave the rings, even past kMaxPendingEvents, because those in the rings count the old frames too.
-std::size_t EventQueue::rescale(Frame now, double ratio) {
-  std::size_t late = 0;
-  for (Lane& lane : lanes_) {
-    for (; const QueuedEvent* event = lane.ring.front(); lane.ring.pop()) {
-      heap_.resize(std::max(heap_.size(), count_ + 1));
-      if (placed_ == kMaxPlacings) placed_ = 0;  // older places do not matter
-      late += take(*event, now);
-    }
-  }
+void EventQueue::rescale_pending(Frame now, double ratio) {
   const auto begin = heap_.begin(), end = begin + static_cast<std::ptrdiff_t>(count_);
   std::sort(begin, end, [](const Pending& a, const Pending& b) { return Later{}(b, a); });
   next_order_ = 0;  // two frames may become one; their events keep their order
@@ -123,7 +87,6 @@ std::size_t EventQueue::rescale(Frame now, double ratio) {
     pending.event.frame = now + static_cast<Frame>(std::llround(ahead));
     pending.order = next_order_++;
   });
-  return late;
 }
 
 void EventQueue::pop() RINGDOWN_REALTIME {

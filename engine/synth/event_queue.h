@@ -19,8 +19,8 @@
 namespace ringdown::synth {
 
 // Capacities. Past the first two, push() returns false; past the third, events stay in their rings.
-inline constexpr std::size_t kQueueCapacity = 4096;  // events one producer may have in its ring
-inline constexpr std::size_t kLargeCapacity = 2048;  // of these, contacts; the same of those that wait for their frame
+inline constexpr std::size_t kQueueCapacity = 4096;     // events one producer may have in its ring
+inline constexpr std::size_t kLargeCapacity = 2048;     // lasting contacts one producer may have waiting
 inline constexpr std::size_t kMaxPendingEvents = 8192;  // events waiting for their frame
 inline constexpr std::size_t kMaxPlacings = 4096;       // events that say where something is, taken in one block
 
@@ -51,13 +51,20 @@ class EventQueue {
   // producer's thread]
   [[nodiscard]] bool push(Producer producer, const Event& event) RINGDOWN_REALTIME;
 
-  // Takes what the producers pushed; an event whose frame has passed gets frame `now`. Returns how many events were
-  // late. [audio]
-  std::size_t accept(Frame now) RINGDOWN_REALTIME;
-
-  // Those of the events that say where something is (is_placing()), in the order in which accept() took them, until the
-  // next accept(). They wait for no frame. [audio]
-  [[nodiscard]] std::span<const QueuedEvent> placings() const RINGDOWN_REALTIME { return {placings_.data(), placed_}; }
+  // Takes what the producers pushed; an event whose frame has passed gets frame `now`. Events that say where something
+  // is (is_placing()) wait for no frame: `place(event)` is called for each. Returns how many events were late. [audio]
+  template <class Place>
+  std::size_t accept(Frame now, const Place& place) RINGDOWN_REALTIME {
+    std::size_t late = 0, placed = 0;
+    for (Lane& lane : lanes_) {
+      for (; count_ < kMaxPendingEvents && placed < kMaxPlacings; lane.ring.pop()) {
+        const QueuedEvent* event = lane.ring.front();
+        if (!event) break;
+        late += take(*event, now, place, placed);
+      }
+    }
+    return late;
+  }
 
   // The earliest event, if it happens before frame `end`, else null; of events at one frame the one pushed first.
   // [audio]
@@ -75,10 +82,23 @@ class EventQueue {
   [[nodiscard]] Event event_of(const QueuedEvent& queued) const RINGDOWN_REALTIME;
 
   // Changes the length of a frame: every pending event, in the rings too, then comes `ratio` times as many frames after
-  // `now` as before. Returns how many events were late. [worker, while nothing is rendered]
-  std::size_t rescale(Frame now, double ratio);
+  // `now` as before. Calls `place(event)` as accept() does. Returns how many events were late. [worker, while nothing
+  // is rendered]
+  template <class Place>
+  std::size_t rescale(Frame now, double ratio, const Place& place) {
+    std::size_t late = 0, placed = 0;
+    for (Lane& lane : lanes_) {
+      for (; const QueuedEvent* event = lane.ring.front(); lane.ring.pop()) {
+        heap_.resize(std::max(heap_.size(), count_ + 1));  // those in the rings count the old frames, so all leave
+        late += take(*event, now, place, placed);
+      }
+    }
+    rescale_pending(now, ratio);
+    return late;
+  }
 
  private:
+  static constexpr std::size_t kLargestVerb = Verbs::kMaxSize;
   struct Later {
     bool operator()(const Pending& a, const Pending& b) const RINGDOWN_REALTIME {
       return a.event.frame != b.event.frame ? a.event.frame > b.event.frame : a.order > b.order;
@@ -89,21 +109,31 @@ class EventQueue {
     Lane(std::size_t events, std::size_t large_verbs);
 
     struct Large {
-      alignas(Verb) std::array<std::byte, sizeof(Verb)> bytes;
+      alignas(Verb) std::array<std::byte, kLargestVerb> bytes;
     };
     SpscRing<QueuedEvent> ring;
     std::vector<Large> large;
     SpscRing<std::uint16_t> free;  // places of `large`, which the audio thread gives back
   };
-  bool take(const QueuedEvent& event, Frame now) RINGDOWN_REALTIME;
+  // Returns true when the event was late.
+  template <class Place>
+  bool take(const QueuedEvent& queued, Frame now, const Place& place, std::size_t& placed) RINGDOWN_REALTIME {
+    if (!is_placing(effect_of(queued.verb))) return wait(queued, now);
+    Event event = event_of(queued);
+    event.frame = std::max(event.frame, now);
+    place(event);
+    ++placed;
+    return false;
+  }
+  bool wait(const QueuedEvent& queued, Frame now) RINGDOWN_REALTIME;
+  void rescale_pending(Frame now, double ratio);
 
-  // MIDI notes bow, one contact for each key; the worker sends no contacts.
+  // MIDI notes strike and bow, one contact for each key; the worker sends no contacts.
   std::array<Lane, static_cast<std::size_t>(Producer::kCount)> lanes_{
       Lane(kQueueCapacity, kLargeCapacity), Lane(kQueueCapacity, 2), Lane(kQueueCapacity, kLargeCapacity),
-      Lane(kQueueCapacity, 256)};
+      Lane(512, 128)};
   std::vector<Pending> heap_ = std::vector<Pending>(kMaxPendingEvents);  // earliest first
-  std::vector<QueuedEvent> placings_ = std::vector<QueuedEvent>(kMaxPlacings);
-  std::size_t count_ = 0, placed_ = 0;
+  std::size_t count_ = 0;
   std::uint64_t next_order_ = 0;
 };
 

@@ -23,7 +23,8 @@ void Meters::measure_objects(const Stage& stage, Frame now) RINGDOWN_REALTIME {
   for (std::size_t n = 0; n < most && modes < kMaxModesPerChunk; ++n) {
     if (next_object_ >= stage.object_limit()) next_object_ = 0;
     PeakLevel& level = peak_levels_.data()[next_object_];
-    const auto measured = static_cast<float>(stage.object(next_object_++).peak_level(now, modes));
+    const Object* const object = stage.object(next_object_++);
+    const auto measured = object ? static_cast<float>(object->peak_level(now, modes)) : 0.0f;
     level.now.store(measured, std::memory_order_relaxed);
     if (measured > level.since.load(std::memory_order_relaxed)) {
       level.since.store(measured, std::memory_order_relaxed);
@@ -43,7 +44,8 @@ void Meters::measure_modes(const Stage& stage, Frame now, double sample_rate_hz)
     if (object < 0) continue;
     slot.begin();
     slot.of.store(object, std::memory_order_relaxed);
-    modes += stage.object(static_cast<std::size_t>(object)).write_amplitudes(now, slot);
+    const Object* const watched = stage.object(static_cast<std::size_t>(object));
+    if (watched) modes += watched->write_amplitudes(now, slot);
     slot.end();
   }
   if (next_slot_ == kMaxWatched) next_slot_ = 0;

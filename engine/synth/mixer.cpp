@@ -41,9 +41,15 @@ void Mixer::configure(const MixerSettings& settings) {
   settings_ = settings;
 }
 
+void Mixer::make_object(ObjectNumber object) {
+  renderer_.make_room();
+  stage_.make_object(object);
+}
+
 bool Mixer::install(ObjectNumber object, std::unique_ptr<Voice> voice, Install how, Frame at) {
   assert(object < kMaxObjects && voice);
   if (!voices_.has_room()) return false;
+  make_object(object);
   if (auto group = voices_.group_for(voice->shared_table())) {
     const Command found{.kind = Command::Kind::found_group, .group = group.get()};
     if (timeline_.push(found)) voices_.keep_group(voice->shared_table(), std::move(group));
@@ -57,33 +63,37 @@ bool Mixer::install(ObjectNumber object, std::unique_ptr<Voice> voice, Install h
 
 bool Mixer::remove(ObjectNumber object) {
   assert(object < kMaxObjects);
+  make_object(object);
   return timeline_.push(Command{.kind = Command::Kind::remove, .object = object});
 }
 
 bool Mixer::assign(ObjectNumber object, std::optional<std::size_t> bus) {
   assert(object < kMaxObjects && (!bus || *bus < kMaxBuses));
   const std::size_t channel = bus ? kFirstBus + *bus : kNoBus;
-  return timeline_.push(Command{.kind = Command::Kind::assign, .object = object, .channel = channel});
+  make_object(object);
+  return timeline_.push(
+      Command{.kind = Command::Kind::assign, .object = object, .channel = static_cast<std::uint32_t>(channel)});
 }
 
 bool Mixer::silence(ObjectNumber object, bool silent) {
   assert(object < kMaxObjects);
   const auto ramp = static_cast<Frame>(kSilenceRamp_s * sample_rate_hz());
+  make_object(object);
   return timeline_.push(
       Command{.kind = silent ? Command::Kind::silence : Command::Kind::unsilence, .object = object, .ramp = ramp});
 }
 
 bool Mixer::connect_input(std::size_t input, ObjectNumber object, Vec3 point_m, Vec3 impulse_ns) {
   assert(input < kMaxInputs && object < kMaxObjects);
-  return timeline_.push(Command{.kind = Command::Kind::connect,
-                                .object = object,
-                                .input = input,
-                                .impulse = {.point_m = point_m, .impulse_ns = impulse_ns, .contact_time_s = 0}});
+  make_object(object);
+  return timeline_.connect(
+      {.kind = Command::Kind::connect, .object = object, .input = static_cast<std::uint32_t>(input)},
+      {.point_m = point_m, .impulse_ns = impulse_ns, .contact_time_s = 0});
 }
 
 bool Mixer::disconnect_input(std::size_t input) {
   assert(input < kMaxInputs);
-  return timeline_.push(Command{.kind = Command::Kind::disconnect, .input = input});
+  return timeline_.push(Command{.kind = Command::Kind::disconnect, .input = static_cast<std::uint32_t>(input)});
 }
 
 void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) RINGDOWN_REALTIME {
@@ -91,8 +101,9 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   MixerCounters& counters = meters_.counters;
   const double rate_hz = sample_rate_hz();
   shedding_.begin_block(frames, rate_hz, deadlines_);
-  count(counters.late, timeline_.events().accept(now_));
-  place(rate_hz);
+  count(counters.late, timeline_.events().accept(now_, [&](const Event& placing) RINGDOWN_REALTIME {
+    stage_.place(placing, now_, rate_hz);
+  }));
   output_.begin_block(outputs, frames);
   renderer_.main().counts = {};
   for (std::size_t done = 0; done < frames;) {
@@ -124,14 +135,10 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   counters.frames.store(now_, std::memory_order_release);
 }
 
-void Mixer::place(double sample_rate_hz) RINGDOWN_REALTIME {
-  const EventQueue& events = timeline_.events();
-  for (const QueuedEvent& placing : events.placings()) stage_.place(events.event_of(placing), now_, sample_rate_hz);
-}
-
 void Mixer::execute_commands(Frame until) RINGDOWN_REALTIME {
   for (; const Command* command = timeline_.due_command(until); timeline_.pop_command()) {
-    stage_.execute(*command, now_);
+    const bool connects = command->kind == Command::Kind::connect;
+    stage_.execute(*command, connects ? timeline_.take_impulse() : verb::Strike{}, now_);
   }
 }
 
@@ -159,8 +166,8 @@ void Mixer::render_chunk(Chunk& chunk) RINGDOWN_REALTIME {
 void Mixer::change_sample_rate(double sample_rate_hz) {
   const double ratio = sample_rate_hz / this->sample_rate_hz();
   execute_commands(std::numeric_limits<Frame>::max());
-  count(meters_.counters.late, timeline_.events().rescale(now_, ratio));
-  place(sample_rate_hz);
+  const auto place = [&](const Event& placing) { stage_.place(placing, now_, sample_rate_hz); };
+  count(meters_.counters.late, timeline_.events().rescale(now_, ratio, place));
   struct Tables {
     std::shared_ptr<ModeTable> old, renewed;
   };

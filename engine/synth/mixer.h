@@ -163,13 +163,13 @@ class Mixer {
   [[nodiscard]] SoundTap& capture_tap() { return output_.capture_tap; }
 
  private:
-  void place(double sample_rate_hz) RINGDOWN_REALTIME;  // what the events of the block say
+  void make_object(ObjectNumber object);  // before the first command about it [worker]
   void execute_commands(Frame until) RINGDOWN_REALTIME;
   void render_chunk(Chunk& chunk) RINGDOWN_REALTIME;
 
   std::atomic<double> sample_rate_hz_;
   MixerSettings settings_;
-  Timeline timeline_{2 * kMaxVoices + kMaxObjects};
+  Timeline timeline_{2 * kMaxVoices};
   VoiceRegistry voices_;
   Meters meters_;
   Stage stage_{timeline_.events(), voices_, meters_.counters};

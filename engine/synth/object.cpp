@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace ringdown::synth {
@@ -24,6 +25,7 @@ namespace {
 constexpr double kMinGainRamp_s = 0.005;  // a step in gain or pan would click
 constexpr double kMaxGainRamp_s = 3600;
 constexpr double kMaxSharedGain = 100;
+constexpr double kChokeNepers = 3 * std::numbers::ln10;  // 60 dB
 
 // Returns whether the samples of a segment may be added to the outputs. Absurd ones (sane_samples.h) silence the
 // object's voices, and are counted.
@@ -50,8 +52,8 @@ void VoiceStack::replace(Voice* voice, bool retune) RINGDOWN_REALTIME {
   tails_ = old;
 }
 
-void VoiceStack::fade_out(std::size_t frames) RINGDOWN_REALTIME {
-  for_each([frames](Voice& voice) RINGDOWN_REALTIME { voice.fade_out(frames); });
+void VoiceStack::fade_out(const Fading& fade) RINGDOWN_REALTIME {
+  for_each([&fade](Voice& voice) RINGDOWN_REALTIME { voice.fade_out(fade); });
 }
 
 void VoiceStack::free_all() {
@@ -90,7 +92,7 @@ void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME 
 // Whether something of it is to end in this chunk, which moments cannot cut.
 bool Object::is_cleared() const RINGDOWN_REALTIME {
   for (const DueEvent* event = due.first; event; event = event->next) {
-    if (event->event.verb.holds<verb::Clear>()) return true;
+    if (effect_of(event->event) == Effect::damps) return true;
   }
   return false;
 }
@@ -143,7 +145,10 @@ struct Object::Play {
     object.strip.set_pan(pan.pan, frame, frames_of(0));
   }
   void operator()(const verb::Clear& clear) const RINGDOWN_REALTIME {
-    object.voices.fade_out(static_cast<std::size_t>(frames_of(clear.ramp_s)));
+    object.voices.fade_out({static_cast<std::size_t>(frames_of(clear.ramp_s))});
+  }
+  void operator()(const verb::Choke& choke) const RINGDOWN_REALTIME {
+    object.voices.fade_out({static_cast<std::size_t>(frames_of(choke.within_s)), kChokeNepers});
   }
   template <class One>
   requires(Elsewhere::kHas<One>) void operator()(const One&) const RINGDOWN_REALTIME {}

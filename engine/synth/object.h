@@ -30,7 +30,7 @@ class VoiceStack {
   // Makes `voice`, or none, the current one. With `retune` it takes over what rings of its modes in the old one, whose
   // other modes fade out; otherwise the old one rings out.
   void replace(Voice* voice, bool retune) RINGDOWN_REALTIME;
-  void fade_out(std::size_t frames) RINGDOWN_REALTIME;
+  void fade_out(const Fading& fade) RINGDOWN_REALTIME;
   // Takes silent tails off, oldest last, and hands each to `retire(voice, last)`; `last` tells that the object has no
   // voice any more.
   template <class Retire>
@@ -72,6 +72,8 @@ class Object final : public Source {
   friend class TouchGroup;
 
  public:
+  explicit Object(ObjectNumber own_number) : number(own_number) { placement.spread_looks(own_number); }  // [worker]
+
   void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
   void skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
   [[nodiscard]] bool can_skip(const Chunk& chunk) const RINGDOWN_REALTIME override { return !driven(chunk); }
@@ -95,6 +97,7 @@ class Object final : public Source {
   // Writes the amplitudes of the current voice's modes; returns how many they are.
   std::size_t write_amplitudes(Frame now, ModeWatch::Slot& to) const RINGDOWN_REALTIME;
 
+  const ObjectNumber number;
   VoiceStack voices;
   ChannelStrip strip;
   Placement placement;

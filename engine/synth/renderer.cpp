@@ -15,6 +15,7 @@ constexpr std::size_t kMinModesToShare = 3000;  // fewer modes are rendered fast
 void Renderer::set_threads(std::size_t threads) {
   helpers_.reset();
   workspaces_ = std::vector<Workspace>(std::max<std::size_t>(1, threads));
+  if (has_room_) make_room();
   if (threads < 2) return;
   helpers_ = std::make_unique<WorkerPool>(
       threads - 1, [this](std::size_t which, std::size_t thread) RINGDOWN_REALTIME { render_source(which, thread); });

@@ -28,6 +28,12 @@ class Renderer {
     for (Workspace& workspace : workspaces_) workspace.sums.have_field(on);
   }
 
+  // Makes room for sums in each thread. Must come before anything is rendered. [worker]
+  void make_room() {
+    has_room_ = true;
+    for (Workspace& workspace : workspaces_) workspace.sums.make_room();
+  }
+
   // All functions below: [audio]
 
   // Begins a chunk; more than kChunkFrames only if nothing is rendered in it.
@@ -47,6 +53,7 @@ class Renderer {
 
   std::vector<Workspace> workspaces_ = std::vector<Workspace>(1);  // the audio thread's, then its helpers' workspaces
   std::unique_ptr<WorkerPool> helpers_;                            // null: the audio thread works alone
+  bool has_room_ = false;                                          // make_room() was called
   std::size_t slow_modes_ = 0;                                     // slow modes that sounded in the last chunk
   std::span<Source* const> sources_;                               // sources of the chunk being rendered
   const Chunk* chunk_ = nullptr;

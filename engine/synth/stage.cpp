@@ -33,43 +33,43 @@ Stage::Stage(EventQueue& events, VoiceRegistry& voices, MixerCounters& counters)
     : events_(events),
       voices_(voices),
       counters_(counters),
-      objects_(kMaxObjects),
-      exciters_(counters),
       active_objects_(kMaxObjects),
       active_groups_(kMaxVoices),
-      sources_(kMaxObjects + kMaxVoices + kMaxTouches) {
-  for (std::size_t i = 0; i < objects_.size(); ++i) objects_[i].placement.spread_looks(i);
-}
+      sources_(kMaxObjects + kMaxVoices + kMaxTouches) {}
 
 Stage::~Stage() {
-  for (Object& object : objects_) object.voices.free_all();
+  for (const std::unique_ptr<Object>& object : objects_.all()) object->voices.free_all();
 }
 
-void Stage::execute(const Command& command, Frame now) RINGDOWN_REALTIME {
+void Stage::make_object(ObjectNumber number) {
+  if (!forces_) forces_ = std::make_unique<Forces>(counters_);
+  objects_.make(number);
+}
+
+void Stage::execute(const Command& command, const verb::Strike& impulse, Frame now) RINGDOWN_REALTIME {
   using Kind = Command::Kind;
   if (command.kind == Kind::found_group) {
     command.group->found();
     return;
   }
   if (command.kind == Kind::connect || command.kind == Kind::disconnect) {
-    if (const auto before = exciters_.target_of(command.input)) {
-      exciters_.disconnect(command.input, objects_.data()[*before].exciters);
-    }
+    const auto before = forces_ ? forces_->exciters.target_of(command.input) : std::nullopt;
+    if (before) forces_->exciters.disconnect(command.input, objects_.find(*before)->exciters);
     if (command.kind == Kind::disconnect) return;
   }
   object_limit_ = std::max<std::size_t>(object_limit_, command.object + 1);
-  Object& object = objects_.data()[command.object];
+  Object& object = *objects_.find(command.object);
   part(object, now);
   if (command.kind == Kind::connect) {
-    return exciters_.connect(command.input, command.object, command.impulse, object.voices.current(), object.exciters);
+    return forces_->exciters.connect(command.input, command.object, impulse, object.voices.current(), object.exciters);
   }
   if (command.kind == Kind::assign) return object.strip.set_bus(command.channel);
   if (command.kind == Kind::silence || command.kind == Kind::unsilence) {
     return object.strip.set_silent(command.kind == Kind::silence, now, object.voices.current() ? command.ramp : 0);
   }
-  if (command.kind == Kind::remove) object.voices.fade_out(FadeOut::kMinFrames);
+  if (command.kind == Kind::remove) object.voices.fade_out({});
   object.voices.replace(command.voice, command.kind == Kind::retune);
-  exciters_.refit(object.voices.current(), object.exciters);
+  forces_->exciters.refit(object.voices.current(), object.exciters);
   active_objects_.add(object);  // the next chunk finds out what rings, and retires what does not
 }
 
@@ -79,8 +79,9 @@ void Stage::place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN
   const auto place = [&]<class One>(const One& one) RINGDOWN_REALTIME {
     if constexpr (std::is_same_v<One, verb::Pose>) {
       if (!is_sane(one.pose)) return refuse();
-      Object& object = objects_.data()[event.object];
-      object_limit_ = std::max<std::size_t>(object_limit_, event.object + 1);
+      Object* const found = objects_.find(event.object);
+      if (!found) return refuse();
+      Object& object = *found;
       const bool known = object.placement.track.known();
       Frame seen = event.frame;
       if (listening_.travel_time())
@@ -92,7 +93,8 @@ void Stage::place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN
       const bool begins = !listening_.on();
       listening_.place(event.frame, one.pose, now, sample_rate_hz);
       for (std::size_t i = 0; begins && i < object_limit_; ++i) {
-        if (objects_.data()[i].placement.track.known()) part(objects_.data()[i], now);
+        Object* const object = objects_.find(i);
+        if (object && object->placement.track.known()) part(*object, now);
       }
     } else if constexpr (std::is_same_v<One, verb::ListenerOff>) {
       listening_.leave();
@@ -107,14 +109,14 @@ void Stage::place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN
 }
 
 std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REALTIME {
-  for (std::size_t input = 0; input < kMaxInputs; ++input) {
+  for (std::size_t input = 0; input < kMaxInputs && object_limit_ > 0; ++input) {
     const float* const samples = chunk.inputs[input];
-    const std::optional<ObjectNumber> target = exciters_.target_of(input);
+    const std::optional<ObjectNumber> target = forces_->exciters.target_of(input);
     chunk.input_sounds[input] = false;
     if (!samples || !target) continue;
     rest = std::min(rest, kChunkFrames);
     chunk.input_sounds[input] = std::any_of(samples, samples + rest, [](float x) RINGDOWN_REALTIME { return x != 0; });
-    if (chunk.input_sounds[input]) active_objects_.add(objects_.data()[*target]);
+    if (chunk.input_sounds[input]) active_objects_.add(*objects_.find(*target));
   }
   return rest;
 }
@@ -132,7 +134,15 @@ void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shed
   while (count < due_.size() && sent_on < due_.size()) {
     const EventQueue::Pending* const next = events_.next_before(chunk.end());
     if (!next) break;
-    Object& object = objects_.data()[next->event.object];
+    Object* const found = objects_.find(next->event.object);
+    if (!found) {  // there never was such an object
+      const Effect effect = effect_of(next->event.verb);
+      if (effect == Effect::excites || effect == Effect::begins) synth::count(counters_.refused);
+      events_.release(next->event);
+      events_.pop();
+      continue;
+    }
+    Object& object = *found;
     if (const Frame way = next->travelled ? 0 : travels(next->event, object, chunk); way > 0) {
       EventQueue::Pending heard = *next;
       heard.event.frame = std::max(heard.event.frame, chunk.begin) + way;
@@ -156,7 +166,7 @@ void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shed
     }
   }
   due_count_ = count;
-  touches_.regroup();
+  if (object_limit_ > 0) forces_->touches.regroup();
   for (std::size_t i = 0; i < count; ++i) give_to_source(due_.data()[i], chunk, shedding, workspace);
 }
 
@@ -221,12 +231,9 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
       return accept_contact(one, due, chunk) && rings_alone();
     } else if constexpr (One::kEffect == Effect::excites) {
       return true;
-    } else if constexpr (kEndsContacts<One>) {
-      rings_alone();
-      object.exciters.stop_at(due.event.frame);
-      return true;
     } else {
-      static_assert(One::kEffect == Effect::sets || is_placing(One::kEffect), "this verb begins nothing here");
+      static_assert(One::kEffect != Effect::begins, "a verb that begins something is accepted here");
+      if constexpr (kEndsContacts<One>) object.exciters.stop_at(due.event.frame);
       return !is_placing(One::kEffect) && rings_alone();
     }
   };
@@ -236,8 +243,8 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
 bool Stage::accept_contact(const verb::Contact& contact, const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME {
   Object& object = *due.object;
   if (is_sane(contact.contact)) {
-    return exciters_.open_contact(contact, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
-                                  object.exciters);
+    return forces_->exciters.open_contact(contact, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
+                                          object.exciters);
   }
   count(counters_.refused);
   return false;
@@ -249,11 +256,11 @@ Stage::Felt Stage::accept_touch(const Touch& how, const DueEvent& due, const Chu
                                 const Shedding& shedding) RINGDOWN_REALTIME {
   Object& object = *due.object;
   const bool rubs = how.kind == Touch::Kind::rub;
-  Object* const other = how.other < kMaxObjects ? &objects_.data()[how.other] : nullptr;
+  Object* const other = objects_.find(how.other);
   const bool one_way = rubs && object.exciters.find_contact(how.number, due.event.frame);
   Touches::Answer answer = Touches::Answer::refused;
   if (!rubs || is_sane(how.contact))
-    answer = touches_.accept(how, due.event.frame, object, other, one_way || shedding.tight());
+    answer = forces_->touches.accept(how, due.event.frame, object, other, one_way || shedding.tight());
   if (rubs && (answer == Touches::Answer::one_way || answer == Touches::Answer::nothing)) return Felt::one_way;
   if (answer == Touches::Answer::nothing) return Felt::not_at_all;
   if (answer == Touches::Answer::one_way && how.kind == Touch::Kind::mallet) return Felt::as_strike;
@@ -265,7 +272,6 @@ Stage::Felt Stage::accept_touch(const Touch& how, const DueEvent& due, const Chu
     if (!one) continue;
     part(*one, chunk.begin);
     active_objects_.add(*one);
-    object_limit_ = std::max<std::size_t>(object_limit_, number_of(*one) + 1);
   }
   return Felt::taken;
 }
@@ -273,7 +279,8 @@ Stage::Felt Stage::accept_touch(const Touch& how, const DueEvent& due, const Chu
 template <class Strike>
 bool Stage::starts_pulse(const Strike& strike, const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME {
   Object& object = *due.object;
-  if (!exciters_.start_pulse(strike, due.event.frame, chunk.sample_rate_hz, object.voices.current(), object.exciters)) {
+  if (!forces_->exciters.start_pulse(strike, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
+                                     object.exciters)) {
     return false;
   }
   part(object, chunk.begin);
@@ -295,8 +302,9 @@ void Stage::part_drifted(const Chunk& chunk) RINGDOWN_REALTIME {
   constexpr std::size_t kTurns = 8;
   next_looked_at_ = (next_looked_at_ + 1) % kTurns;
   for (std::size_t i = next_looked_at_; i < object_limit_; i += kTurns) {
-    Object& object = objects_.data()[i];
-    if (!object.member.shares_states) continue;
+    Object* const found = objects_.find(i);
+    if (!found || !found->member.shares_states) continue;
+    Object& object = *found;
     const Voice& voice = *object.voices.current();
     const auto since = static_cast<double>(chunk.begin - object.member.anchor);
     if (since > 3 * voice.table().ring_s() * chunk.sample_rate_hz) continue;
@@ -331,7 +339,9 @@ void Stage::give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& sh
 std::span<Source* const> Stage::sources() RINGDOWN_REALTIME {
   std::size_t count = 0;
   for (InstanceGroup* group : active_groups_.all()) sources_.data()[count++] = group;
-  for (TouchGroup* group : touches_.groups()) sources_.data()[count++] = group;
+  if (object_limit_ > 0) {
+    for (TouchGroup* group : forces_->touches.groups()) sources_.data()[count++] = group;
+  }
   for (Object* object : active_objects_.all()) {
     if (!object->touched) sources_.data()[count++] = object;
   }
@@ -395,10 +405,10 @@ bool Stage::stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
   object.voices.drop_silent_tails([&](Voice* voice, bool last) RINGDOWN_REALTIME {
     if (last)
       object.strip.reset(), object.placement.forget();  // before the worker learns that the number is free again
-    voices_.retire(number_of(object), voice);
+    voices_.retire(object.number, voice);
   });
   const bool stays = object.ringing() || object.touched || (pulse && !had_tails);
-  exciters_.drop_finished(chunk.end(), object.exciters);
+  forces_->exciters.drop_finished(chunk.end(), object.exciters);
   return stays;
 }
 
@@ -411,9 +421,8 @@ void Stage::start_click(const verb::Click& click, const DueEvent& due, const Chu
       impulse_ns <= kMaxClickImpulse_ns && click.contact_time_s >= 0 && click.contact_time_s <= kMaxClick_s;
   if (shedding.tight() && sane) return;
   if (!shape || !sane ||
-      !clicks_.add({{*shape, impulse_ns, click.contact_time_s, chunk.sample_rate_hz},
-                    number_of(*due.object),
-                    due.event.frame})) {
+      !clicks_.add(
+          {{*shape, impulse_ns, click.contact_time_s, chunk.sample_rate_hz}, due.object->number, due.event.frame})) {
     count(counters_.refused);
   }
 }
@@ -424,7 +433,7 @@ void Stage::render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REA
     Clicks::One& one = clicks_[i];
     const auto begin = static_cast<std::size_t>(std::max<Frame>(one.begin - chunk.begin, 0));
     one.click.fill(chunk.frames - begin, workspace.mono.data() + begin);
-    Object& struck = objects_.data()[one.object];
+    Object& struck = *objects_.find(one.object);
     if (struck.placement.heard(chunk) && !struck.placement.begun(chunk) && !struck.member.shares_states) {
       if (struck.placement.begin_chunk(chunk, struck.voices, struck.strip)) {
         struck.placement.end_chunk(chunk, struck.voices);
@@ -440,7 +449,7 @@ void Stage::render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REA
 }
 
 void Stage::part_all(Frame now) {
-  for (Object& object : objects_) part(object, now);
+  for (const std::unique_ptr<Object>& object : objects_.all()) part(*object, now);
   clicks_.clear();
   active_groups_.keep_if([](InstanceGroup& group) {
     if (!group.ringing()) group.end_round();

@@ -14,13 +14,37 @@
 #include "engine/synth/timeline.h"
 #include "engine/synth/voice_registry.h"
 
+#include <array>
+#include <atomic>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace ringdown::synth {
 
 inline constexpr std::size_t kMaxEventsPerChunk = 512;  // more in one chunk happen up to kChunkFrames later
+
+// The objects by number, each made when the worker first speaks of its number.
+class Objects {
+ public:
+  // [worker]
+  void make(ObjectNumber number) {
+    if (find(number)) return;
+    owned_.push_back(std::make_unique<Object>(number));
+    by_number_[number].store(owned_.back().get(), std::memory_order_release);
+  }
+  // Null: there has never been an object of this number. [audio, worker]
+  [[nodiscard]] Object* find(std::size_t number) const RINGDOWN_REALTIME {
+    return number < kMaxObjects ? by_number_[number].load(std::memory_order_acquire) : nullptr;
+  }
+  // [worker, while nothing is rendered]
+  [[nodiscard]] std::span<const std::unique_ptr<Object>> all() const { return owned_; }
+
+ private:
+  std::array<std::atomic<Object*>, kMaxObjects> by_number_{};
+  std::vector<std::unique_ptr<Object>> owned_;
+};
 
 class Stage {
  public:
@@ -29,8 +53,11 @@ class Stage {
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
-  // Carries out a command at frame `now`.
-  void execute(const Command& command, Frame now) RINGDOWN_REALTIME;
+  // Makes room for an object and for what may act on it. Comes before the first command about the object. [worker]
+  void make_object(ObjectNumber number);
+
+  // Carries out a command at frame `now`; `impulse` is that of Command::Kind::connect.
+  void execute(const Command& command, const verb::Strike& impulse, Frame now) RINGDOWN_REALTIME;
 
   // Takes up where something is (is_placing()).
   void place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
@@ -73,20 +100,28 @@ class Stage {
   template <class Renew>
   void rescale(Frame now, double ratio, const Renew& renew) {
     listening_.rescale(now);
-    for (Object& object : objects_) {
-      object.strip.rescale(now, ratio);
-      object.placement.track.rescale(now);
-      object.voices.renew(renew);
-      for (Exciter* exciter : object.exciters.all()) exciter->rescale(now, ratio);
-      exciters_.refit(object.voices.current(), object.exciters);
+    for (const std::unique_ptr<Object>& object : objects_.all()) {
+      object->strip.rescale(now, ratio);
+      object->placement.track.rescale(now);
+      object->voices.renew(renew);
+      for (Exciter* exciter : object->exciters.all()) exciter->rescale(now, ratio);
+      forces_->exciters.refit(object->voices.current(), object->exciters);
     }
   }
 
-  [[nodiscard]] const Object& object(std::size_t number) const RINGDOWN_REALTIME { return objects_.data()[number]; }
+  // Null: there has never been an object of this number.
+  [[nodiscard]] const Object* object(std::size_t number) const RINGDOWN_REALTIME { return objects_.find(number); }
   // One past the highest object number in use so far.
   [[nodiscard]] std::size_t object_limit() const RINGDOWN_REALTIME { return object_limit_; }
 
  private:
+  // What acts on objects while time goes by.
+  struct Forces {
+    explicit Forces(MixerCounters& counters) : exciters(counters) {}
+    Exciters exciters;
+    Touches touches;
+  };
+
   // Sources that are rendered, in the order in which they became active.
   template <class Kind>
   class ActiveList {
@@ -118,9 +153,6 @@ class Stage {
     std::size_t count_ = 0;
   };
 
-  [[nodiscard]] ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME {
-    return static_cast<ObjectNumber>(&object - objects_.data());
-  }
   [[nodiscard]] Frame travels(const QueuedEvent& event, const Object& object,
                               const Chunk& chunk) const RINGDOWN_REALTIME;
   [[nodiscard]] bool accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
@@ -146,13 +178,12 @@ class Stage {
   EventQueue& events_;
   VoiceRegistry& voices_;
   MixerCounters& counters_;
-  std::vector<Object> objects_;
+  Objects objects_;
   std::size_t object_limit_ = 0;
   std::size_t next_looked_at_ = 0;  // which part of the objects part_drifted() looked at last
   Listening listening_;
-  Exciters exciters_;
   Clicks clicks_;
-  Touches touches_;
+  std::unique_ptr<Forces> forces_;  // made with the first object
   ActiveList<Object> active_objects_;
   ActiveList<InstanceGroup> active_groups_;
   std::vector<Source*> sources_;  // of the chunk

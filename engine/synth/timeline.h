@@ -24,16 +24,14 @@ struct Command {
     silence,      // the object is silent at all outputs, reached over `ramp` frames
     unsilence,    // the object is heard again
     found_group,  // voices of the group's table may share their states from now on
-    connect,      // `input` excites the object, by `impulse`
+    connect,      // `input` excites the object, by an impulse of its own (Timeline::connect())
     disconnect,   // `input` excites nothing
   } kind;
   ObjectNumber object = 0;
   Frame at = 0;
   Voice* voice = nullptr;
-  std::size_t channel = 0;
   InstanceGroup* group = nullptr;
-  std::size_t input = 0;
-  verb::Strike impulse{};
+  std::uint32_t channel = 0, input = 0;
   Frame ramp = 0;
 };
 
@@ -46,6 +44,10 @@ class Timeline {
     return events_.push(producer, event);
   }
   [[nodiscard]] bool push(const Command& command) { return commands_.push(command); }
+  [[nodiscard]] bool connect(const Command& command, const verb::Strike& impulse) {
+    if (commands_.size() == commands_.capacity() || !impulses_.push(impulse)) return false;
+    return commands_.push(command);
+  }
 
   [[nodiscard]] EventQueue& events() RINGDOWN_REALTIME { return events_; }  // [audio]
 
@@ -55,6 +57,12 @@ class Timeline {
     return next && next->at <= now ? next : nullptr;
   }
   void pop_command() RINGDOWN_REALTIME { commands_.pop(); }  // [audio]
+  // The impulse of the due command, which is Command::Kind::connect. [audio]
+  [[nodiscard]] verb::Strike take_impulse() RINGDOWN_REALTIME {
+    const verb::Strike impulse = *impulses_.front();
+    impulses_.pop();
+    return impulse;
+  }
 
   // How many of the next `rest` frames can be rendered in one go, after all due commands have been carried out: up to
   // the next command, and to kChunkFrames unless nothing sounds (`idle`) and nothing happens; with `in_cells` up to the
@@ -69,6 +77,7 @@ class Timeline {
  private:
   EventQueue events_;
   SpscRing<Command> commands_;
+  SpscRing<verb::Strike> impulses_{64};  // of the commands that connect
 };
 
 }  // namespace ringdown::synth

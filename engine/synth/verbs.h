@@ -75,10 +75,11 @@ struct Contact {
   double finish_width_m = 0, relief_width_m = 0;  // over which profiles and mesoscale relief are smoothed
 };
 
-// What a verb does to the samples.
+// The effect of a verb, which decides when and by whom it is played.
 enum class Effect : std::uint8_t {
   excites,  // adds to the states of modes, and does nothing else
-  sounds,   // changes the sound of one object in another way
+  begins,   // begins or changes a force that lasts, which the stage accepts ahead of the chunk
+  damps,    // lets what rings die away
   sets,     // sets how an object is heard
   places,   // says where an object is. It takes effect as soon as it is known, because one moves there ahead of time
   listens,  // concerns the listener and no object, and takes effect as soon as it is known
@@ -110,21 +111,21 @@ struct Ring {
 
 // A blow sets the object in motion as a whole, which is heard, too. Its strikes are verbs of their own.
 struct Click {
-  static constexpr Effect kEffect = Effect::sounds;
+  static constexpr Effect kEffect = Effect::begins;
   Vec3 impulse_ns;
   double contact_time_s = kDefaultContactTime_s;
 };
 
 // Something slides or rolls on the object, or has stopped to.
 struct Contact {
-  static constexpr Effect kEffect = Effect::sounds;
+  static constexpr Effect kEffect = Effect::begins;
   Vec3 point_m;
   synth::Contact contact;
 };
 
 // A bow on the object, which feels how the surface moves.
 struct Bow {
-  static constexpr Effect kEffect = Effect::sounds;
+  static constexpr Effect kEffect = Effect::begins;
   Vec3 point_m;
   Vec3 direction;  // in which the hair moves, a unit vector
   double speed_m_s = 0;
@@ -136,7 +137,7 @@ struct Bow {
 
 // A mallet that flies at the object and feels how the surface moves. Every mallet is a new one.
 struct Mallet {
-  static constexpr Effect kEffect = Effect::sounds;
+  static constexpr Effect kEffect = Effect::begins;
   Vec3 point_m, velocity_m_s;
   double mass_kg = 0.02;
   double head = 1e7;    // Hertz's k [N / m^1.5]
@@ -145,7 +146,7 @@ struct Mallet {
 
 // Another object touches this one: each feels how the other moves. The axes of the two are taken as parallel.
 struct Couple {
-  static constexpr Effect kEffect = Effect::sounds;
+  static constexpr Effect kEffect = Effect::begins;
   Vec3 point_m;
   ObjectNumber other = kNoObject;
   Vec3 other_point_m;        // in the other object's frame
@@ -173,8 +174,16 @@ struct Pan {
 
 // Fades what rings to silence within ramp_s, or a few milliseconds if that is longer, and ends every contact.
 struct Clear {
-  static constexpr Effect kEffect = Effect::sounds;
+  static constexpr Effect kEffect = Effect::damps;
+  static constexpr bool kEndsContacts = true;
   double ramp_s = 0;
+};
+
+// Lets what rings die away by 60 dB in within_s, as a hand on a cymbal does. Contacts go on, and later strikes ring
+// in full.
+struct Choke {
+  static constexpr Effect kEffect = Effect::damps;
+  double within_s = 0.2;
 };
 
 // Where the object's frame lies in the scene at this frame.
@@ -205,7 +214,7 @@ struct ListenerAir {
 
 // A body of a scene hits an object and both feel it: a mallet whose head may be another object's surface.
 struct Collision {
-  static constexpr Effect kEffect = Effect::sounds;
+  static constexpr Effect kEffect = Effect::begins;
   Vec3 point_m;
   Vec3 direction;  // of the flight, a unit vector
   double speed_m_s = 0;
@@ -221,7 +230,7 @@ struct Collision {
 
 // A lasting contact whose surfaces feel each other. Mass, stiffness and friction stay as they were at first.
 struct Rub {
-  static constexpr Effect kEffect = Effect::sounds;
+  static constexpr Effect kEffect = Effect::begins;
   Vec3 point_m;
   synth::Contact contact;  // how it sounds one-way; profiles and the speeds along them are taken from here
   Vec3 direction;          // in which the other pushes this object, a unit vector
@@ -241,15 +250,17 @@ struct Rub {
 }  // namespace verb
 
 // The verbs that every door has, in the order of the reference.
-using PublicVerbs =
-    Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Ring, verb::Clear, verb::Contact, verb::Bow,
-          verb::Mallet, verb::Couple, verb::Click, verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
+using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Ring, verb::Clear, verb::Choke,
+                          verb::Contact, verb::Bow, verb::Mallet, verb::Couple, verb::Click, verb::Pose, verb::Listener,
+                          verb::ListenerOff, verb::ListenerAir>;
 using Verbs = Joined<PublicVerbs, Types<verb::Collision, verb::Rub>>;
 using Verb = OneOf<Verbs>;
 
 // Whether a verb ends every contact of its object.
 template <class One>
-inline constexpr bool kEndsContacts = std::is_same_v<One, verb::Clear>;
+inline constexpr bool kEndsContacts = requires {
+  One::kEndsContacts;
+};
 
 static_assert(Verbs::kTrivial);
 

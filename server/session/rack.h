@@ -35,6 +35,9 @@
 
 namespace ringdown::session {
 
+// An event may lie this far ahead: a sender whose clock is wrong is told so.
+inline constexpr double kMaxAhead_s = 3600;
+
 class Rack {
  public:
   // `banks` must outlive the rack.
@@ -60,6 +63,12 @@ class Rack {
   // object's, and a listener is remembered; other events lock nothing, unless Observers::keep() does. [the producer's
   // thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
+
+  // Whether an event at this frame would lie more than kMaxAhead_s ahead. [any but audio]
+  [[nodiscard]] bool is_too_far_ahead(synth::Frame frame) const {
+    const synth::Frame now = mixer_.counters().frames.load(std::memory_order_relaxed);
+    return static_cast<double>(frame - now) > kMaxAhead_s * mixer_.sample_rate_hz();
+  }
 
   // Where somebody listens from, and whether. [any but audio]
   [[nodiscard]] const ListenerMemory& listener() const { return listener_; }

@@ -5,9 +5,7 @@
 namespace ringdown::session {
 
 Result<void> Session::check_frame(synth::Frame frame) const {
-  const auto latest = rack_.mixer().counters().frames.load(std::memory_order_relaxed) +
-                      static_cast<synth::Frame>(kMaxAhead_s * sample_rate_hz());
-  if (frame <= latest) return {};
+  if (!rack_.is_too_far_ahead(frame)) return {};
   return fail(ErrorKind::bad_input,
               "its time tag is more than " + std::to_string(static_cast<int>(kMaxAhead_s)) + " s ahead");
 }

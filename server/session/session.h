@@ -28,9 +28,6 @@
 
 namespace ringdown::session {
 
-// An event may lie at most this far in the future.
-inline constexpr double kMaxAhead_s = 3600;
-
 class Session {
  public:
   // Files are read below `roots` only.

@@ -46,8 +46,8 @@ TEST(LibraryErrors, SayWhatIsWrongAndChangeNothing) {
   EXPECT_TRUE(says(error, "metres")) << error.sentence;
   EXPECT_EQ(ringdown_strike(mixer.get(), 0, 7, kTop.data(), kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
   EXPECT_TRUE(says(error, "no object number 7")) << error.sentence;
-  EXPECT_EQ(ringdown_strike_at(mixer.get(), 0, 0, 1000, kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
-  EXPECT_EQ(ringdown_strike_at(mixer.get(), 0, 0, 0xffffffff, kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
+  EXPECT_EQ(ringdown_strike_vertex(mixer.get(), 0, 0, 1000, kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
+  EXPECT_EQ(ringdown_strike_vertex(mixer.get(), 0, 0, 0xffffffff, kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
   EXPECT_EQ(ringdown_strike(mixer.get(), 48000LL * 3700, 0, kTop.data(), kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
   EXPECT_EQ(ringdown_strike(mixer.get(), 0, 0, nullptr, kBlow.data(), 0, &error), RINGDOWN_BAD_INPUT);
   EXPECT_EQ(ringdown_strike(nullptr, 0, 0, kTop.data(), kBlow.data(), 0, nullptr), RINGDOWN_BAD_INPUT);
@@ -142,35 +142,36 @@ class LibraryRanges : public testing::Test {
     const auto hold = [this](double s) {
       return ringdown_hold(mixer(), 0, 0, 0, kTop.data(), kNone.data(), s, &error_);
     };
-    using C = ringdown_contact;
-    using B = ringdown_bow;
-    using M = ringdown_mallet;
-    using O = ringdown_coupling;
+    using C = ringdown_contact_args;
+    using B = ringdown_bow_args;
+    using M = ringdown_mallet_args;
+    using O = ringdown_couple_args;
     return {
         {"contact_time_s", "0 ... 0.1", strike},
-        {"slip_m_s", "0 ... 1000", with(ringdown_contact_init, &C::slip_m_s, ringdown_touch)},
-        {"roll_m_s", "0 ... 1000", with(ringdown_contact_init, &C::roll_m_s, ringdown_touch)},
-        {"roughness_m", "0 ... 0.1", with(ringdown_contact_init, &C::roughness_m, ringdown_touch)},
-        {"correlation_m", "1e-7 ... 10", with(ringdown_contact_init, &C::correlation_m, ringdown_touch)},
-        {"spectral_slope", "-10 ... 0", with(ringdown_contact_init, &C::spectral_slope, ringdown_touch)},
-        {"speed_m_s", "-100 ... 100", with(ringdown_bow_init, &B::speed_m_s, ringdown_draw_bow)},
-        {"force_n", "0 ... 1e5", with(ringdown_bow_init, &B::force_n, ringdown_draw_bow)},
-        {"width_m", "0 ... 1", with(ringdown_bow_init, &B::width_m, ringdown_draw_bow)},
-        {"rosin", "0 ... 5", with(ringdown_bow_init, &B::rosin, ringdown_draw_bow)},
-        {"mass_kg", "1e-5 ... 100", with(ringdown_mallet_init, &M::mass_kg, ringdown_hit)},
-        {"head", "1 ... 1e14", with(ringdown_mallet_init, &M::head, ringdown_hit)},
-        {"bounce", "0.01 ... 1", with(ringdown_mallet_init, &M::bounce, ringdown_hit)},
-        {"weight_n", "0 ... 1e5", with(ringdown_coupling_init, &O::weight_n, ringdown_couple)},
-        {"gap_m", "-0.01 ... 0.1", with(ringdown_coupling_init, &O::gap_m, ringdown_couple)},
-        {"stiffness", "0 ... 1e14", with(ringdown_coupling_init, &O::stiffness, ringdown_couple)},
-        {"friction", "0 ... 5", with(ringdown_coupling_init, &O::friction, ringdown_couple)},
-        {"bounce", "0.01 ... 1", with(ringdown_coupling_init, &O::bounce, ringdown_couple)},
-        {"mass_kg", "0 ... 1e5", with(ringdown_coupling_init, &O::mass_kg, ringdown_couple)},
+        {"slip_m_s", "0 ... 1000", with(ringdown_contact_args_init, &C::slip_m_s, ringdown_contact)},
+        {"roll_m_s", "0 ... 1000", with(ringdown_contact_args_init, &C::roll_m_s, ringdown_contact)},
+        {"roughness_m", "0 ... 0.1", with(ringdown_contact_args_init, &C::roughness_m, ringdown_contact)},
+        {"correlation_m", "1e-7 ... 10", with(ringdown_contact_args_init, &C::correlation_m, ringdown_contact)},
+        {"slope", "-10 ... 0", with(ringdown_contact_args_init, &C::slope, ringdown_contact)},
+        {"speed_m_s", "-100 ... 100", with(ringdown_bow_args_init, &B::speed_m_s, ringdown_bow)},
+        {"force_n", "0 ... 100000", with(ringdown_bow_args_init, &B::force_n, ringdown_bow)},
+        {"width_m", "0 ... 1", with(ringdown_bow_args_init, &B::width_m, ringdown_bow)},
+        {"rosin", "0 ... 5", with(ringdown_bow_args_init, &B::rosin, ringdown_bow)},
+        {"mass_kg", "1e-5 ... 100", with(ringdown_mallet_args_init, &M::mass_kg, ringdown_mallet)},
+        {"head", "1 ... 1e14", with(ringdown_mallet_args_init, &M::head, ringdown_mallet)},
+        {"bounce", "0.01 ... 1", with(ringdown_mallet_args_init, &M::bounce, ringdown_mallet)},
+        {"weight_n", "0 ... 100000", with(ringdown_couple_args_init, &O::weight_n, ringdown_couple)},
+        {"gap_m", "-0.01 ... 0.1", with(ringdown_couple_args_init, &O::gap_m, ringdown_couple)},
+        {"stiffness", "0 ... 1e14", with(ringdown_couple_args_init, &O::stiffness, ringdown_couple)},
+        {"friction", "0 ... 5", with(ringdown_couple_args_init, &O::friction, ringdown_couple)},
+        {"bounce", "0.01 ... 1", with(ringdown_couple_args_init, &O::bounce, ringdown_couple)},
+        {"mass_kg", "0 ... 100000", with(ringdown_couple_args_init, &O::mass_kg, ringdown_couple)},
         {"amplitude", "0 ... 1", [this](double a) { return ringdown_ring(mixer(), 0, 0, 0, 1, a, &error_); }},
         {"gain", "0 ... 100", [this](double g) { return ringdown_gain(mixer(), 0, 0, g, 0, &error_); }},
         {"ramp_s", "0 ... 60", [this](double s) { return ringdown_gain(mixer(), 0, 0, 1, s, &error_); }},
         {"ramp_s", "0 ... 60", [this](double s) { return ringdown_clear(mixer(), 0, 0, s, &error_); }},
-        {"pan", "-1 left ... 1 right", [this](double p) { return ringdown_pan(mixer(), 0, 0, p, &error_); }},
+        {"within_s", "0 ... 60", [this](double s) { return ringdown_choke(mixer(), 0, 0, s, &error_); }},
+        {"pan", "-1 ... 1", [this](double p) { return ringdown_pan(mixer(), 0, 0, p, &error_); }},
         {"temperature_c", "-50 ... 60", [this](double t) { return ringdown_listener_air(mixer(), 0, t, 50, &error_); }},
         {"humidity_percent", "0 ... 100",
          [this](double h) { return ringdown_listener_air(mixer(), 0, 20, h, &error_); }},
@@ -221,29 +222,29 @@ TEST_F(LibraryRanges, AreThoseOfTheHeader) {
 TEST_F(LibraryRanges, OfArraysNameTheElement) {
   const Vector wrong{0, kNan, 0};
   const std::array<double, 4> wrong_turn{1, 0, 7, 0};
-  ringdown_contact contact;
-  ringdown_contact_init(&contact, sizeof contact);
+  ringdown_contact_args contact;
+  ringdown_contact_args_init(&contact, sizeof contact);
   contact.force_n[2] = 1e9;
-  ringdown_bow bow;
-  ringdown_bow_init(&bow, sizeof bow);
+  ringdown_bow_args bow;
+  ringdown_bow_args_init(&bow, sizeof bow);
   bow.direction[0] = 1e9;
-  ringdown_mallet mallet;
-  ringdown_mallet_init(&mallet, sizeof mallet);
+  ringdown_mallet_args mallet;
+  ringdown_mallet_args_init(&mallet, sizeof mallet);
   mallet.velocity_m_s[1] = 1e9;
-  ringdown_coupling coupling;
-  ringdown_coupling_init(&coupling, sizeof coupling);
+  ringdown_couple_args coupling;
+  ringdown_couple_args_init(&coupling, sizeof coupling);
   coupling.other = 1, coupling.other_point_m[0] = 1e9;
   auto* const m = mixer();
   auto* const e = &error_;
   const std::vector<std::pair<const char*, std::function<ringdown_result()>>> calls = {
       {"point_m[1]", [&] { return ringdown_strike(m, 0, 0, wrong.data(), kBlow.data(), 0, e); }},
       {"impulse_ns[1]", [&] { return ringdown_strike(m, 0, 0, kTop.data(), wrong.data(), 0, e); }},
-      {"impulse_ns[1]", [&] { return ringdown_strike_at(m, 0, 0, 0, wrong.data(), 0, e); }},
+      {"impulse_ns[1]", [&] { return ringdown_strike_vertex(m, 0, 0, 0, wrong.data(), 0, e); }},
       {"impulse_ns[1]", [&] { return ringdown_click(m, 0, 0, wrong.data(), 0, e); }},
-      {"point ", [&] { return ringdown_strike_at(m, 0, 0, 1u << 30, kBlow.data(), 0, e); }},
-      {"force_n[2]", [&] { return ringdown_touch(m, 0, 0, &contact, e); }},
-      {"direction[0]", [&] { return ringdown_draw_bow(m, 0, 0, &bow, e); }},
-      {"velocity_m_s[1]", [&] { return ringdown_hit(m, 0, 0, &mallet, e); }},
+      {"vertex ", [&] { return ringdown_strike_vertex(m, 0, 0, 1u << 30, kBlow.data(), 0, e); }},
+      {"force_n[2]", [&] { return ringdown_contact(m, 0, 0, &contact, e); }},
+      {"direction[0]", [&] { return ringdown_bow(m, 0, 0, &bow, e); }},
+      {"velocity_m_s[1]", [&] { return ringdown_mallet(m, 0, 0, &mallet, e); }},
       {"other_point_m[0]", [&] { return ringdown_couple(m, 0, 0, &coupling, e); }},
       {"first ", [&] { return ringdown_ring(m, 0, 0, 1u << 30, 1, 0.1, e); }},
       {"position_m[1]", [&] { return ringdown_pose(m, 0, 0, wrong.data(), kUnturned.data(), e); }},
@@ -272,26 +273,26 @@ TEST_F(LibraryRanges, OfArraysNameTheElement) {
 
 // Whatever acts at a point of an object refuses one that is 100 m away; what ends or is at no point is not asked.
 TEST_F(LibraryRanges, PointsFarFromTheObjectAreRefusedEverywhere) {
-  ringdown_contact contact;
-  ringdown_contact_init(&contact, sizeof contact);
+  ringdown_contact_args contact;
+  ringdown_contact_args_init(&contact, sizeof contact);
   std::ranges::copy(kNowhere, contact.point_m);
-  ringdown_bow bow;
-  ringdown_bow_init(&bow, sizeof bow);
+  ringdown_bow_args bow;
+  ringdown_bow_args_init(&bow, sizeof bow);
   std::ranges::copy(kNowhere, bow.point_m), bow.direction[0] = 1;
-  ringdown_mallet mallet;
-  ringdown_mallet_init(&mallet, sizeof mallet);
+  ringdown_mallet_args mallet;
+  ringdown_mallet_args_init(&mallet, sizeof mallet);
   std::ranges::copy(kNowhere, mallet.point_m), mallet.velocity_m_s[2] = -1;
-  ringdown_coupling coupling;
-  ringdown_coupling_init(&coupling, sizeof coupling);
+  ringdown_couple_args coupling;
+  ringdown_couple_args_init(&coupling, sizeof coupling);
   coupling.other = 1, coupling.direction[2] = 1;
   std::ranges::copy(kNowhere, coupling.other_point_m);
   auto* const m = mixer();
   auto* const e = &error_;
   const std::vector<std::function<ringdown_result()>> calls = {
       [&] { return ringdown_strike(m, 0, 0, kNowhere.data(), kBlow.data(), 0, e); },
-      [&] { return ringdown_touch(m, 0, 0, &contact, e); },
-      [&] { return ringdown_draw_bow(m, 0, 0, &bow, e); },
-      [&] { return ringdown_hit(m, 0, 0, &mallet, e); },
+      [&] { return ringdown_contact(m, 0, 0, &contact, e); },
+      [&] { return ringdown_bow(m, 0, 0, &bow, e); },
+      [&] { return ringdown_mallet(m, 0, 0, &mallet, e); },
       [&] { return ringdown_couple(m, 0, 0, &coupling, e); },
       [&] { return ringdown_hold(m, 0, 0, 0, kNowhere.data(), kNone.data(), 1, e); },
       [&] { return ringdown_excite(m, 0, 0, kNowhere.data(), kBlow.data(), e); },
@@ -323,18 +324,18 @@ TEST(LibraryErrors, SpeakTheWordsOfTheHeader) {
   std::uint32_t number = 0;
   const Vector far{0, 0, 1e9};
   const std::array<double, 4> long_turn{0.5, 0.5, 0, 0};
-  ringdown_bow bow;
-  ringdown_bow_init(&bow, sizeof bow);
-  ringdown_coupling coupling;
-  ringdown_coupling_init(&coupling, sizeof coupling);
+  ringdown_bow_args bow;
+  ringdown_bow_args_init(&bow, sizeof bow);
+  ringdown_couple_args coupling;
+  ringdown_couple_args_init(&coupling, sizeof coupling);
   const std::vector<std::function<ringdown_result()>> calls = {
       [&] { return ringdown_strike(m, 0, 99, kTop.data(), kBlow.data(), 0, &error); },
       [&] { return ringdown_remove(m, 99, &error); },
       [&] { return ringdown_mute(m, 99, 1, &error); },
-      [&] { return ringdown_strike_at(m, 0, 0, 5000, kBlow.data(), 0, &error); },
+      [&] { return ringdown_strike_vertex(m, 0, 0, 5000, kBlow.data(), 0, &error); },
       [&] { return ringdown_ring(m, 0, 0, 5000, 1, 0.1, &error); },
       [&] { return ringdown_pose(m, 0, 0, kTop.data(), long_turn.data(), &error); },
-      [&] { return ringdown_draw_bow(m, 0, 0, &bow, &error); },
+      [&] { return ringdown_bow(m, 0, 0, &bow, &error); },
       [&] { return ringdown_couple(m, 0, 0, &coupling, &error); },
       [&] { return ringdown_excite(m, 0, 0, kTop.data(), kNone.data(), &error); },
       [&] { return ringdown_excite(m, 9, 0, kTop.data(), kBlow.data(), &error); },

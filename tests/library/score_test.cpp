@@ -59,6 +59,7 @@ class Composer {
         return contact;
       }
       case 6:
+        if (random_() % 2 == 0) return protocol::OnObject<synth::verb::Choke>{object, {number(0, 0.2)}};
         return protocol::ClearObject{object, {number(0, 0.05)}};
       default:
         return protocol::Strike{object, {vector(0.15), vector(0.02), number(0, 0.002)}};
@@ -103,8 +104,8 @@ struct Player {
                            s.verb.contact_time_s, &error);
   }
   ringdown_result operator()(const protocol::StrikeVertex& s) {
-    return ringdown_strike_at(mixer, frame, *s.object.number, s.verb.vertex, xyz(s.verb.impulse_ns).data(),
-                              s.verb.contact_time_s, &error);
+    return ringdown_strike_vertex(mixer, frame, *s.object.number, s.verb.vertex, xyz(s.verb.impulse_ns).data(),
+                                  s.verb.contact_time_s, &error);
   }
   ringdown_result operator()(const protocol::SetGain& s) {
     return ringdown_gain(mixer, frame, *s.object.number, s.verb.gain, s.verb.ramp_s, &error);
@@ -119,38 +120,41 @@ struct Player {
     return ringdown_click(mixer, frame, *s.object.number, xyz(s.verb.impulse_ns).data(), s.verb.contact_time_s, &error);
   }
   ringdown_result operator()(const protocol::SetContact& s) {
-    ringdown_contact contact;
-    ringdown_contact_init(&contact, sizeof contact);
+    ringdown_contact_args contact;
+    ringdown_contact_args_init(&contact, sizeof contact);
     std::ranges::copy(xyz(s.verb.point_m), contact.point_m);
     std::ranges::copy(xyz(s.verb.contact.force_n), contact.force_n);
     contact.slip_m_s = s.verb.contact.slip_m_s;
-    return ringdown_touch(mixer, frame, *s.object.number, &contact, &error);
+    return ringdown_contact(mixer, frame, *s.object.number, &contact, &error);
   }
   ringdown_result operator()(const protocol::SetBow& s) {
-    ringdown_bow bow;
-    ringdown_bow_init(&bow, sizeof bow);
+    ringdown_bow_args bow;
+    ringdown_bow_args_init(&bow, sizeof bow);
     std::ranges::copy(xyz(s.verb.point_m), bow.point_m);
     std::ranges::copy(xyz(s.verb.direction), bow.direction);
     bow.speed_m_s = s.verb.speed_m_s, bow.force_n = s.verb.force_n;
-    return ringdown_draw_bow(mixer, frame, *s.object.number, &bow, &error);
+    return ringdown_bow(mixer, frame, *s.object.number, &bow, &error);
   }
   ringdown_result operator()(const protocol::HitMallet& s) {
-    ringdown_mallet mallet;
-    ringdown_mallet_init(&mallet, sizeof mallet);
+    ringdown_mallet_args mallet;
+    ringdown_mallet_args_init(&mallet, sizeof mallet);
     std::ranges::copy(xyz(s.verb.point_m), mallet.point_m);
     std::ranges::copy(xyz(s.verb.velocity_m_s), mallet.velocity_m_s);
     mallet.mass_kg = s.verb.mass_kg;
-    return ringdown_hit(mixer, frame, *s.object.number, &mallet, &error);
+    return ringdown_mallet(mixer, frame, *s.object.number, &mallet, &error);
   }
   ringdown_result operator()(const protocol::SetCoupling& s) {
-    ringdown_coupling coupling;
-    ringdown_coupling_init(&coupling, sizeof coupling);
+    ringdown_couple_args coupling;
+    ringdown_couple_args_init(&coupling, sizeof coupling);
     coupling.other = *s.other.number;
     std::ranges::copy(xyz(s.verb.point_m), coupling.point_m);
     std::ranges::copy(xyz(s.verb.other_point_m), coupling.other_point_m);
     std::ranges::copy(xyz(s.verb.direction), coupling.direction);
     coupling.weight_n = s.verb.weight_n, coupling.stiffness = s.verb.stiffness;
     return ringdown_couple(mixer, frame, *s.object.number, &coupling, &error);
+  }
+  ringdown_result operator()(const protocol::OnObject<synth::verb::Choke>& s) {
+    return ringdown_choke(mixer, frame, *s.object.number, s.verb.within_s, &error);
   }
   ringdown_result operator()(const protocol::ClearObject& s) {
     return ringdown_clear(mixer, frame, *s.object.number, s.verb.ramp_s, &error);

@@ -301,7 +301,7 @@ TEST_F(InstrumentTest, AftertouchIsAHandThatDampsMoreWhenPressedHarder) {
     hear(480);
     return test::fit_damped_sinusoid(hear(4800), kRate).decay_per_s;
   };
-  set(Parameter::touch, 10);
+  set(Parameter::hand, 10);
   const double free = decay_per_s(kKeyPressure, 81, 0), touched = decay_per_s(kKeyPressure, 81, 64),
                held = decay_per_s(kKeyPressure, 81, 127), channel = decay_per_s(kPressure, 127, 0),
                another = decay_per_s(kPressure | 5, 127, 0);

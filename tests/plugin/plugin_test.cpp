@@ -155,7 +155,7 @@ Sound by_library(const Score& score, double contact_s, const Instrument& instrum
     const double impulse = share * 0.1 * info.mass_kg * size * size * size / std::sqrt(length);
     const double impulse_ns[3] = {impulse * direction[0], impulse * direction[1], impulse * direction[2]};
     const double contact = std::min(0.1, contact_s * std::pow(127.0 / midi[2], 0.4));
-    EXPECT_EQ(ringdown_strike_at(mixer, frame, object->second, best, impulse_ns, contact, nullptr), RINGDOWN_OK);
+    EXPECT_EQ(ringdown_strike_vertex(mixer, frame, object->second, best, impulse_ns, contact, nullptr), RINGDOWN_OK);
   }
   render_until(score.frames);
   ringdown_mixer_destroy(mixer);

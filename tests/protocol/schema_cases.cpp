@@ -291,6 +291,17 @@ Cases clear_cases() {
   return cases;
 }
 
+Cases choke_cases() {
+  using Choke = OnObject<synth::verb::Choke>;
+  Cases cases = object_only_cases<Choke>("choke");
+  const std::string a = "/object/bell/choke";
+  cases.good.push_back({a, {}, claim<Choke>([](const Choke& c) { return c.verb.within_s == 0.2; })});
+  cases.good.push_back({a, {0.5f}, claim<Choke>([](const Choke& c) { return c.verb.within_s == 0.5; })});
+  cases.bad.push_back({a, {-1}, "within"});
+  cases.bad.push_back({a, {61}, "within"});
+  return cases;
+}
+
 template <class Struct>
 Cases switch_cases(const std::string& address) {
   const auto on = [](bool value) { return claim<Struct>([value](const Struct& s) { return s.on == value; }); };
@@ -429,6 +440,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/excite", excite_cases()},
       {"/object/{object}/material", material_cases()},
       {"/object/{object}/clear", clear_cases()},
+      {"/object/{object}/choke", choke_cases()},
       {"/object/{object}/hold", hold_cases()},
       {"/object/{object}/contact", contact_cases()},
       {"/object/{object}/bow", bow_cases()},

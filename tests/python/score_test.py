@@ -64,14 +64,14 @@ class Composer:
         point = tuple(float(x) for x in self.random.choice(self.banks[o % len(self.banks)].points_m))
         impulse, contact_s = self.vector(0.02), self.number(0, 0.002)
         one = {"frame": frame, "object": f"o{o}"}
-        do = self.random.choice(["strike"] * 6 + ["strike_at", "gain", "pan", "ring", "click", "touch", "clear", "change"])
+        do = self.random.choice(["strike"] * 6 + ["strike_vertex", "gain", "pan", "ring", "click", "contact", "clear", "choke", "change"])
         if do == "change":
             return self.change(one, o, point)
         if do == "strike":
             one.update(point_m=point, impulse_ns=impulse, contact_time_s=contact_s)
             arguments = ("strike", *point, *impulse, contact_s)
-        elif do == "strike_at":
-            one.update(point=o % 10, impulse_ns=impulse, contact_time_s=contact_s)
+        elif do == "strike_vertex":
+            one.update(vertex=o % 10, impulse_ns=impulse, contact_time_s=contact_s)
             arguments = ("strike_vertex", o % 10, *impulse, contact_s)
         elif do == "gain":
             one.update(gain=self.number(0, 1), ramp_s=self.number(0, 0.1))
@@ -85,12 +85,15 @@ class Composer:
         elif do == "click":
             one.update(impulse_ns=impulse, contact_time_s=contact_s)
             arguments = ("click", *impulse, contact_s)
-        elif do == "touch":
+        elif do == "contact":
             one.update(point_m=point, force_n=self.vector(2), slip_m_s=self.number(0, 1))
             one.update(roll_m_s=0.0, number=0, roughness_m=single(2e-6), correlation_m=single(5e-5))
-            one.update(spectral_slope=single(-2.4))
-            surface = (one["roughness_m"], one["correlation_m"], one["spectral_slope"])
+            one.update(slope=single(-2.4))
+            surface = (one["roughness_m"], one["correlation_m"], one["slope"])
             arguments = ("contact", *point, *one["force_n"], one["slip_m_s"], 0.0, 0, *surface)
+        elif do == "choke":
+            one.update(within_s=self.number(0, 0.2))
+            arguments = ("choke", one["within_s"])
         else:
             one.update(ramp_s=self.number(0, 0.05))
             arguments = ("clear", one["ramp_s"])

@@ -136,6 +136,44 @@ TEST(Retune, RetuningKeepsAFadeGoing) {
   EXPECT_EQ(peak(player->left_from(1000 + FadeOut::kMinFrames + 1)), 0);
 }
 
+// A hand lets the amplitude fall by 60 dB in the time, on top of its own decay.
+TEST(Choke, WhatRingsFallsExponentiallyByAThousandthInTheTime) {
+  const auto player = ringing(5000);
+  player->push({5000, 0, verb::Choke{0.25}});
+  player->render(12100);
+  const auto choked = fit_damped_sinusoid(std::span(player->left).subspan(5000, 6000), kRate);
+  EXPECT_NEAR(choked.frequency_hz, kF, 1e-3);
+  EXPECT_NEAR(choked.decay_per_s, kD + std::log(1000) / 0.25, 1e-3 * choked.decay_per_s);
+  EXPECT_LE(largest_step(player->left, 4990, 17000), 1.01 * largest_step(player->left, 4500, 5000));
+  EXPECT_EQ(peak(player->left_from(5000 + 12000)), 0);
+}
+
+TEST(Choke, StrikesThatFollowAndBowsThatGoOnRingInFull) {
+  const auto struck = [](bool choked) {
+    Player player;
+    player.install(0, tone());
+    if (choked) {
+      player.push(strike_at(0, 0, {0, 0, 1}));
+      player.push({1000, 0, verb::Choke{0.02}});
+    }
+    player.push(strike_at(1100, 0, {0, 0, 1}));
+    player.render(6000);
+    return player.left;
+  };
+  const Samples both = struck(true), alone = struck(false);
+  EXPECT_LT(relative_error_db(std::span(both).subspan(2500), std::span(alone).subspan(2500)), -120);
+  const auto slid = [](bool choked) {
+    Player player;
+    player.install(0, tone());
+    const Contact contact{.force_n = {0, 0, -1}, .slip_m_s = 0.2};
+    for (Frame frame = 0; frame < 48000; frame += 480) player.push({frame, 0, verb::Contact{{1, 1, 1}, contact}});
+    if (choked) player.push({24000, 0, verb::Choke{0.05}});
+    player.render(48000);
+    return peak(player.left_from(40000));
+  };
+  EXPECT_NEAR(slid(true) / slid(false), 1, 0.5) << "the contact goes on";
+}
+
 TEST(Clear, ClearingTakesAsLongAsItIsTold) {
   const auto player = ringing(5000);
   const double level = peak(player->left_from(4500));

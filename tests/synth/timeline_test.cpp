@@ -27,7 +27,7 @@ TEST(Timeline, SilenceIsRenderedInOneGoUntilSomethingHappens) {
   Timeline timeline(16);
   EXPECT_EQ(timeline.chunk_frames(0, 1000, true, false), 1000u);
   ASSERT_TRUE(timeline.push(Producer::control, Event{.frame = 999}));
-  timeline.events().accept(0);
+  timeline.events().accept(0, [](const Event&) {});
   EXPECT_EQ(timeline.chunk_frames(0, 1000, true, false), kChunkFrames);
   EXPECT_EQ(timeline.chunk_frames(0, 999, true, false), 999u);
 }

@@ -1,5 +1,5 @@
 import os
-from typing import Any, Optional, Sequence, Union
+from typing import Any, ClassVar, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -80,102 +80,39 @@ class Mixer:
     def mute(self, object: int, on: bool = True) -> None: ...
     def solo(self, object: int, on: bool = True) -> None: ...
     def excite(self, input: int, object: int, point_m: Numbers, force_n: Numbers) -> None: ...
-    def strike(
-        self,
-        object: int,
-        point_m: Numbers,
-        impulse_ns: Numbers,
-        contact_time_s: float = 0.0002,
-        frame: Optional[int] = None,
-    ) -> None: ...
-    def strike_at(
-        self,
-        object: int,
-        point: int,
-        impulse_ns: Numbers,
-        contact_time_s: float = 0.0002,
-        frame: Optional[int] = None,
-    ) -> None: ...
-    def click(
-        self, object: int, impulse_ns: Numbers, contact_time_s: float = 0.0002, frame: Optional[int] = None
-    ) -> None: ...
-    def touch(
-        self,
-        object: int,
-        point_m: Numbers,
-        force_n: Numbers,
-        slip_m_s: float = 0.0,
-        roll_m_s: float = 0.0,
-        *,
-        number: int = 0,
-        roughness_m: float = 2e-6,
-        correlation_m: float = 5e-5,
-        spectral_slope: float = -2.4,
-        frame: Optional[int] = None,
-    ) -> None: ...
-    def bow(
-        self,
-        object: int,
-        point_m: Numbers,
-        direction: Numbers,
-        speed_m_s: float,
-        force_n: float,
-        *,
-        width_m: float = 0.0,
-        rosin: float = 0.8,
-        number: int = 0,
-        frame: Optional[int] = None,
-    ) -> None: ...
-    def mallet(
-        self,
-        object: int,
-        point_m: Numbers,
-        velocity_m_s: Numbers,
-        mass_kg: float = 0.02,
-        head: float = 1e7,
-        bounce: float = 0.9,
-        *,
-        frame: Optional[int] = None,
-    ) -> None: ...
-    def couple(
-        self,
-        object: int,
-        point_m: Numbers,
-        other: int,
-        other_point_m: Numbers,
-        direction: Numbers,
-        *,
-        weight_n: float = 0.0,
-        gap_m: float = 0.0,
-        stiffness: float = 1e8,
-        friction: float = 0.3,
-        bounce: float = 0.6,
-        mass_kg: float = 0.0,
-        number: int = 0,
-        frame: Optional[int] = None,
-    ) -> None: ...
-    def ring(
-        self, object: int, first: int = 0, count: int = 1, amplitude: float = 0.1, frame: Optional[int] = None
-    ) -> None: ...
+    # <verbs> What follows is written by ringdown_write_verbs.
+    VERBS: ClassVar[Tuple[str, ...]]
+    def strike(self, object: int, point_m: Numbers, impulse_ns: Numbers,
+               contact_time_s: float = 0.0002, frame: Optional[int] = None) -> None: ...
+    def strike_vertex(self, object: int, vertex: int, impulse_ns: Numbers,
+                      contact_time_s: float = 0.0002, frame: Optional[int] = None) -> None: ...
     def gain(self, object: int, gain: float, ramp_s: float = 0.0, frame: Optional[int] = None) -> None: ...
     def pan(self, object: int, pan: float, frame: Optional[int] = None) -> None: ...
+    def ring(self, object: int, first: int, count: int = 1, amplitude: float = 0.1,
+             frame: Optional[int] = None) -> None: ...
     def clear(self, object: int, ramp_s: float = 0.0, frame: Optional[int] = None) -> None: ...
-    def pose(
-        self,
-        object: int,
-        position_m: Numbers,
-        rotation_wxyz: Numbers = (1, 0, 0, 0),
-        frame: Optional[int] = None,
-    ) -> None: ...
-    def listener(
-        self,
-        position_m: Optional[Numbers],
-        rotation_wxyz: Numbers = (1, 0, 0, 0),
-        frame: Optional[int] = None,
-    ) -> None: ...
-    def air(
-        self, temperature_c: float = 20.0, humidity_percent: float = 50.0, frame: Optional[int] = None
-    ) -> None: ...
+    def choke(self, object: int, within_s: float = 0.2, frame: Optional[int] = None) -> None: ...
+    def contact(self, object: int, point_m: Numbers, force_n: Numbers, slip_m_s: float, *,
+                roll_m_s: float = 0.0, number: int = 0, roughness_m: float = 2e-6,
+                correlation_m: float = 5e-5, slope: float = -2.4, frame: Optional[int] = None) -> None: ...
+    def bow(self, object: int, point_m: Numbers, direction: Numbers, speed_m_s: float, force_n: float,
+            *, width_m: float = 0.0, rosin: float = 0.8, number: int = 0, frame: Optional[int] = None) -> None: ...
+    def mallet(self, object: int, point_m: Numbers, velocity_m_s: Numbers, *, mass_kg: float = 0.02,
+               head: float = 10000000.0, bounce: float = 0.9, frame: Optional[int] = None) -> None: ...
+    def couple(self, object: int, point_m: Numbers, other: int, other_point_m: Numbers,
+               direction: Numbers, *, weight_n: float = 0.0, gap_m: float = 0.0,
+               stiffness: float = 100000000.0, friction: float = 0.3, bounce: float = 0.6,
+               mass_kg: float = 0.0, number: int = 0, frame: Optional[int] = None) -> None: ...
+    def click(self, object: int, impulse_ns: Numbers, contact_time_s: float = 0.0002,
+              frame: Optional[int] = None) -> None: ...
+    def pose(self, object: int, position_m: Numbers, rotation_wxyz: Numbers = (1, 0, 0, 0),
+             frame: Optional[int] = None) -> None: ...
+    def listener(self, position_m: Numbers, rotation_wxyz: Numbers = (1, 0, 0, 0),
+                 frame: Optional[int] = None) -> None: ...
+    def listener_off(self, frame: Optional[int] = None) -> None: ...
+    def listener_air(self, temperature_c: float, humidity_percent: float = 50.0,
+                     frame: Optional[int] = None) -> None: ...
+    # </verbs>
     def render(self, frames: int, inputs: Optional[npt.ArrayLike] = None) -> Floats: ...
     def render_into(
         self, array: Floats, ambisonics: Optional[Floats] = None, inputs: Optional[npt.ArrayLike] = None

@@ -21,7 +21,7 @@ SCENE_PIECE = 256  # frames between two steps of a scene: a mixer takes 4096 eve
 FLUSH_EVENTS = 2048
 
 # Events that the mixer carries out at their frames, and changes before which the block is split.
-TIMED = ("strike", "strike_at", "click", "touch", "bow", "mallet", "couple", "ring", "gain", "pan", "clear", "pose", "listener", "air")
+TIMED = Mixer.VERBS
 CHANGES = ("hold", "material", "mute", "solo", "remove")
 
 

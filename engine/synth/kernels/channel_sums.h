@@ -20,6 +20,11 @@ class ChannelSums {
   // Allocates or frees the ambisonic channels. [worker, while nothing is rendered]
   void have_field(bool on) { field_ = on ? std::make_unique<FieldSums>() : nullptr; }
 
+  // Must come before anything is added. [worker]
+  void make_room() {
+    if (channels_.empty()) channels_ = std::vector<Channel>(kMaxChannels);
+  }
+
   // Begins a chunk of `frames` and drops earlier sums. More than kChunkFrames only if nothing is added.
   void open(std::size_t frames) RINGDOWN_REALTIME;
 
@@ -43,7 +48,7 @@ class ChannelSums {
     alignas(64) std::array<double, kChunkFrames> samples{};
     MomentSums moments;
   };
-  std::vector<Channel> channels_ = std::vector<Channel>(kMaxChannels);
+  std::vector<Channel> channels_;
   ChannelSet has_samples_ = 0, has_moments_ = 0;
   std::size_t frames_ = 0;
   std::unique_ptr<FieldSums> field_;

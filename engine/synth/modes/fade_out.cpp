@@ -10,7 +10,13 @@ FadeOut::FadeOut(const ModeTable& table) : states_(table), all_groups_(table.gro
   std::iota(all_groups_.begin(), all_groups_.end(), 0);
 }
 
-void FadeOut::begin(StateArray& from, std::size_t frames) RINGDOWN_REALTIME {
+double FadeOut::level() const RINGDOWN_REALTIME {
+  const double left = static_cast<double>(left_) / static_cast<double>(frames_);
+  if (nepers_ == 0) return left;
+  return std::exp(-nepers_ * (1 - left)) * std::min(1.0, static_cast<double>(left_) / static_cast<double>(kMinFrames));
+}
+
+void FadeOut::begin(StateArray& from, const Fading& fade) RINGDOWN_REALTIME {
   const double before = level();
   double *re = states_.re(), *im = states_.im();
   for (std::size_t i = 0; i < states_.table().columns(); ++i) {
@@ -18,7 +24,8 @@ void FadeOut::begin(StateArray& from, std::size_t frames) RINGDOWN_REALTIME {
     im[i] = before * im[i] + from.im()[i];
   }
   from.clear();
-  left_ = frames_ = std::max(frames, kMinFrames);
+  left_ = frames_ = std::max(fade.frames, kMinFrames);
+  nepers_ = fade.nepers;
 }
 
 bool FadeOut::move_from(FadeOut& other) RINGDOWN_REALTIME {
@@ -29,6 +36,7 @@ bool FadeOut::move_from(FadeOut& other) RINGDOWN_REALTIME {
   };
   frames_ = std::max(kMinFrames, scaled(other.frames_));
   left_ = std::min(scaled(other.left_), frames_);
+  nepers_ = other.nepers_;
   return left;
 }
 
@@ -36,8 +44,16 @@ bool FadeOut::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
   double sum[kChunkFrames] = {};
   ActiveGroups all{all_groups_.data(), all_groups_.size()};
   const bool sane = render_modes(states_.for_kernel(frames), all, kKeepAllGroups, sum, frames);
-  for (std::size_t n = 0; n < frames && left_ > 0; ++n, --left_) {
-    out[n] += sum[n] * static_cast<double>(left_) / static_cast<double>(frames_);
+  if (nepers_ == 0) {
+    for (std::size_t n = 0; n < frames && left_ > 0; ++n, --left_) {
+      out[n] += sum[n] * static_cast<double>(left_) / static_cast<double>(frames_);
+    }
+  } else {
+    const double each = std::exp(-nepers_ / static_cast<double>(frames_));
+    double fallen = std::exp(-nepers_ * static_cast<double>(frames_ - left_) / static_cast<double>(frames_));
+    for (std::size_t n = 0; n < frames && left_ > 0; ++n, --left_, fallen *= each) {
+      out[n] += sum[n] * fallen * std::min(1.0, static_cast<double>(left_) / static_cast<double>(kMinFrames));
+    }
   }
   if (left_ == 0) states_.clear();
   return sane;

@@ -1,4 +1,4 @@
-// Lets states fade out: they ring on under a gain that falls to 0 in a straight line, and take no more strikes.
+// Lets states fade out: they ring on under a gain that falls to 0, and take no more strikes.
 // [audio, after construction]
 #pragma once
 
@@ -11,15 +11,22 @@
 
 namespace ringdown::synth {
 
+// How long a fade takes, and its shape: the gain falls in a straight line, or exponentially by so many nepers, and then
+// in a straight line within the last FadeOut::kMinFrames.
+struct Fading {
+  std::size_t frames = 0;
+  double nepers = 0;  // 0: a straight line
+};
+
 class FadeOut {
  public:
   static constexpr std::size_t kMinFrames = 512;  // a shorter fade would click
 
   explicit FadeOut(const ModeTable& table);  // [worker]
 
-  // Takes what `from` holds, leaves zeros there, and lets it fade within `frames`, at least kMinFrames. What is left of
-  // a fade that runs already joins the new one at its present level.
-  void begin(StateArray& from, std::size_t frames) RINGDOWN_REALTIME;
+  // Takes what `from` holds, leaves zeros there, and lets it fade within at least kMinFrames. What is left of a fade
+  // that runs already joins the new one at its present level.
+  void begin(StateArray& from, const Fading& fade) RINGDOWN_REALTIME;
 
   // Goes on with a fade of another table of the same bank (StateArray::move_from). True when some of it is left there.
   bool move_from(FadeOut& other) RINGDOWN_REALTIME;
@@ -33,9 +40,7 @@ class FadeOut {
 
   [[nodiscard]] bool running() const RINGDOWN_REALTIME { return left_ > 0; }
   // The present gain of states().
-  [[nodiscard]] double level() const RINGDOWN_REALTIME {
-    return static_cast<double>(left_) / static_cast<double>(frames_);
-  }
+  [[nodiscard]] double level() const RINGDOWN_REALTIME;
   void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { states_.hear_by(hearing); }
   [[nodiscard]] const StateArray& states() const RINGDOWN_REALTIME { return states_; }
 
@@ -43,6 +48,7 @@ class FadeOut {
   StateArray states_;
   std::vector<std::uint32_t> all_groups_;
   std::size_t left_ = 0, frames_ = kMinFrames;
+  double nepers_ = 0;
 };
 
 }  // namespace ringdown::synth

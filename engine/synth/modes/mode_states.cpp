@@ -162,10 +162,10 @@ bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
   return left;
 }
 
-void ModeStates::fade_out(std::size_t frames) RINGDOWN_REALTIME {
+void ModeStates::fade_out(const Fading& fade) RINGDOWN_REALTIME {
   unmute();
   if (coupling.give_back(states_.re(), states_.im())) wake();
-  fade_.begin(states_, frames);
+  fade_.begin(states_, fade);
   rest();
 }
 

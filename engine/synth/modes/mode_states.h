@@ -49,8 +49,8 @@ class ModeStates {
   // pitch, decay and sample rate are this table's from here on. True when other modes still ring in `other`.
   bool take_over(ModeStates& other) RINGDOWN_REALTIME;
 
-  // Lets what rings now fade out within `frames` (FadeOut::begin); later strikes ring in full.
-  void fade_out(std::size_t frames = FadeOut::kMinFrames) RINGDOWN_REALTIME;
+  // Lets what rings now fade out (FadeOut::begin); later strikes ring in full.
+  void fade_out(const Fading& fade = {}) RINGDOWN_REALTIME;
   // Ends everything at once, with the click that this makes if it rings.
   void silence() RINGDOWN_REALTIME;
 

@@ -4,9 +4,21 @@
 
 namespace ringdown::synth {
 
+void SoundTap::watch(bool on) {
+  if (on) {
+    std::call_once(made_, [this] {
+      owned_ = std::make_unique<SpscRing<Piece>>(kMaxTapped);
+      ring_.store(owned_.get(), std::memory_order_release);
+    });
+  }
+  watched_.store(on, std::memory_order_release);
+}
+
 bool SoundTap::takes(std::size_t frames) const RINGDOWN_REALTIME {
+  if (!watched()) return true;
+  const SpscRing<Piece>& ring = *ring_.load(std::memory_order_acquire);
   const std::size_t pieces = (frames + kTappedFrames - 1) / kTappedFrames;
-  return !watched() || ring_.size() == 0 || ring_.size() + pieces <= ring_.capacity();
+  return ring.size() == 0 || ring.size() + pieces <= ring.capacity();
 }
 
 void SoundTap::put(Frame frame, double sample_rate_hz, const float* left, const float* right,
@@ -21,7 +33,7 @@ void SoundTap::put(Frame frame, double sample_rate_hz, const float* left, const 
       *to++ = left[done];
       *to++ = right[done];
     }
-    if (!ring_.push(piece)) return;
+    if (!ring_.load(std::memory_order_acquire)->push(piece)) return;
   }
 }
 

@@ -9,6 +9,8 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <memory>
+#include <mutex>
 
 namespace ringdown::synth {
 
@@ -25,8 +27,9 @@ class SoundTap {
     std::array<float, 2 * kTappedFrames> samples;  // left right left right ...
   };
 
-  void watch(bool on) { watched_.store(on, std::memory_order_relaxed); }  // [any]
-  [[nodiscard]] bool watched() const RINGDOWN_REALTIME { return watched_.load(std::memory_order_relaxed); }
+  // The ring is made when somebody watches for the first time. [any but audio]
+  void watch(bool on);
+  [[nodiscard]] bool watched() const RINGDOWN_REALTIME { return watched_.load(std::memory_order_acquire); }
 
   // Returns false if the tap is watched and put() would drop a piece of a block of `frames` that an empty ring would
   // hold. [audio]
@@ -37,12 +40,17 @@ class SoundTap {
            std::size_t frames) RINGDOWN_REALTIME;
 
   // Returns the oldest piece, valid until pop(), or null if there is none. [one thread that is not audio]
-  [[nodiscard]] const Piece* front() const { return ring_.front(); }
-  void pop() { ring_.pop(); }
+  [[nodiscard]] const Piece* front() const {
+    const SpscRing<Piece>* const ring = ring_.load(std::memory_order_acquire);
+    return ring ? ring->front() : nullptr;
+  }
+  void pop() { ring_.load(std::memory_order_acquire)->pop(); }
 
  private:
   std::atomic<bool> watched_{false};
-  SpscRing<Piece> ring_{kMaxTapped};
+  std::once_flag made_;
+  std::unique_ptr<SpscRing<Piece>> owned_;
+  std::atomic<SpscRing<Piece>*> ring_{nullptr};  // owned_; never null while somebody watches
 };
 
 }  // namespace ringdown::synth

@@ -36,6 +36,7 @@ class Workshop {
       sums_.push_back({std::make_unique<synth::ModeStates>(*table), std::make_unique<synth::ModeStates>(*table)});
       voices_.push_back(std::make_unique<synth::Voice>(std::move(table)));
     }
+    sums_of_chunk_.make_room();
     sums_of_chunk_.open(kChunkFrames);
     ring();
   }
@@ -110,9 +111,7 @@ class Workshop {
   void forget() { levels_.clear(); }
 
  private:
-  static synth::Event blow() {
-    return {.verb = verb::Strike{.point_m = {0.05, 0.02, 0.03}, .impulse_ns = {1, 2, 3}, .contact_time_s = 1e-4}};
-  }
+  static synth::verb::Strike blow() { return {{0.05, 0.02, 0.03}, {1, 2, 3}, 1e-4}; }
 
   std::vector<std::unique_ptr<synth::Voice>> voices_;
   std::vector<std::array<std::unique_ptr<synth::ModeStates>, kSums>> sums_;

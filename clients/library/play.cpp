@@ -1,0 +1,34 @@
+#include "clients/library/play.h"
+
+#include "server/session/request_events.h"
+
+#include <string>
+#include <utility>
+
+namespace ringdown::library {
+
+// A gain or pan goes to the mixer alone: Rack::push would lock to write it into the object's description.
+ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::Request blank,
+                     std::span<const double> numbers, ringdown_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!mixer) return missing("mixer");
+    if (const auto wrong = protocol::fill(blank, numbers)) return out_of_range(blank, *wrong);
+    if (mixer->rack.is_too_far_ahead(frame)) return fail(ErrorKind::bad_input, "frame lies more than an hour ahead");
+    const protocol::LaneRequest request = protocol::in_its_lane(std::move(blank));
+    mixer->events.clear();
+    const auto made = session::append_events(request.get<protocol::MixerRequest>(), mixer->rack, frame, mixer->events);
+    if (!made) return made;
+    for (const synth::Event& event : mixer->events) {
+      const bool taken = synth::effect_of(event) == synth::Effect::sets
+                             ? mixer->rack.mixer().push(synth::Producer::control, event)
+                             : mixer->rack.push(synth::Producer::control, event);
+      if (taken) continue;
+      ++mixer->dropped;
+      return fail(ErrorKind::refused, "dropped, because " + std::to_string(synth::kQueueCapacity) +
+                                          " events are waiting already; send fewer between two blocks");
+    }
+    return {};
+  });
+}
+
+}  // namespace ringdown::library

@@ -1,0 +1,86 @@
+// How events wait: in how little memory, and what happens where there is no room.
+#include "engine/synth/event_queue.h"
+#include "tests/synth/player.h"
+
+#include <malloc.h>
+
+namespace ringdown::synth::test {
+namespace {
+
+verb::Contact contact_of(std::uint32_t number) {
+  return {{1, 1, 1}, {.number = number, .force_n = {0, 0, -1}, .slip_m_s = 0.1}};
+}
+
+TEST(EventQueue, AnEventThatWaitsIsSmallAndAnIdleMixerTakesLittle) {
+  static_assert(sizeof(QueuedEvent) <= 80);
+  const auto held = [] {
+    const struct mallinfo2 all = mallinfo2();
+    return all.uordblks + all.hblkhd;
+  };
+  const std::size_t before = held();
+  const auto mixer = std::make_unique<Mixer>(kRate);
+  EXPECT_LT(held() - before, std::size_t{4'000'000});
+}
+
+TEST(EventQueue, GivesBackWhatWasPushedWhereverItWaited) {
+  EventQueue queue;
+  const verb::Strike strike{{1, 2, 3}, {4, 5, 6}, 0.125};
+  const verb::Couple couple{.point_m = {1, 0, 0}, .other = 7, .direction = {0, 0, 1}, .gap_m = -0.001, .number = 3};
+  ASSERT_TRUE(queue.push(Producer::control, {20, 5, couple}));
+  ASSERT_TRUE(queue.push(Producer::midi, {10, 4, strike}));
+  std::vector<verb::Pose> placed;
+  ASSERT_TRUE(queue.push(Producer::scene, {5, 1, verb::Pose{{{1, 2, 3}, {}}}}));
+  EXPECT_EQ(queue.accept(0, [&](const Event& event) { placed.push_back(event.verb.get<verb::Pose>()); }), 0u);
+  ASSERT_EQ(placed.size(), 1u);
+  EXPECT_EQ(placed[0].pose.position_m, (Vec3{1, 2, 3}));
+  const auto take = [&] {
+    const QueuedEvent queued = queue.next_before(100)->event;
+    const Event event = queue.event_of(queued);
+    queue.pop();
+    queue.release(queued);
+    return event;
+  };
+  const Event first = take(), second = take();
+  EXPECT_EQ(first.frame, 10);
+  EXPECT_EQ(first.object, 4u);
+  EXPECT_EQ(first.verb.get<verb::Strike>().impulse_ns, strike.impulse_ns);
+  EXPECT_EQ(first.verb.get<verb::Strike>().contact_time_s, 0.125);
+  EXPECT_EQ(second.object, 5u);
+  EXPECT_EQ(second.verb.get<verb::Couple>().other, 7u);
+  EXPECT_EQ(second.verb.get<verb::Couple>().gap_m, -0.001);
+  EXPECT_EQ(second.verb.get<verb::Couple>().number, 3u);
+  EXPECT_EQ(queue.next_before(kNever), nullptr);
+}
+
+TEST(EventQueue, TakesAsManyContactsAsThereArePlacesAndThenAgain) {
+  Player player;
+  player.install(0, map_of(single_mode_bank(440, 5)));
+  player.render(512);
+  const auto push_all = [&] {
+    const Frame now = player.mixer.counters().frames.load();
+    std::size_t taken = 0;
+    for (std::uint32_t i = 0; i < kLargeCapacity + 10; ++i) {
+      taken += player.mixer.push(Producer::control, {now + i % 256, 0, contact_of(i % 4)});
+    }
+    EXPECT_TRUE(player.mixer.push(Producer::control, strike_at(now, 0, {0, 0, 1}))) << "a strike needs no place";
+    return taken;
+  };
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_EQ(push_all(), kLargeCapacity) << round;
+    player.render(4096);
+  }
+  EXPECT_EQ(player.mixer.counters().strikes, 3u);
+}
+
+TEST(EventQueue, ABlowOrAPoseOfAnObjectThatNeverWasIsRefused) {
+  Player player;
+  player.push(gain_at(0, 17, 0.5));
+  player.push(strike_at(10, 18, {0, 0, 1}));
+  player.push({0, 19, verb::Pose{}});
+  player.render(256);
+  EXPECT_EQ(player.mixer.counters().refused, 2u) << "gains count only where they are out of range";
+  EXPECT_EQ(peak(player.left), 0);
+}
+
+}  // namespace
+}  // namespace ringdown::synth::test
