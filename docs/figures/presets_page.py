@@ -17,14 +17,14 @@ PICTURES = ROOT / "docs/figures/presets"
 MOST_BYTES = 25_000
 HEAD = """# The presets
 
-The objects of `presets/objects`, with their banks of 17 to 1,880 kB in `presets/banks`; `./run presets` bakes those that have changed. Each picture shows
-the most important mode, bent and coloured by how far each place moves (dark: rests, yellow: moves most), and the spectrum of a blow where
-the object answers most, in dB over Hz. T60 is that of this mode. Play one:
+The presets are the objects of `presets/objects`. Their banks, of 17 to 1,880 kB, are in `presets/banks`. Play one:
 
     ringdownd --object it=presets/banks/NAME.glb --connect &
     ringdown strike it --vertex 0 --impulse 0,0,-0.01
 
-[Pictures](previews.md) show all modes of one. A [pitch](materials.md#pitch) in bold is stated; the others are estimated.
+Each picture shows the shape of the most important mode, coloured by how far each place moves (dark: at rest, yellow: moves most). Beside it is the
+spectrum, in dB over Hz, of a blow at the point where the object responds most. T60 belongs to the same mode. A [pitch](materials.md#pitch) in bold is
+stated; the others are estimated. [Pictures of a bank](previews.md) show more modes. `./run presets` bakes the presets that have changed.
 
 | | object | material | pitch in Hz (note, cents) | T60 [s] |
 |---|---|---|---|---|

@@ -1,4 +1,4 @@
-// docs/use/limits.md against the constants it lists.
+// The constants that docs/reference/settings.md lists under "Limits in the source" against their values.
 #include "clients/viewer/edits.h"
 #include "clients/viewer/link/daemon_client.h"
 #include "clients/viewer/link/model.h"
@@ -116,8 +116,8 @@ const std::map<std::string, double> kConstants = {
 };
 #undef ROW
 
-TEST(Limits, TheLimitsPageListsEveryConstantWithItsValue) {
-  std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/use/limits.md");
+TEST(Limits, TheSettingsPageListsEveryConstantWithItsValue) {
+  std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/reference/settings.md");
   const std::regex row(R"(\| `([^`]+)` \| ([0-9]+) .*)");
   std::map<std::string, double> listed;
   for (std::string line; std::getline(page, line);) {
