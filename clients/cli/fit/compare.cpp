@@ -273,7 +273,7 @@ const std::vector<manual::Section> kCompareSections = {
 };
 
 ExitCode run_compare(int argc, char** argv) {
-  manual::App app("Holds recordings of a thing against its baked bank.", "ringdown-compare");
+  manual::App app("Compares recordings of an object with its baked bank.", "ringdown-compare");
   CompareArguments arguments;
   add_compare_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, kCompareSections)) return *ended;
