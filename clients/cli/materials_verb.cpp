@@ -223,8 +223,9 @@ void add_materials_verb(manual::App& app, ExitCode& outcome) {
           ->type_name("NAME");
   verb->add_option("--materials", arguments->folder, "Folder of materials (default: the presets').")
       ->type_name("FOLDER");
-  verb->add_option("--sound", arguments->sound,
-                   "Write two seconds of a blow on a bar of it to this file: .wav (32-bit float) or .flac (24 bit).")
+  verb->add_option(
+          "--sound", arguments->sound,
+          "Write two seconds of a blow on a bar of the material to this file: .wav (32-bit float) or .flac (24 bit).")
       ->type_name("FILE")
       ->needs(name);
   verb->add_flag("--markdown", arguments->markdown, "All figures as a Markdown table, for docs/use/materials.md.")

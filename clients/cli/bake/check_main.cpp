@@ -69,7 +69,7 @@ void print_surface(const mesh::PreparedSurface& surface) {
   std::printf("  meshed: %s\n",
               surface.left.sound()
                   ? "filled by gmsh"
-                  : "stuffed, because it is not sound after repair, and the skin of that filled by gmsh");
+                  : "stuffed, because it is not sound after repair; gmsh fills the skin of the lattice");
 }
 
 void print_forecast(const bake::Forecast& forecast, const bake::BodyShape& shape, const modal::Material& material) {
@@ -155,7 +155,7 @@ ExitCode run(int argc, char** argv) {
       ->type_name("FILE")
       ->required();
   verb->add_option("--unit", unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
-  verb->add_flag("--cavities", request.cavities, "shells inside others are cavities, however they are wound");
+  verb->add_flag("--cavities", request.cavities, "shells inside others are cavities, whatever their orientation");
   verb->add_option("-m,--material", request.material, "the material that the mesh is chosen for (default steel)");
   verb->add_option("--materials", request.materials, "folder of materials (default: the presets')")
       ->type_name("FOLDER");

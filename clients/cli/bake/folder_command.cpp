@@ -19,8 +19,8 @@ void add_folder_options(manual::App& app, FolderBake& request, bool& update, boo
   app.add_flag("--recursive", request.recursive, "for a folder: include its subfolders");
   app.add_flag("--force", request.force, "for a folder: also bake unchanged objects");
   app.add_flag("--check-budgets", request.check_budgets,
-               "of a folder: exit code 1 when a bake took more processor time than its object's budget_s");
-  app.add_flag("--update", update, "bake nothing when the bank is there already, made from the same");
+               "for a folder: exit code 1 if a bake took more processor time than its object's budget_s");
+  app.add_flag("--update", update, "bake nothing if the bank exists and was made from the same inputs");
   app.add_flag("--progress-lines", progress_lines, "for programs: progress as lines 'FRACTION STAGE' on stdout");
 }
 

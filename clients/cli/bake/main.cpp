@@ -78,10 +78,11 @@ void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
       ->check(manual::above_zero());
   app.add_option("--set", settings.parameters, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
   app.add_option("--unit", arguments.unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
-  app.add_flag("--cavities", arguments.cavities,
-               "shells inside others are cavities, however they are wound (default: those wound the other way)");
+  app.add_flag(
+      "--cavities", arguments.cavities,
+      "shells inside others are cavities, whatever their orientation (default: those of opposite orientation)");
   app.add_flag("--force-coarse", arguments.force_coarse,
-               "bake even what has walls too thin to be meshed, with holes in them and a wrong sound");
+               "also bake bodies with walls too thin for the mesh; such walls get holes and sound wrong");
   app.add_option("--scale", arguments.scale, "scale factor of the geometry; the mesh stays the same")
       ->check(manual::between(bake::kScale.low, bake::kScale.high));
   app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
@@ -99,27 +100,28 @@ void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
       ->type_name("PERCENT")
       ->check(check_shape_error);
   app.add_option("--points", arguments.points,
-                 "so many sample points on the surface (default: as many as --shape-error takes)")
+                 "number of sample points on the surface (default: as many as --shape-error needs)")
       ->check(manual::between(4, 1 << 20));
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")
       ->expected(2)
       ->check(manual::any_number());
-  app.add_option("--keep", arguments.keep,
-                 "how many modes, the most important ones, but all those of --nonlinear (default: all in the band)")
+  app.add_option(
+         "--keep", arguments.keep,
+         "number of modes to keep, the most important ones and all those of --nonlinear (default: all in the band)")
       ->check(manual::between(1, 16384));
   app.add_option("--floor", arguments.floor_db,
-                 "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
+                 "drop inaudible modes: after any blow this many dB below the loudest, or masked (default: none)")
       ->check(manual::between(1.0, 200.0));
   app.add_option(
          "--nonlinear", arguments.nonlinear,
-         "how many of the lowest modes bend each other's pitch when struck hard; for thin bodies (default: none)")
+         "number of lowest modes that shift each other's pitch when struck hard; for thin bodies (default: none)")
       ->check(manual::between(0, bake::kMaxNonlinearModes));
   app.add_option("--coupled", arguments.coupled,
-                 "how many of these, the lowest, exchange energy while they are loud: a gong's build-up, up to half a "
-                 "core for each object (default: none)")
+                 "number of the lowest of these that exchange energy while they are loud: a gong's build-up; up to "
+                 "half a core for each object (default: none)")
       ->check(manual::between(0, static_cast<int>(modal::kMaxCoupled)));
   app.add_flag("--radiation", arguments.radiation,
-               "compute what each mode radiates, and what the air takes of it: minutes");
+               "compute each mode's radiation and its damping by the air; takes minutes");
   app.add_option("--air", arguments.air,
                  "the air around the body: DENSITY in kg/m3 and SPEED of sound in m/s (default 1.2041 343.2, dry air "
                  "at 20 degrees); implies --radiation")
@@ -142,7 +144,7 @@ void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
       ->type_name("auto|block|spectra|dense|slepc");
   app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(manual::between(1, 4096));
   app.add_flag("--verify", arguments.verify,
-               "have a second solver find the modes near two frequencies of the band, and fail when the two disagree");
+               "check the modes near two frequencies of the band with a second solver, and fail if the two disagree");
   app.add_flag("--compress", arguments.compress,
                "make the bank a third as large, with shapes rounded by up to 0.5 %; its readers must know glTF's "
                "EXT_meshopt_compression, as Ringdown does");

@@ -98,7 +98,7 @@ void add_tune_options(manual::App& app, TuneArguments& arguments, TuneWords& wor
   app.add_option("--set", words.settings,
                  "a fixed parameter with another value than the object's; repeat it for others")
       ->type_name("NAME=NUMBER");
-  app.add_option("--scale", words.scale, "one object for each note, at which a target has the value 'note'")
+  app.add_option("--scale", words.scale, "make one object for each note; a target with the value 'note' gets that note")
       ->type_name("LOW..HIGH");
   app.add_option("--strike", words.strike, "direction of the blow that 'vertical' means (default: across a flat body)")
       ->expected(3)

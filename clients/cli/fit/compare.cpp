@@ -53,7 +53,7 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
       ->check(manual::between(100.0, 20000.0))
       ->capture_default_str();
   app.add_option("--tolerance", arguments.match.tolerance_cents,
-                 "How far a matching mode may be off, in cents, after the tuning that all have in common.")
+                 "Largest error of a matching mode in cents, after the common tuning is removed.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
   app.add_flag("--keep-nu", arguments.keep_nu,

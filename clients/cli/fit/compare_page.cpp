@@ -245,8 +245,9 @@ std::string verdict(const Comparison& c) {
       print("damping      alpha = %.4g 1/s, beta = %.4g s; decays %.0f %% off on average\n",
             c.calibration.damping.alpha_per_s, c.calibration.damping.beta_s, 100 * c.decay_error());
   if (aside > 0) {
-    text += print("             %zu of the %zu decay otherwise, as in a room or a hand, and are left out of that\n",
-                  aside, matches);
+    text +=
+        print("             %zu of the %zu decay differently, as in a room or a hand, and are left out of this fit\n",
+              aside, matches);
   }
   if (is_far_from_material(c)) {
     text += print(

@@ -48,8 +48,7 @@ void add_options(manual::App& app, Arguments& arguments) {
       ->type_name("FILE");
   app.add_option(
          "--tolerance", arguments.match.tolerance_cents,
-         "With --damping-of: how far a matching mode's frequency may be off, in cents, after the tuning that all "
-         "have in common.")
+         "With --damping-of: largest frequency error of a matching mode in cents, after the common tuning is removed.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
   app.add_option("--channel", arguments.channel,
