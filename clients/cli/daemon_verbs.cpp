@@ -116,7 +116,7 @@ void add_strike_verb(manual::App& app, ExitCode& outcome) {
   auto options = std::make_shared<StrikeOptions>();
   manual::App* verb = app.add_subcommand("strike", std::string(spec_of("strike").sentence));
   verb->add_option("object", options->object, help_for("strike", "object"))->required();
-  auto* where = verb->add_option_group("where", "one of these two");
+  auto* where = verb->add_option_group("where", "either of these");
   where->add_option("--at", options->point, help_for("strike", "x"))->type_name("X,Y,Z")->check(manual::any_vector());
   where->add_option("--vertex", options->vertex, help_for("strike_vertex", "vertex"))
       ->type_name("NUMBER")
@@ -138,7 +138,7 @@ void add_send_verb(manual::App& app, ExitCode& outcome) {
   manual::App* verb = app.add_subcommand("send", "Sends any message of the protocol and prints the daemon's answer.");
   verb->add_option("address", options->address, "Such as /status or /object/bell/gain; `ringdown protocol` lists all.")
       ->required();
-  verb->add_option("arguments", options->words, "What the address takes, such as 0.5");
+  verb->add_option("arguments", options->words, "The arguments of the message, such as 0.5");
   add_daemon_options(*verb, options->daemon);
   verb->callback([options, &outcome] { outcome = send(*options); });
 }

@@ -69,7 +69,7 @@ void add_export_verb(manual::App& app, ExitCode& outcome) {
       ->required();
   verb->add_option("-o,--output", options.folder, "The folder to make.")->type_name("FOLDER")->required();
   verb->add_option("--keys", arguments->keys,
-                   "Lowest and highest MIDI key: the object in other sizes; without, only in its own.")
+                   "Lowest and highest MIDI key, each key by the object in another size; default: only its own size.")
       ->expected(2)
       ->check(manual::between(0, session::kKeys - 1))
       ->type_name("LOW HIGH");
@@ -80,7 +80,7 @@ void add_export_verb(manual::App& app, ExitCode& outcome) {
                    "The MIDI key that it sounds in its own size; default: by its pitch, which `ringdown info` prints.")
       ->check(manual::between(0, session::kKeys - 1))
       ->type_name("KEY");
-  verb->add_option("--velocities", options.velocities, "Layers of velocity: softer blows last longer.")
+  verb->add_option("--velocities", options.velocities, "Velocity layers; softer blows have longer contacts.")
       ->check(manual::between(1, 32))
       ->capture_default_str();
   verb->add_option("--strikes", options.strikes, "Strikes at points nearby that take turns when a key is repeated.")
@@ -92,17 +92,18 @@ void add_export_verb(manual::App& app, ExitCode& outcome) {
           "is loudest.")
       ->check(manual::any_vector())
       ->type_name("X,Y,Z");
-  verb->add_option("--scatter", options.scatter, "How far points that take turns lie apart, of the object's size.")
+  verb->add_option("--scatter", options.scatter, "Distance of points that take turns, relative to the object's size.")
       ->check(manual::between(0.0, 1.0))
       ->capture_default_str();
   verb->add_option("--contact", options.contact_time_s,
-                   "How long the hardest blow lasts, in seconds, in its own size; in others in proportion.")
+                   "Contact time of the hardest blow in seconds, at the object's own size; it scales with the size.")
       ->check(manual::between(0.0, 0.1))
       ->capture_default_str();
   verb->add_option("--seconds", options.max_s, "The longest sample; shorter ones end when they are silent.")
       ->check(manual::between(0.1, 600.0))
       ->capture_default_str();
-  verb->add_option("--release", options.release_s, "Damp a released key within so many seconds; default: it rings on.")
+  verb->add_option("--release", options.release_s,
+                   "Damp a released key within this many seconds; default: it rings on.")
       ->check(manual::between(0.0, 60.0))
       ->type_name("SECONDS");
   verb->add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")

@@ -95,8 +95,7 @@ void print_nonlinear(const modal::NonlinearTerms& terms) {
 void print_head(const modal::Bank& bank) {
   if (bank.provenance.wall_elements > 0) {
     std::printf(
-        "WRONG      its walls are meshed with %.2g elements across (--force-coarse): they have holes, and modes that "
-        "the body has not\n",
+        "WRONG      its walls are meshed with %.2g elements across (--force-coarse): they have holes and wrong modes\n",
         bank.provenance.wall_elements);
   }
   std::printf("%s: %zu modes at %zu points, %zu triangles\n", bank.name.c_str(), bank.mode_count(), bank.point_count(),
@@ -118,7 +117,7 @@ void print_head(const modal::Bank& bank) {
     std::printf("parts      of %s; the rest of its material\n", parts.c_str());
   }
   if (bank.nonlinear) print_nonlinear(*bank.nonlinear);
-  if (bank.held) std::printf("held       by supports: no free body\n");
+  if (bank.held) std::printf("held       by supports, so it is not free\n");
   if (const auto& m = bank.mass) {
     std::printf("mass       %.4g kg, inertia %.4g %.4g %.4g kg m2 about (%.4g %.4g %.4g) m\n", m->mass_kg,
                 m->inertia_kg_m2.x, m->inertia_kg_m2.y, m->inertia_kg_m2.z, m->center_of_mass_m.x,
@@ -133,7 +132,7 @@ void print_head(const modal::Bank& bank) {
                 static_cast<long long>(made.rigid_modes), made.largest_residual);
   }
   if (made.counted_modes > 0) {
-    std::printf("complete   %lld eigenvalues below the band's top were counted by inertia, and as many found\n",
+    std::printf("complete   %lld eigenvalues below the band's top were counted by inertia, and as many were found\n",
                 static_cast<long long>(made.counted_modes));
   }
   if (const auto spread = modal::error_spread(bank.frequency_error)) {

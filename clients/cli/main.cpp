@@ -51,8 +51,7 @@ void add_protocol_verb(manual::App& app, ExitCode& outcome) {
 
 // The text of the man page in addition to the options.
 const std::vector<manual::Section> kSections = {
-    {"ENVIRONMENT",
-     {{"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
+    {"ENVIRONMENT", {{"RINGDOWN_PRESETS", "Folder of the presets, if it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
      {{"ringdown info bell.glb", "The modes of a bank."},
       {"ringdown strike bell --at 0.1,0,0.05 --impulse -0.2,0,0", "A blow of 0.2 N s, played by the daemon."},
@@ -70,7 +69,7 @@ int main(int argc, char** argv) {
   ExitCode outcome = ExitCode::ok;
   add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");
   add_program_verb(app, outcome, "check", "Says what is wrong with a mesh, and how it would be meshed.");
-  add_program_verb(app, outcome, "compare", "Holds recordings of a thing against its baked bank.");
+  add_program_verb(app, outcome, "compare", "Compares recordings of an object with its baked bank.");
   add_program_verb(app, outcome, "fit", "Finds the modes of a struck object in a recording, as a bank.");
   add_program_verb(app, outcome, "picture", "Draws a bank, as a picture or as a page.");
   add_program_verb(app, outcome, "tune", "Finds parameters of a geometry at which modes hit their notes.");

@@ -180,7 +180,8 @@ ExitCode list(const MaterialsArguments& arguments) {
     print_row(*entry);
   }
   std::printf(
-      "\nringdown materials NAME says where each figure is from, and with --sound FILE.wav lets it be heard.\n");
+      "\nringdown materials NAME prints the source of each figure; with --sound FILE.wav it writes the sound of a "
+      "bar.\n");
   return ExitCode::ok;
 }
 
@@ -215,15 +216,16 @@ ExitCode materials(MaterialsArguments arguments) {
 
 void add_materials_verb(manual::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<MaterialsArguments>();
-  manual::App* verb = app.add_subcommand(
-      "materials", "Lists the materials, with what a bar of each sounds like, or shows one of them.");
+  manual::App* verb =
+      app.add_subcommand("materials", "Lists the materials with the sound of a bar of each, or shows one of them.");
   manual::Option* name =
       verb->add_option("name", arguments->name, "The material to show, with the source of each figure.")
           ->type_name("NAME");
   verb->add_option("--materials", arguments->folder, "Folder of materials (default: the presets').")
       ->type_name("FOLDER");
-  verb->add_option("--sound", arguments->sound,
-                   "Write two seconds of a blow on a bar of it to this file: .wav (32-bit float) or .flac (24 bit).")
+  verb->add_option(
+          "--sound", arguments->sound,
+          "Write two seconds of a blow on a bar of the material to this file: .wav (32-bit float) or .flac (24 bit).")
       ->type_name("FILE")
       ->needs(name);
   verb->add_flag("--markdown", arguments->markdown, "All figures as a Markdown table, for docs/use/materials.md.")

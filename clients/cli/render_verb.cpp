@@ -87,12 +87,12 @@ void add_render_verb(manual::App& app, ExitCode& outcome) {
   verb->add_option("-o,--output", arguments->output, "File to write: .wav (32-bit float) or .flac (24 bit).")
       ->type_name("FILE")
       ->required();
-  verb->add_option("--seconds", options.seconds, "Length; default: the scene's own, or the score's and 5 s more.")
+  verb->add_option("--seconds", options.seconds, "Length; default: the scene's own, or the score's plus 5 s.")
       ->check(manual::between(0.0, session::kMaxRender_s));
   verb->add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")
       ->check(manual::between(8000.0, 768000.0))
       ->capture_default_str();
-  verb->add_option("--block", options.block_frames, "Frames per block; changes nothing but rounding.")
+  verb->add_option("--block", options.block_frames, "Frames per block; affects only rounding.")
       ->check(manual::between(1, 8192))
       ->capture_default_str();
   server::add_sound_options(*verb, options.mixer);

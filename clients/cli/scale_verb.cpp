@@ -85,7 +85,7 @@ void add_scale_verb(manual::App& app, ExitCode& outcome) {
       ->type_name("FILE")
       ->required();
   verb->add_option("-o,--output", arguments->output, "The bank to write (.glb).")->type_name("FILE")->required();
-  verb->add_option("--size", arguments->size, "How many times as large, in all directions.")
+  verb->add_option("--size", arguments->size, "Scale factor, in all directions.")
       ->check(manual::between(kMinSize, kMaxSize))
       ->capture_default_str();
   verb->add_option("-m,--material", arguments->material, "The new material; Poisson's ratio stays as it was.")

@@ -17,7 +17,11 @@ void print_errors(const bake::BakedObject& object) {
     }
     if (choice->shortest_wave_m > 0) std::printf(", for waves of %.3g mm", 1000 * choice->shortest_wave_m);
     if (choice->wall_m > 0) std::printf(", thinnest wall %.3g mm", 1000 * choice->wall_m);
-    std::printf("%s\n", choice->bounded ? "; finer would be right, but too much to solve unasked (--mesh-size)" : "");
+    std::printf(
+        "%s\n",
+        choice->bounded
+            ? "; finer elements would be needed, but exceed the default limit of unknowns (--mesh-size overrules it)"
+            : "");
   }
   if (object.rounds.size() > 1) {
     std::printf("  refined:");
@@ -46,7 +50,7 @@ void print_radiation(const bake::Baked& baked) {
   if (spread)
     std::printf("estimated errors of the levels: median %.2g dB, largest %.2g dB", spread->median, spread->largest);
   const auto doubtful = std::ranges::count_if(radiation->reason, [](const auto& reason) { return !reason.empty(); });
-  if (doubtful > 0) std::printf("; of %td modes more than wanted", doubtful);
+  if (doubtful > 0) std::printf("; %td modes above the limit", doubtful);
   std::printf("\n");
 }
 
@@ -69,7 +73,7 @@ void print_body(const bake::BakedObject& object) {
   const mesh::CheckedMesh& checked = object.mesh;
   if (checked.pieces > 1) std::printf("  %d pieces that share no node\n", checked.pieces);
   if (checked.flipped + checked.duplicates + checked.unused_nodes > 0) {
-    std::printf("  repaired: %d elements were inside out, %d were there twice; %d nodes belonged to none\n",
+    std::printf("  repaired: %d elements were inside out, %d were duplicates; %d nodes belonged to no element\n",
                 checked.flipped, checked.duplicates, checked.unused_nodes);
   }
   if (checked.straightened > 0) {

@@ -26,8 +26,8 @@ using protocol::ExitCode;
 const std::vector<manual::Section> kSections = {
     {"ENVIRONMENT",
      {{"RINGDOWN_MESH_SECONDS", "Processor time for reading or meshing a file (default 600)."},
-      {"RINGDOWN_MESH_MIB", "Memory for that (default: half of the computer's, at most 16384)."},
-      {"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
+      {"RINGDOWN_MESH_MIB", "Memory for reading or meshing a file (default: half of the computer's, at most 16384)."},
+      {"RINGDOWN_PRESETS", "Folder of the presets, if it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
      {{"ringdown-check mesh cup.stl --unit mm", "Faults, repairs, and the mesh it would get."},
       {"ringdown-check mesh scan.ply -o repaired.ply", "The repaired surface as a file."}}},
@@ -69,7 +69,7 @@ void print_surface(const mesh::PreparedSurface& surface) {
   std::printf("  meshed: %s\n",
               surface.left.sound()
                   ? "filled by gmsh"
-                  : "stuffed, because it is not sound after repair, and the skin of that filled by gmsh");
+                  : "stuffed, because it is not sound after repair; gmsh fills the skin of the lattice");
 }
 
 void print_forecast(const bake::Forecast& forecast, const bake::BodyShape& shape, const modal::Material& material) {
@@ -78,7 +78,7 @@ void print_forecast(const bake::Forecast& forecast, const bake::BodyShape& shape
     std::printf("  resolution: %.3g mm with order %d, for waves of %.3g mm at %.0f Hz in %s and walls of %.3g mm%s\n",
                 1000 * choice->size_m, order, 1000 * choice->shortest_wave_m, bake::BakeOptions().band_high_hz,
                 material.name.c_str(), 1000 * shape.wall_m,
-                choice->bounded ? "; finer would be right, but too much to solve unasked" : "");
+                choice->bounded ? "; finer elements would be needed, but exceed the default limit of unknowns" : "");
   }
   const bake::BakeCost& cost = forecast.cost;
   std::printf("  %s: %td elements, %.0f unknowns\n", mesh::text_of(forecast.making).c_str(),
@@ -155,7 +155,7 @@ ExitCode run(int argc, char** argv) {
       ->type_name("FILE")
       ->required();
   verb->add_option("--unit", unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
-  verb->add_flag("--cavities", request.cavities, "shells inside others are cavities, however they are wound");
+  verb->add_flag("--cavities", request.cavities, "shells inside others are cavities, whatever their orientation");
   verb->add_option("-m,--material", request.material, "the material that the mesh is chosen for (default steel)");
   verb->add_option("--materials", request.materials, "folder of materials (default: the presets')")
       ->type_name("FOLDER");
@@ -163,7 +163,8 @@ ExitCode run(int argc, char** argv) {
       ->type_name("FILE");
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
   if (!request.output.empty() && !mesh::is_surface_file(request.file)) {
-    return manual::complain_of_usage(app, request.file.string() + " is no surface; --output is for repaired surfaces");
+    return manual::complain_of_usage(app,
+                                     request.file.string() + " is not a surface; --output is for repaired surfaces");
   }
   if (unit) request.unit_m = cli::parse_unit(*unit);
   const Result<std::filesystem::path> materials = material_folder(request.materials);

@@ -13,13 +13,14 @@ constexpr auto kForOne = {"--name", "--update", "--progress-lines"};
 }  // namespace
 
 void add_folder_options(manual::App& app, FolderBake& request, bool& update, bool& progress_lines) {
-  app.add_option("-j,--jobs", request.jobs, "of a folder: how many at a time (default: as many as processors)")
+  app.add_option("-j,--jobs", request.jobs,
+                 "for a folder: number of bakes at a time (default: the number of processors)")
       ->check(manual::between(1, 4096));
-  app.add_flag("--recursive", request.recursive, "of a folder: of the folders in it, too");
-  app.add_flag("--force", request.force, "of a folder: bake also what has not changed");
+  app.add_flag("--recursive", request.recursive, "for a folder: include its subfolders");
+  app.add_flag("--force", request.force, "for a folder: also bake unchanged objects");
   app.add_flag("--check-budgets", request.check_budgets,
-               "of a folder: exit code 1 when a bake took more processor time than its object's budget_s");
-  app.add_flag("--update", update, "bake nothing when the bank is there already, made from the same");
+               "for a folder: exit code 1 if a bake took more processor time than its object's budget_s");
+  app.add_flag("--update", update, "bake nothing if the bank exists and was made from the same inputs");
   app.add_flag("--progress-lines", progress_lines, "for programs: progress as lines 'FRACTION STAGE' on stdout");
 }
 

@@ -87,7 +87,7 @@ Result<FolderContent> content_of(const FolderQuestion& question) {
   if (!content.jobs.empty()) return content;
   return fail(ErrorKind::bad_input,
               "there are no objects in " + question.folder.string() +
-                  (content.shapes_without > 0 ? "; --material bakes the shapes that lie there without one" : ""));
+                  (content.shapes_without > 0 ? "; --material bakes shapes without an object file" : ""));
 }
 
 }  // namespace ringdown::cli

@@ -62,8 +62,8 @@ void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
                  "...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
       ->type_name("FILE");
   app.add_option("-o,--output", arguments.output,
-                 "the bank to write (.glb); of a folder, where to (default: beside); of a scene, another file "
-                 "(default: itself)")
+                 "the bank to write (.glb); for a folder, the folder of its banks (default: beside the inputs); for a "
+                 "scene, another file (default: the scene itself)")
       ->type_name("FILE");
   app.add_option("-m,--material", arguments.material,
                  "name of a material; an object file has one already, and keeps it when a folder is baked");
@@ -74,15 +74,16 @@ void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
                  "tet20 (default), tet10, tet35; tet4 and tet4-lumped are far too stiff in bending")
       ->type_name("tet20|tet10|tet35|tet4|tet4-lumped");
   app.add_option("--mesh-size", arguments.mesh_size_m,
-                 "longest edge in metres, when a surface or a geometry is meshed (default: by the band)")
+                 "longest edge in metres of the mesh of a surface or a geometry (default: from the band)")
       ->check(manual::above_zero());
   app.add_option("--set", settings.parameters, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
   app.add_option("--unit", arguments.unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
-  app.add_flag("--cavities", arguments.cavities,
-               "shells inside others are cavities, however they are wound (default: those wound the other way)");
+  app.add_flag(
+      "--cavities", arguments.cavities,
+      "shells inside others are cavities, whatever their orientation (default: those of opposite orientation)");
   app.add_flag("--force-coarse", arguments.force_coarse,
-               "bake even what has walls too thin to be meshed, with holes in them and a wrong sound");
-  app.add_option("--scale", arguments.scale, "how many times as large as its geometry; the mesh stays the same")
+               "also bake bodies with walls too thin for the mesh; such walls get holes and sound wrong");
+  app.add_option("--scale", arguments.scale, "scale factor of the geometry; the mesh stays the same")
       ->check(manual::between(bake::kScale.low, bake::kScale.high));
   app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
       ->type_name("NAME=NUMBER");
@@ -95,35 +96,35 @@ void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
     return good ? std::string() : good.error().message;
   };
   app.add_option("--shape-error", arguments.shape_error,
-                 "error of the median mode's amplitude where a strike falls between sample points (default 3%)")
+                 "amplitude error of the median mode for strikes between sample points (default 3%)")
       ->type_name("PERCENT")
       ->check(check_shape_error);
   app.add_option("--points", arguments.points,
-                 "so many sample points on the surface (default: as many as --shape-error takes)")
+                 "number of sample points on the surface (default: as many as --shape-error needs)")
       ->check(manual::between(4, 1 << 20));
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")
       ->expected(2)
       ->check(manual::any_number());
-  app.add_option("--keep", arguments.keep,
-                 "how many modes, the most important ones, but all those of --nonlinear (default: all in the band)")
+  app.add_option(
+         "--keep", arguments.keep,
+         "number of modes to keep, the most important ones and all those of --nonlinear (default: all in the band)")
       ->check(manual::between(1, 16384));
   app.add_option("--floor", arguments.floor_db,
-                 "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
+                 "drop inaudible modes: after any blow this many dB below the loudest, or masked (default: none)")
       ->check(manual::between(1.0, 200.0));
   app.add_option(
          "--nonlinear", arguments.nonlinear,
-         "how many of the lowest modes bend each other's pitch when struck hard; for thin bodies (default: none)")
+         "number of lowest modes that shift each other's pitch when struck hard; for thin bodies (default: none)")
       ->check(manual::between(0, bake::kMaxNonlinearModes));
   app.add_option("--coupled", arguments.coupled,
-                 "how many of these, the lowest, exchange energy while they are loud: a gong's build-up, up to half a "
-                 "core for each object (default: none)")
+                 "number of the lowest of these that exchange energy while they are loud: a gong's build-up; up to "
+                 "half a core for each object (default: none)")
       ->check(manual::between(0, static_cast<int>(modal::kMaxCoupled)));
   app.add_flag("--radiation", arguments.radiation,
-               "compute what each mode radiates, and what the air takes of it: minutes");
-  app.add_option(
-         "--air", arguments.air,
-         "what the modes radiate into: DENSITY in kg/m3 and SPEED of sound in m/s (default 1.2041 343.2, dry air "
-         "at 20 degrees); implies --radiation")
+               "compute each mode's radiation and its damping by the air; takes minutes");
+  app.add_option("--air", arguments.air,
+                 "the air around the body: DENSITY in kg/m3 and SPEED of sound in m/s (default 1.2041 343.2, dry air "
+                 "at 20 degrees); implies --radiation")
       ->expected(2)
       ->check(manual::above_zero());
   const auto check_error = [](const std::string& text) {
@@ -135,15 +136,15 @@ void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
                      "refine until the estimated error of every frequency is below this: 0.1%, or 0.001")
           ->type_name("PERCENT")
           ->check(check_error);
-  app.add_flag("--preview", arguments.preview, "coarse and quick: order 2, an error that it says")->excludes(error);
+  app.add_flag("--preview", arguments.preview, "coarse and quick: order 2; the error is stated")->excludes(error);
   app.add_flag("--no-cache", arguments.no_cache,
                "neither use nor keep earlier results (in $RINGDOWN_CACHE, or ringdown in the user's cache folder)");
   app.add_option("--solver", arguments.solver,
-                 "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine")
+                 "auto (default), block, spectra, dense, or slepc: over MPI, for meshes too large for one machine")
       ->type_name("auto|block|spectra|dense|slepc");
   app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(manual::between(1, 4096));
   app.add_flag("--verify", arguments.verify,
-               "have a second solver find the modes near two frequencies of the band, and fail when the two disagree");
+               "check the modes near two frequencies of the band with a second solver, and fail if the two disagree");
   app.add_flag("--compress", arguments.compress,
                "make the bank a third as large, with shapes rounded by up to 0.5 %; its readers must know glTF's "
                "EXT_meshopt_compression, as Ringdown does");
@@ -203,7 +204,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.nonlinear) recipe.options.nonlinear = *arguments.nonlinear;
   if (arguments.coupled) recipe.options.coupled = *arguments.coupled;
   if (recipe.options.coupled > recipe.options.nonlinear)
-    return fail(ErrorKind::bad_input, "--coupled modes are among the --nonlinear ones: at most as many");
+    return fail(ErrorKind::bad_input, "--coupled modes are the lowest of the --nonlinear ones: at most as many");
   if (arguments.floor_db) recipe.options.floor_db = *arguments.floor_db;
   if (arguments.error) recipe.error = parse_fraction(*arguments.error).value();
   recipe.preview = arguments.preview;
@@ -287,16 +288,16 @@ ExitCode bake_folder(const manual::App& app, const Arguments& arguments) {
 
 // The text of the man page beside the options.
 const std::vector<manual::Section> kSections = {
-    {"FILES", {{"$XDG_CACHE_HOME/ringdown", "What earlier bakes found, so that no mesh is solved twice."}}},
+    {"FILES", {{"$XDG_CACHE_HOME/ringdown", "Results of earlier bakes, so that no mesh is solved twice."}}},
     {"ENVIRONMENT",
-     {{"RINGDOWN_CACHE", "Another folder for that."},
-      {"RINGDOWN_THREADS", "How many threads it may use (default: as many as there are processors)."},
+     {{"RINGDOWN_CACHE", "Another folder for these results."},
+      {"RINGDOWN_THREADS", "Number of threads (default: the number of processors)."},
       {"RINGDOWN_MESH_SECONDS", "Processor time for reading or meshing a file (default 600)."},
-      {"RINGDOWN_MESH_MIB", "Memory for that (default: half of the computer's, at most 16384)."},
-      {"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
+      {"RINGDOWN_MESH_MIB", "Memory for reading or meshing a file (default: half of the computer's, at most 16384)."},
+      {"RINGDOWN_PRESETS", "Folder of the presets, if it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
      {{"ringdown-bake bell.toml -o bell.glb", "An object file names its shape and its material."},
-      {"ringdown-bake objects -o banks --jobs 4", "What has changed of a folder, four at a time."},
+      {"ringdown-bake objects -o banks --jobs 4", "The changed objects of a folder, four at a time."},
       {"ringdown-bake room.glb", "Each body of a scene that has an acoustic material and no model gets its own."},
       {"ringdown-bake cup.stl --unit mm --material steel -o cup.glb", "A surface of your own, in millimetres."}}},
     {"SEE ALSO", {{"ringdown(1), ringdownd(1)", "The other programs."}}},

@@ -242,9 +242,10 @@ class SceneBaker {
     }
     const auto now = read_whole_file(request_.input, modal::kMaxBankFileBytes);
     if (!now || *now != bytes) {
-      return fail(ErrorKind::refused, request_.input.string() +
-                                          " has changed while its bodies were baked, and is left as it is; bake it "
-                                          "again, from the cache");
+      return fail(
+          ErrorKind::refused,
+          request_.input.string() +
+              " changed while its bodies were baked and was not overwritten; bake it again, which uses the cache");
     }
     if (!extended->buffer_name.empty()) {
       const auto written = write_file_atomically(output.parent_path() / extended->buffer_name, extended->buffer);

@@ -91,20 +91,20 @@ void add_tune_options(manual::App& app, TuneArguments& arguments, TuneWords& wor
       ->required();
   app.add_option(
          "--target", words.targets,
-         "where a mode shall lie: Hz, a note (A4, F#3), or a multiple of the first target (4x). MODE counts from "
-         "1 in its family: vertical (default: bending in the strike direction), lateral, torsion, longitudinal, "
-         "any")
+         "target frequency of a mode: Hz, a note (A4, F#3), or a multiple of the first target (4x). MODE counts from 1 "
+         "in its family: vertical (default: bending in the strike direction), lateral, torsion, longitudinal, any")
       ->type_name("[FAMILY:]MODE=VALUE")
       ->required();
-  app.add_option("--set", words.settings, "a parameter that stays, other than the object's; repeat it for others")
+  app.add_option("--set", words.settings,
+                 "a fixed parameter with another value than the object's; repeat it for others")
       ->type_name("NAME=NUMBER");
-  app.add_option("--scale", words.scale, "one object for each note, at which a target has the value 'note'")
+  app.add_option("--scale", words.scale, "make one object for each note; a target with the value 'note' gets that note")
       ->type_name("LOW..HIGH");
   app.add_option("--strike", words.strike, "direction of the blow that 'vertical' means (default: across a flat body)")
       ->expected(3)
       ->type_name("X Y Z")
       ->check(manual::any_number());
-  app.add_option("--tolerance", arguments.tolerance_cents, "cents that a target may be missed by (default 0.3)")
+  app.add_option("--tolerance", arguments.tolerance_cents, "largest error of a target in cents (default 0.3)")
       ->check(manual::between(0.001, 100.0));
   app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, instead of the object's")
       ->check(manual::above_zero());
@@ -128,7 +128,7 @@ Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
     const Result<AskedTarget> target = target_in(text);
     if (!target) return fail(target.error());
     if (target->kind == AskedTarget::Kind::kNote && !arguments.is_scale) {
-      return fail(ErrorKind::bad_input, "the value 'note' is a scale's; name the scale with --scale");
+      return fail(ErrorKind::bad_input, "the value 'note' needs a scale; name it with --scale");
     }
     if (target->kind == AskedTarget::Kind::kMultiple && arguments.targets.empty()) {
       return fail(ErrorKind::bad_input, "the first --target cannot be a multiple of the first");

@@ -53,7 +53,7 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
       ->check(manual::between(100.0, 20000.0))
       ->capture_default_str();
   app.add_option("--tolerance", arguments.match.tolerance_cents,
-                 "How far a matching mode may be off, in cents, after the tuning that all have in common.")
+                 "Largest error of a matching mode in cents, after the common tuning is removed.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
   app.add_flag("--keep-nu", arguments.keep_nu,
@@ -273,7 +273,7 @@ const std::vector<manual::Section> kCompareSections = {
 };
 
 ExitCode run_compare(int argc, char** argv) {
-  manual::App app("Holds recordings of a thing against its baked bank.", "ringdown-compare");
+  manual::App app("Compares recordings of an object with its baked bank.", "ringdown-compare");
   CompareArguments arguments;
   add_compare_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, kCompareSections)) return *ended;

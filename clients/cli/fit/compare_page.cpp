@@ -239,17 +239,20 @@ std::string verdict(const Comparison& c) {
       print("frequencies  %.1f cents off on average, %.1f at most, after E/rho and nu\n", c.mean_cents(),
             c.worst_cents()) +
       print("E/rho        %.4f times that of %s\n", c.stiffness(), c.material.c_str()) +
-      (c.nu_told ? print("nu           %.3f; the material says %.3f\n", c.poisson_ratio, c.given_poisson_ratio)
-                 : print("nu           %.3f as the material says: the recordings do not tell\n", c.poisson_ratio)) +
+      (c.nu_told
+           ? print("nu           %.3f; the material says %.3f\n", c.poisson_ratio, c.given_poisson_ratio)
+           : print("nu           %.3f as the material says: the recordings do not determine it\n", c.poisson_ratio)) +
       print("damping      alpha = %.4g 1/s, beta = %.4g s; decays %.0f %% off on average\n",
             c.calibration.damping.alpha_per_s, c.calibration.damping.beta_s, 100 * c.decay_error());
   if (aside > 0) {
-    text += print("             %zu of the %zu decay otherwise, as in a room or a hand, and are left out of that\n",
-                  aside, matches);
+    text +=
+        print("             %zu of the %zu decay differently, as in a room or a hand, and are left out of this fit\n",
+              aside, matches);
   }
   if (is_far_from_material(c)) {
     text += print(
-        "note         E/rho and nu are far from those of %s: a wall thicker or thinner than drawn does that, too\n",
+        "note         E/rho and nu are far from those of %s: a wall thicker or thinner than drawn has that effect, "
+        "too\n",
         c.material.c_str());
   }
   for (const ComparedSound& s : c.sounds) text += print("distance     %.1f dB: ", s.distance_db) + s.name + "\n";

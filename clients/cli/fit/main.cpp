@@ -40,7 +40,7 @@ void add_options(manual::App& app, Arguments& arguments) {
   app.add_option("wave", arguments.input, "The recording of one blow: WAV, FLAC, AIFF, ...")
       ->type_name("FILE")
       ->required();
-  app.add_option("-o,--output", arguments.output, "The bank to write; without, the modes are only printed.")
+  app.add_option("-o,--output", arguments.output, "The bank to write; default: the modes are only printed.")
       ->type_name("FILE");
   app.add_option("--damping-of", arguments.damping_of,
                  "A baked bank of the same object: --output is that bank with its alpha and beta fitted to the "
@@ -48,26 +48,26 @@ void add_options(manual::App& app, Arguments& arguments) {
       ->type_name("FILE");
   app.add_option(
          "--tolerance", arguments.match.tolerance_cents,
-         "With --damping-of: how far a matching mode's frequency may be off, in cents, after the tuning that all "
-         "have in common.")
+         "With --damping-of: largest frequency error of a matching mode in cents, after the common tuning is removed.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
   app.add_option("--channel", arguments.channel,
-                 "Which channel, 1 is the first; default: the mean of all, or the loudest where they cancel.")
+                 "The channel, counted from 1; default: the mean of all, or the loudest if they cancel.")
       ->check(manual::between(1, 1024));
   app.add_option("--from", arguments.options.from_s, "Where the blow is, in seconds; default: where the sound begins.")
       ->check(manual::any_number());
   app.add_option("--band", arguments.band, "Lowest and highest frequency in Hz; default: 20 20000.")
       ->type_name("LOW HIGH")
       ->check(manual::any_number());
-  app.add_option("--floor", arguments.options.floor_db, "Drop modes that begin more dB than this below the loudest.")
+  app.add_option("--floor", arguments.options.floor_db,
+                 "Drop modes that begin more than this many dB below the loudest.")
       ->check(manual::between(1.0, 200.0))
       ->capture_default_str();
-  app.add_option("--max-modes", arguments.options.max_modes, "Keep so many, those of most energy.")
+  app.add_option("--max-modes", arguments.options.max_modes, "Keep this many modes, those of most energy.")
       ->check(manual::between(std::size_t{1}, fit::kMaxModes))
       ->capture_default_str();
   app.add_option("--impulse", arguments.impulse,
-                 "The impulse in N s that shall sound as loud as the recording; default: 0,0,1.")
+                 "The impulse in N s that should sound as loud as the recording; default: 0,0,1.")
       ->type_name("X,Y,Z")
       ->delimiter(',')
       ->expected(3)
@@ -77,11 +77,11 @@ void add_options(manual::App& app, Arguments& arguments) {
       ->check(manual::between(0.0, 100.0))
       ->capture_default_str();
   app.add_flag("--no-burst", arguments.without_burst,
-               "Keep only modes: without, what they leave of the blow becomes a burst of noise in the bank.");
+               "Keep only modes; by default the rest of the blow becomes a burst of noise in the bank.");
   app.add_option("--name", arguments.name, "The bank's name; default: the recording's.");
   app.add_option("--resynth", arguments.resynth, "Write the sum of the modes, and of the burst, as a sound.")
       ->type_name("FILE");
-  app.add_option("--residual", arguments.residual, "Write what they leave of the recording as a sound.")
+  app.add_option("--residual", arguments.residual, "Write the recording minus the modes and the burst as a sound.")
       ->type_name("FILE");
 }
 

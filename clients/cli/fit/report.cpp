@@ -23,7 +23,7 @@ void print_fit(const std::string& name, const fit::Fit& fit) {
       name.c_str(), fit.modes.size(), 100 * fit.explained, fit.start_s, fit.end_s,
       -10 * std::log10(std::max(1 - fit.explained, 1e-30)));
   std::printf("onset      %.4f s; amplitudes are meant there\n", fit.onset_s);
-  if (fit.clipped > 0) std::printf("clipped    %zu samples; looked at from the last of them on\n", fit.clipped);
+  if (fit.clipped > 0) std::printf("clipped    %zu samples; the fit begins at the last of them\n", fit.clipped);
   std::printf("\n%5s %12s %10s %9s %8s %10s %8s  %s\n", "mode", "frequency Hz", "+- cents", "T60 s", "+- %",
               "level dBFS", "+- dB", "note");
   for (std::size_t m = 0; m < fit.modes.size(); ++m) {

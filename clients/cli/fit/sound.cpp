@@ -171,7 +171,7 @@ Result<Sound> sound_of(Channels channels, const SF_INFO& info, std::optional<int
       std::snprintf(time, sizeof time, "%.4f", static_cast<double>(wrong - channels[c].begin()) / info.samplerate);
       return refuse(path, "has a sample that is not a number, at " + std::string(time) + " s in " +
                               number(wanted ? static_cast<std::size_t>(*wanted - 1) : c) +
-                              (info.channels > 1 ? "; --channel takes another channel" : "; write the file anew"));
+                              (info.channels > 1 ? "; --channel takes another channel" : "; write the file again"));
     }
     energies.push_back(energy_of(channels[c]));
   }

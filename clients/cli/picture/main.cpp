@@ -34,8 +34,8 @@ void add_options(manual::App& app, Arguments& arguments) {
       ->type_name("FILE")
       ->required();
   app.add_option("--at", arguments.at,
-                 "The point that is struck, in metres; default: the one that answers most. The nearest sample point is "
-                 "taken.")
+                 "The point that is struck, in metres; default: the point with the strongest response. The nearest "
+                 "sample point is taken.")
       ->type_name("X,Y,Z")
       ->delimiter(',')
       ->expected(3)

@@ -58,7 +58,7 @@ void factor_by_mumps(EPS solver) {
   check(PetscOptionsInsertString(nullptr, "-st_mat_mumps_icntl_13 1"));
 #else
   static_cast<void>(solver);
-  give_up("this PETSc has no MUMPS, which counts the modes of a band");
+  give_up("this PETSc has no MUMPS, which is needed to count the modes of a band");
 #endif
 }
 

@@ -59,7 +59,7 @@ void draw_row(const Skin& skin, const KnownObject& object, ImU32 colour, bool si
     commands.set_solo(object, !object.solo);
   }
   ImGui::SameLine(right - 1.5f * em);
-  if (toggle("M", object.mute, skin.warning, skin, "Mute: silent for everyone who listens")) {
+  if (toggle("M", object.mute, skin.warning, skin, "Mute: silent for all listeners")) {
     commands.set_mute(object, !object.mute);
   }
   ImGui::PopID();

@@ -9,7 +9,8 @@ namespace ringdown::viewer {
 namespace {
 
 constexpr const char* kWhere =
-    "The daemon writes the file, on its computer; a name without a folder stands where the daemon was started";
+    "The daemon writes the file, on its computer; a name without a folder is relative to the folder in which the "
+    "daemon was started";
 
 void set(std::array<char, 256>& name, const std::string& text) {
   name.fill(0);
@@ -63,8 +64,8 @@ void SavePanel::draw_scene(const Model& model, Commands& commands) {
     ImGui::OpenPopup("save scene");
   }
   hint(
-      "Writes a scene file of what is here now: objects with their materials, sizes, levels and places, and what was\n"
-      "dropped. Mutes and solos are not in it.");
+      "Writes the present state as a scene file: objects with their materials, sizes, levels and\n"
+      "places, and what was dropped. Mutes and solos are not in it.");
   if (!ImGui::BeginPopup("save scene")) return;
   ImGui::Checkbox("Replace a scene that was saved under this name", &replace_);
   hint("Only scenes that were saved here are replaced, never one that was written by hand");

@@ -87,7 +87,7 @@ void SideView::draw_browser(Model& model, Commands& commands) {
   ImGui::InputTextWithHint("##filter", "search", filter_.data(), filter_.size());
   ImGui::SameLine();
   if (ImGui::Button("Refresh")) model.files().browse_again();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ask the daemon once more what there is");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ask the daemon again for scenes and banks");
   const float line = ImGui::GetTextLineHeightWithSpacing();
   const auto rows = static_cast<float>(2 + model.files().scenes().size() + model.files().banks().size());
   const float height = std::min(rows * line, std::max(kMinFiles * line, ImGui::GetWindowHeight() - others_height_));
