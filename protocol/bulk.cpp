@@ -5,6 +5,7 @@
 #include "protocol/schema.h"
 
 #include <bit>
+#include <utility>
 
 namespace ringdown::protocol {
 namespace {

@@ -10,6 +10,7 @@
 #include <charconv>
 #include <numeric>
 #include <unordered_map>
+#include <utility>
 
 namespace ringdown::protocol {
 namespace {

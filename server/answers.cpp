@@ -3,6 +3,7 @@
 #include "protocol/schema.h"
 #include "protocol/wire/codec.h"
 
+#include <utility>
 #include <variant>
 
 namespace ringdown::server {

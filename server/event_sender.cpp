@@ -4,6 +4,7 @@
 #include "protocol/schema.h"
 #include "protocol/wire/codec.h"
 
+#include <utility>
 #include <vector>
 
 namespace ringdown::server {

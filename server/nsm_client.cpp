@@ -4,6 +4,7 @@
 #include "server/log.h"
 
 #include <cstdlib>
+#include <utility>
 #include <unistd.h>
 
 namespace ringdown::server {

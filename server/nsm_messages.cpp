@@ -2,6 +2,8 @@
 
 #include "protocol/wire/codec.h"
 
+#include <utility>
+
 namespace ringdown::server {
 namespace {
 

@@ -4,6 +4,7 @@
 #include "protocol/wire/codec.h"
 
 #include <optional>
+#include <utility>
 #include <variant>
 
 namespace ringdown::cli {

@@ -3,6 +3,8 @@
 #include "engine/modal/hearing/pitch.h"
 #include "engine/modal/radiation_map.h"
 
+#include <utility>
+
 using namespace ringdown;
 using library::guarded, library::missing;
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
 
 using namespace ringdown;
 using library::check_index, library::check_within, library::first_null, library::guarded, library::missing,

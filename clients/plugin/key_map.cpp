@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 
 namespace ringdown::plugin {
 namespace {

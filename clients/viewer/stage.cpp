@@ -12,6 +12,7 @@
 #include <numbers>
 #include <string_view>
 #include <unordered_set>
+#include <utility>
 
 namespace ringdown::viewer {
 namespace {

@@ -12,6 +12,7 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 // Two rounds of listening
 //

@@ -6,6 +6,7 @@
 #include "engine/bake/nonlinear_modes.h"
 
 #include <optional>
+#include <utility>
 
 namespace ringdown::bake {
 

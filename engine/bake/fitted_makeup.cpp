@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <span>
+#include <utility>
 
 namespace ringdown::bake {
 namespace {

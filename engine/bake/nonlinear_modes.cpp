@@ -11,6 +11,7 @@
 #include <cmath>
 #include <new>
 #include <random>
+#include <utility>
 
 // Pairs of modes form a space: a symmetric matrix X stands for the field sum X_ij E2_ij / (omega_i omega_j), and
 // T(X)_ij = <E2_ij / (omega_i omega_j), that field condensed> is a symmetric operator on such matrices, never negative.

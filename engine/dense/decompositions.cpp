@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include <utility>
 #include <vector>
 
 extern "C" {  // LAPACK

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
+#include <utility>
 
 // Calibration in three steps: the common factor between recorded and baked frequencies, the pairs that agree after it,
 // and alpha and beta from the decays of the pairs by weighted least squares, repeated while the weights of outliers

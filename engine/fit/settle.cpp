@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 // In a few rounds the modes are played together, and what they are off is measured in each cell. A straight line
 // through what the cells of a mode's band are off over time, weighted by the part that the mode has in them, says by

@@ -16,6 +16,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace ringdown::mesh {
 namespace {

@@ -12,6 +12,7 @@
 #include <cctype>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 #include <unistd.h>
 
 namespace ringdown::mesh {

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
+#include <utility>
 
 // Filling, with two ways back
 //

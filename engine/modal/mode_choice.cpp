@@ -1,6 +1,7 @@
 #include "engine/modal/mode_choice.h"
 
 #include <type_traits>
+#include <utility>
 
 namespace ringdown::modal {
 

@@ -11,6 +11,7 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 namespace ringdown::radiate {
 namespace {

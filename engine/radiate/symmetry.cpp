@@ -13,6 +13,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace ringdown::radiate {

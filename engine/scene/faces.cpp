@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 // The contact points of two convex bodies that touch in a face are found by clipping.
 //

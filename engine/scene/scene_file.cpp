@@ -13,6 +13,7 @@
 #include <numbers>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 namespace ringdown::scene {
 namespace {

@@ -3,6 +3,7 @@
 #include "engine/base/quote.h"
 
 #include <concepts>
+#include <utility>
 
 namespace ringdown::scene {
 namespace {

@@ -16,6 +16,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace ringdown::solve {
 namespace {

@@ -22,6 +22,7 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <utility>
 
 namespace ringdown::solve {
 namespace {

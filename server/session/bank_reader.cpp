@@ -5,6 +5,7 @@
 #include "engine/modal/bank_file.h"
 
 #include <span>
+#include <utility>
 
 namespace ringdown::session {
 namespace {

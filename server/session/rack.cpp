@@ -2,6 +2,8 @@
 
 #include "protocol/names.h"
 
+#include <utility>
+
 namespace ringdown::session {
 namespace {
 

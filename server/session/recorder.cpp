@@ -3,6 +3,7 @@
 #include "protocol/schema.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ringdown::session {
 namespace {

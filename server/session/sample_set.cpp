@@ -11,6 +11,7 @@
 #include <cmath>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 namespace ringdown::session {
 namespace {
@@ -183,8 +184,8 @@ class Maker {
     static_cast<void>(
         rack.push(synth::Producer::control, {.object = *object,
                                              .verb = synth::verb::Strike{.point_m = blow.size * blow.point_m,
-                                                                  .impulse_ns = blow.impulse_ns,
-                                                                  .contact_time_s = blow.contact_time_s}}));
+                                                                         .impulse_ns = blow.impulse_ns,
+                                                                         .contact_time_s = blow.contact_time_s}}));
     std::vector<float> left, right(kBlock);
     const auto most = static_cast<std::size_t>(seconds * options_.sample_rate_hz);
     float peak = 0;

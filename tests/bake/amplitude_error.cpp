@@ -13,6 +13,7 @@
 #include <numeric>
 #include <span>
 #include <tuple>
+#include <utility>
 
 namespace ringdown::test {
 namespace {

@@ -10,6 +10,7 @@
 
 #include <cstdlib>
 #include <random>
+#include <utility>
 
 namespace ringdown::synth::test {
 namespace {

@@ -2,6 +2,7 @@
 #include "tests/bake/struck_plate.h"
 
 #include <complex>
+#include <utility>
 
 namespace ringdown::synth::test {
 namespace {

@@ -10,6 +10,7 @@
 #include <iomanip>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 namespace ringdown::gmsh_reader_test {
 namespace {

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <numbers>
 #include <span>
+#include <utility>
 
 namespace ringdown::refine_test {
 namespace {

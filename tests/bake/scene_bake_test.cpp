@@ -14,6 +14,7 @@
 #include <iterator>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 #include <sys/wait.h>
 
 namespace ringdown {

@@ -20,6 +20,7 @@
 #include <cstdio>
 #include <memory>
 #include <random>
+#include <utility>
 #include <time.h>
 
 namespace {

@@ -27,6 +27,7 @@
 #include <cstdio>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <time.h>
 
 namespace {

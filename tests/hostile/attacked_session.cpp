@@ -6,6 +6,7 @@
 #include "tests/hostile/playing.h"
 
 #include <array>
+#include <utility>
 
 namespace ringdown::hostile {
 namespace {

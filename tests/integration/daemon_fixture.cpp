@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 #include <sys/file.h>
 #include <unistd.h>
 

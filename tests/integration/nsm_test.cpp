@@ -4,6 +4,7 @@
 #include "tests/integration/jack_fixture.h"
 
 #include <fstream>
+#include <utility>
 
 namespace ringdown::test {
 namespace {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <utility>
 
 namespace ringdown::test::score_test {
 namespace {

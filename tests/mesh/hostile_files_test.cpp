@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <utility>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <sys/prctl.h>

@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace ringdown::scene::gltf_animation_test {
 namespace {

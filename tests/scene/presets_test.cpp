@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <map>
 #include <tuple>
+#include <utility>
 
 namespace ringdown::scene::presets_test {
 namespace {

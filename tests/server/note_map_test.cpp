@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <utility>
 #include <unistd.h>
 
 namespace ringdown::session {

@@ -17,6 +17,7 @@
 #include <functional>
 #include <optional>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace ringdown::server {

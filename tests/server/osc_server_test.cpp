@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <tuple>
+#include <utility>
 
 namespace ringdown::server {
 namespace {

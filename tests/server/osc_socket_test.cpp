@@ -12,6 +12,7 @@
 #include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <thread>
+#include <utility>
 
 namespace ringdown::wire {
 namespace {

@@ -9,6 +9,7 @@
 #include <future>
 #include <sys/socket.h>
 #include <thread>
+#include <utility>
 
 namespace ringdown::server {
 namespace {

@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <cstring>
+#include <utility>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/un.h>

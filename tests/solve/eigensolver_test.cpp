@@ -6,6 +6,8 @@
 #include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace ringdown::eigensolver_test {
 namespace {
 

@@ -4,6 +4,8 @@
 
 #include "tests/synth/player.h"
 
+#include <utility>
+
 namespace ringdown::synth::test {
 
 inline constexpr ObjectNumber kCompany = 1000;

@@ -10,6 +10,7 @@
 #include <bit>
 #include <limits>
 #include <random>
+#include <utility>
 
 namespace ringdown::synth::test {
 namespace {

@@ -20,6 +20,7 @@
 #include <cstdlib>
 #include <optional>
 #include <random>
+#include <utility>
 
 namespace ringdown::synth::test {
 namespace {

@@ -13,6 +13,7 @@
 #include <complex>
 #include <numbers>
 #include <random>
+#include <utility>
 
 namespace ringdown::synth::test::field {
 namespace {

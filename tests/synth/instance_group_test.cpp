@@ -2,6 +2,7 @@
 #include "tests/synth/player.h"
 
 #include <random>
+#include <utility>
 
 namespace ringdown::synth::test {
 namespace {

@@ -4,6 +4,7 @@
 #include "protocol/wire/codec.h"
 
 #include <chrono>
+#include <utility>
 
 namespace ringdown::test {
 

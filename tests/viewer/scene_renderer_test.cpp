@@ -13,6 +13,7 @@
 #include <iterator>
 #include <optional>
 #include <set>
+#include <utility>
 
 namespace ringdown::viewer {
 namespace {

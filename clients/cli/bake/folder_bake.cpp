@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <cstring>
 #include <set>
+#include <utility>
 #include <unistd.h>
 
 namespace ringdown::cli {

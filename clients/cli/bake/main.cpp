@@ -21,6 +21,7 @@
 
 #include <cstdio>
 #include <new>
+#include <utility>
 #include <unistd.h>
 
 namespace {

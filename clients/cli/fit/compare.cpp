@@ -18,6 +18,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 #include <unistd.h>
 
 namespace {

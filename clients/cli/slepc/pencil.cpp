@@ -3,6 +3,7 @@
 #include "clients/cli/slepc/failure.h"
 
 #include <functional>
+#include <utility>
 
 namespace ringdown::cli {
 namespace {

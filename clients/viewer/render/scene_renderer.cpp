@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <utility>
 
 // One picture is drawn in six passes. (1) The shadow map: depth of bodies and static boxes as seen from the light.
 // (2) The mask: the selected body's silhouette, if there is one. Into the multisampled picture go (3) the background,

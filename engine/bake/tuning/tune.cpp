@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 // Levenberg-Marquardt with Broyden's slopes
 //

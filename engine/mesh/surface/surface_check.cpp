@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <utility>
 
 // The diagnosis looks at one thing after the other (Diagnosis::run), and every look is on its own, so that one surface
 // can have many faults: single triangles, then edges (more than two triangles: crowded; one: the rim of a hole, and

@@ -3,6 +3,7 @@
 #include "engine/scene/gltf/document.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ringdown::scene {
 namespace {

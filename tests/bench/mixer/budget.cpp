@@ -9,6 +9,7 @@
 #include <array>
 #include <ctime>
 #include <limits>
+#include <utility>
 
 namespace ringdown::bench {
 namespace {

@@ -11,6 +11,7 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <utility>
 
 namespace ringdown::bench {
 namespace {

@@ -6,6 +6,7 @@
 #include "tests/fem/sample_meshes.h"
 
 #include <cstdio>
+#include <utility>
 
 namespace ringdown::bench {
 namespace {

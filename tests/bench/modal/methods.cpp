@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace ringdown::bench {
 namespace {
