@@ -10,7 +10,7 @@
 #include "engine/modal/damper.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "protocol/defaults.h"
 #include "protocol/wire/message.h"
 
@@ -29,8 +29,8 @@ struct ObjectRef {
   friend bool operator==(const ObjectRef&, const ObjectRef&) = default;
 };
 
-// A verb of the mixer (engine/synth/verbs.h) that happens to an object, and one that happens to the listener. Where a
-// verb concerns a second object, as Couple does, the client names it as `other`.
+// A verb of the mixer (engine/synth/events/verbs.h) that happens to an object, and one that happens to the listener.
+// Where a verb concerns a second object, as Couple does, the client names it as `other`.
 template <class Verb>
 struct OnObject {
   ObjectRef object;

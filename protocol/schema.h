@@ -69,7 +69,7 @@ struct AddressSpec {
 
 // Every address a client may send, in the order of Request's alternatives.
 std::span<const AddressSpec> addresses();
-// Those of the verbs of the mixer (engine/synth/verbs.h), in the order of PublicVerbs.
+// Those of the verbs of the mixer (engine/synth/events/verbs.h), in the order of PublicVerbs.
 std::span<const AddressSpec> verb_addresses();
 // Every address the daemon may answer with, in the order of Reply's alternatives.
 std::span<const AddressSpec> reply_addresses();

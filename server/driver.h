@@ -7,7 +7,7 @@
 
 #include "engine/base/result.h"
 #include "engine/base/spsc_ring.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/mixer.h"
 
 #include <cstddef>

@@ -10,7 +10,7 @@
 
 #include "engine/base/result.h"
 #include "engine/scene/contact/rest_damping.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "protocol/wire/socket.h"
 
 #include <cstddef>

@@ -12,7 +12,7 @@
 // [one thread]
 #pragma once
 
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "server/driver.h"
 
 #include <functional>

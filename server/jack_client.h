@@ -5,7 +5,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/result.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/mixer.h"
 #include "server/driver.h"
 #include "server/gate.h"

@@ -2,7 +2,7 @@
 // wrong clock, does not fill the mixer's short queue, which is needed for present events. [one thread]
 #pragma once
 
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "protocol/lanes.h"
 #include "server/osc_stream.h"
 

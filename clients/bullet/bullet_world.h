@@ -11,7 +11,7 @@
 #include "engine/modal/bank.h"
 #include "engine/scene/contact/contact_sounds.h"
 #include "engine/scene/description.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <memory>
 #include <span>

@@ -9,7 +9,7 @@
 #include "engine/scene/contact_point.h"
 #include "engine/scene/description.h"
 #include "engine/scene/solid.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <cstdint>
 #include <map>

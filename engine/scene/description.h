@@ -10,7 +10,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/bank.h"
 #include "engine/modal/material_scale.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <array>
 #include <cstdint>

@@ -22,7 +22,7 @@
 #include "engine/scene/contact/rest_damping.h"
 #include "engine/scene/description.h"
 #include "engine/scene/outline.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <atomic>
 #include <cstddef>

@@ -23,9 +23,9 @@
 #include "engine/synth/meters.h"
 #include "engine/synth/output/mix_output.h"
 #include "engine/synth/renderer.h"
-#include "engine/synth/shedding.h"
+#include "engine/synth/objects/shedding.h"
 #include "engine/synth/stage.h"
-#include "engine/synth/timeline.h"
+#include "engine/synth/events/timeline.h"
 #include "engine/synth/voice_registry.h"
 
 #include <atomic>

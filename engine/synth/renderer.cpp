@@ -1,7 +1,7 @@
 #include "engine/synth/renderer.h"
 
-#include "engine/synth/shedding.h"
-#include "engine/synth/work_cost.h"
+#include "engine/synth/objects/shedding.h"
+#include "engine/synth/modes/work_cost.h"
 
 #include <algorithm>
 

@@ -6,8 +6,8 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/chunk.h"
-#include "engine/synth/source.h"
+#include "engine/synth/modes/chunk.h"
+#include "engine/synth/objects/source.h"
 #include "engine/synth/worker_pool.h"
 
 #include <cstddef>

@@ -3,15 +3,15 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/chunk.h"
+#include "engine/synth/modes/chunk.h"
 #include "engine/synth/contact/exciters.h"
-#include "engine/synth/contact/touches.h"
+#include "engine/synth/touching/touches.h"
 #include "engine/synth/listening/listening.h"
 #include "engine/synth/meters.h"
 #include "engine/synth/modes/click.h"
-#include "engine/synth/object.h"
-#include "engine/synth/shedding.h"
-#include "engine/synth/timeline.h"
+#include "engine/synth/objects/object.h"
+#include "engine/synth/objects/shedding.h"
+#include "engine/synth/events/timeline.h"
 #include "engine/synth/voice_registry.h"
 
 #include <array>

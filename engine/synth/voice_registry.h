@@ -3,10 +3,10 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
-#include "engine/synth/event.h"
-#include "engine/synth/instance_group.h"
+#include "engine/synth/events/event.h"
+#include "engine/synth/objects/instance_group.h"
 #include "engine/synth/modes/mode_table.h"
-#include "engine/synth/voice.h"
+#include "engine/synth/modes/voice.h"
 
 #include <array>
 #include <cstddef>

@@ -5,7 +5,7 @@
 // [any thread but audio]
 #pragma once
 
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/mixer.h"
 
 #include <cstddef>

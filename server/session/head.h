@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/synth/listening/binaural.h"
+#include "engine/synth/output/binaural.h"
 
 #include <filesystem>
 

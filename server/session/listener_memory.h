@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/base/rotation.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <array>
 #include <atomic>

@@ -12,7 +12,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/mixer.h"
 #include "server/session/held_keys.h"
 #include "server/session/note_map.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/base/vec3.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "server/session/note_map_file.h"
 #include "server/session/rack.h"
 

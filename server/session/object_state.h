@@ -8,7 +8,7 @@
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
 #include "engine/modal/strike_map.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <cstddef>
 #include <cstdint>

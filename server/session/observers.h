@@ -6,8 +6,8 @@
 #pragma once
 
 #include "engine/base/spsc_ring.h"
-#include "engine/synth/event.h"
-#include "engine/synth/event_queue.h"
+#include "engine/synth/events/event.h"
+#include "engine/synth/events/event_queue.h"
 
 #include <array>
 #include <atomic>

@@ -12,7 +12,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/mixer.h"
 #include "protocol/request.h"
 #include "server/session/bank_reader.h"

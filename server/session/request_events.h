@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "protocol/lanes.h"
 #include "server/session/rack.h"
 

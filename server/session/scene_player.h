@@ -12,7 +12,7 @@
 #include "engine/base/result.h"
 #include "engine/scene/gltf/surface.h"
 #include "engine/scene/world.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "protocol/request.h"
 #include "server/session/bank_reader.h"
 #include "server/session/file_roots.h"

@@ -45,7 +45,7 @@
 #include "engine/modal/damper.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "server/session/listener_memory.h"
 
 #include <cstddef>

@@ -6,7 +6,7 @@
 // another kind comes, so that events keep their order. [one thread]
 #pragma once
 
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <span>
 #include <vector>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/modal/strike_map.h"
-#include "engine/synth/voice.h"
+#include "engine/synth/modes/voice.h"
 
 #include <Eigen/Core>
 #include <gtest/gtest.h>

@@ -33,9 +33,24 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/contact/", {"engine/base/", "engine/contact/"}},
     {"engine/synth/kernels/",
      {"engine/base/", "engine/modal/air_absorption.h", "engine/modal/direction_map.h", "engine/synth/kernels/"}},
+    {"engine/synth/events/", {"engine/base/", "engine/synth/kernels/", "engine/synth/events/"}},
     {"engine/synth/modes/",
-     {"engine/base/", "engine/modal/", "engine/synth/kernels/", "engine/synth/modes/", "engine/synth/event.h",
-      "engine/synth/work_cost.h"}},
+     {"engine/base/", "engine/modal/", "engine/synth/kernels/", "engine/synth/events/", "engine/synth/modes/"}},
+    {"engine/synth/contact/",
+     {"engine/base/", "engine/modal/", "engine/synth/kernels/", "engine/synth/events/", "engine/synth/modes/",
+      "engine/synth/contact/"}},
+    {"engine/synth/output/",
+     {"engine/base/", "engine/modal/", "engine/synth/kernels/", "engine/synth/events/", "engine/synth/modes/",
+      "engine/synth/output/"}},
+    {"engine/synth/listening/",
+     {"engine/base/", "engine/modal/", "engine/synth/kernels/", "engine/synth/events/", "engine/synth/modes/",
+      "engine/synth/output/", "engine/synth/listening/"}},
+    {"engine/synth/objects/",
+     {"engine/base/", "engine/modal/", "engine/synth/kernels/", "engine/synth/events/", "engine/synth/modes/",
+      "engine/synth/contact/", "engine/synth/output/", "engine/synth/listening/", "engine/synth/objects/"}},
+    {"engine/synth/touching/",
+     {"engine/base/", "engine/modal/", "engine/contact/", "engine/synth/kernels/", "engine/synth/events/",
+      "engine/synth/modes/", "engine/synth/contact/", "engine/synth/objects/", "engine/synth/touching/"}},
     {"engine/synth/", {"engine/base/", "engine/modal/", "engine/contact/", "engine/synth/"}},
     // the offline half
     {"engine/dense/", {"engine/dense/"}},
@@ -49,12 +64,13 @@ const std::vector<FolderRule> kFolderRules = {
       "engine/solve/", "engine/radiate/", "engine/bake/"}},
     {"engine/fit/", {"engine/base/", "engine/modal/", "engine/fit/"}},
     // rigid bodies
-    {"engine/scene/", {"engine/base/", "engine/gltf/", "engine/modal/", "engine/scene/", "engine/synth/event.h"}},
+    {"engine/scene/",
+     {"engine/base/", "engine/gltf/", "engine/modal/", "engine/scene/", "engine/synth/events/event.h"}},
     // the programs
     {"protocol/wire/", {"engine/base/", "protocol/wire/"}},
     {"protocol/",
      {"engine/base/", "engine/modal/damper.h", "engine/modal/material_scale.h", "engine/modal/mode_range.h",
-      "engine/synth/event.h", "protocol/"}},
+      "engine/synth/events/event.h", "protocol/"}},
     {"packaging/manual/",
      {"engine/base/version.h", "protocol/defaults.h", "protocol/exit_codes.h", "packaging/manual/"}},
     {"server/session/",
@@ -318,7 +334,7 @@ TEST(Structure, ASessionNeedsNeitherSocketsNorLogsNorCommandLinesNorGlobals) {
 TEST(Structure, TheIncludeRulesRefuseWhatTheyShould) {
   EXPECT_FALSE(is_allowed({"engine/synth/mixer.cpp", 1, "engine/mesh/boundary.h", true}));
   EXPECT_FALSE(is_allowed({"engine/base/vec3.h", 1, "engine/modal/bank.h", true}));
-  EXPECT_FALSE(is_allowed({"engine/synth/voice.h", 1, "protocol/schema.h", true}));
+  EXPECT_FALSE(is_allowed({"engine/synth/modes/voice.h", 1, "protocol/schema.h", true}));
   EXPECT_FALSE(is_allowed({"engine/scene/world.h", 1, "protocol/wire/message.h", true}));
   EXPECT_FALSE(is_allowed({"protocol/wire/codec.h", 1, "protocol/schema.h", true}));
   EXPECT_FALSE(is_allowed({"server/session/recorder.cpp", 1, "protocol/wire/socket.h", true}));
@@ -328,7 +344,7 @@ TEST(Structure, TheIncludeRulesRefuseWhatTheyShould) {
   EXPECT_FALSE(is_allowed({"engine/modal/bank.h", 1, "tests/support/signal.h", true}));
   EXPECT_FALSE(is_allowed({"clients/cli/main.cpp", 1, "engine/bake/bake.h", true}));
   EXPECT_FALSE(is_allowed({"clients/python/source/core.cpp", 1, "engine/modal/bank.h", true}));
-  EXPECT_TRUE(is_allowed({"protocol/request.h", 1, "engine/synth/event.h", true}));
+  EXPECT_TRUE(is_allowed({"protocol/request.h", 1, "engine/synth/events/event.h", true}));
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> kTrusted = {
-    {"engine/synth/time_budget.cpp", 1},  // reads the clock: the kernel's page, no system call
-    {"engine/synth/worker_pool.cpp", 1},  // runs what its constructor was given and promised
+    {"engine/synth/objects/time_budget.cpp", 1},  // reads the clock: the kernel's page, no system call
+    {"engine/synth/worker_pool.cpp", 1},          // runs what its constructor was given and promised
     {"engine/synth/kernels/drive_kernel-inl.h",
      1},  // Highway's choice of an instruction set, a table of functions; so the next
     {"engine/synth/kernels/coupled_kernel-inl.h", 1},

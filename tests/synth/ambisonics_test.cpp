@@ -1,7 +1,7 @@
 // Ambisonic channels, and what a head's ears hear of them.
 #include "engine/synth/kernels/ambisonics.h"
 
-#include "engine/synth/listening/binaural.h"
+#include "engine/synth/output/binaural.h"
 #include "tests/synth/player.h"
 
 #include <array>

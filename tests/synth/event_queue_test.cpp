@@ -1,5 +1,5 @@
 // How events wait: in how little memory, and what happens where there is no room.
-#include "engine/synth/event_queue.h"
+#include "engine/synth/events/event_queue.h"
 #include "tests/synth/player.h"
 
 #include <malloc.h>

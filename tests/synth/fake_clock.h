@@ -1,7 +1,7 @@
 // Time that passes only by work: what the tests of the time budget measure with.
 #pragma once
 
-#include "engine/synth/time_budget.h"
+#include "engine/synth/objects/time_budget.h"
 
 #include <cstdint>
 #include <utility>

@@ -1,5 +1,5 @@
 // Muted modes: what is left out goes and comes without a click, and nothing that was played meanwhile is lost.
-#include "engine/synth/voice.h"
+#include "engine/synth/modes/voice.h"
 #include "tests/synth/player.h"
 
 #include <array>

@@ -1,5 +1,5 @@
 // The time budget alone: what it learns, and when there is no time left.
-#include "engine/synth/time_budget.h"
+#include "engine/synth/objects/time_budget.h"
 
 #include "tests/support/realtime_guard.h"
 #include "tests/synth/fake_clock.h"

@@ -1,6 +1,6 @@
 // How a block is cut, and the levels by which modes are muted.
 #include "engine/synth/modes/level_histogram.h"
-#include "engine/synth/timeline.h"
+#include "engine/synth/events/timeline.h"
 
 #include <gtest/gtest.h>
 

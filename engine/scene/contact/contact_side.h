@@ -4,7 +4,7 @@
 #include "engine/modal/bank.h"
 #include "engine/scene/contact/hertz.h"
 #include "engine/scene/contact_point.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <optional>
 #include <unordered_map>

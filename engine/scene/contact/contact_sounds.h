@@ -9,7 +9,7 @@
 #include "engine/scene/contact/contact_side.h"
 #include "engine/scene/contact/lasting_events.h"
 #include "engine/scene/contact/rest_damping.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <cstddef>
 #include <span>

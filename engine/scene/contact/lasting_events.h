@@ -5,7 +5,7 @@
 #include "engine/scene/contact/bearing.h"
 #include "engine/scene/contact/contact_life.h"
 #include "engine/scene/contact/contact_side.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <array>
 #include <cstddef>

@@ -5,7 +5,7 @@
 #include "engine/modal/damper.h"
 #include "engine/scene/contact/contact_side.h"
 #include "engine/scene/contact/resting_contacts.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <set>
 #include <span>

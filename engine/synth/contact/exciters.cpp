@@ -1,7 +1,7 @@
 #include "engine/synth/contact/exciters.h"
 
-#include "engine/synth/meters.h"
-#include "engine/synth/voice.h"
+#include "engine/synth/modes/counters.h"
+#include "engine/synth/modes/voice.h"
 
 #include <algorithm>
 #include <bit>

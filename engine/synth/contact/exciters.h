@@ -11,7 +11,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/contact/rubbing.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/kernels/aligned_array.h"
 #include "engine/synth/kernels/block_io.h"
 #include "engine/synth/kernels/drive_kernel.h"

@@ -16,8 +16,8 @@
 
 #include "engine/base/realtime.h"
 #include "engine/modal/surface_relief.h"
-#include "engine/synth/event.h"
-#include "engine/synth/ramp.h"
+#include "engine/synth/events/event.h"
+#include "engine/synth/events/ramp.h"
 
 #include <array>
 #include <cstddef>

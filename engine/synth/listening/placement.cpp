@@ -1,6 +1,7 @@
 #include "engine/synth/listening/placement.h"
 
-#include "engine/synth/object.h"
+#include "engine/synth/modes/voice_stack.h"
+#include "engine/synth/output/channel_strip.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/chunk.h"
+#include "engine/synth/modes/chunk.h"
 #include "engine/synth/listening/listening.h"
 #include "engine/synth/listening/pose_track.h"
 

@@ -8,7 +8,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/rotation.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <array>
 #include <cstddef>

@@ -10,7 +10,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/modal/bank.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/kernels/mode_kernel.h"
 
 #include <array>

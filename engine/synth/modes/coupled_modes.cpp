@@ -5,7 +5,7 @@
 #include "engine/synth/modes/mode_table.h"
 #include "engine/synth/modes/sane_samples.h"
 #include "engine/synth/modes/state_array.h"
-#include "engine/synth/work_cost.h"
+#include "engine/synth/modes/work_cost.h"
 
 #include <algorithm>
 #include <array>

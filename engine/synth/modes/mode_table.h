@@ -11,7 +11,7 @@
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
 #include "engine/modal/strike_map.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/kernels/aligned_array.h"
 #include "engine/synth/kernels/mode_kernel.h"
 #include "engine/synth/kernels/moments.h"

@@ -6,7 +6,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/modal/bank.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <array>
 #include <atomic>

@@ -5,8 +5,8 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/vec3.h"
-#include "engine/synth/chunk.h"
-#include "engine/synth/ramp.h"
+#include "engine/synth/modes/chunk.h"
+#include "engine/synth/events/ramp.h"
 
 #include <array>
 #include <cstddef>

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/kernels/block_io.h"
 #include "engine/synth/kernels/channel_sums.h"
-#include "engine/synth/listening/binaural.h"
+#include "engine/synth/output/binaural.h"
 #include "engine/synth/output/limiter.h"
 #include "engine/synth/output/sound_tap.h"
 #include "engine/synth/output/test_tone.h"

@@ -4,7 +4,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <array>
 #include <atomic>

@@ -1,6 +1,6 @@
 // What the mixer's time budget counts with: what each kind of work costs for a mode, in units of what moments cost.
 #include "engine/synth/kernels/channel_sums.h"
-#include "engine/synth/voice.h"
+#include "engine/synth/modes/voice.h"
 #include "tests/bench/mixer/measure.h"
 #include "tests/bench/mixer/stage.h"
 #include "tests/bench/mixer/timing.h"

@@ -1,4 +1,4 @@
-#include "engine/synth/listening/binaural.h"
+#include "engine/synth/output/binaural.h"
 
 #include "engine/synth/kernels/block_io.h"
 #include "engine/synth/kernels/mix_kernel.h"

@@ -1,4 +1,4 @@
-#include "engine/synth/time_budget.h"
+#include "engine/synth/objects/time_budget.h"
 
 #include "engine/synth/kernels/mode_kernel.h"
 

@@ -1,9 +1,9 @@
-#include "engine/synth/instance_group.h"
+#include "engine/synth/objects/instance_group.h"
 
-#include "engine/synth/meters.h"
-#include "engine/synth/object.h"
-#include "engine/synth/shedding.h"
-#include "engine/synth/work_cost.h"
+#include "engine/synth/modes/counters.h"
+#include "engine/synth/objects/object.h"
+#include "engine/synth/objects/shedding.h"
+#include "engine/synth/modes/work_cost.h"
 
 #include <algorithm>
 #include <utility>

@@ -7,12 +7,12 @@
 //
 // An object that is heard from a place takes moments whenever it can, because its gains move all the time and only
 // moments shift its pitch: gain, pan and contacts then count from the next chunk on.
-#include "engine/synth/object.h"
+#include "engine/synth/objects/object.h"
 
-#include "engine/synth/meters.h"
+#include "engine/synth/modes/counters.h"
 #include "engine/synth/modes/sane_samples.h"
-#include "engine/synth/shedding.h"
-#include "engine/synth/work_cost.h"
+#include "engine/synth/objects/shedding.h"
+#include "engine/synth/modes/work_cost.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,29 +37,6 @@ bool keep_sane(std::span<const double> samples, const VoiceStack& voices, const 
 }
 
 }  // namespace
-
-void VoiceStack::replace(Voice* voice, bool retune) RINGDOWN_REALTIME {
-  Voice* const old = std::exchange(current_, voice);
-  if (!old) return;
-  if (retune) {
-    if (voice->take_over(*old)) {
-      old->fade_out();
-    } else {
-      old->silence();
-    }
-  }
-  old->next = tails_;
-  tails_ = old;
-}
-
-void VoiceStack::fade_out(const Fading& fade) RINGDOWN_REALTIME {
-  for_each([&fade](Voice& voice) RINGDOWN_REALTIME { voice.fade_out(fade); });
-}
-
-void VoiceStack::free_all() {
-  delete std::exchange(current_, nullptr);
-  while (tails_) delete std::exchange(tails_, tails_->next);
-}
 
 void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
   placed_ = placement.heard(chunk) && placement.begin_chunk(chunk, voices, strip);

@@ -3,7 +3,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
-#include "engine/synth/event_queue.h"
+#include "engine/synth/events/event_queue.h"
 #include "engine/synth/kernels/mode_kernel.h"
 
 #include <algorithm>

@@ -12,11 +12,11 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/chunk.h"
+#include "engine/synth/modes/chunk.h"
 #include "engine/synth/modes/coupled_modes.h"
 #include "engine/synth/modes/level_histogram.h"
-#include "engine/synth/source.h"
-#include "engine/synth/time_budget.h"
+#include "engine/synth/objects/source.h"
+#include "engine/synth/objects/time_budget.h"
 
 #include <cstddef>
 #include <limits>

@@ -1,6 +1,6 @@
-#include "engine/synth/shedding.h"
+#include "engine/synth/objects/shedding.h"
 
-#include "engine/synth/work_cost.h"
+#include "engine/synth/modes/work_cost.h"
 
 #include <algorithm>
 #include <limits>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/contact/touch_group.h"
+#include "engine/synth/touching/touch_group.h"
 
 #include <array>
 #include <cstddef>

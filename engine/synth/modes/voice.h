@@ -5,7 +5,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/modes/mode_states.h"
 #include "engine/synth/modes/mode_table.h"
 

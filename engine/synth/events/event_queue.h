@@ -7,7 +7,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <algorithm>
 #include <array>

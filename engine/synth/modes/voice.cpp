@@ -1,6 +1,6 @@
-#include "engine/synth/voice.h"
+#include "engine/synth/modes/voice.h"
 
-#include "engine/synth/meters.h"
+#include "engine/synth/modes/counters.h"
 
 #include <limits>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "engine/synth/contact/touches.h"
+#include "engine/synth/touching/touches.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
-#include "engine/synth/contact/touch_group.h"
+#include "engine/synth/touching/touch_group.h"
 
-#include "engine/synth/meters.h"
+#include "engine/synth/modes/counters.h"
 #include "engine/synth/modes/sane_samples.h"
-#include "engine/synth/shedding.h"
-#include "engine/synth/work_cost.h"
+#include "engine/synth/objects/shedding.h"
+#include "engine/synth/modes/work_cost.h"
 
 #include <algorithm>
 #include <cmath>

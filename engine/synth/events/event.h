@@ -5,7 +5,7 @@
 
 #include "engine/base/one_of.h"
 #include "engine/base/realtime.h"
-#include "engine/synth/verbs.h"
+#include "engine/synth/events/verbs.h"
 
 #include <array>
 #include <cstddef>

@@ -5,7 +5,7 @@
 #include "engine/base/realtime.h"
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
-#include "engine/synth/verbs.h"
+#include "engine/synth/events/verbs.h"
 
 #include <cstdint>
 

@@ -13,8 +13,8 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/output/channel_strip.h"
-#include "engine/synth/source.h"
-#include "engine/synth/voice.h"
+#include "engine/synth/objects/source.h"
+#include "engine/synth/modes/voice.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/chunk.h"
-#include "engine/synth/event.h"
-#include "engine/synth/event_queue.h"
+#include "engine/synth/modes/chunk.h"
+#include "engine/synth/events/event.h"
+#include "engine/synth/events/event_queue.h"
 #include "engine/synth/modes/level_histogram.h"
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // Builds a group's contacts: its bodies, how each place on them moves and is moved, and the taps between all places.
 // Runs when a contact begins or ends, a point moves, or an object's voice changes.
-#include "engine/synth/contact/touch_group.h"
+#include "engine/synth/touching/touch_group.h"
 
 #include <algorithm>
 #include <cmath>

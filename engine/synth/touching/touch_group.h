@@ -15,11 +15,11 @@
 #include "engine/base/realtime.h"
 #include "engine/contact/network.h"
 #include "engine/synth/contact/rubbing.h"
-#include "engine/synth/contact/touch.h"
+#include "engine/synth/touching/touch.h"
 #include "engine/synth/kernels/aligned_array.h"
-#include "engine/synth/object.h"
-#include "engine/synth/ramp.h"
-#include "engine/synth/source.h"
+#include "engine/synth/objects/object.h"
+#include "engine/synth/events/ramp.h"
+#include "engine/synth/objects/source.h"
 
 #include <array>
 #include <cstddef>

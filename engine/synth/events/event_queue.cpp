@@ -1,4 +1,4 @@
-#include "engine/synth/event_queue.h"
+#include "engine/synth/events/event_queue.h"
 
 #include <algorithm>
 #include <cassert>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 #include "engine/synth/kernels/block_io.h"
 #include "engine/synth/kernels/channel_sums.h"
 #include "engine/synth/kernels/drive_kernel.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/event.h"
+#include "engine/synth/events/event.h"
 
 #include <cmath>
 
