@@ -20,9 +20,9 @@ constexpr double kRingsOn_s = 29.9;                          // a release from h
 constexpr int kBendCentre = 8192;
 
 // Time that a released key takes to be damped; nothing: it continues to ring.
-std::optional<double> release_s(const Keyboard::Stage& stage) RINGDOWN_REALTIME {
-  if (stage.map.is_note_map) return stage.map.release_s;
-  const double time_s = stage.parameters[Parameter::release];
+std::optional<double> release_s(const Keyboard::Playing& playing) RINGDOWN_REALTIME {
+  if (playing.map.is_note_map) return playing.map.release_s;
+  const double time_s = playing.parameters[Parameter::release];
   return time_s < kRingsOn_s ? std::optional(time_s) : std::nullopt;
 }
 
@@ -38,37 +38,37 @@ void Keyboard::reset() RINGDOWN_REALTIME {
   }
 }
 
-void Keyboard::play(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME {
+void Keyboard::play(std::span<const std::uint8_t> message, const Playing& playing) RINGDOWN_REALTIME {
   if (message.empty()) return;
   const std::uint8_t* const bytes = message.data();
   if (bytes[0] == midi::kSystemReset) {
     reset();
-    return damp_all(0, stage);
+    return damp_all(0, playing);
   }
   if (message.size() < 2) return;
   const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0);
   const std::size_t channel = bytes[0] & 0x0f;
   const auto first = static_cast<std::uint8_t>(bytes[1] & 0x7f);
-  if (bytes[0] == kTuneKeyHigh || bytes[0] == kTuneKeyLow) return tune_key(message, stage);
-  if (kind == midi::kChannelPressure) return press_harder(channel, first / 127.0, stage);
+  if (bytes[0] == kTuneKeyHigh || bytes[0] == kTuneKeyLow) return tune_key(message, playing);
+  if (kind == midi::kChannelPressure) return press_harder(channel, first / 127.0, playing);
   if (message.size() < 3) return;
   const auto second = static_cast<std::uint8_t>(bytes[2] & 0x7f);
   if (kind == midi::kNoteOn && second > 0) {
-    press(first, channel, second, stage);
+    press(first, channel, second, playing);
   } else if (kind == midi::kNoteOn || kind == midi::kNoteOff) {
-    release(first, channel, stage);
+    release(first, channel, playing);
   } else if (kind == midi::kKeyPressure) {
     if (keys_.is_down(first, channel)) pressure_.data()[first].store(second / 127.0, std::memory_order_relaxed);
   } else if (kind == midi::kPitchBend) {
     // DPF's VST3 writes 128 as the upper byte of a full bend, so it is not masked here.
     const int value = std::min(first + 128 * std::min<int>(bytes[2], 128), 2 * kBendCentre - 1);
-    bend(channel, std::clamp((value - kBendCentre) / (kBendCentre - 1.0), -1.0, 1.0), stage);
+    bend(channel, std::clamp((value - kBendCentre) / (kBendCentre - 1.0), -1.0, 1.0), playing);
   } else if (kind == midi::kControl) {
-    control(channel, first, second, stage);
+    control(channel, first, second, playing);
   }
 }
 
-void Keyboard::tune_key(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME {
+void Keyboard::tune_key(std::span<const std::uint8_t> message, const Playing& playing) RINGDOWN_REALTIME {
   if (message.size() < 3) return;
   const std::uint8_t* const bytes = message.data();
   if (bytes[0] == kTuneKeyHigh) {
@@ -77,50 +77,51 @@ void Keyboard::tune_key(std::span<const std::uint8_t> message, const Stage& stag
   }
   const std::size_t key = bytes[1] & 0x7f;
   key_tuning_.data()[key] = tuning_of(128 * tuning_high_ + (bytes[2] & 0x7f));
-  bend_key(key, stage);
+  bend_key(key, playing);
 }
 
 void Keyboard::press(std::size_t key, std::size_t channel, std::uint8_t velocity,
-                     const Stage& stage) RINGDOWN_REALTIME {
+                     const Playing& playing) RINGDOWN_REALTIME {
   keys_.press(key, channel);
   channel_of_.data()[key] = static_cast<std::uint8_t>(channel);
   pressure_.data()[key].store(0, std::memory_order_relaxed);
-  bend_key(key, stage);
-  const KeyMap::Key& struck = stage.map.keys.data()[key];
+  bend_key(key, playing);
+  const KeyMap::Key& struck = playing.map.keys.data()[key];
   if (!struck.sounds) return;
   const double share = (velocity / 127.0) * (velocity / 127.0);
   const double softness = std::exp2(-kHardnessOctaves * channels_.data()[channel].hardness);
-  strike(struck, share, softness, bend_semitones(key), stage);
+  strike(struck, share, softness, bend_semitones(key), playing);
 }
 
 // One blow, as hard as `share` of the full one, with a contact `softness` times as long.
 void Keyboard::strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
-                      const Stage& stage) RINGDOWN_REALTIME {
+                      const Playing& playing) RINGDOWN_REALTIME {
   if (!takes_event()) return;
-  const KeyMap::Object& object = stage.map.objects.data()[key.object];
-  const Body& body = stage.map.body_of(object);
-  const double size = size_of(stage.map, object, stage.parameters, bend_semitones);
-  const auto percent = static_cast<std::size_t>(std::lround(stage.parameters[Parameter::strike_point]));
+  const KeyMap::Object& object = playing.map.objects.data()[key.object];
+  const Body& body = playing.map.body_of(object);
+  const double size = size_of(playing.map, object, playing.parameters, bend_semitones);
+  const auto percent = static_cast<std::size_t>(std::lround(playing.parameters[Parameter::strike_point]));
   const Body::Station& station = body.stations.data()[std::min(percent, kStations - 1)];
-  const double evening = stage.parameters.on(Parameter::even_loudness) ? stage.map.evening : 1;
+  const double evening = playing.parameters.on(Parameter::even_loudness) ? playing.map.evening : 1;
   const Vec3 full_ns =
-      key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, stage.parameters, size) * station.direction;
+      key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, playing.parameters, size) * station.direction;
   const double hardest = std::min(1.0, kMaxImpulse_ns / std::max(length(full_ns), kMaxImpulse_ns));
   const Vec3 impulse = share * hardest * full_ns;
   const double impulse_ns[3] = {impulse.x, impulse.y, impulse.z};
   const double full_time_s =
-      key.contact_time_s ? *key.contact_time_s : 1e-3 * stage.parameters[Parameter::contact_time];
+      key.contact_time_s ? *key.contact_time_s : 1e-3 * playing.parameters[Parameter::contact_time];
   const double contact_time_s = std::min(full_time_s * std::pow(share, -0.2) * softness, kMaxContact_s);
   if (key.point_m) {
     const Vec3 point = size * *key.point_m;
     const double point_m[3] = {point.x, point.y, point.z};
-    ringdown_strike(stage.mixer, stage.frame, object.number, point_m, impulse_ns, contact_time_s, nullptr);
+    ringdown_strike(playing.mixer, playing.frame, object.number, point_m, impulse_ns, contact_time_s, nullptr);
   } else {
-    ringdown_strike_vertex(stage.mixer, stage.frame, object.number, station.point, impulse_ns, contact_time_s, nullptr);
+    ringdown_strike_vertex(playing.mixer, playing.frame, object.number, station.point, impulse_ns, contact_time_s,
+                           nullptr);
   }
 }
 
-void Keyboard::release(std::size_t key, std::size_t channel, const Stage& stage) RINGDOWN_REALTIME {
+void Keyboard::release(std::size_t key, std::size_t channel, const Playing& playing) RINGDOWN_REALTIME {
   const HeldKeys::Release released = keys_.release(key, channel);
   if (released == HeldKeys::Release::absent) return;
   if (released == HeldKeys::Release::down) {
@@ -130,62 +131,62 @@ void Keyboard::release(std::size_t key, std::size_t channel, const Stage& stage)
   key_tuning_.data()[key] = 0;  // of the next note
   pressure_.data()[key].store(0, std::memory_order_relaxed);
   if (released == HeldKeys::Release::kept) return;
-  if (keys_.is_down(HeldKeys::Pedal::damp)) return damp(key, stage.map.damp_s, stage);
-  if (const auto within_s = release_s(stage)) damp(key, *within_s, stage);
+  if (keys_.is_down(HeldKeys::Pedal::damp)) return damp(key, playing.map.damp_s, playing);
+  if (const auto within_s = release_s(playing)) damp(key, *within_s, playing);
 }
 
 void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t value,
-                       const Stage& stage) RINGDOWN_REALTIME {
+                       const Playing& playing) RINGDOWN_REALTIME {
   if (const auto pedal = HeldKeys::pedal_of(number)) {
     const bool was_damped = keys_.is_down(HeldKeys::Pedal::damp);
-    damp_released(keys_.move(*pedal, channel, value >= 64), stage);
-    if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(stage.map.damp_s, stage);
+    damp_released(keys_.move(*pedal, channel, value >= 64), playing);
+    if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(playing.map.damp_s, playing);
   } else if (number == midi::kBrightness) {
     channels_.data()[channel].hardness = std::clamp((value - 64) / 63.0, -1.0, 1.0);
   } else if (number == midi::kAllSoundOff) {
-    damp_all(0, stage);
+    damp_all(0, playing);
   } else if (number == midi::kResetControllers || midi::ends_notes(number)) {
     // Channel 1 of MPE speaks for all channels.
-    const bool all = channel == 0 && stage.parameters.on(Parameter::mpe);
+    const bool all = channel == 0 && playing.parameters.on(Parameter::mpe);
     for (std::size_t one = all ? 0 : channel; one <= (all ? midi::kChannels - 1 : channel); ++one) {
       if (number == midi::kResetControllers) {
-        reset_controllers(one, stage);
+        reset_controllers(one, playing);
       } else {
-        for (std::size_t key = 0; key < kKeys; ++key) release(key, one, stage);
+        for (std::size_t key = 0; key < kKeys; ++key) release(key, one, playing);
       }
     }
   }
 }
 
 // Resets what RP-015 of the MIDI Association lists, which leaves controller 74 as it is.
-void Keyboard::reset_controllers(std::size_t channel, const Stage& stage) RINGDOWN_REALTIME {
-  damp_released(keys_.lift_pedals(channel), stage);
-  bend(channel, 0, stage);
-  press_harder(channel, 0, stage);
+void Keyboard::reset_controllers(std::size_t channel, const Playing& playing) RINGDOWN_REALTIME {
+  damp_released(keys_.lift_pedals(channel), playing);
+  bend(channel, 0, playing);
+  press_harder(channel, 0, playing);
 }
 
-void Keyboard::bend(std::size_t channel, double bend, const Stage& stage) RINGDOWN_REALTIME {
+void Keyboard::bend(std::size_t channel, double bend, const Playing& playing) RINGDOWN_REALTIME {
   channels_.data()[channel].bend = bend;
-  const bool mpe = stage.parameters.on(Parameter::mpe);
+  const bool mpe = playing.parameters.on(Parameter::mpe);
   for (std::size_t key = 0; key < kKeys; ++key) {
     // A channel of MPE may have gone on to another key; what the first one left ringing keeps its pitch.
     const bool follows = !mpe || keys_.is_held(key);
-    if (follows && ((mpe && channel == 0) || channel_of_.data()[key] == channel)) bend_key(key, stage);
+    if (follows && ((mpe && channel == 0) || channel_of_.data()[key] == channel)) bend_key(key, playing);
   }
 }
 
-void Keyboard::bend_key(std::size_t key, const Stage& stage) RINGDOWN_REALTIME {
+void Keyboard::bend_key(std::size_t key, const Playing& playing) RINGDOWN_REALTIME {
   const std::size_t channel = channel_of_.data()[key];
-  const bool mpe = stage.parameters.on(Parameter::mpe);
+  const bool mpe = playing.parameters.on(Parameter::mpe);
   double semitones = 0;
-  if (!mpe || channel != 0) semitones = channels_.data()[channel].bend * stage.parameters[Parameter::bend_range];
+  if (!mpe || channel != 0) semitones = channels_.data()[channel].bend * playing.parameters[Parameter::bend_range];
   if (mpe) semitones += channels_[0].bend * kMasterBend_semitones;
   semitones += key_tuning_.data()[key];
   bend_semitones_.data()[key].store(semitones, std::memory_order_relaxed);
 }
 
-void Keyboard::press_harder(std::size_t channel, double pressure, const Stage& stage) RINGDOWN_REALTIME {
-  const bool all = stage.parameters.on(Parameter::mpe) && channel == 0;
+void Keyboard::press_harder(std::size_t channel, double pressure, const Playing& playing) RINGDOWN_REALTIME {
+  const bool all = playing.parameters.on(Parameter::mpe) && channel == 0;
   for (std::size_t key = 0; key < kKeys; ++key) {
     if (keys_.is_down(key) && (all || channel_of_.data()[key] == channel)) {
       pressure_.data()[key].store(pressure, std::memory_order_relaxed);
@@ -194,15 +195,15 @@ void Keyboard::press_harder(std::size_t channel, double pressure, const Stage& s
 }
 
 // Damps what one key struck, unless another key keeps the object ringing.
-void Keyboard::damp(std::size_t key, double within_s, const Stage& stage) RINGDOWN_REALTIME {
-  const KeyMap::Key& struck = stage.map.keys.data()[key];
-  if (!struck.sounds || kept(struck.object, stage.map)) return;
-  clear(struck.object, within_s, stage);
+void Keyboard::damp(std::size_t key, double within_s, const Playing& playing) RINGDOWN_REALTIME {
+  const KeyMap::Key& struck = playing.map.keys.data()[key];
+  if (!struck.sounds || kept(struck.object, playing.map)) return;
+  clear(struck.object, within_s, playing);
 }
 
-void Keyboard::clear(std::uint32_t object, double within_s, const Stage& stage) RINGDOWN_REALTIME {
+void Keyboard::clear(std::uint32_t object, double within_s, const Playing& playing) RINGDOWN_REALTIME {
   if (!takes_event()) return;
-  ringdown_clear(stage.mixer, stage.frame, stage.map.objects.data()[object].number, within_s, nullptr);
+  ringdown_clear(playing.mixer, playing.frame, playing.map.objects.data()[object].number, within_s, nullptr);
 }
 
 bool Keyboard::kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME {
@@ -213,17 +214,17 @@ bool Keyboard::kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REAL
   return false;
 }
 
-void Keyboard::damp_released(const HeldKeys::Keys& keys, const Stage& stage) RINGDOWN_REALTIME {
-  const auto within_s = release_s(stage);
+void Keyboard::damp_released(const HeldKeys::Keys& keys, const Playing& playing) RINGDOWN_REALTIME {
+  const auto within_s = release_s(playing);
   if (!within_s) return;
   for (std::size_t key = 0; key < kKeys; ++key) {
-    if (keys[key]) damp(key, *within_s, stage);
+    if (keys[key]) damp(key, *within_s, playing);
   }
 }
 
-void Keyboard::damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME {
-  for (std::size_t i = 0; i < stage.map.objects.size(); ++i) {
-    clear(static_cast<std::uint32_t>(i), within_s, stage);
+void Keyboard::damp_all(double within_s, const Playing& playing) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < playing.map.objects.size(); ++i) {
+    clear(static_cast<std::uint32_t>(i), within_s, playing);
   }
 }
 

@@ -30,14 +30,14 @@ constexpr double tuning_of(int code) { return (code - 8192) * kTuning_semitones 
 
 class Keyboard {
  public:
-  struct Stage {
+  struct Playing {
     ringdown_mixer* mixer;
     std::int64_t frame;
     const KeyMap& map;
     const ParameterValues& parameters;
   };
-  // Plays one message at stage.frame. Ignores messages that are not MIDI or not played.
-  void play(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME;
+  // Plays one message at playing.frame. Ignores messages that are not MIDI or not played.
+  void play(std::span<const std::uint8_t> message, const Playing& playing) RINGDOWN_REALTIME;
 
   // Call before the messages of a block: libringdown accepts a limited number of events per block, and would allocate a
   // sentence for each one that it refuses.
@@ -60,22 +60,22 @@ class Keyboard {
     double bend = 0;      // -1 ... 1
     double hardness = 0;  // from controller 74, -1 ... 1
   };
-  void press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Stage& stage) RINGDOWN_REALTIME;
-  void tune_key(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME;
-  void release(std::size_t key, std::size_t channel, const Stage& stage) RINGDOWN_REALTIME;
-  void control(std::size_t channel, std::uint8_t number, std::uint8_t value, const Stage& stage) RINGDOWN_REALTIME;
-  void reset_controllers(std::size_t channel, const Stage& stage) RINGDOWN_REALTIME;
-  void bend(std::size_t channel, double bend, const Stage& stage) RINGDOWN_REALTIME;
-  void bend_key(std::size_t key, const Stage& stage) RINGDOWN_REALTIME;
-  void press_harder(std::size_t channel, double pressure, const Stage& stage) RINGDOWN_REALTIME;
-  void damp(std::size_t key, double within_s, const Stage& stage) RINGDOWN_REALTIME;
-  void damp_released(const session::HeldKeys::Keys& keys, const Stage& stage) RINGDOWN_REALTIME;
-  void damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME;
+  void press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Playing& playing) RINGDOWN_REALTIME;
+  void tune_key(std::span<const std::uint8_t> message, const Playing& playing) RINGDOWN_REALTIME;
+  void release(std::size_t key, std::size_t channel, const Playing& playing) RINGDOWN_REALTIME;
+  void control(std::size_t channel, std::uint8_t number, std::uint8_t value, const Playing& playing) RINGDOWN_REALTIME;
+  void reset_controllers(std::size_t channel, const Playing& playing) RINGDOWN_REALTIME;
+  void bend(std::size_t channel, double bend, const Playing& playing) RINGDOWN_REALTIME;
+  void bend_key(std::size_t key, const Playing& playing) RINGDOWN_REALTIME;
+  void press_harder(std::size_t channel, double pressure, const Playing& playing) RINGDOWN_REALTIME;
+  void damp(std::size_t key, double within_s, const Playing& playing) RINGDOWN_REALTIME;
+  void damp_released(const session::HeldKeys::Keys& keys, const Playing& playing) RINGDOWN_REALTIME;
+  void damp_all(double within_s, const Playing& playing) RINGDOWN_REALTIME;
   [[nodiscard]] bool kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME;
 
   void strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
-              const Stage& stage) RINGDOWN_REALTIME;
-  void clear(std::uint32_t object, double within_s, const Stage& stage) RINGDOWN_REALTIME;
+              const Playing& playing) RINGDOWN_REALTIME;
+  void clear(std::uint32_t object, double within_s, const Playing& playing) RINGDOWN_REALTIME;
   [[nodiscard]] bool takes_event() RINGDOWN_REALTIME { return events_left_ > 0 && events_left_-- > 0; }
 
   std::size_t events_left_ = kMaxEvents;

@@ -66,18 +66,18 @@ Json float_accessor(std::span<const float> values, std::size_t width, bool with_
 
 }  // namespace
 
-Field Field::operator[](const std::string& key) const {
+JsonPlace JsonPlace::operator[](const std::string& key) const {
   const std::string path = path_ + (path_.ends_with(": ") ? "" : ".") + key;
   if (!value_ || !value_->is_object()) return {nullptr, path};
   const auto found = value_->find(key);
   return {found == value_->end() ? nullptr : &*found, path};
 }
 
-Field Field::operator[](std::size_t index) const {
+JsonPlace JsonPlace::operator[](std::size_t index) const {
   return {index < size() ? &(*value_)[index] : nullptr, path_ + "[" + std::to_string(index) + "]"};
 }
 
-tl::unexpected<Error> Field::wrong(const std::string& expectation) const {
+tl::unexpected<Error> JsonPlace::wrong(const std::string& expectation) const {
   std::string found = "is missing";
   if (value_ && value_->is_structured()) {  // not printed: dump() would recurse as deep as a hostile file nests
     found = value_->is_array() ? "is an array" : "is an object";
@@ -88,14 +88,14 @@ tl::unexpected<Error> Field::wrong(const std::string& expectation) const {
   return fail(ErrorKind::bad_input, path_ + " " + found + ", expected " + expectation);
 }
 
-Result<double> Field::number() const {
+Result<double> JsonPlace::number() const {
   if (!value_ || !value_->is_number() || !std::isfinite(value_->get<double>())) return wrong("a finite number");
   return value_->get<double>();
 }
 
-Result<double> Field::number_or(double fallback) const { return present() ? number() : Result<double>(fallback); }
+Result<double> JsonPlace::number_or(double fallback) const { return present() ? number() : Result<double>(fallback); }
 
-Result<std::size_t> Field::index() const {
+Result<std::size_t> JsonPlace::index() const {
   constexpr double kMaxWhole = 1e15;  // whole numbers are exact in a double up to 2^53
   if (!value_ || !value_->is_number()) return wrong("a whole number from 0");
   const double number = value_->get<double>();
@@ -103,11 +103,11 @@ Result<std::size_t> Field::index() const {
   return static_cast<std::size_t>(number);
 }
 
-Result<std::size_t> Field::index_or(std::size_t fallback) const {
+Result<std::size_t> JsonPlace::index_or(std::size_t fallback) const {
   return present() ? index() : Result<std::size_t>(fallback);
 }
 
-std::string Field::text_or(std::string fallback) const {
+std::string JsonPlace::text_or(std::string fallback) const {
   return value_ && value_->is_string() ? value_->get<std::string>() : std::move(fallback);
 }
 

@@ -22,16 +22,16 @@ namespace ringdown::modal {
 using Json = nlohmann::json;
 
 // A place in the JSON text that knows its own name, so that an error can say which field is wrong.
-class Field {
+class JsonPlace {
  public:
-  Field(const Json* value, std::string path) : value_(value), path_(std::move(path)) {}
+  JsonPlace(const Json* value, std::string path) : value_(value), path_(std::move(path)) {}
 
   [[nodiscard]] bool present() const { return value_ != nullptr; }
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] const Json& json() const { return *value_; }
 
-  [[nodiscard]] Field operator[](const std::string& key) const;  // absent when this is no object or lacks the key
-  [[nodiscard]] Field operator[](std::size_t index) const;       // absent when this is no array or is shorter
+  [[nodiscard]] JsonPlace operator[](const std::string& key) const;  // absent when this is no object or lacks the key
+  [[nodiscard]] JsonPlace operator[](std::size_t index) const;       // absent when this is no array or is shorter
   [[nodiscard]] std::size_t size() const { return value_ && value_->is_array() ? value_->size() : 0; }
 
   [[nodiscard]] Result<double> number() const;                    // finite
@@ -52,7 +52,7 @@ struct Glb {
   std::vector<std::byte> assembled;   // of several buffers (gltf_file.h)
   std::string name;                   // for error messages
 
-  [[nodiscard]] Field root() const { return {&json, name + ": "}; }
+  [[nodiscard]] JsonPlace root() const { return {&json, name + ": "}; }
 };
 
 // Limits of a JSON text. Our own has at most some 85,000 values: five for each of 16,384 modes.
@@ -70,16 +70,18 @@ inline constexpr std::size_t kMaxUnpackedBytes = std::size_t{1} << 30;  // of on
 
 // The accessor that `reference` (a field holding its number) names, as count x width numbers. `width` 1 is SCALAR,
 // 2 to 4 are VEC2 to VEC4. At most `limit` elements.
-Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit);
-Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& reference, std::size_t limit);
-Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference, std::size_t limit);
+Result<std::vector<float>> read_floats(const Glb& glb, const JsonPlace& reference, std::size_t width,
+                                       std::size_t limit);
+Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const JsonPlace& reference, std::size_t limit);
+Result<std::vector<std::byte>> read_bytes(const Glb& glb, const JsonPlace& reference, std::size_t limit);
 
 // Reads numbers of any component type, also normalized and sparse, where read_floats() reads plain floats. `width` 16
 // is MAT4, by columns. Elements of an accessor without a buffer view are 0.
-Result<std::vector<double>> read_numbers(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit);
+Result<std::vector<double>> read_numbers(const Glb& glb, const JsonPlace& reference, std::size_t width,
+                                         std::size_t limit);
 
 // The bytes of the buffer view that `reference` names, which must not be compressed; into the document's binary.
-Result<std::span<const std::byte>> read_view(const Glb& glb, const Field& reference);
+Result<std::span<const std::byte>> read_view(const Glb& glb, const JsonPlace& reference);
 
 // Collects arrays into one buffer, then writes the container.
 class GlbWriter {

@@ -36,7 +36,7 @@ std::size_t component_size(std::size_t type) {
 
 // Which of `names` the field says.
 template <std::size_t N>
-Result<std::size_t> choice(const Field& field, const std::array<const char*, N>& names) {
+Result<std::size_t> choice(const JsonPlace& field, const std::array<const char*, N>& names) {
   const auto found = std::find(names.begin(), names.end(), field.text_or(""));
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   std::string expectation;
@@ -88,14 +88,14 @@ struct ArrayReader {
   const Glb& glb;
 
   // The bytes of the binary chunk that `slice` names: a buffer view, or the extension's object in one.
-  Result<std::span<const std::byte>> bytes_of(const Field& slice) const {
+  Result<std::span<const std::byte>> bytes_of(const JsonPlace& slice) const {
     const auto buffer = slice["buffer"].index(), offset = slice["byteOffset"].index_or(0);
     const auto length = slice["byteLength"].index();
     for (const auto* value : {&buffer, &offset, &length}) {
       if (!*value) return fail(value->error());
     }
     if (*buffer != 0) return slice["buffer"].wrong("0, the file's own binary chunk");
-    const Field chunk = glb.root()["buffers"][0];
+    const JsonPlace chunk = glb.root()["buffers"][0];
     if (chunk["uri"].present()) return chunk["uri"].wrong("absent: the data must be inside the .glb file");
     if (*offset > glb.binary.size() || *length > glb.binary.size() - *offset) {
       return slice["byteLength"].wrong("inside the binary chunk of " + std::to_string(glb.binary.size()) + " bytes");
@@ -104,8 +104,8 @@ struct ArrayReader {
   }
 
   // The `length` bytes of a compressed buffer view. The view's own `buffer` names a place for them that need not exist.
-  Result<std::vector<std::byte>> unpack_view(const Field& view, std::size_t length) const {
-    const Field packing = view["extensions"][kMeshopt];
+  Result<std::vector<std::byte>> unpack_view(const JsonPlace& view, std::size_t length) const {
+    const JsonPlace packing = view["extensions"][kMeshopt];
     const auto stream = bytes_of(packing);
     if (!stream) return fail(stream.error());
     const auto mode = choice(packing["mode"], kMeshoptModes);
@@ -141,12 +141,12 @@ struct ArrayReader {
   }
 
   // Finds the elements in the buffer view that `holder` names.
-  Result<Elements> locate_in_view(const Field& holder, const Layout& layout) const {
+  Result<Elements> locate_in_view(const JsonPlace& holder, const Layout& layout) const {
     const auto offset = holder["byteOffset"].index_or(0), view_number = holder["bufferView"].index();
     for (const auto* value : {&offset, &view_number}) {
       if (!*value) return fail(value->error());
     }
-    const Field view = glb.root()["bufferViews"][*view_number];
+    const JsonPlace view = glb.root()["bufferViews"][*view_number];
     if (!view.present()) return holder["bufferView"].wrong("the number of a buffer view in the file");
     const std::size_t size = layout.bytes();
     const auto length = view["byteLength"].index();
@@ -177,10 +177,10 @@ struct ArrayReader {
     return elements;
   }
 
-  Result<Layout> layout_of(const Field& reference, std::size_t width, std::size_t limit) const {
+  Result<Layout> layout_of(const JsonPlace& reference, std::size_t width, std::size_t limit) const {
     const auto number = reference.index();
     if (!number) return fail(number.error());
-    const Field accessor = glb.root()["accessors"][*number];
+    const JsonPlace accessor = glb.root()["accessors"][*number];
     if (!accessor.present()) return reference.wrong("the number of an accessor in the file");
     const std::string type = type_of_width(width);
     if (accessor["type"].text_or("") != type) return accessor["type"].wrong('"' + type + '"');
@@ -194,21 +194,23 @@ struct ArrayReader {
     return Layout{.component_type = *component, .width = width, .count = *count};
   }
 
-  Field accessor_of(const Field& reference) const { return glb.root()["accessors"][reference.index().value_or(0)]; }
+  JsonPlace accessor_of(const JsonPlace& reference) const {
+    return glb.root()["accessors"][reference.index().value_or(0)];
+  }
 
-  Result<Elements> locate(const Field& reference, std::size_t width, std::size_t limit) const {
+  Result<Elements> locate(const JsonPlace& reference, std::size_t width, std::size_t limit) const {
     const auto layout = layout_of(reference, width, limit);
     if (!layout) return fail(layout.error());
-    const Field accessor = accessor_of(reference);
+    const JsonPlace accessor = accessor_of(reference);
     if (accessor["sparse"].present())
       return accessor["sparse"].wrong("absent: sparse accessors are not supported here");
     return locate_in_view(accessor, *layout);
   }
 
   // Puts the elements of a sparse accessor in place of those that `values` has.
-  Result<void> read_sparse(const Field& accessor, const Layout& layout, bool normalized,
+  Result<void> read_sparse(const JsonPlace& accessor, const Layout& layout, bool normalized,
                            std::vector<double>& values) const {
-    const Field sparse = accessor["sparse"];
+    const JsonPlace sparse = accessor["sparse"];
     const auto count = sparse["count"].index(), type = sparse["indices"]["componentType"].index();
     for (const auto* value : {&count, &type}) {
       if (!*value) return fail(value->error());
@@ -234,7 +236,8 @@ struct ArrayReader {
 
 }  // namespace
 
-Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit) {
+Result<std::vector<float>> read_floats(const Glb& glb, const JsonPlace& reference, std::size_t width,
+                                       std::size_t limit) {
   const ArrayReader arrays{glb};
   const auto elements = arrays.locate(reference, width, limit);
   if (!elements) return fail(elements.error());
@@ -252,12 +255,13 @@ Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, s
   return values;
 }
 
-Result<std::vector<double>> read_numbers(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit) {
+Result<std::vector<double>> read_numbers(const Glb& glb, const JsonPlace& reference, std::size_t width,
+                                         std::size_t limit) {
   const ArrayReader arrays{glb};
   const auto layout = arrays.layout_of(reference, width, limit);
   if (!layout) return fail(layout.error());
-  const Field accessor = arrays.accessor_of(reference);
-  const Field flag = accessor["normalized"];
+  const JsonPlace accessor = arrays.accessor_of(reference);
+  const JsonPlace flag = accessor["normalized"];
   const bool normalized = flag.present() && flag.json().is_boolean() && flag.json().get<bool>();
   std::vector<double> values;
   if (accessor["bufferView"].present()) {
@@ -277,7 +281,7 @@ Result<std::vector<double>> read_numbers(const Glb& glb, const Field& reference,
                                         " is not a finite number");
 }
 
-Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& reference, std::size_t limit) {
+Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const JsonPlace& reference, std::size_t limit) {
   const ArrayReader arrays{glb};
   const auto elements = arrays.locate(reference, 1, limit);
   if (!elements) return fail(elements.error());
@@ -291,7 +295,7 @@ Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& ref
   return values;
 }
 
-Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference, std::size_t limit) {
+Result<std::vector<std::byte>> read_bytes(const Glb& glb, const JsonPlace& reference, std::size_t limit) {
   const ArrayReader arrays{glb};
   const auto elements = arrays.locate(reference, 1, limit);
   if (!elements) return fail(elements.error());
@@ -302,11 +306,11 @@ Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference
   return bytes;
 }
 
-Result<std::span<const std::byte>> read_view(const Glb& glb, const Field& reference) {
+Result<std::span<const std::byte>> read_view(const Glb& glb, const JsonPlace& reference) {
   const ArrayReader arrays{glb};
   const auto number = reference.index();
   if (!number) return fail(number.error());
-  const Field view = glb.root()["bufferViews"][*number];
+  const JsonPlace view = glb.root()["bufferViews"][*number];
   if (!view.present() || view["extensions"][kMeshopt].present())
     return reference.wrong("the number of a buffer view in the file that is not compressed");
   return arrays.bytes_of(view);

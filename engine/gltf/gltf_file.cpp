@@ -40,7 +40,7 @@ class Assembler {
   Assembler(Glb& glb, const ReadBeside& read_beside) : glb_(glb), read_beside_(read_beside) {}
 
   Result<void> assemble() {
-    const Field buffers = glb_.root()["buffers"];
+    const JsonPlace buffers = glb_.root()["buffers"];
     if (buffers.size() > kMaxBuffers) return buffers.wrong("at most " + std::to_string(kMaxBuffers) + " buffers");
     for (std::size_t k = 0; k < buffers.size(); ++k) {
       if (const auto added = add(buffers[k], k); !added) return added;
@@ -65,7 +65,7 @@ class Assembler {
     return found == json.end() ? nullptr : &*found;
   }
 
-  Result<void> add(const Field& buffer, std::size_t number) {
+  Result<void> add(const JsonPlace& buffer, std::size_t number) {
     begins_.emplace_back();
     const auto length = buffer["byteLength"].index();
     if (!length) return fail(length.error());
@@ -104,7 +104,7 @@ class Assembler {
 
   void shift(Json& slice) {
     if (!slice.is_object()) return;
-    const Field field(&slice, "");
+    const JsonPlace field(&slice, "");
     const auto buffer = field["buffer"].index(), offset = field["byteOffset"].index_or(0);
     const auto length = field["byteLength"].index();
     if (!buffer || !offset || !length) return;  // whoever reads it will say so
@@ -167,7 +167,7 @@ Result<Glb> parse_gltf(std::span<const std::byte> bytes, const std::string& name
     if (const std::string version = glb->root()["asset"]["version"].text_or(""); !version.starts_with("2.")) {
       return glb->root()["asset"]["version"].wrong("\"2.0\"");
     }
-    const Field buffers = glb->root()["buffers"];
+    const JsonPlace buffers = glb->root()["buffers"];
     if (is_glb(bytes) && buffers.size() < 2 && !buffers[0]["uri"].present()) return glb;
     if (const auto assembled = Assembler(*glb, read_beside).assemble(); !assembled) return fail(assembled.error());
     return glb;

@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::size_t kMaxParts = 1000;  // that are read
 
-Provenance read_provenance(const Field& extras) {
+Provenance read_provenance(const JsonPlace& extras) {
   const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
   const auto count = [&extras](const char* key) { return static_cast<std::int64_t>(extras[key].index().value_or(0)); };
-  const Field dropped = extras["dropped"];
+  const JsonPlace dropped = extras["dropped"];
   std::vector<std::string> parts;
   for (std::size_t p = 0; p < std::min(extras["parts"].size(), kMaxParts); ++p)
     parts.push_back(extras["parts"][p].text_or(""));
@@ -40,7 +40,7 @@ Provenance read_provenance(const Field& extras) {
 }
 
 // Empty unless it is a list of one number from 0 for each mode.
-std::vector<double> read_numbers(const Field& list, std::size_t modes) {
+std::vector<double> read_numbers(const JsonPlace& list, std::size_t modes) {
   std::vector<double> numbers;
   if (list.size() != modes) return numbers;
   for (std::size_t m = 0; m < modes; ++m) {
@@ -52,7 +52,7 @@ std::vector<double> read_numbers(const Field& list, std::size_t modes) {
 }
 
 // Empty unless every mode has its three parts and they add up to its decay: the bank plays without.
-std::vector<ModeLoss> read_losses(const Field& field, const std::vector<double>& decay_per_s) {
+std::vector<ModeLoss> read_losses(const JsonPlace& field, const std::vector<double>& decay_per_s) {
   constexpr double kRounding = 1e-5;
   const std::vector<double> material = read_numbers(field["material"], decay_per_s.size()),
                             support = read_numbers(field["support"], decay_per_s.size());
@@ -68,7 +68,7 @@ std::vector<ModeLoss> read_losses(const Field& field, const std::vector<double>&
 }
 
 // Empty unless it is a list of pairs, frequency above 0 and ascending, loss factor above 0.
-std::vector<LossFactor> read_loss_factors(const Field& list) {
+std::vector<LossFactor> read_loss_factors(const JsonPlace& list) {
   constexpr double kMaxHz = 1e9, kMaxEta = 10, kMinEta = 1e-12;
   std::vector<LossFactor> factors;
   if (list.size() > kMaxLossFactors) return {};
@@ -134,7 +134,7 @@ double number_in(const Result<double>& read, double low, double high, double oth
   return number >= low && number <= high ? number : otherwise;
 }
 
-Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const Field& field, std::size_t modes) {
+Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const JsonPlace& field, std::size_t modes) {
   constexpr double kLeast = 1e-6, kMost = 1e6;  // in SI units, of anything in which sound travels
   constexpr std::size_t kMaxBytes = 32768;      // of a mode
   if (!field["maps"].present()) return std::nullopt;
@@ -150,7 +150,7 @@ Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const Field&
   Air& air = radiation.air;
   air.density_kg_m3 = number_in(field["air"]["density"].number(), kLeast, kMost, air.density_kg_m3);
   air.sound_speed_m_s = number_in(field["air"]["soundSpeed"].number(), kLeast, kMost, air.sound_speed_m_s);
-  const Field doubtful = field["doubtful"];
+  const JsonPlace doubtful = field["doubtful"];
   for (std::size_t i = 0; i < std::min(doubtful.size(), modes); ++i) {
     const std::size_t mode = doubtful[i]["mode"].index().value_or(modes);
     if (mode >= modes) continue;
@@ -172,14 +172,14 @@ Json radiation_json(const BankRadiation& radiation, GlbWriter& writer) {
 
 struct NonlinearReader {
   const Glb& glb;
-  const Field field;
+  const JsonPlace field;
   const Bank& bank;
   Result<std::optional<NonlinearTerms>> operator()() const;
 };
 
 Result<std::optional<NonlinearTerms>> NonlinearReader::operator()() const {
   if (!field["bending"].present()) return std::nullopt;
-  const Field list = field["modes"];
+  const JsonPlace list = field["modes"];
   const std::size_t modes = bank.mode_count();
   NonlinearTerms terms;
   std::vector<bool> named(modes);
@@ -237,7 +237,7 @@ bool rayleigh_reproduces_material(const Bank& bank) {
   return true;
 }
 
-Result<void> read_extras(const Glb& glb, const Field& extras, Bank& bank) {
+Result<void> read_extras(const Glb& glb, const JsonPlace& extras, Bank& bank) {
   bank.frequency_error = read_numbers(extras["frequencyErrors"], bank.mode_count());
   bank.shape_error = read_numbers(extras["shapeErrors"], bank.mode_count());
   bank.losses = read_losses(extras["losses"], bank.decay_per_s);

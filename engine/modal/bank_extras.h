@@ -10,7 +10,7 @@
 namespace ringdown::modal {
 
 // Reads what belongs to the bank's modes and material, which the bank must have already.
-Result<void> read_extras(const Glb& glb, const Field& extras, Bank& bank);
+Result<void> read_extras(const Glb& glb, const JsonPlace& extras, Bank& bank);
 
 // Adds its arrays to the writer's.
 Json extras_json(const Bank& bank, GlbWriter& writer);

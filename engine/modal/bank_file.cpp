@@ -40,7 +40,7 @@ std::span<const float> as_floats(const std::vector<Vec3f>& vectors) {
 }
 
 // Reads a number that must lie in [low, high], or above `low` when `open`.
-Result<void> read_number(const Field& field, double& target, double low, double high, bool open = false) {
+Result<void> read_number(const JsonPlace& field, double& target, double low, double high, bool open = false) {
   const auto value = field.number_or(target);
   if (!value) return fail(value.error());
   if (*value < low || (open && *value == low) || *value > high) {
@@ -52,7 +52,7 @@ Result<void> read_number(const Field& field, double& target, double low, double 
 }
 
 template <std::size_t N>
-Result<void> read_array(const Field& field, std::array<double, N>& target) {
+Result<void> read_array(const JsonPlace& field, std::array<double, N>& target) {
   if (!field.present()) return {};
   if (field.size() != N) return field.wrong(std::to_string(N) + " numbers");
   for (std::size_t i = 0; i < N; ++i) {
@@ -63,11 +63,11 @@ Result<void> read_array(const Field& field, std::array<double, N>& target) {
   return {};
 }
 
-Result<std::optional<Material>> read_material(const Field& materials, const Field& reference) {
+Result<std::optional<Material>> read_material(const JsonPlace& materials, const JsonPlace& reference) {
   if (!reference.present()) return std::nullopt;
   const auto number = reference.index();
   if (!number) return fail(number.error());
-  const Field field = materials[*number];
+  const JsonPlace field = materials[*number];
   if (!field.present()) return reference.wrong("the number of an acoustic material in the file");
   Material material{.name = field["name"].text_or("")};
   for (const auto& outcome : {read_number(field["density"], material.density_kg_m3, 0, INFINITY),
@@ -80,7 +80,7 @@ Result<std::optional<Material>> read_material(const Field& materials, const Fiel
   return material;
 }
 
-Result<std::optional<MassProperties>> read_mass(const Field& field) {
+Result<std::optional<MassProperties>> read_mass(const JsonPlace& field) {
   if (!field.present()) return std::nullopt;
   if (!field["mass"].present()) return field["mass"].wrong("a mass in kg");
   MassProperties mass;
@@ -107,10 +107,10 @@ struct Instance {
 };
 
 Result<Instance> find_instance(const Glb& glb) {
-  const Field nodes = glb.root()["nodes"];
+  const JsonPlace nodes = glb.root()["nodes"];
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const Field extension = nodes[i]["extensions"][kExtension];
-    const Field reference = extension["modalModel"];
+    const JsonPlace extension = nodes[i]["extensions"][kExtension];
+    const JsonPlace reference = extension["modalModel"];
     if (!reference.present()) continue;
     const auto model = reference.index();
     if (!model) return fail(model.error());
@@ -156,7 +156,7 @@ void spread_points(Bank& bank, double factor) {
   if (bank.mass) bank.mass->center_of_mass_m = factor * bank.mass->center_of_mass_m;
 }
 
-Result<void> read_modes(const Glb& glb, const Field& model, Bank& bank) {
+Result<void> read_modes(const Glb& glb, const JsonPlace& model, Bank& bank) {
   const auto frequencies = read_floats(glb, model["frequencies"], 1, kMaxModes);
   if (!frequencies) return fail(frequencies.error());
   const auto decays = read_floats(glb, model["decayRates"], 1, kMaxModes);
@@ -190,7 +190,7 @@ Result<void> read_modes(const Glb& glb, const Field& model, Bank& bank) {
   return {};
 }
 
-Result<void> read_triangles(const Glb& glb, const Field& reference, Bank& bank) {
+Result<void> read_triangles(const Glb& glb, const JsonPlace& reference, Bank& bank) {
   if (!reference.present()) return {};
   const auto corners = read_indices(glb, reference, kMaxTriangleCorners);
   if (!corners) return fail(corners.error());
@@ -270,7 +270,7 @@ Json material_json(const Bank& bank) {
 Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, const ReadBeside& read_beside) {
   const auto glb = read_beside ? parse_gltf(bytes, name, read_beside) : parse_glb(bytes, name);
   if (!glb) return fail(glb.error());
-  const Field extension = glb->root()["extensions"][kExtension];
+  const JsonPlace extension = glb->root()["extensions"][kExtension];
   if (extension["modalModels"].size() == 0) {
     return fail(ErrorKind::bad_input,
                 name + " holds no modal model (extension " + kExtension + "); make one with `ringdown bake`");
@@ -278,7 +278,7 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
   const auto [file, chosen, spread] = split_bank_path(name);
   const auto instance = chosen ? Result<Instance>(Instance{.model = *chosen}) : find_instance(*glb);
   if (!instance) return fail(instance.error());
-  const Field model = extension["modalModels"][instance->model];
+  const JsonPlace model = extension["modalModels"][instance->model];
   if (!model.present())
     return fail(ErrorKind::bad_input, name + ": a node plays modal model " + std::to_string(instance->model) +
                                           ", which the file does not have");
@@ -403,7 +403,7 @@ std::optional<std::string> read_input_hash(const std::filesystem::path& path) {
   if (!text) return std::nullopt;
   const Result<Glb> glb = parse_glb(std::as_bytes(std::span(*text)), path.string());
   if (!glb) return std::nullopt;
-  const Field model = glb->root()["extensions"][kExtension]["modalModels"][0];
+  const JsonPlace model = glb->root()["extensions"][kExtension]["modalModels"][0];
   const std::string hash = model["extras"]["ringdown"]["inputHash"].text_or("");
   return hash.empty() ? std::nullopt : std::optional(hash);
 }

@@ -126,7 +126,7 @@ Result<ExtendedGltf> add_models(std::string_view file, const std::string& name, 
       json = *std::move(text);
     }
     const Pieces pieces = take_apart(file);
-    const Field root(&json, name + ": ");
+    const JsonPlace root(&json, name + ": ");
     const bool inside =
         pieces.is_glb && !root["buffers"][0]["uri"].present() && (root["buffers"].size() == 0 || pieces.has_binary);
     // Where the first new accessor, view and byte will be.

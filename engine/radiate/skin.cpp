@@ -103,7 +103,7 @@ void keep_volume(const Original& original, const Panels& panels, mesh::TriangleM
       right = image_of(left, planes & -planes);
     }
     const Eigen::Vector3d normal = (left + right).normalized();
-    const SurfacePlace place = original.search->nearest(side.middle, normal);
+    const NearestPoint place = original.search->nearest(side.middle, normal);
     const double most = 0.3 * (panels.nodes.row(side.nodes[0]) - panels.nodes.row(side.nodes[1])).norm();
     double here = (place.at - side.middle).dot(normal);
     if (left.dot(right) < 0.766 || std::abs(here) > most) here = 0;
@@ -142,7 +142,7 @@ void share_flow(const FlowSamples& samples, Skin& skin) {
     const Eigen::Vector3d at = samples.positions.row(s).transpose();
     int image = 0;
     for (int axis = 0; axis < skin.panels.mirrors; ++axis) image |= at[axis] < 0 ? 1 << axis : 0;
-    const SurfacePlace place =
+    const NearestPoint place =
         search.nearest(image_of(at, image), image_of(Eigen::Vector3d(samples.normals.row(s).transpose()), image));
     for (int i = 0; i < 3; ++i) {
       by_mode[image].col(skin.panels.corners[place.triangle][i]) += static_cast<float>(place.weights[i]) * flow.col(s);
@@ -245,7 +245,7 @@ Result<Skin> skin_of(const Original& original, double side_m) {
   }
   const std::vector<Eigen::Vector3d> normals = node_normals(skin.panels);
   for (int n = 0; n < skin.panels.node_count(); ++n) {
-    const SurfacePlace place = original.wall_search->nearest(skin.panels.nodes.row(n).transpose(), normals[n]);
+    const NearestPoint place = original.wall_search->nearest(skin.panels.nodes.row(n).transpose(), normals[n]);
     skin.thickness_m.push_back(original.thickness_m[place.triangle]);
   }
   share_flow(original.body->flow, skin);

@@ -11,10 +11,10 @@ constexpr double kFacing = 0.5;
 constexpr int kMaxCells = 96;  // along an axis
 
 // The nearest point of a triangle. (Ericson, Real-Time Collision Detection, 2005, section 5.1.5.)
-SurfacePlace nearest_on(const Panels& panels, int triangle, const Eigen::Vector3d& p) {
+NearestPoint nearest_on(const Panels& panels, int triangle, const Eigen::Vector3d& p) {
   const Eigen::Vector3d a = panels.corner(triangle, 0), b = panels.corner(triangle, 1), c = panels.corner(triangle, 2);
   const auto place = [&](double u, double v, double w) {
-    return SurfacePlace{triangle, {u, v, w}, u * a + v * b + w * c};
+    return NearestPoint{triangle, {u, v, w}, u * a + v * b + w * c};
   };
   const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
@@ -74,9 +74,9 @@ std::size_t SurfaceSearch::number_of(int x, int y, int z) const {
 
 // Shells of cells around the point's own, until what was found lies nearer than the next shell can. A triangle whose
 // circle around its centre lies farther away than what was found is passed over.
-SurfacePlace SurfaceSearch::nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
+NearestPoint SurfaceSearch::nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
   const auto own = cell_of(point);
-  SurfacePlace facing, any;
+  NearestPoint facing, any;
   double facing_at = std::numeric_limits<double>::infinity(), any_at = facing_at;
   const int most = *std::max_element(count_.begin(), count_.end());
   for (int shell = 0; shell <= most; ++shell) {
@@ -94,7 +94,7 @@ SurfacePlace SurfaceSearch::nearest(const Eigen::Vector3d& point, const Eigen::V
             const bool faces = panels_.normals[t].dot(normal) > kFacing;
             const double reach = (faces ? facing_at : any_at) + radii_[t];
             if ((panels_.centers[t] - point).squaredNorm() > reach * reach) continue;
-            const SurfacePlace place = nearest_on(panels_, t, point);
+            const NearestPoint place = nearest_on(panels_, t, point);
             const double away = (place.at - point).norm();
             if (away < any_at) any_at = away, any = place;
             if (faces && away < facing_at) facing_at = away, facing = place;

@@ -10,7 +10,7 @@
 
 namespace ringdown::radiate {
 
-struct SurfacePlace {
+struct NearestPoint {
   int triangle = -1;
   std::array<double, 3> weights{};  // of its corners, at least 0, sum 1
   Eigen::Vector3d at;
@@ -23,7 +23,7 @@ class SurfaceSearch {
 
   // Nearest among the triangles whose normal is within 60 degrees of `normal`: of a thin wall's two faces the right
   // one. Where there is none within a cell's width of the nearest of all, that one.
-  [[nodiscard]] SurfacePlace nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
+  [[nodiscard]] NearestPoint nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
  private:
   [[nodiscard]] std::array<int, 3> cell_of(const Eigen::Vector3d& point) const;

@@ -55,7 +55,7 @@ class MirrorTrial {
     for (int t = 0; t < panels_.triangle_count(); t += step_) {
       const Vector away = panels_.centers[t] - middle_, facing = panels_.normals[t];
       const Vector image = panels_.centers[t] - 2 * away.dot(normal) * normal;
-      const SurfacePlace place = search_.nearest(image, facing - 2 * facing.dot(normal) * normal);
+      const NearestPoint place = search_.nearest(image, facing - 2 * facing.dot(normal) * normal);
       squares += panels_.areas[t] * (place.at - image).squaredNorm();
       area += panels_.areas[t];
       if (squares > most) return std::numeric_limits<double>::infinity();

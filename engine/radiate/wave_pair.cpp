@@ -112,12 +112,12 @@ Eigen::MatrixXcf layers_of(ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, 
   Eigen::MatrixXcf layers = iterate(matrix, flow, residuals, precondition, kMaxSteps, go_on);
   if (layers.size() != 0) return layers;
   eliminated = true;
-  if (go_on()) layers = Elimination(matrix).solve(flow);
+  if (go_on()) layers = LuFactors(matrix).solve(flow);
   return layers;
 }
 
 // One class on the coarser skin, by the elimination at the middle wavenumber: at another wavenumber this preconditions.
-Eigen::MatrixXcf coarse_layers(const Eigen::MatrixXcf& flow, const ClassPart& part, const Elimination& middle,
+Eigen::MatrixXcf coarse_layers(const Eigen::MatrixXcf& flow, const ClassPart& part, const LuFactors& middle,
                                ComplexMatrix* own_matrix, const std::function<bool()>& go_on) {
   if (own_matrix == nullptr) return middle.solve(flow);
   const auto by_elimination = [&](const Eigen::MatrixXcf& right) -> Eigen::MatrixXcf { return middle.solve(right); };
@@ -126,7 +126,7 @@ Eigen::MatrixXcf coarse_layers(const Eigen::MatrixXcf& flow, const ClassPart& pa
 }
 
 // The preconditioner of a class on the finer skin.
-Preconditioner on_finer(const Skin& fine, int image_class, const ComplexMatrix& matrix, const Elimination& coarse,
+Preconditioner on_finer(const Skin& fine, int image_class, const ComplexMatrix& matrix, const LuFactors& coarse,
                         const Continuation& continuation) {
   Eigen::VectorXf kept = Eigen::VectorXf::Ones(fine.panels.node_count());
   for (const int n : fine.zero_nodes[image_class]) kept[n] = 0;
@@ -149,7 +149,7 @@ Continuation continuation_of(const Skin& fine, const Skin& coarse) {
   const std::vector<Eigen::Vector3d> normals = node_normals(fine.panels);
   std::vector<Eigen::Triplet<float>> entries;
   for (int n = 0; n < fine.panels.node_count(); ++n) {
-    const SurfacePlace place = search.nearest(fine.panels.nodes.row(n).transpose(), normals[n]);
+    const NearestPoint place = search.nearest(fine.panels.nodes.row(n).transpose(), normals[n]);
     for (int i = 0; i < 3; ++i) {
       entries.emplace_back(n, coarse.panels.corners[place.triangle][i], static_cast<float>(place.weights[i]));
     }
@@ -170,7 +170,7 @@ bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, W
             const std::function<void(const WaveQuestion&, const WaveAnswer&)>& keep) {
   const double middle = (questions.front().wavenumber_rad_m + questions.back().wavenumber_rad_m) / 2;
   bands.coarse.matrices_at(middle, memory.factors);
-  std::vector<Elimination> eliminated;
+  std::vector<LuFactors> eliminated;
   for (ComplexMatrix& matrix : memory.factors) eliminated.emplace_back(matrix);
   const Skin &fine = bands.fine.skin(), &coarse = bands.coarse.skin();
   for (const WaveQuestion& question : questions) {
@@ -203,7 +203,7 @@ bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, W
         const auto precondition = on_finer(fine, own_class, matrix, eliminated[c], bands.continuation);
         layers = layers_of(matrix, layers, part.residuals, precondition, go_on, answer.eliminated);
       } else {
-        layers = Elimination(matrix).solve(std::move(layers));
+        layers = LuFactors(matrix).solve(std::move(layers));
       }
       if (layers.size() == 0) return false;
       on_fine.push_back({own_class, part.columns, std::move(layers)});
@@ -238,8 +238,7 @@ Eigen::VectorXd rms_on(const WaveQuestion& question, const Skin& skin, WaveMemor
   for (std::size_t c = 0; c < parts.size(); ++c) {
     const std::vector<Eigen::Index>& columns = parts[c].columns;
     if (columns.empty()) continue;
-    solved.push_back(
-        {static_cast<int>(c), columns, Elimination(memory.factors[c]).solve(flows[c](Eigen::all, columns))});
+    solved.push_back({static_cast<int>(c), columns, LuFactors(memory.factors[c]).solve(flows[c](Eigen::all, columns))});
   }
   return rms_of(directions, fields_of(question, skin, coupling, directions, solved, flows[0].cols()));
 }

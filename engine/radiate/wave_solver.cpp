@@ -75,13 +75,13 @@ struct Krylov {
 }  // namespace
 
 // LAPACK counts by columns and so sees the transposed matrix.
-Elimination::Elimination(ComplexMatrix& matrix) : factors_(matrix), pivots_(factors_.rows()) {
+LuFactors::LuFactors(ComplexMatrix& matrix) : factors_(matrix), pivots_(factors_.rows()) {
   const int size = static_cast<int>(factors_.rows());
   int info = 0;  // above 0: a pivot is exactly 0, which rounding forbids
   cgetrf_(&size, &size, factors_.data(), &size, pivots_.data(), &info);
 }
 
-Eigen::MatrixXcf Elimination::solve(Eigen::MatrixXcf right) const {
+Eigen::MatrixXcf LuFactors::solve(Eigen::MatrixXcf right) const {
   const int size = static_cast<int>(factors_.rows()), columns = static_cast<int>(right.cols());
   int info = 0;
   cgetrs_("T", &size, &columns, factors_.data(), &size, pivots_.data(), right.data(), &size, &info);

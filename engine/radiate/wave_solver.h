@@ -13,9 +13,9 @@ namespace ringdown::radiate {
 
 // A matrix taken apart by elimination with pivots, in its own memory and in single precision: 8/3 V^3 operations.
 // Keeps a reference to the matrix, which then holds the factors.
-class Elimination {
+class LuFactors {
  public:
-  explicit Elimination(ComplexMatrix& matrix);
+  explicit LuFactors(ComplexMatrix& matrix);
   [[nodiscard]] Eigen::MatrixXcf solve(Eigen::MatrixXcf right) const;
 
  private:

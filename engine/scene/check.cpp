@@ -261,7 +261,7 @@ Result<void> check(const JointDescription& joint, std::span<const BodyDescriptio
 
 Result<void> check(const SceneDescription& scene) {
   if (auto ok = check_world(scene); !ok) return ok;
-  if (auto ok = check_all(scene.objects, "objects", kMaxObjects); !ok) return ok;
+  if (auto ok = check_all(scene.objects, "objects", kMaxSceneObjects); !ok) return ok;
   if (auto ok = check_all(scene.bodies, "bodies", kMaxBodies); !ok) return ok;
   if (auto ok = check_all(scene.statics, "statics", kMaxStatics); !ok) return ok;
   if (auto ok = check_all(scene.emitters, "emitters", kMaxEmitters); !ok) return ok;

@@ -34,7 +34,7 @@ inline constexpr std::size_t kMaxStatics = 64;
 inline constexpr std::size_t kMaxJoints = 256;
 inline constexpr std::size_t kMaxJointParts = 32;  // limits of one free joint; also the maximum of its drives
 inline constexpr std::size_t kMaxEmitters = 64;
-inline constexpr std::size_t kMaxObjects = 256;
+inline constexpr std::size_t kMaxSceneObjects = 256;
 inline constexpr std::size_t kMaxMeshPoints = std::size_t{1} << 16;  // points of one body's own mesh
 inline constexpr std::size_t kMaxFilters = 64;                       // distinct collision filters in one scene
 

@@ -146,7 +146,7 @@ class SceneReader {
   Result<SceneDescription> read(TomlTable file) {
     if (auto table = file.table("scene")) read_settings(*table);
     if (auto table = file.table("contact")) read_contact(*table);
-    for_each(file, "object", kMaxObjects, [this](TomlTable& table) { read_object(table); });
+    for_each(file, "object", kMaxSceneObjects, [this](TomlTable& table) { read_object(table); });
     for_each(file, "static", kMaxStatics, [this](TomlTable& table) { read_static(table); });
     for_each(file, "body", kMaxBodies, [this](TomlTable& table) { read_body(table); });
     for_each(file, "emitter", kMaxEmitters, [this](TomlTable& table) { read_emitter(table); });

@@ -83,7 +83,7 @@ struct World::State {
   Simulation simulation;
   const std::atomic<int>* given_up = nullptr;  // World::step()
   ContactSounds sounds;
-  Timeline timeline;
+  FrameClock timeline;
   std::vector<WaitingJoint> joints;
   std::vector<BodyId> driven;  // bodies that follow a path
   std::int64_t steps = 0;

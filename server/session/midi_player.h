@@ -35,25 +35,25 @@ class MidiPlayer {
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  private:
-  struct Stage {
+  struct Playing {
     synth::Frame frame;
     const NoteTable& table;
     synth::Mixer& mixer;
     SpscRing<synth::Event>& played;
   };
-  void press(std::size_t note, std::uint8_t velocity, std::uint8_t channel, const Stage& stage) RINGDOWN_REALTIME;
-  void release(std::size_t note, std::uint8_t channel, const Stage& stage) RINGDOWN_REALTIME;
-  void control(std::uint8_t channel, std::uint8_t number, std::uint8_t value, const Stage& stage) RINGDOWN_REALTIME;
-  void reset(const Stage& stage) RINGDOWN_REALTIME;
-  void damp(std::size_t note, double within_s, const Stage& stage) RINGDOWN_REALTIME;
-  void damp_released(const HeldKeys::Keys& keys, const Stage& stage) RINGDOWN_REALTIME;
-  void damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME;
+  void press(std::size_t note, std::uint8_t velocity, std::uint8_t channel, const Playing& playing) RINGDOWN_REALTIME;
+  void release(std::size_t note, std::uint8_t channel, const Playing& playing) RINGDOWN_REALTIME;
+  void control(std::uint8_t channel, std::uint8_t number, std::uint8_t value, const Playing& playing) RINGDOWN_REALTIME;
+  void reset(const Playing& playing) RINGDOWN_REALTIME;
+  void damp(std::size_t note, double within_s, const Playing& playing) RINGDOWN_REALTIME;
+  void damp_released(const HeldKeys::Keys& keys, const Playing& playing) RINGDOWN_REALTIME;
+  void damp_all(double within_s, const Playing& playing) RINGDOWN_REALTIME;
   [[nodiscard]] bool kept(synth::ObjectNumber object, const NoteTable& table) const RINGDOWN_REALTIME;
-  void draw(std::size_t note, const Stage& stage) RINGDOWN_REALTIME;
-  void lift(std::size_t note, const Stage& stage) RINGDOWN_REALTIME;
+  void draw(std::size_t note, const Playing& playing) RINGDOWN_REALTIME;
+  void lift(std::size_t note, const Playing& playing) RINGDOWN_REALTIME;
   template <class Change>
-  void change_bows(std::uint8_t channel, const Stage& stage, const Change& change) RINGDOWN_REALTIME;
-  void push(const synth::Event& event, const Stage& stage) RINGDOWN_REALTIME;
+  void change_bows(std::uint8_t channel, const Playing& playing, const Change& change) RINGDOWN_REALTIME;
+  void push(const synth::Event& event, const Playing& playing) RINGDOWN_REALTIME;
 
   HeldKeys keys_;
   struct Bow {

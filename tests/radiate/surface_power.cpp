@@ -71,7 +71,7 @@ Eigen::MatrixXd triangle_flow(const Panels& panels, const FlowSamples& samples) 
   const SurfaceSearch search(panels);
   Eigen::MatrixXd flow = Eigen::MatrixXd::Zero(panels.triangle_count(), samples.flow.cols());
   for (Eigen::Index s = 0; s < samples.positions.rows(); ++s) {
-    const SurfacePlace place = search.nearest(samples.positions.row(s).transpose(), samples.normals.row(s).transpose());
+    const NearestPoint place = search.nearest(samples.positions.row(s).transpose(), samples.normals.row(s).transpose());
     flow.row(place.triangle) += samples.flow.row(s).cast<double>();
   }
   return flow;

@@ -31,7 +31,7 @@ std::vector<Powers> powers_of(const radiate::Body& body, double k, double side_m
   radiate::ComplexMatrix matrix;
   radiate::wave_matrix(skin->panels, 0, skin->near[0], k, coupling, matrix);
   const Eigen::MatrixXcd layers =
-      radiate::Elimination(matrix).solve(skin->flow[0].cast<std::complex<float>>()).cast<std::complex<double>>();
+      radiate::LuFactors(matrix).solve(skin->flow[0].cast<std::complex<float>>()).cast<std::complex<double>>();
   const modal::Air air;
   const auto surface =
       radiate::surface_power(skin->panels, k, coupling, layers, radiate::triangle_flow(skin->panels, body.flow), air);

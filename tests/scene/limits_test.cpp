@@ -93,7 +93,7 @@ TEST(Limits, AStepHoldsContactsUpToTheLimitAndCountsTheRest) {
 TEST(Limits, ASceneMayNameObjectsUpToTheLimitAndNoMore) {
   SceneDescription scene = scene_of({});
   std::vector<SoundingObject> known;
-  for (std::size_t k = 0; k < kMaxObjects; ++k) {
+  for (std::size_t k = 0; k < kMaxSceneObjects; ++k) {
     ObjectDescription object;
     object.name = "o" + std::to_string(k);
     scene.objects.push_back(object);
@@ -105,7 +105,8 @@ TEST(Limits, ASceneMayNameObjectsUpToTheLimitAndNoMore) {
   scene.objects.back().name = "one-more";
   const auto refused = World::create(scene, known, 48000);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find(std::to_string(kMaxObjects)), std::string::npos) << refused.error().message;
+  EXPECT_NE(refused.error().message.find(std::to_string(kMaxSceneObjects)), std::string::npos)
+      << refused.error().message;
 }
 
 TEST(Limits, ASceneMayHaveStaticsUpToTheLimitAndNoMore) {

@@ -123,10 +123,10 @@ TEST_F(ModelTest, AnObjectThatIsFreedOrNotThereIsForgotten) {
 }
 
 TEST_F(ModelTest, TheModelKeepsNoMoreObjectsThanItsBound) {
-  for (std::size_t i = 0; i <= KnownObjects::kMaxObjects; ++i) model.apply(described("o" + std::to_string(i)), 0);
-  EXPECT_EQ(model.objects().size(), KnownObjects::kMaxObjects);
-  EXPECT_TRUE(model.object("o" + std::to_string(KnownObjects::kMaxObjects - 1)));
-  EXPECT_FALSE(model.object("o" + std::to_string(KnownObjects::kMaxObjects)));
+  for (std::size_t i = 0; i <= KnownObjects::kMaxKnownObjects; ++i) model.apply(described("o" + std::to_string(i)), 0);
+  EXPECT_EQ(model.objects().size(), KnownObjects::kMaxKnownObjects);
+  EXPECT_TRUE(model.object("o" + std::to_string(KnownObjects::kMaxKnownObjects - 1)));
+  EXPECT_FALSE(model.object("o" + std::to_string(KnownObjects::kMaxKnownObjects)));
 }
 
 class ModelWithFile : public ModelTest {

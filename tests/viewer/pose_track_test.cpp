@@ -27,40 +27,40 @@ void expect_near(const Pose& a, const Pose& b, double tolerance) {
   EXPECT_NEAR(std::abs(alike), 1, tolerance);  // q and -q are one rotation
 }
 
-TEST(PoseTrack, AnEmptyTrackHasNoPose) {
-  EXPECT_FALSE(PoseTrack().pose_at(0));
-  EXPECT_FALSE(PoseTrack().last_time_s());
+TEST(PoseHistory, AnEmptyTrackHasNoPose) {
+  EXPECT_FALSE(PoseHistory().pose_at(0));
+  EXPECT_FALSE(PoseHistory().last_time_s());
 }
 
-TEST(PoseTrack, PosesAreExactAtTheTimesAdded) {
-  PoseTrack track;
+TEST(PoseHistory, PosesAreExactAtTheTimesAdded) {
+  PoseHistory track;
   for (int i = 0; i < 20; ++i) track.add(i / 30.0, flight(i / 30.0));
   for (int i = 0; i < 20; ++i) expect_near(*track.pose_at(i / 30.0), flight(i / 30.0), 1e-12);
 }
 
-TEST(PoseTrack, PosesAreExactForConstantVelocityWhateverTheirSpacing) {
-  PoseTrack track;
+TEST(PoseHistory, PosesAreExactForConstantVelocityWhateverTheirSpacing) {
+  PoseHistory track;
   for (const double t : {0.0, 0.03, 0.035, 0.2, 0.7}) track.add(t, flight(t));
   for (double t = 0; t <= 0.7; t += 0.01) expect_near(*track.pose_at(t), flight(t), 1e-12);
 }
 
-TEST(PoseTrack, PosesTurnTheShortestWayWhateverTheSignOfTheQuaternion) {
+TEST(PoseHistory, PosesTurnTheShortestWayWhateverTheSignOfTheQuaternion) {
   Quaternion opposite = about_z(0.4);
   opposite = {-opposite.x, -opposite.y, -opposite.z, -opposite.w};
   expect_near(between({{}, about_z(0)}, {{}, opposite}, 0.5), {{}, about_z(0.2)}, 1e-12);
   expect_near(between({{}, about_z(0.9 * kPi)}, {{}, about_z(-0.9 * kPi)}, 0.5), {{}, about_z(kPi)}, 1e-12);
 }
 
-TEST(PoseTrack, BeforeTheFirstAndAfterTheLastPoseTheTrackStands) {
-  PoseTrack track;
+TEST(PoseHistory, BeforeTheFirstAndAfterTheLastPoseTheTrackStands) {
+  PoseHistory track;
   track.add(1, flight(1));
   track.add(2, flight(2));
   expect_near(*track.pose_at(-5), flight(1), 1e-12);
   expect_near(*track.pose_at(9), flight(2), 1e-12);
 }
 
-TEST(PoseTrack, LateAndInvalidPosesAreIgnored) {
-  PoseTrack track;
+TEST(PoseHistory, LateAndInvalidPosesAreIgnored) {
+  PoseHistory track;
   track.add(1, flight(1));
   track.add(0.5, flight(7));
   track.add(2, {{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {}});
@@ -70,16 +70,16 @@ TEST(PoseTrack, LateAndInvalidPosesAreIgnored) {
   expect_near(*track.pose_at(0.5), flight(1), 1e-12);
 }
 
-TEST(PoseTrack, APoseForTheSameTimeReplacesTheFirst) {
-  PoseTrack track;
+TEST(PoseHistory, APoseForTheSameTimeReplacesTheFirst) {
+  PoseHistory track;
   track.add(1, flight(1));
   track.add(1, flight(4));
   expect_near(*track.pose_at(1), flight(4), 1e-12);
 }
 
-TEST(PoseTrack, ATrackKeepsNoMorePosesThanItsBound) {
-  PoseTrack track;
-  for (std::size_t i = 0; i <= PoseTrack::kMaxPoses; ++i) track.add(static_cast<double>(i), flight(1.0 * i));
+TEST(PoseHistory, ATrackKeepsNoMorePosesThanItsBound) {
+  PoseHistory track;
+  for (std::size_t i = 0; i <= PoseHistory::kMaxPoses; ++i) track.add(static_cast<double>(i), flight(1.0 * i));
   expect_near(*track.pose_at(0), flight(1), 1e-12);  // the first is gone
   expect_near(*track.pose_at(1), flight(1), 1e-12);
 }

@@ -276,7 +276,7 @@ bool has_surfaces(const fs::path& path) {
     if (!text) return false;
     json = *std::move(text);
   }
-  return modal::Field(&json, "")["extensions"]["KHR_audio_rigid_bodies"]["acousticSurfaces"].size() > 0;
+  return modal::JsonPlace(&json, "")["extensions"]["KHR_audio_rigid_bodies"]["acousticSurfaces"].size() > 0;
 }
 
 ExitCode bake_scene(const SceneBake& request, const std::stop_token& stop) { return SceneBaker(request, stop).run(); }

@@ -21,7 +21,7 @@ const KnownObject* KnownObjects::find(const std::string& name) const {
 KnownObject* KnownObjects::find_or_ask(const std::string& name) {
   const auto found = objects_.find(name);
   if (found != objects_.end()) return &found->second;
-  if (undescribed_.size() < kMaxObjects) undescribed_.try_emplace(name);
+  if (undescribed_.size() < kMaxKnownObjects) undescribed_.try_emplace(name);
   return nullptr;
 }
 
@@ -32,7 +32,7 @@ void KnownObjects::forget(const std::string& name) {
 
 void KnownObjects::on(const protocol::ObjectReply& reply) {
   undescribed_.erase(reply.name);
-  if (!objects_.contains(reply.name) && objects_.size() == kMaxObjects) return;
+  if (!objects_.contains(reply.name) && objects_.size() == kMaxKnownObjects) return;
   KnownObject& object = objects_[reply.name];
   if (object.version != reply.version || object.bank_content != reply.bank_content || object.bank_path != reply.bank) {
     object = {};
@@ -55,7 +55,7 @@ void KnownObjects::on(const protocol::ObjectReply& reply) {
 }
 
 void KnownObjects::on(const protocol::NotifyObject& notice) {
-  if (undescribed_.size() < kMaxObjects) undescribed_[notice.name] = {};
+  if (undescribed_.size() < kMaxKnownObjects) undescribed_[notice.name] = {};
 }
 
 void KnownObjects::on(const protocol::NotifyGroup& notice) {

@@ -49,7 +49,7 @@ struct KnownObject {
 
 class KnownObjects {
  public:
-  static constexpr std::size_t kMaxObjects = 1024;
+  static constexpr std::size_t kMaxKnownObjects = 1024;
   static constexpr std::size_t kMaxModes = 16384;  // modes of one object
 
   [[nodiscard]] const std::map<std::string, KnownObject>& all() const { return objects_; }

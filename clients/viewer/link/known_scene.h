@@ -26,7 +26,7 @@ struct KnownBody {
   std::string shape;   // "box", "sphere", "convex", "trimesh"; empty: not described yet
   Vec3 size_m;         // edges of the shape's bounding box
   bool fixed = false;
-  PoseTrack track;                // empty: the body is not in the scene yet
+  PoseHistory track;              // empty: the body is not in the scene yet
   std::uint64_t last_notice = 0;  // number of the notice with the last pose
 };
 

@@ -38,7 +38,7 @@ Pose between(const Pose& from, const Pose& to, double fraction) {
           turn_between(from.rotation, to.rotation, fraction)};
 }
 
-void PoseTrack::add(double time_s, Pose pose) {
+void PoseHistory::add(double time_s, Pose pose) {
   const double norm = dot(pose.rotation, pose.rotation);
   if (!std::isfinite(time_s) || !is_finite(pose.position_m) || !std::isfinite(norm) || norm < 1e-6) return;
   if (!poses_.empty() && time_s < poses_.back().time_s) return;
@@ -48,7 +48,7 @@ void PoseTrack::add(double time_s, Pose pose) {
   if (poses_.size() > kMaxPoses) poses_.pop_front();
 }
 
-std::optional<Pose> PoseTrack::pose_at(double time_s) const {
+std::optional<Pose> PoseHistory::pose_at(double time_s) const {
   if (poses_.empty()) return std::nullopt;
   const auto next = std::ranges::lower_bound(poses_, time_s, {}, &TimedPose::time_s);
   if (next == poses_.end()) return poses_.back().pose;
@@ -57,7 +57,7 @@ std::optional<Pose> PoseTrack::pose_at(double time_s) const {
   return between(last.pose, next->pose, (time_s - last.time_s) / (next->time_s - last.time_s));
 }
 
-std::optional<double> PoseTrack::last_time_s() const {
+std::optional<double> PoseHistory::last_time_s() const {
   return poses_.empty() ? std::nullopt : std::optional(poses_.back().time_s);
 }
 

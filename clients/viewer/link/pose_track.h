@@ -35,7 +35,7 @@ struct Pose {
 // `from`, 1 gives `to`.
 Pose between(const Pose& from, const Pose& to, double fraction);
 
-class PoseTrack {
+class PoseHistory {
  public:
   static constexpr std::size_t kMaxPoses = 64;  // 2 s at 30 notices a second; older poses are dropped
 

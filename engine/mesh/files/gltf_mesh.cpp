@@ -16,7 +16,7 @@
 namespace ringdown::mesh {
 namespace {
 
-using modal::Field;
+using modal::JsonPlace;
 
 constexpr std::size_t kMaxJsonBytes = std::size_t{1} << 30;  // the text may have its buffers inside
 constexpr std::size_t kMaxInfluences = 16;                   // sets of four joints at a point
@@ -33,7 +33,7 @@ bool is_read(const std::string& extension) {
 }
 
 struct GltfNode {
-  Field field;
+  JsonPlace field;
   Eigen::Affine3d local, world;
   std::vector<std::size_t> children;
   bool has_parent = false, placed = false, seen = false;
@@ -69,7 +69,7 @@ class GltfMeshReader {
       open.insert(open.end(), node.children.begin(), node.children.end());
     }
     for (std::size_t k = 0; nodes_.empty() && k < meshes().size(); ++k) {
-      if (auto added = add_mesh(meshes()[k], Field(nullptr, ""), {}, Eigen::Affine3d::Identity()); !added)
+      if (auto added = add_mesh(meshes()[k], JsonPlace(nullptr, ""), {}, Eigen::Affine3d::Identity()); !added)
         return fail(added.error());
     }
     return std::move(soup_);
@@ -78,12 +78,12 @@ class GltfMeshReader {
  private:
   using Matrices = std::vector<Eigen::Affine3d>;
 
-  [[nodiscard]] Field root() const { return glb_.root(); }
-  [[nodiscard]] Field meshes() const { return root()["meshes"]; }
+  [[nodiscard]] JsonPlace root() const { return glb_.root(); }
+  [[nodiscard]] JsonPlace meshes() const { return root()["meshes"]; }
   [[nodiscard]] std::size_t max_points() const { return 3 * max_triangles_; }
 
   [[nodiscard]] Result<void> check_extensions() const {
-    const Field required = root()["extensionsRequired"];
+    const JsonPlace required = root()["extensionsRequired"];
     for (std::size_t k = 0; k < required.size(); ++k) {
       const std::string name = required[k].text_or("");
       if (is_read(name)) continue;
@@ -95,7 +95,7 @@ class GltfMeshReader {
 
   // Reads as many numbers as `values` has room for. Leaves `values` as it is where the field is absent.
   template <std::size_t N>
-  static Result<void> read_into(const Field& field, std::array<double, N>& values) {
+  static Result<void> read_into(const JsonPlace& field, std::array<double, N>& values) {
     if (!field.present()) return {};
     if (field.size() != N) return field.wrong(std::to_string(N) + " numbers");
     for (std::size_t k = 0; k < N; ++k) {
@@ -106,7 +106,7 @@ class GltfMeshReader {
     return {};
   }
 
-  static Result<Eigen::Affine3d> local_of(const Field& node) {
+  static Result<Eigen::Affine3d> local_of(const JsonPlace& node) {
     std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     std::array<double, 3> shift{0, 0, 0}, scale{1, 1, 1};
     std::array<double, 4> turn{0, 0, 0, 1};
@@ -122,14 +122,14 @@ class GltfMeshReader {
   }
 
   Result<void> read_nodes() {
-    const Field nodes = root()["nodes"];
+    const JsonPlace nodes = root()["nodes"];
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const auto local = local_of(nodes[k]);
       if (!local) return fail(local.error());
       nodes_.push_back({.field = nodes[k], .local = *local, .world = *local, .children = {}});
     }
     for (GltfNode& node : nodes_) {
-      const Field children = node.field["children"];
+      const JsonPlace children = node.field["children"];
       for (std::size_t c = 0; c < children.size(); ++c) {
         const auto child = children[c].index();
         if (!child || *child >= nodes_.size() || nodes_[*child].has_parent)
@@ -164,14 +164,14 @@ class GltfMeshReader {
   }
 
   std::vector<std::size_t> roots() {
-    const Field scenes = root()["scenes"];
+    const JsonPlace scenes = root()["scenes"];
     if (scenes.size() == 0) return nodes_without_parent();
     const std::size_t number = root()["scene"].index_or(0).value_or(0);
     if (scenes.size() > 1) {
       soup_.notes.push_back("one of the file's " + std::to_string(scenes.size()) + " scenes was read, number " +
                             std::to_string(number));
     }
-    const Field listed = scenes[number]["nodes"];
+    const JsonPlace listed = scenes[number]["nodes"];
     std::vector<std::size_t> found;
     for (std::size_t k = 0; k < listed.size(); ++k) {
       const auto node = listed[k].index();
@@ -205,11 +205,11 @@ class GltfMeshReader {
 
   // Returns for each joint the map that it applies to a point of the mesh: the inverse bind matrix takes the point into
   // the joint's frame, and the joint's place takes it from there into the scene.
-  [[nodiscard]] Result<Matrices> joints_of(const Field& reference) const {
+  [[nodiscard]] Result<Matrices> joints_of(const JsonPlace& reference) const {
     const auto number = reference.index();
-    const Field skin = root()["skins"][number.value_or(root()["skins"].size())];
+    const JsonPlace skin = root()["skins"][number.value_or(root()["skins"].size())];
     if (!number || !skin.present()) return reference.wrong("the number of a skin of the file");
-    const Field list = skin["joints"];
+    const JsonPlace list = skin["joints"];
     if (list.size() == 0) return list.wrong("at least one joint");
     Matrices joints;
     for (std::size_t j = 0; j < list.size(); ++j) {
@@ -234,17 +234,17 @@ class GltfMeshReader {
     return joints;
   }
 
-  Result<void> add_mesh(const Field& mesh, const Field& node_weights, const Matrices& joints,
+  Result<void> add_mesh(const JsonPlace& mesh, const JsonPlace& node_weights, const Matrices& joints,
                         const Eigen::Affine3d& place) {
-    const Field primitives = mesh["primitives"];
-    const Field weights = node_weights.present() ? node_weights : mesh["weights"];
+    const JsonPlace primitives = mesh["primitives"];
+    const JsonPlace weights = node_weights.present() ? node_weights : mesh["weights"];
     for (std::size_t k = 0; k < primitives.size(); ++k) {
       if (auto added = add_primitive(primitives[k], weights, joints, place); !added) return added;
     }
     return {};
   }
 
-  Result<void> add_primitive(const Field& primitive, const Field& weights, const Matrices& joints,
+  Result<void> add_primitive(const JsonPlace& primitive, const JsonPlace& weights, const Matrices& joints,
                              const Eigen::Affine3d& place) {
     const auto mode = primitive["mode"].index_or(kList);
     if (!mode) return fail(mode.error());
@@ -275,12 +275,12 @@ class GltfMeshReader {
   }
 
   // Positions, moved by the morph targets that have a weight.
-  Result<MeshPoints> points_of(const Field& primitive, const Field& weights) const {
+  Result<MeshPoints> points_of(const JsonPlace& primitive, const JsonPlace& weights) const {
     auto positions = modal::read_numbers(glb_, primitive["attributes"]["POSITION"], 3, max_points());
     if (!positions) return fail(positions.error());
     MeshPoints points;
     points.at = std::move(*positions);
-    const Field targets = primitive["targets"];
+    const JsonPlace targets = primitive["targets"];
     for (std::size_t t = 0; t < std::min(targets.size(), weights.size()); ++t) {
       const auto weight = weights[t].number();
       if (!weight) return fail(weight.error());
@@ -295,11 +295,11 @@ class GltfMeshReader {
 
   // Joints and their shares, which files round, so that they are made to add up to 1. A point without any share goes
   // with its first joint.
-  Result<void> read_influences(const Field& attributes, std::size_t joint_count, MeshPoints& points) const {
+  Result<void> read_influences(const JsonPlace& attributes, std::size_t joint_count, MeshPoints& points) const {
     const std::size_t count = points.count();
     for (std::size_t set = 0; set < kMaxInfluences; ++set) {
-      const Field joints = attributes["JOINTS_" + std::to_string(set)];
-      const Field weights = attributes["WEIGHTS_" + std::to_string(set)];
+      const JsonPlace joints = attributes["JOINTS_" + std::to_string(set)];
+      const JsonPlace weights = attributes["WEIGHTS_" + std::to_string(set)];
       if (!joints.present() || !weights.present()) {
         if (set == 0) return joints.wrong("given, with weights: the mesh has a skin");
         break;

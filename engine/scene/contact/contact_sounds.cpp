@@ -77,7 +77,7 @@ double contact_time_s(const ContactSide& body, const ContactSide& other, const C
 
 }  // namespace
 
-synth::Frame Timeline::frame(double time_s) const {
+synth::Frame FrameClock::frame(double time_s) const {
   return start + static_cast<synth::Frame>(std::llround(time_s * sample_rate_hz));
 }
 
@@ -111,7 +111,7 @@ void ContactSounds::silence(synth::ObjectNumber object) {
 
 std::span<const synth::Event> ContactSounds::process(std::span<const ContactPoint> points,
                                                      std::span<const MovedBody> moved, double now_s,
-                                                     const Timeline& timeline) {
+                                                     const FrameClock& timeline) {
   events_.clear();
   by_pair_.clear();
   runs_.clear();
@@ -146,7 +146,7 @@ bool ContactSounds::is_impact(const ContactPoint& point) const {
 }
 
 void ContactSounds::process_pair(BodyPair pair, std::span<const ContactPoint* const> points, double now_s,
-                                 const Timeline& timeline) {
+                                 const FrameClock& timeline) {
   double fastest_m_s = 0;
   for (const ContactPoint* point : points) {
     if (is_impact(*point)) fastest_m_s = std::max(fastest_m_s, point->approach_m_s);
@@ -195,7 +195,7 @@ std::optional<double> ContactSounds::face_time_s(std::span<const ContactPoint* c
 }
 
 void ContactSounds::strike(const ContactPoint& point, std::optional<double> face_s, double now_s,
-                           const Timeline& timeline) {
+                           const FrameClock& timeline) {
   const ContactSide *body = find(sides_, point.body), *other = find(sides_, point.other);
   if (!body || !other) return;
   const double since_s = std::clamp(point.depth_m / point.approach_m_s, 0.0, step_s_);
@@ -252,7 +252,7 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
 
 // The impulses of all points move the body as a whole at once; the hardest point's contact time is the click's.
 void ContactSounds::click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
-                          const Timeline& timeline) {
+                          const FrameClock& timeline) {
   const ContactPoint* hardest = nullptr;
   Vec3 on_first_ns;
   for (const ContactPoint* point : points) {

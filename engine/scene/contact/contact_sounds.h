@@ -18,7 +18,7 @@
 namespace ringdown::scene {
 
 // Where scene time lies in frames.
-struct Timeline {
+struct FrameClock {
   synth::Frame start = 0;
   double sample_rate_hz = 48000;
   [[nodiscard]] synth::Frame frame(double time_s) const;
@@ -36,7 +36,7 @@ class ContactSounds {
   // is placed at the time of impact, which is the overlap over the approach speed before the contact was found, but
   // never before an event of an earlier step. `moved` are the bodies that moved in the step.
   std::span<const synth::Event> process(std::span<const ContactPoint> points, std::span<const MovedBody> moved,
-                                        double now_s, const Timeline& timeline);
+                                        double now_s, const FrameClock& timeline);
 
   // The objects whose resting contacts have changed in that step.
   [[nodiscard]] std::span<const RestDamping> rest_dampings() const { return rest_dampings_; }
@@ -54,14 +54,15 @@ class ContactSounds {
     BodyPair pair;
     std::span<const ContactPoint> points;
   };
-  void process_pair(BodyPair pair, std::span<const ContactPoint* const> points, double now_s, const Timeline& timeline);
+  void process_pair(BodyPair pair, std::span<const ContactPoint* const> points, double now_s,
+                    const FrameClock& timeline);
   [[nodiscard]] bool is_impact(const ContactPoint& point) const;
   [[nodiscard]] std::optional<double> face_time_s(std::span<const ContactPoint* const> points) const;
-  void strike(const ContactPoint& point, std::optional<double> face_s, double now_s, const Timeline& timeline);
+  void strike(const ContactPoint& point, std::optional<double> face_s, double now_s, const FrameClock& timeline);
   [[nodiscard]] bool strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
                                     double contact_time_s, synth::Frame frame);
   void click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
-             const Timeline& timeline);
+             const FrameClock& timeline);
 
   double step_s_, bounce_threshold_m_s_;
   bool clicks_;

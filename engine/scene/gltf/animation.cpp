@@ -10,26 +10,26 @@
 
 namespace ringdown::scene {
 
-using modal::Field;
+using modal::JsonPlace;
 
 GltfAnimations::GltfAnimations(GltfDocument& document) : document_(document) {
-  const Field animations = document.root()["animations"];
+  const JsonPlace animations = document.root()["animations"];
   for (std::size_t k = 0; k < animations.size(); ++k) add(animations[k]);
 }
 
-void GltfAnimations::add(const Field& animation) {
+void GltfAnimations::add(const JsonPlace& animation) {
   constexpr std::array kTargets = {"translation", "rotation", "scale"};
   constexpr std::array kWays = {"LINEAR", "STEP", "CUBICSPLINE"};
-  const Field channels = animation["channels"], samplers = animation["samplers"];
+  const JsonPlace channels = animation["channels"], samplers = animation["samplers"];
   for (std::size_t k = 0; k < channels.size(); ++k) {
-    const Field target = channels[k]["target"];
+    const JsonPlace target = channels[k]["target"];
     const auto path = std::ranges::find(kTargets, target["path"].text_or(""));
     if (!target["node"].present()) continue;  // of an extension
     const auto node = target["node"].index();
     if (!node || *node >= document_.nodes().size())
       return document_.refuse(target["node"].wrong("the number of a node of the file"));
     if (path == kTargets.end()) continue;  // morph targets
-    const Field sampler = document_.element(channels[k]["sampler"], samplers);
+    const JsonPlace sampler = document_.element(channels[k]["sampler"], samplers);
     if (!sampler.present()) return document_.refuse(channels[k]["sampler"].wrong("the number of a sampler"));
     const auto way = std::ranges::find(kWays, sampler["interpolation"].text_or("LINEAR"));
     if (way == kWays.end()) return document_.refuse(sampler["interpolation"].wrong("LINEAR, STEP or CUBICSPLINE"));

@@ -36,7 +36,7 @@ class GltfAnimations {
     Way way;
     std::vector<float> times_s, values;
   };
-  void add(const modal::Field& animation);
+  void add(const modal::JsonPlace& animation);
   [[nodiscard]] Affine local_at(std::size_t node, double time_s) const;
   static std::vector<double> value_at(const Channel& channel, double time_s);
 

@@ -7,7 +7,7 @@
 namespace ringdown::scene {
 namespace {
 
-using modal::Field;
+using modal::JsonPlace;
 
 constexpr std::size_t kMaxNotes = 64;
 constexpr double kMaxShear = 1e-6;  // cosine of the angle between columns, as far as rounding makes it
@@ -93,7 +93,7 @@ void GltfNotes::add(const std::string& sentence) {
 
 Result<GltfDocument> GltfDocument::read(const modal::Glb& glb) {
   GltfDocument document(glb);
-  const Field nodes = document.root()["nodes"];
+  const JsonPlace nodes = document.root()["nodes"];
   if (nodes.size() > kMaxNodes) return nodes.wrong("at most " + std::to_string(kMaxNodes) + " nodes");
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const std::string name = nodes[k]["name"].text_or("");
@@ -109,8 +109,8 @@ Result<GltfDocument> GltfDocument::read(const modal::Glb& glb) {
 
 // A matrix, or a translation, a rotation and a scale.
 Affine GltfDocument::local_of(std::size_t number_of_node) {
-  const Field node = root()["nodes"][number_of_node];
-  const Field matrix = node["matrix"];
+  const JsonPlace node = root()["nodes"][number_of_node];
+  const JsonPlace matrix = node["matrix"];
   if (!matrix.present()) {
     return {scaled(to_matrix(rotation(node["rotation"])), vector(node["scale"], {1, 1, 1})),
             vector(node["translation"], {})};
@@ -126,7 +126,7 @@ Affine GltfDocument::local_of(std::size_t number_of_node) {
 
 void GltfDocument::link_nodes() {
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const Field children = nodes_[k].field["children"];
+    const JsonPlace children = nodes_[k].field["children"];
     for (std::size_t c = 0; c < children.size(); ++c) {
       const auto child = children[c].index();
       if (!child) return refuse(tl::unexpected(child.error()));
@@ -141,7 +141,7 @@ void GltfDocument::link_nodes() {
 // The roots of the scene that is played; of a file without scenes, all roots.
 std::vector<std::size_t> GltfDocument::roots() {
   std::vector<std::size_t> found;
-  const Field scenes = root()["scenes"];
+  const JsonPlace scenes = root()["scenes"];
   if (scenes.size() == 0) {
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
       if (!nodes_[k].parent) found.push_back(k);
@@ -149,8 +149,8 @@ std::vector<std::size_t> GltfDocument::roots() {
     return found;
   }
   if (scenes.size() > 1) notes.add("only one of the file's " + std::to_string(scenes.size()) + " scenes is played");
-  const Field number = root()["scene"];
-  const Field scene = number.present() ? element(number, scenes) : scenes[0];
+  const JsonPlace number = root()["scene"];
+  const JsonPlace scene = number.present() ? element(number, scenes) : scenes[0];
   for (std::size_t k = 0; k < scene["nodes"].size(); ++k) {
     const auto node = scene["nodes"][k].index();
     if (!node || *node >= nodes_.size() || nodes_[*node].parent) {
@@ -179,13 +179,13 @@ void GltfDocument::place_nodes() {
   }
 }
 
-double GltfDocument::number(const Field& field, double fallback) {
+double GltfDocument::number(const JsonPlace& field, double fallback) {
   const auto value = field.number_or(fallback);
   if (!value) refuse(tl::unexpected(value.error()));
   return value.value_or(fallback);
 }
 
-bool GltfDocument::flag(const Field& field, bool fallback) {
+bool GltfDocument::flag(const JsonPlace& field, bool fallback) {
   if (!field.present()) return fallback;
   if (!field.json().is_boolean()) {
     refuse(field.wrong("true or false"));
@@ -194,7 +194,7 @@ bool GltfDocument::flag(const Field& field, bool fallback) {
   return field.json().get<bool>();
 }
 
-Vec3 GltfDocument::vector(const Field& field, Vec3 fallback) {
+Vec3 GltfDocument::vector(const JsonPlace& field, Vec3 fallback) {
   if (!field.present()) return fallback;
   if (field.size() != 3) {
     refuse(field.wrong("3 numbers"));
@@ -203,7 +203,7 @@ Vec3 GltfDocument::vector(const Field& field, Vec3 fallback) {
   return {number(field[0], 0), number(field[1], 0), number(field[2], 0)};
 }
 
-Rotation GltfDocument::rotation(const Field& field) {
+Rotation GltfDocument::rotation(const JsonPlace& field) {
   if (!field.present()) return {};
   const Rotation turn = field.size() == 4 ? Rotation::from_xyzw(number(field[0], 0), number(field[1], 0),
                                                                 number(field[2], 0), number(field[3], 1))
@@ -213,7 +213,7 @@ Rotation GltfDocument::rotation(const Field& field) {
   return {};
 }
 
-std::vector<std::string> GltfDocument::texts(const Field& field) {
+std::vector<std::string> GltfDocument::texts(const JsonPlace& field) {
   std::vector<std::string> found;
   for (std::size_t k = 0; k < field.size(); ++k) {
     if (field[k].json().is_string()) {
@@ -225,7 +225,7 @@ std::vector<std::string> GltfDocument::texts(const Field& field) {
   return found;
 }
 
-Field GltfDocument::element(const Field& field, const Field& list) {
+JsonPlace GltfDocument::element(const JsonPlace& field, const JsonPlace& list) {
   if (!field.present()) return {nullptr, field.path()};
   const auto number = field.index();
   if (!number || *number >= list.size()) {

@@ -45,7 +45,7 @@ struct Parts {
 Parts parts_of(const Matrix3& linear);
 
 struct GltfNode {
-  modal::Field field;
+  modal::JsonPlace field;
   std::string name;  // never empty
   std::optional<std::size_t> parent;
   std::vector<std::size_t> children;
@@ -71,18 +71,18 @@ class GltfDocument {
   static Result<GltfDocument> read(const modal::Glb& glb);
 
   [[nodiscard]] const std::vector<GltfNode>& nodes() const { return nodes_; }
-  [[nodiscard]] modal::Field root() const { return glb_->root(); }
+  [[nodiscard]] modal::JsonPlace root() const { return glb_->root(); }
   [[nodiscard]] const modal::Glb& glb() const { return *glb_; }
 
   // Each returns the fallback when the field is absent, and notes an error when it is wrong.
-  double number(const modal::Field& field, double fallback);
-  bool flag(const modal::Field& field, bool fallback);
-  Vec3 vector(const modal::Field& field, Vec3 fallback);
-  Rotation rotation(const modal::Field& field);
-  std::vector<std::string> texts(const modal::Field& field);
+  double number(const modal::JsonPlace& field, double fallback);
+  bool flag(const modal::JsonPlace& field, bool fallback);
+  Vec3 vector(const modal::JsonPlace& field, Vec3 fallback);
+  Rotation rotation(const modal::JsonPlace& field);
+  std::vector<std::string> texts(const modal::JsonPlace& field);
 
   // Returns the element of `list` that the field refers to; absent if the field is absent.
-  modal::Field element(const modal::Field& field, const modal::Field& list);
+  modal::JsonPlace element(const modal::JsonPlace& field, const modal::JsonPlace& list);
 
   // Notes the first error.
   void refuse(const tl::unexpected<Error>& error);

@@ -15,7 +15,7 @@
 namespace ringdown::scene {
 namespace {
 
-using modal::Field;
+using modal::JsonPlace;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLocked = 1e-9;   // m or rad: a narrower limit allows no motion
@@ -44,9 +44,9 @@ int free_axis(const std::array<Freedom, 3>& freedoms) {
   return static_cast<int>(std::ranges::find_if_not(freedoms, &Freedom::locked) - freedoms.begin());
 }
 
-void read_limit(GltfDocument& document, const Field& limit, Freedoms& freedoms) {
+void read_limit(GltfDocument& document, const JsonPlace& limit, Freedoms& freedoms) {
   const bool linear = limit["linearAxes"].present();
-  const Field axes = limit[linear ? "linearAxes" : "angularAxes"];
+  const JsonPlace axes = limit[linear ? "linearAxes" : "angularAxes"];
   const double low = document.number(limit["min"], -kInfinity), high = document.number(limit["max"], kInfinity);
   if (axes.size() < 1 || axes.size() > 3) return document.refuse(axes.wrong("one to three axes"));
   const double stiffness = document.number(limit["stiffness"], 0), damping = document.number(limit["damping"], 0);
@@ -90,9 +90,9 @@ class JointMaker {
         scene_(scene),
         frame_(parts_of(first.node.world.linear).rotation) {}
 
-  void make(const Field& joint, bool collides) {
+  void make(const JsonPlace& joint, bool collides) {
     Freedoms freedoms;
-    const Field limits = joint["limits"], drives = joint["drives"];
+    const JsonPlace limits = joint["limits"], drives = joint["drives"];
     for (std::size_t k = 0; k < limits.size(); ++k) read_limit(document_, limits[k], freedoms);
     read_drives(drives, freedoms);
     const JointType type = type_of(freedoms);
@@ -184,14 +184,14 @@ class JointMaker {
   }
 
   struct Drive {
-    Field field;
+    JsonPlace field;
     bool turns;
     int axis;
   };
 
-  void read_drives(const Field& drives, const Freedoms& freedoms) {
+  void read_drives(const JsonPlace& drives, const Freedoms& freedoms) {
     for (std::size_t k = 0; k < drives.size(); ++k) {
-      const Field drive = drives[k];
+      const JsonPlace drive = drives[k];
       const auto number = drive["axis"].index();
       if (!number || *number > 2) return document_.refuse(drive["axis"].wrong("0, 1 or 2"));
       const std::string type = drive["type"].text_or("");
@@ -208,7 +208,7 @@ class JointMaker {
 
   // Targets are counted from `from`. A drive without one has the place or the angle in which the scene begins.
   JointDrive drive_of(const Drive& drive, double from, std::optional<double> now = {}) {
-    const Field& field = drive.field;
+    const JsonPlace& field = drive.field;
     JointDrive made{.stiffness = document_.number(field["stiffness"], 0),
                     .damping = document_.number(field["damping"], 0),
                     .target = document_.number(field["positionTarget"], now.value_or(from)) - from,
@@ -321,14 +321,14 @@ class JointMaker {
 
 }  // namespace
 
-void add_joint(GltfDocument& document, const Field& joint, const JointEnd& first, const JointEnd& second,
+void add_joint(GltfDocument& document, const JsonPlace& joint, const JointEnd& first, const JointEnd& second,
                SceneDescription& scene) {
   const auto moves = [&scene](const std::string& name) {
     return std::ranges::any_of(scene.bodies, [&](const auto& body) { return body.name == name && !body.fixed; });
   };
   if (first.body == second.body || !(moves(first.body) || moves(second.body)))
     return document.notes.add("a joint between nodes of one body, or of none that moves, has no effect");
-  const Field described =
+  const JsonPlace described =
       document.element(joint["joint"], document.root()["extensions"]["KHR_physics_rigid_bodies"]["physicsJoints"]);
   const bool collides = document.flag(joint["enableCollision"], false);
   if (!described.present()) return;

@@ -17,7 +17,7 @@ struct JointEnd {
 // Adds the joint of `first`'s node to the scene, which must already contain all bodies. `joint` is the node's `joint`
 // object. The joint becomes a hinge, a ball joint, a slider or a rigid joint if it leaves exactly that freedom, and
 // otherwise a free joint with limits. The document's notes name everything that cannot be reproduced exactly.
-void add_joint(GltfDocument& document, const modal::Field& joint, const JointEnd& first, const JointEnd& second,
+void add_joint(GltfDocument& document, const modal::JsonPlace& joint, const JointEnd& first, const JointEnd& second,
                SceneDescription& scene);
 
 }  // namespace ringdown::scene

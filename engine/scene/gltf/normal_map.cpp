@@ -18,7 +18,7 @@
 namespace ringdown::scene {
 namespace {
 
-using modal::Field;
+using modal::JsonPlace;
 
 constexpr double kSteepest = 4;  // a normal that leans more than this slope is cut
 
@@ -44,7 +44,8 @@ std::optional<Picture> unpack_png(std::span<const std::byte> bytes) {
 }
 
 // Length in the world along u, for each unit of u: the mean over the triangles, weighted by their areas.
-double length_of_u(GltfDocument& document, const Field& primitive, const Field& coordinates, const Affine& map) {
+double length_of_u(GltfDocument& document, const JsonPlace& primitive, const JsonPlace& coordinates,
+                   const Affine& map) {
   constexpr std::size_t kMost = 4 * kMaxMeshPoints;
   const auto points = modal::read_numbers(document.glb(), primitive["attributes"]["POSITION"], 3, kMost);
   const auto uv = modal::read_numbers(document.glb(), coordinates, 2, kMost);
@@ -105,9 +106,9 @@ std::vector<float> heights_of(const Picture& picture, double strength, double te
   return heights;
 }
 
-std::optional<Picture> picture_of(GltfDocument& document, const Field& info, const modal::ReadBeside& read_beside) {
-  const Field texture = document.element(info["index"], document.root()["textures"]);
-  const Field image = document.element(texture["source"], document.root()["images"]);
+std::optional<Picture> picture_of(GltfDocument& document, const JsonPlace& info, const modal::ReadBeside& read_beside) {
+  const JsonPlace texture = document.element(info["index"], document.root()["textures"]);
+  const JsonPlace image = document.element(texture["source"], document.root()["images"]);
   if (!image.present()) return {};
   std::string bytes;
   if (image["bufferView"].present()) {
@@ -125,12 +126,12 @@ std::optional<Picture> picture_of(GltfDocument& document, const Field& info, con
 
 }  // namespace
 
-std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const Field& own, const Field& mesh,
+std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const JsonPlace& own, const JsonPlace& mesh,
                                              const Affine& map, bool may_read, const modal::ReadBeside& read_beside) {
   for (std::size_t k = 0; k < mesh["primitives"].size(); ++k) {
-    const Field primitive = mesh["primitives"][k];
-    const Field material = document.element(primitive["material"], document.root()["materials"]);
-    const Field info = own.present() ? own : material["normalTexture"];
+    const JsonPlace primitive = mesh["primitives"][k];
+    const JsonPlace material = document.element(primitive["material"], document.root()["materials"]);
+    const JsonPlace info = own.present() ? own : material["normalTexture"];
     if (!info.present()) continue;
     if (!may_read) {
       document.notes.add("more than " + std::to_string(kMaxMaps) + " normal maps are not felt");
@@ -139,7 +140,7 @@ std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const Field
     if (info["extensions"]["KHR_texture_transform"].present())
       document.notes.add("a normal map is felt without its KHR_texture_transform");
     const auto set = info["texCoord"].index_or(0).value_or(0);
-    const Field coordinates = primitive["attributes"]["TEXCOORD_" + std::to_string(set)];
+    const JsonPlace coordinates = primitive["attributes"]["TEXCOORD_" + std::to_string(set)];
     const double strength = document.number(info["scale"], 1);
     const double u_m = coordinates.present() ? length_of_u(document, primitive, coordinates, map) : 0;
     if (!(u_m > 0)) {

@@ -23,7 +23,8 @@ inline constexpr std::size_t kMaxMapSamples = std::size_t{1} << 18;  // samples 
 // replaces that of the primitive's material. `map` takes the mesh into the world. Returns nothing if there is no map,
 // and, with a note, if the map cannot be used: a picture other than PNG, no texture coordinates, no size, one texel, or
 // kMaxMaps read already.
-std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const modal::Field& own, const modal::Field& mesh,
-                                             const Affine& map, bool may_read, const modal::ReadBeside& read_beside);
+std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const modal::JsonPlace& own,
+                                             const modal::JsonPlace& mesh, const Affine& map, bool may_read,
+                                             const modal::ReadBeside& read_beside);
 
 }  // namespace ringdown::scene

@@ -30,7 +30,7 @@
 namespace ringdown::scene {
 namespace {
 
-using modal::Field;
+using modal::JsonPlace;
 
 constexpr double kUsualDensity_kg_m3 = 1000;
 
@@ -54,8 +54,8 @@ struct GatheredBody {
   std::optional<std::size_t> model_node;
 };
 
-Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysicsExtension]; }
-Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudioExtension]; }
+JsonPlace physics_of(const GltfNode& node) { return node.field["extensions"][kPhysicsExtension]; }
+JsonPlace audio_of(const GltfNode& node) { return node.field["extensions"][kAudioExtension]; }
 
 // Returns whether a file describes two surfaces identically.
 bool same(const FrictionSurface& a, const FrictionSurface& b) {
@@ -87,13 +87,13 @@ class GltfSceneReader {
 
  private:
   [[nodiscard]] const std::vector<GltfNode>& nodes() const { return document_.nodes(); }
-  [[nodiscard]] Field list(const char* extension, const char* name) const {
+  [[nodiscard]] JsonPlace list(const char* extension, const char* name) const {
     return document_.root()["extensions"][extension][name];
   }
   void note(const std::string& sentence) { document_.notes.add(sentence); }
 
   void note_what_is_left_out() {
-    const Field required = document_.root()["extensionsRequired"];
+    const JsonPlace required = document_.root()["extensionsRequired"];
     for (const std::string& name : document_.texts(required)) {
       if (std::ranges::find(kKnown, name) == kKnown.end())
         note("the file requires the extension " + quote(name) + ", which scenes do not use");
@@ -102,9 +102,9 @@ class GltfSceneReader {
       note("behaviour graphs of KHR_interactivity are not run");
     if (document_.root()["extensions"]["KHR_audio_emitter"].present())
       note("audio emitters are not played; modal models sound from their own nodes");
-    const Field animations = document_.root()["animations"];
+    const JsonPlace animations = document_.root()["animations"];
     for (std::size_t k = 0; k < animations.size(); ++k) {
-      const Field channels = animations[k]["channels"];
+      const JsonPlace channels = animations[k]["channels"];
       for (std::size_t c = 0; c < channels.size(); ++c) {
         if (channels[c]["target"]["extensions"]["KHR_animation_pointer"].present())
           note("animations by KHR_animation_pointer are not played");
@@ -150,7 +150,7 @@ class GltfSceneReader {
     for (std::size_t k = 0; k < nodes().size(); ++k) {
       if (!nodes()[k].in_scene) continue;
       const std::optional<std::size_t> motion = motion_of(k);
-      const Field collider = physics_of(nodes()[k])["collider"];
+      const JsonPlace collider = physics_of(nodes()[k])["collider"];
       const bool plays = audio_of(nodes()[k])["modalModel"].present();
       if (motion == k) body_at(k, true);
       if (collider.present()) {
@@ -164,13 +164,13 @@ class GltfSceneReader {
     }
   }
 
-  std::optional<PlacedCollider> read_collider(std::size_t node, const Field& field) {
+  std::optional<PlacedCollider> read_collider(std::size_t node, const JsonPlace& field) {
     auto geometry = read_geometry(document_, geometry_of(field));
     if (!geometry) return {};
     PlacedCollider collider{.node = node, .geometry = std::move(*geometry)};
-    const Field material = document_.element(field["physicsMaterial"], list(kPhysicsExtension, "physicsMaterials"));
+    const JsonPlace material = document_.element(field["physicsMaterial"], list(kPhysicsExtension, "physicsMaterials"));
     if (material.present()) read_material(material, collider.surface);
-    const Field filter = document_.element(field["collisionFilter"], list(kPhysicsExtension, "collisionFilters"));
+    const JsonPlace filter = document_.element(field["collisionFilter"], list(kPhysicsExtension, "collisionFilters"));
     if (filter.present()) {
       collider.filter = {document_.texts(filter["collisionSystems"]), document_.texts(filter["collideWithSystems"]),
                          document_.texts(filter["notCollideWithSystems"])};
@@ -179,13 +179,13 @@ class GltfSceneReader {
     return collider;
   }
 
-  void read_material(const Field& material, FrictionSurface& surface) {
+  void read_material(const JsonPlace& material, FrictionSurface& surface) {
     surface.friction = document_.number(material["staticFriction"], 0.6);
     surface.sliding_friction = document_.number(material["dynamicFriction"], 0.6);
     surface.restitution = document_.number(material["restitution"], 0);
     const auto combine = [&](const char* key) {
       constexpr std::array kWays = {"average", "minimum", "maximum", "multiply"};
-      const Field field = material[key];
+      const JsonPlace field = material[key];
       if (!field.present()) return Combine::average;
       const auto found = std::ranges::find(kWays, field.text_or(""));
       if (found == kWays.end()) document_.refuse(field.wrong("average, minimum, maximum or multiply"));
@@ -200,11 +200,11 @@ class GltfSceneReader {
   // The acoustic surface of a node or of the nearest one above it; without one, that of a machined surface.
   void read_surface(std::size_t node, FrictionSurface& surface) {
     const auto owner = nearest(node, [](const GltfNode& n) { return audio_of(n)["acousticSurface"].present(); });
-    const Field finish = owner ? document_.element(audio_of(nodes()[*owner])["acousticSurface"],
-                                                   list(kAudioExtension, "acousticSurfaces"))
-                               : Field(nullptr, "");
+    const JsonPlace finish = owner ? document_.element(audio_of(nodes()[*owner])["acousticSurface"],
+                                                       list(kAudioExtension, "acousticSurfaces"))
+                                   : JsonPlace(nullptr, "");
     read_finish(document_, finish, surface);
-    const Field material = document_.element(finish["material"], list(kAudioExtension, "acousticMaterials"));
+    const JsonPlace material = document_.element(finish["material"], list(kAudioExtension, "acousticMaterials"));
     if (material["youngsModulus"].present()) surface.young_pa = document_.number(material["youngsModulus"], 0);
     if (material["poissonRatio"].present()) surface.poisson = document_.number(material["poissonRatio"], 0);
     surface.relief = relief(node, owner, finish);
@@ -213,7 +213,7 @@ class GltfSceneReader {
   // Returns the heights of a collider's surface, if the file has any. Each profile or map is read once for each
   // surface, mesh and size.
   std::shared_ptr<const modal::SurfaceRelief> relief(std::size_t node, std::optional<std::size_t> owner,
-                                                     const Field& finish) {
+                                                     const JsonPlace& finish) {
     auto mesh_node = nearest(node, [](const GltfNode& n) { return n.field["mesh"].present(); });
     const auto other = geometry_of(physics_of(nodes()[node])["collider"])["node"].index();
     if (other && *other < nodes().size() && nodes()[*other].field["mesh"].present()) mesh_node = *other;
@@ -224,7 +224,7 @@ class GltfSceneReader {
     if (!is_new) return found->second;
     modal::SurfaceRelief relief{.profile = read_profile(document_, finish)};
     if (mesh_node) {
-      const Field mesh = document_.element(nodes()[*mesh_node].field["mesh"], document_.root()["meshes"]);
+      const JsonPlace mesh = document_.element(nodes()[*mesh_node].field["mesh"], document_.root()["meshes"]);
       relief.mesoscale = relief_of(document_, finish["normalTexture"], mesh, world, maps_ < kMaxMaps, read_beside_);
       if (relief.mesoscale) ++maps_;
     }
@@ -296,7 +296,7 @@ class GltfSceneReader {
 
   // Our own extra of a body's node, which no draft has: "ringdown": {"contact": "two-way"}.
   bool is_two_way(std::size_t node) {
-    const Field contact = nodes()[node].field["extras"]["ringdown"]["contact"];
+    const JsonPlace contact = nodes()[node].field["extras"]["ringdown"]["contact"];
     const std::string way = contact.text_or("");
     if (contact.present() && way != "one-way" && way != "two-way")
       document_.refuse(contact.wrong("one-way or two-way"));
@@ -317,8 +317,8 @@ class GltfSceneReader {
   // The object of a node that plays a model, with the node's scale and gain.
   void add_object(std::size_t number, BodyDescription& body) {
     const GltfNode& node = nodes()[number];
-    const Field reference = audio_of(node)["modalModel"];
-    const Field model = document_.element(reference, list(kAudioExtension, "modalModels"));
+    const JsonPlace reference = audio_of(node)["modalModel"];
+    const JsonPlace model = document_.element(reference, list(kAudioExtension, "modalModels"));
     if (!model.present()) return;
     const Parts parts = parts_of(node.world.linear);
     const Vec3 s = parts.scale;
@@ -337,7 +337,7 @@ class GltfSceneReader {
 
   void add_motion(const GatheredBody& body, const Pose& frame, BodyDescription& made) {
     const GltfNode& node = nodes()[body.node];
-    const Field motion = physics_of(node)["motion"];
+    const JsonPlace motion = physics_of(node)["motion"];
     const Rotation turn = parts_of(node.world.linear).rotation;
     made.velocity_m_s = rotated(turn, document_.vector(motion["linearVelocity"], {}));
     made.spin_rad_s = rotated(turn, document_.vector(motion["angularVelocity"], {}));
@@ -390,7 +390,7 @@ class GltfSceneReader {
 
   void add_joints() {
     for (const GltfNode& node : nodes()) {
-      const Field joint = physics_of(node)["joint"];
+      const JsonPlace joint = physics_of(node)["joint"];
       if (!node.in_scene || !joint.present()) continue;
       const auto other = joint["connectedNode"].index();
       if (!other || *other >= nodes().size() || !nodes()[*other].in_scene)
@@ -415,7 +415,7 @@ class GltfSceneReader {
     if (found == nodes().end()) return;
     const Pose pose{found->world.shift_m, parts_of(found->world.linear).rotation};
     const Rotation forward_left_up = Rotation::from_xyzw(-0.5, 0.5, 0.5, 0.5);  // x to -z, y to -x, z to y
-    const Field camera = document_.element(found->field["camera"], document_.root()["cameras"]);
+    const JsonPlace camera = document_.element(found->field["camera"], document_.root()["cameras"]);
     const double yfov_rad = document_.number(camera["perspective"]["yfov"], 0.8);
     scene_.listener = ListenerDescription{.position_m = pose.position_m, .rotation = pose.rotation * forward_left_up};
     scene_.camera = CameraDescription{
@@ -480,7 +480,7 @@ Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::
     auto document = GltfDocument::read(*glb);
     if (!document) return fail(document.error());
     auto read = GltfSceneReader(*document, path, read_beside).read();
-    const Field own = glb->root()["extras"]["ringdown"];
+    const JsonPlace own = glb->root()["extras"]["ringdown"];
     if (!read || !own["scene"].present()) return read;
     if (own["fingerprint"].text_or("") != fingerprint(read->scene)) {
       read->notes.push_back(

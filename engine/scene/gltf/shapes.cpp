@@ -11,7 +11,7 @@
 namespace ringdown::scene {
 namespace {
 
-using modal::Field;
+using modal::JsonPlace;
 
 constexpr int kAround = 32;      // corners of a cylinder's end
 constexpr int kBallAround = 12;  // of a ball's circles of latitude
@@ -89,11 +89,11 @@ void append(ShapeMesh& mesh, const ShapeMesh& more) {
 }
 
 // Adds a mesh's triangles, which lie by `map` in the geometry's frame.
-void add_mesh(GltfDocument& document, const Field& mesh, const Affine& map, ShapeMesh& target) {
+void add_mesh(GltfDocument& document, const JsonPlace& mesh, const Affine& map, ShapeMesh& target) {
   if (mesh["primitives"][0]["targets"].present())
     document.notes.add("morph targets of a mesh are not used for its collisions");
   for (std::size_t k = 0; k < mesh["primitives"].size(); ++k) {
-    const Field primitive = mesh["primitives"][k];
+    const JsonPlace primitive = mesh["primitives"][k];
     const auto mode = primitive["mode"].index_or(4);
     if (!mode || *mode != 4 || primitive["extensions"]["KHR_draco_mesh_compression"].present()) {
       document.notes.add(
@@ -147,7 +147,7 @@ ShapeMesh welded(const ShapeMesh& mesh) {
 
 // Triangles as a hull or as a mesh. `reference` names them in sentences.
 std::optional<GltfGeometry> made_of(GltfDocument& document, const ShapeMesh& triangles, bool is_hull,
-                                    const Field& reference) {
+                                    const JsonPlace& reference) {
   if (!document.result()) return {};
   ShapeMesh mesh = welded(triangles);
   if (mesh.points_m.size() > kMaxMeshPoints) {
@@ -168,7 +168,7 @@ std::optional<GltfGeometry> made_of(GltfDocument& document, const ShapeMesh& tri
 }
 
 // The meshes of a node and of all below it, in the node's own frame.
-std::optional<GltfGeometry> node_geometry(GltfDocument& document, const Field& geometry) {
+std::optional<GltfGeometry> node_geometry(GltfDocument& document, const JsonPlace& geometry) {
   const auto top = geometry["node"].index();
   if (!top || *top >= document.nodes().size()) {
     document.refuse(geometry["node"].wrong("the number of a node of the file"));
@@ -181,7 +181,7 @@ std::optional<GltfGeometry> node_geometry(GltfDocument& document, const Field& g
     open.pop_back();
     const GltfNode& node = document.nodes()[number];
     if (node.field["skin"].present()) document.notes.add("skins of meshes are not used for their collisions");
-    const Field own = document.element(node.field["mesh"], document.root()["meshes"]);
+    const JsonPlace own = document.element(node.field["mesh"], document.root()["meshes"]);
     if (own.present()) add_mesh(document, own, map, mesh);
     for (const std::size_t child : node.children) open.emplace_back(child, map * document.nodes()[child].local);
     if (mesh.points_m.size() > 4 * kMaxMeshPoints) break;
@@ -190,21 +190,21 @@ std::optional<GltfGeometry> node_geometry(GltfDocument& document, const Field& g
 }
 
 // A number that must be at least `low`, or above 0.
-double size(GltfDocument& document, const Field& field, double fallback, bool may_be_0 = false) {
+double size(GltfDocument& document, const JsonPlace& field, double fallback, bool may_be_0 = false) {
   const double value = document.number(field, fallback);
   if (!(value >= 0 && value <= range::kSize_m.high && (may_be_0 || value > 0)))
     document.refuse(field.wrong(may_be_0 ? "from 0 to 1000 m" : "above 0, at most 1000 m"));
   return value;
 }
 
-std::optional<GltfGeometry> implicit(GltfDocument& document, const Field& shape) {
+std::optional<GltfGeometry> implicit(GltfDocument& document, const JsonPlace& shape) {
   const std::string type = shape["type"].text_or("");
-  const Field own = shape[type];
+  const JsonPlace own = shape[type];
   if (type == "mesh") {  // in earlier drafts
     ShapeMesh triangles;
-    const Field mesh = document.element(own["mesh"], document.root()["meshes"]);
+    const JsonPlace mesh = document.element(own["mesh"], document.root()["meshes"]);
     if (mesh.present()) add_mesh(document, mesh, {}, triangles);
-    const Field hull = shape["extensions"]["KHR_physics_rigid_bodies"]["convexHull"];
+    const JsonPlace hull = shape["extensions"]["KHR_physics_rigid_bodies"]["convexHull"];
     return made_of(document, triangles, document.flag(hull, false), own["mesh"]);
   }
   GltfGeometry geometry;
@@ -276,23 +276,23 @@ ShapeMesh mesh_of(const Shape& shape) {
 
 }  // namespace
 
-Field geometry_of(const Field& collider) {
+JsonPlace geometry_of(const JsonPlace& collider) {
   return collider["geometry"].present() || !collider["shape"].present() ? collider["geometry"] : collider;
 }
 
-Field shapes_of(const Field& root) {
-  const Field extensions = root["extensions"];
-  const Field shapes = extensions["KHR_implicit_shapes"]["shapes"];
+JsonPlace shapes_of(const JsonPlace& root) {
+  const JsonPlace extensions = root["extensions"];
+  const JsonPlace shapes = extensions["KHR_implicit_shapes"]["shapes"];
   return shapes.present() ? shapes : extensions["KHR_collision_shapes"]["shapes"];
 }
 
-std::optional<GltfGeometry> read_geometry(GltfDocument& document, const Field& geometry) {
+std::optional<GltfGeometry> read_geometry(GltfDocument& document, const JsonPlace& geometry) {
   if (geometry["node"].present()) return node_geometry(document, geometry);
   if (!geometry["shape"].present()) {
     document.refuse(geometry.wrong("an object with a shape or a node"));
     return {};
   }
-  const Field shape = document.element(geometry["shape"], shapes_of(document.root()));
+  const JsonPlace shape = document.element(geometry["shape"], shapes_of(document.root()));
   return shape.present() ? implicit(document, shape) : std::nullopt;
 }
 
@@ -356,7 +356,7 @@ ShapeMesh surface_of(GltfDocument& document, std::span<const std::size_t> nodes,
   ShapeMesh all;
   for (const std::size_t number : nodes) {
     const GltfNode& node = document.nodes()[number];
-    const Field mesh = document.element(node.field["mesh"], document.root()["meshes"]);
+    const JsonPlace mesh = document.element(node.field["mesh"], document.root()["meshes"]);
     if (mesh.present()) add_mesh(document, mesh, map * node.world, all);
   }
   return welded(all);

@@ -30,14 +30,14 @@ struct GltfGeometry {
 
 // Returns a collider's `geometry`. In earlier drafts, which Blender's exporter writes, the collider itself names the
 // shape and is returned.
-modal::Field geometry_of(const modal::Field& collider);
+modal::JsonPlace geometry_of(const modal::JsonPlace& collider);
 
 // Returns the shapes of the file with this root, under the extension's present name or its former one,
 // KHR_collision_shapes.
-modal::Field shapes_of(const modal::Field& root);
+modal::JsonPlace shapes_of(const modal::JsonPlace& root);
 
 // Reads a `geometry` object. Returns nothing, with a note in the document, if it is not supported or disabled.
-std::optional<GltfGeometry> read_geometry(GltfDocument& document, const modal::Field& geometry);
+std::optional<GltfGeometry> read_geometry(GltfDocument& document, const modal::JsonPlace& geometry);
 
 // Returns the geometry as a shape in a body's frame. `map` takes the node's frame into the body's. Returns nothing for
 // an infinite plane, and if a scale of 0 disables the shape.

@@ -13,7 +13,7 @@
 namespace ringdown::scene {
 namespace {
 
-using modal::Field;
+using modal::JsonPlace;
 
 constexpr double kEven = 1e-6;  // scales that differ by less are even
 
@@ -58,9 +58,11 @@ class SilentFinder {
 
  private:
   [[nodiscard]] const std::vector<GltfNode>& nodes() const { return document_.nodes(); }
-  [[nodiscard]] Field physics(std::size_t node) const { return nodes()[node].field["extensions"][kPhysicsExtension]; }
-  [[nodiscard]] Field audio(std::size_t node) const { return nodes()[node].field["extensions"][kAudioExtension]; }
-  [[nodiscard]] Field list(const char* name) const { return document_.root()["extensions"][kAudioExtension][name]; }
+  [[nodiscard]] JsonPlace physics(std::size_t node) const {
+    return nodes()[node].field["extensions"][kPhysicsExtension];
+  }
+  [[nodiscard]] JsonPlace audio(std::size_t node) const { return nodes()[node].field["extensions"][kAudioExtension]; }
+  [[nodiscard]] JsonPlace list(const char* name) const { return document_.root()["extensions"][kAudioExtension][name]; }
 
   template <class Has>
   [[nodiscard]] std::optional<std::size_t> nearest(std::size_t node, const Has& has) const {
@@ -117,7 +119,7 @@ class SilentFinder {
       body.surface = {};
       body.trouble = "its mesh reaches farther than 1000 m from its node";
     }
-    const Field mass = physics(node)["motion"]["mass"];
+    const JsonPlace mass = physics(node)["motion"]["mass"];
     if (mass.present()) {
       const double mass_kg = document_.number(mass, 0);
       if (mass_kg > 0) body.mass_kg = mass_kg;
@@ -130,8 +132,8 @@ class SilentFinder {
     for (const std::size_t node : from) {
       const auto owner = nearest(node, [this](std::size_t k) { return audio(k)["acousticSurface"].present(); });
       if (!owner) continue;
-      const Field surface = document_.element(audio(*owner)["acousticSurface"], list("acousticSurfaces"));
-      const Field field = document_.element(surface["material"], list("acousticMaterials"));
+      const JsonPlace surface = document_.element(audio(*owner)["acousticSurface"], list("acousticSurfaces"));
+      const JsonPlace field = document_.element(surface["material"], list("acousticMaterials"));
       if (!field.present()) continue;
       GltfMaterial material{.number = surface["material"].index().value_or(0), .name = field["name"].text_or("")};
       const auto read = [&](const char* key, std::optional<double>& target) {
@@ -169,8 +171,8 @@ class SilentFinder {
     bool has_plane = false;
     for (const std::size_t k : colliders) {
       const Affine map = back * nodes()[k].world;
-      const Field geometry = geometry_of(physics(k)["collider"]);
-      const Field shape = document_.element(geometry["shape"], shapes_of(document_.root()));
+      const JsonPlace geometry = geometry_of(physics(k)["collider"]);
+      const JsonPlace shape = document_.element(geometry["shape"], shapes_of(document_.root()));
       if (geometry["node"].present() || shape["type"].text_or("") == "mesh") {
         if (const auto read = read_geometry(document_, geometry)) {
           if (auto placed = place(*read, map)) meshes.push_back(std::move(*placed));
@@ -195,10 +197,12 @@ class SilentFinder {
   }
 
   // A solid of OpenCASCADE for an implicit shape: its axis is y, its middle the node's origin.
-  std::string add_solid(const Field& shape, const Affine& map, int& volumes) {
+  std::string add_solid(const JsonPlace& shape, const Affine& map, int& volumes) {
     const std::string type = shape["type"].text_or("");
-    const Field own = shape[type];
-    const auto size = [&](const Field& field, double fallback) { return std::abs(document_.number(field, fallback)); };
+    const JsonPlace own = shape[type];
+    const auto size = [&](const JsonPlace& field, double fallback) {
+      return std::abs(document_.number(field, fallback));
+    };
     std::ostringstream text;
     text.precision(17);
     const auto ball = [&](int number, double y, double radius) {

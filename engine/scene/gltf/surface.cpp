@@ -15,9 +15,9 @@ bool equal(const std::optional<modal::SurfaceTrack>& a, const std::optional<moda
 
 }  // namespace
 
-using modal::Field;
+using modal::JsonPlace;
 
-void read_finish(GltfDocument& document, const Field& finish, FrictionSurface& surface) {
+void read_finish(GltfDocument& document, const JsonPlace& finish, FrictionSurface& surface) {
   constexpr double kUsualWaviness_m = 2e-6, kUsualWavinessLength_m = 2e-3;
   synth::Texture& texture = surface.texture;
   texture.roughness_m = document.number(finish["roughness"], texture.roughness_m);
@@ -37,8 +37,8 @@ void read_finish(GltfDocument& document, const Field& finish, FrictionSurface& s
     document.notes.add("the waviness of an acoustic surface should be longer and gentler than its finish");
 }
 
-std::optional<modal::SurfaceTrack> read_profile(GltfDocument& document, const Field& finish) {
-  const Field profile = finish["profile"];
+std::optional<modal::SurfaceTrack> read_profile(GltfDocument& document, const JsonPlace& finish) {
+  const JsonPlace profile = finish["profile"];
   if (!profile.present()) return {};
   const auto heights = modal::read_floats(document.glb(), profile, 1, modal::kMaxTrackSamples);
   const auto spacing_m = finish["sampleSpacing"].number();

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace ringdown::modal {
-class Field;
+class JsonPlace;
 }
 
 namespace ringdown::scene {
@@ -18,10 +18,10 @@ class GltfDocument;
 
 // Reads the finish and the waviness of an `acousticSurfaces` element. Missing values, or a missing element, take the
 // draft's defaults.
-void read_finish(GltfDocument& document, const modal::Field& finish, FrictionSurface& surface);
+void read_finish(GltfDocument& document, const modal::JsonPlace& finish, FrictionSurface& surface);
 
 // Reads the measured track of an `acousticSurfaces` element, if there is one.
-std::optional<modal::SurfaceTrack> read_profile(GltfDocument& document, const modal::Field& finish);
+std::optional<modal::SurfaceTrack> read_profile(GltfDocument& document, const modal::JsonPlace& finish);
 
 // Keeps the reliefs of scenes that were played, because a mixer may use a relief that an event points to
 // (synth::Passing) after the scene has ended. Equal reliefs are kept once.
