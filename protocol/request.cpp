@@ -17,8 +17,8 @@ Request request_for(const synth::Event& event, const ObjectRef& object) {
   return visit(request, event.verb);
 }
 
-std::vector<SetDamper> dampers_for(const modal::Dampers& dampers, const ObjectRef& object) {
-  std::vector<SetDamper> holds;
+std::vector<Hold> dampers_for(const modal::Dampers& dampers, const ObjectRef& object) {
+  std::vector<Hold> holds;
   for (const auto& [number, damper] : dampers) holds.push_back({object, damper, number});
   return holds;
 }

@@ -75,7 +75,7 @@ struct SetMaterial {  // /object/{object}/material
   modal::MaterialScale scale;
 };
 // Lays a damper on the object, or takes it away.
-struct SetDamper {  // /object/{object}/hold
+struct Hold {  // /object/{object}/hold
   ObjectRef object;
   modal::Damper damper;
   std::uint32_t number = 0;  // which of the object's dampers, below modal::kMaxDampers
@@ -209,7 +209,7 @@ using VerbRequests = decltype(detail::requests_of(synth::PublicVerbs()));
 
 using Requests =
     Joined<VerbRequests,
-           Types<StrikeMany, PoseMany, ClearAll, SetMaterial, SetDamper, SetGroup, SetMute, SetSolo, SelectModes,
+           Types<StrikeMany, PoseMany, ClearAll, SetMaterial, Hold, SetGroup, SetMute, SetSolo, SelectModes,
                  WatchObject, DescribeObject, ReadBank, Excite, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox,
                  SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState,
                  SaveScene, RecordStart, RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
@@ -219,7 +219,7 @@ using Request = OneOf<Requests>;
 Request request_for(const synth::Event& event, const ObjectRef& object);
 
 // The requests that would lay these dampers on `object`, by ascending number.
-std::vector<SetDamper> dampers_for(const modal::Dampers& dampers, const ObjectRef& object);
+std::vector<Hold> dampers_for(const modal::Dampers& dampers, const ObjectRef& object);
 
 }  // namespace ringdown::protocol
 

@@ -118,14 +118,14 @@ Row row(SetMaterial& s) {
        optional(number(&s.scale.size, "size", kSizeScale, "The factor on all lengths; 0.5 is an octave up."))});
 }
 
-Row row(SetDamper& s) {
+Row row(Hold& s) {
   return answered(
       s = {kBell, {{0.05, 0, 0.02}, {}, 20}}, "/object/{object}/hold",
-      "Lays a hand on the object, or puts it down on something: modes die sooner the more they move there. "
+      "Lays a damper, such as a hand or a table, on the object: modes die sooner the more they move there. "
       "An object can have 16 dampers, of which an embedded scene uses those from 8 on.",
       {object(&s.object), vector(&s.damper.point_m, "point", {"x", "y", "z"}, kPosition, "Where it touches."),
        number(&s.damper.damping_ns_m, "damping", kDamping,
-              "Resisting force over speed of the surface: about 5 for a fingertip; 0 takes the hand away."),
+              "Resisting force over speed of the surface: about 5 for a fingertip; 0 takes the damper away."),
        optional(vector(&s.damper.direction, "direction", {"nx", "ny", "nz"}, kDirection,
                        "The direction of the resisted motion; 0 0 0 for all.")),
        optional(integer(&s.number, "number", kDamperNumber, "Which damper."))});

@@ -45,7 +45,7 @@ std::size_t EventSender::send(std::span<const scene::RestDamping> dampings, cons
   std::size_t lost = 0;
   for (const scene::RestDamping& damping : dampings) {
     std::vector<wire::Message> messages;
-    for (const protocol::SetDamper& damper : protocol::dampers_for(damping.dampers, {.name = name(damping.object)})) {
+    for (const protocol::Hold& damper : protocol::dampers_for(damping.dampers, {.name = name(damping.object)})) {
       messages.push_back(protocol::format(damper));
     }
     lost += !socket_.send_to(to_, wire::encode_bundle(wire::time_tag(unix_time(damping.frame)), messages));

@@ -112,7 +112,7 @@ ExitCode write_events(const std::filesystem::path& path, const scene::SceneDescr
     };
     for (const synth::Event& event : step.events) add(event.frame, protocol::request_for(event, ref(event.object)));
     for (const scene::RestDamping& damping : step.dampings) {
-      for (const protocol::SetDamper& damper : protocol::dampers_for(damping.dampers, ref(damping.object)))
+      for (const protocol::Hold& damper : protocol::dampers_for(damping.dampers, ref(damping.object)))
         add(damping.frame, damper);
     }
   }

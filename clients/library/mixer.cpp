@@ -177,7 +177,7 @@ ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t obj
     return guarded(error, [&] { return missing(name); });
   if (auto good = check_index("number", number, RINGDOWN_MAX_DAMPERS); !good)
     return guarded(error, [&] { return good; });
-  protocol::SetDamper request{
+  protocol::Hold request{
       numbered(object), {library::vector(point_m), library::vector(direction), damping_ns_m}, number};
   return change(mixer, request, error, [&](session::Rack& rack) -> Result<void> {
     const auto held = rack.find(request.object);

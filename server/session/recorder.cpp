@@ -29,7 +29,7 @@ std::vector<protocol::Request> requests_between(const ObjectState* before, const
   for (const auto& [number, damper] : dampers) {
     const auto present = from.dampers.find(number);
     if (present != from.dampers.end() && present->second == damper) continue;
-    requests.emplace_back(protocol::SetDamper{ref, damper, number});
+    requests.emplace_back(protocol::Hold{ref, damper, number});
   }
   if (after.group != from.group) {
     requests.emplace_back(protocol::SetGroup{ref, after.group.empty() ? std::nullopt : std::optional(after.group)});

@@ -18,7 +18,7 @@ Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame 
 
 Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (auto good = check_frame(frame); !good) return good;
-  return visit(Overloaded{[&](const protocol::SetDamper& set) -> Result<void> {
+  return visit(Overloaded{[&](const protocol::Hold& set) -> Result<void> {
                  const auto object = rack_.find(set.object);
                  if (!object) return fail(object.error());
                  if (!(set.damper.damping_ns_m > 0)) return {};  // taken away from wherever it is said to be
@@ -105,7 +105,7 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
 
 Answer Session::perform(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (const auto good = check(request, frame); !good) return fail(good.error());
-  return visit(Overloaded{[&](const protocol::SetDamper& set) {
+  return visit(Overloaded{[&](const protocol::Hold& set) {
                  return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
                }},
                request);

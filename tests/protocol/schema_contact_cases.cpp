@@ -114,10 +114,10 @@ Cases contact_cases() {
 
 Cases hold_cases() {
   const std::string a = "/object/bell/hold";
-  return {{{a, {1, 2, 3, 5}, claim<SetDamper>([](const SetDamper& h) {
+  return {{{a, {1, 2, 3, 5}, claim<Hold>([](const Hold& h) {
               return h.object == named("bell") && h.damper == modal::Damper{{1, 2, 3}, {0, 0, 0}, 5} && h.number == 0;
             })},
-           {a, {1, 2, 3, 0, 0, 0, -1, 15}, claim<SetDamper>([](const SetDamper& h) {
+           {a, {1, 2, 3, 0, 0, 0, -1, 15}, claim<Hold>([](const Hold& h) {
               return h.damper == modal::Damper{{1, 2, 3}, {0, 0, -1}, 0} && h.number == 15;
             })}},
           {{"/object/b%/hold", {0, 0, 0, 0}, "object"},

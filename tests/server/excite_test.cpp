@@ -69,7 +69,7 @@ TEST_F(Excite, PointsFarFromTheObjectAreRefused) {
     return refusal(session_.perform(protocol::Excite{{.name = "a"}, 2, {x, 0, 0}, {0, 0, 1}}, 0));
   };
   const auto hold_at = [&](double x, double damping) {
-    return refusal(session_.perform(protocol::SetDamper{{.name = "a"}, {{x, 0, 0}, {}, damping}}, 0));
+    return refusal(session_.perform(protocol::Hold{{.name = "a"}, {{x, 0, 0}, {}, damping}}, 0));
   };
   EXPECT_NE(excite_at(100).find("m off the object"), std::string::npos) << excite_at(100);
   EXPECT_NE(hold_at(100, 1).find("m off the object"), std::string::npos) << hold_at(100, 1);
