@@ -8,6 +8,7 @@
 #include "engine/bake/bake_object.h"
 #include "engine/bake/body_shape.h"
 #include "engine/base/content_cache.h"
+#include "engine/base/file_format.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/materials/material_library.h"
@@ -151,7 +152,8 @@ ExitCode run(int argc, char** argv) {
   std::optional<std::string> unit;
   manual::App* verb =
       app.add_subcommand("mesh", "Faults of a surface, of tetrahedra or of a geometry, and what they lead to.");
-  verb->add_option("file", request.file, "a surface (.stl .obj .ply .glb), a geometry or a mesh")
+  verb->add_option("file", request.file,
+                   "a surface (" + example_endings({FileKind::surface, FileKind::gltf}) + "), a geometry or a mesh")
       ->type_name("FILE")
       ->required();
   verb->add_option("--unit", unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);

@@ -58,8 +58,10 @@ struct Settings {
 
 void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("input", arguments.input,
-                 "an object (.toml), a surface (.stl .obj .ply .glb), a geometry (.geo .step .brep), a mesh (.msh .vtk "
-                 "...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
+                 "an object (.toml), a surface (" + example_endings({FileKind::surface, FileKind::gltf}) +
+                     "), a geometry (" + example_endings({FileKind::program, FileKind::geometry}) + "), a mesh (" +
+                     example_endings({FileKind::gmsh_mesh}) +
+                     " ...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
       ->type_name("FILE");
   app.add_option("-o,--output", arguments.output,
                  "the bank to write (.glb); of a folder, where to (default: beside); of a scene, another file "
