@@ -7,6 +7,7 @@
 #include "clients/cli/long_work.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/body_shape.h"
+#include "engine/bake/recipe_options.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/file_format.h"
 #include "engine/base/folders.h"
@@ -156,7 +157,7 @@ ExitCode run(int argc, char** argv) {
                    "a surface (" + example_endings({FileKind::surface, FileKind::gltf}) + "), a geometry or a mesh")
       ->type_name("FILE")
       ->required();
-  verb->add_option("--unit", unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
+  verb->add_option("--unit", unit, bake::kUnitSentence)->type_name("LENGTH")->check(cli::check_unit);
   verb->add_flag("--cavities", request.cavities, "shells inside others are cavities, however they are wound");
   verb->add_option("-m,--material", request.material, "the material that the mesh is chosen for (default steel)");
   verb->add_option("--materials", request.materials, "folder of materials (default: the presets')")
