@@ -6,7 +6,6 @@
 #include "engine/mesh/files/geo_language.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <string_view>
 
@@ -26,10 +25,6 @@ std::string lower(std::string_view text) {
   return small;
 }
 
-bool is_one_of(std::string_view word, std::initializer_list<std::string_view> list) {
-  return std::find(list.begin(), list.end(), word) != list.end();
-}
-
 // The values of every "uri" that are not data themselves.
 std::optional<Files> named_by_gltf(std::string_view text) {
   Files files;
@@ -45,22 +40,21 @@ std::optional<Files> named_by_gltf(std::string_view text) {
 }
 
 std::optional<Files> named_by(const fs::path& path) {
-  const std::string kind = ending_of(path);
-  if (kind == ".node" || kind == ".ele" || kind == ".face") {
+  const FileFormat* format = format_of(path);
+  if (!format || format->companions == Companions::none) return Files{};
+  if (format->companions == Companions::siblings) {
     Files files;
-    for (const char* ending : {".node", ".ele", ".face"}) {
+    for (const std::string_view ending : format->siblings) {
       std::error_code error;
       const fs::path sibling = fs::path(path.filename()).replace_extension(ending);
-      if (ending != kind && fs::exists(path.parent_path() / sibling, error)) files.push_back(sibling);
+      if (fs::exists(path.parent_path() / sibling, error)) files.push_back(sibling);
     }
     return files;
   }
-  const bool is_program = is_of_kind(path, FileKind::program);
-  if (!is_program && !is_one_of(kind, {".bdf", ".nas", ".gltf"})) return Files{};
   const Result<std::string> text = read_whole_file(path, kMaxFileBytes);
   if (!text) return std::nullopt;
-  if (is_program) return mesh::files_named_by_geo(*text);
-  if (kind == ".gltf") return named_by_gltf(*text);
+  if (format->kind == FileKind::program) return mesh::files_named_by_geo(*text);
+  if (format->companions == Companions::uris) return named_by_gltf(*text);
   return lower(*text).find("include") == std::string::npos ? std::optional(Files{}) : std::nullopt;
 }
 

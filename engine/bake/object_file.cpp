@@ -1,6 +1,7 @@
 #include "engine/bake/object_file.h"
 
 #include "engine/bake/makeup_file.h"
+#include "engine/bake/recipe_options.h"
 #include "engine/base/note.h"
 #include "engine/base/toml_table.h"
 
@@ -11,58 +12,6 @@
 
 namespace ringdown::bake {
 namespace {
-
-constexpr Range kLength_m{1e-9, 1e6};
-constexpr Range kGain_db{-60, 60};
-constexpr Range kFloor_db{1, 200};
-constexpr Range kBudget_s{0.001, 1e6};
-
-void read_air(TomlTable& file, BakeOptions& options) {
-  modal::Air air;
-  bool radiates = false;
-  std::vector<double> numbers = {air.density_kg_m3, air.sound_speed_m_s};
-  file.boolean("radiation", radiates);
-  file.numbers("air", numbers);
-  if (numbers.size() != 2 || !kAirDensity_kg_m3.holds(numbers[0]) || !kSoundSpeed_m_s.holds(numbers[1])) {
-    return file.complain("air",
-                         "air must be its density, 0.001 to 1000 kg/m^3, and its speed of sound, 10 to 10000 m/s");
-  }
-  options.air.reset();
-  if (radiates) options.air = modal::Air{.density_kg_m3 = numbers[0], .sound_speed_m_s = numbers[1]};
-}
-
-void read_options(TomlTable& file, BakeOptions& options) {
-  std::string name(fem::element_name(options.element));
-  file.text("element", name);
-  const Result<fem::Element> element = fem::parse_element(name);
-  if (element) options.element = *element;
-  if (!element)
-    file.complain("element", "element must be \"tet10\", \"tet20\", \"tet35\", \"tet4\" or \"tet4-lumped\"");
-
-  std::uint64_t points = options.points, modes = 0;
-  file.whole("surface_points", points, 4, 1'000'000);
-  file.whole("keep_modes", modes, 0, 1'000'000);
-  file.number("floor_db", options.floor_db, kFloor_db);
-  file.boolean("verify", options.verify);
-  read_air(file, options);
-  std::uint64_t nonlinear = 0;
-  file.whole("nonlinear", nonlinear, 0, kMaxNonlinearModes);
-  options.nonlinear = static_cast<int>(nonlinear);
-  std::uint64_t coupled = 0;
-  file.whole("coupled", coupled, 0, modal::kMaxCoupled);
-  if (coupled > nonlinear) file.complain("coupled", "coupled modes are among the nonlinear ones: at most as many");
-  options.coupled = static_cast<int>(coupled);
-  options.points = points;
-  options.keep_modes = static_cast<int>(modes);
-
-  std::vector<double> band = {options.band_low_hz, options.band_high_hz};
-  file.numbers("band_hz", band);
-  if (band.size() != 2 || !(band[0] >= 0 && band[1] > band[0])) {
-    return file.complain("band_hz", "band_hz must be two frequencies in Hz, the lower first");
-  }
-  options.band_low_hz = band[0];
-  options.band_high_hz = band[1];
-}
 
 // A note's name, or a frequency in Hz.
 std::optional<double> parse_pitch(const std::string& word) {
@@ -98,28 +47,16 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   recipe.name = path.stem().string();
   std::string geometry;
   file->require({"material", "geometry"});
-  file->text("name", recipe.name);
   file->text("description", recipe.description);
   file->text("material", recipe.material);
   file->text("geometry", geometry);
   recipe.geometry = path.parent_path() / geometry;
-  double unit_m = 0;
-  file->number("unit_m", unit_m, kLength_m);
-  if (unit_m > 0) recipe.meshing.unit_m = unit_m;
-  file->boolean("cavities", recipe.meshing.cavities);
-  file->boolean("force_coarse", recipe.meshing.force_coarse);
-  file->number("scale", recipe.scale, kScale);
-  file->number("mesh_size_m", recipe.meshing.mesh_size_m, kLength_m);
-  file->named_numbers("parameters", recipe.meshing.parameters);
-  read_options(*file, recipe.options);
+  read_options(*file, recipe);
+  if (recipe.options.coupled > recipe.options.nonlinear)
+    file->complain("coupled", "coupled modes are among the nonlinear ones: at most as many");
   read_makeup(*file, recipe.options.makeup);
   read_part_surfaces(*file, path.parent_path(), recipe);
-  recipe.meshing.order = fem::order_of(recipe.options.element);
-  file->fraction("error", recipe.error, kError);
-  file->fraction("shape_error", recipe.options.shape_error, kShapeError);
-  file->number("gain_db", recipe.gain_db, kGain_db);
   read_pitch(*file, recipe);
-  file->number("budget_s", recipe.budget_s, kBudget_s);
   if (auto good = file->finish(); !good) return fail(good.error());
   return recipe;
 }

@@ -4,26 +4,9 @@
 //   description = "A thin drinking glass"
 //   material = "glass"               # a file of presets/materials
 //   geometry = "tumbler.geo"         # or a surface or a mesh (mesh/body_reader.h); relative to this file
-//   unit_m = 0.001                   # length of one unit of the geometry; default: what the file says, else 1
-//   cavities = true                  # shells inside others are cavities, however they are wound; default false
-//   force_coarse = true              # bake walls that are too thin to be meshed, wrong as that sounds; default false
-//   scale = 1.5                      # all lengths times this, once it is meshed; default 1
-//   mesh_size_m = 0.006              # longest edge, where it is meshed; default: chosen by the band (body_shape.h)
-//   error = "0.1%"                   # or 0.001: refine until every frequency is that good (bake_object.h)
-//   element = "tet20"                # default; tet10, tet35, tet4, tet4-lumped
-//   shape_error = "1%"               # of amplitudes between sample points; default 3%
-//   surface_points = 160             # so many sample points, whatever the error; default: as many as shape_error takes
-//   band_hz = [20, 20000]            # default
-//   keep_modes = 120                 # the most important ones; default: all in the band
-//   floor_db = 60                    # drop what is inaudible this far below the loudest mode; default: nothing
-//   radiation = false                # do not compute what the modes radiate; default true
-//   air = [1.2041, 343.2]            # that they radiate into: density in kg/m^3, speed of sound in m/s; this default
-//   nonlinear = 60                   # so many modes bend each other's pitch (nonlinear_modes.h); default 0
-//   coupled = 40                     # of these, the lowest, exchange energy while they are loud; default 0, up to 64
-//   verify = true                    # have a second solver agree, or fail (solve/second_opinion.h); default false
-//   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
+//   mesh_size_m = 0.006              # options of baking (recipe_options.h)
+//   band_hz = [20, 20000]
 //   pitch = "A4"                     # or 440, in Hz: the note that it is tuned to; default: found by its modes
-//   budget_s = 20                    # processor seconds that a bake of it should not exceed; default: none
 //   [grain]                          # the material's axes (makeup.h); without, the material is isotropic
 //   along = [1, 0, 0]                # of its grain
 //   radial = [0, 0, 1]               # of its growth rings; needed for orthotropic materials
@@ -45,12 +28,11 @@
 //   loss_factor = 0.1                # of the springs; default 0
 //   [[mass]]                         # glued on, spread over a box, plane or group
 //   mass_kg = 0.002
-//   [parameters]                     # DefineConstant names of a .geo, in its unit
+//   [parameters]                     # DefineConstant names of a .geo, in its unit; an option, too
 //   height = 110
 #pragma once
 
 #include "engine/bake/bake.h"
-#include "engine/base/range.h"
 #include "engine/base/result.h"
 #include "engine/mesh/body.h"
 
@@ -80,10 +62,6 @@ struct ObjectRecipe {
   bool preview = false;           // coarse and quick; `error` does not count
   double budget_s = 0;            // of processor time, which `ringdown bake FOLDER` compares with; 0: none
 };
-
-inline constexpr Range kScale{1e-3, 1e3};
-inline constexpr Range kAirDensity_kg_m3{1e-3, 1e3}, kSoundSpeed_m_s{10, 1e4};
-inline constexpr Range kError{1e-7, 0.5}, kShapeError{1e-3, 0.5};  // that may be asked for
 
 // The files of the materials that the recipe's parts have.
 std::vector<std::filesystem::path> part_materials(const ObjectRecipe& recipe, const std::filesystem::path& materials);

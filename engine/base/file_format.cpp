@@ -7,46 +7,55 @@
 namespace ringdown {
 namespace {
 
-constexpr std::array kFormats = {
-    FileFormat{.ending = ".stl", .kind = FileKind::surface, .known_to_gmsh = true},
-    FileFormat{.ending = ".obj", .kind = FileKind::surface, .known_to_gmsh = true},
-    FileFormat{.ending = ".ply", .kind = FileKind::surface, .known_to_gmsh = true},
-    FileFormat{.ending = ".off", .kind = FileKind::surface, .known_to_gmsh = true},
-    FileFormat{.ending = ".gltf", .kind = FileKind::gltf, .has_companions = true},
-    FileFormat{.ending = ".glb", .kind = FileKind::gltf, .is_body = false},  // a bank, in a folder
-    // CAD programs' files say their unit, and gmsh hands them over in millimetres.
-    FileFormat{.ending = ".step", .kind = FileKind::geometry, .unit_m = 0.001, .known_to_gmsh = true},
-    FileFormat{.ending = ".stp", .kind = FileKind::geometry, .unit_m = 0.001, .known_to_gmsh = true},
-    FileFormat{.ending = ".iges", .kind = FileKind::geometry, .unit_m = 0.001, .known_to_gmsh = true},
-    FileFormat{.ending = ".igs", .kind = FileKind::geometry, .unit_m = 0.001, .known_to_gmsh = true},
-    FileFormat{.ending = ".brep", .kind = FileKind::geometry, .known_to_gmsh = true},
-    FileFormat{.ending = ".brp", .kind = FileKind::geometry, .known_to_gmsh = true},
-    FileFormat{.ending = ".xao", .kind = FileKind::geometry, .known_to_gmsh = true},
-    FileFormat{.ending = ".geo", .kind = FileKind::program},
-    FileFormat{.ending = ".geo_unrolled", .kind = FileKind::program, .is_body = false},
-    // gmsh knows its own meshes by their first line, and reads others with these endings in its language.
-    FileFormat{.ending = ".msh", .kind = FileKind::gmsh_mesh},
-    FileFormat{.ending = ".msh2", .kind = FileKind::gmsh_mesh, .is_body = false},
-    FileFormat{.ending = ".msh4", .kind = FileKind::gmsh_mesh, .is_body = false},
-    FileFormat{.ending = ".mesh", .kind = FileKind::gmsh_mesh, .known_to_gmsh = true},
-    FileFormat{.ending = ".vtk", .kind = FileKind::gmsh_mesh, .known_to_gmsh = true},
-    FileFormat{.ending = ".unv", .kind = FileKind::gmsh_mesh, .known_to_gmsh = true},
-    FileFormat{.ending = ".bdf", .kind = FileKind::gmsh_mesh, .known_to_gmsh = true},
-    FileFormat{.ending = ".nas", .kind = FileKind::gmsh_mesh, .known_to_gmsh = true, .is_body = false},
-    FileFormat{.ending = ".med", .kind = FileKind::gmsh_mesh, .known_to_gmsh = true, .is_body = false},
-    FileFormat{.ending = ".cgns", .kind = FileKind::gmsh_mesh, .known_to_gmsh = true, .is_body = false},
-    FileFormat{.ending = ".inp", .kind = FileKind::tetrahedra},
-    FileFormat{.ending = ".node", .kind = FileKind::tetrahedra, .has_companions = true},
-    FileFormat{.ending = ".ele", .kind = FileKind::tetrahedra, .is_body = false, .has_companions = true},
-    FileFormat{.ending = ".veg", .kind = FileKind::tetrahedra},
-    FileFormat{.ending = ".tet", .kind = FileKind::tetrahedra},
-    FileFormat{.ending = ".toml", .kind = FileKind::table, .is_body = false},
-    FileFormat{.ending = ".wav", .kind = FileKind::sound, .is_body = false},
-    FileFormat{.ending = ".flac", .kind = FileKind::sound, .is_body = false},
-    FileFormat{.ending = ".aif", .kind = FileKind::sound, .is_body = false},
-    FileFormat{.ending = ".aiff", .kind = FileKind::sound, .is_body = false},
-    FileFormat{.ending = ".ogg", .kind = FileKind::sound, .is_body = false},
-};
+constexpr auto kFormats = [] {
+  using enum FileKind;
+  using enum Companions;
+  return std::to_array<FileFormat>({
+      {.ending = ".stl", .kind = surface, .known_to_gmsh = true, .example = true},
+      {.ending = ".obj", .kind = surface, .known_to_gmsh = true, .example = true},
+      {.ending = ".ply", .kind = surface, .known_to_gmsh = true, .example = true},
+      {.ending = ".off", .kind = surface, .known_to_gmsh = true},
+      {.ending = ".gltf", .kind = gltf, .companions = uris},
+      {.ending = ".glb", .kind = gltf, .is_body = false, .example = true},  // a bank, in a folder
+      // CAD programs' files say their unit, and gmsh hands them over in millimetres.
+      {.ending = ".step",
+       .kind = geometry,
+       .unit_m = 0.001,
+       .known_to_gmsh = true,
+       .opencascade = "step",
+       .example = true},
+      {.ending = ".stp", .kind = geometry, .unit_m = 0.001, .known_to_gmsh = true, .opencascade = "step"},
+      {.ending = ".iges", .kind = geometry, .unit_m = 0.001, .known_to_gmsh = true, .opencascade = "iges"},
+      {.ending = ".igs", .kind = geometry, .unit_m = 0.001, .known_to_gmsh = true, .opencascade = "iges"},
+      {.ending = ".brep", .kind = geometry, .known_to_gmsh = true, .opencascade = "brep", .example = true},
+      {.ending = ".brp", .kind = geometry, .known_to_gmsh = true, .opencascade = "brep"},
+      {.ending = ".xao", .kind = geometry, .known_to_gmsh = true},
+      {.ending = ".geo", .kind = program, .example = true, .companions = includes},
+      {.ending = ".geo_unrolled", .kind = program, .is_body = false, .companions = includes},
+      // gmsh knows its own meshes by their first line, and reads others with these endings in its language.
+      {.ending = ".msh", .kind = gmsh_mesh, .example = true},
+      {.ending = ".msh2", .kind = gmsh_mesh, .is_body = false},
+      {.ending = ".msh4", .kind = gmsh_mesh, .is_body = false},
+      {.ending = ".mesh", .kind = gmsh_mesh, .known_to_gmsh = true},
+      {.ending = ".vtk", .kind = gmsh_mesh, .known_to_gmsh = true, .example = true},
+      {.ending = ".unv", .kind = gmsh_mesh, .known_to_gmsh = true},
+      {.ending = ".bdf", .kind = gmsh_mesh, .known_to_gmsh = true, .companions = includes},
+      {.ending = ".nas", .kind = gmsh_mesh, .known_to_gmsh = true, .is_body = false, .companions = includes},
+      {.ending = ".med", .kind = gmsh_mesh, .known_to_gmsh = true, .is_body = false},
+      {.ending = ".cgns", .kind = gmsh_mesh, .known_to_gmsh = true, .is_body = false},
+      {.ending = ".inp", .kind = tetrahedra},
+      {.ending = ".node", .kind = tetrahedra, .companions = siblings, .siblings = {".ele", ".face"}},
+      {.ending = ".ele", .kind = tetrahedra, .is_body = false, .companions = siblings, .siblings = {".node", ".face"}},
+      {.ending = ".veg", .kind = tetrahedra},
+      {.ending = ".tet", .kind = tetrahedra},
+      {.ending = ".toml", .kind = table, .is_body = false},
+      {.ending = ".wav", .kind = sound, .is_body = false},
+      {.ending = ".flac", .kind = sound, .is_body = false},
+      {.ending = ".aif", .kind = sound, .is_body = false},
+      {.ending = ".aiff", .kind = sound, .is_body = false},
+      {.ending = ".ogg", .kind = sound, .is_body = false},
+  });
+}();
 
 template <class Wanted>
 std::string endings(Wanted wanted) {
@@ -58,6 +67,8 @@ std::string endings(Wanted wanted) {
 }
 
 }  // namespace
+
+std::span<const FileFormat> file_formats() { return kFormats; }
 
 std::string ending_of(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
@@ -82,6 +93,15 @@ std::string endings_of_bodies() {
   return endings([](const FileFormat& f) { return f.kind == surface || f.kind == gltf; }) + " (surfaces), " +
          endings([](const FileFormat& f) { return f.kind == geometry || f.kind == program; }) + " (geometries), " +
          endings([](const FileFormat& f) { return f.kind == tetrahedra || f.kind == gmsh_mesh; }) + " (meshes)";
+}
+
+std::string example_endings(std::initializer_list<FileKind> kinds) {
+  std::string list;
+  for (const FileKind kind : kinds) {
+    const std::string some = endings([kind](const FileFormat& f) { return f.kind == kind && f.example; });
+    list += (list.empty() ? "" : " ") + some;
+  }
+  return list;
 }
 
 }  // namespace ringdown

@@ -150,11 +150,6 @@ bool looks_elsewhere(std::string text) {
                      [&text](const char* word) { return text.find(word) != std::string::npos; });
 }
 
-// Read as text by gmsh's parser, or as a keyword format with includes; other formats stand alone.
-bool is_program(const std::filesystem::path& path) {
-  return is_of_kind(path, FileKind::program) || has_ending(path, ".bdf") || has_ending(path, ".nas");
-}
-
 // Every option by name: a new one that is not in the key does not compile.
 ContentHash key_of(const std::filesystem::path& path, const std::string& text, const GmshOptions& options,
                    const std::vector<std::string>& part_texts) {
@@ -176,7 +171,8 @@ ContentHash key_of(const std::filesystem::path& path, const std::string& text, c
 // Returns true where the content of the file says all that its body depends on.
 bool stands_alone(const std::filesystem::path& path, const std::string& text) {
   const FileFormat* format = format_of(path);
-  return !(format && format->has_companions) && !(is_program(path) && looks_elsewhere(text));
+  if (!format || format->companions == Companions::none) return true;
+  return format->companions == Companions::includes && !looks_elsewhere(text);
 }
 
 // The content of a file and of its parts' surfaces says all; none where it does not, or cannot be read.

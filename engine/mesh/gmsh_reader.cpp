@@ -242,15 +242,6 @@ tl::unexpected<Error> gmsh_failed(const std::filesystem::path& path, const std::
   return fail(ErrorKind::bad_input, "gmsh cannot make a mesh of " + path.string() + ": " + clause_of(message));
 }
 
-// OpenCASCADE's name of a format, whatever letters the ending is in; gmsh itself takes an ending of small and capital
-// letters for its own language. Empty: none of OpenCASCADE's.
-std::string opencascade_name(const std::filesystem::path& path) {
-  const std::string ending = ending_of(path);
-  if (ending == ".step" || ending == ".stp") return "step";
-  if (ending == ".iges" || ending == ".igs") return "iges";
-  return ending == ".brep" || ending == ".brp" ? "brep" : "";
-}
-
 bool has_partitions() {
   gmsh::vectorpair volumes;
   gmsh::model::getEntities(volumes, 3);
@@ -262,17 +253,18 @@ bool has_partitions() {
 }
 
 Result<void> open_file(const std::filesystem::path& path, const GmshOptions& options, double unit_m) {
-  if (is_of_kind(path, FileKind::geometry)) {
-    if (const std::string format = opencascade_name(path); !format.empty()) {
-      gmsh::model::add(path.stem().string());
-      gmsh::vectorpair shapes;
-      gmsh::model::occ::importShapes(path.string(), shapes, false, format);
-      gmsh::model::occ::synchronize();
-      return {};
-    }
+  const FileFormat* format = format_of(path);
+  // OpenCASCADE's formats are imported by name, because gmsh takes an ending of small and capital letters for its own
+  // language.
+  if (format && !format->opencascade.empty()) {
+    gmsh::model::add(path.stem().string());
+    gmsh::vectorpair shapes;
+    gmsh::model::occ::importShapes(path.string(), shapes, false, std::string(format->opencascade));
+    gmsh::model::occ::synchronize();
+    return {};
   }
   if (!is_of_kind(path, FileKind::program)) {
-    if (const FileFormat* format = format_of(path); format && format->known_to_gmsh && !gmsh_knows_ending(path)) {
+    if (format && format->known_to_gmsh && !gmsh_knows_ending(path)) {
       return fail(ErrorKind::bad_input, "gmsh knows the ending of " + path.string() +
                                             " in small or in capital letters only; rename the file");
     }

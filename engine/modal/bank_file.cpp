@@ -267,7 +267,8 @@ Json material_json(const Bank& bank) {
   return json;
 }
 
-Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, const ReadBeside& read_beside) {
+Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, const ModelChoice& chosen,
+                     const ReadBeside& read_beside) {
   const auto glb = read_beside ? parse_gltf(bytes, name, read_beside) : parse_glb(bytes, name);
   if (!glb) return fail(glb.error());
   const JsonPlace extension = glb->root()["extensions"][kExtension];
@@ -275,8 +276,7 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
     return fail(ErrorKind::bad_input,
                 name + " holds no modal model (extension " + kExtension + "); make one with `ringdown bake`");
   }
-  const auto [file, chosen, spread] = split_bank_path(name);
-  const auto instance = chosen ? Result<Instance>(Instance{.model = *chosen}) : find_instance(*glb);
+  const auto instance = chosen.number ? Result<Instance>(Instance{.model = *chosen.number}) : find_instance(*glb);
   if (!instance) return fail(instance.error());
   const JsonPlace model = extension["modalModels"][instance->model];
   if (!model.present())
@@ -299,7 +299,7 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
   bank.mass = *mass;
   if (const auto read = read_extras(*glb, model["extras"]["ringdown"], bank); !read) return fail(read.error());
   bank.provenance.generator = glb->root()["asset"]["generator"].text_or("");
-  if (spread != 1) spread_points(bank, spread);
+  if (chosen.scale != 1) spread_points(bank, chosen.scale);
   if (instance->scale != 1) {
     if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
   }
@@ -312,38 +312,37 @@ BankPath split_bank_path(const std::filesystem::path& path) {
   const std::string text = path.string();
   const std::size_t mark = text.rfind('#');
   if (mark == std::string::npos) return {path, {}};
-  BankPath split{text.substr(0, mark), 0};
+  BankPath split{text.substr(0, mark), {0}};
+  auto& [model, factor] = split.model;
   const std::string file = split.file.string();
   const char *at = text.data() + mark + 1, *const end = text.data() + text.size();
-  const auto number = std::from_chars(at, end, *split.model);
-  bool good = number.ec == std::errc() && *split.model <= kMaxModelNumber;
+  const auto number = std::from_chars(at, end, *model);
+  bool good = number.ec == std::errc() && *model <= kMaxModelNumber;
   if (good && number.ptr != end) {
-    const auto scale = std::from_chars(number.ptr + 1, end, split.scale);
-    good = *number.ptr == '@' && scale.ec == std::errc() && scale.ptr == end && kBankPathScale.holds(split.scale);
+    const auto scale = std::from_chars(number.ptr + 1, end, factor);
+    good = *number.ptr == '@' && scale.ec == std::errc() && scale.ptr == end && kBankPathScale.holds(factor);
   }
   return good && is_of_kind(split.file, FileKind::gltf) ? split : BankPath{path, {}};
 }
 
 std::filesystem::path bank_path(const BankPath& path) {
-  if (!path.model) return path.file;
-  const std::string text = path.file.string() + "#" + std::to_string(*path.model);
-  return path.scale == 1 ? text : text + "@" + Json(path.scale).dump();
+  const auto& [number, scale] = path.model;
+  if (!number) return path.file;
+  const std::string text = path.file.string() + "#" + std::to_string(*number);
+  return scale == 1 ? text : text + "@" + Json(scale).dump();
 }
 
-Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name) {
-  return parse_bank(bytes, name, {});
-}
-
-Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name, const ReadBeside& read_beside) {
-  return within_memory("read " + name, [&] { return bank_in(bytes, name, read_beside); });
+Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name, const ModelChoice& model,
+                        const ReadBeside& read_beside) {
+  return within_memory("read " + name, [&] { return bank_in(bytes, name, model, read_beside); });
 }
 
 Result<Bank> read_bank(const std::filesystem::path& path) {
-  const std::filesystem::path file = split_bank_path(path).file;
+  const auto [file, model] = split_bank_path(path);
   const auto text = read_whole_file(file, kMaxBankFileBytes);
   if (!text) return fail(text.error());
   const bool is_text = has_ending(file, ".gltf");
-  return parse_bank(std::as_bytes(std::span(*text)), path.string(), is_text ? files_beside(file) : ReadBeside());
+  return parse_bank(std::as_bytes(std::span(*text)), path.string(), model, is_text ? files_beside(file) : ReadBeside());
 }
 
 WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {

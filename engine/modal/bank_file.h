@@ -26,23 +26,28 @@ inline constexpr std::size_t kMaxPoints = std::size_t{1} << 20;
 // field, and what was expected of it.
 Result<Bank> read_bank(const std::filesystem::path& path);
 
-// A path to one of several models in a file: "room.glb#2" is model 2 of room.glb, "room.glb#2@0.5" the same with its
-// points half as far from the frame's origin. Such a factor moves the points alone: it is the scale of a node of a
-// scene, for which the model was made, so pitch, shapes and mass are those in the file. Without a number a file's first
-// node with a model decides, with the node's gain and with its scale as a change of the object's size.
-struct BankPath {
-  std::filesystem::path file;
-  std::optional<std::size_t> model;
+// Which of a file's models is read. `scale` moves its points alone: it is the scale of a node of a scene, for which the
+// model was made, so pitch, shapes and mass are those in the file. Without a number the file's first node with a model
+// decides, with the node's gain and with its scale as a change of the object's size.
+struct ModelChoice {
+  std::optional<std::size_t> number;
   double scale = 1;  // from kBankPathScale
 };
 inline constexpr Range kBankPathScale{1e-6, 1e6};
+
+// A path that may choose a model: "room.glb#2" is model 2 of room.glb, "room.glb#2@0.5" that model with its points half
+// as far from the frame's origin.
+struct BankPath {
+  std::filesystem::path file;
+  ModelChoice model;
+};
 BankPath split_bank_path(const std::filesystem::path& path);
 std::filesystem::path bank_path(const BankPath& path);
 
-// Reads a bank from memory. `name` stands in error messages where the path would; a name that ends in #NUMBER chooses
-// the model, as a path does. `read_beside` reads a .gltf's other files; without it there must be none.
-Result<Bank> parse_bank(std::span<const std::byte> glb, const std::string& name);
-Result<Bank> parse_bank(std::span<const std::byte> gltf, const std::string& name, const ReadBeside& read_beside);
+// Reads a bank from memory. `name` only stands in error messages where the path would. `read_beside` reads a .gltf's
+// other files; without it there must be none.
+Result<Bank> parse_bank(std::span<const std::byte> gltf, const std::string& name, const ModelChoice& model = {},
+                        const ReadBeside& read_beside = {});
 
 // How arrays stand in the file. `meshopt` (EXT_meshopt_compression) takes about a third of the bytes, and a reader must
 // know the extension. It rounds shapes: each mode's numbers to whole multiples of a power of two between 1/128 and 1/64

@@ -226,7 +226,7 @@ class SceneReader {
 
   std::filesystem::path find_bank(const std::string& bank, TomlTable& table) {
     const std::filesystem::path inside = path_.string() + bank;  // of the scene's own file: #2 is its model 2
-    if (bank.starts_with('#') && modal::split_bank_path(inside).model) return inside;
+    if (bank.starts_with('#') && modal::split_bank_path(inside).model.number) return inside;
     std::error_code ignored;
     const std::filesystem::path beside = path_.parent_path() / bank, preset = presets_ / bank;
     const auto exists = [&ignored](const std::filesystem::path& path) {

@@ -206,6 +206,7 @@ Option* App::add_option_function(const std::string& names, std::function<void(co
   const auto take_it = [take = std::move(take)](const T& value) { in_words_of_cli11([&] { take(value); }); };
   return keep(app_->add_option_function<T>(names, take_it, sentence));
 }
+template Option* App::add_option_function(const std::string&, std::function<void(const int&)>, const std::string&);
 template Option* App::add_option_function(const std::string&, std::function<void(const double&)>, const std::string&);
 template Option* App::add_option_function(const std::string&, std::function<void(const std::string&)>,
                                           const std::string&);
@@ -259,7 +260,7 @@ std::string App::take(std::vector<std::string> words) {
 
 std::size_t App::count(const std::string& name) const { return app_->count(name); }
 
-std::vector<std::string> App::given_options(std::initializer_list<std::string_view> except) const {
+std::vector<std::string> App::given_options(const std::vector<std::string_view>& except) const {
   std::vector<std::string> words;
   for (const CLI::Option* option : std::as_const(*app_).get_options()) {
     const std::string name = option->get_name();

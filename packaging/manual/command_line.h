@@ -108,7 +108,8 @@ class App {
   // An option whose value goes to `value`, which must outlive the App. command_line.cpp lists the types.
   template <class T>
   Option* add_option(const std::string& names, T& value, const std::string& sentence);
-  // One whose value a function takes: a std::string, a double or a std::vector<std::string>. It may throw WrongValue.
+  // One whose value a function takes: a std::string, an int, a double or a std::vector<std::string>. It may throw
+  // WrongValue.
   template <class T>
   Option* add_option_function(const std::string& names, std::function<void(const T&)> take,
                               const std::string& sentence);
@@ -141,7 +142,7 @@ class App {
   [[nodiscard]] std::size_t count(const std::string& name) const;
   // The options that the command line has, as words for another one: {"--keep", "100", "--preview"}, in the order of
   // --help. Leaves out `except` (with dashes) and arguments that stand by their place.
-  [[nodiscard]] std::vector<std::string> given_options(std::initializer_list<std::string_view> except) const;
+  [[nodiscard]] std::vector<std::string> given_options(const std::vector<std::string_view>& except) const;
 
   // An option that may stand in a settings file: one with a long name.
   struct Key {

@@ -2,7 +2,6 @@
 
 #include "engine/base/file_format.h"
 #include "engine/base/within_memory.h"
-#include "engine/modal/bank_file.h"
 
 #include <span>
 #include <utility>
@@ -21,9 +20,9 @@ std::string key_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name,
+Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name, const modal::ModelChoice& model,
                                  const modal::ReadBeside& read_beside) {
-  auto bank = modal::parse_bank(std::as_bytes(std::span(bytes)), name, read_beside);
+  auto bank = modal::parse_bank(std::as_bytes(std::span(bytes)), name, model, read_beside);
   if (!bank) return fail(bank.error());
   return within_memory("play " + name, [&]() -> Result<BankFile> {
     return BankFile{std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank))),
@@ -37,14 +36,14 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
     if (auto map = known->second.map.lock())
       return BankFile{std::move(map), known->second.bytes, known->second.content, known->second.alone};
   }
-  const auto [at, model, scale] = modal::split_bank_path(path);
+  const auto [at, model] = modal::split_bank_path(path);
   const auto bytes = roots_.read(at, modal::kMaxBankFileBytes);
   if (!bytes) return fail(bytes.error());
   const modal::ReadBeside beside = [this, &document = at](const std::string& relative, std::size_t limit) {
     return roots_.read_beside(document, relative, limit);
   };
-  const bool in_scene = model || has_ending(at, ".gltf");  // whose buffers may be in other files
-  auto file = parse_bank_file(*bytes, path.string(), in_scene ? beside : modal::ReadBeside());
+  const bool in_scene = model.number || has_ending(at, ".gltf");  // whose buffers may be in other files
+  auto file = parse_bank_file(*bytes, path.string(), model, in_scene ? beside : modal::ReadBeside());
   if (file && in_scene) {
     file->alone = std::make_shared<const std::vector<std::byte>>(modal::to_glb(file->map->bank()));
     file->bytes = file->alone->size();

@@ -4,6 +4,7 @@
 #include "engine/base/content_hash.h"
 #include "engine/base/result.h"
 #include "engine/gltf/read_beside.h"
+#include "engine/modal/bank_file.h"
 #include "engine/modal/strike_map.h"
 #include "server/session/file_roots.h"
 
@@ -27,7 +28,7 @@ struct BankFile {
 };
 
 // The bank in a file of these bytes (modal::parse_bank); `name` stands in sentences where the file's path would.
-Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name,
+Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name, const modal::ModelChoice& model = {},
                                  const modal::ReadBeside& read_beside = {});
 
 class BankReader {

@@ -44,6 +44,9 @@ TEST(InputHash, TheInputHashKnowsWhatAGeometryReads) {
       {"a.gltf", R"({"buffers":[{"uri":"a.bin"}],"images":[{"uri" : "data:x"}]})", {"a.gltf", "a.bin"}},
       {"a.gltf", R"({"buffers":[{"uri":"a%20b.bin"}]})", {"unknown"}},
       {"t.node", "", {"t.node", "t.ele"}},
+      {"t.ele", "", {"t.ele", "t.node"}},
+      {"a.bdf", "INCLUDE 'b.bdf'", {"unknown"}},
+      {"a.nas", "GRID", {"a.nas"}},
       {"a.msh", "Include \"b.geo\"", {"a.msh"}},
   };
   for (const auto& [name, text, files] : cases) {

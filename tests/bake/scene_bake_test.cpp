@@ -99,7 +99,7 @@ Json without_models(Json json, const Json& before) {
 
 modal::Bank bank_of(const fs::path& file, const Json& json, std::size_t node) {
   const auto model = json["nodes"][node]["extensions"][kAudio]["modalModel"].get<std::size_t>();
-  auto bank = modal::read_bank(modal::bank_path({file, model}));
+  auto bank = modal::read_bank(modal::bank_path({file, {model}}));
   EXPECT_TRUE(bank) << bank.error().message;
   return bank.value_or(modal::Bank());
 }

@@ -33,5 +33,11 @@ TEST(FileFormat, TheListForSentencesHasEveryKindOfBody) {
   for (const char* ending : {".toml", ".wav"}) EXPECT_EQ(list.find(ending), std::string::npos) << ending;
 }
 
+TEST(FileFormat, ExamplesForHelpComeKindByKind) {
+  EXPECT_EQ(example_endings({FileKind::program, FileKind::geometry}), ".geo .step .brep");
+  EXPECT_EQ(example_endings({FileKind::surface, FileKind::gltf}), ".stl .obj .ply .glb");
+  EXPECT_EQ(example_endings({FileKind::gmsh_mesh}), ".msh .vtk");
+}
+
 }  // namespace
 }  // namespace ringdown

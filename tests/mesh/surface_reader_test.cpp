@@ -1,5 +1,6 @@
 #include "engine/mesh/files/surface_file.h"
 
+#include "engine/base/file_format.h"
 #include "tests/mesh/sample_surfaces.h"
 #include "tests/mesh/surface_files.h"
 #include "tests/support/temporary_folder.h"
@@ -96,6 +97,19 @@ TEST(SurfaceReader, TheReaderRefusesWithOneSentence) {
   EXPECT_TRUE(says(refusal(folder.write("nan.stl", test::file_of(box, ".stl"))), "not a finite number"));
   box.nodes.setZero();
   EXPECT_TRUE(says(refusal(folder.write("dot.ply", test::file_of(box, ".ply"))), "all its points are one"));
+}
+
+TEST(SurfaceReader, EveryFormatOfSurfacesHasAReader) {
+  const TemporaryFolder folder;
+  std::size_t formats = 0;
+  for (const FileFormat& format : file_formats()) {
+    if (!mesh::is_surface_file("a" + std::string(format.ending))) continue;
+    EXPECT_FALSE(says(refusal(folder.write("empty" + std::string(format.ending), "")), "no file of a surface"))
+        << format.ending;
+    ++formats;
+  }
+  EXPECT_GE(formats, 6u);
+  EXPECT_TRUE(says(refusal(folder.write("empty.veg", "")), "no file of a surface"));
 }
 
 TEST(SurfaceReader, TheReaderKnowsItsFilesByTheirEndings) {

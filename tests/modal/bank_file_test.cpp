@@ -104,6 +104,19 @@ TEST(BankFile, TheOldBankStaysWhenTheNewCannotBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(folder / "bank.glb" / "not-empty"));
 }
 
+// A display name is not a path: what looks like a choice of a model in it chooses none, and scales no points.
+TEST(BankFile, ADisplayNameChoosesNoModel) {
+  const std::string bytes = written(random_bank(1, 4, 10));
+  const Result<Bank> plain = parse(bytes);
+  ASSERT_TRUE(plain) << plain.error().message;
+  for (const char* name : {"cup.glb#2@0.5", "cup.glb#0@0.5", "#2@0.5", "my #2@0.5 cup.glb#7"}) {
+    const Result<Bank> bank = parse_bank(std::as_bytes(std::span(bytes)), name);
+    ASSERT_TRUE(bank) << bank.error().message;
+    EXPECT_EQ(bank->frequency_hz, plain->frequency_hz) << name;
+    EXPECT_EQ(bank->positions, plain->positions) << name;
+  }
+}
+
 TEST(BankFile, AFileThatIsNotThereIsRefused) {
   const auto bank = read_bank("/nonexistent/x.glb");
   ASSERT_FALSE(bank);

@@ -65,7 +65,8 @@ TEST(GltfWriter, BanksInsideAreThoseOfTheScene) {
   const auto again = read(bytes);
   ASSERT_TRUE(again) << again.error().message;
   for (std::size_t k = 0; k < banks.size(); ++k) {
-    const auto bank = modal::parse_bank(bytes, again->scene.objects[k].bank.string());
+    const auto bank = modal::parse_bank(bytes, again->scene.objects[k].bank.string(),
+                                        modal::split_bank_path(again->scene.objects[k].bank).model);
     ASSERT_TRUE(bank) << bank.error().message;
     EXPECT_EQ(bank->frequency_hz, banks[k].frequency_hz);
     EXPECT_EQ(bank->decay_per_s, banks[k].decay_per_s);

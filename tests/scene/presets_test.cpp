@@ -109,7 +109,7 @@ TEST_P(PresetScene, ExportedPresetScenesPlayTheSameEvents) {
   EXPECT_TRUE(read->notes.empty());
   std::vector<SoundingObject> objects;
   for (const ObjectDescription& object : read->scene.objects) {
-    auto bank = modal::parse_bank(*bytes, object.bank.string());
+    auto bank = modal::parse_bank(*bytes, object.bank.string(), modal::split_bank_path(object.bank).model);
     ASSERT_TRUE(bank) << bank.error().message;
     objects.push_back(test::sounding(object.name, static_cast<std::uint32_t>(objects.size()), std::move(*bank)));
   }

@@ -83,7 +83,7 @@ TEST(GltfRoom, ARoomFromBlenderIsBakedHeardAndSeen) {
   const std::string bin = RINGDOWN_BIN_DIR "/";
   const Outcome baked = run({bin + "ringdown-bake", room, "--preview", "--band", "20", "6000", "--no-cache"});
   ASSERT_EQ(baked.exit_code, 0) << baked.output;
-  const auto bank = modal::read_bank(modal::bank_path({room, 0}));
+  const auto bank = modal::read_bank(modal::bank_path({room, {0}}));
   ASSERT_TRUE(bank) << bank.error().message;
   const double lowest_hz = std::ranges::min(bank->frequency_hz);
 

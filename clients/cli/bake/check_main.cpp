@@ -7,7 +7,9 @@
 #include "clients/cli/long_work.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/body_shape.h"
+#include "engine/bake/recipe_options.h"
 #include "engine/base/content_cache.h"
+#include "engine/base/file_format.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/materials/material_library.h"
@@ -151,10 +153,11 @@ ExitCode run(int argc, char** argv) {
   std::optional<std::string> unit;
   manual::App* verb =
       app.add_subcommand("mesh", "Faults of a surface, of tetrahedra or of a geometry, and what they lead to.");
-  verb->add_option("file", request.file, "a surface (.stl .obj .ply .glb), a geometry or a mesh")
+  verb->add_option("file", request.file,
+                   "a surface (" + example_endings({FileKind::surface, FileKind::gltf}) + "), a geometry or a mesh")
       ->type_name("FILE")
       ->required();
-  verb->add_option("--unit", unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
+  verb->add_option("--unit", unit, bake::kUnitSentence)->type_name("LENGTH")->check(cli::check_unit);
   verb->add_flag("--cavities", request.cavities, "shells inside others are cavities, whatever their orientation");
   verb->add_option("-m,--material", request.material, "the material that the mesh is chosen for (default steel)");
   verb->add_option("--materials", request.materials, "folder of materials (default: the presets')")

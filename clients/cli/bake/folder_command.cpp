@@ -1,7 +1,7 @@
 #include "clients/cli/bake/folder_command.h"
 
 #include "clients/cli/long_work.h"
-#include "clients/cli/bake/options.h"
+#include "engine/bake/recipe_options.h"
 #include "packaging/manual/command_line.h"
 
 namespace ringdown::cli {
@@ -39,9 +39,13 @@ Result<void> choose_folder(const manual::App& app, const std::filesystem::path& 
 }
 
 std::vector<std::string> shaping_options(const manual::App& app) {
-  return app.given_options({"--output", "--material", "--materials", "--jobs", "--recursive", "--force",
-                            "--check-budgets", "--update", "--progress", "--progress-lines", "--quiet", "--no-cache",
-                            "--processes", "--verify"});
+  std::vector<std::string_view> others = {"--output",    "--material",       "--materials",     "--jobs",
+                                          "--recursive", "--force",          "--check-budgets", "--update",
+                                          "--progress",  "--progress-lines", "--quiet"};
+  for (const bake::RecipeOption& option : bake::recipe_options()) {
+    if (option.has(bake::RecipeOption::kSameBank)) others.push_back(option.option);
+  }
+  return app.given_options(others);
 }
 
 protocol::ExitCode run_folder_bake(const manual::App& app, FolderBake request) {

@@ -10,7 +10,7 @@
 #include "clients/cli/bake/scene_bake.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/input_hash.h"
-#include "engine/bake/makeup_file.h"
+#include "engine/bake/recipe_options.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/file_format.h"
 #include "engine/base/folders.h"
@@ -21,46 +21,77 @@
 
 #include <cstdio>
 #include <new>
-#include <utility>
+#include <tuple>
 #include <unistd.h>
+#include <utility>
 
 namespace {
 
 using namespace ringdown;
 namespace fs = std::filesystem;
 
+using bake::RecipeOption;
 using manual::complain_of_usage;
 using protocol::complain;
 using protocol::ExitCode;
 
-// The arguments of the command line. An option that is not given leaves the object file's value, or the default.
 struct Arguments {
   fs::path input, output, materials;
-  std::optional<std::string> material, name, element, error, shape_error, solver, unit;
-  std::optional<double> mesh_size_m, scale;
-  std::optional<std::size_t> points;
-  std::optional<int> keep, nonlinear, coupled;
-  std::optional<double> floor_db;
-  std::optional<int> processes;
-  std::vector<double> band_hz, air;
-  std::vector<std::string> supports;  // each a [[support]] in one line
-  std::map<std::string, double> parameters, figures;
+  std::optional<std::string> material;
+  // What the command line gives options of the recipe. An option without stays as in the object file.
+  std::vector<std::pair<const RecipeOption*, bake::OptionValue>> given;
+  std::map<const RecipeOption*, bool> flags;
   std::vector<std::string> shaping;  // the given options that can change a bank
   cli::FolderBake folder;
-  bool update = false, progress_lines = false;
-  bool progress = false, quiet = false, no_cache = false, preview = false, verify = false, compress = false;
-  bool cavities = false, force_coarse = false, radiation = false;
+  bool update = false, progress_lines = false, progress = false, quiet = false, compress = false;
 };
 
-// NAME=NUMBER as given.
-struct Settings {
-  std::vector<std::string> parameters, figures;
-};
+manual::Option* add_recipe_option(manual::App& app, const RecipeOption& row, Arguments& arguments) {
+  using enum RecipeOption::Form;
+  using Word = std::string;
+  using Words = std::vector<std::string>;
+  const auto [low, high] = row.in_command;
+  const auto take = [&row, &given = arguments.given](double number, const Word& text = "", double second = 0) {
+    given.push_back({&row, {.text = text, .number = number, .second = second}});
+  };
+  const auto take_word = [take, form = row.form](const Word& word) {
+    take(form == fraction ? parse_fraction(word).value() : form == length ? *cli::parse_unit(word) : 0, word);
+  };
+  const auto take_words = [take, form = row.form](const Words& words) {
+    if (form == pair) return take(*cli::parse_number(words[0]), "", *cli::parse_number(words[1]));
+    for (const Word& word : words) take(0, word);
+  };
+  const auto wrong_fraction = [range = row.in_command](const Word& text) {
+    const Result<void> good = parse_fraction(text).and_then([&](double x) { return check_range(x, range); });
+    return good ? "" : good.error().message;
+  };
+  manual::Option* option = nullptr;
+  if (row.form == on) {
+    return app.add_flag(row.option, arguments.flags[&row], row.sentence);
+  } else if (row.form == count) {
+    option = app.add_option_function<int>(row.option, take, row.sentence);
+    option->check(manual::between(static_cast<int>(low), static_cast<int>(high)));
+  } else if (row.form == number) {
+    option = app.add_option_function<double>(row.option, take, row.sentence);
+    option->check(high < bake::kAnyHigh ? manual::between(low, high) : manual::above_zero());
+  } else if (row.form == word || row.form == fraction || row.form == length) {
+    option = app.add_option_function<Word>(row.option, take_word, row.sentence);
+    if (row.form == fraction) option->check(wrong_fraction);
+    if (row.form == length) option->check(cli::check_unit);
+  } else {
+    option = app.add_option_function<Words>(row.option, take_words, row.sentence);
+    if (row.form == words) option->allow_extra_args(false);
+    if (row.form == pair) option->expected(2)->check(high > 0 ? manual::above_zero() : manual::any_number());
+  }
+  return option->type_name(row.type);
+}
 
-void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
+void add_options(manual::App& app, Arguments& arguments) {
   app.add_option("input", arguments.input,
-                 "an object (.toml), a surface (.stl .obj .ply .glb), a geometry (.geo .step .brep), a mesh (.msh .vtk "
-                 "...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
+                 "an object (.toml), a surface (" + example_endings({FileKind::surface, FileKind::gltf}) +
+                     "), a geometry (" + example_endings({FileKind::program, FileKind::geometry}) + "), a mesh (" +
+                     example_endings({FileKind::gmsh_mesh}) +
+                     " ...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
       ->type_name("FILE");
   app.add_option("-o,--output", arguments.output,
                  "the bank to write (.glb); for a folder, the folder of its banks (default: beside the inputs); for a "
@@ -70,82 +101,13 @@ void add_options(manual::App& app, Arguments& arguments, Settings& settings) {
                  "name of a material; an object file has one already, and keeps it when a folder is baked");
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")
       ->type_name("FOLDER");
-  app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
-  app.add_option("-e,--element", arguments.element,
-                 "tet20 (default), tet10, tet35; tet4 and tet4-lumped are far too stiff in bending")
-      ->type_name("tet20|tet10|tet35|tet4|tet4-lumped");
-  app.add_option("--mesh-size", arguments.mesh_size_m,
-                 "longest edge in metres of the mesh of a surface or a geometry (default: from the band)")
-      ->check(manual::above_zero());
-  app.add_option("--set", settings.parameters, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
-  app.add_option("--unit", arguments.unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
-  app.add_flag(
-      "--cavities", arguments.cavities,
-      "shells inside others are cavities, whatever their orientation (default: those of opposite orientation)");
-  app.add_flag("--force-coarse", arguments.force_coarse,
-               "also bake bodies with walls too thin for the mesh; such walls get holes and sound wrong");
-  app.add_option("--scale", arguments.scale, "scale factor of the geometry; the mesh stays the same")
-      ->check(manual::between(bake::kScale.low, bake::kScale.high));
-  app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
-      ->type_name("NAME=NUMBER");
-  app.add_option("--support", arguments.supports,
-                 "a [[support]] beside those of the object file, in one line; lengths in metres before --scale")
-      ->type_name("TEXT")
-      ->allow_extra_args(false);
-  const auto check_shape_error = [](const std::string& text) {
-    const Result<void> good = parse_fraction(text).and_then([](double e) { return check_range(e, bake::kShapeError); });
-    return good ? std::string() : good.error().message;
-  };
-  app.add_option("--shape-error", arguments.shape_error,
-                 "amplitude error of the median mode for strikes between sample points (default 3%)")
-      ->type_name("PERCENT")
-      ->check(check_shape_error);
-  app.add_option("--points", arguments.points,
-                 "number of sample points on the surface (default: as many as --shape-error needs)")
-      ->check(manual::between(4, 1 << 20));
-  app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")
-      ->expected(2)
-      ->check(manual::any_number());
-  app.add_option(
-         "--keep", arguments.keep,
-         "number of modes to keep, the most important ones and all those of --nonlinear (default: all in the band)")
-      ->check(manual::between(1, 16384));
-  app.add_option("--floor", arguments.floor_db,
-                 "drop inaudible modes: after any blow this many dB below the loudest, or masked (default: none)")
-      ->check(manual::between(1.0, 200.0));
-  app.add_option(
-         "--nonlinear", arguments.nonlinear,
-         "number of lowest modes that shift each other's pitch when struck hard; for thin bodies (default: none)")
-      ->check(manual::between(0, bake::kMaxNonlinearModes));
-  app.add_option("--coupled", arguments.coupled,
-                 "number of the lowest of these that exchange energy while they are loud: a gong's build-up; up to "
-                 "half a core for each object (default: none)")
-      ->check(manual::between(0, static_cast<int>(modal::kMaxCoupled)));
-  app.add_flag("--radiation", arguments.radiation,
-               "compute each mode's radiation and its damping by the air; takes minutes");
-  app.add_option("--air", arguments.air,
-                 "the air around the body: DENSITY in kg/m3 and SPEED of sound in m/s (default 1.2041 343.2, dry air "
-                 "at 20 degrees); implies --radiation")
-      ->expected(2)
-      ->check(manual::above_zero());
-  const auto check_error = [](const std::string& text) {
-    const Result<void> good = parse_fraction(text).and_then([](double e) { return check_range(e, bake::kError); });
-    return good ? std::string() : good.error().message;
-  };
-  manual::Option* error =
-      app.add_option("--error", arguments.error,
-                     "refine until the estimated error of every frequency is below this: 0.1%, or 0.001")
-          ->type_name("PERCENT")
-          ->check(check_error);
-  app.add_flag("--preview", arguments.preview, "coarse and quick: order 2; the error is stated")->excludes(error);
-  app.add_flag("--no-cache", arguments.no_cache,
-               "neither use nor keep earlier results (in $RINGDOWN_CACHE, or ringdown in the user's cache folder)");
-  app.add_option("--solver", arguments.solver,
-                 "auto (default), block, spectra, dense, or slepc: over MPI, for meshes too large for one machine")
-      ->type_name("auto|block|spectra|dense|slepc");
-  app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(manual::between(1, 4096));
-  app.add_flag("--verify", arguments.verify,
-               "check the modes near two frequencies of the band with a second solver, and fail if the two disagree");
+  manual::Option* last = nullptr;
+  for (const RecipeOption& row : bake::recipe_options()) {
+    if (row.option.empty()) continue;
+    manual::Option* option = add_recipe_option(app, row, arguments);
+    if (row.has(RecipeOption::kNotWithLast)) option->excludes(last);
+    last = option;
+  }
   app.add_flag("--compress", arguments.compress,
                "make the bank a third as large, with shapes rounded by up to 0.5 %; its readers must know glTF's "
                "EXT_meshopt_compression, as Ringdown does");
@@ -168,61 +130,17 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   }
   if (arguments.material) recipe.material = *arguments.material;
   recipe.other_material = arguments.material.has_value();
-  if (arguments.name) recipe.name = *arguments.name;
-  if (arguments.element) {
-    const Result<fem::Element> element = fem::parse_element(*arguments.element);
-    if (!element) return fail(element.error());
-    recipe.options.element = *element;
-    recipe.meshing.order = fem::order_of(*element);
+  if (arguments.material) recipe.pitch_hz.reset();  // the object file states that of its own body
+  recipe.options.cache = cache_folder().value_or("");
+  const double scale = recipe.scale;
+  for (const auto& [option, value] : arguments.given) {
+    if (option->has(RecipeOption::kOtherBody)) recipe.pitch_hz.reset();
+    if (auto set = option->set(recipe, value); !set) return fail(set.error());
   }
-  if (arguments.solver) {
-    const Result<solve::Method> solver = solve::parse_method(*arguments.solver);
-    if (!solver) return fail(solver.error());
-    recipe.options.solver = *solver;
-  }
-  if (arguments.verify) recipe.options.verify = true;
-  if (arguments.processes) recipe.options.processes = *arguments.processes;
-  if (arguments.mesh_size_m) recipe.meshing.mesh_size_m = *arguments.mesh_size_m;
-  if (arguments.unit) recipe.meshing.unit_m = cli::parse_unit(*arguments.unit);
-  if (arguments.cavities) recipe.meshing.cavities = true;
-  if (arguments.force_coarse) recipe.meshing.force_coarse = true;
-  const bool is_other_body = arguments.material || !arguments.figures.empty() || !arguments.parameters.empty() ||
-                             !arguments.supports.empty() || arguments.unit;
-  if (is_other_body) recipe.pitch_hz.reset();  // the object file states that of its own body
-  if (arguments.scale) {
-    if (recipe.pitch_hz) *recipe.pitch_hz *= recipe.scale / *arguments.scale;
-    recipe.scale = *arguments.scale;
-  }
-  recipe.figures = arguments.figures;
-  for (const std::string& text : arguments.supports) {
-    const Result<bake::Support> support = bake::parse_support(text);
-    if (!support) return fail(support.error());
-    recipe.options.makeup.supports.push_back(*support);
-  }
-  if (arguments.points) recipe.options.points = *arguments.points;
-  if (arguments.shape_error) recipe.options.shape_error = parse_fraction(*arguments.shape_error).value();
-  if (arguments.keep) recipe.options.keep_modes = *arguments.keep;
-  if (arguments.nonlinear) recipe.options.nonlinear = *arguments.nonlinear;
-  if (arguments.coupled) recipe.options.coupled = *arguments.coupled;
+  if (recipe.preview) recipe.error = 0;
+  if (recipe.pitch_hz) *recipe.pitch_hz *= scale / recipe.scale;
   if (recipe.options.coupled > recipe.options.nonlinear)
     return fail(ErrorKind::bad_input, "--coupled modes are the lowest of the --nonlinear ones: at most as many");
-  if (arguments.floor_db) recipe.options.floor_db = *arguments.floor_db;
-  if (arguments.error) recipe.error = parse_fraction(*arguments.error).value();
-  recipe.preview = arguments.preview;
-  if (recipe.preview) recipe.error = 0;
-  if (!arguments.no_cache) recipe.options.cache = cache_folder().value_or("");
-  if (arguments.band_hz.size() == 2) {
-    recipe.options.band_low_hz = arguments.band_hz[0];
-    recipe.options.band_high_hz = arguments.band_hz[1];
-  }
-  if (arguments.radiation && !recipe.options.air) recipe.options.air = modal::Air{};
-  if (arguments.air.size() == 2) {
-    const double density = arguments.air[0], speed = arguments.air[1];
-    if (!bake::kAirDensity_kg_m3.holds(density) || !bake::kSoundSpeed_m_s.holds(speed))
-      return fail(ErrorKind::bad_input, "--air takes a density of 0.001 to 1000 kg/m3 and a speed of 10 to 10000 m/s");
-    recipe.options.air = modal::Air{.density_kg_m3 = density, .sound_speed_m_s = speed};
-  }
-  for (const auto& [name, value] : arguments.parameters) recipe.meshing.parameters[name] = value;
   return recipe;
 }
 
@@ -307,8 +225,7 @@ const std::vector<manual::Section> kSections = {
 ExitCode run(int argc, char** argv) {
   manual::App app("Bakes an object's shape and material into a bank of its modes.", "ringdown-bake");
   Arguments arguments;
-  Settings settings;
-  add_options(app, arguments, settings);
+  add_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
   if (arguments.input.empty()) return complain_of_usage(app, "give an input, or a folder of them");
   if (auto chosen = cli::choose_folder(app, arguments.input, arguments.folder); !chosen) {
@@ -316,17 +233,28 @@ ExitCode run(int argc, char** argv) {
     return is_usage ? complain_of_usage(app, chosen.error().message) : complain(chosen.error());
   }
   const bool in_scene = arguments.folder.folder.empty() && !arguments.material && cli::has_surfaces(arguments.input);
-  for (const char* name : cli::kNotForScenes) {
+  std::vector<std::string> not_for_scenes = {"--compress", "--update"};
+  for (const RecipeOption& option : bake::recipe_options()) {
+    if (option.has(RecipeOption::kNotForScenes)) not_for_scenes.push_back(option.option);
+  }
+  for (const std::string& name : not_for_scenes) {
     if (in_scene && app.count(name) > 0)
-      return complain_of_usage(app, std::string(name) + " is not for scenes, and " + arguments.input.string() +
+      return complain_of_usage(app, name + " is not for scenes, and " + arguments.input.string() +
                                         " is one; with --material it is a surface");
   }
   if (arguments.output.empty() && arguments.folder.folder.empty() && !in_scene) {
     return complain_of_usage(app, "say with --output where to write");
   }
-  auto read = cli::read_settings("--set", settings.parameters, arguments.parameters);
-  if (read) read = cli::read_settings("--set-material", settings.figures, arguments.figures);
-  if (!read) return complain_of_usage(app, read.error().message);
+  for (auto& [option, value] : arguments.given) {
+    if (option->form != RecipeOption::Form::settings) continue;
+    std::map<std::string, double> setting;
+    const auto read = cli::read_settings(option->option, {value.text}, setting);
+    if (!read) return complain_of_usage(app, read.error().message);
+    std::tie(value.text, value.number) = *setting.begin();
+  }
+  for (const auto& [option, is_on] : arguments.flags) {
+    if (is_on) arguments.given.push_back({option, {.text = "", .number = 1}});
+  }
   const Result<fs::path> materials = material_folder(arguments.materials);
   if (!materials) return complain(materials.error());
   arguments.materials = *materials;

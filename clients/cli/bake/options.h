@@ -12,9 +12,6 @@
 
 namespace ringdown::cli {
 
-inline constexpr const char* kUnitHelp =
-    "one unit of the file: mm, cm, m, in, or metres such as 0.001 (default: what the file says, else metres)";
-
 // Metres of "mm", "cm", "m", "in" or a positive number.
 std::optional<double> parse_unit(const std::string& text);
 

@@ -25,10 +25,6 @@ struct SceneBake {
   bool quiet = false;
 };
 
-// Options of ringdown-bake that a scene does not take.
-inline constexpr auto kNotForScenes = {"--name",         "--unit",     "--scale", "--set",
-                                       "--set-material", "--compress", "--update"};
-
 // A .glb or .gltf with acoustic surfaces is a scene, and not a bank or a surface; true for such a file.
 bool has_surfaces(const std::filesystem::path& path);
 

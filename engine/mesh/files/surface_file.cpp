@@ -18,15 +18,6 @@
 namespace ringdown::mesh {
 namespace {
 
-using ContentReader = Result<TriangleSoup> (*)(std::string_view content, const std::string& name);
-
-struct FormatReader {
-  std::string_view ending;
-  ContentReader read;
-};
-constexpr std::array kReaders = {FormatReader{".obj", read_obj}, FormatReader{".stl", read_stl},
-                                 FormatReader{".ply", read_ply}, FormatReader{".off", read_off}};
-
 Result<TriangleSoup> read_soup(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
@@ -34,7 +25,7 @@ Result<TriangleSoup> read_soup(const std::filesystem::path& path) {
   const Result<std::string> content = read_whole_file(path, kMaxSurfaceFileBytes);
   if (!content) return fail(content.error());
   if (is_of_kind(path, FileKind::gltf)) return read_gltf_mesh(*content, path, kMaxTriangles);
-  for (const FormatReader& reader : kReaders) {
+  for (const SurfaceReader& reader : kSurfaceReaders) {
     if (has_ending(path, reader.ending)) return reader.read(*content, path.string());
   }
   return fail(ErrorKind::bad_input, path.string() + " is no file of a surface");

@@ -23,4 +23,12 @@ Result<TriangleSoup> read_stl(std::string_view content, const std::string& name)
 Result<TriangleSoup> read_ply(std::string_view content, const std::string& name);
 Result<TriangleSoup> read_off(std::string_view content, const std::string& name);
 
+// The readers by their files' endings, one for each format of FileKind::surface (engine/base/file_format.h).
+struct SurfaceReader {
+  std::string_view ending;
+  Result<TriangleSoup> (*read)(std::string_view content, const std::string& name);
+};
+inline constexpr SurfaceReader kSurfaceReaders[] = {
+    {".obj", read_obj}, {".stl", read_stl}, {".ply", read_ply}, {".off", read_off}};
+
 }  // namespace ringdown::mesh

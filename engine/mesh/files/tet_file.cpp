@@ -269,6 +269,22 @@ Result<TetMesh> read_isostuffer(std::span<const std::byte> file, const std::stri
   return mesh;
 }
 
+namespace {
+
+Result<TetMesh> read_binary_tet(std::string_view content, const std::string& name) {
+  return read_isostuffer(std::as_bytes(std::span(content)), name);
+}
+
+// The readers by their files' endings; TetGen's pairs of files come before. Together they read each format of
+// FileKind::tetrahedra (engine/base/file_format.h).
+struct TetReader {
+  std::string_view ending;
+  Result<TetMesh> (*read)(std::string_view content, const std::string& name);
+};
+constexpr TetReader kTetReaders[] = {{".veg", read_vega}, {".inp", read_inp}, {".tet", read_binary_tet}};
+
+}  // namespace
+
 Result<TetMesh> read_tet_file(const std::filesystem::path& path) {
   const std::string ending = ending_of(path);
   if (ending == ".node" || ending == ".ele") {
@@ -280,9 +296,9 @@ Result<TetMesh> read_tet_file(const std::filesystem::path& path) {
   }
   const auto file = contents(path);
   if (!file) return fail(file.error());
-  if (ending == ".veg") return read_vega(*file, path.string());
-  if (ending == ".inp") return read_inp(*file, path.string());
-  return read_isostuffer(std::as_bytes(std::span(*file)), path.string());
+  const auto* const reader = std::ranges::find(kTetReaders, std::string_view(ending), &TetReader::ending);
+  if (reader == std::end(kTetReaders)) return fail(ErrorKind::bad_input, path.string() + " is no file of tetrahedra");
+  return reader->read(*file, path.string());
 }
 
 }  // namespace ringdown::mesh

@@ -328,7 +328,7 @@ class GltfSceneReader {
     // A model was made for its node at the scale that the file gives it, which moves the points and nothing else.
     const double scale = std::abs(s.x - 1) < 1e-6 ? 1 : s.x;
     if (!modal::kBankPathScale.holds(scale)) return note("a modal model under a scale beyond 1e-6 to 1e6 is silent");
-    object.bank = modal::bank_path({path_, reference.index().value_or(0), scale});
+    object.bank = modal::bank_path({path_, {reference.index().value_or(0), scale}});
     object.gain = document_.number(audio_of(node)["gain"], 1);
     body.object = object.name;
     has_mass_ = model["massProperties"].present();

@@ -126,6 +126,22 @@ TEST(TetFile, EndingsOfTetFilesAreKnownInAnyCase) {
     EXPECT_FALSE(is_of_kind(name, FileKind::tetrahedra)) << name;
 }
 
+TEST(TetFile, EveryFormatOfTetrahedraHasAReader) {
+  const test::TemporaryFolder folder;
+  std::size_t formats = 0;
+  for (const FileFormat& format : file_formats()) {
+    if (format.kind != FileKind::tetrahedra) continue;
+    const auto read = mesh::read_tet_file(folder.write("empty" + std::string(format.ending), ""));
+    ASSERT_FALSE(read) << format.ending;
+    EXPECT_EQ(read.error().message.find("no file of tetrahedra"), std::string::npos) << read.error().message;
+    ++formats;
+  }
+  EXPECT_GE(formats, 5u);
+  const auto other = mesh::read_tet_file(folder.write("empty.stl", ""));
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("no file of tetrahedra"), std::string::npos) << other.error().message;
+}
+
 struct WrongTetFile {
   std::string nodes, elements, sentence;
 };
