@@ -13,7 +13,8 @@ ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::Reques
   return guarded(error, [&]() -> Result<void> {
     if (!mixer) return missing("mixer");
     if (const auto wrong = protocol::fill(blank, numbers)) return out_of_range(blank, *wrong);
-    if (mixer->rack.is_too_far_ahead(frame)) return fail(ErrorKind::bad_input, "frame lies more than an hour ahead");
+    if (session::is_too_far_ahead(mixer->rack.mixer(), frame))
+      return fail(ErrorKind::bad_input, "frame lies more than an hour ahead");
     const protocol::LaneRequest request = protocol::in_its_lane(std::move(blank));
     mixer->events.clear();
     const auto made = session::append_events(request.get<protocol::MixerRequest>(), mixer->rack, frame, mixer->events);

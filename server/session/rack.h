@@ -38,6 +38,10 @@ namespace ringdown::session {
 
 // An event may lie this far ahead: a sender whose clock is wrong is told so.
 inline constexpr double kMaxAhead_s = 3600;
+[[nodiscard]] inline bool is_too_far_ahead(const synth::Mixer& mixer, synth::Frame frame) {  // [any]
+  const synth::Frame now = mixer.counters().frames.load(std::memory_order_relaxed);
+  return static_cast<double>(frame - now) > kMaxAhead_s * mixer.sample_rate_hz();
+}
 
 class Rack {
  public:
@@ -64,12 +68,6 @@ class Rack {
   // object's, and a listener is remembered; other events lock nothing, unless Observers::keep() does. [the producer's
   // thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
-
-  // Whether an event at this frame would lie more than kMaxAhead_s ahead. [any but audio]
-  [[nodiscard]] bool is_too_far_ahead(synth::Frame frame) const {
-    const synth::Frame now = mixer_.counters().frames.load(std::memory_order_relaxed);
-    return static_cast<double>(frame - now) > kMaxAhead_s * mixer_.sample_rate_hz();
-  }
 
   // Where somebody listens from, and whether. [any but audio]
   [[nodiscard]] const ListenerMemory& listener() const { return listener_; }

@@ -5,7 +5,7 @@
 namespace ringdown::session {
 
 Result<void> Session::check_frame(synth::Frame frame) const {
-  if (!rack_.is_too_far_ahead(frame)) return {};
+  if (!is_too_far_ahead(rack_.mixer(), frame)) return {};
   return fail(ErrorKind::bad_input,
               "its time tag is more than " + std::to_string(static_cast<int>(kMaxAhead_s)) + " s ahead");
 }

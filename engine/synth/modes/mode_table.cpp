@@ -81,6 +81,26 @@ std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const m
   return playable;
 }
 
+// Of each playable mode: its number in the bank, its column, weight and frequency.
+struct Playable {
+  std::span<const std::uint32_t> mode, column;
+  std::span<const double> weight, frequency_hz;
+};
+
+// Turns what a blow gives each mode of the bank into the amplitudes of the columns; returns the sum of their squares.
+double weigh(const Playable& playable, std::span<const double> excited, double contact_time_s,
+             double* amplitudes) RINGDOWN_REALTIME {
+  const std::uint32_t *mode = playable.mode.data(), *column = playable.column.data();
+  const double *weight = playable.weight.data(), *frequency = playable.frequency_hz.data();
+  double energy = 0;
+  for (std::size_t i = 0; i < playable.mode.size(); ++i) {
+    const double a = weight[i] * excited.data()[mode[i]] * modal::pulse_spectrum(frequency[i], contact_time_s);
+    amplitudes[column[i]] = a;
+    energy += a * a;
+  }
+  return energy;
+}
+
 }  // namespace
 
 ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
@@ -188,27 +208,13 @@ std::optional<double> ModeTable::strike(const verb::StrikeVertex& strike, std::s
                                         double* amplitudes) const RINGDOWN_REALTIME {
   if (strike.vertex >= bank().point_count()) return std::nullopt;
   map_->excite_vertex(strike.vertex, strike.impulse_ns, scratch);
-  return weigh(scratch, strike.contact_time_s, amplitudes);
+  return weigh({mode_of_, column_, weight_, frequency_hz_}, scratch, strike.contact_time_s, amplitudes);
 }
 
 std::optional<double> ModeTable::strike(const verb::Strike& strike, std::span<double> scratch,
                                         double* amplitudes) const RINGDOWN_REALTIME {
   map_->excite(per_size_ * strike.point_m, strike.impulse_ns, scratch);
-  return weigh(scratch, strike.contact_time_s, amplitudes);
-}
-
-// From what the blow gives each mode of the bank to the amplitudes of the columns.
-double ModeTable::weigh(std::span<const double> excited, double contact_time_s,
-                        double* amplitudes) const RINGDOWN_REALTIME {
-  const std::uint32_t *mode = mode_of_.data(), *column = column_.data();
-  const double *weight = weight_.data(), *frequency = frequency_hz_.data();
-  double energy = 0;
-  for (std::size_t i = 0; i < playable_modes(); ++i) {
-    const double a = weight[i] * excited.data()[mode[i]] * modal::pulse_spectrum(frequency[i], contact_time_s);
-    amplitudes[column[i]] = a;
-    energy += a * a;
-  }
-  return energy;
+  return weigh({mode_of_, column_, weight_, frequency_hz_}, scratch, strike.contact_time_s, amplitudes);
 }
 
 void ModeTable::prepare(std::size_t frames) RINGDOWN_REALTIME {

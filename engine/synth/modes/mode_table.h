@@ -119,8 +119,6 @@ class ModeTable {
  private:
   enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, exponent_re, exponent_im, kRows };
 
-  [[nodiscard]] double weigh(std::span<const double> excited, double contact_time_s,
-                             double* amplitudes) const RINGDOWN_REALTIME;
   void add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s);
   [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
 
