@@ -220,14 +220,14 @@ void Glide::share_band(std::size_t group) RINGDOWN_REALTIME {
 
 // Moves a mode to `delta` above its own pitch: its pole, and what the kind of call in use reads.
 void Glide::move(std::size_t c, double delta) RINGDOWN_REALTIME {
-  using Complex = std::complex<double>;
+  using Phasor = std::complex<double>;
   delta_.data()[c] = delta;
   const ModeArrays own = table_.modes(nullptr, nullptr, kChunkFrames);
   const auto [own_re, own_im] = table_.exponents();
   const auto times = [](double a_re, double a_im, double b_re, double b_im)
-                         RINGDOWN_REALTIME { return Complex(a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re); };
+                         RINGDOWN_REALTIME { return Phasor(a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re); };
   const double turn_re = std::cos(delta), turn_im = std::sin(delta);
-  Complex turn(turn_re, turn_im), stride_turn, full_turn;
+  Phasor turn(turn_re, turn_im), stride_turn, full_turn;
   for (std::size_t power = 2; power <= kChunkFrames; power *= 2) {
     turn = times(turn.real(), turn.imag(), turn.real(), turn.imag());
     if (power == kRun) stride_turn = turn;
@@ -235,15 +235,15 @@ void Glide::move(std::size_t c, double delta) RINGDOWN_REALTIME {
   full_turn = turn;
   row(exponent_re)[c] = own_re[c];
   row(exponent_im)[c] = own_im[c] + delta;
-  const Complex pole = times(own.pole_re[c], own.pole_im[c], turn_re, turn_im);
-  const Complex full = times(own.advance_re[c], own.advance_im[c], full_turn.real(), full_turn.imag());
+  const Phasor pole = times(own.pole_re[c], own.pole_im[c], turn_re, turn_im);
+  const Phasor full = times(own.advance_re[c], own.advance_im[c], full_turn.real(), full_turn.imag());
   row(pole_re)[c] = pole.real(), row(pole_im)[c] = pole.imag();
   row(full_re)[c] = full.real(), row(full_im)[c] = full.imag();
   if (moments_ && c < table_.slow_groups() * kModePadding) {
     const long band = std::lround((own_im[c] + delta) / kPerBand);
     return weigh(c, static_cast<std::uint16_t>(std::min<long>(band, kBands - 1)));
   }
-  const Complex stride = times(static_cast<double>(own.stride_re[c]), static_cast<double>(own.stride_im[c]),
+  const Phasor stride = times(static_cast<double>(own.stride_re[c]), static_cast<double>(own.stride_im[c]),
                                stride_turn.real(), stride_turn.imag());
   strides_.get()[c] = static_cast<float>(stride.real());
   strides_.get()[columns_ + c] = static_cast<float>(stride.imag());
@@ -251,10 +251,10 @@ void Glide::move(std::size_t c, double delta) RINGDOWN_REALTIME {
   float* const to = runs_.get() + c * 2 * kRun;
   double re = 1, im = 0;
   for (std::size_t l = 0; l < kRun; ++l) {  // a run keeps Re(p^l) and -Im(p^l)
-    const Complex power = times(static_cast<double>(from[l]), -static_cast<double>(from[kRun + l]), re, im);
+    const Phasor power = times(static_cast<double>(from[l]), -static_cast<double>(from[kRun + l]), re, im);
     to[l] = static_cast<float>(power.real());
     to[kRun + l] = static_cast<float>(-power.imag());
-    const Complex next = times(re, im, turn_re, turn_im);
+    const Phasor next = times(re, im, turn_re, turn_im);
     re = next.real(), im = next.imag();
   }
 }
