@@ -1,4 +1,5 @@
 // The verbs as C functions. Written by ringdown_write_verbs (clients/verbs) from the rows of protocol/table.cpp.
+// clang-format off
 #include "clients/library/play.h"
 
 using namespace ringdown;

@@ -217,7 +217,8 @@ std::string c_source() {
   std::string text =
       "// The verbs as C functions. Written by ringdown_write_verbs (clients/verbs) from the rows of "
       "protocol/table.cpp.\n"
-      "#include \"clients/library/play.h\"\n\nusing namespace ringdown;\nusing namespace ringdown::library;\n\n";
+      "// clang-format off\n#include \"clients/library/play.h\"\n\nusing namespace "
+      "ringdown;\nusing namespace ringdown::library;\n\n";
   for (const Function& function : functions()) {
     std::string from;
     std::string body;

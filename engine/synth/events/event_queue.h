@@ -20,7 +20,7 @@ namespace ringdown::synth {
 
 // Capacities. Past the first two, push() returns false; past the third, events stay in their rings.
 inline constexpr std::size_t kQueueCapacity = 4096;     // events one producer may have in its ring
-inline constexpr std::size_t kLargeCapacity = 2048;     // lasting contacts one producer may have waiting
+inline constexpr std::size_t kLargeCapacity = 1536;     // lasting contacts one producer may have waiting
 inline constexpr std::size_t kMaxPendingEvents = 8192;  // events waiting for their frame
 inline constexpr std::size_t kMaxPlacings = 4096;       // events that say where something is, taken in one block
 
@@ -131,7 +131,7 @@ class EventQueue {
   // MIDI notes strike and bow, one contact for each key; the worker sends no contacts.
   std::array<Lane, static_cast<std::size_t>(Producer::kCount)> lanes_{
       Lane(kQueueCapacity, kLargeCapacity), Lane(kQueueCapacity, 2), Lane(kQueueCapacity, kLargeCapacity),
-      Lane(512, 128)};
+      Lane(kQueueCapacity, 128)};
   std::vector<Pending> heap_ = std::vector<Pending>(kMaxPendingEvents);  // earliest first
   std::size_t count_ = 0;
   std::uint64_t next_order_ = 0;
