@@ -16,8 +16,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <numeric>
 #include <utility>
 #include <vector>
 
