@@ -5,8 +5,8 @@
 //   E2_ij(a, b) = 1/4 sum over k of  da_k/dx_i db_k/dx_j + db_k/dx_i da_k/dx_j                  (symmetric in a, b)
 //
 // (Green's strain; Landau & Lifshitz, Theory of Elasticity, section 1). For modes phi_1 .. phi_M and a *mixture*, a
-// symmetric M x M matrix R, E2(R) = sum R_mn E2(phi_m, phi_n) is a field of strains. With <a, b> = the integral of a :
-// C b over the body, this class computes the nodal forces of such a field, and its products with the fields of all
+// symmetric M x M matrix R, E2(R) = sum R_mn E2(phi_m, phi_n) is a field of strains. Let <a, b> be the integral of a :
+// C b over the body. This class computes the nodal forces of such a field, and its products with the fields of all
 // pairs.
 //
 // No field is ever stored for all pairs. Inside an element E2(R) is 1/2 sum over nodes a, b of

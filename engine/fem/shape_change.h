@@ -1,6 +1,6 @@
 // The change of a body's frequencies under a small change of its shape. [any thread]
 //
-// When the surface moves outward by g(x), then to first order
+// If the surface moves outward by g(x), to first order
 //
 //   lambda' = lambda + integral over the surface of g (sigma : epsilon - lambda rho |phi|^2) dS
 //

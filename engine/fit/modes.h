@@ -37,8 +37,7 @@ struct Fit {
   double end_s = 0;         // its end: the sound is lost in noise, the next blow comes, or kMaxLength_s are over
   std::size_t clipped = 0;  // number of samples at full scale
   double explained = 0;     // 1 - energy of the remainder over that of the sound, from start to end
-  double of_blow =
-      0;  // `explained` without the noise measured before the blow; if that is unknown, equal to `explained`
+  double of_blow = 0;       // as `explained`, without the noise measured before the blow if that is known
 };
 
 inline constexpr double kMaxLength_s = 8;     // longest part of the sound that is analysed

@@ -1,5 +1,4 @@
-// A vibrating body, as input of the solver: a closed surface, and the flow of air that each mode causes there. [any
-// thread]
+// A vibrating body, as input of the solver: a closed surface and the flow of air of each mode. [any thread]
 #pragma once
 
 #include "engine/mesh/tet_mesh.h"

@@ -28,8 +28,8 @@ double solid_angle(const std::array<Eigen::Vector3d, 3>& corners, const Eigen::V
 //
 // With the solid angle omega of the triangle (van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983, 125), the
 // integral of 1/R is the sum over the edges of t f, minus |d| omega. The integral of d/R^3 is sign(d) omega. The
-// integral of (y - rho)/R is 1/2 sum of u (R0^2 f + s_b R_b - s_a R_a). By Gauss's theorem, the integral of hat (y -
-// rho)/R^3 is gradient(hat) * (integral of 1/R) - sum of u * (integral of hat/R along the edge).
+// integral of (y - rho)/R is 1/2 sum of u (R0^2 f + s_b R_b - s_a R_a). By Gauss's theorem, gradient(hat) * (integral
+// of 1/R) - sum of u * (integral of hat/R along the edge) is the integral of hat (y - rho)/R^3.
 TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::Vector3d& point) {
   const Eigen::Vector3d& n = panels.normals[triangle];
   const std::array<Eigen::Vector3d, 3> p = {panels.corner(triangle, 0), panels.corner(triangle, 1),

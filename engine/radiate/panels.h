@@ -1,10 +1,9 @@
-// A closed surface of flat triangles, with the data for boundary elements: nodes, sides and tangential fields. [any
-// thread]
+// A closed surface of flat triangles, with nodes, sides and tangential fields for boundary elements. [any thread]
 //
 // Panels may be a part of a surface that has mirror planes. The planes are then coordinate planes through the origin,
 // across the first one, two or three axes. The part lies where these coordinates are not negative, and its images make
-// up the rest of the surface. Bit a of an image's number says that the image is mirrored across axis a; image 0 is the
-// part itself.
+// up the whole surface. Bit a of an image's number says that the image is mirrored across axis a; image 0 is the part
+// itself.
 #pragma once
 
 #include "engine/base/result.h"

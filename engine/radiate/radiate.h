@@ -46,7 +46,7 @@ struct RadiatedMode {
   std::string reason;      // why error_db exceeds wanted_error_db(); empty if it does not
 };
 
-// The largest acceptable error: 0.5 dB for a mode that radiates more than 60 dB below a pulsating sphere, else 3 dB.
+// The largest acceptable error: 0.5 dB for a mode above -60 dB relative to a pulsating sphere, else 3 dB.
 inline double wanted_error_db(double relative_db) { return relative_db > -60 ? 0.5 : 3; }
 
 struct Radiation {

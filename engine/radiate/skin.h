@@ -34,9 +34,9 @@ class Original {
 };
 
 // A skin of a surface with mirror planes is a part of it, and a field on the whole surface is a sum of classes, one for
-// each image. Bit a of a class's number says that the class changes its sign across plane a. On image g of the part,
-// the class is its value on the part times (-1)^(number of bits that class and g have in common). A class that changes
-// its sign across a plane is 0 on that plane.
+// each image. Bit a of a class's number says that the class changes its sign across plane a. On image g, a class equals
+// its value on the part times (-1)^(number of bits that class and g have in common). A class that changes its sign
+// across a plane is 0 on that plane.
 struct Skin {
   Panels panels;
   std::vector<NearIntegrals> near;           // integrals with each image

@@ -1,9 +1,9 @@
 // The matrices of a skin's classes at every wavenumber of a narrow band, from those at three. [worker]
 //
 // An entry is exp(ikR) times a function that changes slowly with k; R is the distance between the entry's two nodes.
-// The remaining phases are differences of distance of a triangle or two. In a band no wider than kWidestBand this
-// function is a parabola to about 1e-3, and an entry costs 3 ns instead of 45. The whole band has the coupling of its
-// middle: every coupling above 0 has the same answer.
+// The function has only the phases of distance differences of a triangle or two. In a band no wider than kWidestBand it
+// is a parabola to about 1e-3, and an entry costs 3 ns instead of 45. The whole band has the coupling of its middle:
+// every coupling above 0 has the same answer.
 #pragma once
 
 #include "engine/radiate/skin.h"

@@ -14,7 +14,7 @@ namespace ringdown::radiate {
 namespace {
 
 // A side's share for one node: the weights of the three components of the curl, and whether the node lies on the side.
-// If it does not, its hat function is 0 there.
+// Otherwise the node's hat function is 0 on the side.
 struct Share {
   int side;
   float curl[3];

@@ -68,8 +68,8 @@ struct ClassLayers {
   Eigen::MatrixXcf layers;
 };
 
-// The far fields of all right-hand sides, each the sum over its classes. The part's field is computed once for all
-// classes.
+// The far fields of all right-hand sides, each the sum over its classes. The waves of the part are computed once for
+// all classes.
 Eigen::MatrixXcd fields_of(const WaveQuestion& question, const Skin& skin, const std::vector<double>& coupling,
                            const Directions& directions, const std::vector<ClassLayers>& classes,
                            Eigen::Index columns) {
