@@ -16,20 +16,20 @@
 
 namespace ringdown::modal {
 
-// Limits that are checked before anything is allocated. A compressed array counts by what it unpacks to, which is
-// held to kMaxBankFileBytes and to kMaxMeshoptRatio times the bytes in the file (meshopt_codec.h).
+// Limits that are checked before anything is allocated. A compressed array counts by its unpacked size, which may be
+// at most kMaxBankFileBytes and at most kMaxMeshoptRatio times the bytes in the file (meshopt_codec.h).
 inline constexpr std::size_t kMaxBankFileBytes = std::size_t{1} << 30;  // bytes
 inline constexpr std::size_t kMaxModes = 16384;
 inline constexpr std::size_t kMaxPoints = std::size_t{1} << 20;
 
-// Reads a bank, ours or another tool's. Every size, index and number is checked first; an error names the file and the
-// field, and what was expected of it.
+// Reads a bank that Ringdown or another tool wrote. Every size, index and number is checked first; an error names the
+// file, the field and the expected value.
 Result<Bank> read_bank(const std::filesystem::path& path);
 
-// A path to one of several models in a file: "room.glb#2" is model 2 of room.glb, "room.glb#2@0.5" the same with its
-// points half as far from the frame's origin. Such a factor moves the points alone: it is the scale of a node of a
-// scene, for which the model was made, so pitch, shapes and mass are those in the file. Without a number a file's first
-// node with a model decides, with the node's gain and with its scale as a change of the object's size.
+// A path to one of several models in a file. "room.glb#2" is model 2 of room.glb; "room.glb#2@0.5" is model 2 with its
+// points half as far from the frame's origin. Such a factor is the scale of a scene's node for which the model was
+// made, so only the points move: pitch, shapes and mass stay those in the file. A path without a number means the model
+// of the file's first node that has one; the node's gain applies, and its scale changes the object's size.
 struct BankPath {
   std::filesystem::path file;
   std::optional<std::size_t> model;
@@ -39,27 +39,28 @@ inline constexpr Range kBankPathScale{1e-6, 1e6};
 BankPath split_bank_path(const std::filesystem::path& path);
 std::filesystem::path bank_path(const BankPath& path);
 
-// Reads a bank from memory. `name` stands in error messages where the path would; a name that ends in #NUMBER chooses
-// the model, as a path does. `read_beside` reads a .gltf's other files; without it there must be none.
+// Reads a bank from memory. `name` replaces the path in error messages; a name that ends in #NUMBER chooses the model,
+// as a path does. `read_beside` reads a .gltf's other files; without `read_beside` the document must have none.
 Result<Bank> parse_bank(std::span<const std::byte> glb, const std::string& name);
 Result<Bank> parse_bank(std::span<const std::byte> gltf, const std::string& name, const ReadBeside& read_beside);
 
-// How arrays stand in the file. `meshopt` (EXT_meshopt_compression) takes about a third of the bytes, and a reader must
-// know the extension. It rounds shapes: each mode's numbers to whole multiples of a power of two between 1/128 and 1/64
-// of their rms, an rms error of 0.2 to 0.5 %. Everything else is exact, and so is a second trip.
+// How arrays are stored in the file. `meshopt` (EXT_meshopt_compression) takes about a third of the bytes, and a reader
+// must know the extension. Compression rounds shapes: each mode's numbers become whole multiples of a power of two
+// between 1/128 and 1/64 of their rms, an rms error of 0.2 to 0.5 %. All other numbers are exact, and compressing a
+// bank again changes nothing.
 enum class Compression { none, meshopt };
 
-// Writes atomically: a reader sees the old file or the new one. With `input_hash`, a name for all that the bank was
-// made from, the file carries it.
+// Writes atomically: a reader sees the old file or the new one. `input_hash`, which names everything that the bank was
+// made from, is stored in the file unless it is empty.
 Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash = {},
                         Compression compression = Compression::none);
 
-// The bytes of such a file.
+// Returns the bytes that write_bank() would write.
 std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash = {},
                               Compression compression = Compression::none);
 
-// The input_hash that `path` was written with; nothing when there is no such file, when it is cut off or no glTF, or
-// when it has none. Milliseconds.
+// Returns the input_hash stored in the file; nothing if the file is missing, truncated or not glTF, or has no hash.
+// Takes milliseconds.
 std::optional<std::string> read_input_hash(const std::filesystem::path& path);
 
 }  // namespace ringdown::modal
