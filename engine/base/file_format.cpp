@@ -14,7 +14,7 @@ constexpr std::array kFormats = {
     FileFormat{.ending = ".off", .kind = FileKind::surface, .known_to_gmsh = true},
     FileFormat{.ending = ".gltf", .kind = FileKind::gltf, .has_companions = true},
     FileFormat{.ending = ".glb", .kind = FileKind::gltf, .is_body = false},  // a bank, in a folder
-    // CAD programs' files say their unit, and gmsh hands them over in millimetres.
+    // CAD files state their unit, and gmsh converts them to millimetres.
     FileFormat{.ending = ".step", .kind = FileKind::geometry, .unit_m = 0.001, .known_to_gmsh = true},
     FileFormat{.ending = ".stp", .kind = FileKind::geometry, .unit_m = 0.001, .known_to_gmsh = true},
     FileFormat{.ending = ".iges", .kind = FileKind::geometry, .unit_m = 0.001, .known_to_gmsh = true},
@@ -24,7 +24,7 @@ constexpr std::array kFormats = {
     FileFormat{.ending = ".xao", .kind = FileKind::geometry, .known_to_gmsh = true},
     FileFormat{.ending = ".geo", .kind = FileKind::program},
     FileFormat{.ending = ".geo_unrolled", .kind = FileKind::program, .is_body = false},
-    // gmsh knows its own meshes by their first line, and reads others with these endings in its language.
+    // gmsh recognises its own meshes by their first line, and reads other files with these endings as programs.
     FileFormat{.ending = ".msh", .kind = FileKind::gmsh_mesh},
     FileFormat{.ending = ".msh2", .kind = FileKind::gmsh_mesh, .is_body = false},
     FileFormat{.ending = ".msh4", .kind = FileKind::gmsh_mesh, .is_body = false},

@@ -1,7 +1,7 @@
-// The formats that Ringdown knows, by the endings of file names. This table is the only place where an ending means
-// something; capital and small letters are alike. [any thread]
+// The file formats that Ringdown knows, by the endings of file names. The table in file_format.cpp is the only place
+// that gives endings a meaning; case is ignored. [any thread]
 //
-// A new format of meshes takes one row in file_format.cpp, and its reader in engine/mesh.
+// A new mesh format needs one row in file_format.cpp and a reader in engine/mesh.
 #pragma once
 
 #include <filesystem>
@@ -12,40 +12,41 @@ namespace ringdown {
 
 enum class FileKind {
   surface,     // triangles
-  gltf,        // triangles, too; or a bank, or a scene
-  tetrahedra,  // elements, from our own readers
-  gmsh_mesh,   // elements, from gmsh's
+  gltf,        // triangles, a bank or a scene
+  tetrahedra,  // elements, read by our own readers
+  gmsh_mesh,   // elements, read by gmsh
   geometry,    // a body that gmsh meshes
-  program,     // a body in gmsh's language, which takes parameters; it may hold elements
+  program,     // a body in gmsh's language, with parameters; may contain elements
   table,       // TOML: objects, scenes, materials, notes, states
   sound,
 };
 
 struct FileFormat {
-  std::string_view ending;  // in small letters, with its point
+  std::string_view ending;  // in lower case, with its dot
   FileKind kind;
-  // The length of a file's unit [m] by its format alone.
+  // The length unit [m] that the format prescribes.
   double unit_m = 1;
-  // gmsh reads the file by its ending, and does not take it for its language.
+  // True: gmsh recognises the ending. False: gmsh would read the file as a program in its own language.
   bool known_to_gmsh = false;
-  // A folder's files of this ending are bodies to bake, each by itself.
+  // True: when a folder is baked, each file with this ending is a body.
   bool is_body = true;
-  // A body may lie in further files beside the named one.
+  // True: a body may need further files beside the named one.
   bool has_companions = false;
 };
 
-// Returns null for an ending that the table lacks, and for none.
+// Returns null if the table lacks the ending or the name has none.
 const FileFormat* format_of(const std::filesystem::path& path);
 
 bool is_of_kind(const std::filesystem::path& path, FileKind kind);
 
-// The name's ending in small letters, with its point; empty when there is none.
+// Returns the name's ending in lower case, with its dot; empty if there is none.
 std::string ending_of(const std::filesystem::path& path);
 
-// `ending` is in small letters, with its point.
+// `ending` must be in lower case, with its dot.
 bool has_ending(const std::filesystem::path& path, std::string_view ending);
 
-// The endings of all bodies, for sentences: ".obj .stl ... (surfaces), .step ... (geometries), .msh ... (meshes)".
+// Returns the endings of all bodies, for messages: ".obj .stl ... (surfaces), .step ... (geometries), .msh ...
+// (meshes)".
 std::string endings_of_bodies();
 
 }  // namespace ringdown
