@@ -1,6 +1,8 @@
 // The names of the methods, apart from the methods themselves, for readers that solve nothing.
+#include "engine/base/quote.h"
 #include "engine/solve/eigensolver.h"
 
+#include <array>
 #include <string_view>
 
 namespace ringdown::solve {
