@@ -13,13 +13,9 @@
 #include "engine/solve/eigensolver.h"
 
 #include <algorithm>
-#include <cassert>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <cstdio>
-#include <cstdlib>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -83,33 +79,6 @@ Result<void> check_rigid(const Eigenmodes& modes, int free, double highest_lambd
               "distorted: mesh the object again");
 }
 
-// A bank keeps positions as 32-bit floats, which have 24 bits: at ten thousand times its length from the origin a body
-// still has points to a thousandth of its length.
-Result<void> check_place(const mesh::Points& nodes, double length_m) {
-  constexpr double kMaxDistance = 1e4;
-  const double reach = nodes.cwiseAbs().maxCoeff();
-  if (reach < kMaxDistance * length_m) return {};
-  char text[200];
-  std::snprintf(
-      text, sizeof text,
-      " is %.3g m long and lies %.3g m from the origin, too far for the 32-bit positions of a bank; move it to "
-      "the origin",
-      length_m, reach);
-  return fail(ErrorKind::bad_input, text);
-}
-
-Result<void> check_count(double volume_m3, const modal::Material& material, const BakeOptions& options,
-                         double highest_lambda) {
-  const double count = debye_count(volume_m3, material, highest_lambda);
-  if (count <= 4.0 * options.max_modes) return {};
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g", count);
-  return fail(ErrorKind::too_large,
-              std::string("about ") + text + " modes lie below " + std::to_string(std::lround(options.band_high_hz)) +
-                  " Hz, and a bank holds " + std::to_string(options.max_modes) +
-                  ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
-}
-
 BodyModes on_surface(const Eigenmodes& modes, const Eigen::MatrixXd& shapes, const mesh::Boundary& surface) {
   const Eigen::Index elastic = modes.lambda.size() - modes.rigid;
   BodyModes body{.lambda = modes.lambda.tail(elastic),
@@ -127,14 +96,28 @@ BodyModes on_surface(const Eigenmodes& modes, const Eigen::MatrixXd& shapes, con
 
 // The input of a bake, once its mesh has the element's order.
 struct Task {
-  const mesh::TetMesh& mesh;
-  const mesh::TetMesh unit_mesh;  // in units of units.length_m
-  const mesh::Boundary surface;
-  const BodyUnits units;
+  mesh::TetMesh mesh;
+  mesh::TetMesh unit_mesh;  // in units of units.length_m
+  mesh::Boundary surface;
+  BodyUnits units;
   const modal::Material& material;
   const BakeOptions& options;
-  const FittedMakeup makeup;
+  const std::string& name;
+  FittedMakeup makeup;
 };
+
+// The modes of a body, and those of them that the bank may have.
+struct Sounding {
+  BodyModes modes;
+  std::vector<HeardMode> heard;
+  LeftOut left_out;
+  double top_hz = 0;        // up to which modes were looked for
+  bool above_band = false;  // none lies in the band
+};
+
+tl::unexpected<Error> failed(const std::string& name, const Error& error) {
+  return fail(error.kind, name + ": " + error.message);
+}
 
 // The modes as a bank at the corners of the surface's elements. With `air` they are taken to radiate as computed.
 modal::Bank corner_bank(const Task& task, const std::vector<HeardMode>& heard, const BodyModes& modes,
@@ -204,7 +187,9 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
 
   const double highest_lambda = request.highest_lambda * task.units.lambda();
   const modal::Material guess = task.options.makeup.grain ? isotropic_stand_in(task.material) : task.material;
-  if (auto few = check_count(measure_shape(task.mesh).volume_m3, guess, task.options, highest_lambda); !few)
+  if (auto few = check_count(measure_shape(task.mesh).volume_m3, guess, highest_lambda, task.options.band_high_hz,
+                             task.options.max_modes);
+      !few)
     return fail(few.error());
   const Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
   if (!modes) return fail(modes.error());
@@ -294,22 +279,26 @@ LossOf loss_of(const Task& task, const BodyModes& modes) {
   };
 }
 
-// Lets every mode radiate, and leaves out those that the air over-damps. Returns where fields are measured from [m].
-Result<Vec3> add_radiation(const Task& task, const BodyModes& modes, std::vector<HeardMode>& heard, LeftOut& left_out,
-                           BakeReport& report, const Progress& progress) {
+// Lets every mode radiate, where that was asked for and frequencies are known well enough, and leaves out those that
+// the air over-damps. Returns where fields are measured from [m]; nothing where the modes do not radiate.
+Result<std::optional<Vec3>> add_radiation(const Task& task, Sounding& sounding, BakeReport& report,
+                                          const Progress& progress) {
+  auto& [modes, heard, left_out, top_hz, above_band] = sounding;
+  if (!task.options.air || above_band || heard.empty() || !(report.largest_error <= task.options.radiation_error))
+    return std::nullopt;
   Stopwatch watch;
   const modal::Air& air = *task.options.air;
   const Result<Vec3> origin = find_radiation({task.unit_mesh, task.surface, task.units, modes}, air, task.options.cache,
                                              heard, report.radiation, progress);
-  if (!origin) return origin;
-  std::erase_if(heard, [&](HeardMode& mode) {
+  if (!origin) return failed(task.name, origin.error());
+  std::erase_if(heard, [&, &body = modes, &left = left_out](HeardMode& mode) {
     const double air_per_s = modal::radiation_decay_per_s(modal::rms(mode.field), std::sqrt(mode.lambda), air);
-    const bool rings = add_air_loss(mode, loss_of(task, modes), air_per_s);
-    if (!rings) ++left_out.over_damped;
+    const bool rings = add_air_loss(mode, loss_of(task, body), air_per_s);
+    if (!rings) ++left.over_damped;
     return !rings;
   });
   report.radiation_seconds = watch.lap();
-  return origin;
+  return *origin;
 }
 
 void add_nonlinear(const Task& task, const BodyModes& modes, const std::vector<HeardMode>& kept, Baked& baked) {
@@ -326,43 +315,33 @@ void add_nonlinear(const Task& task, const BodyModes& modes, const std::vector<H
   baked.report.carried_share = terms.carried_share;
 }
 
-modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes, const LeftOut& left_out,
-                             double top_hz) {
-  return {.generator = "Ringdown " RINGDOWN_VERSION,
-          .element = element_text(options.element),
-          .unknowns = modes.unknowns,
-          .rigid_modes = modes.rigid,
-          // A solve that found fewer than it counted has failed. Its top allows for the strongest damping.
-          .counted_modes = modes.rigid + modes.lambda.size() - left_out.above_band,
-          .band_low_hz = options.band_low_hz,
-          .band_high_hz = top_hz,
-          .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};
+// The modes up to a frequency, and those of them from the band's lower end on.
+Result<Sounding> modes_up_to(double top_hz, const Task& task, const Eigen::VectorXd& gaps_m, BakeReport& report,
+                             const Progress& progress) {
+  const double top = task.makeup.highest_lambda(top_hz) / task.units.lambda();
+  Result<BodyModes> modes = find_body_modes(task, top, report, progress);
+  if (!modes) return failed(task.name, modes.error());
+  modes->errors += shape_errors(task, gaps_m, *modes);
+  Sounding found{.modes = std::move(*modes), .heard = {}, .left_out = {}, .top_hz = top_hz};
+  found.heard = modes_in_band(found.modes, task.units, loss_of(task, found.modes), {task.options.band_low_hz, top_hz},
+                              found.left_out);
+  return found;
 }
-
-// The modes of a body that has none in its band.
-struct AboveBand {
-  BodyModes modes;
-  std::vector<HeardMode> lowest;
-  double top_hz = 0;  // up to which modes were looked for
-};
 
 // The lowest modes of a body that rings above the band alone: those within a third of an octave from the first. Nothing
 // where none is found.
-Result<std::optional<AboveBand>> find_above_band(const Task& task, const Eigen::VectorXd& gaps_m, BakeReport& report,
-                                                 const Progress& progress) {
+Result<std::optional<Sounding>> find_above_band(const Task& task, const Eigen::VectorXd& gaps_m, BakeReport& report,
+                                                const Progress& progress) {
   constexpr double kStep = 4, kHighest_hz = 1e8, kThird = 1.26;
   for (double top_hz = kStep * task.options.band_high_hz; top_hz < kHighest_hz; top_hz *= kStep) {
-    const double highest_lambda = task.makeup.highest_lambda(top_hz);
-    if (!(highest_lambda > 0)) break;
-    Result<BodyModes> modes = find_body_modes(task, highest_lambda / task.units.lambda(), report, progress);
-    if (!modes) return fail(modes.error());
-    modes->errors += shape_errors(task, gaps_m, *modes);
-    LeftOut left_out;
-    auto heard = modes_in_band(*modes, task.units, loss_of(task, *modes), {task.options.band_low_hz, top_hz}, left_out);
-    if (heard.empty()) continue;
-    const double lowest_hz = heard.front().mode.frequency_hz;
-    std::erase_if(heard, [&](const HeardMode& mode) { return mode.mode.frequency_hz > kThird * lowest_hz; });
-    return AboveBand{*std::move(modes), std::move(heard), top_hz};
+    if (!(task.makeup.highest_lambda(top_hz) > 0)) break;
+    Result<Sounding> found = modes_up_to(top_hz, task, gaps_m, report, progress);
+    if (!found) return fail(found.error());
+    if (found->heard.empty()) continue;
+    const double limit_hz = kThird * found->heard.front().mode.frequency_hz;
+    std::erase_if(found->heard, [limit_hz](const HeardMode& mode) { return mode.mode.frequency_hz > limit_hz; });
+    found->above_band = true;
+    return std::move(*found);
   }
   return std::nullopt;
 }
@@ -376,11 +355,8 @@ Error no_mode(const std::string& name, const BakeOptions& options, std::optional
                                     "; it may be too small or too large (check the unit of its mesh)"};
 }
 
-}  // namespace
-
-Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& material, const BakeOptions& options,
-                   const std::string& name, const Progress& progress) {
-  if (auto good = check_options(options); !good) return fail(good.error());
+Result<void> check_request(const modal::Material& material, const BakeOptions& options, const std::string& name) {
+  if (auto good = check_options(options); !good) return good;
   if (options.nonlinear > 0 && !options.makeup.plain()) {
     return fail(ErrorKind::bad_input,
                 name +
@@ -388,13 +364,14 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
                     "`nonlinear` out, or grain, parts, supports and masses");
   }
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
-  if (auto good = fem::check_elastic(elastic); !good)
-    return fail(good.error().kind, material.name + ": " + good.error().message);
-  if (progress && !progress("assemble", 0)) return fail_cancelled();
-  Baked baked;
-  auto& [bank, report] = baked;
+  if (auto good = fem::check_elastic(elastic); !good) return failed(material.name, good.error());
+  return {};
+}
 
-  const mesh::TetMesh mesh = mesh::to_order(checked.mesh, fem::order_of(options.element));
+// Brings the mesh to the element's order, and body and makeup to units without size, modulus and density.
+Result<Task> prepare(const mesh::CheckedMesh& checked, const modal::Material& material, const BakeOptions& options,
+                     const std::string& name) {
+  mesh::TetMesh mesh = mesh::to_order(checked.mesh, fem::order_of(options.element));
   const double length_m = characteristic_length(mesh.nodes);
   if (auto near = check_place(mesh.nodes, length_m); !near) return fail(near.error().kind, name + near.error().message);
   const bool grained = options.makeup.grain && material.orthotropy;
@@ -402,81 +379,119 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
                         material.density_kg_m3};
   mesh::TetMesh unit_mesh{mesh.nodes / length_m, mesh.elements};
   Result<FittedMakeup> makeup = fit_makeup(options.makeup, material, unit_mesh, checked.groups, units, checked.pieces);
-  if (!makeup) return fail(makeup.error().kind, name + ": " + makeup.error().message);
-  const double highest_lambda = makeup->highest_lambda(options.band_high_hz);
-  if (!(highest_lambda > 0))
-    return fail(ErrorKind::bad_input, material.name + " is damped so strongly that nothing of it rings");
-  report.held = makeup->notes;
-  const Task task{mesh, std::move(unit_mesh), mesh::boundary_of(mesh), units, material, options, std::move(*makeup)};
-  Result<BodyModes> modes = find_body_modes(task, highest_lambda / units.lambda(), report, progress);
-  if (!modes) return fail(modes.error().kind, name + ": " + modes.error().message);
-  if (modes->nonlinear) {
-    if (auto shallow = check_shallow(*modes->nonlinear, name); !shallow) return fail(shallow.error());
-  }
-  modes->errors += shape_errors(task, checked.gaps_m, *modes);
-  LeftOut left_out;
-  std::vector<HeardMode> heard =
-      modes_in_band(*modes, units, loss_of(task, *modes), {options.band_low_hz, options.band_high_hz}, left_out);
-  const bool above_band = heard.empty() && left_out.below_band == 0 && left_out.over_damped == 0;
-  double top_hz = options.band_high_hz;
-  if (above_band) {
-    auto above = find_above_band(task, checked.gaps_m, report, progress);
-    if (!above) return fail(above.error().kind, name + ": " + above.error().message);
-    if (!*above || !options.raise_band) {
-      return fail(
-          no_mode(name, options, *above ? std::optional((*above)->lowest.front().mode.frequency_hz) : std::nullopt));
-    }
-    *modes = std::move((*above)->modes);
-    heard = std::move((*above)->lowest);
-    top_hz = (*above)->top_hz;
-  }
-  report.unknowns = modes->unknowns;
-  report.elements = mesh.elements.rows();
-  report.rigid = modes->rigid;
-  for (const HeardMode& mode : heard) report.largest_error = std::max(report.largest_error, mode.frequency_error);
-  const bool radiates = options.air && !above_band && !heard.empty() && report.largest_error <= options.radiation_error;
-  Vec3 origin_m;
-  if (radiates) {
-    const Result<Vec3> origin = add_radiation(task, *modes, heard, left_out, report, progress);
-    if (!origin) return fail(origin.error().kind, name + ": " + origin.error().message);
-    origin_m = *origin;
-  }
-  if (heard.empty()) return fail(no_mode(name, options, {}));
-  report.over_damped = left_out.over_damped;
-  report.below_band = left_out.below_band;
+  if (!makeup) return failed(name, makeup.error());
+  mesh::Boundary surface = mesh::boundary_of(mesh);
+  return Task{std::move(mesh),   std::move(unit_mesh), std::move(surface), units, material, options, name,
+              std::move(*makeup)};
+}
 
-  Stopwatch watch;
-  if (progress && !progress("finish", 0)) return fail_cancelled();
-  const modal::Air* const air = radiates ? &*options.air : nullptr;
-  order_by_importance(heard, corner_bank(task, heard, *modes, air), *modes, units,
-                      area_weights(task.surface, mesh.nodes));
-  int bending = 0;
-  if (modes->nonlinear) {  // what bends the others' pitch stays, however softly it radiates
-    const auto rest = std::stable_partition(
-        heard.begin(), heard.end(), [&](const HeardMode& mode) { return mode.number < modes->nonlinear->modes(); });
-    bending = static_cast<int>(rest - heard.begin());
+// Finds the modes in the band, or the lowest ones above it where none lies in the band and options.raise_band is set.
+Result<Sounding> find_modes(const Task& task, const Eigen::VectorXd& gaps_m, BakeReport& report,
+                            const Progress& progress) {
+  const BakeOptions& options = task.options;
+  if (!(task.makeup.highest_lambda(options.band_high_hz) > 0))
+    return fail(ErrorKind::bad_input, task.material.name + " is damped so strongly that nothing of it rings");
+  Result<Sounding> found = modes_up_to(options.band_high_hz, task, gaps_m, report, progress);
+  if (!found) return found;
+  if (found->modes.nonlinear) {
+    if (auto shallow = check_shallow(*found->modes.nonlinear, task.name); !shallow) return fail(shallow.error());
   }
-  bank.name = name;
-  bank.material = material;
-  if (!options.makeup.grain) bank.material->orthotropy.reset();
-  bank.held = !options.makeup.supports.empty();
-  bank.mass = units.mass(modes->mass);
-  bank.provenance = provenance(options, *modes, left_out, top_hz);
-  for (const Part& part : options.makeup.parts) bank.provenance.parts.push_back(part.material.name);
-  const Reduced reduced = audition(bank, task, corner_bank(task, heard, *modes, air), bending);
+  const LeftOut& left_out = found->left_out;
+  if (!found->heard.empty() || left_out.below_band > 0 || left_out.over_damped > 0) return found;
+  Result<std::optional<Sounding>> above = find_above_band(task, gaps_m, report, progress);
+  if (!above) return fail(above.error());
+  if (!*above) return fail(no_mode(task.name, options, {}));
+  if (!options.raise_band) return fail(no_mode(task.name, options, (*above)->heard.front().mode.frequency_hz));
+  (*above)->left_out = left_out;
+  return **std::move(above);
+}
+
+void report_modes(const Task& task, const Sounding& sounding, BakeReport& report) {
+  report.held = task.makeup.notes;
+  report.unknowns = sounding.modes.unknowns;
+  report.elements = task.mesh.elements.rows();
+  report.rigid = sounding.modes.rigid;
+  for (const HeardMode& mode : sounding.heard)
+    report.largest_error = std::max(report.largest_error, mode.frequency_error);
+}
+
+// Puts the modes in the order of the bank. Returns how many of the first stay in it because they bend the others'
+// pitch, however softly they radiate.
+int order_modes(const Task& task, Sounding& sounding, const modal::Air* air) {
+  auto& [modes, heard, left_out, top_hz, above_band] = sounding;
+  order_by_importance(heard, corner_bank(task, heard, modes, air), modes, task.units,
+                      area_weights(task.surface, task.mesh.nodes));
+  if (!modes.nonlinear) return 0;
+  const auto rest = std::stable_partition(
+      heard.begin(), heard.end(), [&terms = *modes.nonlinear](const HeardMode& m) { return m.number < terms.modes(); });
+  return static_cast<int>(rest - heard.begin());
+}
+
+void describe_body(const Task& task, const Sounding& sounding, modal::Bank& bank) {
+  const Makeup& makeup = task.options.makeup;
+  const BodyModes& modes = sounding.modes;
+  bank.name = task.name;
+  bank.material = task.material;
+  if (!makeup.grain) bank.material->orthotropy.reset();
+  bank.held = !makeup.supports.empty();
+  bank.mass = task.units.mass(modes.mass);
+  bank.provenance = {.generator = "Ringdown " RINGDOWN_VERSION,
+                     .element = element_text(task.options.element),
+                     .unknowns = modes.unknowns,
+                     .rigid_modes = modes.rigid,
+                     // A solve that found fewer than it counted has failed. Its top allows for the strongest damping.
+                     .counted_modes = modes.rigid + modes.lambda.size() - sounding.left_out.above_band,
+                     .band_low_hz = task.options.band_low_hz,
+                     .band_high_hz = sounding.top_hz,
+                     .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};
+  for (const Part& part : makeup.parts) bank.provenance.parts.push_back(part.material.name);
+}
+
+// Chooses the modes that stay and the sample points, and fills the bank with both. `origin_m` is where the modes
+// radiate from, if they do.
+Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional<Vec3>& origin_m, Baked& baked,
+                       const Progress& progress) {
+  auto& [bank, report] = baked;
+  const modal::Air* const air = origin_m ? &*task.options.air : nullptr;
+  const int bending = order_modes(task, sounding, air);
+  describe_body(task, sounding, bank);
+  const Reduced reduced = audition(bank, task, corner_bank(task, sounding.heard, sounding.modes, air), bending);
   std::vector<HeardMode> kept;
-  for (const std::size_t m : reduced.kept) kept.push_back(heard[m]);
-  const Result<SamplePoints> points = find_points(task, kept, *modes, progress);
-  if (!points) return fail(points.error().kind, name + ": " + points.error().message);
-  add_modes(bank, kept, units.shape() * points->shapes, air);
-  if (radiates) bank.radiation->maps.origin_m = origin_m;
-  add_points(bank, length_m * points->positions);
+  for (const std::size_t m : reduced.kept) kept.push_back(sounding.heard[m]);
+  const Result<SamplePoints> points = find_points(task, kept, sounding.modes, progress);
+  if (!points) return failed(task.name, points.error());
+  add_modes(bank, kept, task.units.shape() * points->shapes, air);
+  if (origin_m) bank.radiation->maps.origin_m = *origin_m;
+  add_points(bank, task.units.length_m * points->positions);
   bank.triangles = points->triangles;
-  if (modes->nonlinear) add_nonlinear(task, *modes, kept, baked);
+  if (sounding.modes.nonlinear) add_nonlinear(task, sounding.modes, kept, baked);
   for (const double error : points->errors) bank.shape_error.push_back(rounded_error(error));
+  report.over_damped = sounding.left_out.over_damped;
+  report.below_band = sounding.left_out.below_band;
   report.inaudible = reduced.inaudible;
   report.unimportant = reduced.unimportant;
-  report.finish_seconds = watch.lap();
+  return {};
+}
+
+}  // namespace
+
+Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& material, const BakeOptions& options,
+                   const std::string& name, const Progress& progress) {
+  if (auto good = check_request(material, options, name); !good) return fail(good.error());
+  if (progress && !progress("assemble", 0)) return fail_cancelled();
+  const Result<Task> task = prepare(checked, material, options, name);
+  if (!task) return fail(task.error());
+  Baked baked;
+  Result<Sounding> sounding = find_modes(*task, checked.gaps_m, baked.report, progress);
+  if (!sounding) return fail(sounding.error());
+  report_modes(*task, *sounding, baked.report);
+  const Result<std::optional<Vec3>> origin_m = add_radiation(*task, *sounding, baked.report, progress);
+  if (!origin_m) return fail(origin_m.error());
+  if (sounding->heard.empty()) return fail(no_mode(name, options, {}));
+  if (progress && !progress("finish", 0)) return fail_cancelled();
+  Stopwatch watch;
+  if (auto filled = fill_bank(*task, *sounding, *origin_m, baked, progress); !filled) return fail(filled.error());
+  baked.report.finish_seconds = watch.lap();
   return baked;
 }
 

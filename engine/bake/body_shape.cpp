@@ -245,4 +245,29 @@ std::string question_size(const BodyShape& shape, const modal::Material& materia
   return text + "; check its unit (--unit)";
 }
 
+Result<void> check_place(const mesh::Points& nodes, double length_m) {
+  constexpr double kMaxDistance = 1e4;
+  const double reach = nodes.cwiseAbs().maxCoeff();
+  if (reach < kMaxDistance * length_m) return {};
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      " is %.3g m long and lies %.3g m from the origin, too far for the 32-bit positions of a bank; move it to "
+      "the origin",
+      length_m, reach);
+  return fail(ErrorKind::bad_input, text);
+}
+
+Result<void> check_count(double volume_m3, const modal::Material& material, double lambda, double band_high_hz,
+                         int max_modes) {
+  const double count = debye_count(volume_m3, material, lambda);
+  if (count <= 4.0 * max_modes) return {};
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", count);
+  return fail(ErrorKind::too_large,
+              std::string("about ") + text + " modes lie below " + std::to_string(std::lround(band_high_hz)) +
+                  " Hz, and a bank holds " + std::to_string(max_modes) +
+                  ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
+}
+
 }  // namespace ringdown::bake

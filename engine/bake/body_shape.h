@@ -10,6 +10,7 @@
 // not reach that at any sane size.
 #pragma once
 
+#include "engine/base/result.h"
 #include "engine/mesh/tet_mesh.h"
 #include "engine/mesh/triangle_mesh.h"
 #include "engine/modal/bank.h"
@@ -65,5 +66,13 @@ double debye_count(double volume_m3, const modal::Material& material, double lam
 // millimetre (--unit mm), it is 95 mm long and its lowest note about 1200 Hz".
 std::string question_size(const BodyShape& shape, const modal::Material& material, double band_high_hz, int max_modes,
                           const std::filesystem::path& path, double unit_m);
+
+// Fails when the body lies too far from the origin. A bank keeps positions as 32-bit floats, which have 24 bits: at ten
+// thousand times its length from the origin a body still has points to a thousandth of its length.
+Result<void> check_place(const mesh::Points& nodes, double length_m);
+
+// Fails when far more than `max_modes` modes lie below the eigenvalue, which is that of `band_high_hz`.
+Result<void> check_count(double volume_m3, const modal::Material& material, double lambda, double band_high_hz,
+                         int max_modes);
 
 }  // namespace ringdown::bake

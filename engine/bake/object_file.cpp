@@ -1,7 +1,6 @@
 #include "engine/bake/object_file.h"
 
 #include "engine/bake/makeup_file.h"
-#include "engine/bake/recipe_options.h"
 #include "engine/base/note.h"
 #include "engine/base/toml_table.h"
 

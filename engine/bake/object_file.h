@@ -32,9 +32,8 @@
 //   height = 110
 #pragma once
 
-#include "engine/bake/bake.h"
+#include "engine/bake/recipe_options.h"
 #include "engine/base/result.h"
-#include "engine/mesh/body.h"
 
 #include <filesystem>
 #include <map>
@@ -44,24 +43,6 @@
 #include <vector>
 
 namespace ringdown::bake {
-
-struct ObjectRecipe {
-  std::string name;
-  std::string description;
-  std::string material;
-  std::filesystem::path geometry;
-  mesh::GmshOptions meshing;
-  BakeOptions options;
-  double scale = 1;                       // size of the object over that of its geometry, whose mesh it keeps
-  std::map<std::string, double> figures;  // of the material, by their keys in its file, instead of what stands there
-  bool other_material = false;  // `material` is not the object's own: a grain that it has no constants for is left out
-  double gain_db = 0;
-  std::optional<double> pitch_hz;  // stated, of the object at its scale and in its material
-  double error = 0;  // relative, that the estimate for every frequency in the band must reach; 0: whatever it is
-  double max_unknowns = 400'000;  // that `error` may lead to
-  bool preview = false;           // coarse and quick; `error` does not count
-  double budget_s = 0;            // of processor time, which `ringdown bake FOLDER` compares with; 0: none
-};
 
 // The files of the materials that the recipe's parts have.
 std::vector<std::filesystem::path> part_materials(const ObjectRecipe& recipe, const std::filesystem::path& materials);

@@ -1,17 +1,43 @@
-// Every option of baking, once: its key in an object file, its name on the command line of ringdown-bake, what both
-// accept, and where its value goes. [any thread]
+// What a bank is baked from, and every option of that, once: its key in an object file, its name on the command line of
+// ringdown-bake, what both accept, and where its value goes. [any thread]
 //
 // A new option takes a row in recipe_options.cpp, a member for its value, and a row in docs/use/materials.md. Its
 // default is the member's. On the command line, options stand in the order of the table, also in the hash of a bank's
 // inputs: a row in the middle makes other hashes of banks that have options on both sides of it.
 #pragma once
 
-#include "engine/bake/object_file.h"
+#include "engine/bake/bake.h"
+#include "engine/base/range.h"
+#include "engine/base/result.h"
 #include "engine/base/toml_table.h"
+#include "engine/mesh/body.h"
 
+#include <filesystem>
+#include <map>
+#include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 namespace ringdown::bake {
+
+struct ObjectRecipe {
+  std::string name;
+  std::string description;
+  std::string material;
+  std::filesystem::path geometry;
+  mesh::GmshOptions meshing;
+  BakeOptions options;
+  double scale = 1;                       // size of the object over that of its geometry, whose mesh it keeps
+  std::map<std::string, double> figures;  // of the material, by their keys in its file, instead of what stands there
+  bool other_material = false;  // `material` is not the object's own: a grain that it has no constants for is left out
+  double gain_db = 0;
+  std::optional<double> pitch_hz;  // stated, of the object at its scale and in its material
+  double error = 0;  // relative, that the estimate for every frequency in the band must reach; 0: whatever it is
+  double max_unknowns = 400'000;  // that `error` may lead to
+  bool preview = false;           // coarse and quick; `error` does not count
+  double budget_s = 0;            // of processor time, which `ringdown bake FOLDER` compares with; 0: none
+};
 
 struct OptionValue {
   std::string text;  // of words; of settings the name

@@ -49,7 +49,7 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::strin
 }
 
 Result<void> check_writable(const std::filesystem::path& path) {
-  constexpr std::size_t kPage = 4096;  // a full disk takes an empty file, but no page
+  constexpr std::size_t kPage = 4096;  // a full disk still accepts an empty file, but not a page
   const std::string page(kPage, '\0');
   std::string temporary = path.string() + ".XXXXXX";
   const int descriptor = ::mkstemp(temporary.data());

@@ -1,13 +1,13 @@
-// Asks whether OpenBLAS gets the memory without which it waits for ever. [main]
+// Checks that OpenBLAS can allocate its memory; without it OpenBLAS hangs. [main]
 #pragma once
 
 #include "engine/base/result.h"
 
 namespace ringdown {
 
-// Fails where the address space does not suffice for OpenBLAS in a program that links it: 128 MiB for each of our
-// threads that calls it. Its own threads ask for as much before main() begins. Where OpenBLAS gets no memory it asks
-// again and again, and fork() and exit() wait for its threads: a program whose check has failed ends by std::_Exit().
+// Fails if the program links OpenBLAS and the address space is too small: OpenBLAS needs 128 MiB for each of our
+// threads that calls it. OpenBLAS's own threads allocate as much before main() begins. Without memory OpenBLAS retries
+// for ever, and fork() and exit() wait for its threads, so a program whose check has failed must end by std::_Exit().
 Result<void> check_blas_memory();
 
 }  // namespace ringdown

@@ -39,7 +39,7 @@ class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : rest_(bytes) {}
 
-  // Returns false, with nothing read, when the bytes end too soon.
+  // Returns false and reads nothing if the bytes end too soon.
   template <class T>
   requires std::is_trivially_copyable_v<T>
   bool get(T& value) {
@@ -48,8 +48,8 @@ class ByteReader {
     rest_.remove_prefix(sizeof value);
     return true;
   }
-  // Returns false, too, when the list claims to be longer than the rest of the bytes; this is checked before memory is
-  // allocated.
+  // Returns false if the bytes end too soon or the list claims to be longer than the remaining bytes; the length is
+  // checked before memory is allocated.
   template <class T>
   requires std::is_trivially_copyable_v<T>
   bool get_list(std::vector<T>& list) {

@@ -36,7 +36,8 @@ struct Kept {
   fs::file_time_type used;
 };
 
-// Whether a file is the cache's own: its name is KIND-KEY, or KIND-KEY and the six letters of a file being written.
+// Returns true if a file belongs to the cache: its name is KIND-KEY, or KIND-KEY and the six letters of a file being
+// written.
 bool is_ours(std::string name) {
   const std::size_t dot = name.rfind('.');
   if (dot != std::string::npos && name.size() - dot == 7) name.resize(dot);

@@ -27,11 +27,12 @@ inline constexpr std::uintmax_t kMaxCacheBytes = std::uintmax_t{2} << 30;
 
 class ContentCache {
  public:
-  // The folder need not exist yet.
+  // `folder` need not exist yet.
   explicit ContentCache(std::filesystem::path folder, std::uintmax_t max_bytes = kMaxCacheBytes)
       : folder_(std::move(folder)), max_bytes_(max_bytes) {}
 
-  // The stored content, which counts as used from now on. `kind` is a word of lower-case letters.
+  // Returns the stored content, which counts as used now; nothing if there is none. `kind` is a word of lower-case
+  // letters.
   [[nodiscard]] std::optional<std::string> find(std::string_view kind, const ContentHash& key) const;
 
   // Stores content, replacing an older entry of this kind and key. Content larger than a quarter of the folder's size
@@ -46,8 +47,8 @@ class ContentCache {
   std::uintmax_t max_bytes_;
 };
 
-// $RINGDOWN_CACHE, else $XDG_CACHE_HOME/ringdown, else ~/.cache/ringdown; nothing when none of the three is set. As the
-// XDG base directory specification asks, a relative XDG_CACHE_HOME is ignored.
+// Returns $RINGDOWN_CACHE, else $XDG_CACHE_HOME/ringdown, else ~/.cache/ringdown; nothing if none of the variables is
+// set. A relative XDG_CACHE_HOME is ignored, as the XDG base directory specification asks.
 std::optional<std::filesystem::path> cache_folder();
 
 }  // namespace ringdown

@@ -1,9 +1,9 @@
-// A name for content: 128 bits that differ when the content does. [any thread]
+// A 128-bit hash of content: different content has a different hash, almost certainly. [any thread]
 //
 //   const ContentHash hash = ContentHasher().text(file).value(1e-9).values(std::span(numbers)).hash();
 //
-// XXH3-128 (libxxhash), which hashes at memory speed. Among n contents the chance that any two share a hash is about
-// n^2 / 2^129. It is no defence against someone who wants a collision.
+// The hash is XXH3-128 (libxxhash), computed at memory speed. Among n contents the chance that any two share a hash is
+// about n^2 / 2^129. XXH3 does not protect against deliberate collisions.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct ContentHash {
 };
 
 // Hashes content piece by piece. Lengths are hashed too, so that ("ab", "c") and ("a", "bc") differ. Numbers are hashed
-// as they lie in memory, so a machine of the other byte order gives the same content another hash.
+// as they lie in memory, so hashes differ between machines of different byte order.
 class ContentHasher {
  public:
   ContentHasher();

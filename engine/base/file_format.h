@@ -1,5 +1,5 @@
-// The formats that Ringdown knows, by the endings of file names. This table is the only place where an ending means
-// something; capital and small letters are alike. [any thread]
+// The file formats that Ringdown knows, by the endings of file names. The table in file_format.cpp is the only place
+// that gives endings a meaning; case is ignored. [any thread]
 //
 // A new format of meshes takes one row in file_format.cpp. One that gmsh does not read takes a reader, too, with its
 // row in engine/mesh/files/surface_formats.h (triangles) or tet_file.cpp (tetrahedra).
@@ -16,11 +16,11 @@ namespace ringdown {
 
 enum class FileKind {
   surface,     // triangles
-  gltf,        // triangles, too; or a bank, or a scene
-  tetrahedra,  // elements, from our own readers
-  gmsh_mesh,   // elements, from gmsh's
+  gltf,        // triangles, a bank or a scene
+  tetrahedra,  // elements, read by our own readers
+  gmsh_mesh,   // elements, read by gmsh
   geometry,    // a body that gmsh meshes
-  program,     // a body in gmsh's language, which takes parameters; it may hold elements
+  program,     // a body in gmsh's language, with parameters; may contain elements
   table,       // TOML: objects, scenes, materials, notes, states
   sound,
 };
@@ -34,11 +34,11 @@ enum class Companions {
 };
 
 struct FileFormat {
-  std::string_view ending;  // in small letters, with its point
+  std::string_view ending;  // in lower case, with its dot
   FileKind kind;
-  // The length of a file's unit [m] by its format alone.
+  // The length unit [m] that the format prescribes.
   double unit_m = 1;
-  // gmsh reads the file by its ending, and does not take it for its language.
+  // True: gmsh recognises the ending. False: gmsh would read the file as a program in its own language.
   bool known_to_gmsh = false;
   // OpenCASCADE's name of the format, by which gmsh imports the file; empty where gmsh opens the file by itself.
   std::string_view opencascade = "";
@@ -57,13 +57,14 @@ const FileFormat* format_of(const std::filesystem::path& path);
 
 bool is_of_kind(const std::filesystem::path& path, FileKind kind);
 
-// The name's ending in small letters, with its point; empty when there is none.
+// Returns the name's ending in lower case, with its dot; empty if there is none.
 std::string ending_of(const std::filesystem::path& path);
 
-// `ending` is in small letters, with its point.
+// `ending` must be in lower case, with its dot.
 bool has_ending(const std::filesystem::path& path, std::string_view ending);
 
-// The endings of all bodies, for sentences: ".obj .stl ... (surfaces), .step ... (geometries), .msh ... (meshes)".
+// Returns the endings of all bodies, for messages: ".obj .stl ... (surfaces), .step ... (geometries), .msh ...
+// (meshes)".
 std::string endings_of_bodies();
 
 // The endings of the examples among these kinds, for help texts: ".geo .step .brep". One kind comes after the other.

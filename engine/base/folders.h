@@ -8,30 +8,30 @@
 
 namespace ringdown {
 
-// The environment's RINGDOWN_PRESETS if set; else share/ringdown/presets beside the bin/ that the program runs from;
-// else presets/ of the source tree that the program was built from. Fails when none of these is a folder.
+// Returns $RINGDOWN_PRESETS if set; else share/ringdown/presets beside the bin/ that the program runs from; else
+// presets/ of the source tree that the program was built from. Fails if none of these is a folder.
 Result<std::filesystem::path> preset_folder();
 
-// `given`, or the presets' folder of materials when `given` is empty.
+// Returns `given`, or the presets' folder of materials if `given` is empty.
 Result<std::filesystem::path> material_folder(const std::filesystem::path& given);
 
 enum class PresetKind { bank, notes, scene };
 
-// The file that a user means: `given` if it is a file, or has a folder or an ending; else the preset of that name.
-// Fails when there is no such preset, and lists those that there are.
+// Returns the file that a user means: `given` if it is a file, or has a folder or an ending; else the preset of that
+// name. Fails if there is no such preset; the error lists the existing ones.
 //
 //   preset_or_file("demo", PresetKind::scene);      // .../presets/scenes/demo.toml
 //   preset_or_file("my/demo", PresetKind::scene);   // my/demo
 Result<std::filesystem::path> preset_or_file(const std::filesystem::path& given, PresetKind kind);
 
-// A new folder below the system's temporary one (TMPDIR) that only this user can read. The destructor removes the
+// A new folder in the system's temporary folder (TMPDIR) that only this user can read. The destructor removes the
 // folder with everything in it.
 //
 //   const PrivateFolder folder("ringdown-modes");
 //   if (folder.path().empty()) return fail(ErrorKind::input_output, "cannot make a folder for temporary files");
 class PrivateFolder {
  public:
-  // The folder's name begins with `name`. Where no folder can be made, path() is empty.
+  // The folder's name begins with `name`. If no folder can be made, path() is empty.
   explicit PrivateFolder(const std::string& name);
   ~PrivateFolder();
   PrivateFolder(const PrivateFolder&) = delete;
@@ -39,7 +39,7 @@ class PrivateFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  // Leaves the folder on the disk.
+  // Stops the destructor from removing the folder.
   void keep() { kept_ = true; }
 
  private:

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-// The line "MemAvailable:  123 kB".
+// Reads the line "MemAvailable:  123 kB".
 double available() {
   std::ifstream in("/proc/meminfo");
   std::string word;
@@ -23,14 +23,14 @@ double available() {
   return kNone;
 }
 
-// The first number of a file, or infinity where there is none ("max" in a control group without limit).
+// Returns the first number of a file, or infinity if there is none ("max" in a control group without limit).
 double number_in(const std::string& path) {
   std::ifstream in(path);
   double number = 0;
   return in >> number ? number : kNone;
 }
 
-// The memory that the innermost control group (version 2) with a limit leaves.
+// Returns the memory that is left within the innermost control group (version 2) with a limit.
 double left_in_group() {
   std::ifstream in("/proc/self/cgroup");
   std::string line;

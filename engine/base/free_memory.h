@@ -1,10 +1,10 @@
-// How much memory this process may still take. [any thread]
+// Finds how much more memory this process may use. [any thread]
 #pragma once
 
 namespace ringdown {
 
-// Bytes: what the computer has available, or less where the process's limits (RLIMIT_AS, a control group) leave less.
-// Infinity where nothing of this is known.
+// Returns the computer's available memory [bytes], or less if the process's limits (RLIMIT_AS, a control group) leave
+// less. Infinity if nothing is known.
 double free_memory_bytes();
 
 }  // namespace ringdown

@@ -1,4 +1,4 @@
-// Work divided among threads that live as long as the call. [worker]
+// Divides work among threads that live as long as the call. [worker]
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace ringdown {
 
-// The number of threads to use: `wanted`, or if that is 0 $RINGDOWN_THREADS when it is a number above 0, else the
-// number of processors.
+// Returns the number of threads to use: `wanted` if above 0; else $RINGDOWN_THREADS if above 0; else the number of
+// processors.
 inline int thread_count(int wanted) {
   if (wanted > 0) return wanted;
   const char* allowed = std::getenv("RINGDOWN_THREADS");
@@ -18,8 +18,8 @@ inline int thread_count(int wanted) {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Calls work(0) ... work(count - 1), each on its own thread and work(0) on the caller's, and returns when all have
-// returned. If some throw, the exception of the lowest number leaves the call.
+// Calls work(0) ... work(count - 1), each on its own thread and work(0) on the caller's, and returns after all calls.
+// If several throw, the exception of the lowest number is rethrown.
 template <class Work>
 void in_parallel(int count, const Work& work) {
   std::vector<std::exception_ptr> failures(count);

@@ -10,11 +10,11 @@
 
 namespace ringdown {
 
-// A frequency as a note's number, with fractions: 69.5 is a quarter tone above A4.
+// Returns the note number of a frequency, with fractions: 69.5 is a quarter tone above A4.
 inline double note_of(double frequency_hz) { return 69 + 12 * std::log2(frequency_hz / 440); }
 
-// The nearest note of equal temperament at A4 = 440 Hz and the distance from it: "A4 +0 ct". C4 is middle C.
-// "" when the frequency is not above 0 or not finite.
+// Returns the nearest note of equal temperament at A4 = 440 Hz and the distance from that note: "A4 +0 ct". C4 is
+// middle C. Returns "" if the frequency is not above 0 or not finite.
 inline std::string note_name(double frequency_hz) {
   if (!(frequency_hz > 0) || !std::isfinite(frequency_hz)) return "";
   constexpr const char* kNames[] = {"C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"};
@@ -27,7 +27,7 @@ inline std::string note_name(double frequency_hz) {
   return text;
 }
 
-// The MIDI number of a note: "A4" is 69, "C4" 60, "F#3" and "Fs3" and "Gb3" 54. Nothing when it is not in 0 to 127.
+// Returns the MIDI number of a note: "A4" is 69, "C4" 60, "F#3" and "Fs3" and "Gb3" 54. Nothing if outside 0 to 127.
 inline std::optional<int> note_number(std::string_view note) {
   constexpr std::string_view kLetters = "CDEFGAB";
   constexpr std::array kSteps = {0, 2, 4, 5, 7, 9, 11};
@@ -48,7 +48,7 @@ inline std::optional<int> note_number(std::string_view note) {
 
 inline double note_frequency(double number) { return 440 * std::exp2((number - 69) / 12); }
 
-// The note's name as part of a file name: "Fs3" for 54.
+// Returns the note's name as part of a file name: "Fs3" for 54.
 inline std::string note_word(int number) {
   constexpr std::array kNames = {"C", "Cs", "D", "Ds", "E", "F", "Fs", "G", "Gs", "A", "As", "B"};
   return kNames[number % 12] + std::to_string(number / 12 - 1);

@@ -1,7 +1,7 @@
-// How an object is named, in addresses, scene files and options. [any thread]
+// The rules for names of objects in addresses, scene files and options. [any thread]
 //
-// A name is 1 to 64 of A-Z a-z 0-9 _ . - and is not made of digits only: digits are an object's number. "-"
-// alone is no name either: it stands for "no object" where an argument allows that.
+// A name has 1 to 64 of the characters A-Z a-z 0-9 _ . - and is not digits only, because digits are an object's number.
+// "-" alone is not a name: where an argument allows it, "-" means "no object".
 #pragma once
 
 #include <algorithm>

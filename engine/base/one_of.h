@@ -1,4 +1,5 @@
-// OneOf: a value of one type of a list, as std::variant is, for lists of many types in headers that many files include.
+// OneOf is a value of one type of a list, like std::variant, for long lists of types in headers that many files
+// include.
 //
 //   using Answers = Types<Done, Fail>;
 //   using Answer = OneOf<Answers>;
@@ -9,10 +10,10 @@
 //
 // A visitor that lacks one of the types does not compile. There is no empty state and no exception.
 //
-// It compiles fast, because nothing in it recurses over the list, and because the functions that copy, move and
-// destroy stand in one table for each list. A header with a long list declares `extern template class
-// ringdown::detail::OneOfStorage<List>;`, and one .cpp defines it: then this table is compiled once. A OneOf of
-// trivially copyable types is trivially copyable. [any thread; the audio thread visits with visit_now()]
+// OneOf compiles fast, because nothing in it recurses over the list, and because the functions that copy, move and
+// destroy are in one table for each list. To compile the table once, a header with a long list declares `extern
+// template class ringdown::detail::OneOfStorage<List>;`, and one .cpp defines it. A OneOf of trivially copyable types
+// is trivially copyable. [any thread; the audio thread visits with visit_now()]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -35,7 +36,7 @@ struct Types {
   template <class T>
   static constexpr bool kHas = (std::is_same_v<T, Alternatives> || ...);
 
-  // The position of T in the list, which must have it.
+  // The position of T in the list, which must contain T.
   template <class T>
   static constexpr std::size_t index_of() {
     static_assert(kHas<T>, "this type is not in the list");
@@ -85,7 +86,7 @@ using Joined = decltype(detail::join(First(), Second()));
 
 namespace detail {
 
-// The value of a OneOf. Of trivially copyable types it is copied as bytes.
+// Stores the value of a OneOf. If all types are trivially copyable, the value is copied as bytes.
 template <class List, bool kTrivial = List::kTrivial>
 class OneOfStorage;
 
@@ -195,7 +196,7 @@ class OneOf : public detail::OneOfStorage<TheList> {
   [[nodiscard]] void* address() RINGDOWN_REALTIME { return this->storage_; }
 };
 
-// Calls the visitor with the value. It must take every type of the list and return the same type for each.
+// Calls the visitor with the value. The visitor must accept every type of the list and return one type for all.
 template <class Visitor, class First, class... Rest>
 auto visit(Visitor&& visitor, const OneOf<Types<First, Rest...>>& one) {
   using Answer = decltype(visitor(one.template get<First>()));
@@ -214,8 +215,8 @@ auto visit(Visitor&& visitor, OneOf<Types<First, Rest...>>&& one) {
   return kCases[one.index()](visitor, one.address());
 }
 
-// Calls the visitor with the value at `address`, whose type has the place `index` in the list. The compiler sees every
-// call, so that it can check and inline them.
+// Calls the visitor with the value at `address`, whose type has the position `index` in the list. The compiler sees
+// every call, so it can check and inline them.
 template <class Visitor, class First, class... Rest>
 auto visit_now(Visitor&& visitor, Types<First, Rest...>, std::size_t index, const void* address) RINGDOWN_REALTIME {
   using Answer = decltype(visitor(*static_cast<const First*>(address)));

@@ -24,7 +24,7 @@ tl::unexpected<Error> cannot_write(const fs::path& path, int reason) {
   return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + std::strerror(reason));
 }
 
-// The descriptor of this process that `path` stands for: /proc/self/fd/1, to which /dev/stdout leads.
+// Returns the descriptor of this process that `path` stands for: 1 for /proc/self/fd/1, to which /dev/stdout leads.
 std::optional<int> own_descriptor(const fs::path& path) {
   std::error_code error;
   const fs::path folder = fs::canonical(path.parent_path(), error);
@@ -35,7 +35,7 @@ std::optional<int> own_descriptor(const fs::path& path) {
   return wrong == std::errc() && *end == '\0' ? std::optional(number) : std::nullopt;
 }
 
-// Follows links one by one up to the first path that is none, or that is a descriptor.
+// Follows links one by one up to the first path that is not a link or is a descriptor.
 Result<fs::path> followed(const fs::path& path) {
   fs::path at = path;
   for (int links = 0; links <= kMaxLinks; ++links) {
@@ -43,7 +43,7 @@ Result<fs::path> followed(const fs::path& path) {
     if (own_descriptor(at) || !fs::is_symlink(fs::symlink_status(at, error))) return at;
     const fs::path next = fs::read_symlink(at, error);
     if (error) return cannot_write(path, error.value());
-    at = at.parent_path() / next;  // an absolute path replaces all before it
+    at = at.parent_path() / next;  // an absolute path replaces the whole path before it
   }
   return cannot_write(path, ELOOP);
 }
@@ -126,7 +126,8 @@ void keep_stdout_for(const fs::path& path) {
   if (!target || !target->is_stream || ::fstat(STDOUT_FILENO, &standard) != 0) return;
   const auto own = own_descriptor(target->path);
   if ((own ? ::fstat(*own, &named) : ::stat(target->path.c_str(), &named)) != 0) return;
-  if (named.st_dev == standard.st_dev && named.st_ino == standard.st_ino) stdout = stderr;  // glibc's is a variable
+  if (named.st_dev == standard.st_dev && named.st_ino == standard.st_ino)
+    stdout = stderr;  // in glibc, stdout is a variable
 }
 
 }  // namespace ringdown

@@ -35,7 +35,7 @@ std::string toml_string(std::string_view text) {
 std::string toml_number(double number) {
   std::array<char, 32> digits{};
   std::string text(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr);
-  // TOML reads a number without a point or exponent as an integer, which has no -0 and ends at 2^63.
+  // TOML reads a number without a point or exponent as an integer; integers have no -0 and end at 2^63.
   const bool is_integer = text.find_first_of(".e") == text.npos;
   if (is_integer && (text == "-0" || std::abs(number) > 1e15)) text += ".0";
   return text;

@@ -1,4 +1,4 @@
-// Numbers that people write: closed ranges of them, and fractions such as "0.1%". [any thread]
+// Closed ranges of numbers, and fractions that people write, such as "0.1%". [any thread]
 #pragma once
 
 #include "engine/base/result.h"

@@ -76,20 +76,20 @@ inline double norm(const Rotation& q) RINGDOWN_REALTIME {
   return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
 }
 
-// The unit quaternion of one whose norm is not zero.
+// Returns the quaternion scaled to unit norm; its norm must not be zero.
 inline Rotation normalized(const Rotation& q) RINGDOWN_REALTIME {
   const double scale = 1 / norm(q);
   return Rotation::from_xyzw(q.x * scale, q.y * scale, q.z * scale, q.w * scale);
 }
 
-// First b, then a.
+// The rotation by b, followed by a.
 inline Rotation operator*(const Rotation& a, const Rotation& b) RINGDOWN_REALTIME {
   return Rotation::from_xyzw(
       a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
       a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z);
 }
 
-// The rotation by `angle_rad` about `axis`, which has any length but zero.
+// The rotation by `angle_rad` about `axis`, which may have any length but zero.
 inline Rotation about(Vec3 axis, double angle_rad) {
   const double s = std::sin(angle_rad / 2) / length(axis);
   return Rotation::from_xyzw(s * axis.x, s * axis.y, s * axis.z, std::cos(angle_rad / 2));
@@ -98,13 +98,14 @@ inline Rotation about(Vec3 axis, double angle_rad) {
 // The inverse of a unit quaternion.
 inline Rotation inverse(const Rotation& q) RINGDOWN_REALTIME { return Rotation::from_xyzw(-q.x, -q.y, -q.z, q.w); }
 
-// A vector turned by a unit quaternion.
+// Returns the vector rotated by a unit quaternion.
 inline Vec3 rotated(const Rotation& q, Vec3 v) RINGDOWN_REALTIME {
   const Vec3 axis{q.x, q.y, q.z}, twice = 2.0 * cross(axis, v);
   return v + q.w * twice + cross(axis, twice);
 }
 
-// The rotation about the vector's direction by its length [rad], and back: the shorter way round, at most pi.
+// Convert between rotations and rotation vectors, which have the direction of the axis and the length of the angle
+// [rad]. to_rotation_vector() returns the shorter way round, at most pi.
 inline Rotation from_rotation_vector(Vec3 v) RINGDOWN_REALTIME {
   const double angle = length(v), half = 0.5 * angle;
   const double scale = angle > 1e-9 ? std::sin(half) / angle : 0.5;

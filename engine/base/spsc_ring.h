@@ -1,8 +1,8 @@
 // A bounded queue between exactly one producing and one consuming thread, without locks.
 //
-// The write index belongs to the producer, the read index to the consumer; each only reads the other's. Both count
-// up without wrapping, so full is `write - read == capacity` and no slot is wasted. push() releases the slot it
-// filled, pop() acquires it. Neither allocates, blocks or makes a system call.
+// Only the producer writes the write index, only the consumer the read index. Both count up without wrapping, so the
+// queue is full if `write - read == capacity`, and no slot is wasted. push() releases the slot that it has filled,
+// front() acquires it. No function allocates, blocks or makes a system call.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -24,7 +24,7 @@ class SpscRing {
   // `capacity` is rounded up to a power of two. [any thread, before use]
   explicit SpscRing(std::size_t capacity) : slots_(std::bit_ceil(capacity)) { assert(capacity > 0); }
 
-  // False when the queue is full: the element was not taken, and the caller counts or reports it. [producer]
+  // Returns false if the queue is full; the element is then not taken, and the caller counts or reports it. [producer]
   [[nodiscard]] bool push(const T& element) RINGDOWN_REALTIME {
     const std::size_t write = write_.load(std::memory_order_relaxed);
     if (write - read_.load(std::memory_order_acquire) == slots_.size()) return false;
@@ -33,18 +33,18 @@ class SpscRing {
     return true;
   }
 
-  // The oldest element, or nullptr when empty. Stays valid until pop(). [consumer]
+  // Returns the oldest element, or nullptr if the queue is empty. The element stays valid until pop(). [consumer]
   [[nodiscard]] const T* front() const RINGDOWN_REALTIME {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (read == write_.load(std::memory_order_acquire)) return nullptr;
     return slots_.data() + (read & (slots_.size() - 1));
   }
 
-  // Removes the element that front() showed. [consumer]
+  // Removes the element that front() returned. [consumer]
   void pop() RINGDOWN_REALTIME { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
 
-  // How many elements wait. The other side may change the number meanwhile: the consumer can rely on at least as many,
-  // the producer on at most as many. [producer, consumer]
+  // The number of waiting elements. The other thread may change it meanwhile: for the consumer the result is a lower
+  // bound, for the producer an upper bound. [producer, consumer]
   [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME {
     const std::size_t read = read_.load(std::memory_order_acquire);
     return write_.load(std::memory_order_acquire) - read;

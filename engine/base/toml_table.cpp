@@ -6,10 +6,10 @@
 #include "engine/base/version.h"
 #include "engine/base/within_memory.h"
 
-// toml++ (3.3 and 3.4) promises its compiler two things that do not hold. One is that "[" is followed by the beginning
-// of a key: it asserts that, and assumes it where NDEBUG is set, before it has looked. The other is that its tables of
-// Unicode's white space have a case for every letter. Without these promises it refuses such text as it should. No
-// check before parsing can stand in for this: after a fault the parser reads on, to quote what it could not read.
+// Turns off two wrong assumptions of toml++ (3.3 and 3.4): that "[" is followed by the beginning of a key, which toml++
+// asserts, or assumes if NDEBUG is set, before it has looked; and that its tables of Unicode's white space have a case
+// for every letter. Without these assumptions toml++ refuses such text correctly. A check before parsing would not
+// suffice, because after a fault the parser reads on, to quote the text that it could not read.
 #undef NDEBUG
 #define TOML_ASSERT(expression) static_cast<void>(0)
 #define TOML_HEADER_ONLY 1
@@ -53,11 +53,11 @@ std::optional<std::string> word_of(const toml::node& node) {
 }
 
 // Returns the line of the first character beyond ASCII where TOML allows none: outside strings and comments, and in a
-// string of several lines after a backslash that ends a line. 0 when there is none. toml++ would refuse it with a
-// sentence about keys.
+// string of several lines after a backslash that ends a line. Returns 0 if there is none. toml++ would refuse such a
+// character with a misleading sentence about keys.
 //
 // The loop follows quotes, backslashes and comments, nothing else. It may lose track in a text that is not TOML, but
-// then the parser stops at the fault and does not see what follows.
+// then the parser stops at the fault, before the place where the loop is wrong.
 std::uint32_t line_of_stray_character(std::string_view text) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF", kWhite = " \t\r\n";
   const auto beyond_ascii = [text](std::size_t i) {
@@ -79,7 +79,7 @@ std::uint32_t line_of_stray_character(std::string_view text) {
     } else if (c == '\\' && closing[0] == '"') {
       const std::size_t next = text.find_first_not_of(kWhite, i + 1);
       if (closing.size() == 3 && beyond_ascii(next)) return line;
-      if (next == i + 1) ++i;  // an escaped quote ends nothing
+      if (next == i + 1) ++i;  // an escaped quote does not end the string
     } else if (text.substr(i).starts_with(closing)) {
       // Up to five quotes end a string of several lines: the first two of them belong to it.
       const std::size_t quotes = std::min(text.find_first_not_of(c, i), text.size()) - i;
@@ -92,7 +92,7 @@ std::uint32_t line_of_stray_character(std::string_view text) {
 
 }  // namespace
 
-// A table of the file that is being read, and the keys that were asked for.
+// A table of the file that is being read, with the keys that reading functions have asked for.
 struct TomlTable::OpenTable {
   const toml::table* table;
   std::string what;

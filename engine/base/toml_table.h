@@ -1,5 +1,5 @@
-// A TOML file read strictly: a wrong type, a number out of range, a missing key and an unknown key are all errors, each
-// one sentence that begins with path:line. [worker]
+// Reads TOML files strictly: a wrong type, a number out of range, a missing key and an unknown key are all errors. Each
+// error is one sentence that begins with path:line. [worker]
 //
 //   Result<TomlTable> file = TomlTable::read(path);
 //   if (!file) return fail(file.error());
@@ -10,10 +10,10 @@
 //   for (TomlTable& part : file->tables("part")) read_part(part);
 //   if (auto good = file->finish(); !good) return fail(good.error());
 //
-// Every reading function stores the key's value in its target; it leaves the target unchanged when the key is absent or
-// the value is wrong. The first error is remembered, reading goes on, and finish() returns the error: so reading code
-// is one straight line. The key `version` of a file is checked here (version.h). Tables are handles on one shared file;
-// copies are cheap. One thread per file.
+// Every reading function stores the key's value in its target, and leaves the target unchanged if the key is absent or
+// the value is wrong. Reading continues after an error; finish() returns the first one. So reading code needs no
+// branches. The key `version` of a file is checked here (version.h). Tables are handles on one shared file; copies are
+// cheap. One thread per file.
 #pragma once
 
 #include "engine/base/range.h"
@@ -39,14 +39,14 @@ class TomlTable {
  public:
   static Result<TomlTable> read(const std::filesystem::path& path);
 
-  // Reads a text in memory; `path` stands in the sentences.
+  // Reads a text in memory; `path` appears in the errors.
   static Result<TomlTable> parse(std::string_view text, const std::filesystem::path& path);
 
   [[nodiscard]] bool has(std::string_view key) const;
-  [[nodiscard]] std::uint32_t line_of(std::string_view key) const;  // the table's own line when there is no such key
+  [[nodiscard]] std::uint32_t line_of(std::string_view key) const;  // the table's own line if there is no such key
 
-  // How sentences about this table begin: "" for the file's table, "[inner]", "body 'bell'" for the [[body]] of that
-  // name, "body 'bell': inner" for a table inside.
+  // The beginning of errors about this table: "" for the file's table, "[inner]", "body 'bell'" for the [[body]] of
+  // that name, "body 'bell': inner" for a table inside that body.
   [[nodiscard]] const std::string& what() const;
 
   void require(std::initializer_list<std::string_view> keys);
@@ -60,24 +60,24 @@ class TomlTable {
   void numbers(std::string_view key, std::vector<double>& target);                  // a list of finite numbers
   void named_numbers(std::string_view key, std::map<std::string, double>& target);  // a table of any names
 
-  // A text, a number, true or false, as the word that a command line would have for it. Where `list` is true, the value
-  // may also be a list of them.
+  // Reads a text, a number, true or false as the word that a command line would have. If `list` is true, the value may
+  // also be a list of such values.
   void words(std::string_view key, std::vector<std::string>& target, bool list);
 
-  // The key's position in `choices`, or -1 when it is missing or wrong.
+  // Returns the value's position in `choices`, or -1 if the key is missing or its value wrong.
   int choice(std::string_view key, std::initializer_list<std::string_view> choices);
 
-  std::optional<TomlTable> table(std::string_view key);  // [key]; nothing when there is none
+  std::optional<TomlTable> table(std::string_view key);  // [key]; nothing if there is none
   std::vector<TomlTable> tables(std::string_view key);   // every [[key]]
 
-  // Notes an error that the caller found, at the key's line, or at the table's line when there is no such key.
+  // Records an error that the caller found, at the key's line, or at the table's line if there is no such key.
   void complain(std::string_view key, const std::string& why);
 
   // Fails with the first error, or with the first key that no reading function asked for, in any table that was read.
   [[nodiscard]] Result<void> finish() const;
 
  private:
-  static constexpr std::uint64_t kAnyWhole = INT64_MAX;  // TOML has no larger ones
+  static constexpr std::uint64_t kAnyWhole = INT64_MAX;  // the largest integer of TOML
   struct Document;
   struct OpenTable;
   TomlTable(std::shared_ptr<Document> document, OpenTable& open);

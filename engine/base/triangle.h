@@ -1,4 +1,4 @@
-// Points on triangles by their barycentric weights, which are >= 0 and sum to 1. [any thread]
+// Points on triangles, given by barycentric weights, which are >= 0 and sum to 1. [any thread]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -12,7 +12,7 @@
 
 namespace ringdown {
 
-// The point with those barycentric weights.
+// The point with the barycentric weights `w`.
 inline Vec3 at_weights(const std::array<Vec3, 3>& v, const std::array<double, 3>& w) RINGDOWN_REALTIME {
   return w[0] * v[0] + (w[1] * v[1] + w[2] * v[2]);
 }
@@ -38,8 +38,8 @@ inline std::array<double, 3> nearest_on_edges(Vec3 p, const std::array<Vec3, 3>&
 
 // Barycentric weights of the point of a triangle nearest to `p`. The plane falls into seven regions: beyond a corner,
 // beyond an edge, or over the triangle; dot products tell which, and only then is anything divided (C. Ericson,
-// Real-Time Collision Detection, 2005, section 5.1.5). In a triangle so thin that rounding alone says "over it", the
-// nearest point is that of the nearest edge.
+// Real-Time Collision Detection, 2005, section 5.1.5). For a triangle so thin that rounding errors decide, the nearest
+// point on the edges is returned.
 inline std::array<double, 3> nearest_on_triangle(Vec3 p, const std::array<Vec3, 3>& corners) RINGDOWN_REALTIME {
   const auto& [a, b, c] = corners;
   const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
@@ -50,7 +50,8 @@ inline std::array<double, 3> nearest_on_triangle(Vec3 p, const std::array<Vec3, 
   const double ab_c = dot(ab, cp), ac_c = dot(ac, cp);
   if (ac_c >= 0 && ab_c <= ac_c) return {0, 0, 1};
 
-  // The products of p's triangles with each edge and the whole one's normal; their sum is the normal's square.
+  // The products of the whole triangle's normal with those of p's triangles on each edge; they sum to the normal's
+  // square.
   const double over_c = ab_a * ac_b - ab_b * ac_a;
   if (over_c <= 0 && ab_a > 0 && ab_b < 0) {
     const double t = ab_a / (ab_a - ab_b);

@@ -26,7 +26,7 @@ inline bool is_finite(Vec3 a) RINGDOWN_REALTIME {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-// Two unit vectors across a unit vector, and across each other.
+// Returns two unit vectors perpendicular to a unit vector and to each other.
 inline std::array<Vec3, 2> across(Vec3 direction) RINGDOWN_REALTIME {
   const Vec3 side = cross(direction, std::abs(direction.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0});
   const Vec3 first = (1 / length(side)) * side;

@@ -1,13 +1,14 @@
-// The versions of what is built and of what it reads and writes. A file says its version; one that says none has
-// version 1. Every program reads the versions up to its own and refuses later ones with a sentence; the table in
-// docs/reference/commands.md tells what each version changed. The protocol's is protocol/defaults.h: kProtocolVersion.
+// The versions of the programs and of the file formats. A file states its version; a file without one has version 1.
+// Every program reads the versions up to its own and refuses later ones with a sentence; the table in
+// docs/reference/commands.md lists the changes of each version. protocol/defaults.h has the protocol's version,
+// kProtocolVersion.
 #pragma once
 
 namespace ringdown {
 
-inline constexpr const char* kVersion = RINGDOWN_VERSION;  // of the programs and the library: semantic versioning
+inline constexpr const char* kVersion = RINGDOWN_VERSION;  // semantic version of the programs and the library
 
-inline constexpr int kBankVersion = 1;      // of banks: `version` in extras.ringdown of a modal model
-inline constexpr int kTextFileVersion = 1;  // of settings, states, scenes, notes, objects, materials: key `version`
+inline constexpr int kBankVersion = 1;      // `version` in extras.ringdown of a bank's modal model
+inline constexpr int kTextFileVersion = 1;  // key `version` of settings, states, scenes, notes, objects, materials
 
 }  // namespace ringdown

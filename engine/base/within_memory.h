@@ -1,6 +1,6 @@
-// Work for which memory or threads may not suffice: reading a file, carrying out a request, starting a service. An
-// allocation that fails, or a thread that cannot be started, becomes an error of kind no_memory, and the program goes
-// on. [any thread but audio]
+// Runs work that may exhaust memory or threads: reading a file, carrying out a request, starting a service. If an
+// allocation fails or a thread cannot be started, the result is an error of kind no_memory, and the program continues.
+// [any thread but audio]
 //
 //   return within_memory("read " + path.string(), [&] { return parse(*text); });
 #pragma once

@@ -63,7 +63,7 @@ MatrixXd solve_symmetric(const MatrixXd& a, const MatrixXd& b) { return Eigen::L
 MatrixXd inverse(const MatrixXd& a) { return a.inverse(); }
 
 MatrixXd orthonormal_basis(MatrixXd columns) {
-  constexpr int kBlock = 64;  // columns at once: what LAPACK works best with
+  constexpr int kBlock = 64;  // columns at once; LAPACK is fastest with this number
   const auto m = static_cast<int>(columns.rows()), n = static_cast<int>(columns.cols());
   const int work_size = kBlock * n;
   std::vector<double> tau(static_cast<std::size_t>(n)), work(static_cast<std::size_t>(work_size));

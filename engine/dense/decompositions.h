@@ -1,10 +1,10 @@
 // Decompositions of dense matrices as plain functions. [any thread]
 //
-// Eigen's decompositions are templates that take seconds to compile for each type of matrix. They are compiled once,
-// in decompositions.cpp, and other files include no Eigen header of them.
+// Eigen's decompositions are templates that take seconds to compile for each type of matrix. This project compiles them
+// once, in decompositions.cpp, and other files need not include Eigen's headers for them.
 //
-// A symmetric matrix is read in its lower triangle, unless a function says otherwise. Nothing fails but cholesky() and
-// generalized_spectrum(); results of matrices that hold NaN are NaN.
+// Of a symmetric matrix only the lower triangle is read, unless a function says otherwise. Only cholesky() and
+// generalized_spectrum() can fail; results of matrices that hold NaN are NaN.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,22 +27,23 @@ Spectrum spectrum(const Eigen::MatrixXd& symmetric);
 Spectrum3 spectrum_of_3(const Eigen::Matrix3d& symmetric);
 Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& symmetric);
 
-// stiffness x = lambda mass x, with x^T mass x = 1. Nothing when the mass is not positive.
+// Solves stiffness x = lambda mass x, with x^T mass x = 1. Empty when the mass is not positive definite.
 std::optional<Spectrum> generalized_spectrum(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass);
 
-// Puts L with L L^T = a into the lower triangle of a. False when a is not positive definite.
+// Puts L with L L^T = a into the lower triangle of a. Returns false when a is not positive definite.
 bool cholesky(Eigen::MatrixXd& a);
 // b := L^-1 b, and b := b L^-T, with the lower triangle L.
 void solve_lower(const Eigen::MatrixXd& lower, Eigen::MatrixXd& b);
 void divide_by_upper(const Eigen::MatrixXd& lower, Eigen::MatrixXd& b);
 
-// a^-1 b of a symmetric a that is positive or nearly so, by L D L^T.
+// a^-1 b for a symmetric a that is positive definite or nearly so, by L D L^T.
 Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-// Any square matrix, by L U.
+// The inverse of any square matrix, by L U.
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& a);
 
-// An orthonormal basis of the columns, of which there are no more than rows, by Householder's reflections.
+// An orthonormal basis of the span of the columns, by Householder's reflections. There must be no more columns than
+// rows.
 Eigen::MatrixXd orthonormal_basis(Eigen::MatrixXd columns);
 
 }  // namespace ringdown::dense

@@ -1,7 +1,7 @@
 // Products of dense matrices as plain functions. [any thread]
 //
-// Eigen compiles a product for each pair of types, in four ways each: a quarter of a second. Where the operands are
-// matrices or blocks of matrices, these functions do the same with one instance of each kind.
+// Eigen compiles a product for each pair of types, in four variants, which takes a quarter of a second each time. For
+// matrices and blocks of matrices, these functions need only one compiled instance of each kind.
 #pragma once
 
 #include <Eigen/Core>

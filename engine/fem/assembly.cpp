@@ -29,8 +29,8 @@
 namespace ringdown::fem {
 namespace {
 
-// Node n shares an element with neighbors[first[n]] ... neighbors[first[n+1] - 1], ascending; it is among them itself,
-// at own[n].
+// Node n shares an element with neighbors[first[n]] ... neighbors[first[n+1] - 1], ascending. The node itself is among
+// them, at own[n].
 struct NodeGraph {
   std::vector<int> first, own, neighbors;
 
@@ -100,8 +100,8 @@ NodeGraph node_graph(const mesh::TetMesh& mesh, int threads) {
   return graph;
 }
 
-// Every entry of the stiffness, with the value 0: the lower triangle of a matrix of 3 x 3 blocks. Column 3n+j holds
-// rows j..2 of the diagonal block, then three rows of each later neighbour.
+// Lays out every entry of the stiffness, with the value 0: the lower triangle of a matrix of 3 x 3 blocks. Column 3n+j
+// holds rows j..2 of the diagonal block, then three rows of each later neighbour.
 void lay_out_stiffness(const NodeGraph& graph, int threads, Eigen::SparseMatrix<double>& stiffness) {
   const int node_count = graph.node_count();
   stiffness.resize(3 * node_count, 3 * node_count);
@@ -113,7 +113,7 @@ void lay_out_stiffness(const NodeGraph& graph, int threads, Eigen::SparseMatrix<
       entries += 3 * (graph.first[n + 1] - graph.own[n]) - j;
     }
   }
-  if (entries > std::numeric_limits<int>::max()) throw std::bad_alloc();  // 26 GB of them
+  if (entries > std::numeric_limits<int>::max()) throw std::bad_alloc();  // this many entries take 26 GB
   outer[3 * node_count] = static_cast<int>(entries);
   stiffness.resizeNonZeros(entries);
   in_parallel(threads, [&](int thread) {
@@ -130,8 +130,8 @@ void lay_out_stiffness(const NodeGraph& graph, int threads, Eigen::SparseMatrix<
   });
 }
 
-// Every entry of the mass, with the value 0: one number for each pair of neighbours, both triangles; lumped, only the
-// diagonal.
+// Lays out every entry of the mass, with the value 0: one number for each pair of neighbours, in both triangles. A
+// lumped mass has only the diagonal.
 void lay_out_mass(const NodeGraph& graph, bool lumped, Eigen::SparseMatrix<double>& mass) {
   mass.resize(graph.node_count(), graph.node_count());
   if (lumped) {
@@ -159,8 +159,8 @@ const Kind& kind_of(Element element) {
   return *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& kind) { return kind.element == element; });
 }
 
-constexpr Eigen::Index kBatchBytes = 32 << 20;    // of element matrices
-constexpr Eigen::Index kElementsPerThread = 100;  // fewer are done before a thread has started
+constexpr Eigen::Index kBatchBytes = 32 << 20;    // element matrices of a batch
+constexpr Eigen::Index kElementsPerThread = 100;  // fewer are finished before a thread has started
 
 // The matrices of a run of elements, one after the other.
 class Batch {
@@ -245,7 +245,7 @@ std::vector<Scatter> share_columns(const NodeGraph& graph, int threads, System& 
   return shares;
 }
 
-// Threads first share the elements of a batch, then the columns that those are added to.
+// Threads first share the elements of a batch, then the columns to which the elements are added.
 void add_elements(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads, const NodeGraph& graph,
                   System& system) {
   const int order = mesh.order();
@@ -273,7 +273,7 @@ void add_elements(const mesh::TetMesh& mesh, const Solid& solid, Element element
   }
 }
 
-// Eigen's sparse matrices cannot be moved: made where they stay.
+// Builds the matrices in place, because Eigen's sparse matrices cannot be moved.
 Result<System> assemble_checked(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads) {
   const NodeGraph graph = node_graph(mesh, threads);
   Result<System> system = System{};

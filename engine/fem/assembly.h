@@ -1,4 +1,4 @@
-// The matrices of a whole mesh. [worker]
+// Stiffness and mass matrices of a whole mesh. [worker]
 //
 // The eigenproblem of a free elastic body is  K phi = lambda M phi  with 3 N unknowns, N the number of nodes:
 // unknown 3 n + i is the displacement of node n along axis i. Because every mass is the same in all
@@ -17,17 +17,17 @@ namespace ringdown::fem {
 
 enum class Element {
   kTet4,        // linear, consistent mass
-  kTet4Lumped,  // linear, lumped mass: the course report's. Far too stiff in bending (docs/how/physics.md)
+  kTet4Lumped,  // linear, lumped mass, as in the course report; far too stiff in bending (docs/how/physics.md)
   kTet10,       // quadratic, consistent mass
   kTet20,       // cubic
   kTet35,       // quartic
 };
 
-// "tet4", "tet4-lumped", "tet10", "tet20", "tet35".
+// Names: "tet4", "tet4-lumped", "tet10", "tet20", "tet35".
 std::string_view element_name(Element element);
 Result<Element> parse_element(std::string_view name);
 
-// The degree of the element's polynomials, which is the order of the mesh that it needs.
+// The degree of the element's polynomials. The mesh must have this order.
 int order_of(Element element);
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
@@ -39,13 +39,13 @@ struct System {
   [[nodiscard]] Eigen::Index unknowns() const { return stiffness.rows(); }
 };
 
-// The mesh must be of the element's order (mesh::to_order) and checked (mesh::check_mesh). threads = 0: as many as
-// there are processors. Each entry is added up by one thread in the order of the elements, so the result is the same to
-// the last bit in every run and for any number of threads. O(E), no list of triplets: the pattern is found first from
-// the nodes' neighbours. Fails on a material that is not stable, and when memory runs out.
+// Assembles both matrices. The mesh must have the element's order (mesh::to_order) and be checked (mesh::check_mesh).
+// threads = 0 uses one thread per processor. Each entry is summed by one thread, in the order of the elements, so the
+// result is the same to the last bit in every run and for any number of threads. O(E), without a list of triplets: the
+// pattern is found first, from the nodes' neighbours. Fails on an unstable material and when memory runs out.
 Result<System> assemble(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads = 0);
 
-// y = kron(node_mass, I3) x for x of 3N numbers, or 3N x m at once. y may not be x.
+// y = kron(node_mass, I3) x, for 3N numbers or a 3N x m matrix. y must not be x.
 void apply_mass(const SparseMatrix& node_mass, const double* x, double* y);
 Eigen::MatrixXd mass_times(const SparseMatrix& node_mass, const Eigen::MatrixXd& x);
 

@@ -1,8 +1,8 @@
-// How many threads OpenBLAS uses, for as long as this lives. [worker]
+// Sets the number of threads that OpenBLAS uses for as long as the object lives. [worker]
 //
-// One, unless a single caller has large products to do: what is computed is then the same on every run, and threads of
-// ours that call BLAS at the same time do not wait for each other. The setting is the process's: hold it around work,
-// not inside of it.
+// Use 1 unless a single caller has large products to compute. Results are then the same in every run, and our own
+// threads that call BLAS at the same time do not wait for each other. The setting belongs to the whole process, so hold
+// the object around work, not inside it.
 #pragma once
 
 namespace ringdown::fem {

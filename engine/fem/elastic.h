@@ -17,7 +17,7 @@ struct Elastic {
   [[nodiscard]] double mu_pa() const { return youngs_modulus_pa / (2 * (1 + poisson_ratio)); }
 };
 
-// One sentence when a constant is outside the range in which a solid is stable.
+// Fails with one sentence when a constant is outside the range in which a solid is stable.
 inline Result<void> check_elastic(const Elastic& elastic) {
   if (!(elastic.youngs_modulus_pa > 0 && elastic.youngs_modulus_pa < 1e15)) {
     return fail(ErrorKind::bad_input, "Young's modulus must be a positive number of pascals");

@@ -66,7 +66,7 @@ const Reference& reference(int order) {
 
 double volume(const mesh::Corners& corners) { return mesh::jacobian(corners).determinant() / 6; }
 
-// The products G of a straight element: the blocks below the diagonal and on it.
+// Computes the products G of a straight element: the blocks on and below the diagonal.
 void straight_gradients(const mesh::Corners& corners, const MatrixXd& reference_gradients, MatrixXd& gradients) {
   const Matrix3d inverse = mesh::jacobian(corners).inverse(), scaled = volume(corners) * inverse;
   for (Eigen::Index b = 0; b < gradients.cols(); b += 3) {
@@ -77,7 +77,7 @@ void straight_gradients(const mesh::Corners& corners, const MatrixXd& reference_
   }
 }
 
-// The stiffness K from the products of gradients, block by block (element.h).
+// Computes the stiffness K from the products of gradients, block by block (element.h).
 void elastic_stiffness(const MatrixXd& gradients, const Elastic& elastic, Eigen::Ref<MatrixXd> stiffness) {
   const double lambda = elastic.lambda_pa(), mu = elastic.mu_pa();
   for (Eigen::Index b = 0; b < gradients.cols(); b += 3) {
@@ -129,8 +129,8 @@ void ElementIntegrals::operator()(const mesh::ElementNodes& nodes, const Law& la
   elastic_stiffness(gradients_, law.elastic, stiffness);
 }
 
-// Sums over the points q of a rule are products of a matrix, whose columns are the samples times sqrt(weight), with its
-// own transpose: BLAS does those best.
+// Each sum over the points q of a rule is computed as the product of a matrix, whose columns are the samples times
+// sqrt(weight), with its own transpose. BLAS is fastest at such products.
 void ElementIntegrals::integrate_curved(const mesh::ElementNodes& nodes, double density_kg_m3,
                                         Eigen::Ref<MatrixXd> mass) {
   const Samples& for_stiffness = reference(order_).stiffness_rule;

@@ -15,18 +15,18 @@
 // The estimate
 //
 // With V the functions of the mesh and W those of degree p + 1, a mode's residual r(w) = K(phi, w) - lambda M(phi, w)
-// is zero on V. In V + W lambda falls by r A^-1 r, with A the energy of W after V has relaxed, a Schur complement. A
-// would need solves with the whole of V. Two energies that do not enclose it:
+// is zero on V. In V + W lambda falls by r A^-1 r, with A the energy of W after V has relaxed, a Schur complement.
+// Computing A would need solves with all of V. Two energies that are cheaper to compute enclose A:
 //
 //   K_WW, no relaxation at all                        from above, so lambda's fall from below
 //   K_WW - K_WV K_VV^+ K_VW of each element alone     from below, because an element alone relaxes more
 //
-// Taken here is the mean of both with weights 1 - kRelaxed and kRelaxed. In flat elements and for nearly incompressible
-// materials the first is too small by large factors (functions of W alone lock), the second too large; their mean stays
-// within narrow bounds (docs/how/accuracy.md has the measurements that chose the weight). For the same reason lambda
-// counts in it as mu^(1/4) lambda^(3/4) where it is more than mu, and beyond 60 mu no more: a body that keeps its
-// volume in V
-// + W moves as one with nu = 1/2 does. The residual is the true one.
+// The estimate uses the mean of both energies, with weights 1 - kRelaxed and kRelaxed. In flat elements and for nearly
+// incompressible materials the first gives a fall that is too small by large factors (functions of W alone lock), the
+// second one that is too large; their mean stays within narrow bounds (docs/how/accuracy.md has the measurements that
+// chose the weight). For the same reason these energies contain a softened Lame constant: mu^(1/4) lambda^(3/4) instead
+// of lambda where lambda exceeds mu, with lambda limited to 60 mu. A body that keeps its volume in V + W moves like one
+// with nu = 1/2. The residual contains the true constant.
 //
 // For each group of kModesAtOnce modes: residuals() finds r on all functions of W; falls() runs a few steps of
 // conjugate gradients on A e = r, preconditioned by the blocks of A that belong to one edge, face or element; the
@@ -37,12 +37,12 @@ namespace {
 constexpr int kModesAtOnce = 32;
 constexpr Eigen::Index kElementsAtOnce = 256;
 constexpr int kSteps =
-    6;  // of conjugate gradients: 1 % short of the end in well-shaped elements, 10 to 40 % in flat ones
+    6;  // steps of conjugate gradients; the fall is then 1 % too small in well-shaped elements, 10 to 40 % in flat ones
 
-// A factor for what degrees above p + 1 would add and what the mean above misses: measured, not derived.
+// A measured, not derived, factor for the functions of degrees above p + 1 and for the error of the mean above.
 double surplus_factor(int order) { return (order + 1) / 3.0; }
 
-using Rows = Eigen::Matrix<float, Eigen::Dynamic, kModesAtOnce, Eigen::RowMajor>;  // of 3 count() unknowns, or 3w
+using Rows = Eigen::Matrix<float, Eigen::Dynamic, kModesAtOnce, Eigen::RowMajor>;  // 3 count() unknowns, or 3w
 using PerMode = Eigen::Array<double, 1, kModesAtOnce>;
 
 class SurplusProblem {
@@ -50,11 +50,12 @@ class SurplusProblem {
   SurplusProblem(const mesh::TetMesh& mesh, const Solid& solid, const Holding& holding)
       : mesh_(mesh), solid_(solid), holding_(holding), space_(surplus_space(mesh)), element_(mesh.order()) {}
 
-  // Residuals of all modes, kModesAtOnce to an entry, the last one filled up with zeros; keeps every element's energy.
+  // Residuals of all modes, kModesAtOnce per entry, the last entry padded with zeros. Also stores every element's
+  // energy.
   std::vector<Rows> residuals(const Eigen::Ref<const Eigen::VectorXd>& lambda,
                               const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads);
 
-  // r A^-1 r for each mode of a group, from below.
+  // A lower bound of r A^-1 r for each mode of a group.
   [[nodiscard]] PerMode falls(Rows r) const;
 
  private:
@@ -73,8 +74,8 @@ class SurplusProblem {
   const Holding& holding_;
   SurplusSpace space_;
   SurplusElement element_;
-  std::vector<Eigen::MatrixXf> energies_;  // one for each element
-  std::vector<Eigen::MatrixXf> inverses_;  // of the energy of each edge, face and element's own functions
+  std::vector<Eigen::MatrixXf> energies_;  // energies, one per element
+  std::vector<Eigen::MatrixXf> inverses_;  // inverse energies of each edge's, face's and element's own functions
 };
 
 void SurplusProblem::add_residual(const SurplusMatrices& matrices, Eigen::Index e,
@@ -137,7 +138,7 @@ int SurplusProblem::opposite_of(const mesh::OuterFace& face) const {
   return corner;
 }
 
-// Springs and glued masses add their part to the residual, and springs theirs to the energy of W.
+// Adds springs and glued masses to the residual, and springs to the energy of W.
 void SurplusProblem::add_layers(const Eigen::Ref<const Eigen::VectorXd>& lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& shapes, std::vector<Rows>& residuals) {
   const int w = element_.functions(), n = element_.nodes(), order = mesh_.order();
@@ -171,7 +172,7 @@ void SurplusProblem::add_layers(const Eigen::Ref<const Eigen::VectorXd>& lambda,
   }
 }
 
-// Functions of clamped edges and faces stay zero: no residual, and an energy of their own.
+// Keeps the functions of clamped edges and faces at zero: removes their residual and decouples their energy.
 void SurplusProblem::clamp(std::vector<Rows>& residuals) {
   const int w = element_.functions(), per_face = surplus_per_face(mesh_.order());
   std::vector<char> clamped(space_.count(), 0);
@@ -264,10 +265,10 @@ PerMode products(const Rows& a, const Rows& b) {
   return sum;
 }
 
-// 0 where there is nothing left to divide by.
+// Returns a / b, or 0 where b is not positive.
 PerMode ratios(const PerMode& a, const PerMode& b) { return (b > 0).select(a / b, 0.0); }
 
-// x + factor y, mode by mode.
+// x += factor y, mode by mode.
 void add(Rows& x, const PerMode& factor, const Rows& y) {
   const Eigen::Array<float, 1, kModesAtOnce> scale = factor.cast<float>();
   for (Eigen::Index row = 0; row < x.rows(); ++row) x.row(row).array() += scale * y.row(row).array();
@@ -310,7 +311,8 @@ Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Solid&
         falls.segment(begin, modes) = problem.falls(std::move(residuals[g])).head(modes).transpose();
       }
     });
-    // To first order half of the fall; the root keeps large errors, of bending in linear elements, in proportion.
+    // Half of lambda's relative fall, to first order. The root keeps large errors, as of bending in linear elements, in
+    // proportion.
     const Eigen::ArrayXd ratio = surplus_factor(mesh.order()) * falls.array() / lambda.array();
     const Eigen::ArrayXd errors = (1 + ratio).sqrt() - 1;
     return errors.unaryExpr([](double error) { return error < kMaxFrequencyError ? error : kMaxFrequencyError; })

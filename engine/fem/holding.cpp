@@ -58,7 +58,7 @@ void add_face(const mesh::TetMesh& mesh, const Layer& layer, const mesh::OuterFa
   }
 }
 
-// Where each node of the whole is in what is left; -1 where it is gone.
+// The number of each node after the nodes in `gone` are removed; -1 for a removed node.
 std::vector<std::int32_t> places_left(Eigen::Index count, const std::vector<std::int32_t>& gone) {
   std::vector<std::int32_t> place(static_cast<std::size_t>(count));
   auto next = gone.begin();
@@ -70,7 +70,7 @@ std::vector<std::int32_t> places_left(Eigen::Index count, const std::vector<std:
   return place;
 }
 
-// Entries between nodes that stay; `per` unknowns for each node.
+// The entries between nodes that stay, with `per` unknowns per node.
 SparseMatrix part_of(const SparseMatrix& whole, const std::vector<std::int32_t>& place, int per, Eigen::Index size) {
   SparseMatrix part(size, size);
   Eigen::VectorXi counts = Eigen::VectorXi::Zero(size);
@@ -209,7 +209,7 @@ MatrixXd with_nodes(const Eigen::Ref<const MatrixXd>& shapes, const std::vector<
 }
 
 int free_motions(const mesh::TetMesh& mesh, const Holding& holding) {
-  constexpr double kRank = 1e-10;  // of the largest; what a clamped patch resists falls with the square of its size
+  constexpr double kRank = 1e-10;  // of the largest; a clamped patch's resistance falls with the square of its size
   const std::vector<std::int32_t> piece = pieces_of(mesh);
   std::vector<std::int32_t> names = piece;
   std::sort(names.begin(), names.end());

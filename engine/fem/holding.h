@@ -3,12 +3,12 @@
 //
 // A layer of springs adds to the stiffness, and a glued mass to the mass, for the shape functions N_a of a face:
 //
-//   K_ab += integral of  N_a N_b (k_n n n^T + k_t (I - n n^T)) dS        k in N/m for each m^2
+//   K_ab += integral of  N_a N_b (k_n n n^T + k_t (I - n n^T)) dS        k in N/m per m^2
 //   M_ab += integral of  N_a N_b m dS                                    m in kg/m^2
 //
-// with n the surface's normal, or one direction for all of it. Clamped nodes leave the system: what is left has the
-// same form (assembly.h), so that every method of engine/solve takes it. A surface that slides is a layer with k_t = 0
-// and a k_n beside which the body is soft (kRigid in bake/fitted_makeup.cpp).
+// with n the surface's normal, or one direction for all of it. Clamped nodes are removed from the system. The rest
+// keeps its form (assembly.h), so every method of engine/solve accepts it. A sliding surface is a layer with k_t = 0
+// and a k_n that is stiff compared with the body (kRigid in bake/fitted_makeup.cpp).
 #pragma once
 
 #include "engine/fem/assembly.h"
@@ -26,7 +26,7 @@ struct Layer {
   std::vector<mesh::OuterFace> faces;
   double normal_n_m3 = 0, tangential_n_m3 = 0;
   double mass_kg_m2 = 0;
-  std::optional<Eigen::Vector3d> direction = std::nullopt;  // of length 1, in place of the normal
+  std::optional<Eigen::Vector3d> direction = std::nullopt;  // unit vector that replaces the normal
 };
 
 struct Holding {
@@ -34,36 +34,37 @@ struct Holding {
   std::vector<Layer> layers;
 };
 
-// A point of an element's face: `area` is what it stands for.
+// A point on an element's face, with its share of the face's area.
 struct FacePoint {
   Eigen::Vector4d barycentric;
-  Eigen::Vector3d normal;  // of length 1; inward when the element is inside out
+  Eigen::Vector3d normal;  // unit vector; points inward when the element is inside out
   double area = 0;
 };
-// Stiffness of a layer at a point, for each area [N/m^3]: k_n n n^T + k_t (I - n n^T).
+// Stiffness of a layer at a point, per area [N/m^3]: k_n n n^T + k_t (I - n n^T).
 Eigen::Matrix3d stiffness_at(const Layer& layer, const FacePoint& point);
 
-// Exact for products of two shape functions on straight faces.
+// A quadrature rule on one face, exact for products of two shape functions on straight faces.
 std::vector<FacePoint> points_on_face(const mesh::ElementNodes& nodes, int opposite);
 
-// Areas of faces, and their mean normal, whose length is 1 only where they are flat.
+// Total area and mean normal of faces. The normal's length is 1 only for flat faces.
 struct Extent {
   double area = 0;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 Extent extent_of(const mesh::TetMesh& mesh, const std::vector<mesh::OuterFace>& faces);
 
-// Adds the layers to a system that assemble() made of that mesh.
+// Adds the layers to a system that assemble() made of `mesh`.
 void add_layers(const mesh::TetMesh& mesh, const Holding& holding, System& system);
 
-// Numbers of the nodes on faces, ascending.
+// The numbers of the nodes on the faces, ascending.
 std::vector<std::int32_t> nodes_on(const mesh::TetMesh& mesh, const std::vector<mesh::OuterFace>& faces);
 
-// The system without those nodes, and shapes (3N' x m) of it with zeros put in their places: 3N x m.
+// remove_nodes() writes the system without `nodes` to `left`. with_nodes() expands shapes of that system (3N' x m) to
+// 3N x m, with zeros at `nodes`.
 void remove_nodes(const std::vector<std::int32_t>& nodes, const System& whole, System& left);
 Eigen::MatrixXd with_nodes(const Eigen::Ref<const Eigen::MatrixXd>& shapes, const std::vector<std::int32_t>& nodes);
 
-// How many of a body's rigid motions cost no energy: six for each piece, less what the holding resists.
+// The number of rigid motions that cost no energy: six for each piece, less those that the holding resists.
 int free_motions(const mesh::TetMesh& mesh, const Holding& holding);
 
 // For each mode, the integrals over the faces of (phi . n)^2 and of |phi|^2 - (phi . n)^2: 2 x m.

@@ -7,7 +7,7 @@
 
 namespace ringdown::fem {
 
-// Each thread sums a share of the elements; the shares are added in order, so that the result is the same every time on
+// Each thread sums a share of the elements; the shares are added in order, so the result is the same in every run with
 // one number of processors.
 ModeEnergy mode_energy(const mesh::TetMesh& mesh, const Solid& solid, const std::vector<std::int32_t>& part_of,
                        int parts, const Eigen::Ref<const Eigen::MatrixXd>& shapes) {

@@ -1,4 +1,4 @@
-// Where in a body the energy of its modes is. [worker]
+// Strain and kinetic energy of a body's modes, part by part. [worker]
 #pragma once
 
 #include "engine/fem/solid.h"
@@ -16,9 +16,10 @@ struct ModeEnergy {
   Eigen::MatrixXd motion;  // parts x m: phi^T M phi
 };
 
-// Sums over the elements of each part, by the laws of `solid`, which need not be stable: with the imaginary part of the
-// stiffness the sums are what a cycle loses. `part_of` has a part's number for each element, or is empty: all are of
-// part 0. Shapes are 3N x m. One pass over the elements, on all processors.
+// Sums both energies over the elements of each part, by the laws of `solid`, which need not be stable: given the
+// imaginary part of the stiffness, the sums are the energies lost in a cycle. `part_of` has a part's number for each
+// element; if it is empty, all elements belong to part 0. Shapes are 3N x m. One pass over the elements, on all
+// processors.
 ModeEnergy mode_energy(const mesh::TetMesh& mesh, const Solid& solid, const std::vector<std::int32_t>& part_of,
                        int parts, const Eigen::Ref<const Eigen::MatrixXd>& shapes);
 

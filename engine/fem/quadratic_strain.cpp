@@ -9,18 +9,18 @@
 #include <array>
 #include <utility>
 
-// E2 is computed in the coordinates of the reference element, where it is one constant matrix times the lower triangle
-// of P, whatever the element; so a batch of elements is one product of matrices. Each point's strain is turned into the
-// body's coordinates for its stress, E2 = J^-1 E2' J^-T, and the stress back for the geometric stiffness, which is the
-// transpose of that constant matrix times the stresses.
+// E2 is computed in the coordinates of the reference element. There it is one constant matrix, equal for all elements,
+// times the lower triangle of P, so a batch of elements is one product of matrices. For the stress, each point's strain
+// is transformed to the body's coordinates, E2 = J^-1 E2' J^-T. For the geometric stiffness the stress is transformed
+// back; the stiffness is the transpose of the constant matrix times the stresses.
 //
 // The rule is exact, in straight elements, for the products of E2 (degree 2 (p - 1) in space) with linear strains
 // (p - 1), that is for forces. Products of E2 with itself stay sums of squares, with an error of order 3 p - 2.
 namespace ringdown::fem {
 namespace {
 
-constexpr int kMaxThreads = 4;              // each has a copy of the shapes' size
-constexpr Eigen::Index kFewElements = 200;  // for a thread
+constexpr int kMaxThreads = 4;              // each has memory of the shapes' size
+constexpr Eigen::Index kFewElements = 200;  // at least, per thread
 constexpr Eigen::Index kBatch = 16;
 
 constexpr std::array<std::pair<int, int>, 6> kComponents = {{{0, 0}, {1, 1}, {2, 2}, {1, 0}, {2, 0}, {2, 1}}};
@@ -36,10 +36,10 @@ Eigen::Matrix3d symmetric(const double* components) {
 
 }  // namespace
 
-// A batch is what a thread works on: the fields of up to kBatch elements, side by side.
+// The working memory of one thread: the fields of up to kBatch elements, side by side.
 struct QuadraticStrain::Batch {
   std::vector<Rows> own = std::vector<Rows>(kBatch);  // each n x 3M: the shapes at an element's nodes
-  Rows mixed;                                         // those times the mixture, of one element
+  Rows mixed;                                         // one element's `own` times the mixture
   Eigen::MatrixXd pairs, strains;                     // a column for each element: P, and E2' at each point
 };
 
@@ -95,7 +95,7 @@ Eigen::Matrix3d QuadraticStrain::weighted_stress(const Eigen::Matrix3d& strain, 
   return weights_[point] * volume * stress;
 }
 
-// The rows of an element's nodes, component by component: row a, columns c M .. (c + 1) M - 1.
+// Copies the rows of an element's nodes, component by component: row a, columns c M .. (c + 1) M - 1.
 void QuadraticStrain::gather(const Rows& from, Eigen::Index element, Rows& to) const {
   const Eigen::Index n = mesh_.elements.cols();
   to.resize(n, 3 * modes_);
@@ -119,7 +119,7 @@ void QuadraticStrain::load(const Rows& mixed, Eigen::Index first, Eigen::Index c
   batch.strains = dense::product(from_pairs_, batch.pairs);
 }
 
-// At each point three rows: d u_k / d xi_j in row j.
+// Returns three rows for each point: d u_k / d xi_j in row j.
 Eigen::MatrixXd QuadraticStrain::reference_slopes(const Eigen::VectorXd& u, Eigen::Index element) const {
   Eigen::MatrixXd moved(mesh_.elements.cols(), 3);
   for (Eigen::Index a = 0; a < moved.rows(); ++a) {

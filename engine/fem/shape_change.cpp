@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <array>
 
-// Face by face: the displacements of the face's nodes, of all modes side by side, give the values and the slopes along
-// two sides at the face's points. The slopes become those along two directions at right angles, the strains e11, e22
-// and 2 e12 in the plane of the surface follow, and with them
+// For each face, the displacements of its nodes, for all modes side by side, give the values and the slopes along two
+// sides at the face's points. The slopes are converted to two perpendicular directions in the surface. They give the
+// strains e11, e22 and 2 e12 in the plane of the surface, and with them
 //
 //   sigma : epsilon = E/(1 - nu^2) (e11^2 + e22^2 + 2 nu e11 e22 + (1 - nu)/2 (2 e12)^2).
 namespace ringdown::fem {
@@ -32,8 +32,8 @@ Frame frame_of(const Eigen::Vector3d& second, const Eigen::Vector3d& third) {
   return frame;
 }
 
-// The stiffness of a plane state of stress in the surface, for e11, e22 and 2 e12 along the frame's directions: strains
-// across the surface are such that nothing pulls there.
+// The stiffness of a plane state of stress in the surface, for e11, e22 and 2 e12 along the frame's directions: the
+// strains across the surface are those without traction.
 Eigen::Matrix3d plane_stiffness(const Matrix6& stiffness, const Frame& frame) {
   Eigen::Matrix3d axes;  // rows: the frame's directions and the normal, in the axes of the mesh
   axes << frame.directions.transpose(), frame.directions.col(0).cross(frame.directions.col(1)).transpose();

@@ -68,7 +68,7 @@ Result<Matrix6> orthotropic_stiffness(const EngineeringConstants& constants) {
 }
 
 // A modulus E (1 + i eta) gives S the imaginary part -eta / E, and C = S^-1 then has C (eta / E) C. Between two axes of
-// different loss the geometric mean keeps what is lost positive.
+// different loss the geometric mean keeps the loss positive.
 Matrix6 lost_stiffness(const EngineeringConstants& constants, const Eigen::Array<double, 6, 1>& eta) {
   const Matrix6 s = compliance(constants), c = dense::inverse(s);
   Matrix6 lost = Matrix6::Zero();

@@ -3,8 +3,8 @@
 //   Solid same_everywhere = Elastic{.youngs_modulus_pa = 2e11, .poisson_ratio = 0.3, .density_kg_m3 = 7850};
 //   Solid parts({steel, pine}, {0, 0, 1, ...});     // element e is of laws[law_of[e]]
 //
-// A law that is not isotropic is the 6 x 6 matrix C in the axes of the mesh: stress = C strain, both in the order
-// 11 22 33 23 13 12, with engineering shear strains.
+// An anisotropic law is the 6 x 6 matrix C in the axes of the mesh: stress = C strain, both in the order 11 22 33 23 13
+// 12, with engineering shear strains.
 #pragma once
 
 #include "engine/base/result.h"
@@ -22,7 +22,7 @@ namespace ringdown::fem {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 struct Law {
-  Elastic elastic;                                     // where `stiffness_pa` is set, only its density counts
+  Elastic elastic;                                     // if `stiffness_pa` is set, only the density counts
   std::optional<Matrix6> stiffness_pa = std::nullopt;  // symmetric, positive definite
 };
 
@@ -36,32 +36,32 @@ class Solid {
                            : laws_[static_cast<std::size_t>(law_of_[static_cast<std::size_t>(element)])];
   }
   [[nodiscard]] const std::vector<Law>& laws() const { return laws_; }
-  [[nodiscard]] const std::vector<std::int32_t>& law_of() const { return law_of_; }  // empty: all are of the first law
+  [[nodiscard]] const std::vector<std::int32_t>& law_of() const { return law_of_; }  // empty: all have the first law
 
  private:
   std::vector<Law> laws_;
   std::vector<std::int32_t> law_of_;
 };
 
-// One sentence when a law is not a stable solid's.
+// Fails with one sentence when a law is not that of a stable solid.
 Result<void> check_solid(const Solid& solid);
 
 // C of an isotropic solid.
 Matrix6 isotropic_stiffness(const Elastic& elastic);
 
-// The compliance of engineering constants (modal/orthotropy.h gives S), inverted. Axes 1 2 3 are the matrix's own.
-// Fails where no stable solid has such constants.
+// C from engineering constants, as the inverse of the compliance S (modal/orthotropy.h). The axes of C are 1 2 3. Fails
+// when no stable solid has such constants.
 struct EngineeringConstants {
   Eigen::Array3d youngs, poisson, shear;  // E1 E2 E3, nu12 nu13 nu23, G12 G13 G23
 };
 Result<Matrix6> orthotropic_stiffness(const EngineeringConstants& constants);
 
-// The loss per cycle: the imaginary part of C, to first order, when E1 E2 E3 G12 G13 G23 are complex, each with its
-// loss factor eta, and Poisson's ratios stay real (McIntyre & Woodhouse, Acta Metallurgica 36, 1988).
+// The imaginary part of C, which describes the loss per cycle, to first order. E1 E2 E3 G12 G13 G23 are complex, each
+// with its loss factor eta, and Poisson's ratios are real (McIntyre & Woodhouse, Acta Metallurgica 36, 1988).
 Matrix6 lost_stiffness(const EngineeringConstants& constants, const Eigen::Array<double, 6, 1>& eta);
 
-// C of a solid whose axes 1 2 3 lie along the columns of `axes`, in the axes in which those are written (Bond's
-// matrices; Auld, Acoustic Fields and Waves in Solids, section 3.D).
+// Rotates C of a solid whose axes 1 2 3 lie along the columns of `axes` into the axes in which these columns are
+// written (Bond's matrices; Auld, Acoustic Fields and Waves in Solids, section 3.D).
 Matrix6 rotated(const Matrix6& stiffness, const Eigen::Matrix3d& axes);
 
 // C as the 9 x 9 matrix that turns products of gradients into stiffness: with G = integral of g_a g_b^T, the block of
@@ -69,7 +69,7 @@ Matrix6 rotated(const Matrix6& stiffness, const Eigen::Matrix3d& axes);
 using GradientToStiffness = Eigen::Matrix<double, 9, 9>;
 GradientToStiffness gradient_to_stiffness(const Matrix6& stiffness);
 
-// Where in the order 11 22 33 23 13 12 the component ij stands.
+// The position of component ij in the order 11 22 33 23 13 12.
 constexpr int voigt(int i, int j) { return i == j ? i : 6 - i - j; }
 
 }  // namespace ringdown::fem

@@ -13,12 +13,13 @@
 
 // The element's matrices, from one product
 //
-// All of them are blocks of one matrix over the functions of W and of V together: the integrals of products of their
-// gradients. gradient_products() finds it. In a straight element the gradients are those of the reference element times
-// one constant matrix, so the integral is the reference element's, summed once, transformed; in a curved element it is
-// a sum over quadrature points. stiffness() turns a block of it into elastic energy. relaxed() subtracts from the
-// energy of W what V can take back within the element, a Schur complement by Cholesky factors; V's own energy is
-// singular in the six rigid motions, which are given some stiffness first, and W does not couple with them.
+// All of the element's matrices are blocks of one matrix over the functions of W and of V together: the integrals of
+// products of their gradients, which gradient_products() computes. In a straight element the gradients are those of the
+// reference element times one constant matrix, so the integral is the reference element's, summed once, transformed; in
+// a curved element it is a sum over quadrature points. stiffness() turns a block of it into elastic energy. relaxed()
+// subtracts from the energy of W the part that V can relax within the element, a Schur complement by Cholesky factors.
+// V's own energy is singular in the six rigid motions, so these are first given some stiffness; W does not couple with
+// them.
 namespace ringdown::fem {
 namespace {
 
@@ -99,7 +100,7 @@ namespace {
 
 using CornerOrder = std::array<int, 4>;
 
-// The node that takes each node's place when the corners change theirs.
+// For each place of a node, the node that moves there when the corners are put in the order `corners`.
 std::vector<int> nodes_in_order(int order, const CornerOrder& corners) {
   const mesh::Barycentric points = mesh::reference_nodes(order);
   std::vector<int> from;
@@ -127,7 +128,7 @@ mesh::Indices with_rising_corners(const mesh::TetMesh& mesh) {
 }
 
 struct Parts {
-  mesh::Indices numbers;  // E x kinds: of each element's edges, or of its faces
+  mesh::Indices numbers;  // E x kinds: numbers of each element's edges, or of its faces
   int count = 0;
 };
 
@@ -186,7 +187,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 
-// See error_estimate.cpp, where this and softened() are explained.
+// error_estimate.cpp explains kRelaxed and softened().
 constexpr double kRelaxed = 0.8;
 
 constexpr double kLocked = 60;  // lambda / mu at nu = 0.492
@@ -211,7 +212,7 @@ MatrixXd stiffness(const MatrixXd& products, double lambda, double mu, int row, 
   return result;
 }
 
-// The same of a solid that is not isotropic.
+// K of an anisotropic solid from the products of gradients.
 MatrixXd stiffness(const MatrixXd& products, const Matrix6& law, int row, int rows, int column, int columns) {
   const Eigen::Index all = products.rows() / 3;
   MatrixXd result = MatrixXd::Zero(3 * rows, 3 * columns);
@@ -305,8 +306,7 @@ Eigen::MatrixXf SurplusElement::relaxed(const MatrixXd& products, const mesh::El
   MatrixXd energy = part(0, w_, 0, w_);
   MatrixXd lower = part(w_, n_, w_, n_);
   const MatrixXd rigid = rigid_motions(nodes);
-  lower +=
-      lower.diagonal().mean() * dense::product_transposed(rigid, rigid);  // K is singular there, and W meets none of it
+  lower += lower.diagonal().mean() * dense::product_transposed(rigid, rigid);  // these six are singular in K
   if (dense::cholesky(lower)) {
     MatrixXd half = part(w_, n_, 0, w_);
     dense::solve_lower(lower, half);

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <numeric>
 
-// A cell's spectrum is that of 20 ms under a Hann window, padded to bins of some 12 Hz; a band takes the bins between
-// its edges, and of a bin on an edge the part that lies inside. Below 300 Hz bands are narrower than what 20 ms can
-// tell apart, so that neighbours share their sound: this blurs both of the sounds that are compared alike.
+// A cell's spectrum is that of 20 ms under a Hann window, padded to bins of about 12 Hz. A band sums the bins between
+// its edges; of a bin on an edge it takes the part inside the band. Below 300 Hz bands are narrower than the resolution
+// of 20 ms, so neighbours share their sound, but this blurs both compared sounds equally.
 namespace ringdown::fit {
 namespace {
 
@@ -31,7 +31,7 @@ class CellSpectrum {
   }
   [[nodiscard]] const std::vector<double>& centres() const { return centres_; }
 
-  // Mean squares of the bands, of two cells that begin at sample `first`, which may lie before the samples' beginning.
+  // Writes the mean squares of the bands over two cells from sample `first` on, which may be negative.
   void take(std::span<const double> samples, std::ptrdiff_t first, double* powers, std::size_t stride) {
     std::ranges::fill(padded_, 0.0);
     for (std::size_t n = 0; n < window_.size(); ++n) {
@@ -65,7 +65,7 @@ class CellSpectrum {
 struct ComparedCell {
   double recorded_db, model, noise;
   [[nodiscard]] double off_db(double gain) const { return recorded_db - power_db(gain * model + noise); }
-  // Of the model's level over the gain.
+  // The derivative of the model's level by the gain's level.
   [[nodiscard]] double slope(double gain) const { return model > 0 ? gain * model / (gain * model + noise) : 0; }
 };
 
@@ -87,7 +87,7 @@ std::size_t samples_of_cell(double rate) { return static_cast<std::size_t>(kCell
 
 std::vector<double> band_centres_hz(double sample_rate_hz) {
   std::vector<double> centres;
-  for (int third = -11; third <= 12; ++third) {  // of 1 kHz: 79.4 Hz to 15.8 kHz (IEC 61260-1)
+  for (int third = -11; third <= 12; ++third) {  // thirds of an octave from 1 kHz: 79.4 Hz to 15.8 kHz (IEC 61260-1)
     const double centre = 1000 * std::pow(10, third / 10.0);
     if (band_high_hz(centre) < 0.49 * sample_rate_hz) centres.push_back(centre);
   }
@@ -111,9 +111,9 @@ BandPowers band_powers(std::span<const double> samples, double sample_rate_hz, s
 }
 
 std::vector<double> band_noise(std::span<const double> samples, double sample_rate_hz, std::size_t onset) {
-  constexpr std::size_t kMinCells = 5, kGuard = 2;  // the second: a window reaches that far into its neighbours
+  constexpr std::size_t kMinCells = 5, kGuard = 2;  // kGuard: reach of a window into neighbouring cells
   constexpr auto kMaxCells = static_cast<std::size_t>(kMaxSilence_s / kCell_s);
-  constexpr double kLeast = 1e-8;  // 80 dB below the loudest cell: what no ear misses
+  constexpr double kLeast = 1e-8;  // 80 dB below the loudest cell, which is inaudible
   const std::size_t step = samples_of_cell(sample_rate_hz);
   const BandPowers after = band_powers(samples, sample_rate_hz, onset);
   const double least = after.values.empty() ? 0 : kLeast * *std::ranges::max_element(after.values);
@@ -156,7 +156,7 @@ std::vector<bool> sure_cells(const BandPowers& powers, std::span<const double> n
   return sure;
 }
 
-// Gauss and Newton's steps to the gain, from that which makes the mean of the differences 0.
+// Finds the gain by Gauss-Newton steps, starting from the gain for which the mean of the differences is 0.
 double distance_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise) {
   constexpr int kSteps = 8;
   constexpr double kMaxStep_db = 6;

@@ -1,4 +1,4 @@
-// A sound's power in cells of a third of an octave by 10 ms, and how far two sounds lie apart there. [any]
+// A sound's power in cells of a third of an octave by 10 ms, and the distance of two sounds over these cells. [any]
 #pragma once
 
 #include <algorithm>
@@ -10,17 +10,17 @@
 namespace ringdown::fit {
 
 inline constexpr double kCell_s = 0.01;
-inline constexpr double kMaxSilence_s = 0.25;  // looked at before an onset: longer ago another blow may have been
+inline constexpr double kMaxSilence_s = 0.25;  // examined before an onset; another blow may lie further back
 
 // Centres of the third-octave bands from 80 Hz to 16 kHz that lie below half the sample rate [Hz].
 std::vector<double> band_centres_hz(double sample_rate_hz);
 
-// Where a band begins and ends [Hz].
+// The lower and upper edge of a band [Hz].
 double band_low_hz(double centre_hz);
 double band_high_hz(double centre_hz);
 
-// Mean squares, in units of the samples squared: power(b, c) is that of band b in cell c, which begins c * kCell_s
-// after the onset. Each is taken under a Hann window of two cells, centred on its cell.
+// Mean squares, in units of the samples squared: power(b, c) is the power of band b in cell c, which begins c * kCell_s
+// after the onset. Each power is measured under a Hann window of two cells, centred on its cell.
 struct BandPowers {
   std::vector<double> centre_hz;
   std::size_t cells = 0;
@@ -29,32 +29,32 @@ struct BandPowers {
   [[nodiscard]] double power(std::size_t band, std::size_t cell) const { return values[band * cells + cell]; }
 };
 
-// Cells from sample `onset` on, as many as lie wholly in the samples; what is missing before the first counts as
+// Measures all cells from sample `onset` on that lie wholly in the samples. Time before the first sample counts as
 // silence.
 BandPowers band_powers(std::span<const double> samples, double sample_rate_hz, std::size_t onset);
 
 // The level of a mean square [dB].
 inline double power_db(double power) { return 10 * std::log10(std::max(power, 1e-300)); }
 
-// The noise of each band, as mean square: of the 50 to 250 ms before the onset, or else of the quietest
-// tenth of the cells after it. Never less than 80 dB below the loudest cell.
+// The noise of each band as mean square, measured in the 50 to 250 ms before the onset or else in the quietest tenth of
+// the cells after the onset. Never less than 80 dB below the loudest cell.
 std::vector<double> band_noise(std::span<const double> samples, double sample_rate_hz, std::size_t onset);
 
 inline constexpr double kCellOverNoise = 4;  // power over the noise: 6 dB
 
-// For each cell whether it is heard: it stands kCellOverNoise over the noise.
+// For each cell, whether it is heard: whether its power is at least kCellOverNoise times the noise.
 std::vector<bool> heard_cells(const BandPowers& powers, std::span<const double> noise);
 
-// The same, but only where a neighbour in time is heard, too, or the cell is the first. By chance alone one cell of
-// noise in fifty is heard, but hardly two together: what a fit should follow.
+// The cells that a fit should follow: heard cells with a heard neighbour in time, and a heard first cell. By chance
+// alone, one cell of noise in fifty is heard, but hardly two neighbours.
 std::vector<bool> sure_cells(const BandPowers& powers, std::span<const double> noise);
 
-// How far a model lies from a recording [dB]: the root mean square of the differences of level over all cells that are
-// heard in the recording, after the one gain of the model that makes it least. The noise is added to the model. NAN
-// without such a cell.
+// The distance of a model from a recording [dB]: the root mean square of the level differences over all cells that are
+// heard in the recording, for the gain of the model that makes this distance smallest. The noise is added to the model.
+// NAN if no cell is heard.
 double distance_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise);
 
-// The same over other cells of `recorded`, the model as loud as it is.
+// As distance_db(), but over the given cells of `recorded`, and with a gain of 1.
 double distance_as_played_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise,
                              const std::vector<bool>& cells);
 

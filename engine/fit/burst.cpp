@@ -8,23 +8,25 @@
 #include <cstdint>
 #include <numbers>
 
-// In each pair of bands the decay and the two levels are searched that make the logarithm of modes' and burst's power
-// together nearest to the recording's. The power that a decaying noise leaves in each cell is known in closed form, up
-// to what spills into neighbouring bands; so the burst is played, measured, and its levels are corrected, a few times.
+// For each pair of bands, the fit searches the decay and the two levels for which the logarithm of the power of modes
+// and burst together is nearest to the recording's. The power of a decaying noise in each cell is known in closed form,
+// except for the power that spills into neighbouring bands. Therefore the burst is played and measured, and its levels
+// are corrected, a few times.
 namespace ringdown::fit {
 namespace {
 
 constexpr double kSlowestBurst_per_s = 12, kFastestBurst_per_s = 1500;  // T60 from half a second to 5 ms
 constexpr int kDecays = 40;
 constexpr double kLevelStep_db = 1, kLowestLevel_db = -45, kHighestLevel_db = 12;
-constexpr double kMaxCells = 60;      // after the onset: later than 0.6 s nothing is a burst
-constexpr double kWorth_db = 0.5;     // of the distance in a pair of bands: a burst that gains less is left out
-constexpr double kBurstCycles = 0.5;  // frequency over decay at least, or the band's sound is all in its neighbours
+constexpr double kMaxCells = 60;      // after the onset; nothing later than 0.6 s is a burst
+constexpr double kWorth_db = 0.5;     // minimum gain of distance in a pair of bands; otherwise the burst is left out
+constexpr double kBurstCycles = 0.5;  // minimum of frequency over decay; below, a band's sound is all in its neighbours
 constexpr int kCorrections = 4;
 constexpr double kModeSpacing_hz = 60;
-constexpr std::size_t kMinOfBand = 2, kMaxOfBand = 40;  // of a band
+constexpr std::size_t kMinOfBand = 2, kMaxOfBand = 40;  // modes of a band
 
-// Numbers in [0, 1) that are the same everywhere: a linear congruential generator's upper bits [Knuth, TAOCP 2, 3.3.4].
+// Numbers in [0, 1) that are equal on every machine: a linear congruential generator's upper bits [Knuth, TAOCP 2,
+// 3.3.4].
 class Draw {
  public:
   double next() {
@@ -40,12 +42,12 @@ struct Target {
   BandPowers recorded, modes;
   std::vector<double> noise;
   std::vector<bool> sure;
-  std::size_t cells = 0;  // that matter
+  std::size_t cells = 0;  // number of cells to fit
   [[nodiscard]] bool counts(std::size_t b, std::size_t c) const { return sure[b * recorded.cells + c]; }
 };
 
-// Sum over the cells of a band of the squared difference of levels, with a burst of this power and these cells' shares.
-// Where the recording is lost in noise, the burst must be, too.
+// The sum over a band's cells of the squared level difference, for a burst with this power and these shares of the
+// cells. Where the recording is below the noise, the burst must be, too.
 double misfit(const Target& target, std::size_t b, double power, const std::vector<double>& share) {
   double sum = 0;
   for (std::size_t c = 0; c < target.cells; ++c) {
@@ -110,7 +112,7 @@ void fit_pair(const Target& target, std::size_t pair, Burst& burst) {
   for (std::size_t b = first; b < last; ++b) burst.level[b] = std::sqrt(powers[b - first]);
 }
 
-// Moves each level by what modes and burst together are too loud or too soft in the cells where the burst is heard.
+// Corrects each level by the level error of modes and burst together in the cells where the burst is heard.
 void correct_levels(const Target& target, const BandPowers& model, const BandPowers& alone, Burst& burst) {
   constexpr double kMax_db = 6, kPart = 0.7;
   for (std::size_t b = 0; b < burst.level.size(); ++b) {
@@ -127,8 +129,8 @@ void correct_levels(const Target& target, const BandPowers& model, const BandPow
   }
 }
 
-// The mean of the logarithm of a noise's power lies up to 2.5 dB below the logarithm of its mean. What the levels lack
-// of the energy that modes leave is added to all of them.
+// Raises all levels until the burst has the energy that the modes lack. The fitted levels are too low because the mean
+// of the logarithm of a noise's power lies up to 2.5 dB below the logarithm of its mean.
 void match_energy(const Target& target, const BandPowers& alone, Burst& burst) {
   constexpr double kMost = 2;  // 3 dB
   double wanted = 0, played = 0;

@@ -15,8 +15,8 @@
 namespace ringdown::fit {
 namespace {
 
-constexpr double kSame_cents = 4;      // two recordings' estimates of one mode
-constexpr double kMaxDecay_ratio = 3;  // what differs more is another mode at the same pitch
+constexpr double kSame_cents = 4;      // largest difference of two recordings' estimates of one mode
+constexpr double kMaxDecay_ratio = 3;  // modes whose decays differ more are two modes of one pitch
 
 double cents_between(double a, double b) { return 1200 * std::log2(a / b); }
 
@@ -26,7 +26,7 @@ std::vector<double> ascending(const modal::Bank& bank) {
   return frequencies;
 }
 
-// Frequencies of three banks by rank, and between them.
+// The frequencies of three banks by rank, and interpolations between the banks.
 class Between {
  public:
   explicit Between(std::span<const NuBank, 3> banks) {
@@ -58,8 +58,9 @@ double nearest_cents(const std::vector<double>& ascending, double frequency) {
   return off;
 }
 
-// Mean square over the heard modes, and in part over the baked ones below the highest of these, since a thing that has
-// a mode is mostly heard with it: in a dense bank something lies near everything.
+// The mean square deviation of the heard modes, plus a share of that of the baked modes below the highest heard one.
+// The baked modes count because in a dense bank some mode lies near every heard one, while a mode that an object has is
+// mostly heard.
 double mean_square_cents(const std::vector<double>& heard, const std::vector<double>& baked, double tuning_cents,
                          double tolerance) {
   constexpr double kOfBaked = 0.25;
@@ -87,7 +88,7 @@ bool is_companion(const Mode& mode, std::span<const Mode> recording) {
   });
 }
 
-// One mode of the thing, and the recordings that have it.
+// One mode of the object, and the recordings that have it.
 struct Merged {
   Mode mode;
   double weight;
@@ -146,7 +147,7 @@ NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks
   const double low = banks.front().poisson_ratio, high = banks.back().poisson_ratio;
   const auto best_at = [&](double nu, double around, double most, double step) {
     const std::vector<double> baked = between.at(nu);
-    std::pair<double, double> best{INFINITY, around};  // square, tuning
+    std::pair<double, double> best{INFINITY, around};  // mean square, tuning
     for (double tuning = around - most; tuning <= around + most; tuning += step) {
       best = std::min(best, {mean_square_cents(frequencies, baked, tuning, options.tolerance_cents), tuning});
     }
@@ -194,7 +195,7 @@ std::vector<double> spectrum_db(std::span<const double> samples, double sample_r
   std::size_t size = 1;
   while (size < 2 * samples.size()) size *= 2;
   std::vector<double> padded(size);
-  for (std::size_t n = 0; n < samples.size(); ++n) {  // the second half of a Hann window: the blow is at the beginning
+  for (std::size_t n = 0; n < samples.size(); ++n) {  // half a Hann window, falling: the blow is at the beginning
     padded[n] = samples[n] *
                 (0.5 + 0.5 * std::cos(std::numbers::pi * static_cast<double>(n) / static_cast<double>(samples.size())));
   }

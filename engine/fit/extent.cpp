@@ -8,20 +8,20 @@
 // Finding the blow
 //
 // The recording is divided into blocks of 5 ms, of which only the peaks count. The peak of a quiet block, the tenth
-// percentile, measures the noise. The blow begins where, going back from the first block with half of the largest peak,
-// blocks no longer stand above the noise, and within that block at the first sample above the threshold. It ends where
-// another blow comes (a block twice as loud as all of the last 0.3 s), or where blocks hardly exceed the noise;
-// that stretch is doubled, since narrow bands hear further into the noise than blocks do. If the beginning is clipped,
-// what is fitted starts after the last clipped sample.
+// percentile, measures the noise. The search for the onset goes back from the first block with half of the largest peak
+// as long as blocks stand above the noise; the blow begins in the earliest of these blocks, at the first sample above
+// the threshold. It ends where another blow comes (a block twice as loud as all of the last 0.3 s), or where blocks
+// hardly exceed the noise; in the latter case its length is doubled, because narrow bands hear further into the noise
+// than blocks do. If the beginning is clipped, the fit starts after the last clipped sample.
 namespace ringdown::fit {
 namespace {
 
 constexpr double kBlock_s = 0.005;
-constexpr double kOverNoise = 4;       // an onset's first sample, over the largest of a quiet block's peaks
-constexpr double kOverSilence = 0.01;  // the same, of the largest peak
-constexpr double kAgain_s = 0.3;       // a new blow is louder than the sound was for so long,
-constexpr double kAgain = 2;           // by such a factor
-constexpr double kMinSteps = 4;        // a peak of fewer of the steps that samples were rounded to is rounding noise
+constexpr double kOverNoise = 4;       // threshold of an onset's first sample, relative to the peak of a quiet block
+constexpr double kOverSilence = 0.01;  // lower limit of the onset's threshold, relative to the largest peak
+constexpr double kAgain_s = 0.3;       // time for which the sound before a new blow is softer
+constexpr double kAgain = 2;           // factor by which a new blow is louder
+constexpr double kMinSteps = 4;        // rounding steps of the samples; a smaller peak is rounding noise
 
 double peak_of(std::span<const double> samples) {
   double peak = 0;
@@ -44,7 +44,7 @@ double noise_peak(std::vector<double> peaks) {
   return *place;
 }
 
-// The block in which the first blow that comes near the loudest begins.
+// The block in which the first blow begins that is nearly as loud as the loudest.
 std::size_t onset_block(const std::vector<double>& peaks, double threshold) {
   const double loudest = *std::ranges::max_element(peaks);
   std::size_t block = 0;
@@ -72,7 +72,7 @@ std::size_t lost_in_noise(const std::vector<double>& peaks, std::size_t onset, s
   return std::min(end, onset + 2 * (last - onset));
 }
 
-// The smallest step between neighbouring samples that differ: that of the numbers which they were rounded to, if any.
+// The smallest step between neighbouring samples that differ. If the samples were rounded, this is the rounding step.
 double smallest_step(std::span<const double> samples) {
   double step = std::numeric_limits<double>::infinity();
   for (std::size_t n = 1; n < samples.size(); ++n) {
@@ -82,9 +82,9 @@ double smallest_step(std::span<const double> samples) {
   return step;
 }
 
-// A wave that is cut off stands still at its peak and falls steeply on both sides. Where a round peak has three samples
-// that differ by no more than a tolerance, its neighbours lie at most about four tolerances below. The tolerance is
-// that of the comparison, or the step that the samples were rounded to, which is large in a quiet recording.
+// A clipped wave stays constant at its peak and falls steeply on both sides. If a round peak has three samples that
+// differ by no more than a tolerance, its neighbours lie at most about four tolerances below. The tolerance is that of
+// the comparison, or the samples' rounding step, which is large in a quiet recording.
 struct Plateau {
   double level, min_fall;
 
@@ -97,7 +97,7 @@ struct Plateau {
   static constexpr double kSteep = 6;
 };
 
-// Samples at the largest magnitude, where the wave is cut off there; `last` is one past the last.
+// The number of samples at the largest magnitude, if the wave is clipped there; `last` is one past the last of them.
 std::size_t clipped_samples(std::span<const double> samples, double peak, std::size_t& last) {
   const Plateau plateau(samples, peak);
   std::size_t count = 0;

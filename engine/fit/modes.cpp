@@ -17,33 +17,34 @@
 
 // The search, from long modes to short ones
 //
-// A pass looks at the beginning of what is left of the sound, first at all of it, then at a quarter, a sixteenth and so
-// on. It cuts the band of frequencies into narrow bands of a few hundred samples each (subband.h), finds and refines
-// the poles in every one (poles.h), and keeps those that decay in about the length of the pass: slower ones were found
-// before, faster ones wait for a shorter pass. Neighbouring bands overlap, so what two of them found is made one. Then
-// the amplitudes of all modes so far are fitted together, and their sum is subtracted for the next pass. Where a blow
-// still stands in what all passes leave, its modes are too short for them, and are pursued one by one (pursuit.h).
+// A pass analyses the beginning of the remaining sound: first all of it, then a quarter, a sixteenth and so on. The
+// pass cuts the band of frequencies into narrow bands of a few hundred samples each (subband.h), finds and refines the
+// poles in every band (poles.h), and keeps those that decay in about the length of the pass: slower ones were found
+// before, faster ones wait for a shorter pass. Neighbouring bands overlap, so a mode found in two of them is merged
+// into one. Then the amplitudes of all modes so far are fitted together, and their sum is subtracted for the next pass.
+// If the remainder of all passes still contains a blow, its modes are too short for passes, and are pursued one by one
+// (pursuit.h).
 namespace ringdown::fit {
 namespace {
 
-constexpr double kSamplesOfBand = 400;  // what a pass has of each band, more or less
-constexpr double kPassRatio = 4;        // of one pass's length to the next one's
+constexpr double kSamplesOfBand = 400;  // approximate number of samples of each band in a pass
+constexpr double kPassRatio = 4;        // ratio of one pass's length to the next one's
 constexpr double kMinPass_s = 0.02;
-constexpr double kMaxDecayOfPass = 12;  // decay times length: above, the mode waits for a shorter pass,
-constexpr double kMinDecayOfPass = 5;   // and below, with the length of the pass before, it would have been found there
-constexpr Eigen::Index kMaxPoles = 44;  // of a band
-constexpr double kOverlap = 0.04;       // of the core, on either side
-constexpr double kMinCycles = 1.5;      // frequency over decay: below, it is a thud and no tone
-constexpr double kMinDecay = 3;         // decay over its standard error: below, it may be hum
-constexpr double kUnresolved = 0.02;    // modes nearer than that over the length are the same one, found twice
-constexpr double kRemains = 0.25;       // the same of a mode that an earlier pass has found, and its remains
-constexpr double kSilence_s = 0.02;     // before the blow: enough to know the noise from
-constexpr double kTrace = 0.1;          // how loud these may be, of that mode
+constexpr double kMaxDecayOfPass = 12;  // decay times length; above, the mode waits for a shorter pass
+constexpr double kMinDecayOfPass = 5;   // decay times length of the last pass; below, that pass would have found it
+constexpr Eigen::Index kMaxPoles = 44;  // poles of a band
+constexpr double kOverlap = 0.04;       // share of the core, on either side
+constexpr double kMinCycles = 1.5;      // frequency over decay; below, the sound is a thud, not a tone
+constexpr double kMinDecay = 3;         // decay over its standard error; below, the sound may be hum
+constexpr double kUnresolved = 0.02;    // modes nearer than this over the length are one mode, found twice
+constexpr double kRemains = 0.25;       // remains of an earlier pass's mode lie nearer to it than this over the length
+constexpr double kSilence_s = 0.02;     // silence before the blow that is long enough to measure the noise
+constexpr double kTrace = 0.1;          // largest amplitude of remains, relative to their mode
 
 struct Candidate {
   Mode mode;
   std::size_t band;
-  bool accepted;  // else it is there, but no mode of this pass
+  bool accepted;  // false: a component of the sound, but not a mode of this pass
 };
 
 struct Pass {
@@ -66,7 +67,7 @@ struct Pass {
   }
 };
 
-// Decays, can be told from a steady tone, rings for more than a cycle, and lasts for much of the pass.
+// Whether the mode decays, differs from a steady tone, rings for more than a cycle, and lasts for much of the pass.
 bool is_mode_of(const Pass& pass, const Mode& mode) {
   return mode.decay_per_s > kMinDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kMaxDecayOfPass &&
          mode.decay_per_s > pass.slowest_per_s && mode.frequency_hz > kMinCycles * mode.decay_per_s &&
@@ -93,7 +94,7 @@ std::vector<Candidate> search_band(const Eigen::VectorXcd& samples, const Pass& 
   return found;
 }
 
-// work(0) ... work(count - 1), shared out to threads as they come free.
+// Calls work(0) ... work(count - 1), shared out to threads as they become free.
 template <class Work>
 void for_all(std::size_t count, int threads, const Work& work) {
   std::atomic<std::size_t> next = 0;
@@ -102,8 +103,8 @@ void for_all(std::size_t count, int threads, const Work& work) {
   });
 }
 
-// A band below the floor holds nothing that would be kept, were it all one mode: most often what the filter has left of
-// its neighbours.
+// Finds candidates in all bands. A band below the floor is skipped: even if all its sound were one mode, the mode would
+// be dropped. Most often such a band holds only what the filter leaves of its neighbours.
 std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, const Options& options) {
   std::vector<Eigen::VectorXcd> samples(pass.bands());
   for_all(samples.size(), options.threads,
@@ -120,7 +121,7 @@ std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, 
   return all;
 }
 
-// Neighbouring bands overlap: what both found is one mode, and the better estimate stays.
+// Neighbouring bands overlap. A mode that both found becomes one mode, with the better estimate.
 std::vector<Candidate> without_doubles(std::vector<Candidate> candidates, double length_s) {
   std::ranges::sort(candidates, {}, [](const Candidate& c) { return c.mode.frequency_hz; });
   std::vector<Candidate> kept;
@@ -142,7 +143,7 @@ std::vector<Candidate> without_doubles(std::vector<Candidate> candidates, double
 
 double energy(const Mode& mode) { return mode.amplitude * mode.amplitude / mode.decay_per_s; }
 
-// Drops modes below the options' floor and beyond their number. True when any was dropped.
+// Drops modes below the options' floor and beyond their maximum number. Returns true when any was dropped.
 bool prune(std::vector<Mode>& modes, const Options& options) {
   const std::size_t before = modes.size();
   double loudest = 0;
@@ -163,9 +164,10 @@ std::vector<double> difference(std::span<const double> a, std::span<const double
 
 double square_sum(std::span<const double> x) { return std::inner_product(x.begin(), x.end(), x.begin(), 0.0); }
 
-// Fits the amplitudes of all modes so far, together with an offset and with what else a pass of this length has seen. A
-// component of the sound that is not in the sum would bend the amplitudes of its neighbours. One that the pass cannot
-// tell from a mode is left out: the fit would share the mode out between the two, with any two amplitudes.
+// Fits the amplitudes of all modes so far, together with an offset and with all other components that a pass of this
+// length has found. A component of the sound that is not in the sum would bend the amplitudes of its neighbours. A
+// component that the pass cannot tell from a mode is left out, because the fit would split the mode between the two
+// with arbitrary amplitudes.
 void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vector<Mode>& modes,
                            const std::vector<Candidate>& found = {}, double length_s = 0) {
   std::vector<Mode> all = modes;
@@ -180,8 +182,8 @@ void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vect
   std::copy_n(all.begin(), modes.size(), modes.begin());
 }
 
-// Returns true when a mode is only what an earlier pass has left of one that it found: subtracting an estimate leaves a
-// weak remainder at its pitch, or a weak and broad one beside it, where a real mode would be masked.
+// Returns true when a mode is only the remainder of a mode that an earlier pass found. Subtracting an estimate leaves a
+// weak remainder at its pitch, or a weak and broad one nearby, where a real mode would be masked.
 bool is_remains(const Mode& mode, std::span<const Mode> known, double length_s) {
   return std::ranges::any_of(known, [&](const Mode& k) {
     const double apart = std::abs(mode.frequency_hz - k.frequency_hz);
@@ -216,11 +218,11 @@ double mean_square(std::span<const double> x) {
   return square_sum(x) / static_cast<double>(std::max<std::size_t>(x.size(), 1));
 }
 
-// Adds short modes where the first kPursuit_s of what is left are a blow: much louder than what follows, and a good
-// part of the sound itself. `noise`: the mean square of the samples without the sound, where that is known.
+// Adds short modes if the first kPursuit_s of the remaining sound are a blow: much louder than the sound that follows,
+// and a considerable part of the whole sound. `noise` is the mean square of the samples without the sound, if known.
 void add_short_modes(std::span<const double> sound, double rate, const Options& options, std::optional<double> noise,
                      std::vector<Mode>& modes) {
-  constexpr double kStands = 4, kPart = 0.05;  // in energy
+  constexpr double kStands = 4, kPart = 0.05;  // ratios of energy
   const std::vector<double> left = difference(sound, synthesise(modes, rate, sound.size()));
   const auto head = std::min(left.size(), static_cast<std::size_t>(kPursuit_s * rate));
   const std::span<const double> beginning = std::span(left).first(head);

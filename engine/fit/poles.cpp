@@ -12,16 +12,16 @@ namespace ringdown::fit {
 
 // Finding poles: ESPRIT
 //
-// Windows of the signal, one third of its length, are vectors in a space of which the exponentials span a small part. A
-// window one sample on is the same part, each exponential multiplied by its pole; so the poles are the eigenvalues of
-// the map between the part without its last row and the part without its first row. The part is spanned by the
-// eigenvectors of the windows' covariance whose eigenvalues stand above the noise; the map is a least-squares solution.
-// Source: Roy & Kailath, IEEE Trans. Acoust. Speech Signal Process. 37(7), 1989; damped exponentials: Badeau, Boyer &
-// David, EUSIPCO 2002.
+// Windows of the signal, one third of its length, are vectors in a space of which the exponentials span a small
+// subspace. A window one sample later lies in this subspace, too, with each exponential multiplied by its pole.
+// Therefore the poles are the eigenvalues of the map between the subspace's basis without its last row and the basis
+// without its first row. The basis consists of the eigenvectors of the windows' covariance whose eigenvalues stand
+// above the noise; the map is a least-squares solution. Source: Roy & Kailath, IEEE Trans. Acoust. Speech Signal
+// Process. 37(7), 1989; damped exponentials: Badeau, Boyer & David, EUSIPCO 2002.
 namespace {
 
-// Sum over all windows w of w w^H. Each element is the one before it on its diagonal, less the product that leaves the
-// sum and plus the one that comes in.
+// Sum over all windows w of w w^H. Each element is the previous one on its diagonal, minus the product that leaves the
+// sum, plus the product that enters.
 Eigen::MatrixXcd covariance(const Eigen::VectorXcd& signal, Eigen::Index length) {
   const Eigen::Index windows = signal.size() - length + 1;
   Eigen::MatrixXcd sum(length, length);
@@ -36,11 +36,11 @@ Eigen::MatrixXcd covariance(const Eigen::VectorXcd& signal, Eigen::Index length)
   return sum;
 }
 
-// Of noise alone the largest eigenvalue is some (1 + sqrt(L/K))^2 = 2.9 times the mean one [Marchenko & Pastur 1967]; a
-// term that refine() would keep makes one of 13 times the noise's.
+// With noise alone, the largest eigenvalue is about (1 + sqrt(L/K))^2 = 2.9 times the mean one [Marchenko & Pastur
+// 1967]. A term that refine() would keep makes an eigenvalue of 13 times the noise's.
 constexpr double kOverMedian = 4.5;
 
-// A few steps of the power method, where most bands of most recordings end.
+// A quick test for noise, by a few steps of the power method. Most bands of most recordings need nothing more.
 bool is_noise(const Eigen::MatrixXcd& sum) {
   constexpr int kSteps = 12;
   const double mean = sum.trace().real() / static_cast<double>(sum.rows());
@@ -87,10 +87,10 @@ std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eig
 
 // Refining poles: least squares
 //
-// Gauss-Newton over poles and amplitudes together, which for white noise is the estimate of maximum likelihood: its
-// errors reach the Cramer-Rao bound. The normal equations that give the step also give every number its standard error.
-// Terms whose amplitude does not stand above its standard error are removed, the weakest first, and the rest is fitted
-// again until all that are left are significant.
+// Gauss-Newton steps fit poles and amplitudes together. For white noise this is the maximum-likelihood estimate, whose
+// errors reach the Cramer-Rao bound. The normal equations of a step also give the standard error of every number. Terms
+// whose amplitude does not stand above its standard error are removed, the weakest first, and the rest is fitted again
+// until all remaining terms are significant.
 namespace {
 
 using Complex = std::complex<double>;
@@ -155,7 +155,7 @@ State fitted(const VectorXcd& signal, const VectorXcd& poles) {
   return state;
 }
 
-// Columns exp(p n) and a n exp(p n): what the model changes by with amplitude and pole.
+// Columns exp(p n) and a n exp(p n): the model's derivatives by amplitude and pole.
 MatrixXcd jacobian(const State& state) {
   const Index count = state.poles.size(), samples = state.columns.rows();
   const Eigen::VectorXd n = Eigen::VectorXd::LinSpaced(samples, 0, static_cast<double>(samples - 1));
@@ -165,7 +165,7 @@ MatrixXcd jacobian(const State& state) {
   return columns;
 }
 
-// A pole may move by no more than the signal can tell, and must not grow.
+// Moves the poles, each by no more than the signal can resolve, and limits their growth.
 VectorXcd moved(const State& state, const VectorXcd& by, double share) {
   const double most = 6.0 / static_cast<double>(state.columns.rows());
   VectorXcd poles = state.poles;
@@ -197,7 +197,7 @@ State descend(const VectorXcd& signal, State state) {
   return state;
 }
 
-// `columns` begin with the exponentials, and may go on with what the poles change.
+// Gives each term its errors. `columns` begin with the exponentials; the derivatives by the poles may follow.
 std::vector<Term> judged(const VectorXcd& signal, const State& state, const MatrixXcd& columns) {
   const Normal normal(columns);
   if (!normal.good() || !std::isfinite(state.energy)) return {};
@@ -222,8 +222,9 @@ VectorXcd poles_of(const std::vector<Term>& terms) {
   return poles;
 }
 
-// Takes out the weakest, if it is not significant, or as many as a share of all has. Of two that nearly coincide both
-// look weak, and either of them is strong when the other has gone: so, at the end, one at a time.
+// Removes the weakest terms that are not significant, up to a share of all, but at least one. Two terms that nearly
+// coincide both look weak, and each is strong once the other is removed. Therefore the last rounds remove one term at a
+// time.
 bool weed(std::vector<Term>& terms, double least, double share) {
   std::ranges::sort(terms, std::greater{}, &Term::significance);
   const auto most = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(share * static_cast<double>(terms.size())));
@@ -241,7 +242,7 @@ std::vector<Term> refine(const VectorXcd& signal, const std::vector<Complex>& po
     if (pole.real() < max_growth) terms.push_back({.pole = pole});
   }
   if (terms.empty()) return {};
-  // First with the poles as they are, which is quick, then with poles that are refined.
+  // The first loop keeps the poles fixed, which is quick; the second refines them.
   do {
     const State state = fitted(signal, poles_of(terms));
     terms = judged(signal, state, state.columns);

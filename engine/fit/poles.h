@@ -1,9 +1,9 @@
-// Poles of a sum of damped exponentials in noise: found without a start value, then made as good as the noise allows.
-// [any thread]
+// Poles of a sum of damped exponentials in noise: found without initial values, then refined as far as the noise
+// allows. [any thread]
 //
 //   for (const Term& term : refine(signal, find_poles(signal, most))) ...
 //
-// poles.cpp tells both methods.
+// poles.cpp describes both methods.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,12 +15,12 @@ namespace ringdown::fit {
 
 inline constexpr Eigen::Index kMinSamples = 24;
 
-// Logarithms of poles, per sample; at most `most` of them. Rather too many than too few: directions in which the signal
-// has no more than noise has by chance are left out, and the rest is for refine() to judge. None when the signal has
-// fewer than kMinSamples.
+// Finds the logarithms of poles, per sample; at most `most`. Finds too many rather than too few: only directions in
+// which the signal is no stronger than noise could be are left out, and refine() judges the rest. None when the signal
+// has fewer than kMinSamples.
 std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eigen::Index most);
 
-// amplitude exp(pole n), n = 0, 1, ...
+// One damped exponential: amplitude exp(pole n), n = 0, 1, ...
 struct Term {
   std::complex<double> pole;  // logarithm, per sample
   std::complex<double> amplitude;

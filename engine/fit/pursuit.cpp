@@ -6,18 +6,18 @@
 #include <cmath>
 #include <complex>
 
-// Each round projects what is left onto a grid of frequencies, a quarter of a semitone apart, and of decays; the best
-// point is moved to the nearest maximum by halving steps, the amplitudes of all atoms so far are fitted together, and
-// what they leave goes into the next round.
+// Each round projects the remaining sound onto a grid of decays and of frequencies a quarter of a semitone apart. The
+// best point is moved to the nearest maximum by steps that are halved. The amplitudes of all atoms so far are then
+// fitted together and subtracted for the next round.
 namespace ringdown::fit {
 namespace {
 
 constexpr double kPerOctave = 24;
 constexpr double kDecays_per_s[] = {25, 50, 100, 180, 320, 560, 1000, 1600};
 constexpr double kFastestAtom_per_s = 2000;
-constexpr double kAtomCycles = 0.5;    // frequency over decay, at least: below, it is a thud without pitch
+constexpr double kAtomCycles = 0.5;    // minimum of frequency over decay; below, the sound is a thud without pitch
 constexpr double kAtomOverNoise = 30;  // energy of an atom over that of noise on one of its two coordinates
-constexpr double kMinPart = 0.01;      // of what is left: an atom that explains less is noise of the sound itself
+constexpr double kMinPart = 0.01;      // of the remaining sound; an atom that explains less is the sound's own noise
 constexpr int kSteps = 12;
 
 struct Atom {
@@ -54,7 +54,7 @@ Atom best_on_grid(std::span<const double> samples, double rate, const PursuitOpt
   return best;
 }
 
-// The nearest maximum, by steps along frequency and decay that are halved when neither helps.
+// Moves to the nearest maximum, by steps along frequency and decay that are halved when neither step helps.
 Atom climb(std::span<const double> samples, double rate, Atom atom, const PursuitOptions& options) {
   double of_frequency = std::exp2(0.5 / kPerOctave), of_decay = 1.3;
   for (int step = 0; step < kSteps; ++step) {
@@ -89,7 +89,7 @@ std::vector<Mode> pursue(std::span<const double> left, double sample_rate_hz, co
   while (modes.size() < options.max_modes) {
     const Atom atom = climb(rest, sample_rate_hz, best_on_grid(rest, sample_rate_hz, options), options);
     if (!(atom.energy > kAtomOverNoise * options.noise) || atom.energy < kMinPart * square_sum_of(rest)) break;
-    const double error = std::sqrt(options.noise / atom.energy);  // of an amplitude, relative
+    const double error = std::sqrt(options.noise / atom.energy);  // relative error of the amplitude
     modes.push_back({.frequency_hz = atom.frequency_hz,
                      .decay_per_s = atom.decay_per_s,
                      .frequency_error_hz = modal::rad_per_s_to_hz(error * atom.decay_per_s),

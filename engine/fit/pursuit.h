@@ -1,7 +1,8 @@
-// Short modes of a dull sound, one after the other: of all damped sinusoids the one that explains most of what is left
-// is taken out, and again, as long as one explains much more than noise could [matching pursuit: Mallat & Zhang, IEEE
-// Trans. Signal Processing 41, 1993; with damped sinusoids: Goodwin & Vetterli, ibid. 47, 1999]. Where modes die within
-// a few cycles, ESPRIT finds too few samples to tell them from noise (poles.h). [worker]
+// Finds short modes of a dull sound, one after the other. Of all damped sinusoids, the one that explains most of the
+// remaining sound is subtracted, and this is repeated as long as a sinusoid explains much more than noise could
+// [matching pursuit: Mallat & Zhang, IEEE Trans. Signal Processing 41, 1993; with damped sinusoids: Goodwin & Vetterli,
+// ibid. 47, 1999]. Modes that die within a few cycles have too few samples for ESPRIT to tell them from noise
+// (poles.h). [worker]
 #pragma once
 
 #include "engine/fit/sinusoids.h"
@@ -18,9 +19,10 @@ struct PursuitOptions {
   double noise = 0;  // mean square of the samples' noise
 };
 
-inline constexpr double kPursuit_s = 0.1;  // what is looked at after the beginning of the sound
+inline constexpr double kPursuit_s = 0.1;  // time after the beginning of the sound that is analysed
 
-// Modes of `left`, the first kPursuit_s of what longer modes leave of a sound, by the energy that each explained.
+// The modes of `left`, the first kPursuit_s of a sound without its longer modes, sorted by the energy that each
+// explains.
 std::vector<Mode> pursue(std::span<const double> left, double sample_rate_hz, const PursuitOptions& options);
 
 }  // namespace ringdown::fit

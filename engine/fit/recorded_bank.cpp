@@ -45,7 +45,7 @@ struct Sorted {
   }
 };
 
-// Each recorded mode has its nearest baked one, each baked one the nearest of those.
+// Assigns each recorded mode to the nearest baked mode; each baked mode keeps the nearest recorded one.
 std::vector<Match> match(std::span<const Mode> recorded, const Sorted& baked, double tuning, double tolerance) {
   std::vector<Match> best(baked.order.size(), {recorded.size(), 0, tolerance});
   for (std::size_t r = 0; r < recorded.size(); ++r) {
@@ -64,8 +64,8 @@ double score(const std::vector<Match>& matches, double tolerance) {
   return sum;
 }
 
-// The tuning with the most and closest matches, then made exact. In a dense bank something lies near everything, so it
-// takes a narrow tolerance to see it, and among equals the smallest one is meant.
+// Finds the tuning with the most and closest matches, then refines it. In a dense bank some mode lies near every
+// frequency, so only a narrow tolerance shows the right tuning; of equally good tunings the smallest is chosen.
 double find_tuning(std::span<const Mode> recorded, const Sorted& baked, const CalibrateOptions& options) {
   double best = options.around_cents, best_score = 0;
   const double narrow = std::min(8.0, options.tolerance_cents);
@@ -88,7 +88,7 @@ struct Point {
   double lambda, decay, weight;
 };
 
-// Least squares of (d - alpha/2 - beta lambda/2)^2 weight, both at least 0.
+// Minimises the sum of (d - alpha/2 - beta lambda/2)^2 weight, with alpha and beta at least 0.
 modal::RayleighDamping solve(const std::vector<Point>& points) {
   double w = 0, wl = 0, wll = 0, wd = 0, wld = 0;
   for (const Point& p : points) {
@@ -100,7 +100,7 @@ modal::RayleighDamping solve(const std::vector<Point>& points) {
     const double alpha = 2 * (wll * wd - wl * wld) / determinant, beta = 2 * (w * wld - wl * wd) / determinant;
     if (alpha >= 0 && beta >= 0) return {alpha, beta};
   }
-  // One of them is 0: the better of the two.
+  // Otherwise either alpha or beta is 0, whichever fits better.
   const double gain_of_alpha = wd * wd / w, gain_of_beta = wld * wld / wll;
   return gain_of_alpha > gain_of_beta ? modal::RayleighDamping{2 * wd / w, 0}
                                       : modal::RayleighDamping{0, 2 * wld / wll};
@@ -118,8 +118,8 @@ std::size_t Calibration::used() const {
 
 // Iteratively reweighted least squares with Tukey's biweight: a mode counts less the further its decay lies from the
 // law fitted before, in units of the spread of all modes (the median of the absolute deviations, scaled to a standard
-// deviation), and not at all beyond 4.685 of these. So a mode that was matched wrongly, or damped by the hand that held
-// the object, does not pull alpha and beta with it. Deviations are those of the decays' logarithms.
+// deviation), and not at all beyond 4.685 units. A mode that was matched wrongly, or damped by the hand that held the
+// object, therefore does not distort alpha and beta. Deviations are those of the decays' logarithms.
 Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank& bank,
                               const CalibrateOptions& options) {
   const Sorted baked(bank);
@@ -132,7 +132,7 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
                                           std::to_string(kMinMatches) +
                                           " are needed: is it the same object? --tolerance takes more");
   }
-  // Relative errors: of the estimate, and of the law, which holds to some 5 % at best.
+  // Relative errors of the estimate, and of the law, which is accurate to about 5 % at best.
   constexpr double kOfTheLaw = 0.05, kMinSpread = 0.02, kBiweight = 4.685, kFromMad = 1.4826;
   constexpr int kRounds = 30;
   std::vector<double> off(result.matches.size(), 0), tukey(result.matches.size(), 1);
@@ -140,7 +140,7 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
     std::vector<Point> points;
     for (std::size_t i = 0; i < result.matches.size(); ++i) {
       const Mode& mode = recorded[result.matches[i].recorded];
-      // The weight follows from the fitted decay, not the measured one: modes measured too long would count too much.
+      // The weight follows from the fitted decay. With the measured one, modes measured too long would count too much.
       const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
       const double expected = round == 0 ? mode.decay_per_s : fitted(result.damping, lambda);
       const double error = std::hypot(mode.decay_error_per_s, kOfTheLaw * expected);

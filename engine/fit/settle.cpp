@@ -10,22 +10,22 @@
 #include <optional>
 #include <utility>
 
-// In a few rounds the modes are played together, and what they are off is measured in each cell. A straight line
-// through what the cells of a mode's band are off over time, weighted by the part that the mode has in them, says by
-// how much its level and its decay should change; it changes by half of that, as its neighbours do the same. The
-// nearest round wins. Then the signs of modes are turned that beat with others at the wrong time, where this brings the
-// whole nearer.
+// In each of a few rounds the modes are played together, and the level error is measured in each cell. A straight line
+// over time is fitted to the errors of the cells in a mode's band, weighted by the mode's share in each cell. The line
+// gives the corrections of the mode's level and decay; half of them are applied, because neighbouring modes are
+// corrected, too. The result of the round nearest to the recording is kept. Finally the sign of a mode that beats with
+// others at the wrong time is turned if this brings the whole nearer.
 namespace ringdown::fit {
 namespace {
 
 constexpr int kSettleRounds = 12;
-constexpr double kNear_db = 2;        // of a mode's cells: nearer ones stay as they are
-constexpr double kNearBeside_db = 1;  // of all cells, beside the burst: then it is near enough
+constexpr double kNear_db = 2;        // error of a mode's cells; modes with less stay as they are
+constexpr double kNearBeside_db = 1;  // error of all cells, with the burst, that is small enough
 constexpr int kKeepRounds = 2;
 constexpr double kHalf = 0.5;
-constexpr double kMaxLevel_db = 6;            // in a round
-constexpr double kMaxDecay = 1.5;             // a factor
-constexpr double kSettledDecay_per_s = 2000;  // at most
+constexpr double kMaxLevel_db = 6;            // largest change in a round
+constexpr double kMaxDecay = 1.5;             // largest factor of a decay in a round
+constexpr double kSettledDecay_per_s = 2000;  // largest decay after settling
 constexpr double kPerNeper_db = 8.685889638;
 
 std::size_t band_of(const BandPowers& powers, double frequency_hz) {
@@ -34,7 +34,7 @@ std::size_t band_of(const BandPowers& powers, double frequency_hz) {
   return b;
 }
 
-// A weighted straight line through what cells are off.
+// A weighted straight line through the errors of cells.
 struct Line {
   double w = 0, wt = 0, wtt = 0, we = 0, wte = 0, wee = 0;
   void add(double weight, double t, double e) {
@@ -42,7 +42,7 @@ struct Line {
     we += weight * e, wte += weight * t * e, wee += weight * e * e;
   }
   [[nodiscard]] double rms() const { return w > 0 ? std::sqrt(wee / w) : 0; }
-  // The slope, 0 where there are too few cells for one; then the value at t = 0.
+  // slope() is 0 if there are too few cells. start() is the value at t = 0.
   [[nodiscard]] double slope() const {
     const double determinant = w * wtt - wt * wt;
     return w > 1.5 && determinant > 1e-3 * w * wtt ? (w * wte - wt * we) / determinant : 0;
@@ -82,7 +82,7 @@ void settle_mode(const Recorded& recorded, const BandPowers& model, Mode& mode) 
       std::min(std::clamp(decay, mode.decay_per_s / kMaxDecay, mode.decay_per_s * kMaxDecay), kSettledDecay_per_s);
 }
 
-// Turns the signs of the loudest modes, one after the other, as long as that brings the sum nearer.
+// Turns the signs of the loudest modes, one after the other, where this brings the sum nearer to the recording.
 void turn_signs(const Recorded& recorded, double rate, std::size_t onset, std::size_t samples, std::vector<Mode>& modes,
                 double nearest) {
   constexpr std::size_t kMaxTurned = 40;
@@ -104,15 +104,16 @@ void turn_signs(const Recorded& recorded, double rate, std::size_t onset, std::s
   }
 }
 
-// Tries other levels and decays of short modes, and to do without them, beside a sound that stays as it is, as long as
-// the sum comes nearer. Only its beginning is looked at: there short modes are.
+// Tries other levels and decays of short modes, and to omit them, in the presence of the fixed sound `beside`, and
+// keeps what brings the sum nearer to the recording. Only the beginning is examined, because short modes sound only
+// there.
 void vary(std::span<const double> recording, double rate, std::size_t onset, std::span<const double> beside,
           std::vector<Mode>& modes) {
   constexpr double kLook_s = 0.5, kShort_per_s = 12, kGain_db = 0.01;
   constexpr std::size_t kMaxVaried = 60;
   constexpr int kSweeps = 3;
   constexpr std::array<std::array<double, 2>, 7> kTries = {
-      {{0, 1}, {0.7, 1}, {1.4, 1}, {1, 1.4}, {1, 0.7}, {-1, 1}, {0.8, 1.8}}};  // of amplitude and decay
+      {{0, 1}, {0.7, 1}, {1.4, 1}, {1, 1.4}, {1, 0.7}, {-1, 1}, {0.8, 1.8}}};  // factors of amplitude and decay
   const std::size_t samples = std::min(recording.size(), onset + static_cast<std::size_t>(kLook_s * rate));
   const Recorded recorded(recording.first(samples), rate, onset, band_noise(recording, rate, onset));
   std::vector<std::size_t> order;

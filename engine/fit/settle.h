@@ -1,9 +1,8 @@
-// Levels and decays of modes as a bank plays them. [any]
+// Finds levels and decays for modes as a bank plays them. [any]
 //
-// A bank keeps of a mode's phase no more than the sign, so that modes which overlap and partly cancel each other in the
-// recording do not do so in the bank: it would be too loud by up to 20 dB there, and ring too long. Such modes are
-// given other levels and decays, with which they are as loud as the recording in cells of a third of an octave by 10
-// ms.
+// A bank keeps only the sign of a mode's phase. Modes that overlap and partly cancel each other in the recording
+// therefore do not cancel in the bank, where they would be too loud by up to 20 dB and ring too long. Such modes get
+// other levels and decays, with which they are as loud as the recording in cells of a third of an octave by 10 ms.
 #pragma once
 
 #include "engine/fit/burst.h"
@@ -16,8 +15,9 @@
 
 namespace ringdown::fit {
 
-// The modes as as_played() (burst.h) has them where that is near the recording already. `recording`: from its beginning
-// to where its sound ends; `onset`: the sample at which modes begin. Never further from the recording than as_played().
+// Settles the modes. Modes for which as_played() (burst.h) is already near the recording stay as as_played() returns
+// them. The result is never further from the recording than as_played(). `recording` ends where its sound ends; modes
+// begin at sample `onset`.
 std::vector<Mode> settle(std::span<const double> recording, double sample_rate_hz, std::size_t onset,
                          std::span<const Mode> modes);
 
@@ -26,11 +26,12 @@ struct Kept {
   std::vector<Mode> modes;
   Burst burst;
   std::vector<Mode> noise;   // the burst's modes
-  double distance_db = NAN;  // of all that from the recording (band_powers.h)
-  double sure_db = NAN;      // the same as loud as it is played, in sure cells alone: without single cells of noise
+  double distance_db = NAN;  // distance of modes and burst from the recording (band_powers.h)
+  double sure_db = NAN;      // distance without a gain, over sure_cells() only
 };
 
-// As settle(), then a burst unless there should be none, and short modes once more beside it. A second or two.
+// Settles the modes, adds a burst if `with_burst`, and then adjusts short modes in the presence of the burst. Takes a
+// second or two.
 Kept keep(std::span<const double> recording, double sample_rate_hz, std::size_t onset, std::span<const Mode> modes,
           bool with_burst);
 

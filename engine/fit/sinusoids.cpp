@@ -10,14 +10,14 @@
 
 // The least-squares problem has a cosine and a sine for each mode. The products of all columns are geometric sums,
 // known in closed form, so the normal matrix costs modes^2 and not samples times modes^2; only the right-hand side
-// needs the samples. Columns are scaled to length 1, and a small ridge keeps modes that nearly coincide from taking up
+// needs the samples. Columns are scaled to length 1, and a small ridge keeps modes that nearly coincide from getting
 // huge opposite amplitudes.
 namespace ringdown::fit {
 namespace {
 
 using Complex = std::complex<double>;
 
-// Exponent per sample.
+// The mode's complex exponent per sample.
 Complex exponent(const Mode& mode, double rate) {
   return Complex(-mode.decay_per_s, modal::hz_to_rad_per_s(mode.frequency_hz)) / rate;
 }
@@ -27,7 +27,7 @@ Complex exp_minus_one(Complex w) {
   return {std::expm1(w.real()) * std::cos(w.imag()) - 2 * half * half, std::exp(w.real()) * std::sin(w.imag())};
 }
 
-// Sum of exp(w n) over n = 0 ... count - 1.
+// The sum of exp(w n) over n = 0 ... count - 1.
 Complex geometric_sum(Complex w, double count) {
   const Complex below = exp_minus_one(w);
   return std::abs(below) < 1e-14 ? Complex(count) : exp_minus_one(w * count) / below;

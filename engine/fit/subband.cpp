@@ -4,9 +4,9 @@
 #include <complex>
 #include <numbers>
 
-// A band-pass filter, a shift to 0 Hz and a thinning-out in one pass: each sample of the band is the product of the
-// filter, turned to the centre frequency, with one stretch of the signal, turned back by the phase of that frequency at
-// the stretch's beginning. Only every `step`-th sample is computed, so a band costs (signal / step) x taps products.
+// Filtering, shifting to 0 Hz and thinning out take one pass. Each sample of the band is the product of the filter,
+// shifted to the centre frequency, with one stretch of the signal, rotated back by the phase of that frequency at the
+// stretch's beginning. Only every `step`-th sample is computed, so a band costs (signal / step) x taps products.
 namespace ringdown::fit {
 namespace {
 
@@ -16,7 +16,7 @@ constexpr double kAttenuation_db = 100;
 
 // Kaiser's window, its formulas for length and beta: Oppenheim & Schafer, Discrete-Time Signal Processing, section 7.6.
 SubbandFilter::SubbandFilter(std::size_t step) : step_(step) {
-  const double pass = 0.52 * kCore, stop = kStop;  // of the rate of what comes out
+  const double pass = 0.52 * kCore, stop = kStop;  // shares of the output's rate
   const double width = 2 * std::numbers::pi * (stop - pass) / static_cast<double>(step);
   const double cutoff = std::numbers::pi * (stop + pass) / static_cast<double>(step);
   const auto half = static_cast<long>(std::ceil((kAttenuation_db - 8) / (2.285 * width) / 2));

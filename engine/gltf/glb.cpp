@@ -21,8 +21,8 @@ std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t offset) {
   return word;
 }
 
-// Counts the values of a JSON text and keeps none of them; stops the parser at the first beyond the limit. The names of
-// its functions are the parser's.
+// Counts the values of a JSON text without keeping them, and stops the parser at the first value beyond the limit. The
+// parser prescribes the names of the functions.
 class JsonCounter {
  public:
   [[nodiscard]] bool too_many() const { return values_ > kMaxJsonValues; }
@@ -111,7 +111,7 @@ std::string JsonPlace::text_or(std::string fallback) const {
   return value_ && value_->is_string() ? value_->get<std::string>() : std::move(fallback);
 }
 
-// A value takes some 20 times its text in memory, so all of them are counted before the first is kept.
+// A value takes about 20 times its text in memory, so all values are counted before the first is kept.
 Result<Json> parse_gltf_json(std::string_view text, const std::string& name, std::size_t max_bytes) {
   const auto too_large = [&name](std::size_t limit, const std::string& of_what) {
     return fail(ErrorKind::too_large, name + ": its JSON text has more than " + std::to_string(limit) + " " + of_what +
@@ -156,7 +156,7 @@ Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name,
   return glb;
 }
 
-// Appends `bytes` to the binary, and returns the slice of it that they are.
+// Appends `bytes` to the binary, and returns the slice of the binary that holds them.
 Json GlbWriter::append(std::span<const std::byte> bytes) {
   binary_.resize((binary_.size() + 3) / 4 * 4, std::byte{0});
   Json slice = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", bytes.size()}};
@@ -173,7 +173,7 @@ std::size_t GlbWriter::add(Json view, Json accessor, Use use) {
   return accessors_.size() - 1;
 }
 
-// The view lies in a buffer 1 that has no bytes: the extension's placeholder for a reader that unpacks.
+// The view lies in buffer 1, which has no bytes: the extension's placeholder for readers that unpack.
 std::size_t GlbWriter::add_packed(const MeshoptLayout& layout, std::span<const std::byte> stream, Json accessor,
                                   Use use) {
   Json packing = append(stream);

@@ -10,7 +10,8 @@
 namespace ringdown::modal {
 namespace {
 
-// The elements of an accessor, after every bound was checked: in the binary, or in `unpacked` if they were compressed.
+// The elements of an accessor with all bounds checked. They lie in the binary, or in `unpacked` if they were
+// compressed.
 struct Elements {
   std::vector<std::byte> unpacked;
   const std::byte* first = nullptr;
@@ -34,7 +35,7 @@ std::size_t component_size(std::size_t type) {
   }
 }
 
-// Which of `names` the field says.
+// Returns the position in `names` of the field's text.
 template <std::size_t N>
 Result<std::size_t> choice(const JsonPlace& field, const std::array<const char*, N>& names) {
   const auto found = std::find(names.begin(), names.end(), field.text_or(""));
@@ -48,14 +49,14 @@ const char* type_of_width(std::size_t width) {
   return width == 1 ? "SCALAR" : width == 2 ? "VEC2" : width == 3 ? "VEC3" : width == 4 ? "VEC4" : "MAT4";
 }
 
-// The type and number of the elements of an accessor, or of one of the two halves of a sparse one.
+// The type and number of the elements of an accessor, or of the indices or values of a sparse accessor.
 struct Layout {
   std::size_t component_type = 0, width = 1, count = 0;
 
   [[nodiscard]] std::size_t bytes() const { return component_size(component_type) * width; }
 };
 
-// A component as a number; the normalized integers of glTF 2.0, section 3.11, as fractions.
+// Returns a component as a number; normalized integers become fractions (glTF 2.0, section 3.11).
 double component_at(const std::byte* at, std::size_t type, bool normalized) {
   const auto as = [at]<class Number>(Number number) {
     std::memcpy(&number, at, sizeof number);
@@ -87,7 +88,7 @@ void read_element(const Elements& elements, std::size_t element, std::size_t wid
 struct ArrayReader {
   const Glb& glb;
 
-  // The bytes of the binary chunk that `slice` names: a buffer view, or the extension's object in one.
+  // Returns the bytes of the binary chunk that `slice` names: a buffer view, or the extension's object in one.
   Result<std::span<const std::byte>> bytes_of(const JsonPlace& slice) const {
     const auto buffer = slice["buffer"].index(), offset = slice["byteOffset"].index_or(0);
     const auto length = slice["byteLength"].index();
@@ -103,7 +104,8 @@ struct ArrayReader {
     return glb.binary.subspan(*offset, *length);
   }
 
-  // The `length` bytes of a compressed buffer view. The view's own `buffer` names a place for them that need not exist.
+  // Returns the `length` bytes of a compressed buffer view. The view's own `buffer` is a placeholder and need not
+  // exist.
   Result<std::vector<std::byte>> unpack_view(const JsonPlace& view, std::size_t length) const {
     const JsonPlace packing = view["extensions"][kMeshopt];
     const auto stream = bytes_of(packing);
@@ -207,7 +209,7 @@ struct ArrayReader {
     return locate_in_view(accessor, *layout);
   }
 
-  // Puts the elements of a sparse accessor in place of those that `values` has.
+  // Replaces elements of `values` by those of a sparse accessor.
   Result<void> read_sparse(const JsonPlace& accessor, const Layout& layout, bool normalized,
                            std::vector<double>& values) const {
     const JsonPlace sparse = accessor["sparse"];

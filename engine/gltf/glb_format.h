@@ -14,7 +14,7 @@ inline constexpr std::size_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, 
                              kUnsignedInt = 5125, kFloat = 5126;
 
 inline constexpr const char* kMeshopt = "EXT_meshopt_compression";
-// In the order of MeshoptMode and MeshoptFilter.
+// Names in the order of MeshoptMode and MeshoptFilter.
 inline constexpr std::array kMeshoptModes = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
 inline constexpr std::array kMeshoptFilters = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
 

@@ -14,7 +14,7 @@
 namespace ringdown::modal {
 namespace {
 
-constexpr std::size_t kNoBuffer = std::size_t{1} << 40;  // no file has so many
+constexpr std::size_t kNoBuffer = std::size_t{1} << 40;  // larger than any buffer number
 
 int hex_digit(char letter) {
   if (letter >= '0' && letter <= '9') return letter - '0';
@@ -22,7 +22,7 @@ int hex_digit(char letter) {
   return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
 }
 
-// Resolves %20 and its like.
+// Decodes percent-encoded characters such as %20.
 std::string from_percent(std::string_view text) {
   std::string plain;
   for (std::size_t k = 0; k < text.size(); ++k) {
@@ -94,8 +94,8 @@ class Assembler {
     return {};
   }
 
-  // Moves a buffer view, and what it holds compressed, into the one binary. A view that lies outside of its buffer is
-  // sent to a buffer that does not exist, so that whoever reads the view fails.
+  // Moves a buffer view, and its compressed content, into the one binary. A view that lies outside its buffer gets the
+  // number of a buffer that does not exist, so that reading the view fails.
   void move(Json& view) {
     shift(view);
     Json* extensions = inside(view, "extensions");
@@ -107,7 +107,7 @@ class Assembler {
     const JsonPlace field(&slice, "");
     const auto buffer = field["buffer"].index(), offset = field["byteOffset"].index_or(0);
     const auto length = field["byteLength"].index();
-    if (!buffer || !offset || !length) return;  // whoever reads it will say so
+    if (!buffer || !offset || !length) return;  // reading the view reports the error
     const bool fits = *buffer < begins_.size() && begins_[*buffer] && *offset <= lengths_[*buffer] &&
                       *length <= lengths_[*buffer] - *offset;
     slice["buffer"] = fits ? 0 : kNoBuffer;
@@ -117,7 +117,7 @@ class Assembler {
   Glb& glb_;
   const ReadBeside& read_beside_;
   std::vector<std::byte> binary_;
-  std::vector<std::optional<std::size_t>> begins_;  // of each buffer in binary_; nothing: a placeholder
+  std::vector<std::optional<std::size_t>> begins_;  // beginning of each buffer in binary_; nothing: a placeholder
   std::vector<std::size_t> lengths_;
 };
 
@@ -131,7 +131,7 @@ Result<std::string> read_uri(const std::string& uri, const std::string& path, st
     const std::size_t comma = uri.find(',');
     const bool base64 = comma != std::string::npos && std::string_view(uri).substr(0, comma).ends_with(";base64");
     std::string letters = base64 ? uri.substr(comma + 1) : "";
-    letters.resize((letters.size() + 3) / 4 * 4, '=');  // which some writers leave out
+    letters.resize((letters.size() + 3) / 4 * 4, '=');  // some writers leave out the padding
     auto bytes = base64 ? from_base64(letters) : std::nullopt;
     if (!bytes) return fail(ErrorKind::bad_input, path + " is a data: URI without sound base64");
     return *std::move(bytes);

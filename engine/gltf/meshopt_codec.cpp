@@ -10,7 +10,7 @@
 namespace ringdown::modal {
 namespace {
 
-// The versions that the extension prescribes; later versions of the library write others by default.
+// Selects the codec versions that the extension prescribes. Later versions of the library write newer ones by default.
 void choose_versions() {
   static const bool chosen = [] {
     meshopt_encodeVertexVersion(0);
@@ -100,8 +100,8 @@ std::vector<std::uint32_t> exponential_words(std::span<const std::int32_t> whole
   }
   std::vector<std::uint32_t> words(whole.size(), 0);
   if (bits == 0) return words;
-  // The codec packs each of an element's bytes by itself, so a byte that only repeats the sign costs, and one of zeros
-  // does not.
+  // The codec packs each byte of an element separately: a byte of zeros costs nothing, a byte that only repeats the
+  // sign does.
   const int factors = std::countr_zero(bits);
   largest >>= factors;
   const int shift = largest < 1 << 7 ? 16 : largest < 1 << 15 ? 8 : 0;

@@ -1,4 +1,4 @@
-// How a document's other files are read. [worker]
+// The function by which a document's other files are read. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -9,7 +9,7 @@
 
 namespace ringdown::modal {
 
-// Reads a file beside a document: a relative path, without a scheme, and the most bytes that the file may have.
+// Reads a file beside a document. `relative` is a relative path without a scheme; the file has at most `limit_bytes`.
 using ReadBeside = std::function<Result<std::string>(const std::string& relative, std::size_t limit_bytes)>;
 
 }  // namespace ringdown::modal

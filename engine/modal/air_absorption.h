@@ -1,4 +1,4 @@
-// How much of a tone the air takes on its way, by ISO 9613-1 (1993), at the pressure of 101.325 kPa. [any thread]
+// The absorption of sound by air, by ISO 9613-1 (1993), at the pressure of 101.325 kPa. [any thread]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -22,7 +22,7 @@ struct AirAbsorption {
   friend bool operator==(const AirAbsorption&, const AirAbsorption&) = default;
 
   AirAbsorption() = default;
-  // Conditions outside of their ranges count as the nearest within.
+  // Conditions outside their ranges are clamped.
   explicit AirAbsorption(const AirConditions& conditions) RINGDOWN_REALTIME;
 
   [[nodiscard]] double nepers_per_m(double frequency_hz) const RINGDOWN_REALTIME {
@@ -32,7 +32,7 @@ struct AirAbsorption {
   }
 };
 
-// The speed of sound in dry air at that temperature [m/s]; 343.2 at 20 degrees.
+// The speed of sound [m/s] in dry air at the temperature of `conditions`; 343.2 at 20 degrees.
 double sound_speed_m_s(const AirConditions& conditions) RINGDOWN_REALTIME;
 
 }  // namespace ringdown::modal

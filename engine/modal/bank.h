@@ -5,17 +5,17 @@
 //
 //   frequency_hz   M      damped, in (0, inf)                    [Hz]
 //   decay_per_s    M      amplitude decay, in [0, inf)           [1/s]
-//   losses         M      its parts: material, air, support      [1/s]; empty when unknown
+//   losses         M      decay split into material, air, support [1/s]; empty when unknown
 //   positions      P x 3  object frame                           [m]
 //   shapes         M x P x 3, mode-major: shape(m, p) is the mass-normalised displacement of point p in mode m
 //                                                                [kg^-1/2]; between points it is interpolated linearly
 //   triangles      T x 3  point numbers, counter-clockwise from outside; may be empty
 //   frequency_error  M    estimated relative errors of the frequencies, at least 0; empty when unknown
-//   radiation        what modes radiate into the air; absent when nobody computed it
+//   radiation        far fields of the modes in air; absent when they were not computed
 //   shape_error      M    estimated errors of amplitudes where strikes are interpolated between points: rms over the
 //                         surface over the rms of the mode; empty when unknown
 //
-// Modes stand in order of decreasing perceptual importance, not of pitch. Rigid-body modes are not in it.
+// Modes are ordered by decreasing perceptual importance, not by pitch. A bank has no rigid-body modes.
 #pragma once
 
 #include "engine/base/range.h"
@@ -38,15 +38,16 @@ namespace ringdown::modal {
 
 using Vec3f = std::array<float, 3>;
 
-// An elastic solid: isotropic, and where it is known, what it is along its grain and across.
+// An elastic solid: its isotropic constants and, where they are known, those along and across its grain.
 struct Material {
   std::string name;
   double youngs_modulus_pa = 0;
   double poisson_ratio = 0;
   double density_kg_m3 = 0;
   RayleighDamping damping;
-  std::vector<LossFactor> loss_factors = {};  // where they are known, ascending; `damping` is then their fit
-  std::optional<Orthotropy> orthotropy = {};  // of a bank: its modes are those of this solid, not of an isotropic one
+  std::vector<LossFactor> loss_factors =
+      {};  // by ascending frequency; empty: unknown. Otherwise `damping` is their fit
+  std::optional<Orthotropy> orthotropy = {};  // if a bank has it, its modes are those of this solid, not the isotropic
   [[nodiscard]] MaterialDamping damping_law() const { return {damping, loss_factors}; }
 };
 
@@ -59,31 +60,32 @@ struct MassProperties {
 
 // The radiation of a bank's modes, with its errors.
 struct BankRadiation {
-  RadiationMaps maps;               // of M modes
-  Air air;                          // in which they were found, and the air's part of the losses
+  RadiationMaps maps;               // one map for each of M modes
+  Air air;                          // the air for which maps and the air's part of the losses were computed
   std::vector<double> error_db;     // M estimated errors of the power, at least 0; empty when unknown
-  std::vector<std::string> reason;  // M: why the error is larger than wanted, or empty; no list when there is none
+  std::vector<std::string> reason;  // M: why the error is larger than wanted, or ""; empty list: no error is
 };
 
 inline constexpr double kPeakBlow_ns = 0.05;
 inline constexpr Range kStatedPitch_hz{1, 1e5};
 
-// How the bank was made; all of it optional, none of it needed to play. Kept in extras.ringdown of the file.
+// Records how the bank was made. All fields are optional, and playing needs none of them. Kept in extras.ringdown of
+// the file.
 struct Provenance {
   std::string generator;      // program and version
-  std::string body;           // where its elements come from: "surface filled by gmsh", ...
-  double wall_elements = 0;   // across its thinnest wall, where that is less than one (--force-coarse); 0: enough
+  std::string body;           // the origin of the elements: "surface filled by gmsh", ...
+  double wall_elements = 0;   // elements across the thinnest wall, if less than one (--force-coarse); 0: enough
   std::string element;        // "tet20 consistent", ...
   std::int64_t unknowns = 0;  // degrees of freedom of the eigenproblem
   std::int64_t rigid_modes = 0;
-  std::int64_t counted_modes = 0;  // rigid ones and all below the band's top, by inertia; 0: not counted
+  std::int64_t counted_modes = 0;  // number of modes below the band's top with rigid ones, by inertia; 0: not counted
   double band_low_hz = 0, band_high_hz = 0;
   double largest_residual = 0;     // max over modes of |K phi - lambda M phi| / |lambda M phi|
-  std::int64_t dropped_modes = 0;  // of the band, as inaudible or unimportant (engine/bake/audibility.h)
-  double floor_db = 0;             // how far below the loudest mode one was dropped as inaudible; 0: none was for that
-  double loss_db = 0;              // energy they held over that of all, for the worst strike; with dropped_modes > 0
-  std::vector<std::string> parts;  // materials of its parts, beside its own
-  double peak_pa = 0;  // pressure at 1 m at which a blow of kPeakBlow_ns peaks; of recorded banks only, else 0
+  std::int64_t dropped_modes = 0;  // modes in the band dropped as inaudible or unimportant (engine/bake/audibility.h)
+  double floor_db = 0;             // level below the loudest mode from which modes were dropped as inaudible; 0: none
+  double loss_db = 0;              // energy of the dropped modes over that of all modes, for the worst strike
+  std::vector<std::string> parts;  // materials of the body's parts, beside its own
+  double peak_pa = 0;              // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
 };
 
 struct Bank {
@@ -99,9 +101,9 @@ struct Bank {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::optional<Material> material;
   std::optional<MassProperties> mass;
-  bool held = false;               // supports hold it: it is no free body
-  double gain = 1;                 // linear, on all that it sounds: how loud its maker wants it beside others
-  std::optional<double> pitch_hz;  // that its maker states, in kStatedPitch_hz; without, see pitch.h
+  bool held = false;               // true: supports hold the body; false: the body is free
+  double gain = 1;                 // linear gain on the whole sound, by which its maker balances it against other banks
+  std::optional<double> pitch_hz;  // pitch stated by the maker, in kStatedPitch_hz; absent: see hearing/pitch.h
   Provenance provenance;
 
   [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }
@@ -115,7 +117,7 @@ struct ErrorSpread {
   double median = 0, largest = 0;
 };
 
-// The median and the largest of bank.frequency_error or bank.shape_error; nothing when the list is empty.
+// Returns the median and the largest of bank.frequency_error or bank.shape_error; nothing when the list is empty.
 inline std::optional<ErrorSpread> error_spread(std::vector<double> errors) {
   if (errors.empty()) return std::nullopt;
   std::sort(errors.begin(), errors.end());

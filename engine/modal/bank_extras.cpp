@@ -14,7 +14,7 @@
 namespace ringdown::modal {
 namespace {
 
-constexpr std::size_t kMaxParts = 1000;  // that are read
+constexpr std::size_t kMaxParts = 1000;  // further parts are not read
 
 Provenance read_provenance(const JsonPlace& extras) {
   const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
@@ -39,7 +39,7 @@ Provenance read_provenance(const JsonPlace& extras) {
           .peak_pa = number("peakPressure")};
 }
 
-// Empty unless it is a list of one number from 0 for each mode.
+// Returns the list if it has one number >= 0 for each mode, else an empty list.
 std::vector<double> read_numbers(const JsonPlace& list, std::size_t modes) {
   std::vector<double> numbers;
   if (list.size() != modes) return numbers;
@@ -51,7 +51,8 @@ std::vector<double> read_numbers(const JsonPlace& list, std::size_t modes) {
   return numbers;
 }
 
-// Empty unless every mode has its three parts and they add up to its decay: the bank plays without.
+// Returns an empty list, without which the bank still plays, unless every mode has three parts that add up to its
+// decay.
 std::vector<ModeLoss> read_losses(const JsonPlace& field, const std::vector<double>& decay_per_s) {
   constexpr double kRounding = 1e-5;
   const std::vector<double> material = read_numbers(field["material"], decay_per_s.size()),
@@ -67,7 +68,7 @@ std::vector<ModeLoss> read_losses(const JsonPlace& field, const std::vector<doub
   return losses;
 }
 
-// Empty unless it is a list of pairs, frequency above 0 and ascending, loss factor above 0.
+// Returns an empty list unless all elements are pairs of an ascending frequency > 0 and a loss factor > 0.
 std::vector<LossFactor> read_loss_factors(const JsonPlace& list) {
   constexpr double kMaxHz = 1e9, kMaxEta = 10, kMinEta = 1e-12;
   std::vector<LossFactor> factors;
@@ -128,15 +129,15 @@ Json provenance_json(const Provenance& provenance) {
   return json;
 }
 
-// A number that was read, in a range, or what it is by default.
+// Returns the number that was read if it lies in the range, else `otherwise`.
 double number_in(const Result<double>& read, double low, double high, double otherwise) {
   const double number = read.value_or(otherwise);
   return number >= low && number <= high ? number : otherwise;
 }
 
 Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const JsonPlace& field, std::size_t modes) {
-  constexpr double kLeast = 1e-6, kMost = 1e6;  // in SI units, of anything in which sound travels
-  constexpr std::size_t kMaxBytes = 32768;      // of a mode
+  constexpr double kLeast = 1e-6, kMost = 1e6;  // SI units; wide enough for every medium that carries sound
+  constexpr std::size_t kMaxBytes = 32768;      // for each mode
   if (!field["maps"].present()) return std::nullopt;
   const auto bytes = read_bytes(glb, field["maps"], kMaxBytes * (modes + 1));
   if (!bytes) return fail(bytes.error());
@@ -245,7 +246,7 @@ Result<void> read_extras(const Glb& glb, const JsonPlace& extras, Bank& bank) {
     bank.material->loss_factors = read_loss_factors(extras["lossFactors"]);
     if (!bank.material->loss_factors.empty()) bank.material->damping = fit_rayleigh(bank.material->loss_factors);
   }
-  // Nothing unless all of it is there and a stable solid's: the bank plays without.
+  // Returns nothing unless all constants are present and describe a stable solid; the bank plays without them.
   const auto read_orthotropy = [field = extras["orthotropic"]]() -> std::optional<Orthotropy> {
     Orthotropy solid;
     const auto read = [&field](const char* key, auto& target) {

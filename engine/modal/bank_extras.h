@@ -1,7 +1,7 @@
-// Reads and writes extras.ringdown of a bank's file, which goes beyond the public draft: how the bank was made, how far
-// it can be trusted, what its modes lose to what, and what they radiate (docs/reference/bank-format.md). None of it is
-// needed to play: what does not fit its type or the bank's modes counts as absent, but for the maps of what modes
-// radiate, whose arrays are checked as the bank's own are. Private to bank_file.cpp. [worker]
+// Reads and writes extras.ringdown of a bank's file, which goes beyond the public draft: provenance, estimated errors,
+// the parts of the losses, and radiation maps (docs/reference/bank-format.md). Playing needs none of these. A value
+// that does not fit its type or the bank's modes counts as absent; only the arrays of radiation maps are checked as
+// strictly as the bank's own. Private to bank_file.cpp. [worker]
 #pragma once
 
 #include "engine/gltf/glb.h"
@@ -9,13 +9,14 @@
 
 namespace ringdown::modal {
 
-// Reads what belongs to the bank's modes and material, which the bank must have already.
+// Reads the extras into `bank`, whose modes and material must have been read before.
 Result<void> read_extras(const Glb& glb, const JsonPlace& extras, Bank& bank);
 
-// Adds its arrays to the writer's.
+// Returns the JSON of the extras, and adds their arrays to `writer`.
 Json extras_json(const Bank& bank, GlbWriter& writer);
 
-// Whether Rayleigh's two numbers give every mode of the bank what its material takes, to 1 %. The bank has a material.
+// Returns true if Rayleigh's two numbers reproduce the material loss of every mode to 1 %. The bank must have a
+// material.
 bool rayleigh_reproduces_material(const Bank& bank);
 
 }  // namespace ringdown::modal

@@ -24,10 +24,10 @@ namespace {
 constexpr const char* kExtension = "KHR_audio_rigid_bodies";
 constexpr std::size_t kMaxTriangleCorners = 6 * kMaxPoints;
 constexpr double kStepsPerRms = 64;
-constexpr float kMaxRoundedShape = 1e24F;  // kg^-1/2; far from any body, but a file may say it
+constexpr float kMaxRoundedShape = 1e24F;  // kg^-1/2; no real body comes near, but a damaged file may
 static_assert(kMaxUnpackedBytes == kMaxBankFileBytes);
 constexpr std::size_t kMaxModelNumber = 999'999'999;
-constexpr double kMaxNodeScale = 1000;  // and its inverse: a bell of a millimetre up to one of a kilometre
+constexpr double kMaxNodeScale = 1000;  // the smallest scale is its inverse: bells of a millimetre to a kilometre
 
 std::vector<Vec3f> as_vectors(const std::vector<float>& values) {
   std::vector<Vec3f> vectors(values.size() / 3);
@@ -99,7 +99,7 @@ Result<std::optional<MassProperties>> read_mass(const JsonPlace& field) {
   return mass;
 }
 
-// The model a node plays, and that node's uniform scale and gain.
+// The model that a node plays, with the node's uniform scale and gain.
 struct Instance {
   std::size_t model = 0;
   double scale = 1, gain = 1;
@@ -126,7 +126,7 @@ Result<Instance> find_instance(const Glb& glb) {
   return Instance{};
 }
 
-// The same object s times as large, whose modes must still ring.
+// Makes the object `s` times as large. Fails if its modes would no longer ring.
 Result<void> scale_size(Bank& bank, double s, const std::string& name) {
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     if (rescale(bank, m, {.size = s}).frequency_hz > 0) continue;
@@ -146,7 +146,7 @@ Result<void> scale_size(Bank& bank, double s, const std::string& name) {
   return {};
 }
 
-// Moves the points of a bank, whose body has the size that this makes.
+// Multiplies the points of a bank by `factor`. The bank's other values already belong to the resulting size.
 void spread_points(Bank& bank, double factor) {
   const auto moved = [factor](float x) {
     return static_cast<float>(std::clamp(factor * static_cast<double>(x), -1e30, 1e30));
@@ -215,8 +215,8 @@ int step_exponent(std::span<const double> numbers) {
   return step > 0 ? std::clamp(std::ilogb(step), -kMaxExponent, kMaxExponent) : -kMaxExponent;
 }
 
-// One mode's shape, rounded to whole multiples of its step. Rounding may raise the rms enough to ask for twice the
-// step; then that one is used, so that numbers which have been rounded once are left as they are.
+// Rounds one mode's shape to whole multiples of its step. If rounding raises the rms so much that the step would be
+// twice as large, the larger step is used, so that rounding a second time changes nothing.
 std::vector<std::uint32_t> rounded(std::span<const float> shape) {
   std::vector<double> numbers(shape.begin(), shape.end());
   std::vector<std::int32_t> whole(shape.size());

@@ -16,14 +16,14 @@
 
 namespace ringdown::modal {
 
-// Limits that are checked before anything is allocated. A compressed array counts by what it unpacks to, which is
-// held to kMaxBankFileBytes and to kMaxMeshoptRatio times the bytes in the file (meshopt_codec.h).
+// Limits that are checked before anything is allocated. A compressed array counts by its unpacked size, which may be
+// at most kMaxBankFileBytes and at most kMaxMeshoptRatio times the bytes in the file (meshopt_codec.h).
 inline constexpr std::size_t kMaxBankFileBytes = std::size_t{1} << 30;  // bytes
 inline constexpr std::size_t kMaxModes = 16384;
 inline constexpr std::size_t kMaxPoints = std::size_t{1} << 20;
 
-// Reads a bank, ours or another tool's. Every size, index and number is checked first; an error names the file and the
-// field, and what was expected of it.
+// Reads a bank that Ringdown or another tool wrote. Every size, index and number is checked first; an error names the
+// file, the field and the expected value.
 Result<Bank> read_bank(const std::filesystem::path& path);
 
 // Which of a file's models is read. `scale` moves its points alone: it is the scale of a node of a scene, for which the
@@ -49,22 +49,23 @@ std::filesystem::path bank_path(const BankPath& path);
 Result<Bank> parse_bank(std::span<const std::byte> gltf, const std::string& name, const ModelChoice& model = {},
                         const ReadBeside& read_beside = {});
 
-// How arrays stand in the file. `meshopt` (EXT_meshopt_compression) takes about a third of the bytes, and a reader must
-// know the extension. It rounds shapes: each mode's numbers to whole multiples of a power of two between 1/128 and 1/64
-// of their rms, an rms error of 0.2 to 0.5 %. Everything else is exact, and so is a second trip.
+// How arrays are stored in the file. `meshopt` (EXT_meshopt_compression) takes about a third of the bytes, and a reader
+// must know the extension. Compression rounds shapes: each mode's numbers become whole multiples of a power of two
+// between 1/128 and 1/64 of their rms, an rms error of 0.2 to 0.5 %. All other numbers are exact, and compressing a
+// bank again changes nothing.
 enum class Compression { none, meshopt };
 
-// Writes atomically: a reader sees the old file or the new one. With `input_hash`, a name for all that the bank was
-// made from, the file carries it.
+// Writes atomically: a reader sees the old file or the new one. `input_hash`, which names everything that the bank was
+// made from, is stored in the file unless it is empty.
 Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash = {},
                         Compression compression = Compression::none);
 
-// The bytes of such a file.
+// Returns the bytes that write_bank() would write.
 std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash = {},
                               Compression compression = Compression::none);
 
-// The input_hash that `path` was written with; nothing when there is no such file, when it is cut off or no glTF, or
-// when it has none. Milliseconds.
+// Returns the input_hash stored in the file; nothing if the file is missing, truncated or not glTF, or has no hash.
+// Takes milliseconds.
 std::optional<std::string> read_input_hash(const std::filesystem::path& path);
 
 }  // namespace ringdown::modal

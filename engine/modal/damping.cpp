@@ -11,10 +11,9 @@ double loss_factor(RayleighDamping damping, double frequency_hz) {
   return damping.alpha_per_s / omega + damping.beta_s * omega;
 }
 
-// Linear least squares of relative errors: each measured loss factor eta asks that (alpha / omega + beta omega) / eta
-// be
-// 1. If the best alpha or beta is negative, which no passive material has, it is set to 0 and the other is fitted
-// alone.
+// Linear least squares of relative errors: for each measured loss factor eta, (alpha / omega + beta omega) / eta should
+// be 1. A passive material has no negative constant: if the best alpha or beta is negative, that one is set to 0 and
+// only its partner is fitted.
 RayleighDamping fit_rayleigh(std::span<const LossFactor> points) {
   assert(!points.empty());
   // With a = 1 / (omega eta) and b = omega / eta, each point asks for alpha a + beta b = 1.

@@ -1,5 +1,5 @@
-// Relates a mode's frequency to its decay, and fits Rayleigh's two constants to a material's loss factors. The only
-// header that converts Hz to rad/s.
+// Relates a mode's frequency to its decay, and fits Rayleigh's two constants to a material's loss factors. This is the
+// only header that converts Hz to rad/s.
 //
 // A mode of the undamped problem K phi = lambda M phi, with Rayleigh damping C = alpha M + beta K, moves as
 //   q(t) = exp(-d t) sin(omega_d t),   d = (alpha + beta lambda) / 2 [1/s],   omega_d = sqrt(lambda - d^2) [rad/s].
@@ -44,10 +44,10 @@ inline double undamped_lambda(DampedMode mode) {
   return omega * omega + mode.decay_per_s * mode.decay_per_s;
 }
 
-// The largest lambda whose mode may still lie below band_high_hz: the smaller root of
-// lambda - ((alpha + beta lambda) / 2)^2 = (2 pi f)^2, or where there is none, that of the highest pitch: decay 1 /
-// beta. Above, stiffness damping makes pitch fall again; such modes lose 55 dB or more in a cycle and are not looked
-// for.
+// Returns the largest lambda whose mode may still lie below band_high_hz: the smaller root of
+// lambda - ((alpha + beta lambda) / 2)^2 = (2 pi f)^2. If there is no root, returns the lambda of the highest possible
+// pitch, at which the decay is 1 / beta. Beyond it, stiffness damping lowers the pitch again; such modes lose 55 dB or
+// more in a cycle and are not searched for.
 inline double highest_lambda_in_band(double band_high_hz, RayleighDamping damping) {
   const double omega = hz_to_rad_per_s(band_high_hz), alpha = damping.alpha_per_s, beta = damping.beta_s;
   if (beta <= 0) return omega * omega + alpha * alpha / 4;
@@ -78,9 +78,9 @@ inline double impulse_response(double lambda, RayleighDamping damping, double t_
 
 // A material's loss factor eta at one frequency.
 //
-// eta = 2 d / omega = alpha / omega + beta omega: of a Rayleigh-damped mode of undamped angular frequency omega. Tables
-// and measurements give eta at some frequencies; a real material's seldom follows that curve, so a fit is good near the
-// frequencies it was made for, and worst_error() says how good.
+// A Rayleigh-damped mode of undamped angular frequency omega has eta = 2 d / omega = alpha / omega + beta omega. Tables
+// and measurements give eta at some frequencies. Real materials seldom follow the Rayleigh curve, so a fit is good only
+// near the frequencies it was made for; worst_error() says how good.
 
 struct LossFactor {
   double frequency_hz = 0;  // > 0
@@ -89,8 +89,9 @@ struct LossFactor {
 
 double loss_factor(RayleighDamping damping, double frequency_hz);
 
-// The non-negative alpha and beta for which the sum of (fitted eta / eta - 1)^2 over the points is least: relative, as
-// decay times are heard. Of points at one frequency only, beta alone. There must be a point.
+// Returns the non-negative alpha and beta that minimise the sum of (fitted eta / eta - 1)^2 over the points. Errors are
+// relative because decay times are heard relatively. If all points have one frequency, only beta is fitted. There must
+// be a point.
 RayleighDamping fit_rayleigh(std::span<const LossFactor> points);
 
 // The largest |fitted eta / eta - 1| of any point.

@@ -7,7 +7,7 @@
 namespace ringdown::modal {
 namespace {
 
-// exp(i psi) over the rms, psi the phase in which most of the field lies: that of the largest axis of the ellipse which
+// Returns exp(i psi) over the rms. psi is the dominant phase of the field: that of the major axis of the ellipse that
 // F's values form in the complex plane.
 std::complex<double> scale_of(const FarField& field) {
   std::complex<double> squares = 0;

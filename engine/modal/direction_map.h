@@ -1,12 +1,12 @@
-// The far fields of a bank's modes, packed for finding what all of them send in one direction at once.
+// The far fields of a bank's modes, packed for computing the gains of all modes in one direction at once.
 //
-// A mode counts as how much louder it is heard in a direction than on average: F(d) over the rms of F over all
-// directions, complex. The phase is conjugate to F's, because the mixer's modes go as exp(+i omega t), and turned so
-// that a mode which is small beside the wavelength, and whose lobes are therefore in phase or opposite to each other,
-// is heard by real numbers: a blow that begins as a sine is then heard as a sine.
+// A mode's gain is the far field F(d) over the rms of F over all directions; it is complex. Its phase is conjugate to
+// F's, because the mixer's modes go as exp(+i omega t), and rotated so that the gains of a mode that is small beside
+// the wavelength are real: the lobes of such a mode are in phase or opposite, and a blow that begins as a sine is then
+// heard as a sine.
 //
-// Modes stand by ascending frequency (StrikeMap::rank()), in groups of kGroup. A group has one list of the spherical
-// harmonics that any of its modes needs. [any thread]
+// Modes are ordered by ascending frequency (StrikeMap::rank()), in groups of kGroup. Each group has one list of the
+// spherical harmonics that any of its modes needs. [any thread]
 #pragma once
 
 #include "engine/modal/radiation_map.h"
@@ -24,20 +24,20 @@ class DirectionMap {
  public:
   static constexpr std::size_t kGroup = 8;
 
-  DirectionMap() = default;  // of no modes
+  DirectionMap() = default;  // a map without modes
   // `by_frequency`: the numbers of the modes, by ascending frequency. [worker]
   DirectionMap(const RadiationMaps& maps, std::span<const std::uint32_t> by_frequency);
 
   [[nodiscard]] bool empty() const RINGDOWN_REALTIME { return first_.empty(); }
   [[nodiscard]] std::size_t groups() const RINGDOWN_REALTIME { return first_.empty() ? 0 : first_.size() - 1; }
-  [[nodiscard]] int degree() const RINGDOWN_REALTIME { return degree_; }  // the highest, as real_harmonics() wants it
-  // How fast a mode's gain changes with direction, at most, in multiples of its rms per radian: the root of the mean
+  [[nodiscard]] int degree() const RINGDOWN_REALTIME { return degree_; }  // the highest degree, for real_harmonics()
+  // The fastest change of any mode's gain with direction, in multiples of its rms per radian: the root of the mean
   // l (l + 1) of its harmonics.
   [[nodiscard]] double sharpness() const RINGDOWN_REALTIME { return sharpness_; }
 
   [[nodiscard]] std::size_t terms() const RINGDOWN_REALTIME { return harmonics_.size(); }
-  // The terms of group g are first()[g] ... first()[g + 1] - 1: each a harmonic, and 2 kGroup numbers at 2 kGroup times
-  // its place, the real parts of the group's modes and then their imaginary parts.
+  // Group g has the terms first()[g] ... first()[g + 1] - 1. Term t has a harmonic, and from position 2 kGroup t on
+  // 2 kGroup numbers: the real parts of the group's modes, then their imaginary parts.
   [[nodiscard]] const std::uint32_t* first() const RINGDOWN_REALTIME { return first_.data(); }
   [[nodiscard]] const std::uint16_t* harmonics() const RINGDOWN_REALTIME { return harmonics_.data(); }
   [[nodiscard]] const float* values() const RINGDOWN_REALTIME { return values_.data(); }

@@ -14,7 +14,7 @@ namespace ringdown::modal {
 namespace {
 
 constexpr const char* kAudioExtension = "KHR_audio_rigid_bodies";
-constexpr std::size_t kHead = 12, kChunkHead = 8;  // bytes in front of a .glb's chunks, and of a chunk
+constexpr std::size_t kHead = 12, kChunkHead = 8;  // bytes of a .glb's header and of a chunk's header
 constexpr std::uint32_t kJsonKind = 0x4E4F534A, kBinaryKind = 0x004E4942;
 constexpr std::size_t kMaxGlb = 0xffffffff;
 
@@ -31,11 +31,11 @@ void put_word(std::string& text, std::size_t value) {
 
 void pad(std::string& text, char filler) { text.resize((text.size() + 3) / 4 * 4, filler); }
 
-// A file taken apart. A .gltf is a text alone.
+// The pieces of a file. A .gltf has only a text.
 struct Pieces {
   bool is_glb = false, has_binary = false;
   std::string_view binary;  // the binary chunk
-  std::string_view others;  // the chunks after it, with their heads
+  std::string_view others;  // the chunks after the binary one, with their headers
 };
 
 // `file` has passed parse_glb().
@@ -82,7 +82,7 @@ Json& object(Json& json, const char* key) {
   return value;
 }
 
-// Moves every accessor that a model names up by `by`.
+// Adds `by` to the number of every accessor that a model names.
 void renumber(Json& model, std::size_t by) {
   for (const char* key : {"positions", "frequencies", "decayRates", "shapes", "indices"}) {
     if (model.contains(key)) model[key] = model[key].get<std::size_t>() + by;

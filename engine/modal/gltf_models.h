@@ -14,23 +14,23 @@
 
 namespace ringdown::modal {
 
-// A model, and the nodes that are to play it.
+// A model, and the nodes that play it.
 struct AddedModel {
-  const Bank* bank = nullptr;  // its points as they lie in the nodes' own frames
+  const Bank* bank = nullptr;  // the points are in the nodes' own frames
   std::vector<std::size_t> nodes;
   std::optional<std::size_t> material;  // the number of an acoustic material of the file
 };
 
 struct ExtendedGltf {
   std::string file;                 // the new bytes of the .glb or .gltf
-  std::string buffer_name, buffer;  // of a file beside it that must be there first; empty: none
+  std::string buffer_name, buffer;  // name and bytes of a file beside it, to be written first; empty: none
 };
 
-// `file` with the models appended to its modalModels, and the nodes referring to them. All other values of the JSON
-// text keep their value and their number, the bytes of its buffers theirs, and further chunks of a .glb stay. A .glb
-// with a buffer inside, or without any, takes the models' arrays in its binary chunk; for any other file they go into a
-// new buffer, a file named `stem` and by its content. `name` stands in errors. Fails on what parse_gltf() refuses, and
-// when the JSON text would become larger than a reader takes.
+// Returns `file` with the models appended to its modalModels and the nodes referring to them. All other JSON values
+// keep their content and their index; the bytes of the buffers and further chunks of a .glb stay as they are. If the
+// file is a .glb whose buffer is inside, or that has no buffer, the models' arrays go into the binary chunk; otherwise
+// they go into a new buffer file, named after `stem` and its content. `name` replaces the path in errors. Fails on what
+// parse_gltf() refuses, and when the JSON text would become larger than a reader accepts.
 Result<ExtendedGltf> add_models(std::string_view file, const std::string& name, const std::string& stem,
                                 std::span<const AddedModel> models);
 

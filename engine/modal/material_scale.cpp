@@ -9,8 +9,8 @@ double lambda_of(const Bank& bank, std::size_t m) {
   return undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
 }
 
-// The material's part as a list of loss factors has it at the new eigenvalue, over what it has at the old one, with
-// the two shares of Rayleigh's fit scaled.
+// Returns the material's loss by a list of loss factors at the new eigenvalue over that at the old one, with the two
+// shares of Rayleigh's fit scaled.
 double list_factor(const MaterialDamping& damping, double lambda, double scaled_lambda, const MaterialScale& scale) {
   const double factor = mode_loss(damping, scaled_lambda).material_per_s / mode_loss(damping, lambda).material_per_s;
   const double mass_share = damping.rayleigh.alpha_per_s, stiffness_share = damping.rayleigh.beta_s * scaled_lambda;
@@ -18,7 +18,8 @@ double list_factor(const MaterialDamping& damping, double lambda, double scaled_
   return factor * (scale.alpha * mass_share + scale.beta * stiffness_share) / (mass_share + stiffness_share);
 }
 
-// The rms of F in the scaled body over that before, apart from what size and density do to shapes.
+// Returns the rms of F in the scaled body over that in the original, apart from the scaling of shapes by size and
+// density.
 double level_factor(const FarField& field, const MaterialScale& scale) {
   if (scale.stiffness == scale.density) return 1;
   return level_ratio(field, field.wavenumber_rad_m * std::sqrt(scale.stiffness / scale.density));

@@ -1,7 +1,7 @@
 // A different material and size for the same modes, exactly and without a new analysis.
 //
-// Scaling stiffness scales every eigenvalue; density and size scale eigenvalues and mass-normalised shapes; what modes
-// lose to material, air and support scales in parts (docs/how/physics.md, "Another material"). Only Poisson's ratio
+// Scaling stiffness scales every eigenvalue. Density and size scale eigenvalues and mass-normalised shapes. The losses
+// to material, air and support scale separately (docs/how/physics.md, "Another material"). Only another Poisson's ratio
 // needs a new bake.
 #pragma once
 
@@ -14,8 +14,8 @@
 
 namespace ringdown::modal {
 
-// Factors on a bank's own material and on its lengths; all 1 is the bank as baked. Each is > 0, alpha and beta may be
-// 0.
+// Factors on a bank's own material and on its lengths. With all factors 1 the bank is as baked. Alpha and beta are >=
+// 0, the other factors > 0.
 struct MaterialScale {
   double alpha = 1, beta = 1, density = 1, stiffness = 1;
   double size = 1;  // points of the resized object lie `size` times as far from its frame's origin
@@ -32,26 +32,26 @@ inline double shape_factor(const MaterialScale& scale) {
   return 1 / std::sqrt(scale.density * scale.size * scale.size * scale.size);
 }
 
-// The losses of mode `m` of the bank as baked. If the bank does not state them, its decay is split into beta lambda / 2
-// (beta from its material, 0 without one) for the material and the rest for the support.
+// Returns the losses of mode `m` of the bank as baked. If the bank does not state them, the mode's decay is split into
+// beta lambda / 2 (beta from the bank's material, 0 without one) for the material and the rest for the support.
 ModeLoss loss_of(const Bank& bank, std::size_t m);
 
-// The losses of mode `m` under a scaled material. `alpha` scales what air and support took by the material's alpha, of
-// which the air then takes its part; `beta` scales the material's part. Where the material is a list of loss factors,
-// that part follows the list to the new frequency, and `alpha` and `beta` scale the shares of it that Rayleigh's fit
-// has at that frequency.
+// Returns the losses of mode `m` under a scaled material. `alpha` scales the losses to air and support that come from
+// the material's alpha; the air then takes its part of them. `beta` scales the material's part. If the material is a
+// list of loss factors, the material's part is read from the list at the new frequency, and `alpha` and `beta` scale
+// the shares that Rayleigh's fit gives them at that frequency.
 ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
-// The loss of mode `m` to the air under a scaled material. The effect of a change of size is exact: a mode radiates the
-// same share of its energy in a cycle. Stiffness and density move its pitch against its size, and with it how well it
-// radiates, as far as the bank's radiation knows (level_ratio()); without radiation that share is kept, too.
+// Returns the loss of mode `m` to the air under a scaled material. A change of size is treated exactly: the share of
+// its energy that a mode radiates in a cycle stays. Stiffness and density change the pitch relative to the size, and so
+// the radiation efficiency; level_ratio() gives that change if the bank has radiation, otherwise the share stays.
 double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
-// Mode `m` of the bank under a scaled material; frequency_hz is 0 when it has become over-damped.
+// Returns mode `m` of the bank under a scaled material; frequency_hz is 0 if the mode has become over-damped.
 DampedMode rescale(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
-// The far field of a mode of the scaled body. Its size changes it exactly; stiffness and density by its levels, all
-// directions alike.
+// Returns the far field of a mode of the scaled body. A change of size is exact. Stiffness and density scale the far
+// field by its levels, equally in all directions.
 FarField rescale(const FarField& field, const MaterialScale& scale);
 
 // Mass, centre and inertia of the scaled body.

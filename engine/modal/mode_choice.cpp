@@ -5,7 +5,7 @@
 
 namespace ringdown::modal {
 
-// All members of a bank are named: a new one that holds modes and is not named here would not compile.
+// Names every member of a bank, so that a new member that is not handled here does not compile.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
   auto& [name, frequencies, decays, losses, radiation, nonlinear, errors, shape_errors, positions, shapes, triangles,
          material, mass, held, gain, pitch, provenance] = bank;

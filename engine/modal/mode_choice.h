@@ -1,4 +1,4 @@
-// Takes some of a bank's modes, in another order. [worker]
+// Selects and reorders modes of a bank. [worker]
 #pragma once
 
 #include "engine/modal/bank.h"
@@ -8,8 +8,8 @@
 
 namespace ringdown::modal {
 
-// Leaves the modes of these numbers, in this order, with all that the bank holds of each. Numbers are below
-// mode_count(); one may come twice.
+// Keeps only the modes of these numbers, in this order, with all their data. Numbers are below mode_count(); a number
+// may occur twice.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order);
 
 }  // namespace ringdown::modal

@@ -1,5 +1,5 @@
-// Some of a bank's modes, counted by ascending frequency from 0, the lowest, as people count them; the bank itself
-// stands in order of importance.
+// A range of a bank's modes, numbered from 0, the lowest, by ascending frequency, as people count them. The bank itself
+// orders its modes by importance.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ struct ModeRange {
   static constexpr std::uint32_t kAll = std::numeric_limits<std::int32_t>::max();
 
   std::uint32_t first = 0;
-  std::uint32_t count = kAll;  // those that there are, at most
+  std::uint32_t count = kAll;  // a larger number than the bank has means all of its modes
 
   [[nodiscard]] bool has(std::size_t rank) const { return rank >= first && rank - first < count; }
   friend bool operator==(const ModeRange&, const ModeRange&) = default;

@@ -7,7 +7,7 @@
 namespace ringdown::modal {
 namespace {
 
-// 1 / x that stays below 1 / (2 least) near zero, where two frequencies are in resonance and averaging does not hold.
+// Returns 1 / x, bounded by 1 / (2 least) near zero, where two frequencies are in resonance and averaging fails.
 double bounded_inverse(double x, double least) { return x / (x * x + least * least); }
 
 // The fully symmetric tensor of the cubic energy: sum over k of (g_k . q) t_k = sum T_pij q_p q_i q_j.
@@ -45,7 +45,7 @@ class CubicEnergy {
 
 // The contribution of the cubic energy to B_ml.
 double cubic_detuning(const CubicEnergy& t, const std::vector<double>& omega, std::size_t m, std::size_t l) {
-  constexpr double kResonance = 0.2;  // of an eigenvalue: closer than that to resonance, the effect is bounded
+  constexpr double kResonance = 0.2;  // share of an eigenvalue within which resonance is bounded
   double sum = 0;
   for (std::size_t p = 0; p < omega.size(); ++p) {
     const double lambda = omega[p] * omega[p];
@@ -74,7 +74,7 @@ void multiply(NonlinearTerms& terms, double bending, double curving) {
 
 void take_modes(NonlinearTerms& terms, const std::vector<std::size_t>& order) {
   NonlinearTerms taken{.thickness_m = terms.thickness_m, .residual = terms.residual, .coupled = terms.coupled};
-  std::vector<std::size_t> from;  // which of the old ones each new one is
+  std::vector<std::size_t> from;  // the old position of each new mode
   for (std::size_t m = 0; m < terms.mode_count(); ++m) {
     const auto found = std::find(order.begin(), order.end(), terms.modes[m]);
     if (found == order.end()) continue;

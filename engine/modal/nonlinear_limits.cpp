@@ -9,7 +9,7 @@
 namespace ringdown::modal {
 namespace {
 
-// The amplitude at which each mode with terms moves the point that it moves most by the body's thickness.
+// Returns for each mode with terms the amplitude at which its largest motion equals the body's thickness.
 std::vector<double> amplitudes_of_a_thickness(const NonlinearTerms& terms, const Bank& bank) {
   std::vector<double> amplitudes;
   for (const std::uint32_t mode : terms.modes) {
@@ -25,7 +25,7 @@ std::vector<double> amplitudes_of_a_thickness(const NonlinearTerms& terms, const
 
 }  // namespace
 
-// Comparisons are written so that what is not a number lies below no limit.
+// Comparisons are written so that NaN fails every limit.
 Result<void> check(const NonlinearTerms& terms, const Bank& bank, const std::string& name) {
   const auto refuse = [&](const std::string& sentence) {
     return fail(ErrorKind::bad_input, name + "." + sentence + "; bake the object again");

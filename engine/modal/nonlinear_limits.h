@@ -7,7 +7,7 @@
 //   far above, because the sample points need not show where a mode moves most.
 // - Curving: g_ki is the product of a mode's linear strain, whose energy is omega_i^2 at an amplitude of 1, with one of
 //   a family of fields that are orthonormal in energy. So the sum over k of g_ki^2 is at most omega_i^2 (Bessel's
-//   inequality); it is 0.84 omega_i^2 at most in our curved presets.
+//   inequality); our curved presets have at most 0.84 omega_i^2.
 #pragma once
 
 #include "engine/base/result.h"
@@ -16,11 +16,11 @@
 namespace ringdown::modal {
 
 inline constexpr double kMinThickness_m = 1e-9, kMaxThickness_m = 1e3;
-inline constexpr double kMaxStretching = 1000;  // over bending
+inline constexpr double kMaxStretching = 1000;  // ratio of stretching to bending
 inline constexpr double kMaxCurving = 2;        // the root of the sum of g_ki^2, over omega_i
 
-// Checks `terms`, which are of `bank`'s modes; of the bank, frequencies, decays and shapes count. A refusal begins with
-// `name`, as in "bell.glb: nonlinear".
+// Checks the `terms` of the bank's modes against its frequencies, decays and shapes. A refusal begins with `name`, as
+// in "bell.glb: nonlinear".
 Result<void> check(const NonlinearTerms& terms, const Bank& bank, const std::string& name);
 
 }  // namespace ringdown::modal

@@ -1,4 +1,4 @@
-// An elastic solid that is not alike in all directions: three axes at right angles, 1 along the grain. [any thread]
+// An elastic solid with different constants along three axes at right angles. Axis 1 runs along the grain. [any thread]
 //
 // For wood the axes are those of the trunk: 1 = L along it, 2 = R out from its middle, 3 = T around it. With stresses
 // s and engineering strains e in the order 11 22 33 23 13 12, e = S s and
@@ -10,7 +10,7 @@
 //       |                                   1/G13        |      Anisotropic Body, section 3)
 //       |                                         1/G12  |
 //
-// A transversely isotropic solid is one of these with E2 = E3, nu12 = nu13, G12 = G13 and G23 = E2 / (2 (1 + nu23)).
+// A transversely isotropic solid has E2 = E3, nu12 = nu13, G12 = G13 and G23 = E2 / (2 (1 + nu23)).
 #pragma once
 
 #include <array>
@@ -27,14 +27,14 @@ struct Orthotropy {
   friend bool operator==(const Orthotropy&, const Orthotropy&) = default;
 };
 
-// The solid with all of its moduli `factor` times as large.
+// Returns the solid with all moduli `factor` times as large.
 inline Orthotropy stiffer(Orthotropy solid, double factor) {
   for (double& modulus : solid.youngs_modulus_pa) modulus *= factor;
   for (double& modulus : solid.shear_modulus_pa) modulus *= factor;
   return solid;
 }
 
-// Whether a stable solid has these constants: S is positive definite.
+// Returns true if the solid is stable: S is positive definite.
 inline bool is_stable(const Orthotropy& solid) {
   const auto& [e, nu, g, loss] = solid;
   for (int i = 0; i < 3; ++i) {
@@ -46,7 +46,8 @@ inline bool is_stable(const Orthotropy& solid) {
   return 1 - a * a > 1e-9 && 1 - b * b > 1e-9 && 1 - c * c > 1e-9 && 1 - a * a - b * b - c * c + 2 * a * b * c > 1e-9;
 }
 
-// The same in planes across axis 1, to rounding: then the direction of axis 2 does not matter.
+// Returns true if the solid is isotropic in planes across axis 1, to rounding. The direction of axis 2 then does not
+// matter.
 inline bool is_transversely_isotropic(const Orthotropy& solid) {
   const auto same = [](double a, double b) { return a - b <= 1e-9 * a && b - a <= 1e-9 * b; };
   const auto& [e, nu, g, loss] = solid;

@@ -20,7 +20,7 @@ int degree_of(const FarField& field) RINGDOWN_REALTIME {
 
 namespace {
 
-// The factors of the recurrences below, which take square roots: found once, when the program starts.
+// The factors of the recurrences below. They need square roots, so they are computed once, when the program starts.
 struct Legendre {
   static constexpr int kDegrees = kMaxHarmonicDegree + 1;
   std::array<double, kDegrees> diagonal{};                      // from Q_(m-1)^(m-1) to Q_m^m
@@ -99,7 +99,7 @@ double rms(const FarField& field) RINGDOWN_REALTIME {
 }
 
 bool covers(const FarField& field, double wavenumber_rad_m) RINGDOWN_REALTIME {
-  constexpr double kSlack = 1e-3;  // of k: levels stand as floats
+  constexpr double kSlack = 1e-3;  // share of k; levels are floats
   const double own = field.wavenumber_rad_m;
   const std::size_t count = field.levels.size();
   const double low = count == 0 ? own : std::min<double>(own, field.levels.data()[0].wavenumber_rad_m);
@@ -109,7 +109,7 @@ bool covers(const FarField& field, double wavenumber_rad_m) RINGDOWN_REALTIME {
 
 namespace {
 
-// The logarithm of the rms at a wavenumber between the levels, straight against the logarithm of the wavenumber.
+// Returns log rms at a wavenumber between the levels, linear in the logarithm of the wavenumber.
 double log_level(const FarField& field, double wavenumber) RINGDOWN_REALTIME {
   const FarField::Level* const levels = field.levels.data();
   const std::size_t count = field.levels.size();
@@ -154,7 +154,7 @@ namespace {
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kMaxLevels = 64, kMaxModes = std::size_t{1} << 20;
 constexpr float kLevelStep_db = 0.01F;
-constexpr int kMaxUnits = 8191;  // a value's most, either way: two bytes
+constexpr int kMaxUnits = 8191;  // largest absolute value that fits into two bytes
 
 void put(std::vector<std::byte>& out, std::uint32_t value, int bytes) {
   for (int b = 0; b < bytes; ++b) out.push_back(static_cast<std::byte>(value >> (8 * b) & 0xFF));
@@ -167,13 +167,13 @@ void put_float(std::vector<std::byte>& out, double value) {
   put(out, bits, 4);
 }
 
-// Seven bits a byte, the lowest first; the eighth says that another byte follows.
+// Writes seven bits in each byte, the lowest first; the eighth bit tells that another byte follows.
 void put_short(std::vector<std::byte>& out, std::uint32_t value) {
   for (; value >= 128; value >>= 7) put(out, (value & 127) | 128, 1);
   put(out, value, 1);
 }
 
-// 0, -1, 1, -2 ... as 0, 1, 2, 3 ...: small values of either sign take one byte.
+// Maps 0, -1, 1, -2 ... to 0, 1, 2, 3 ..., so that small values of either sign take one byte.
 std::uint32_t fold(int value) {
   return value < 0 ? 2 * static_cast<std::uint32_t>(-value) - 1 : 2 * static_cast<std::uint32_t>(value);
 }
@@ -186,7 +186,7 @@ struct Rounded {
   int harmonic = 0, re = 0, im = 0;
 };
 
-// A mode's terms in whole multiples of `unit`; those that round to 0 are left out.
+// Rounds a mode's terms to whole multiples of `unit`. Terms that round to 0 are left out.
 std::vector<Rounded> round_terms(const FarField& field, double unit) {
   std::vector<Rounded> rounded;
   for (const FarField::Term& term : field.terms) {
@@ -209,7 +209,7 @@ double rounding_error(const FarField& field, double unit) {
   return all > 0 ? std::sqrt(lost / all) : 0;
 }
 
-// The coarsest unit that keeps the error, or the finest that two bytes allow.
+// Returns the coarsest unit that keeps the error, or the finest that two bytes allow.
 double unit_for(const FarField& field, double error) {
   float largest = 0;
   for (const FarField::Term& term : field.terms) {
@@ -334,7 +334,7 @@ Result<RadiationMaps> unpack(std::span<const std::byte> bytes, std::string_view 
   if (in.sound && version != kVersion) return broken("have version " + std::to_string(version) + ", not 1");
   RadiationMaps maps;
   maps.origin_m = {in.real(), in.real(), in.real()};
-  constexpr std::size_t kMinBytes = 11;  // of a mode
+  constexpr std::size_t kMinBytes = 11;  // for each mode
   if (!in.sound || modes > kMaxModes || modes > in.rest.size() / kMinBytes) return broken("are cut off");
   maps.modes.resize(modes);
   for (std::size_t m = 0; m < modes; ++m) {

@@ -1,7 +1,7 @@
 // Finds how much a strike, an impulse at a point, excites every mode.
 //
-// Holds what a strike needs of a bank, laid out for it: the surface index, and the shapes point by point, so that the
-// modes of one point lie side by side. Built once per bank by the worker and shared by its voices.
+// A StrikeMap holds the surface index of a bank and its shapes, point by point, so that the modes of one point lie side
+// by side. The worker builds one per bank, and the bank's voices share it.
 #pragma once
 
 #include "engine/modal/bank.h"
@@ -24,17 +24,18 @@ class StrikeMap {
 
   [[nodiscard]] const Bank& bank() const RINGDOWN_REALTIME { return *bank_; }
 
-  // Where a strike lands.
+  // The index of the surface, which finds where a strike lands.
   [[nodiscard]] const SurfaceIndex& surface() const RINGDOWN_REALTIME { return surface_; }
 
-  // The bank's modes by ascending frequency, those of one frequency in the bank's order; and the place of a mode in it.
+  // by_frequency(): the bank's modes by ascending frequency; modes of equal frequency are in the bank's order. rank():
+  // the place of a mode in that list.
   [[nodiscard]] const std::vector<std::uint32_t>& by_frequency() const RINGDOWN_REALTIME { return by_frequency_; }
   [[nodiscard]] std::uint32_t rank(std::size_t mode) const RINGDOWN_REALTIME { return rank_.data()[mode]; }
 
   // How loud the bank's modes are.
   [[nodiscard]] const Loudness& loudness() const { return loudness_; }
 
-  // In which directions they are heard; empty when nobody knows.
+  // The directional gains of the modes; empty when the bank has no radiation maps.
   [[nodiscard]] const DirectionMap& directions() const RINGDOWN_REALTIME { return directions_; }
 
   // amplitudes[m] = phi_m(p) . j [J^1/2]: the modal velocity that the impulse gives mode m. `amplitudes` has one

@@ -1,8 +1,8 @@
 // Finds where on an object's surface a strike lands.
 //
-// A bounding-volume hierarchy over the bank's triangles (over its points, when it has no triangles), built once by the
-// worker. The audio thread asks it for the surface point nearest to any point: about a microsecond for a thousand
-// triangles, no allocation, a stack of fixed depth.
+// The index is a bounding-volume hierarchy over the bank's triangles, or over its points if there are no triangles. The
+// worker builds it once. The audio thread finds the surface point nearest to any point in about a microsecond for a
+// thousand triangles, without allocation, with a stack of fixed depth.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -19,7 +19,7 @@ namespace ringdown::modal {
 struct SurfacePoint {
   std::array<std::uint32_t, 3> points{};
   std::array<double, 3> weights{};
-  double distance_m = 0;  // from the point that was asked for
+  double distance_m = 0;  // distance from the query point
 };
 
 class SurfaceIndex {
@@ -33,7 +33,7 @@ class SurfaceIndex {
   // The size of the surface: the diagonal of its bounding box. [any]
   [[nodiscard]] double size_m() const;
 
-  // How far `query` lies outside of the bounding box; 0 inside. [any]
+  // The distance of `query` from the bounding box; 0 inside. [any]
   [[nodiscard]] double distance_m(Vec3 query) const;
 
  private:

@@ -7,11 +7,11 @@
 namespace ringdown::modal {
 namespace {
 
-constexpr std::size_t kFewest = 4;    // heights of a level, for a cubic through four
-constexpr int kTaps = 8;              // parts of a step, over which a coarser height is averaged
-constexpr double kStepsPerWidth = 2;  // a level is smooth over about as many of its steps
+constexpr std::size_t kFewest = 4;    // minimum heights in a level: a cubic goes through four
+constexpr int kTaps = 8;              // parts of a step over which a coarser height is averaged
+constexpr double kStepsPerWidth = 2;  // number of its steps over which a level is smooth
 
-// The heights of a level with half as many: each is the mean over two of its new steps, weighted by a triangle.
+// Returns a level with half as many heights. Each is the mean over two of the new steps, weighted by a triangle.
 std::vector<float> halved(const std::vector<float>& fine) {
   const std::size_t count = fine.size() / 2;
   const double ratio = static_cast<double>(fine.size()) / static_cast<double>(count);
@@ -54,7 +54,7 @@ Result<SurfaceTrack> SurfaceTrack::make(std::span<const float> heights_m, double
     std::vector<float> coarse = halved(track.levels_.back());
     track.levels_.push_back(std::move(coarse));
   }
-  track.levels_.emplace_back(kFewest, 0.F);  // over more than the whole track there is no slope
+  track.levels_.emplace_back(kFewest, 0.F);  // averaged over more than the whole track, the slope is zero
   double sum = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const double slope = track.slope_in(0, (static_cast<double>(k) + 0.5) * spacing_m);

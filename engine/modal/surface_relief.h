@@ -1,8 +1,8 @@
-// Heights of a surface along the way over it, measured or drawn, at even steps in a circle.
+// Heights of a surface along a path over it, measured or drawn, at equal steps. The path repeats from its end.
 //
-// A contact that travels over a surface feels the slope of its heights, smoothed over the width of the region that
-// bears. A track therefore keeps its heights in levels, each of half as many as the one before, and a slope comes from
-// the two levels whose steps are nearest to that width. For audio threads and the readers of scenes.
+// A moving contact feels the slope of the heights, smoothed over the width of the contact region. A track therefore
+// keeps its heights in levels, each with half as many as the level before, and a slope is blended from the two levels
+// whose steps are nearest to that width. For audio threads and the readers of scenes.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -23,15 +23,15 @@ class SurfaceTrack {
   // Heights [m], 2 to kMaxTrackSamples of them, `spacing_m` > 0 apart. Fails when one is not finite. [worker]
   static Result<SurfaceTrack> make(std::span<const float> heights_m, double spacing_m);
 
-  // Which levels are used, and how much of the coarser one: for features smoothed over about `width_m`, and of steps no
-  // shorter than `step_m`, the way in one frame. [any]
+  // Selects two neighbouring levels and the share of the coarser one, so that heights are smoothed over about `width_m`
+  // and steps are no shorter than `step_m`, the distance travelled in one frame. [any]
   struct Blend {
     std::size_t level = 0;
     double coarser = 0;  // share of level + 1
   };
   [[nodiscard]] Blend blend(double width_m, double step_m) const RINGDOWN_REALTIME;
 
-  // The slope of the heights at a place, which may be any distance from the first. [audio]
+  // The slope of the heights at any distance `at_m` from the first height. [audio]
   [[nodiscard]] double slope_at(double at_m, Blend blend) const RINGDOWN_REALTIME;
 
   [[nodiscard]] double length_m() const { return length_m_; }
@@ -42,13 +42,13 @@ class SurfaceTrack {
   SurfaceTrack() = default;
   [[nodiscard]] double slope_in(std::size_t level, double at_m) const RINGDOWN_REALTIME;
 
-  std::vector<std::vector<float>> levels_;  // of at least kFewest heights each; the last is flat
+  std::vector<std::vector<float>> levels_;  // each has at least kFewest heights; the last is flat
   double length_m_ = 0, rms_slope_ = 0;
 };
 
-// Both scales of one surface below its shape. Events of a mixer point to it, so whoever sends them keeps it.
+// The two scales of a surface's relief. A mixer's events point to the relief, so the sender must keep it alive.
 struct SurfaceRelief {
-  std::optional<SurfaceTrack> profile;  // its finish as it was measured, in place of a random one
+  std::optional<SurfaceTrack> profile;  // the measured finish; absent: a random one is used
   std::optional<SurfaceTrack> mesoscale;
 };
 

@@ -12,7 +12,7 @@ FlowSamples flow_of(const mesh::TriangleMesh& surface, const std::vector<Eigen::
                     double max_edge_m) {
   struct Patch {
     Eigen::Index triangle;
-    int parts;                               // that each side of the triangle is divided into
+    int parts;                               // number of parts of each side of the triangle
     std::array<Eigen::Vector3d, 3> corners;  // barycentric
   };
   std::vector<Patch> patches;

@@ -79,7 +79,7 @@ int degree_for(double wavenumber_rad_m, double radius_m) {
 
 namespace {
 
-// exp(-ik y.d) for one direction, at places whose number is a whole multiple of kLanes. In single precision.
+// Computes exp(-ik y.d) for one direction, in single precision. The number of places must be a multiple of kLanes.
 RINGDOWN_CLONES
 void fill_waves(const float* x, const float* y, const float* z, Eigen::Index places, float kx, float ky, float kz,
                 std::complex<float>* out) {
@@ -93,8 +93,8 @@ void fill_waves(const float* x, const float* y, const float* z, Eigen::Index pla
   }
 }
 
-// For each side three parts of the dipole and one of the simple source of every layer, from the mean of the side's
-// ends: rows beyond the sides are 0.
+// For each side and every layer, three components of the dipole and one simple source, from the mean of the side's
+// ends. Rows beyond the sides are 0.
 Eigen::MatrixXcd sources_of(const Panels& panels, double k, const std::vector<double>& coupling,
                             const Eigen::MatrixXcd& layers, Eigen::Index rows) {
   const std::complex<double> i(0, 1);
@@ -119,7 +119,8 @@ Eigen::MatrixXcd sources_of(const Panels& panels, double k, const std::vector<do
   return sources;
 }
 
-// By blocks of directions, in each a product of the exponentials at the middles of sides with what the sides carry.
+// Computes the fields by blocks of directions. Each block is the product of the exponentials at the middles of sides
+// with the sources of the sides.
 template <class Scalar>
 Eigen::MatrixXcd sum_waves(const Eigen::MatrixXd& places, double k, const Directions& directions,
                            const Eigen::MatrixXcd& sources) {
@@ -158,7 +159,8 @@ Eigen::MatrixXcd sum_waves(const Eigen::MatrixXd& places, double k, const Direct
 
 }  // namespace
 
-// Where the body is small beside the wave, fields cancel and directions are few: double precision. Elsewhere single.
+// Uses double precision if the body is small compared with the wave, where fields cancel and directions are few;
+// otherwise single precision.
 Eigen::MatrixXcd far_fields(const Panels& panels, const Eigen::Vector3d& origin, double wavenumber_rad_m,
                             const std::vector<double>& coupling, const Directions& directions,
                             const Eigen::MatrixXcd& layers) {

@@ -1,6 +1,6 @@
 // Sixteen numbers at once, in GCC's and clang's vector extension. [any thread]
 //
-// RINGDOWN_CLONES compiles a function for several instruction sets; the loader chooses the one that this computer has.
+// RINGDOWN_CLONES compiles a function for several instruction sets; the loader chooses the one that fits the processor.
 #pragma once
 
 #include <utility>
@@ -22,8 +22,8 @@ struct alignas(64) Complexes {
   Lanes re, im;
 };
 
-// exp(i x) for x from 0 to some 10,000: x is taken to the nearest multiple of pi/2, which is subtracted in two parts,
-// and sine and cosine of the rest are Taylor polynomials (minimax coefficients: Cephes, sinf.c and cosf.c). To 2e-7.
+// exp(i x) to 2e-7, for x from 0 to about 10,000. The nearest multiple of pi/2 is subtracted in two parts, and sine and
+// cosine of the rest are Taylor polynomials (minimax coefficients: Cephes, sinf.c and cosf.c).
 [[gnu::always_inline]] inline void exp_i(const Lanes& x, Lanes& cosine, Lanes& sine) {
   const Lanes magic = Lanes{} + 12582912.0F;  // 1.5 * 2^23: adding it rounds to a whole number, in the lowest bits
   const Lanes shifted = x * 0.636619772F + magic;
@@ -49,8 +49,9 @@ struct alignas(64) Complexes {
   for (int i = 0; i < kLanes; ++i) root[i] = __builtin_sqrtf(x[i]);
 }
 
-// The lanes of `a` whose number has the bit `step` clear, and behind each of them the lane of `b` as many before it;
-// with `upper` the other lanes of `b`, and before each of them the lane of `a` as many behind it.
+// One step of a transposition. `out` gets the lanes of `a` whose number has the bit `step` clear; every other lane n
+// gets lane n - step of `b`. With `upper`, `out` gets the lanes of `b` whose number has the bit set; every other lane n
+// gets lane n + step of `a`.
 template <int step, bool upper, int... lane>
 [[gnu::always_inline]] inline void exchange(const Lanes& a, const Lanes& b, Lanes& out,
                                             std::integer_sequence<int, lane...> /*lanes*/) {
@@ -72,7 +73,7 @@ template <int step>
   }
 }
 
-// Rows become columns.
+// Exchanges rows and columns.
 [[gnu::always_inline]] inline void transpose(Lanes (&rows)[kLanes]) {
   exchange_all<1>(rows);
   exchange_all<2>(rows);

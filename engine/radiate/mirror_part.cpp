@@ -13,8 +13,8 @@
 namespace ringdown::radiate {
 namespace {
 
-constexpr double kClose = 0.2, kTouching = 0.02;  // of the shortest side at a node
-constexpr double kAlong = 0.5;  // a normal with more than this across the plane is of a surface along it
+constexpr double kClose = 0.2, kTouching = 0.02;  // as shares of the shortest side at a node
+constexpr double kAlong = 0.5;  // a unit normal with more than this across the plane: its surface runs along it
 
 // Moves nodes that are close to the plane onto it.
 void snap(mesh::TriangleMesh& surface, int axis) {
@@ -41,7 +41,7 @@ mesh::TriangleMesh half_of(mesh::TriangleMesh surface, int axis) {
   snap(surface, axis);
   std::vector<Eigen::RowVector3d> nodes;
   for (const auto& node : surface.nodes.rowwise()) nodes.emplace_back(node);
-  std::map<std::pair<int, int>, int> cuts;  // the new node between two
+  std::map<std::pair<int, int>, int> cuts;  // the new node between two old ones
   const auto cut = [&](int a, int b) {
     const auto [found, fresh] = cuts.emplace(std::minmax(a, b), static_cast<int>(nodes.size()));
     if (!fresh) return found->second;

@@ -11,7 +11,7 @@
 namespace ringdown::radiate {
 namespace {
 
-// `volume` is six times that of the tetrahedron between the point and the triangle.
+// The solid angle of a triangle. `volume` is six times that of the tetrahedron between the point and the triangle.
 double solid_angle(const std::array<Eigen::Vector3d, 3>& corners, const Eigen::Vector3d& point, double volume) {
   const Eigen::Vector3d a = corners[0] - point, b = corners[1] - point, c = corners[2] - point;
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
@@ -26,10 +26,10 @@ double solid_angle(const std::array<Eigen::Vector3d, 3>& corners, const Eigen::V
 //   f = integral along the edge of 1/R = ln((R_b + s_b) / (R_a + s_a))
 //   R0^2 = t^2 + d^2
 //
-// With the solid angle omega that the triangle fills (van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983, 125),
-// summed over the edges: integral of 1/R = sum of t f - |d| omega, that of d/R^3 = sign(d) omega, that of (y - rho)/R =
-// 1/2 sum of u (R0^2 f + s_b R_b - s_a R_a), and by Gauss's theorem that of hat (y - rho)/R^3 = gradient(hat) *
-// (integral of 1/R) - sum of u * (integral of hat/R along the edge).
+// With the solid angle omega of the triangle (van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983, 125), the
+// integral of 1/R is the sum over the edges of t f, minus |d| omega. The integral of d/R^3 is sign(d) omega. The
+// integral of (y - rho)/R is 1/2 sum of u (R0^2 f + s_b R_b - s_a R_a). By Gauss's theorem, gradient(hat) * (integral
+// of 1/R) - sum of u * (integral of hat/R along the edge) is the integral of hat (y - rho)/R^3.
 TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::Vector3d& point) {
   const Eigen::Vector3d& n = panels.normals[triangle];
   const std::array<Eigen::Vector3d, 3> p = {panels.corner(triangle, 0), panels.corner(triangle, 1),
@@ -37,8 +37,8 @@ TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::
   const double scale = std::sqrt(panels.areas[triangle]);
   const double d = (point - p[0]).dot(n), height = std::abs(d);
   const Eigen::Vector3d foot = point - d * n;
-  const double angle = solid_angle(p, point, 2 * panels.areas[triangle] * height);  // the integral of |d|/R^3
-  double inverse = 0;                                                               // that of 1/R
+  const double angle = solid_angle(p, point, 2 * panels.areas[triangle] * height);  // integral of |d|/R^3
+  double inverse = 0;                                                               // integral of 1/R
   Eigen::Vector3d moment = Eigen::Vector3d::Zero(), rim = Eigen::Vector3d::Zero();
   std::array<Eigen::Vector3d, 3> hat_rim = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (int e = 0; e < 3; ++e) {
@@ -50,7 +50,7 @@ TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::
     const double sa = (p[from] - foot).dot(along), sb = (p[to] - foot).dot(along), t = (p[from] - foot).dot(outward);
     const double r0 = t * t + d * d, ra = std::sqrt(r0 + sa * sa), rb = std::sqrt(r0 + sb * sb);
     double f = 0;
-    if (r0 > 1e-24 * scale * scale) {  // ln by the form that does not cancel
+    if (r0 > 1e-24 * scale * scale) {  // the form of ln that does not cancel
       f = sa > 0   ? std::log((rb + sb) / (ra + sa))
           : sb < 0 ? std::log((ra - sa) / (rb - sb))
                    : std::log((rb + sb) * (ra - sa) / r0);
@@ -60,7 +60,7 @@ TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::
     inverse += t * f;
     moment += outward * (0.5 * (r0 * f + sb * rb - sa * ra));
     rim += outward * f;
-    const double at_start = -sa / length;  // of the edge, where the foot of the point falls
+    const double at_start = -sa / length;  // position of the point's foot along the edge
     hat_rim[from] += outward * ((1 - at_start) * f - (rb - ra) / length);
     hat_rim[to] += outward * (at_start * f + (rb - ra) / length);
   }
@@ -81,7 +81,7 @@ namespace {
 
 struct OuterPoint {
   std::array<double, 3> at;  // barycentric
-  double weight;             // of the area
+  double weight;             // share of the area
 };
 
 // Seven points, exact to degree 5: Radon, 1948.
@@ -103,7 +103,7 @@ std::vector<OuterPoint> three_points() {
   return {{{b, a, a}, third}, {{a, b, a}, third}, {{a, a, b}, third}};
 }
 
-// A rule on each of the four triangles that the middles of the sides make.
+// Applies a rule to each of the four triangles that the middles of the sides form.
 std::vector<OuterPoint> divided(const std::vector<OuterPoint>& rule) {
   const double h = 0.5;
   const double corners[4][3][3] = {{{1, 0, 0}, {h, h, 0}, {h, 0, h}},
@@ -135,7 +135,7 @@ class NearbyTriangles {
  public:
   explicit NearbyTriangles(const Facing& facing) : facing_(facing) {
     const auto& [panels, others, same] = facing;
-    for (int t = 0; t < panels.triangle_count(); ++t) longest_.push_back(panels.longest_side(t));  // of others alike
+    for (int t = 0; t < panels.triangle_count(); ++t) longest_.push_back(panels.longest_side(t));  // images' are equal
     cell_ = kNearSides * *std::max_element(longest_.begin(), longest_.end());
     for (int t = 0; t < others.triangle_count(); ++t) cells_[cell_of(others.centers[t])].push_back(t);
   }
@@ -165,8 +165,8 @@ class NearbyTriangles {
 };
 
 struct PairIntegrals {
-  double constant = 0;           // of 1/R
-  Eigen::Matrix3d hats, slopes;  // of hat(x) hat(y)/R, of hat(x) hat(y) d/dn(x) 1/R
+  double constant = 0;           // integral of 1/R
+  Eigen::Matrix3d hats, slopes;  // integrals of hat(x) hat(y)/R and of hat(x) hat(y) d/dn(x) 1/R
 };
 
 void add_exact(const Facing& facing, int x, int y, const std::vector<OuterPoint>& rule, PairIntegrals& sum) {
@@ -198,7 +198,7 @@ void subtract_middles(const Facing& facing, int x, int y, PairIntegrals& sum) {
       const double r = between.norm(), slope = -between.dot(panels.normals[x]) / (r * r * r);
       sum.constant -= weight / r;
       for (int i = 0; i < 3; ++i) {
-        if (i == a) continue;  // the hat of the corner opposite of a side is 0 on it, the others are 1/2
+        if (i == a) continue;  // on a side, the hat of the opposite corner is 0, the others are 1/2
         for (int j = 0; j < 3; ++j) {
           if (j == b) continue;
           sum.hats(i, j) -= 0.25 * weight / r;
@@ -209,7 +209,7 @@ void subtract_middles(const Facing& facing, int x, int y, PairIntegrals& sum) {
   }
 }
 
-// Makes room, for each node, for the nodes of triangles near its own, in ascending order.
+// Allocates, for each node, an entry for every node of the triangles near its own, in ascending order.
 NearIntegrals without_values(const Facing& facing, const std::vector<std::vector<int>>& near_triangles) {
   const auto& [panels, others, same] = facing;
   std::vector<std::vector<int>> own(panels.node_count());

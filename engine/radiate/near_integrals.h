@@ -1,5 +1,5 @@
-// Integrals between triangles that touch or lie close, without the wave: where 1/R is too steep for the middles of
-// sides. They depend on the surface alone and serve every wavenumber. [worker]
+// Static integrals (without the wave) between triangles that touch or lie close, where 1/R is too steep for sums over
+// the middles of sides. They depend on the surface alone and serve every wavenumber. [worker]
 #pragma once
 
 #include "engine/radiate/panels.h"
@@ -20,12 +20,12 @@ struct NearIntegrals {
   };
   std::vector<int> begin;      // V + 1: where each row begins in the lists below
   std::vector<int> columns;    // in ascending order within a row
-  std::vector<Entry> entries;  // as many
+  std::vector<Entry> entries;  // one per column number
 };
 
-inline constexpr double kNearSides = 2;  // between centres
+inline constexpr double kNearSides = 2;  // limit of the distance between centres
 
-// Between a part (x) and one of its images (y).
+// The corrections between a part (x) and one of its images (y).
 NearIntegrals near_integrals(const Panels& part, int image = 0);
 
 // The static potential of one flat triangle. For each corner's hat function: the integral of hat / R over the triangle,

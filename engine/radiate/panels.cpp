@@ -11,7 +11,7 @@
 namespace ringdown::radiate {
 namespace {
 
-// Where a point lies along a curve that fills the box: the bits of its three coordinates in turn.
+// The position of a point along a curve that fills the box, from the interleaved bits of its three coordinates.
 std::uint64_t place_on_curve(const Eigen::RowVector3d& inside_unit_box) {
   constexpr int kBits = 16;
   std::uint64_t key = 0;
@@ -22,7 +22,7 @@ std::uint64_t place_on_curve(const Eigen::RowVector3d& inside_unit_box) {
   return key;
 }
 
-// For each old node its new number along that curve, or -1 when no triangle names it.
+// For each old node, its new number along the space-filling curve, or -1 when no triangle has it.
 std::vector<int> new_numbers(const mesh::TriangleMesh& surface) {
   const Eigen::RowVector3d low = surface.nodes.colwise().minCoeff();
   const double extent = std::max((surface.nodes.colwise().maxCoeff() - low).maxCoeff(), 1e-300);
@@ -66,7 +66,7 @@ Result<void> find_sides(Panels& panels) {
       side.middle = (panels.nodes.row(uses[i].low) + panels.nodes.row(uses[i].high)).transpose() / 2;
       panels.sides_of[uses[i].triangle][uses[i].opposite] = panels.side_count();
       panels.sides.push_back(side);
-      --i;  // the next use is another side's first
+      --i;  // the next use is the first one of another side
       continue;
     }
     if (!paired || on_plane)
@@ -111,7 +111,7 @@ Result<Panels> panels_of(const mesh::TriangleMesh& surface, int mirrors) {
     const auto row = surface.triangles.row(t);
     panels.corners.push_back({number[row[0]], number[row[1]], number[row[2]]});
   }
-  // Triangles in the order of their lowest node: their sides, too, are then close in space when they are in number.
+  // Triangles are sorted by their lowest node, so sides with close numbers are close in space.
   std::sort(panels.corners.begin(), panels.corners.end(), [](const auto& a, const auto& b) {
     return std::pair(std::min({a[0], a[1], a[2]}), a) < std::pair(std::min({b[0], b[1], b[2]}), b);
   });
@@ -143,7 +143,7 @@ Eigen::Vector3d image_of(const Eigen::Vector3d& point, int image) {
   return mirrored;
 }
 
-// A curl is the product of a normal and a gradient, and so changes its sign beside being mirrored.
+// A curl is the cross product of a normal and a gradient, so it is mirrored and also changes its sign.
 Panels image_of(const Panels& part, int image) {
   Panels mirrored = part;
   for (int n = 0; n < part.node_count(); ++n) {

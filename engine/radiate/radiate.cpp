@@ -22,26 +22,26 @@ namespace ringdown::radiate {
 namespace {
 
 constexpr double kSameWave = 0.004;     // modes whose wavenumbers differ by less are solved at their mean
-constexpr int kMinUnknowns = 500;       // a skin of fewer does not show the body's form
-constexpr double kMaxForShapes = 3000;  // unknowns of a skin that a pattern asks for and no wave in the air
+constexpr int kMinUnknowns = 500;       // smaller skins do not show the body's form
+constexpr double kMaxForShapes = 3000;  // unknowns of a skin that only a mode's pattern needs, not the wave in the air
 constexpr double kCoarser = std::numbers::sqrt2;
-constexpr int kMaxRounds = 5;                  // of solving what missed on finer skins
-constexpr double kFarOff = 4;                  // times the error that is wanted: such a mode passes over a skin
-constexpr double kMaxBytes = 3.5 * (1 << 30);  // of all threads' matrices together
-constexpr double kSharedSpan = 0.5;  // of k times the body's radius, in which one elimination preconditions all
+constexpr int kMaxRounds = 5;                  // rounds of solving on finer skins the modes that missed their error
+constexpr double kFarOff = 4;                  // times the wanted error; such a mode skips a skin
+constexpr double kMaxBytes = 3.5 * (1 << 30);  // all threads' matrices together
+constexpr double kSharedSpan = 0.5;  // range of k times the body's radius in which one elimination preconditions all
 
-// A task is what one thread solves: modes at wavenumbers close to each other, in descending order, on one skin and the
-// next coarser one, or levels of modes at one wavenumber on one skin.
+// The work of one thread: modes at wavenumbers close to each other, in descending order, on one skin and the next
+// coarser one, or levels of modes at one wavenumber on one skin.
 struct Task {
   std::vector<WaveQuestion> questions;
   int grade = 0;
   bool levels = false;
 };
 
-// A finding is what is known of one mode so far.
+// The results so far for one mode.
 struct Finding {
-  int grade = 0;        // of the skin on which the mode is solved
-  int shape_grade = 1;  // of the skin that its pattern asks for
+  int grade = 0;        // grade of the skin on which the mode is solved
+  int shape_grade = 1;  // grade of the skin that the mode's pattern needs
   double rms = 0, finer_rms = 0, source_db = 0;
   modal::FarField field;
 };
@@ -87,7 +87,8 @@ class Solver {
   }
   [[nodiscard]] double side_for_wave(double k) const { return 2 * std::numbers::pi / (k * options_.panels_per_wave); }
 
-  // Skins of grade 1 have kMinUnknowns nodes, those of the next grade twice as many; grade 0 is only compared with.
+  // Skins of grade 1 have kMinUnknowns nodes, those of the next grade twice as many; grade 0 serves only for
+  // comparison.
   [[nodiscard]] double side_of(int grade) const {
     const double coarsest = std::sqrt(original_.panels->area() / kMinUnknowns * 2 / std::sqrt(3.0));
     return coarsest * std::pow(kCoarser, 1 - grade);
@@ -99,8 +100,8 @@ class Solver {
     return options_.max_unknowns * (symmetry_.mirrors == 0 ? 1 : std::exp2((symmetry_.mirrors + 1) / 2.0));
   }
   [[nodiscard]] bool may_be_finer(int grade) const { return grade < finest_grade(max_nodes()); }
-  // With two or three mirror planes the coarsest skin has 1,000 nodes: irregularities of the part recur in its images,
-  // and cancel less than those of a whole skin.
+  // With two or three mirror planes the coarsest skin has 1,000 nodes, because irregularities of the part recur in its
+  // images and cancel less than those of a whole skin.
   [[nodiscard]] int coarsest_grade() const { return symmetry_.mirrors > 1 ? 2 : 1; }
   // The grade whose sides are nearest to the given one.
   [[nodiscard]] int grade_for(double side, int finest) const {
@@ -115,7 +116,7 @@ class Solver {
     return {};
   }
 
-  // Each mode's skin: by the wave in the air, then finer while its own pattern asks for it.
+  // Chooses each mode's skin by the wave in the air, then a finer one while the mode's own pattern needs it.
   Result<void> choose_skins() {
     const int finest = finest_grade(max_nodes()), for_shapes = finest_grade(std::min(max_nodes(), kMaxForShapes));
     for (int m = 0; m < modes_; ++m) found_[m].grade = grade_for(side_for_wave(wavenumber(m)), finest);
@@ -143,8 +144,8 @@ class Solver {
             .turn = symmetry_.turn};
   }
 
-  // The modes by skins and wavenumbers, the finest skins first, so that no thread begins the longest task when the
-  // others end.
+  // Groups the modes by skins and wavenumbers, the finest skins first, so that no thread begins the longest task when
+  // the other threads finish.
   [[nodiscard]] std::vector<Task> tasks_for(std::vector<int> order) const {
     std::sort(order.begin(), order.end(), [&](int a, int b) {
       return std::pair(found_[a].grade, wavenumber(a)) > std::pair(found_[b].grade, wavenumber(b));
@@ -169,8 +170,8 @@ class Solver {
     return tasks;
   }
 
-  // Wavenumbers half an octave apart, at each the modes within range. A level needs no direction: the skin for two
-  // thirds of the nodes per wave, or that for the mode's pattern where it is finer.
+  // Adds wavenumbers half an octave apart, each with the modes within range. A level has no direction, so a skin with
+  // two thirds of the nodes per wave is enough, or the skin for the mode's pattern if that is finer.
   void add_levels_to(std::vector<Task>& tasks) const {
     if (options_.range_octaves <= 0) return;
     double lowest = wavenumber(0), highest = lowest;
@@ -183,7 +184,7 @@ class Solver {
     std::vector<Task> levels;
     for (double k = highest; k > lowest * std::exp2(-options_.range_octaves - 0.5); k /= std::numbers::sqrt2) {
       const int for_wave = grade_for(1.5 * side_for_wave(k), finest);
-      std::map<int, std::vector<int>> modes;  // by grades
+      std::map<int, std::vector<int>> modes;  // modes by grade
       for (int m = 0; m < modes_; ++m) {
         if (std::abs(std::log2(wavenumber(m) / k)) > options_.range_octaves + 0.5) continue;
         modes[std::max(for_wave, found_[m].shape_grade)].push_back(m);
@@ -196,7 +197,7 @@ class Solver {
     tasks.insert(tasks.end(), levels.begin(), levels.end());
   }
 
-  // Skins are made before the threads begin, which share them.
+  // Makes the skins before the threads begin, because the threads share them.
   Result<void> prepare(std::span<const Task> tasks) {
     for (const Task& task : tasks) {
       for (const int grade : {task.grade, task.grade - 1}) {
@@ -209,7 +210,7 @@ class Solver {
     return {};
   }
 
-  // The tasks from the first on whose matrices come from one band; for levels, all.
+  // The first tasks whose matrices come from one band; for levels, all tasks.
   static std::span<const Task> band_of(std::span<const Task> tasks) {
     const Task& first = tasks.front();
     const double lowest = first.questions.front().wavenumber_rad_m / kWidestBand;
@@ -241,13 +242,13 @@ class Solver {
     return std::exp2(2 * task.grade) * static_cast<double>(task.questions.size());
   }
 
-  // How many threads there is memory for.
+  // The number of threads for which there is memory.
   [[nodiscard]] int threads_for(const Skin& skin, double shared_bytes) const {
     return std::clamp(static_cast<int>((kMaxBytes - shared_bytes) / wave_memory_bytes(skin)), 1,
                       thread_count(options_.threads));
   }
 
-  // False when progress says so.
+  // Returns false when `progress` returns false.
   bool run_band(std::span<const Task> tasks, const std::function<bool(const Task&)>& progress) {
     const Task& first = tasks.front();
     const Skin& skin = skins_.at(first.grade);
@@ -287,8 +288,8 @@ class Solver {
     return !stop;
   }
 
-  // Each task writes for modes of its own. Where the degree of the harmonics is at its limit, what they leave out is
-  // made up for by the others.
+  // Each task writes only to its own modes. If the degree of the harmonics is at its limit, they are scaled up to the
+  // mode's whole power.
   void keep(const WaveQuestion& question, const WaveAnswer& answer) {
     for (std::size_t i = 0; i < question.modes.size(); ++i) {
       const int m = question.modes[i];
@@ -312,7 +313,7 @@ class Solver {
     }
   }
 
-  // Counts the nodes of a skin and of its images, those on a plane once.
+  // Counts the nodes of a skin and of its images; nodes on a plane count once.
   static int whole_nodes(const Panels& panels) {
     int nodes = 0;
     for (int n = 0; n < panels.node_count(); ++n) {
@@ -365,7 +366,7 @@ class Solver {
     return radiation;
   }
 
-  // Levels in ascending order, and the mode's own among them, unless one lies beside it.
+  // Sets the mode's levels in ascending order. The mode's own level replaces any level close to it.
   void add_levels(int mode) {
     modal::FarField& field = found_[mode].field;
     auto& levels = levels_[mode];
@@ -393,8 +394,8 @@ class Solver {
   Eigen::Vector3d origin_;
   double radius_ = 0;
   std::vector<Eigen::Vector3d> places_;
-  std::map<int, Skin> skins_;                                // by grade
-  std::map<int, Continuation> continuations_;                // by the finer skin's grade
+  std::map<int, Skin> skins_;                                // skins by grade
+  std::map<int, Continuation> continuations_;                // continuations by the finer skin's grade
   std::vector<Finding> found_;                               // M
   std::vector<std::vector<modal::FarField::Level>> levels_;  // M
   std::atomic<int> eliminations_{0};
@@ -417,7 +418,7 @@ Result<void> check(const Body& body) {
 
 }  // namespace
 
-// Mirror planes are left alone where the part of the surface between them cannot be tiled.
+// Solves without mirror planes if the part of the surface between them cannot be tiled.
 Result<Radiation> solve(const Body& body, const modal::Air& air, const Options& options) {
   if (const auto sound = check(body); !sound) return fail(sound.error());
   if (const Symmetry symmetry = options.symmetry ? symmetry_of(body.surface) : Symmetry{}; symmetry.mirrors > 0) {

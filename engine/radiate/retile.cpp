@@ -19,7 +19,7 @@ using Triangle = std::array<int, 3>;
 constexpr double kCosSharp = 0.766;     // 40 degrees between the normals of neighbours
 constexpr double kCosTurn = 0.819;      // 35 degrees that a collapse may turn a triangle
 constexpr double kCosFlat = 0.966;      // 15 degrees between the normals of two triangles whose side is swapped
-constexpr double kCosStraight = 0.906;  // 25 degrees that a sharp line may bend at a node that leaves it
+constexpr double kCosStraight = 0.906;  // 25 degrees that a sharp line may bend at a node that is removed
 constexpr double kNeedle = 0.12;        // height over longest side
 
 Vector normal_of(const Vector& a, const Vector& b, const Vector& c) { return (b - a).cross(c - a); }
@@ -163,12 +163,12 @@ class Tiling {
     }
     return found;
   }
-  // Whether the triangle runs from a to b.
+  // Whether the triangle has the side from a to b in this direction.
   [[nodiscard]] bool runs(int triangle, int a, int b) const {
     const Triangle& t = triangles_[triangle];
     return (t[0] == a && t[1] == b) || (t[1] == a && t[2] == b) || (t[2] == a && t[0] == b);
   }
-  // The mirror planes on which a node lies, as bits, and whether a side lies on one.
+  // planes(): the mirror planes on which a node lies, as bits. on_plane(): whether a side lies on one.
   [[nodiscard]] int planes(int node) const { return mirror_planes_at(at_[node], mirrors_); }
   [[nodiscard]] bool on_plane(int a, int b) const { return (planes(a) & planes(b)) != 0; }
   [[nodiscard]] bool is_whole(int a, int b) const { return triangles_at(a, b).size() == (on_plane(a, b) ? 1U : 2U); }
@@ -205,7 +205,7 @@ class Tiling {
     return middle;
   }
 
-  // Whether `gone` may leave the sharp lines through it for `kept`.
+  // Whether the sharp lines through `gone` allow it to be collapsed onto `kept`.
   [[nodiscard]] bool keeps_sharp_lines(int gone, int kept) const {
     const std::vector<int>& lines = sharp_[gone];
     if (lines.empty()) return true;
@@ -224,7 +224,7 @@ class Tiling {
     for (const int n : from) {
       if (n != kept && (at_[n] - at_[kept]).norm() > longest) return false;
       const bool fresh = n != kept && std::find(to.begin(), to.end(), n) == to.end();
-      if (fresh && (planes(n) & planes(kept) & ~planes(gone)) != 0) return false;  // a side on a plane, amid triangles
+      if (fresh && (planes(n) & planes(kept) & ~planes(gone)) != 0) return false;  // makes an inner side on a plane
     }
     for (const int t : around_[gone]) {
       if (has(t, kept)) continue;
@@ -282,7 +282,7 @@ class Tiling {
 
   const int mirrors_;
   std::vector<Vector> at_;
-  std::vector<Triangle> triangles_;       // removed ones have corners -1
+  std::vector<Triangle> triangles_;       // removed triangles have corners -1
   std::vector<std::vector<int>> around_;  // the triangles at each node
   std::vector<std::vector<int>> sharp_;   // the nodes at the other ends of sharp sides
 };
@@ -291,7 +291,7 @@ class Tiling {
 
 mesh::TriangleMesh retile(const mesh::TriangleMesh& surface, double side_m, int mirrors) {
   constexpr int kRounds = 3;
-  constexpr double kLongest = 1.45, kShortest = 0.9;  // so that their number is that of equal triangles with this side
+  constexpr double kLongest = 1.45, kShortest = 0.9;  // these give the number of equal triangles with this side
   Tiling tiling(surface, mirrors);
   for (int round = 0; round < kRounds; ++round) {
     tiling.split_long_sides(kLongest * side_m);

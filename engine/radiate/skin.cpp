@@ -28,10 +28,10 @@ mesh::TriangleMesh mesh_of(const Panels& panels) {
   return mesh;
 }
 
-// The side of equal triangles of which `count` make up the area.
+// The side of equilateral triangles of which `count` make up the area.
 double side_for(double area, double count) { return std::sqrt(area / count * 4 / std::sqrt(3.0)); }
 
-// How far a ray from the middle of a triangle straight inward comes. (Moeller & Trumbore 1997.)
+// The length of a ray from the middle of a triangle straight inward to the surface. (Moeller & Trumbore 1997.)
 double way_inward(const Panels& panels, int from) {
   const Eigen::Vector3d& start = panels.centers[from];
   const Eigen::Vector3d way = -panels.normals[from];
@@ -47,8 +47,8 @@ double way_inward(const Panels& panels, int from) {
   return std::isfinite(shortest) ? shortest : std::cbrt(std::abs(panels.volume()));
 }
 
-// By the solid angle that the surface fills around the point: van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30,
-// 1983.
+// Decides by the solid angle that the surface fills around the point: van Oosterom & Strackee, IEEE Trans. Biomed. Eng.
+// 30, 1983.
 bool is_inside(const Panels& panels, const Eigen::Vector3d& point) {
   double halves = 0;
   for (int t = 0; t < panels.triangle_count(); ++t) {
@@ -65,8 +65,8 @@ Eigen::Vector3d middle_of_wall(const Original& original, int triangle) {
   return walls.centers[triangle] - original.thickness_m[triangle] / 2 * walls.normals[triangle];
 }
 
-// Where a thin wall bends more sharply than the triangles are long, they pass through each other, and rays leave the
-// body without meeting its other face. Such thicknesses are replaced by the median.
+// Where a thin wall bends more sharply than the triangles can follow, its faces pass through each other, and rays leave
+// the body without meeting the other face. Such thicknesses are replaced by the median.
 void mend_thickness(Original& original) {
   constexpr double kSuspect = 1.5;  // of the median
   std::vector<double> sorted = original.thickness_m;
@@ -78,7 +78,7 @@ void mend_thickness(Original& original) {
   }
 }
 
-// Nodes whose triangles all lie within 40 degrees of their mean.
+// The nodes all of whose triangles lie within 40 degrees of their mean normal.
 std::vector<bool> smooth_nodes(const Panels& panels, const std::vector<Eigen::Vector3d>& normals) {
   std::vector<bool> smooth(panels.node_count(), true);
   for (int t = 0; t < panels.triangle_count(); ++t) {
@@ -117,7 +117,7 @@ void keep_volume(const Original& original, const Panels& panels, mesh::TriangleM
   }
 }
 
-// A class's share of what is known on each image (V rows): the mean over the images, with the signs of the class.
+// A class's share of data given on each image (V rows): the mean over the images, with the signs of the class.
 template <class Columns>
 Columns class_share(const Skin& skin, int image_class, const std::vector<Columns>& by_image) {
   const int images = skin.panels.image_count();
@@ -130,12 +130,12 @@ Columns class_share(const Skin& skin, int image_class, const std::vector<Columns
   return share;
 }
 
-// First the flow through each image, then the classes from these.
+// Sums the flow through each image, then computes the classes' flow from these sums.
 void share_flow(const FlowSamples& samples, Skin& skin) {
   const SurfaceSearch search(skin.panels);
   const Eigen::Index modes = samples.flow.cols();
   const int images = skin.panels.image_count();
-  std::vector<Eigen::MatrixXf> by_mode(  // a sample's modes lie together
+  std::vector<Eigen::MatrixXf> by_mode(  // the modes of a sample are adjacent in memory
       images, Eigen::MatrixXf::Zero(modes, skin.panels.node_count()));
   const Eigen::MatrixXf flow = samples.flow.transpose();
   for (Eigen::Index s = 0; s < samples.positions.rows(); ++s) {
@@ -162,7 +162,7 @@ void add_source(const Eigen::Vector3d& inside, double k, const Eigen::Vector3d& 
   const bool divide = depth < 10 && longest > 0.4 * (center - inside).norm();
   std::array<Eigen::Vector3d, 3> middles;
   std::array<std::array<double, 3>, 3> at_middles{};
-  for (int e = 0; e < 3; ++e) {  // opposite of corner e
+  for (int e = 0; e < 3; ++e) {  // side opposite corner e
     middles[e] = (corners[(e + 1) % 3] + corners[(e + 2) % 3]) / 2;
     for (int i = 0; i < 3; ++i) at_middles[e][i] = (hats[(e + 1) % 3][i] + hats[(e + 2) % 3][i]) / 2;
   }
@@ -238,7 +238,7 @@ Result<Skin> skin_of(const Original& original, double side_m) {
   skin.side_m = side_m;
   for (int image = 0; image < skin.panels.image_count(); ++image) {
     skin.near.push_back(near_integrals(skin.panels, image));
-    std::vector<int>& zero = skin.zero_nodes.emplace_back();  // of the class of the same number
+    std::vector<int>& zero = skin.zero_nodes.emplace_back();  // nodes on which the class of this number is 0
     for (int n = 0; n < skin.panels.node_count(); ++n) {
       if ((skin.panels.planes_at(n) & image) != 0) zero.push_back(n);
     }
@@ -297,7 +297,7 @@ std::vector<double> shape_wavenumbers(const Skin& skin) {
   return wavenumbers;
 }
 
-// The source's flow through an image is that of the source's own image through the part.
+// The source's flow through an image equals the flow of the source's image through the part.
 Eigen::MatrixXcf source_flow(const Skin& skin, const Eigen::Vector3d& inside, double wavenumber_rad_m) {
   const Panels& panels = skin.panels;
   const int images = panels.image_count();

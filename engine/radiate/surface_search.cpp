@@ -8,9 +8,9 @@ namespace ringdown::radiate {
 namespace {
 
 constexpr double kFacing = 0.5;
-constexpr int kMaxCells = 96;  // along an axis
+constexpr int kMaxCells = 96;  // limit along each axis
 
-// The nearest point of a triangle. (Ericson, Real-Time Collision Detection, 2005, section 5.1.5.)
+// The point of a triangle nearest to p. (Ericson, Real-Time Collision Detection, 2005, section 5.1.5.)
 NearestPoint nearest_on(const Panels& panels, int triangle, const Eigen::Vector3d& p) {
   const Eigen::Vector3d a = panels.corner(triangle, 0), b = panels.corner(triangle, 1), c = panels.corner(triangle, 2);
   const auto place = [&](double u, double v, double w) {
@@ -72,8 +72,8 @@ std::size_t SurfaceSearch::number_of(int x, int y, int z) const {
   return (static_cast<std::size_t>(x) * count_[1] + y) * count_[2] + z;
 }
 
-// Shells of cells around the point's own, until what was found lies nearer than the next shell can. A triangle whose
-// circle around its centre lies farther away than what was found is passed over.
+// Searches shells of cells around the point's own cell, until the next shell cannot contain a nearer place. Skips a
+// triangle if the circle around its centre is farther than the best place so far.
 NearestPoint SurfaceSearch::nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
   const auto own = cell_of(point);
   NearestPoint facing, any;

@@ -1,4 +1,4 @@
-// The nearest place of a surface on the side that one looks at. [any thread, once made]
+// Finds the nearest place of a surface on the side with a given normal. [any thread, once made]
 #pragma once
 
 #include "engine/radiate/panels.h"
@@ -12,7 +12,7 @@ namespace ringdown::radiate {
 
 struct NearestPoint {
   int triangle = -1;
-  std::array<double, 3> weights{};  // of its corners, at least 0, sum 1
+  std::array<double, 3> weights{};  // weights of the triangle's corners: at least 0, sum 1
   Eigen::Vector3d at;
 };
 
@@ -21,8 +21,8 @@ class SurfaceSearch {
  public:
   explicit SurfaceSearch(const Panels& panels);
 
-  // Nearest among the triangles whose normal is within 60 degrees of `normal`: of a thin wall's two faces the right
-  // one. Where there is none within a cell's width of the nearest of all, that one.
+  // The nearest place among triangles whose normal is within 60 degrees of `normal`, which selects the right face of a
+  // thin wall. If that place is more than a cell's width farther than the nearest place of all, the latter.
   [[nodiscard]] NearestPoint nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
  private:
@@ -33,8 +33,8 @@ class SurfaceSearch {
   Eigen::Vector3d low_;
   double cell_ = 1;
   std::array<int, 3> count_{};
-  std::vector<std::vector<int>> triangles_;  // in each cell
-  std::vector<double> radii_;                // of the circle around each triangle's centre that holds it
+  std::vector<std::vector<int>> triangles_;  // triangles in each cell
+  std::vector<double> radii_;                // each triangle's largest distance from its centre
 };
 
 }  // namespace ringdown::radiate

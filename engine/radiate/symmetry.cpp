@@ -20,11 +20,11 @@ namespace ringdown::radiate {
 namespace {
 
 constexpr int kMaxSamples = 800;
-constexpr double kAlike = 0.03;  // relative difference of moments whose axes may lie anywhere in their plane
+constexpr double kAlike = 0.03;  // relative difference of two moments; below, their axes are arbitrary in their plane
 
 using Vector = Eigen::Vector3d;
 
-// How far the mirror image of a surface is from the surface.
+// Measures the distance of a surface's mirror image from the surface.
 class MirrorTrial {
  public:
   explicit MirrorTrial(const Panels& panels) : panels_(panels), search_(panels) {
@@ -47,7 +47,7 @@ class MirrorTrial {
   // The largest distance at which a plane counts.
   [[nodiscard]] double most() const { return most_; }
 
-  // Rms distance over the radius of a sphere of the same area. Infinite when it is far above most().
+  // Rms distance over the radius of a sphere of equal area. Infinite when far above most().
   [[nodiscard]] double distance(const Vector& normal) const {
     constexpr double kFar = 100;
     const double far = kFar * most_ * radius(), most = far * far * area_ / step_;
@@ -66,10 +66,10 @@ class MirrorTrial {
  private:
   [[nodiscard]] double radius() const { return std::sqrt(area_ / (4 * std::numbers::pi)); }
 
-  // How far flat triangles are from the curved surface that they stand for, rms: an arc of length h that turns by a
-  // small angle lies h / 8 times that angle above its chord.
+  // The rms distance of flat triangles from the curved surface that they approximate: an arc of length h that turns by
+  // a small angle lies h / 8 times that angle above its chord.
   [[nodiscard]] double roughness() const {
-    constexpr double kSharp = 0.7;  // [rad], from which on an angle is an edge of the body
+    constexpr double kSharp = 0.7;  // [rad]; larger angles are edges of the body
     std::vector<double> off(panels_.triangle_count(), 0);
     for (const Side& side : panels_.sides) {
       const double length = (panels_.nodes.row(side.nodes[0]) - panels_.nodes.row(side.nodes[1])).norm();
@@ -92,8 +92,8 @@ class MirrorTrial {
 };
 
 // Returns the normals of the few largest faces; opposite normals count as one. Directions are first sorted into the
-// cells of a grid. Where a face has triangles in several cells, its area is that of all triangles along the largest
-// cell's mean.
+// cells of a grid. If a face has triangles in several cells, its area is that of all triangles along the largest cell's
+// mean.
 std::vector<Vector> face_normals(const Panels& panels) {
   constexpr double kCosFace = 0.9998, kCell = 0.02;
   constexpr int kFaces = 6, kCells = 4 * kFaces;
@@ -126,7 +126,8 @@ std::vector<Vector> face_normals(const Panels& panels) {
   return largest;
 }
 
-// The best plane that contains the axis, and whose normal is within `half` [rad] of the one at `angle`.
+// The best mirror plane whose normal lies in the plane of `first` and `second`, within `half` [rad] of the normal at
+// `angle`.
 Vector best_around(const MirrorTrial& trial, const Vector& first, const Vector& second, double angle, double half) {
   const auto at = [&](double a) -> Vector { return std::cos(a) * first + std::sin(a) * second; };
   for (; half > 1e-4; half /= 2) {
@@ -164,7 +165,8 @@ std::vector<Vector> candidates(const MirrorTrial& trial) {
 
 }  // namespace
 
-// The best plane first, then the best among those perpendicular to it, which are made so exactly.
+// Chooses the best plane first, then the best among the planes perpendicular to it. These are made exactly
+// perpendicular.
 Symmetry symmetry_of(const mesh::TriangleMesh& surface) {
   Symmetry symmetry;
   const auto panels = panels_of(surface);
@@ -172,8 +174,7 @@ Symmetry symmetry_of(const mesh::TriangleMesh& surface) {
   const MirrorTrial trial(*panels);
   std::vector<Vector> normals, left = candidates(trial);
   while (normals.size() < 3) {
-    constexpr double kBetter =
-        0.8;  // so that of planes that are alike the first counts, where elements have their nodes
+    constexpr double kBetter = 0.8;  // of similar planes, the first is chosen, on which elements have their nodes
     double best = trial.most() / kBetter;
     Vector chosen = Vector::Zero();
     for (const Vector& normal : left) {

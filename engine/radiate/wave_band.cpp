@@ -14,12 +14,12 @@ namespace {
 
 constexpr int kFewWavenumbers = 3;
 
-// Nodes as three lists of coordinates, from their middle, whose lengths are made whole multiples of kLanes.
+// Nodes as three lists of coordinates, relative to their middle, padded to a multiple of kLanes.
 struct Places {
   std::array<std::vector<float>, 3> at;
 };
 
-// An image's nodes.
+// The nodes of an image.
 Places places_of(const mesh::Points& nodes, int mirrors, int image) {
   Eigen::RowVector3d center = nodes.colwise().mean();
   center.head(mirrors).setZero();
@@ -43,7 +43,7 @@ std::vector<Places> images_of(const Skin& skin) {
 
 [[gnu::always_inline]] inline void load(Lanes& lanes, const float* from) { std::memcpy(&lanes, from, sizeof lanes); }
 
-// Numbers that lie as pairs of real and imaginary part: eight of them in one Lanes, sixteen in two.
+// Sixteen complex numbers, stored as pairs of real and imaginary part, eight in each Lanes.
 struct Pairs {
   Lanes low, high;
 };
@@ -66,8 +66,8 @@ struct Pairs {
   pairs = {turned[0], turned[1]};
 }
 
-// One row of a sum of three matrices, turned by exp(i k R), R being the distance of `places` from `from`. `rows` may be
-// `out`.
+// Computes one row of a sum of three matrices, times exp(i k R); R is the distance of `places` from `from`. `rows` may
+// be `out`.
 RINGDOWN_CLONES
 void turn_row(const std::array<float, 3>& from, const Places& places, int nodes, float k,
               const std::array<const float*, 3>& rows, const std::array<float, 3>& weights, float* out) {
@@ -111,8 +111,8 @@ std::array<float, 3> place(const Places& places, int node) {
   return {places.at[0][node], places.at[1][node], places.at[2][node]};
 }
 
-// From one matrix for each image to one for each class: for each plane the sum and the difference of the images on its
-// two sides.
+// Converts one matrix per image to one per class: for each plane, the sum and the difference of the images on its two
+// sides.
 class ClassSums {
  public:
   explicit ClassSums(const Skin& skin)
@@ -169,7 +169,7 @@ void class_matrices(const Skin& skin, double wavenumber_rad_m, const std::vector
   for (int row = 0; row < skin.panels.node_count(); ++row) sums.add_row(row, matrices);
 }
 
-// Matrices at Chebyshev's three points of the band.
+// Prepares the matrices at the three Chebyshev points of the band.
 WaveBand::WaveBand(const Skin& skin, double lowest_rad_m, double highest_rad_m, int wavenumbers, int threads)
     : skin_(skin), middle_rad_m_((lowest_rad_m + highest_rad_m) / 2) {
   coupling_ = coupling_of(skin, middle_rad_m_);

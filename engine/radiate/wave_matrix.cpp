@@ -13,25 +13,25 @@
 namespace ringdown::radiate {
 namespace {
 
-// One node that a side gives weight to: the weights of the three components of the curl, and whether the node lies on
-// the side, so that its hat function counts there.
+// A side's share for one node: the weights of the three components of the curl, and whether the node lies on the side.
+// Otherwise the node's hat function is 0 on the side.
 struct Share {
   int side;
   float curl[3];
   bool on_side;
 };
 
-// Consecutive nodes as the place of y, with the sides around them: few enough that their kernels stay in the cache.
+// Consecutive nodes as points y, with the sides around them; few enough that their kernels stay in the cache.
 struct Sources {
   struct Place {
     float at[3];
     float normal[3];  // the weights of the normal's components for the hat function of a node on the side
-    float hat;        // and that of the hat function alone
+    float hat;        // the weight of the hat function alone
   };
-  int first = 0, last = 0;    // nodes, from and to before
-  std::vector<Place> places;  // of the sides
-  std::vector<int> begin;     // last - first + 1: where each node's shares begin
-  std::vector<Share> list;    // sides are positions in `places`
+  int first = 0, last = 0;    // range of nodes, `last` excluded
+  std::vector<Place> places;  // places of the sides
+  std::vector<int> begin;     // last - first + 1: first share of each node
+  std::vector<Share> list;    // shares; their sides are positions in `places`
 };
 constexpr int kNodesOfSources = 192;
 
@@ -63,7 +63,7 @@ Share share_of(const Panels& panels, int number, int position) {
 }
 
 std::vector<Sources> sources_of(const Panels& panels) {
-  std::vector<std::vector<std::pair<int, int>>> by_node(panels.node_count());  // side, and the node's position at it
+  std::vector<std::vector<std::pair<int, int>>> by_node(panels.node_count());  // side, node's position at it
   for (int s = 0; s < panels.side_count(); ++s) {
     for (int i = 0; i < 4; ++i) {
       if (panels.sides[s].nodes[i] >= 0) by_node[panels.sides[s].nodes[i]].emplace_back(s, i);
@@ -89,7 +89,7 @@ std::vector<Sources> sources_of(const Panels& panels) {
   return all;
 }
 
-// Sixteen sides as places of the point x; the last are repeated, with weight 0, to make up the number.
+// Sixteen sides as points x; the last side is repeated, with weight 0, to fill the block.
 struct alignas(64) Block {
   Lanes at[3];
   Lanes curl[4][3], normal[3];
@@ -108,7 +108,7 @@ Block block_of(const Panels& panels, int first) {
     }
     for (int i = 0; i < 4; ++i) {
       const Share share = share_of(panels, number, i);
-      block.nodes[i][lane] = std::max(0, panels.sides[number].nodes[i]);  // where there is none, with weight 0
+      block.nodes[i][lane] = std::max(0, panels.sides[number].nodes[i]);  // missing: node 0, weight 0
       for (int c = 0; c < 3; ++c) block.curl[i][c][lane] = real ? share.curl[c] : 0;
     }
   }
@@ -130,7 +130,7 @@ template <bool slopes>
     const Sources::Place& place = sources.places[s];
     const Lanes dx = block.at[0] - place.at[0], dy = block.at[1] - place.at[1], dz = block.at[2] - place.at[2];
     const Lanes r2 = dx * dx + dy * dy + dz * dz;
-    const LaneInts same = r2 == 0.0F;  // all bits, where the middles coincide
+    const LaneInts same = r2 == 0.0F;  // all bits set where the middles coincide
     Lanes root{};
     square_root(same ? Lanes{} + 1.0F : r2, root);
     const Lanes inverse = 1.0F / root;
@@ -152,7 +152,8 @@ template <bool slopes>
   }
 }
 
-// The sums of a block for a few columns, collected here so that each row of the matrix is visited once for all of them.
+// The sums of a block for a few columns, collected so that each row of the matrix is visited once for all of these
+// columns.
 struct Tile {
   Lanes re[4][kLanes], im[4][kLanes];
 };
@@ -178,7 +179,7 @@ struct Tile {
   }
 }
 
-// The columns of the sources for a block's rows.
+// Computes the columns of the sources for a block's rows.
 template <bool slopes>
 [[gnu::always_inline]] inline void add_block(const Block& block, const Sources& sources, int nodes, float k,
                                              const float* coupling, Kernels* kernels, Tile& tile, float* matrix) {
@@ -258,17 +259,18 @@ void add_jump(const Panels& panels, const std::vector<double>& coupling, Complex
 
 }  // namespace
 
-// A few hundred nodes at a time are the place of y, and for these sixteen sides at a time that of x. First G between
-// the sixteen and all sides around the nodes; then, node by node, its weighted sums over the node's sides, one for each
-// component of the curl and one for the normals; then what the sums give to the rows of the four nodes at each of the
-// sixteen, sixteen columns at a time.
+// A few hundred nodes at a time serve as y, and for these nodes, sixteen sides at a time serve as x. The first step
+// computes G between the sixteen sides and all sides around the nodes. The second step computes, node by node, the
+// weighted sums of G over the node's sides, one for each component of the curl and one for the normals. The third step
+// adds the contributions of these sums to the rows of the four nodes at each of the sixteen sides, sixteen columns at a
+// time.
 void wave_matrix(const Panels& part, int image, const NearIntegrals& near, double wavenumber_rad_m,
                  const std::vector<double>& coupling, ComplexMatrix& matrix, int threads) {
   const int nodes = part.node_count();
   matrix.setZero(nodes, nodes);
   const Eigen::Vector3d mean = part.nodes.colwise().mean().transpose();
   const Eigen::Vector3d center = (mean + image_of(mean, image)) / 2;
-  Panels centered = part, mirrored = image_of(part, image);  // single precision counts from the middle
+  Panels centered = part, mirrored = image_of(part, image);  // single precision: relative to the middle
   for (Side& side : centered.sides) side.middle -= center;
   for (Side& side : mirrored.sides) side.middle -= center;
   std::vector<Block> blocks;
@@ -277,7 +279,7 @@ void wave_matrix(const Panels& part, int image, const NearIntegrals& near, doubl
   const bool slopes = std::any_of(eta.begin(), eta.end(), [](float value) { return value != 0; });
   const std::vector<Sources> all = sources_of(mirrored);
   std::atomic<std::size_t> next{0};
-  in_parallel(threads, [&](int) {  // each writes to columns of its own
+  in_parallel(threads, [&](int) {  // each thread writes to its own columns
     Tile tile;
     std::vector<Kernels> kernels;
     for (std::size_t s = next++; s < all.size(); s = next++) {

@@ -10,11 +10,11 @@
 namespace ringdown::radiate {
 namespace {
 
-constexpr int kMinIterated = 1500;  // unknowns; fewer are eliminated
+constexpr int kMinIterated = 1500;  // unknowns; smaller matrices are eliminated
 constexpr int kMaxSteps = 80;
-constexpr double kMinPart = 1e-4;  // of a flow in a class, beside the whole; smaller ones are left out
-// The power's error falls with the square of the side or faster, and so halves or better from one grade to the next:
-// when half of the last step is added, no more than half a step is left.
+constexpr double kMinPart = 1e-4;  // of the whole flow; smaller parts in a class are left out
+// The power's error falls with the square of the side or faster, so it at least halves from one grade to the next.
+// After half of the last step is added, no more than half a step of error is left.
 constexpr double kExtrapolation = 0.5;  // of the step from the coarser skin to the finer
 
 // The memory for one matrix per class.
@@ -22,7 +22,7 @@ double matrix_bytes(const Skin& skin) {
   return 8.0 * skin.panels.image_count() * skin.panels.node_count() * skin.panels.node_count();
 }
 
-// For each class the right-hand sides of the equation: modes, and after them the sources.
+// The right-hand sides of the equation for each class: modes first, then the sources.
 std::vector<Eigen::MatrixXcf> flows_for(const WaveQuestion& question, const Skin& skin, bool with_sources) {
   const auto modes = static_cast<Eigen::Index>(question.modes.size());
   const auto sources = with_sources ? static_cast<Eigen::Index>(question.sources.size()) : 0;
@@ -39,8 +39,8 @@ std::vector<Eigen::MatrixXcf> flows_for(const WaveQuestion& question, const Skin
   return flows;
 }
 
-// A class's share of the right-hand sides: those that are not too small in it, and the residual to which each is
-// solved, so that it is kResidual of the whole flow.
+// A class's share of the right-hand sides: the numbers of those that are not too small in the class, and the residual
+// to which each is solved, so that the error is kResidual of the whole flow.
 struct ClassPart {
   std::vector<Eigen::Index> columns;
   std::vector<double> residuals;
@@ -68,7 +68,8 @@ struct ClassLayers {
   Eigen::MatrixXcf layers;
 };
 
-// The far fields of all right-hand sides, each the sum over its classes. The waves of the part serve all classes.
+// The far fields of all right-hand sides, each the sum over its classes. The waves of the part are computed once for
+// all classes.
 Eigen::MatrixXcd fields_of(const WaveQuestion& question, const Skin& skin, const std::vector<double>& coupling,
                            const Directions& directions, const std::vector<ClassLayers>& classes,
                            Eigen::Index columns) {
@@ -105,8 +106,8 @@ Eigen::VectorXd rms_of(const Directions& directions, const Eigen::MatrixXcd& fie
   return (fields.cwiseAbs2().transpose() * directions.weights / (4 * std::numbers::pi)).cwiseSqrt();
 }
 
-// The right-hand sides' layers, by the iteration and if that does not converge by elimination. Empty when `go_on`
-// returned false.
+// The layers of the right-hand sides, by iteration, or by elimination if the iteration does not converge. Empty when
+// `go_on` returned false.
 Eigen::MatrixXcf layers_of(ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const std::vector<double>& residuals,
                            const Preconditioner& precondition, const std::function<bool()>& go_on, bool& eliminated) {
   Eigen::MatrixXcf layers = iterate(matrix, flow, residuals, precondition, kMaxSteps, go_on);
@@ -116,7 +117,8 @@ Eigen::MatrixXcf layers_of(ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, 
   return layers;
 }
 
-// One class on the coarser skin, by the elimination at the middle wavenumber: at another wavenumber this preconditions.
+// Solves one class on the coarser skin with the elimination at the middle wavenumber, which serves as preconditioner at
+// other wavenumbers.
 Eigen::MatrixXcf coarse_layers(const Eigen::MatrixXcf& flow, const ClassPart& part, const LuFactors& middle,
                                ComplexMatrix* own_matrix, const std::function<bool()>& go_on) {
   if (own_matrix == nullptr) return middle.solve(flow);
@@ -140,7 +142,7 @@ Preconditioner on_finer(const Skin& fine, int image_class, const ComplexMatrix& 
 
 }  // namespace
 
-// The finer and the coarser matrices, the latter eliminated or not.
+// Counts the finer matrices, and the coarser ones twice: as they are and eliminated.
 double wave_memory_bytes(const Skin& skin) { return matrix_bytes(skin) * (1 + 0.25 + 0.25); }
 double band_memory_bytes(const Skin& skin) { return 3 * matrix_bytes(skin) * (1 + 0.25); }
 
@@ -162,9 +164,10 @@ Continuation continuation_of(const Skin& fine, const Skin& coarse) {
   return continuation;
 }
 
-// The coarser skin's iteration is preconditioned by its elimination at the middle wavenumber, that of the finer by the
-// sum of two parts: the same elimination, for all that the coarser skin can show, and the inverse of the diagonal for
-// the rest. Without taking the coarser skin's part out of that rest, a half to three quarters more steps were needed.
+// The coarser skin's iteration is preconditioned by its elimination at the middle wavenumber. The finer skin's
+// iteration is preconditioned by the sum of two parts: this elimination, for the part of a field that the coarser skin
+// can represent, and the inverse of the diagonal for the rest. Unless the coarser skin's part is removed from the rest,
+// a half to three quarters more steps are needed.
 bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, WaveMemory& memory,
             const std::function<bool()>& go_on,
             const std::function<void(const WaveQuestion&, const WaveAnswer&)>& keep) {
@@ -187,7 +190,7 @@ bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, W
     for (std::size_t c = 0; c < parts.size(); ++c) {
       const ClassPart& part = parts[c];
       const auto own_class = static_cast<int>(c);
-      const auto own_modes = std::lower_bound(part.columns.begin(), part.columns.end(), modes);  // without the sources
+      const auto own_modes = std::lower_bound(part.columns.begin(), part.columns.end(), modes);  // no sources
       if (own_modes != part.columns.begin()) {
         const std::vector<Eigen::Index> columns(part.columns.begin(), own_modes);
         ComplexMatrix* const own_matrix = questions.size() > 1 ? &memory.coarse[c] : nullptr;
@@ -238,7 +241,8 @@ Eigen::VectorXd rms_on(const WaveQuestion& question, const Skin& skin, WaveMemor
   for (std::size_t c = 0; c < parts.size(); ++c) {
     const std::vector<Eigen::Index>& columns = parts[c].columns;
     if (columns.empty()) continue;
-    solved.push_back({static_cast<int>(c), columns, LuFactors(memory.factors[c]).solve(flows[c](Eigen::all, columns))});
+    solved.push_back(
+        {static_cast<int>(c), columns, LuFactors(memory.factors[c]).solve(flows[c](Eigen::all, columns))});
   }
   return rms_of(directions, fields_of(question, skin, coupling, directions, solved, flows[0].cols()));
 }

@@ -18,8 +18,8 @@ void cgetrs_(const char* transposed, const int* size, const int* columns, const 
 namespace ringdown::radiate {
 namespace {
 
-// One right-hand side of GMRES (Saad & Schultz 1986) of the preconditioned system. The Hessenberg matrix becomes a
-// triangle by one rotation for each step, and the residual is what is left of the right-hand side below it.
+// One right-hand side of GMRES (Saad & Schultz 1986) for the preconditioned system. One rotation per step makes the
+// Hessenberg matrix triangular, and the residual is the part of the right-hand side below the triangle.
 struct Krylov {
   using Complex = std::complex<double>;
   std::vector<Eigen::VectorXcf> basis;
@@ -74,10 +74,10 @@ struct Krylov {
 
 }  // namespace
 
-// LAPACK counts by columns and so sees the transposed matrix.
+// LAPACK stores matrices by columns, so it sees the transposed matrix.
 LuFactors::LuFactors(ComplexMatrix& matrix) : factors_(matrix), pivots_(factors_.rows()) {
   const int size = static_cast<int>(factors_.rows());
-  int info = 0;  // above 0: a pivot is exactly 0, which rounding forbids
+  int info = 0;  // above 0: a pivot is exactly 0, which rounding rules out
   cgetrf_(&size, &size, factors_.data(), &size, pivots_.data(), &info);
 }
 
@@ -90,8 +90,9 @@ Eigen::MatrixXcf LuFactors::solve(Eigen::MatrixXcf right) const {
 
 namespace {
 
-// Complex numbers as pairs of floats: once as they are with the imaginary parts negated, whose product with a row, pair
-// by pair, sums up to the real part of the complex product, and once with the parts exchanged, for the imaginary part.
+// Complex numbers as pairs of floats, stored twice. The first copy has negated imaginary parts; its products with a
+// row, pair by pair, sum up to the real part of the complex product. The second copy has the parts exchanged and gives
+// the imaginary part.
 struct Columns {
   std::vector<float> real, imaginary;
 };
@@ -174,7 +175,7 @@ void multiply_all(const float* matrix, Eigen::Index nodes, const float* real, co
 
 }  // namespace
 
-// The matrix is read once for four columns, which is what the time goes into.
+// The matrix is read once for four columns, because reading it takes most of the time.
 Eigen::MatrixXcf multiply(const ComplexMatrix& matrix, const Eigen::MatrixXcf& columns) {
   constexpr int kAtOnce = 4;
   const Eigen::Index nodes = matrix.rows(), stride = (2 * nodes + kLanes - 1) / kLanes * kLanes;

@@ -1,4 +1,4 @@
-// Solves the equation of one wavenumber for a few or many right-hand sides. [worker]
+// Solves the equation of one wavenumber for any number of right-hand sides. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -11,8 +11,8 @@
 
 namespace ringdown::radiate {
 
-// A matrix taken apart by elimination with pivots, in its own memory and in single precision: 8/3 V^3 operations.
-// Keeps a reference to the matrix, which then holds the factors.
+// Factors a matrix by elimination with pivots, in place and in single precision: 8/3 V^3 operations. Keeps a reference
+// to the matrix, which then holds the factors.
 class LuFactors {
  public:
   explicit LuFactors(ComplexMatrix& matrix);
@@ -28,9 +28,10 @@ Eigen::MatrixXcf multiply(const ComplexMatrix& matrix, const Eigen::MatrixXcf& c
 
 inline constexpr double kResidual = 3e-5;  // relative, of the preconditioned equation
 
-// The layers (V x M) for given flows, by GMRES to a residual for each. All right-hand sides are advanced in step,
-// so that the matrix is read once for all of them. `precondition` returns nearly the solutions for right-hand sides, by
-// a linear map. Empty when `max_steps` do not suffice, or when `go_on`, asked between steps, returns false.
+// Finds the layers (V x M) for given flows by GMRES, each to its own residual. All right-hand sides advance in step, so
+// the matrix is read once for all of them. `precondition` is a linear map that returns approximate solutions for
+// right-hand sides. Returns an empty matrix when `max_steps` do not suffice, or when `go_on`, called between steps,
+// returns false.
 using Preconditioner = std::function<Eigen::MatrixXcf(const Eigen::MatrixXcf&)>;
 Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow,
                          const std::vector<double>& residuals, const Preconditioner& precondition, int max_steps,

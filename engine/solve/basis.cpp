@@ -6,7 +6,7 @@
 namespace ringdown::solve {
 namespace {
 
-constexpr Eigen::Index kChunk = 384;  // unknowns at a time: their part of x stays in the first cache
+constexpr Eigen::Index kChunk = 384;  // unknowns at a time, so that their part of x stays in the first cache
 
 // Calls act(first unknown, number of unknowns) for each chunk of this member's share.
 template <class Do>

@@ -9,7 +9,7 @@
 
 namespace ringdown::solve {
 
-// The operations of lanes.h on all unknowns, which the team divides among its threads.
+// The operations of lanes.h on all unknowns, shared among the team's threads.
 Small inner_products(Team& team, const Block& y, const Block& x);
 void combine_in_place(Team& team, const Small& factors, Block& x);
 void copy(Team& team, const Block& from, Block& to);
@@ -21,10 +21,10 @@ class Basis {
   void append(const Block& block);
   [[nodiscard]] int size() const { return kWidth * static_cast<int>(blocks_.size()); }
 
-  // size() x kWidth: inner products of every vector with the block's.
+  // Inner products of every vector of the basis with those of the block: size() x kWidth.
   [[nodiscard]] Eigen::MatrixXd inner_products(const Block& x) const;
 
-  // x -= (V factors)^T, factors of size() x kWidth.
+  // x -= (V factors)^T, for factors of size() x kWidth.
   void subtract_combination(const Eigen::MatrixXd& factors, Block& x) const;
 
   // x -= (V_b factors)^T, for the vectors V_b of block number `block`.
@@ -38,7 +38,7 @@ class Basis {
 
   Team& team_;
   Eigen::Index unknowns_ = 0;
-  std::vector<Numbers> blocks_;  // the numbers of each in the layout of Block
+  std::vector<Numbers> blocks_;  // blocks of vectors, each in the layout of Block
 };
 
 }  // namespace ringdown::solve

@@ -1,10 +1,10 @@
-// How the iteration goes.
+// The iteration, step by step.
 //
-// step() multiplies the last block by the operator, takes out what lies in the basis and in the locked vectors, and
-// makes the remainder M-orthonormal: it is the next block. The coefficients form the block tridiagonal projection of
-// the operator. Now and then decompose() finds the projection's eigenvalues, the Ritz values; their residuals are read
-// from the last rows of the eigenvectors. harvest() walks from the shift outwards, to either side, as long as Ritz
-// values have converged. The iteration ends when the window is complete or the basis is full.
+// step() multiplies the last block by the operator and makes the result M-orthogonal to the basis and the locked
+// vectors, then M-orthonormal: this is the next block. The coefficients form the block tridiagonal projection of the
+// operator. At intervals decompose() finds the projection's eigenvalues, the Ritz values; their residuals follow from
+// the last rows of the eigenvectors. harvest() walks from the shift outwards, to either side, as long as Ritz values
+// have converged. The iteration ends when the window is complete or the basis is full.
 #include "engine/solve/block_lanczos.h"
 
 #include "engine/dense/decompositions.h"
@@ -28,8 +28,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Returns the eigenvalues in ascending order and replaces `matrix`, of which the lower triangle is read, by the
-// eigenvectors. LAPACK's divide and conquer takes a fifth of the time of Eigen's QR on 400 rows.
+// Returns the eigenvalues in ascending order and replaces `matrix` by the eigenvectors. Only the lower triangle of
+// `matrix` is read. LAPACK's divide and conquer takes a fifth of the time of Eigen's QR on 400 rows.
 VectorXd eigen_decompose(MatrixXd& matrix) {
   const int n = static_cast<int>(matrix.rows());
   VectorXd values(n);
@@ -85,7 +85,8 @@ class Iteration {
     ++stepped_;
   }
 
-  // Eigenpairs of the projection: Ritz values theta and how far each is from an eigenvalue of the operator.
+  // Finds the eigenpairs of the projection: Ritz values theta, and the distance of each from an eigenvalue of the
+  // operator.
   void decompose() {
     vectors_ = projected_.topLeftCorner(size(), size());
     theta_ = eigen_decompose(vectors_);
@@ -95,7 +96,7 @@ class Iteration {
   [[nodiscard]] double lambda(int i) const { return factors_.sigma() + 1 / theta_[i]; }
   [[nodiscard]] bool converged(int i) const { return residual_[i] <= window_.tolerance * std::abs(theta_[i]); }
 
-  // V s + (next block) (coupling s) / theta: the Ritz vector multiplied by the operator once more, which needs no
+  // Returns V s + (next block) (coupling s) / theta: each Ritz vector multiplied by the operator once more, without a
   // solve.
   [[nodiscard]] MatrixXd shapes(const std::vector<int>& which) const {
     MatrixXd inside(size(), which.size()), outside(kWidth, which.size());
@@ -136,8 +137,9 @@ class Iteration {
     std::swap(mass_last_, mass_next_);
   }
 
-  // Takes the basis and the locked vectors out of a block; returns the coefficients of the basis. Repeats that while a
-  // pass took a large share away, because rounding then leaves too much (Daniel, Gragg, Kaufman & Stewart 1976).
+  // Makes a block M-orthogonal to the basis and the locked vectors; returns the coefficients of the basis. Repeats the
+  // pass while it removes a large share of the block, because rounding then leaves too much (Daniel, Gragg, Kaufman &
+  // Stewart 1976).
   MatrixXd orthogonalize(Block& block) {
     MatrixXd total = MatrixXd::Zero(size(), kWidth);
     for (int pass = 0; pass < 3; ++pass) {
@@ -199,7 +201,7 @@ class Iteration {
       }
     }
     orthogonalize(next_);
-    // The good directions are made orthonormal first, so that they stay what `factor` says.
+    // The good directions are made orthonormal first, so that `factor` still describes them.
     for (int i = kWidth - 1; i >= 0; --i) {
       for (int pass = 0; pass < 2; ++pass) {
         system_.times_mass(next_, mass_next_);
@@ -221,7 +223,7 @@ class Iteration {
   const Window& window_;
   std::mt19937_64 random_;
   Basis basis_, locked_, mass_locked_;
-  MatrixXd projected_;  // of the operator; lower triangle
+  MatrixXd projected_;  // the operator's projection; lower triangle
   Block next_;          // the block that follows the basis
   Block mass_last_, mass_next_;
   Small coupling_ = Small::Zero();
@@ -230,8 +232,8 @@ class Iteration {
   VectorXd theta_, residual_;
 };
 
-// The converged Ritz values of a window, ascending in lambda. On either side of the shift the first that has not
-// converged ends them.
+// The converged Ritz values of a window, ascending in lambda. On either side of the shift they end at the first value
+// that has not converged.
 struct Harvest {
   std::vector<int> found;
   bool complete = false;

@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "ringdown-modes-slepc";
-constexpr int kRigidRoom = 600;  // the program cannot tell rigid motions; solve_modes() counts again without them
+constexpr int kRigidRoom = 600;  // the program also counts rigid motions; solve_modes() counts again without them
 
-// A symmetric matrix is the same column by column and row by row.
+// Views the columns of a symmetric matrix as its rows.
 SparseView view_of(const fem::SparseMatrix& matrix) {
   const auto rows = static_cast<std::size_t>(matrix.rows()), entries = static_cast<std::size_t>(matrix.nonZeros());
   return {{matrix.outerIndexPtr(), rows + 1}, {matrix.innerIndexPtr(), entries}, {matrix.valuePtr(), entries}};
@@ -35,8 +35,8 @@ Result<void> write_system(const fs::path& path, const fem::System& system, const
   return write_problem(path, header, view_of(stiffness), view_of(system.node_mass));
 }
 
-// mpirun counts cores and will not start more processes than that, nor anything for root, unless told to. Processes are
-// many already, so each has one thread.
+// Without these options and variables, mpirun starts no more processes than there are cores, and nothing for root. Each
+// process has one thread, because there are already many processes.
 ChildRequest command_for(const fs::path& program, const DistributedRun& run) {
   ChildRequest child;
   child.environment = {{"OPENBLAS_NUM_THREADS", "1"}, {"OMP_NUM_THREADS", "1"}};
@@ -51,7 +51,7 @@ ChildRequest command_for(const fs::path& program, const DistributedRun& run) {
   return child;
 }
 
-// Lines of the program are "STAGE FRACTION".
+// Reads the program's lines, which are "STAGE FRACTION".
 struct Watcher {
   const Progress& progress;
   std::string stage = "factors";
@@ -66,7 +66,7 @@ struct Watcher {
   [[nodiscard]] bool go_on() const { return !progress || progress(stage, fraction); }
 };
 
-// The reason of a failure: the program's own line of output, otherwise the last line of any.
+// The reason of a failure: the program's own error line, or else the last line of output.
 std::string reason_of(const ChildOutcome& outcome) {
   const std::string mark = std::string(kProgram) + ": ";
   const std::size_t said = outcome.errors.find(mark);

@@ -1,6 +1,6 @@
-// Modes by SLEPc over MPI: the program ringdown-modes-slepc, run as several processes, on several machines where
-// mpirun is told to (its hostfile, or a batch system it knows). Private to engine/solve, and for the benchmark, which
-// hands the program other options. [worker]
+// Finds modes by SLEPc over MPI, with the program ringdown-modes-slepc. It runs as several processes, on several
+// machines if mpirun is configured for them (by its hostfile, or by a batch system it knows). Private to engine/solve,
+// and for the benchmark, which hands the program other options. [worker]
 //
 // Only the first process reads and writes files; they lie in a private folder below TMPDIR.
 #pragma once
@@ -16,8 +16,8 @@ namespace ringdown::solve {
 
 struct DistributedRun {
   int processes = 2;                 // 1: without mpirun
-  std::vector<std::string> options;  // of the program, after the names of the two files; ringdown-modes-slepc --help
-  double limit_s = 0;                // wall time of the program; 0: none
+  std::vector<std::string> options;  // options of the program after the two file names; see ringdown-modes-slepc --help
+  double limit_s = 0;                // limit of the program's wall time; 0: none
 };
 
 struct DistributedModes {
@@ -25,7 +25,7 @@ struct DistributedModes {
   ChildOutcome run;
 };
 
-// Fails with one sentence: the program or mpirun is not there, or what the program said. Throws Cancelled.
+// Fails with one sentence when the program or mpirun is missing, or with the program's own message. Throws Cancelled.
 Result<DistributedModes> run_distributed(const fem::System& system, const EigenRequest& request,
                                          const DistributedRun& run, const Progress& progress);
 

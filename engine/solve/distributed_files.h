@@ -1,9 +1,9 @@
 // The two files between solve_modes() and ringdown-modes-slepc: a problem goes out, modes come back. [any thread]
 //
-// Private to one run on one kind of machine, so numbers lie as in memory. K and M have all their rows whole (both
-// triangles), row by row, so that each process can be given its own rows; M is the N x N node matrix (fem::System).
-// Files are written under another name and renamed when whole; sizes are checked against the file's before anything
-// is allocated. Shared with the program, which knows neither Eigen nor the mesh.
+// The files are private to one run on one kind of machine, so numbers are stored as in memory. K and M are stored with
+// whole rows (both triangles), row by row, so that each process can be given its own rows; M is the N x N node matrix
+// (fem::System). Files are written under another name and renamed when complete. Sizes are checked against the file's
+// size before memory is allocated. The program shares this code; it knows neither Eigen nor the mesh.
 #pragma once
 
 #include "engine/base/result.h"
@@ -45,23 +45,23 @@ struct SparseRows {
   std::vector<double> values;
 };
 
-// A whole matrix in someone else's arrays.
+// A whole matrix in arrays that the caller owns.
 struct SparseView {
   std::span<const int> starts, columns;
   std::span<const double> values;
 };
 
-// Fails with a sentence when the disk is full or the folder is not ours.
+// Fails with a sentence when the disk is full or the folder is not writable.
 Result<void> write_problem(const std::filesystem::path& path, const ProblemHeader& header, const SparseView& stiffness,
                            const SparseView& mass);
 
 class ProblemFile {
  public:
-  // Fails when it is not such a file or not whole.
+  // Fails when the file is not a problem file or is not complete.
   static Result<ProblemFile> open(const std::filesystem::path& path);
 
   [[nodiscard]] const ProblemHeader& header() const { return header_; }
-  // Rows first ... first + count - 1; fails when the file cannot be read or a number in it cannot be.
+  // Rows first ... first + count - 1; fails when the file cannot be read or contains an impossible number.
   Result<SparseRows> stiffness_rows(std::int64_t first, std::int64_t count);
   Result<SparseRows> mass_rows(std::int64_t first, std::int64_t count);
 
@@ -72,7 +72,7 @@ class ProblemFile {
   ProblemHeader header_;
 };
 
-// Shapes come mode by mode, 3N numbers each, from `shape(m)`.
+// Writes the modes. `shape(m)` returns the 3N numbers of mode m.
 Result<void> write_modes(const std::filesystem::path& path, const ModesHeader& header, std::span<const double> lambda,
                          const std::function<std::span<const double>(std::int64_t mode)>& shape);
 

@@ -21,30 +21,21 @@
 namespace ringdown::solve {
 namespace {
 
-struct Name {
-  Method method;
-  std::string_view name;
-};
-
-constexpr std::array kNames = {Name{Method::kAutomatic, "auto"}, Name{Method::kDense, "dense"},
-                               Name{Method::kSpectra, "spectra"}, Name{Method::kBlockLanczos, "block"},
-                               Name{Method::kSlepc, "slepc"}};
-
-constexpr int kSmallProblem = 300;     // unknowns; up to here, dense algebra is quicker and sure
-constexpr int kDenseAtMost = 4000;     // unknowns; below, dense algebra is quicker when a quarter of all is wanted
+constexpr int kSmallProblem = 300;     // unknowns; up to this number, dense algebra is quicker and always succeeds
+constexpr int kDenseAtMost = 4000;     // unknowns; below, dense algebra is quicker if a quarter of all is wanted
 constexpr int kOneThread = 3000;       // unknowns; below, threads would mostly wait for each other
-constexpr double kSecondShift = 0.25;  // of the top, for a second opinion where a method leaves no factorization
+constexpr double kSecondShift = 0.25;  // of the top; shift of a second opinion when a method leaves no factorization
 
-// kAutomatic takes Spectra for systems of at most these numbers of unknowns and of modes below the top. The table was
-// read from the times in docs/how/eigensolver.md.
+// kAutomatic chooses Spectra for systems with at most these numbers of unknowns and of modes below the top. The table
+// follows from the times in docs/how/eigensolver.md.
 struct QuickBySpectra {
   Eigen::Index unknowns;
   int modes;
 };
 constexpr std::array kQuickBySpectra = {QuickBySpectra{2000, 80}, QuickBySpectra{3000, 60}, QuickBySpectra{10000, 24}};
 
-// Rounding leaves a rigid motion with lambda of about 1e-16 of the largest eigenvalue of the mesh, which the largest
-// ratio of diagonal entries estimates. The limit stays far below the band (a few Hz to 60 Hz under 20 kHz), so that a
+// Rounding leaves a rigid motion with a lambda of about 1e-16 of the mesh's largest eigenvalue, which is estimated by
+// the largest ratio of diagonal entries. The limit stays far below the band (a few Hz to 60 Hz under 20 kHz), so that a
 // mesh with a few very bad elements does not make sounding modes look rigid.
 double rigid_limit(const fem::System& system, double highest_lambda) {
   double stiffest = 0;
@@ -65,7 +56,7 @@ Error too_many_modes(const EigenRequest& request) {
                                     " modes lie in the band; narrow the band or allow more modes"};
 }
 
-// The number of modes is the one counted at the top, so the choice is the same on every machine.
+// `modes` is the number counted at the top, so the choice is the same on every machine.
 Method choose(Method wanted, Eigen::Index unknowns, int modes) {
   if (wanted == Method::kDense) return wanted;
   if (4 * Eigen::Index{modes} > unknowns && unknowns < kDenseAtMost) return Method::kDense;
@@ -91,8 +82,8 @@ Result<Eigenmodes> solve_dense(const fem::System& system) {
 }
 
 // One solve. The factorization at the top counts the modes, a method finds them, and the number found is compared with
-// the count. The second opinion is asked at the top and at one more shift, each time while the pencil is factored
-// there.
+// the count. The second opinion is asked at the top and at one more shift, each time while the pencil is factored at
+// this shift.
 class Solve {
  public:
   Solve(const fem::System& system, const EigenRequest& request, const Progress& progress)
@@ -145,7 +136,7 @@ Result<Eigenmodes> Solve::find(Method method, const Count& top) {
   return solve_dense(system_);
 }
 
-// Keeps the modes below the top that was asked for: the top that was counted may have moved above it.
+// Keeps the modes below the requested top. The top at which modes were counted may have moved above it.
 Result<void> Solve::finish(Eigenmodes& modes) {
   const Eigen::Index count = modes.counted = count_below(modes.lambda, request_.highest_lambda);
   modes.lambda.conservativeResize(count);
@@ -193,21 +184,6 @@ Result<Eigenmodes> Solve::run() {
 }
 
 }  // namespace
-
-std::string_view method_name(Method method) {
-  for (const Name& entry : kNames) {
-    if (entry.method == method) return entry.name;
-  }
-  return "";
-}
-
-Result<Method> parse_method(std::string_view name) {
-  for (const Name& entry : kNames) {
-    if (entry.name == name) return entry.method;
-  }
-  return fail(ErrorKind::bad_input,
-              "there is no solver " + quote(name) + "; choose auto, dense, spectra, block or slepc");
-}
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();

@@ -1,10 +1,10 @@
-// How the order is found.
+// The search for the order, step by step.
 //
 // 1. METIS orders the mesh's nodes by nested dissection.
 // 2. The elimination tree of that order is numbered in postorder, so that subtrees are runs of columns.
 // 3. Neighbouring columns with one pattern below the diagonal form fundamental supernodes.
-// 4. Children join their parents where that stores few zeros: larger dense blocks are worth a few.
-// 5. Whole subtrees are dealt to the parts, a thread each, and the crown above them is numbered last.
+// 4. Children join their parents where that stores few zeros, because larger dense blocks are worth a few zeros.
+// 5. Whole subtrees are dealt to the parts, one part per thread, and the crown above them is numbered last.
 #include "engine/solve/elimination.h"
 
 #include "engine/solve/tiles.h"
@@ -18,7 +18,7 @@
 namespace ringdown::solve {
 namespace {
 
-// Neighbours of each node, without itself.
+// The neighbours of each node, without the node itself.
 struct Graph {
   std::vector<idx_t> first{0}, neighbors;
   [[nodiscard]] int size() const { return static_cast<int>(first.size()) - 1; }
@@ -83,7 +83,7 @@ std::vector<std::vector<int>> children_of(const std::vector<int>& parent) {
   return children;
 }
 
-// Every vertex after its children, subtrees together.
+// Numbers every vertex after its children and keeps subtrees together.
 std::vector<int> postorder(const std::vector<int>& parent) {
   const auto children = children_of(parent);
   std::vector<int> order, stack, visited(parent.size(), 0);
@@ -108,7 +108,7 @@ std::vector<Supernode> fundamental_supernodes(const Graph& graph, const std::vec
   const std::vector<int> new_of = inverse(old_of), parent = elimination_tree(graph, old_of);
   const auto children = children_of(parent);
   const int count = graph.size();
-  std::vector<std::vector<int>> pattern(count);  // of a column; emptied when its parent has taken it
+  std::vector<std::vector<int>> pattern(count);  // pattern of each column; emptied when the parent has taken it over
   std::vector<int> marked_by(count, -1), supernode_of(count, -1);
   std::vector<Supernode> nodes;
   for (int i = 0; i < count; ++i) {
@@ -141,16 +141,16 @@ std::vector<Supernode> fundamental_supernodes(const Graph& graph, const std::vec
   return nodes;
 }
 
-// Whether a supernode of so many node columns, a share of whose entries would be stored zeros, is worth its larger
-// blocks.
+// Returns whether larger blocks outweigh the stored zeros, for a supernode with this many node columns and this share
+// of zeros.
 bool worth_joining(double columns, double zero_share) {
   if (columns <= 6) return zero_share < 0.8;
   if (columns <= 16) return zero_share < 0.3;
   return zero_share < 0.08;
 }
 
-// Children join their parents where few zeros come in. Returns the members of each supernode that is left, in an order
-// in which children precede parents.
+// Joins children with their parents where that adds few zeros. Returns the members of each remaining supernode;
+// children precede parents.
 std::vector<std::vector<int>> join_children(const std::vector<Supernode>& nodes) {
   const int count = static_cast<int>(nodes.size());
   std::vector<int> parent(count), columns(count);
@@ -160,7 +160,7 @@ std::vector<std::vector<int>> join_children(const std::vector<Supernode>& nodes)
     parent[s] = nodes[s].parent, columns[s] = nodes[s].columns, members[s] = {s};
     if (parent[s] >= 0) children[parent[s]].push_back(s);
   }
-  for (int p = 0; p < count; ++p) {  // children are final when their parent's turn comes
+  for (int p = 0; p < count; ++p) {  // children are final before their parent is visited
     std::vector<int> family = std::move(children[p]);
     std::stable_sort(family.begin(), family.end(),
                      [&](int a, int b) { return nodes[a].rows.size() > nodes[b].rows.size(); });
@@ -187,8 +187,8 @@ double flops_of(double pivots, double below) {
   return pivots * pivots * pivots / 3 + pivots * pivots * below + pivots * below * below;
 }
 
-// Deals whole subtrees to the parts, the largest first to the part with least so far, and splits a subtree while it is
-// more than 0.4 of a part's work. Returns the part of each supernode, `parts` for the crown.
+// Deals whole subtrees to the parts, the largest first, each to the part with the least work so far. A subtree with
+// more than 0.4 of a part's work is split. Returns the part of each supernode, `parts` for the crown.
 std::vector<int> deal(const std::vector<int>& parent, const std::vector<double>& work, int parts) {
   const auto children = children_of(parent);
   std::vector<double> subtree(work);
@@ -242,7 +242,7 @@ Elimination plan_elimination(const fem::System& system, int parts) {
   std::vector<Supernode> nodes = fundamental_supernodes(graph, old_of);
   const std::vector<std::vector<int>> members = join_children(nodes);
 
-  // The tree of the supernodes that are left, numbered in postorder; the crown goes to the end.
+  // The tree of the remaining supernodes is numbered in postorder; the crown goes to the end.
   const auto count = static_cast<int>(nodes.size());
   std::vector<int> joined_into(count), parent(count, -1);
   for (int s = 0; s < count; ++s) {

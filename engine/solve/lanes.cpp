@@ -29,7 +29,7 @@ void add_inner_products(const double* y, const double* x, std::ptrdiff_t unknown
 
 RINGDOWN_CLONES
 void subtract_combination(const double* y, const Small& factors, double* x, std::ptrdiff_t unknowns) {
-  const Small by_vector = factors.transpose();  // column i: what vector i of y adds to each of x
+  const Small by_vector = factors.transpose();  // column i: the factors of y's vector i in each vector of x
   Lanes columns[kWidth];
   for (int i = 0; i < kWidth; ++i) columns[i] = *lanes(by_vector.data(), i);
   for (std::ptrdiff_t u = 0; u < unknowns; ++u) {

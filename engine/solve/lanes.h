@@ -1,4 +1,4 @@
-// Blocks of kWidth vectors, side by side, and the arithmetic on them. Private to engine/solve. [any thread]
+// Blocks of kWidth vectors, side by side, and arithmetic on blocks. Private to engine/solve. [any thread]
 //
 // Entry (unknown u, vector v) of a block is stored at [u * kWidth + v], so that a few wide instructions process one
 // unknown of all vectors. RINGDOWN_CLONES compiles a function for several instruction sets; the loader chooses the one
@@ -10,7 +10,7 @@
 namespace ringdown::solve {
 
 inline constexpr int kWidth = 8;
-using Block = Eigen::Matrix<double, kWidth, Eigen::Dynamic>;  // kWidth x 3N: a column for each unknown
+using Block = Eigen::Matrix<double, kWidth, Eigen::Dynamic>;  // kWidth x 3N: one column per unknown
 using Small = Eigen::Matrix<double, kWidth, kWidth>;
 
 #if defined(__x86_64__) && defined(__gnu_linux__)
@@ -26,11 +26,11 @@ inline const Lanes* lanes(const double* x, std::ptrdiff_t unknown = 0) {
   return reinterpret_cast<const Lanes*>(x + unknown * kWidth);
 }
 
-// y x^T: inner products of all vectors of y with all of x, over `unknowns`, added to `sum` (column-major, y's vectors
-// down).
+// Adds y x^T to `sum`: the inner products of all vectors of y with all of x, over `unknowns` (column-major, one row per
+// vector of y).
 void add_inner_products(const double* y, const double* x, std::ptrdiff_t unknowns, Small& sum);
 
-// x -= factors^T y: takes combinations of y's vectors out of x.
+// x -= factors^T y: subtracts combinations of y's vectors from x.
 void subtract_combination(const double* y, const Small& factors, double* x, std::ptrdiff_t unknowns);
 
 // x := factors x.

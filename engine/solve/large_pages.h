@@ -1,7 +1,7 @@
-// An allocator that puts large arrays on pages of 2 MiB, where the system has them. [any thread]
+// An allocator that puts large arrays on pages of 2 MiB if the system has them. [any thread]
 //
 // A solve reads hundreds of megabytes in order. On pages of 4 KiB the processor waits for a page table entry after
-// every 64 cache lines. Numbers are not set to zero when a vector grows.
+// every 64 cache lines. A growing vector does not set its new numbers to zero.
 #pragma once
 
 #include <cstddef>

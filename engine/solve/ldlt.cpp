@@ -1,10 +1,10 @@
-// How the multifrontal method goes.
+// The multifrontal method, step by step.
 //
 // Supernodes are factored one after the other, children before parents. Each has a front, the dense matrix of its own
 // columns and of the rows below them. assemble() fills the front with the entries of K - sigma M in the supernode's
-// columns, take_update() adds what each child left, and eliminate() factors the columns by panels of kPanel pivots.
-// The rest below the pivots is the Schur complement, which keep_update() puts on a stack for the parent. The
-// columns of L are stored as tiles (tiles.h), in the order in which the triangular solves read them.
+// columns, take_update() adds the update that each child left, and eliminate() factors the columns by panels of kPanel
+// pivots. The block below the pivots then holds the Schur complement, which keep_update() puts on a stack for the
+// parent. The columns of L are stored as tiles (tiles.h), in the order in which the triangular solves read them.
 #include "engine/solve/ldlt.h"
 
 #include "engine/solve/methods.h"
@@ -17,10 +17,10 @@
 namespace ringdown::solve {
 namespace {
 
-constexpr int kPanel = 48;     // pivots eliminated between products of matrices
-constexpr int kColumns = 128;  // of an update computed at once; the products above the diagonal are wasted
+constexpr int kPanel = 48;     // pivots eliminated between two products of matrices
+constexpr int kColumns = 128;  // columns of an update computed at once; the products above the diagonal are wasted
 
-// L D L^T of the lower triangle of a small matrix, in place.
+// Factors the lower triangle of a small matrix as L D L^T, in place.
 bool eliminate_small(double* a, int size, int stride, double* diagonal) {
   for (int c = 0; c < size; ++c) {
     double* column = a + static_cast<std::ptrdiff_t>(c) * stride;
@@ -36,23 +36,23 @@ bool eliminate_small(double* a, int size, int stride, double* diagonal) {
   return true;
 }
 
-// Columns to compute at a time, of `all`, such that each of `count` threads gets several pieces.
+// The number of columns to compute at a time, out of `all`, such that each of `count` threads gets several pieces.
 int piece(int all, int count) {
   return count == 1 ? kColumns : std::clamp((all / (4 * count) + 7) / 8 * 8, 24, kColumns);
 }
 
-// Where column `c` of a packed lower triangle of `size` rows begins.
+// The position at which column `c` of a packed lower triangle of `size` rows begins.
 std::size_t packed(std::size_t c, std::size_t size) { return c * size - c * (c - 1) / 2; }
 
 }  // namespace
 
-// The front of one supernode at a time, on which one thread works or several.
+// The front of one supernode at a time; one or several threads work on it.
 struct Ldlt::Front {
   Numbers panel;                // height x pivots
-  Numbers rest;                 // below x below: what is left for the parent
-  Numbers scaled;               // L D of the pivots at hand
-  std::vector<Numbers> copies;  // L D of some rows, for each thread
-  std::vector<int> row_of;      // of a node, in the front
+  Numbers rest;                 // below x below: the Schur complement for the parent
+  Numbers scaled;               // L D of the current pivots
+  std::vector<Numbers> copies;  // L D of some rows, one copy per thread
+  std::vector<int> row_of;      // each node's row in the front
 
   Front(int nodes, int threads) : copies(threads), row_of(nodes) {}
   void open(const Supernode& node);
@@ -70,7 +70,7 @@ void Ldlt::Front::open(const Supernode& node) {
   for (std::size_t r = 0; r < node.rows.size(); ++r) row_of[node.rows[r]] = node.pivots() + 3 * static_cast<int>(r);
 }
 
-// Each part has a stack of updates, and so has the crown. A supernode's update replaces those of its children.
+// Each part has a stack of updates, and the crown has one. A supernode's update replaces those of its children.
 Ldlt::Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team)
     : plan_(plan), system_(system), team_(team), slots_(plan.nodes.size()) {
   for (int part = 0; part <= plan.parts(); ++part) {
@@ -177,7 +177,7 @@ void Ldlt::eliminate(const Supernode& node, Front& front, const Member& member) 
       cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasUnit, end - begin, width, 1, at(j, j), height,
                   at(begin, j), height);
     }
-    for (int c = 0; c < width; ++c) {  // keep L D of the pivots to come, leave L
+    for (int c = 0; c < width; ++c) {  // copies L D of the coming pivots, leaves L in place
       double* column = at(0, j + c);
       if (begin < pivots) {
         std::copy(column + begin, column + std::min(end, pivots),
@@ -212,7 +212,7 @@ void Ldlt::eliminate(const Supernode& node, Front& front, const Member& member) 
   member.meet();
 }
 
-// All members of a team call this with one range of supernodes, and meet at every step.
+// All members of a team call this function with one range of supernodes, and meet at every step.
 void Ldlt::factor_supernodes(int begin, int end, Front& front, const Member& member,
                              const std::function<bool()>& keep_going) {
   for (int s = begin; s < end; ++s) {
@@ -258,8 +258,8 @@ bool Ldlt::factor(double sigma, const std::function<bool()>& keep_going) {
   return !singular_;
 }
 
-// Each part solves its own rows, and adds its contributions to the crown's rows in an array of its own until all parts
-// are done.
+// Each part solves its own rows. Its contributions to the crown's rows stay in the part's own array until all parts are
+// done.
 void Ldlt::solve(double* x, int vectors) const {
   const int crown = plan_.crown_begin(), end = static_cast<int>(plan_.nodes.size());
   const std::ptrdiff_t crown_row = plan_.first_column(crown),

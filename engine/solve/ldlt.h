@@ -5,11 +5,10 @@
 //   factors.negative();          // eigenvalues of K phi = lambda M phi below sigma (Sylvester)
 //   factors.solve(block);        // x = (K - sigma M)^-1 x
 //
-// Rows are not exchanged for stability. That is safe while sigma is not very close to an eigenvalue of a leading part
-// of the system; backward_error() shows when it is, and the caller moves the shift. Each thread factors one part of the
-// plan, all parts at the same time; then all threads together factor the supernodes of the crown.
-// Source: Duff & Reid, ACM Trans. Math. Softw. 9, 1983; Parlett, The Symmetric Eigenvalue Problem, section 3.3 on
-// inertia.
+// Rows are not exchanged for stability. The factorization is accurate unless sigma is very close to an eigenvalue of a
+// leading part of the system. backward_error() then rises, and the caller moves the shift. Each thread factors one part
+// of the plan, all parts at the same time; then all threads together factor the supernodes of the crown. Source: Duff &
+// Reid, ACM Trans. Math. Softw. 9, 1983; Parlett, The Symmetric Eigenvalue Problem, section 3.3 on inertia.
 #pragma once
 
 #include "engine/solve/large_pages.h"
@@ -30,17 +29,18 @@ class Ldlt {
   Ldlt(const Ldlt&) = delete;
   Ldlt& operator=(const Ldlt&) = delete;
 
-  // Returns false when a pivot is zero or not finite. Asks `keep_going` between fronts, and throws Cancelled when it
-  // says no.
+  // Returns false when a pivot is zero or not finite. Calls `keep_going` between fronts, and throws Cancelled when it
+  // returns false.
   bool factor(double sigma, const std::function<bool()>& keep_going = {});
 
-  // Gives back the memory that only factoring needs. Otherwise it is kept for the next factor().
+  // Frees the memory that only factoring needs. Without this call, the memory is kept for the next factor().
   void release_workspace();
 
   [[nodiscard]] int negative() const { return negative_; }
   [[nodiscard]] double sigma() const { return sigma_; }
 
-  // x := (K - sigma M)^-1 x, in the order of elimination. kWidth vectors at once take about twice as long as one.
+  // x := (K - sigma M)^-1 x, in the order of elimination. kWidth vectors at once take about twice as long as one
+  // vector.
   void solve(Block& x) const { solve(x.data(), kWidth); }
   void solve(Eigen::VectorXd& x) const { solve(x.data(), 1); }
 
@@ -49,7 +49,7 @@ class Ldlt {
 
  private:
   struct Front;
-  struct Slot {  // on a stack of updates
+  struct Slot {  // a place on a stack of updates
     int stack = 0;
     std::size_t offset = 0;
   };
@@ -72,10 +72,10 @@ class Ldlt {
   std::atomic<bool> singular_ = false, cancelled_ = false;
   Numbers tiles_;                 // L, supernode by supernode (tiles.h)
   std::vector<double> diagonal_;  // D
-  std::vector<Front> fronts_;     // of the parts; the crown's is the first
+  std::vector<Front> fronts_;     // one per part; the first also serves the crown
   std::vector<Numbers> stacks_;   // updates: Schur complements for the parents, lower triangles packed by columns
   std::vector<std::size_t> stack_sizes_;
-  std::vector<Slot> slots_;  // of each supernode's update
+  std::vector<Slot> slots_;  // the place of each supernode's update
 };
 
 }  // namespace ringdown::solve

@@ -8,18 +8,18 @@ namespace ringdown::solve {
 
 class SecondOpinion;
 
-// Thrown out of an iteration when Progress says stop; solve_modes() catches it.
+// Thrown out of an iteration when Progress asks to stop; solve_modes() catches it.
 struct Cancelled {};
 
 // Finds all modes below `top`, slice by slice; the pencil is factored at the top. Asks `opinion`, unless it is null, at
-// the first slice's shift. Fills all of Eigenmodes but `rigid`, `counted` and what the pencil knows.
+// the first slice's shift. Fills all of Eigenmodes but `rigid`, `counted` and the pencil's own figures.
 Result<Eigenmodes> solve_block_lanczos(Pencil& pencil, const Count& top, const EigenRequest& request,
                                        SecondOpinion* opinion, const Progress& progress);
 
-// Finds the modes in other processes, which count them by inertia, too. Fills all of Eigenmodes but `rigid`.
+// Finds the modes in other processes, which also count them by inertia. Fills all of Eigenmodes but `rigid`.
 Result<Eigenmodes> solve_slepc(const fem::System& system, const EigenRequest& request, const Progress& progress);
 
-// Steady clock [s].
+// The time of the steady clock [s].
 double seconds_now();
 
 }  // namespace ringdown::solve

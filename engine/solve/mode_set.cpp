@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kZone = 1e-4;    // relative; half the width of the range that join_at() treats
 constexpr double kFamily = 1e-6;  // closer than this, eigenvalues may be one multiple eigenvalue
-constexpr double kCopies = 1e-2;  // a shape whose squared length outside the span of the others is smaller is a copy
+constexpr double kCopies = 1e-2;  // a shape is a copy if its squared length outside the others' span is smaller
 
 // X^T A X for A = M or K.
 using Product = void (OrderedSystem::*)(const Block&, Block&) const;

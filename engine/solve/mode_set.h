@@ -20,11 +20,12 @@ class ModeSet {
  public:
   explicit ModeSet(const OrderedSystem& system) : system_(system) {}
 
-  // shapes: 3N x count, M-normalised, in the order of elimination.
+  // Adds modes. `shapes` is 3N x count, M-normalised, in the order of elimination.
   void add(const std::vector<double>& lambda, Eigen::MatrixXd shapes);
 
   // Makes one M-orthonormal set of the modes about `lambda`, where the ranges of two iterations meet. A mode that both
-  // found is kept once, and modes close together become orthogonal, by Rayleigh and Ritz in the span of what was found.
+  // iterations found is kept once, and modes close together become orthogonal, by the Rayleigh-Ritz method in the span
+  // of all found shapes.
   void join_at(double lambda);
 
   // Removes the modes at or above `lambda`.

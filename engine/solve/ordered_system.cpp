@@ -6,8 +6,8 @@ namespace ringdown::solve {
 
 namespace {
 
-// Block number `number` of a node's column, from the lower triangle: column 3n + j keeps rows j..2 of the block on the
-// diagonal, then three rows of each block.
+// Returns block `number` of a node's column from the lower triangle, where column 3n + j keeps rows j..2 of the
+// diagonal block, then three rows of each other block.
 std::array<double, 9> block_of(const fem::SparseMatrix& stiffness, int node, int number, bool transposed) {
   const int* outer = stiffness.outerIndexPtr();
   const double* values = stiffness.valuePtr();
@@ -40,7 +40,7 @@ OrderedSystem::OrderedSystem(const fem::System& system, const Elimination& plan,
   each_block([&](int column, int row, int) { ++fill[std::min(plan.new_of[column], plan.new_of[row]) + 1]; });
   for (int n = 0; n < count; ++n) fill[n + 1] += fill[n];
   first_ = fill;
-  struct Source {  // of a block of K
+  struct Source {  // the place of a block of K
     int row, from_column, number;
     bool transposed;
   };
@@ -71,11 +71,11 @@ OrderedSystem::OrderedSystem(const fem::System& system, const Elimination& plan,
   }
 }
 
-// Where a part adds its results: rows before `split` in y itself, rows of the crown in an array of the part's own until
-// all parts are done.
+// The place to which a part adds its results: y itself for rows before `split`, and the part's own array for rows of
+// the crown until all parts are done.
 struct OrderedSystem::Target {
   double* rows;
-  double* crown;  // from row `split` on
+  double* crown;  // rows from `split` on
   int split;
 
   [[nodiscard]] Lanes* at(int node) const {

@@ -17,15 +17,15 @@ class OrderedSystem {
   [[nodiscard]] int node_count() const { return static_cast<int>(first_.size()) - 1; }
   [[nodiscard]] Eigen::Index unknowns() const { return 3 * static_cast<Eigen::Index>(node_count()); }
 
-  // The entries of a node's column, its own first: numbers from begin() to end() of the arrays below.
+  // The entries of a node's column are numbered from begin() to end(); the diagonal entry is the first.
   [[nodiscard]] std::size_t begin(int column) const { return first_[column]; }
   [[nodiscard]] std::size_t end(int column) const { return first_[column + 1]; }
   [[nodiscard]] int row(std::size_t entry) const { return rows_[entry]; }
-  [[nodiscard]] double mass(std::size_t entry) const { return masses_[entry]; }  // of M's block mass * I
-  // [3 * i + j]: component i of the row's node, j of the column's.
+  [[nodiscard]] double mass(std::size_t entry) const { return masses_[entry]; }  // M's block is mass * I
+  // K's block; [3 * i + j] couples component i of the row's node with component j of the column's node.
   [[nodiscard]] const std::array<double, 9>& stiffness(std::size_t entry) const { return stiffnesses_[entry]; }
 
-  // y = M x, y = K x, by the team's threads, part by part of the plan. y may not be x.
+  // y = M x and y = K x. The team's threads share the parts of the plan. y must not be x.
   void times_mass(const Block& x, Block& y) const;
   void times_stiffness(const Block& x, Block& y) const;
 

@@ -7,8 +7,8 @@
 namespace ringdown::solve {
 namespace {
 
-constexpr double kBackwardError = 1e-10;  // of a solve; above, the shift moves
-constexpr double kStep = 3e-4;            // relative, by which it moves
+constexpr double kBackwardError = 1e-10;  // limit for a solve; above, the shift moves
+constexpr double kStep = 3e-4;            // relative step of the shift
 constexpr int kMaxSteps = 3;
 
 }  // namespace

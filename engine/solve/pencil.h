@@ -5,7 +5,7 @@
 //   top->below;           // eigenvalues below top->lambda, by inertia
 //   pencil.factors();     // stays until the next factor()
 //
-// All methods of engine/solve but SLEPc work on this one factorization, and so does the second opinion.
+// The second opinion and all methods of engine/solve but SLEPc work on this one factorization.
 #pragma once
 
 #include "engine/solve/ldlt.h"
@@ -14,13 +14,13 @@
 
 namespace ringdown::solve {
 
-// Eigenvalues below a shift, by Sylvester's law of inertia.
+// The number of eigenvalues below a shift, by Sylvester's law of inertia.
 struct Count {
   double lambda;
   int below;
 };
 
-// Called now and then with a guess of the share done, 0..1. When it returns false, Cancelled (methods.h) is thrown.
+// Called at intervals with an estimate of the share done, 0..1. When it returns false, Cancelled (methods.h) is thrown.
 using KeepGoing = std::function<bool(double)>;
 
 class Pencil {
@@ -31,10 +31,10 @@ class Pencil {
   // The direction in which a shift moves when it lies too close to an eigenvalue of a leading part of the system.
   enum Step { kUp, kDown };
 
-  // Factors at lambda, or up to three steps of 0.03 % from it where the factors would lose digits.
+  // Factors at lambda, or up to three steps of 0.03 % away if the factors would lose digits there.
   Result<Count> factor(double lambda, Step step, const KeepGoing& keep_going = {});
 
-  // Gives back the memory that only factoring needs.
+  // Frees the memory that only factoring needs.
   void release_workspace() { factors_.release_workspace(); }
 
   [[nodiscard]] const fem::System& system() const { return system_; }
@@ -45,9 +45,9 @@ class Pencil {
 
   [[nodiscard]] Eigen::Index unknowns() const { return system_.unknowns(); }
   [[nodiscard]] int factorizations() const { return factorizations_; }
-  [[nodiscard]] double factor_seconds() const { return factor_seconds_; }  // on the clock
+  [[nodiscard]] double factor_seconds() const { return factor_seconds_; }  // wall time
 
-  // Vectors (3N x m) brought from one order of unknowns to the other.
+  // Vectors (3N x m) converted from one order of unknowns to the other.
   [[nodiscard]] Eigen::MatrixXd in_mesh_order(const Eigen::Ref<const Eigen::MatrixXd>& shapes) const;
   [[nodiscard]] Eigen::MatrixXd in_elimination_order(const Eigen::Ref<const Eigen::MatrixXd>& shapes) const;
 

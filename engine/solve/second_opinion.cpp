@@ -1,14 +1,14 @@
-// How a second opinion is made.
+// The comparison, step by step.
 //
 // The other method is asked once for the few modes nearest to the shift. Families of close modes that reach across the
-// farthest of them, or across the top of the band, cannot be compared; when no family is left, twice as many modes are
+// farthest of these, or across the top of the band, cannot be compared; when no family is left, twice as many modes are
 // asked for.
 //
 // An iteration with one vector finds one shape of a multiple eigenvalue and may miss the others. Therefore a family may
 // have fewer modes in the second opinion than in the result, as long as every mode of the result has a partner of equal
-// frequency. Nothing is taken on trust by that: the shapes of the result must be linearly independent and must solve
-// the equation, so they are all modes; and the number of modes below the shift must be the number that the
-// factorization counted there, so none is missing.
+// frequency. The proof remains complete: the shapes of the result must be linearly independent and must solve the
+// equation, so they are all modes; and the number of modes below the shift must be the number that the factorization
+// counted there, so none is missing.
 #include "engine/solve/second_opinion.h"
 
 #include "engine/dense/decompositions.h"
@@ -40,7 +40,7 @@ std::string in_words(const char* format, double a, double b = 0, double c = 0) {
   return text;
 }
 
-// Neighbouring modes closer together than kSameFamily: "ours" are the result's, "theirs" the second opinion's.
+// Neighbouring modes closer together than kSameFamily. `ours` are modes of the result, `theirs` of the second opinion.
 struct Family {
   double first = 0, last = 0;       // lambda
   std::vector<Index> ours, theirs;  // numbers of modes, ascending in lambda
@@ -79,7 +79,7 @@ Band known_part(const Band& band, const NearModes& near) {
   return {std::max(band.low, sigma - near.radius), std::min(band.high, sigma + near.radius)};
 }
 
-// How many modes of the second opinion can be compared.
+// The number of modes of the second opinion that can be compared.
 int comparable(const NearModes& near, const Band& band) {
   const Band known = known_part(band, near);
   int count = 0;
@@ -133,14 +133,14 @@ struct Comparison {
   Result<void> count() const;
 };
 
-// Of the modes with these numbers, the one whose lambda is nearest to `wanted`.
+// The mode among `numbers` whose lambda is nearest to `wanted`.
 Index nearest(const VectorXd& lambda, const std::vector<Index>& numbers, double wanted) {
   return *std::min_element(numbers.begin(), numbers.end(), [&](Index a, Index b) {
     return std::abs(lambda[a] - wanted) < std::abs(lambda[b] - wanted);
   });
 }
 
-// Every frequency of either method needs one of the other that equals it.
+// Checks that every frequency of each method equals one of the other method.
 Result<void> Comparison::frequencies_of(const Family& family, Agreement& agreement) const {
   if (family.theirs.empty() || family.ours.size() < family.theirs.size()) {
     return disagree("the number of modes near " + in_words("%.8g", request.hertz(family.first)) + " Hz is " +
@@ -185,7 +185,8 @@ Result<void> Comparison::of(const Family& family, Agreement& agreement) const {
   return {};
 }
 
-// Sylvester's law of inertia, at the shift. Above the top of the band the result has no modes that could be counted.
+// Checks the number of modes below the shift by Sylvester's law of inertia. Above the top of the band the result has no
+// modes to count.
 Result<void> Comparison::count() const {
   const Count& shift = near.shift;
   const auto found = (modes.lambda.array() < shift.lambda).count();
@@ -194,7 +195,7 @@ Result<void> Comparison::count() const {
                   in_words("%.8g", request.hertz(shift.lambda)) + " Hz and " + std::to_string(found) + " found");
 }
 
-// In the order of the mesh.
+// Finds the pairs nearest to the shift, with shapes in the order of the mesh.
 Pairs nearest_pairs(Method by, const Pencil& pencil, const Count& shift, int wanted, double tolerance,
                     const KeepGoing& keep_going) {
   const MatrixXd none(pencil.unknowns(), 0);
@@ -205,7 +206,7 @@ Pairs nearest_pairs(Method by, const Pencil& pencil, const Count& shift, int wan
                       .high = std::numeric_limits<double>::infinity(),
                       .max_vectors = 8 * wanted + 40 * kWidth,
                       .tolerance = tolerance};
-  constexpr unsigned kSeed = 1000;  // not one of solve_block_lanczos()
+  constexpr unsigned kSeed = 1000;  // differs from the seeds of solve_block_lanczos()
   Pairs pairs = block_lanczos(pencil, window, none, kSeed, keep_going);
   pairs.shapes = pencil.in_mesh_order(pairs.shapes);
   return pairs;

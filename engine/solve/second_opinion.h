@@ -1,10 +1,10 @@
-// Whether another method agrees with the modes found (EigenRequest::verify). [worker]
+// Checks whether another method agrees with the modes found (EigenRequest::verify). [worker]
 //
-// The other method finds the modes nearest to two shifts of the band, over factorizations that were made for other
-// reasons. Near each shift every frequency has to agree, and so have the spaces that the shapes of close modes span:
+// The other method finds the modes nearest to two shifts of the band, with factorizations that were made for other
+// purposes. Near each shift every frequency must agree, and so must the spaces that the shapes of close modes span:
 // inside a family of equal frequencies the basis is arbitrary, its span is not. As many modes must lie below the shift
-// as the factorization counted. The shapes must solve the equation as K and M themselves state it: the factorization is
-// what both methods share.
+// as the factorization counted. The shapes must solve the equation with K and M as given, because both methods share
+// the factorization.
 #pragma once
 
 #include "engine/solve/block_lanczos.h"
@@ -22,38 +22,38 @@ inline constexpr double kSmallResidual = 1e-5;  // |K phi - lambda M phi| / |lam
 
 // The modes nearest to a shift, as one method found them: at least one shape for every eigenvalue within `radius`.
 struct NearModes {
-  std::string_view method;  // for sentences: "Spectra"
+  std::string_view method;  // name in messages: "Spectra"
   Count shift;
   double radius = 0;       // [lambda]
   Eigen::VectorXd lambda;  // the nearest first, the last one at `radius`
   Eigen::MatrixXd shapes;  // 3N x m, M-orthonormal, in the order of the mesh
 };
 
-// The `wanted` modes nearest to `shift`, where the pencil is factored, by Spectra or by block Lanczos. Fails when they
-// do not converge. Throws Cancelled.
+// Finds the `wanted` modes nearest to `shift`, at which the pencil is factored, by Spectra or by block Lanczos. Fails
+// when they do not converge. Throws Cancelled.
 Result<NearModes> find_near(Method by, const Pencil& pencil, const Count& shift, int wanted,
                             const EigenRequest& request, const KeepGoing& keep_going = {});
 
-// Where modes are compared: above the rigid motions and below the top.
+// The range in which modes are compared: above the rigid motions and below the top.
 struct Band {
   double low = 0, high = 0;  // [lambda]
 };
 
-// Fails with one sentence about the first thing on which `modes` and `near` disagree. Families of modes that reach out
-// of the band, or out of what `near` knows, are left out. Adds to `agreement`.
+// Fails with one sentence about the first thing on which `modes` and `near` disagree. Families of modes that reach
+// beyond the band, or beyond the radius of `near`, are left out. Updates `agreement`.
 Result<void> compare(const fem::System& system, const Eigenmodes& modes, const NearModes& near, const Band& band,
                      const EigenRequest& request, Agreement& agreement);
 
 class SecondOpinion {
  public:
-  // The method that gives it: kSpectra or kBlockLanczos. `request` and `progress` must live longer.
+  // `by` is the method that gives the opinion: kSpectra or kBlockLanczos. `request` and `progress` must live longer.
   SecondOpinion(Method by, const Band& band, const EigenRequest& request, const Progress& progress)
       : by_(by), band_(band), request_(request), progress_(progress) {}
 
   // Finds the modes nearest to the pencil's shift. Fails when they do not converge.
   Result<void> ask(const Pencil& pencil, const Count& shift);
 
-  // Compares what was found with `modes`. Fails too when no mode could be compared.
+  // Compares the modes that ask() found with `modes`. Also fails when no mode could be compared.
   Result<Agreement> check(const fem::System& system, const Eigenmodes& modes) const;
 
  private:

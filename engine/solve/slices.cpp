@@ -2,7 +2,7 @@
 //
 // A factorization at a shift counts the eigenvalues below it. From the bottom up, each slice gets a shift a little
 // above the eigenvalues that are done. The count at the shift says how many eigenvalues lie between, and
-// block_lanczos() iterates until it has those, and about as many above the shift. Where fewer are found than counted,
+// block_lanczos() iterates until it has found them, and about as many above the shift. If fewer are found than counted,
 // more iterations look for the rest, with the found ones locked. The top was counted before the first slice. Source:
 // Grimes, Lewis & Simon, SIAM J. Matrix Anal. Appl. 15, 1994, section 4.
 #include "engine/solve/block_lanczos.h"
@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSliceGap = 1e-5;      // relative, between the last eigenvalue of a slice and the first of the next
-constexpr int kMaxRepairs = 12;         // between two counts
+constexpr int kMaxRepairs = 12;         // iterations between two counts
 constexpr Eigen::Index kGapSearch = 4;  // eigenvalues to either side of the wanted number
 
 class Slicer {
@@ -54,10 +54,10 @@ class Slicer {
 
   Pencil& pencil_;
   const EigenRequest& request_;
-  SecondOpinion* opinion_;  // asked about the first slice, then null
+  SecondOpinion* opinion_;  // asked at the first slice, then null
   const Progress& progress_;
   ModeSet modes_;
-  Count done_{-kInfinity, 0};    // all below were found
+  Count done_{-kInfinity, 0};    // all eigenvalues below were found
   Count proved_{-kInfinity, 0};  // the last shift at which the count and the number found agreed
   const Count top_;
   unsigned seed_ = 1;
@@ -65,13 +65,14 @@ class Slicer {
   double iterate_seconds_ = 0;
 };
 
-// A shift below which about `count` eigenvalues lie. Where the request has expected eigenvalues, the shift is the
-// middle of the widest gap among the few around number `count`: a shift beside an eigenvalue, which the middle of a
-// pair of equal ones would be, costs the farther modes their accuracy. Otherwise it lies between what is done and the
-// top, as if the number of modes grew like f^2.4: between the f of plates and bars and the f^3 of solids.
+// A shift below which about `count` eigenvalues lie. If the request has expected eigenvalues, the shift is the middle
+// of the widest gap among the few around number `count`. A shift next to an eigenvalue, such as the middle of a pair of
+// equal ones, would cost the farther modes their accuracy. Without expected eigenvalues, the shift is interpolated
+// between the finished eigenvalues and the top, as if the number of modes grew like f^2.4: between the f of plates and
+// bars and the f^3 of solids.
 double Slicer::lambda_at(double count) const {
   const Eigen::VectorXd& expected = request_.expected_lambda;
-  const auto number = static_cast<Eigen::Index>(count) - 6;  // without the rigid motions of one piece
+  const auto number = static_cast<Eigen::Index>(count) - 6;  // minus the rigid motions of one piece
   double widest = 0, middle = 0;
   for (Eigen::Index i = std::max<Eigen::Index>(1, number - kGapSearch); i <= number + kGapSearch && i < expected.size();
        ++i) {
@@ -89,8 +90,8 @@ double Slicer::lambda_at(double count) const {
 }
 
 // The number of slices that takes the least time. With few slices, keeping the vectors orthogonal costs many
-// operations; with many, each costs a factorization. Measured: a slice of s modes takes 1.7 s + 160 vectors; one core
-// does 25e9 flop/s in large products and reads 11e9 byte/s. The minimum is flat: twice as many slices cost a tenth
+// operations; with many slices, each costs a factorization. Measured: a slice of s modes takes 1.7 s + 160 vectors; one
+// core does 25e9 flop/s in large products and reads 11e9 byte/s. The minimum is flat: twice as many slices cost a tenth
 // more.
 int Slicer::slices_for(int modes) const {
   constexpr double kFlops = 25e9, kBytes = 11e9;
@@ -119,7 +120,7 @@ void Slicer::iterate(const Window& window, const Eigen::MatrixXd& locked) {
   iterate_seconds_ += seconds_now() - start;
 }
 
-// The highest gap between eigenvalues found, not below `above`: everything under it counts as done.
+// The highest gap between eigenvalues found, not below `above`. All eigenvalues below the gap count as done.
 Count Slicer::last_gap(double above) const {
   for (int i = modes_.size() - 1; i > 0 && modes_.lambda(i) > above; --i) {
     const double low = std::max(above, modes_.lambda(i - 1)), high = modes_.lambda(i);
@@ -132,7 +133,7 @@ Result<void> Slicer::slice() {
   const int left = top_.below - done_.below, slices = slices_for(left);
   const double each = static_cast<double>(left) / slices;
   Result<Count> shift = factor(lambda_at(done_.below + 0.5 * each));
-  // Far more eigenvalues lie below the shift than expected: try the shift below which `each` lie if they lie evenly.
+  // If far more eigenvalues than expected lie below the shift, assume they are evenly spaced and try a lower shift.
   if (shift && shift->below - done_.below > 1.5 * each + 20) {
     const double low = std::max(0.0, done_.lambda);
     shift = factor(low + (shift->lambda - low) * 0.6 * each / (shift->below - done_.below));

@@ -18,11 +18,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMaxRestarts = 200;
-constexpr int kSpareVectors = 16;  // of the basis, beside two for each mode: six modes then converge without a restart
+constexpr int kSpareVectors = 16;  // of the basis, beyond two per mode; six modes then converge without a restart
 
-// scale (K - sigma M)^-1, M-orthogonal to the locked vectors, in the form that Spectra asks for. Spectra compares
-// numbers with absolute thresholds near 1e-16, so the operator is scaled to eigenvalues near 1, whatever the units of K
-// and M.
+// The operator scale (K - sigma M)^-1, M-orthogonal to the locked vectors, with the interface that Spectra requires.
+// Spectra compares numbers with absolute thresholds near 1e-16, so the operator is scaled to eigenvalues near 1,
+// independent of the units of K and M.
 class ShiftedInverse {
  public:
   using Scalar = double;
@@ -40,7 +40,7 @@ class ShiftedInverse {
 
   [[nodiscard]] Eigen::Index rows() const { return pencil_.unknowns(); }
   [[nodiscard]] Eigen::Index cols() const { return rows(); }
-  void set_shift(double) {}  // factored already
+  void set_shift(double) {}  // the pencil is factored already
   void perform_op(const double* in, double* out) const {
     if (keep_going_ && !keep_going_(std::min(0.99, static_cast<double>(solves_) / expected_))) throw Cancelled{};
     const std::vector<int>& old_of = pencil_.plan().old_of;
@@ -61,12 +61,13 @@ class ShiftedInverse {
   const MatrixXd mass_locked_;
   const KeepGoing& keep_going_;
   int expected_ = 1;
-  mutable VectorXd ordered_;  // in the order of elimination
+  mutable VectorXd ordered_;  // vector in the order of elimination
   mutable int solves_ = 0;
 };
 
-// M x, in the form that Spectra asks for. Spectra multiplies each residual twice, for its norm and for its inner
-// products with the basis: the second product is copied from the first. That is a third of all products.
+// The product M x, with the interface that Spectra requires. Spectra multiplies each residual twice, for its norm and
+// for its inner products with the basis. The second product is a copy of the first, which saves a third of all
+// products.
 class MassProduct {
  public:
   using Scalar = double;
@@ -88,8 +89,8 @@ class MassProduct {
   mutable VectorXd last_in_, last_out_;
 };
 
-// The shapes multiplied by the operator once more, kWidth at a time. That removes what the iteration left of the
-// highest eigenvectors of the mesh, which weigh most in K phi - lambda M phi (Ericsson & Ruhe 1980).
+// Multiplies the shapes by the operator once more, kWidth at a time. This removes remainders of the mesh's highest
+// eigenvectors, which weigh most in K phi - lambda M phi (Ericsson & Ruhe 1980).
 MatrixXd purified(const Pencil& pencil, const MatrixXd& shapes) {
   MatrixXd ordered = pencil.in_elimination_order(shapes);
   Block block = Block::Zero(kWidth, shapes.rows()), heavy;
@@ -105,7 +106,7 @@ MatrixXd purified(const Pencil& pencil, const MatrixXd& shapes) {
 }
 
 // Makes shapes M-orthonormal, and M-orthogonal to the locked ones. Each column is made orthogonal to the columns before
-// it. Those nearest to the shift come first, because the multiplication enlarges their share in the others.
+// it. The shapes nearest to the shift come first, because the multiplication enlarges their share in the others.
 MatrixXd orthonormal(const fem::SparseMatrix& node_mass, MatrixXd shapes, const MatrixXd& locked) {
   for (int pass = 0; pass < 2; ++pass) {
     if (locked.cols() > 0) shapes -= locked * (locked.transpose() * fem::mass_times(node_mass, shapes)).eval();
@@ -128,8 +129,8 @@ Pairs nearest_by_spectra(const Pencil& pencil, int count, double tolerance, cons
   inverse.expect(basis + 2 * wanted);
   MassProduct mass(pencil.system().node_mass);
   Solver solver(inverse, mass, wanted, basis, sigma / scale);
-  // Each run has another start: one start leads to one vector only of a multiple eigenvalue, and that one is locked
-  // now.
+  // Each run has another start, because one start leads to only one vector of a multiple eigenvalue, and this vector is
+  // locked now.
   std::mt19937_64 random(1 + locked.cols());
   std::normal_distribution<double> normal;
   const VectorXd noise = VectorXd::NullaryExpr(pencil.unknowns(), [&] { return normal(random); });

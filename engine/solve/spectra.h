@@ -2,7 +2,7 @@
 //
 // Spectra's Lanczos iteration works on one vector at a time and restarts. It shares the factors with block_lanczos()
 // and nothing else: the order of unknowns, the product with M, the start, the orthogonalization and the test of
-// convergence are other code. Therefore it can give a second opinion.
+// convergence are separate code. Therefore Spectra can give a second opinion.
 #pragma once
 
 #include "engine/solve/block_lanczos.h"
@@ -10,15 +10,15 @@
 
 namespace ringdown::solve {
 
-// The `count` eigenpairs nearest to the pencil's shift, the nearest first, with shapes in the order of the mesh. Those
-// in the span of `locked` (3N x l, M-orthonormal, order of the mesh; may have no columns) are left out. `tolerance` is
-// relative, on theta. A run may find fewer vectors of a multiple eigenvalue than there are; another run, with the found
-// ones locked, finds more. `complete` is false when not all converged. Throws Cancelled.
+// Finds the `count` eigenpairs nearest to the pencil's shift, the nearest first, with shapes in the order of the mesh.
+// Eigenpairs in the span of `locked` (3N x l, M-orthonormal, order of the mesh; may have no columns) are left out.
+// `tolerance` is relative, on theta. A run may find fewer vectors of a multiple eigenvalue than there are; another run,
+// with the found ones locked, finds more. `complete` is false when not all converged. Throws Cancelled.
 Pairs nearest_by_spectra(const Pencil& pencil, int count, double tolerance, const Eigen::MatrixXd& locked,
                          const KeepGoing& keep_going);
 
-// Method::kSpectra: all modes below `top`, from a shift a little below zero, as many runs as it takes to find the
-// number counted at the top. lambda, shapes, solves and seconds are filled.
+// Method::kSpectra: finds all modes below `top`, from a shift a little below zero, in as many runs as are needed to
+// find the number counted at the top. Fills lambda, shapes, solves and seconds.
 Result<Eigenmodes> solve_spectra(Pencil& pencil, const Count& top, const EigenRequest& request,
                                  const Progress& progress);
 

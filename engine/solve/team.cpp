@@ -5,7 +5,7 @@ namespace ringdown::solve {
 Team::Team(int threads) : failures_(threads) {
   try {
     for (int i = 1; i < threads; ++i) helpers_.emplace_back([this, i] { help(i); });
-  } catch (...) {  // the system gives no more threads; those that run would wait for ever
+  } catch (...) {  // the system gives no more threads; those already running would wait for ever
     ++round_;
     round_.notify_all();
     throw;

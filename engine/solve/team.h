@@ -10,20 +10,20 @@
 
 namespace ringdown::solve {
 
-// One of several threads that share a task: each does its share, then all meet before the next task.
+// One of several threads that share a task. Each thread does its share, then all meet before the next task.
 class Member {
  public:
-  Member() = default;  // alone
+  Member() = default;  // a team of one
   Member(int number, int count, std::barrier<>& meeting) : number_(number), count_(count), meeting_(&meeting) {}
 
   [[nodiscard]] int number() const { return number_; }
   [[nodiscard]] int count() const { return count_; }
   [[nodiscard]] bool first() const { return number_ == 0; }
 
-  // Whether item `i` is this member's when items are dealt in turn.
+  // Whether item `i` belongs to this member when items are dealt in turn.
   [[nodiscard]] bool has(int i) const { return i % count_ == number_; }
 
-  // Where this member's even share of `items` begins and ends.
+  // The beginning and the end of this member's even share of `items`.
   template <class Int>
   [[nodiscard]] Int begin(Int items) const {
     return items * number_ / count_;
@@ -53,10 +53,10 @@ class Team {
   [[nodiscard]] int size() const { return static_cast<int>(helpers_.size()) + 1; }
 
   // Calls part(0) .. part(size() - 1) and waits for all: part(0) on the calling thread, the others on the helpers.
-  // Throws the first exception again on the calling thread.
+  // Rethrows the first exception on the calling thread.
   void run(const std::function<void(int)>& part);
 
-  // Calls part(i, member) like run(), for members that meet. Later meetings do not wait for a member that threw.
+  // Like run(), calls part(i, member) with members that can meet. Later meetings do not wait for a member that threw.
   void run_together(const std::function<void(int, const Member&)>& part);
 
  private:

@@ -5,7 +5,7 @@ namespace {
 
 constexpr int kAhead = 512;  // doubles of the tiles that are prefetched ahead of their use
 
-// Columns in a tile of a strip's own rows: those up to the tile's last row.
+// The number of columns in a tile of a strip's own rows: up to the tile's last row.
 int columns_of(int tile, int width) { return std::min(kTile * (tile + 1), width); }
 
 int own_tiles(int width) { return (width + kTile - 1) / kTile; }
@@ -79,7 +79,7 @@ void solve_one_up_own(const Strip& strip, const double* tiles, const Sides& side
   for (int t = own_tiles(strip.width) - 1; t >= 0; --t) {
     const int first = kTile * t, end = columns_of(t, strip.width);
     tiles -= static_cast<std::ptrdiff_t>(kTile) * end;
-    Lanes known{};  // entries not known yet are zero; a tile is zero on and above the diagonal
+    Lanes known{};  // entries not yet known are zero; a tile is zero on and above the diagonal
     for (int p = end - 1; p >= first; --p) y[p] = known[p - first] = y[p] - sum_of(sums[p] + known * *lanes(tiles, p));
     for (int p = 0; p < first; ++p) sums[p] += known * *lanes(tiles, p);
   }
@@ -171,8 +171,7 @@ void solve_up_below(const Strip& strip, const double* tiles, const Sides& sides,
   if (sides.vectors == 1) return solve_one_up_below(strip, tiles, sides, begin, end);
   Lanes* const y = lanes(sides.own);
   const int width = strip.width;
-  const std::ptrdiff_t ahead =
-      std::max(kAhead, kTile * width);  // the same columns of the next tile when there are many
+  const std::ptrdiff_t ahead = std::max(kAhead, kTile * width);  // reaches the next tile's columns if there are many
   tiles += strip.offset + strip.triangle();
   for (int first = 0; first < strip.below; first += kTile, tiles += static_cast<std::ptrdiff_t>(kTile) * width) {
     Lanes known[kTile] = {};

@@ -1,6 +1,7 @@
 // The text files: strict reading, and that every preset in the repository is whole.
 #include "engine/bake/bake_object.h"
 #include "engine/bake/input_hash.h"
+#include "engine/bake/recipe_options.h"
 #include "engine/materials/material_library.h"
 #include "engine/modal/bank_file.h"
 #include "tests/support/temporary_folder.h"
@@ -187,6 +188,21 @@ TEST(ObjectFile, AnObjectFileRefusesMistakesByLine) {
     EXPECT_NE(object.error().message.find(complaint), std::string::npos) << object.error().message;
   }
   EXPECT_FALSE(bake::read_object(folder.path() / "none.toml"));
+}
+
+TEST(ObjectFile, TheGuideHasEveryOptionOfAnObjectFile) {
+  std::ifstream file(fs::path(RINGDOWN_SOURCE_DIR) / "docs/use/materials.md");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::size_t keys = 0;
+  for (const bake::RecipeOption& option : bake::recipe_options()) {
+    if (option.key.empty()) continue;
+    const std::string key(option.key);
+    EXPECT_TRUE(text.find("| `" + key + "` |") != std::string::npos ||
+                text.find("| `[" + key + "]` |") != std::string::npos)
+        << key;
+    ++keys;
+  }
+  EXPECT_GE(keys, 18u);
 }
 
 // A linear amplitude of 1/2 is -6.0206 dB. The shapes stay physical: only the bank's gain says how loud it plays.

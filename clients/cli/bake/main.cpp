@@ -38,7 +38,7 @@ using protocol::ExitCode;
 struct Arguments {
   fs::path input, output, materials;
   std::optional<std::string> material;
-  // What the command line gives options of the recipe. An option without stays as in the object file.
+  // What the command line gives options of the recipe. Other options stay as in the object file.
   std::vector<std::pair<const RecipeOption*, bake::OptionValue>> given;
   std::map<const RecipeOption*, bool> flags;
   std::vector<std::string> shaping;  // the given options that can change a bank
@@ -46,6 +46,7 @@ struct Arguments {
   bool update = false, progress_lines = false, progress = false, quiet = false, compress = false;
 };
 
+// Adds the option. Its values go to `arguments` while the command line is parsed.
 manual::Option* add_recipe_option(manual::App& app, const RecipeOption& row, Arguments& arguments) {
   using enum RecipeOption::Form;
   using Word = std::string;
@@ -65,10 +66,9 @@ manual::Option* add_recipe_option(manual::App& app, const RecipeOption& row, Arg
     const Result<void> good = parse_fraction(text).and_then([&](double x) { return check_range(x, range); });
     return good ? "" : good.error().message;
   };
+  if (row.form == on) return app.add_flag(row.option, arguments.flags[&row], row.sentence);
   manual::Option* option = nullptr;
-  if (row.form == on) {
-    return app.add_flag(row.option, arguments.flags[&row], row.sentence);
-  } else if (row.form == count) {
+  if (row.form == count) {
     option = app.add_option_function<int>(row.option, take, row.sentence);
     option->check(manual::between(static_cast<int>(low), static_cast<int>(high)));
   } else if (row.form == number) {

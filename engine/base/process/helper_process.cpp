@@ -21,12 +21,12 @@ namespace ringdown {
 namespace {
 
 constexpr int kAsk_ms = 50;
-constexpr double kLastWords_s = 0.5;               // from the end of its output to its end
+constexpr double kLastWords_s = 0.5;               // longest time between the end of output and the end of the program
 constexpr std::size_t kMaxRequest = 100'000;       // bytes; less than a socket holds, so that sending never waits
 constexpr std::size_t kMaxReport = 200;            // bytes of a stage's name
-constexpr rlim_t kMaxFileBytes = rlim_t{1} << 20;  // that it may write
+constexpr rlim_t kMaxFileBytes = rlim_t{1} << 20;  // size of files that the program may write
 constexpr rlim_t kMaxOpenFiles = 64;
-constexpr double kNearlyAll = 0.7;  // of the memory: a crash beyond is taken for a lack of it
+constexpr double kNearlyAll = 0.7;  // share of the memory limit from which a crash counts as out of memory
 
 enum class Kind : std::uint64_t { kAnswer, kReport };
 
@@ -69,8 +69,8 @@ void limit(int resource, rlim_t most) {
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   // A terminal sends these to both processes: the parent decides.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) ::signal(signal, SIG_IGN);
-  ::signal(SIGXFSZ, SIG_DFL);  // our programs ignore it, but a child that writes too much is to end
-#ifndef RINGDOWN_SANITIZE      // whose shadow memory would count
+  ::signal(SIGXFSZ, SIG_DFL);  // our programs ignore this signal, but a child that writes too much should end
+#ifndef RINGDOWN_SANITIZE      // sanitizers' shadow memory would count
   limit(RLIMIT_DATA, memory_bytes);
 #endif
   limit(RLIMIT_CORE, 0);
@@ -84,7 +84,7 @@ void limit(int resource, rlim_t most) {
   ::_exit(127);
 }
 
-// One report: a fraction and the stage's name, whose bytes may be anything.
+// Reads one report: a fraction and the stage's name, which may have arbitrary bytes.
 void take_report(std::string_view bytes, std::string& stage, double& fraction) {
   if (bytes.size() < sizeof fraction) return;
   std::memcpy(&fraction, bytes.data(), sizeof fraction);
@@ -106,7 +106,7 @@ Result<void> HelperProcess::start(std::vector<std::string> command, const std::v
   }
   std::vector<std::string> variables = added;
   for (char** entry = environ; *entry != nullptr; ++entry)
-    variables.emplace_back(*entry);  // the first of a name counts
+    variables.emplace_back(*entry);  // the first variable of a name counts
   const std::vector<char*> words = words_of(command), environment = words_of(variables);
   const pid_t parent = ::getpid(), id = ::fork();
   if (id == 0) become(words.data(), environment.data(), parent, ends[1], limits.memory_bytes);
@@ -135,7 +135,7 @@ HelperAnswer HelperProcess::ended(HelperEnd end) {
   return {.end = end};
 }
 
-// After the end of its output: the reason is in how it ended.
+// Called after the program's output has ended. Deduces the reason from the exit status.
 HelperAnswer HelperProcess::ended_by_itself() {
   int status = 0;
   rusage used{};
@@ -157,8 +157,8 @@ HelperAnswer HelperProcess::ended_by_itself() {
   return {.end = no_memory ? HelperEnd::out_of_memory : HelperEnd::crashed, .bytes = "", .signal = WTERMSIG(status)};
 }
 
-// Frames are taken off `text` as soon as they are whole. Nothing is kept of the reports but the last, and the length
-// that an answer claims is checked before its bytes are.
+// Takes frames off `text` as soon as they are complete. Only the last report is kept, and the length that an answer
+// claims is checked before its bytes are read.
 HelperAnswer HelperProcess::ask(std::string_view request, const Progress& progress) {
   const Head head{Kind::kAnswer, request.size()};
   std::string text(reinterpret_cast<const char*>(&head), sizeof head);

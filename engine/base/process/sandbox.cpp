@@ -57,8 +57,8 @@ bool confine_files(const std::vector<fs::path>& readable) {
   return confined;
 }
 
-// The filter is a list of calls that fail rather than of those that are allowed: what the C and C++ libraries need
-// differs between their versions, while a new call that can do harm needs a new kernel.
+// The filter lists the refused calls rather than the allowed ones, because the calls that the C and C++ libraries need
+// differ between their versions, while a new harmful call needs a new kernel.
 constexpr std::array kRefusedCalls = {
     // programs and processes
     SYS_execve,
@@ -145,7 +145,7 @@ constexpr std::array kRefusedCalls = {
     SYS_request_key,
     SYS_keyctl,
     SYS_personality,
-// The older names of the same calls.
+// Older variants of refused calls.
 #ifdef SYS_fork
     SYS_fork,
     SYS_vfork,
@@ -180,7 +180,8 @@ constexpr std::uint32_t kArchitecture = 0;  // no filter
 constexpr std::uint32_t kForeignCalls = 0;
 #endif
 
-// A program for the kernel's filter machine: each rule tests the number of the call, which stays in the accumulator.
+// Builds a program for the kernel's filter machine. Each rule tests the number of the call, which stays in the
+// accumulator.
 class Filter {
  public:
   Filter() {
@@ -190,7 +191,7 @@ class Filter {
     add(BPF_JMP | BPF_JGE | BPF_K, kForeignCalls, 0, 1);
     end(SECCOMP_RET_KILL_PROCESS);
     for (const long call : kRefusedCalls) when(call, [this] { end(refusal(EPERM)); });
-    when(SYS_openat2, [this] { end(refusal(ENOSYS)); });  // its flags are in memory, which no filter sees
+    when(SYS_openat2, [this] { end(refusal(ENOSYS)); });  // its flags are in memory, which filters cannot read
     when(SYS_clone3, [this] { end(refusal(ENOSYS)); });   // the C library falls back on clone
     when(SYS_openat, [this] { refuse_flags(2, kWriting); });
 #ifdef SYS_open
@@ -233,7 +234,7 @@ class Filter {
     code_[jump].jf = static_cast<unsigned char>(code_.size() - jump - 1);
   }
 
-  // The lower half of an argument, on machines that store it first.
+  // Loads the lower half of an argument, on machines that store the lower half first.
   void load_argument(int index) { load(offsetof(seccomp_data, args) + sizeof(std::uint64_t) * index); }
   void refuse_flags(int argument, std::uint32_t flags) {
     load_argument(argument);

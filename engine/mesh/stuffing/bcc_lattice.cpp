@@ -2,13 +2,13 @@
 
 // Cutting one tetrahedron of the lattice
 //
-// Up to symmetry there are few ways in which a tetrahedron can be cut (stencil()). One corner inside leaves a smaller
-// tetrahedron; two inside, one on the surface and one outside leave a pyramid; the other cases leave a prism. Its
-// quadrilaterals, but for one on the surface, lie on faces of the lattice, so that the neighbour sees them, too, and
-// must split them along the same diagonal. diagonal_at() decides that from the lattice's coordinates of the face alone:
-// where a long edge and a short one are cut, by the lengths of the edges; where both are short, by a parity of signs
-// that both neighbours compute alike. Three diagonals that would run around a prism in a ring cannot be filled with
-// tetrahedra; the choice leaves one corner with two diagonals, and add_prism() begins there.
+// Up to symmetry a tetrahedron can be cut in few ways (stencil()). One corner inside leaves a smaller tetrahedron; two
+// inside, one on the surface and one outside leave a pyramid; all other cases leave a prism. The prism's
+// quadrilaterals, except one on the surface, lie on faces of the lattice, so the neighbouring tetrahedron must split
+// them along the same diagonal. diagonal_at() chooses the diagonal from the face's lattice coordinates alone: if a long
+// and a short edge are cut, by the lengths of the edges; if both are short, by a parity of signs that both neighbours
+// compute alike. A prism whose three diagonals run around in a ring cannot be filled with tetrahedra; the choice always
+// leaves one corner with two diagonals, and add_prism() begins there.
 namespace ringdown::mesh {
 namespace {
 
@@ -19,11 +19,12 @@ bool is_long(int a, int b) { return a / 2 == b / 2; }
 StencilPoint corner(int a) { return {static_cast<std::int8_t>(a), static_cast<std::int8_t>(a)}; }
 StencilPoint cut(int a, int b) { return {static_cast<std::int8_t>(a), static_cast<std::int8_t>(b)}; }
 
-// Returns true when the diagonal of the quadrilateral u, v, (v w), (u w) runs from u to (v w), and false when it runs
-// from v to (u w).
+// Returns true if the diagonal of the quadrilateral u, v, (v w), (u w) runs from u to (v w), and false if from v to
+// (u w).
 bool diagonal_at(const Sites& sites, int u, int v, int w) {
   if (!is_long(u, v)) return is_long(v, w);
-  // The cut point lies beyond the middle of u v, and as far aside of it as w is.
+  // `along` is the edge u v; `aside` leads from its middle to w. Seen from u, the cut point of v w lies beyond the
+  // middle of u v and aside in the direction of w.
   const BccLattice::Site along = sites[v] - sites[u], aside = sites[w] - (sites[u] + sites[v]) / 2;
   int greater = 0;
   for (int k = 0; k < 3; ++k) greater += along[k] < 0 || aside[k] < 0;
@@ -36,7 +37,8 @@ void add(Stencil& to, StencilPoint a, StencilPoint b, StencilPoint c, StencilPoi
 
 using StencilFace = std::array<StencilPoint, 3>;
 
-// The prism between triangles u and v. at[i][j]: the diagonal of u_i u_j v_j v_i is u_i v_j. One u has two diagonals.
+// Adds the prism between triangles u and v. at[i][j]: the diagonal of u_i u_j v_j v_i is u_i v_j. One u has two
+// diagonals.
 void add_prism(Stencil& to, const StencilFace& u, const StencilFace& v, const bool (&at)[3][3]) {
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -55,7 +57,7 @@ void two_inside(Stencil& to, const Sites& sites, int a, int b, int m, int n) {
   at[1][0] = !first;
   at[0][2] = second;
   at[2][0] = !second;
-  // No neighbour sees the quadrilateral on the surface, so its diagonal is free. This one avoids the ring.
+  // No neighbour shares the quadrilateral on the surface, so its diagonal is free. This choice avoids the ring.
   at[1][2] = second;
   at[2][1] = !second;
   add_prism(to, {corner(a), cut(a, m), cut(a, n)}, {corner(b), cut(b, m), cut(b, n)}, at);

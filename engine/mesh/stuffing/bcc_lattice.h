@@ -1,9 +1,10 @@
 // The body-centred cubic lattice: the corners and centres of a block of cubes, and the tetrahedra between them.
 // [any thread]
 //
-// A point has whole coordinates in halves of a cube's edge, all even (a corner) or all odd (a centre). An edge joins
-// two neighbouring corners or two neighbouring centres (long, one edge of a cube) or a corner and a centre (short,
-// sqrt(3)/2 of that). All tetrahedra are alike: two opposite long edges, four short ones, angles of 60 and 90 degrees.
+// A point has whole coordinates in halves of a cube's edge, all even (a corner) or all odd (a centre). A long edge
+// joins two neighbouring corners or centres and has the length of a cube's edge; a short edge joins a corner and a
+// centre and has sqrt(3)/2 of that length. All tetrahedra are congruent: two opposite long edges, four short edges,
+// angles of 60 and 90 degrees.
 #pragma once
 
 #include <Eigen/Core>
@@ -65,8 +66,8 @@ class BccLattice {
     return directions[number];
   }
 
-  // The four corners of tetrahedron `number` of 12 of the cube with that centre: those that lie across its faces
-  // towards larger x, y and z. Corners 0 and 1 are joined by a long edge, and so are 2 and 3; positively oriented.
+  // Returns the corners of tetrahedron `number` of the 12 that belong to the cube with this centre: those that lie
+  // across its faces towards larger x, y and z. Long edges join corners 0 and 1, and 2 and 3. Positively oriented.
   [[nodiscard]] static std::array<Site, 4> tetrahedron(const Site& centre, int number) {
     const int axis = number / 4, side = number % 4, u = (axis + 1) % 3, v = (axis + 2) % 3;
     constexpr std::array<std::array<int, 2>, 4> kRound = {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
@@ -86,13 +87,13 @@ class BccLattice {
   Eigen::Vector3i cubes_ = Eigen::Vector3i::Zero();
 };
 
-// The stencil: how isosurface stuffing fills one tetrahedron of the lattice. [any thread]
+// The stencil: the elements with which isosurface stuffing fills one tetrahedron of the lattice. [any thread]
 //
 // Corners are inside, outside or on the surface; an edge from inside to outside has a cut point. The part inside is a
-// tetrahedron, a pyramid or a prism with corners at lattice and cut points. Where a face of the lattice holds two
-// corners inside and one outside, a quadrilateral is left of it, and both neighbours must choose the same diagonal
-// (Labelle & Shewchuk 2007, section 3): one that ends at the cut point of the long edge; where both cut edges are
-// short, the one whose lattice point has an even number of coordinates greater than its cut point's.
+// tetrahedron, a pyramid or a prism with corners at lattice and cut points. If a face of the lattice has two corners
+// inside and one outside, a quadrilateral of it is inside, and both neighbours must choose the same diagonal
+// (Labelle & Shewchuk 2007, section 3): the diagonal that ends at the cut point of the long edge; if both cut edges are
+// short, the diagonal whose lattice point has an even number of coordinates greater than its cut point's.
 
 enum class Side : std::int8_t { outside = -1, surface = 0, inside = 1 };
 
@@ -103,16 +104,16 @@ struct StencilPoint {
 
 struct Stencil {
   int count = 0;
-  std::array<std::array<StencilPoint, 4>, 3> elements;  // in no certain orientation
+  std::array<std::array<StencilPoint, 4>, 3> elements;  // orientation not specified
 };
 
-// How near a cut point may be to a lattice point, as a share of a long or a short edge, before the lattice point moves
-// onto it (stuffing.h), and the dihedral angles that then result whatever the surface is [degrees]. The two shares were
-// found by searching the space that tests/mesh/stuffing/stencil_test.cpp goes through.
+// Distance between cut point and lattice point, as a share of a long or a short edge, below which the lattice point
+// moves onto the cut point (stuffing.h); and the bounds of the dihedral angles [degrees] that result for every surface.
+// The two shares were found by searching the space that tests/mesh/stuffing/stencil_test.cpp covers.
 inline constexpr double kNearLong = 0.285, kNearShort = 0.3978;
 inline constexpr double kMinDihedral = 10.74, kMaxDihedral = 164.71;
 
-// `sites` as BccLattice::tetrahedron() has them.
+// `sites` must be in the order of BccLattice::tetrahedron().
 Stencil stencil(const std::array<BccLattice::Site, 4>& sites, const std::array<Side, 4>& sides);
 
 }  // namespace ringdown::mesh

@@ -15,11 +15,11 @@
 
 // Sharpening, round by round
 //
-// Each node of the boundary gets the plane of the triangle it lies on. Where the planes of a node's neighbours differ
-// by more than a sharp angle, the point nearest to all of them (least squares) is on the edge or the corner that the
-// lattice cut off: the node's target. Nodes move to their targets, the nearest first; a node whose elements would get
-// too flat angles goes half of the way or stays. Moving one node changes what its neighbours may do, so there are a few
-// rounds.
+// Each node of the boundary gets the plane of the triangle on which it lies. If the planes of a node's neighbours
+// differ by more than a sharp angle, the point nearest to all planes (least squares) is on the edge or corner that the
+// lattice cut off. This point is the node's target. Nodes move to their targets, the nearest first; a node whose
+// elements would get too flat angles moves half of the way or stays. Moving one node changes the possible moves of its
+// neighbours, so there are a few rounds.
 namespace ringdown::mesh {
 namespace {
 
@@ -89,8 +89,8 @@ class Sharpener {
     return nodes;
   }
 
-  // The point next to the node on all planes around it: least squares without the directions in which they say nothing
-  // (Kobbelt et al., Feature Sensitive Surface Extraction, SIGGRAPH 2001).
+  // Finds the point nearest to the node that lies on all planes around it: least squares without the directions that
+  // the planes leave undetermined (Kobbelt et al., Feature Sensitive Surface Extraction, SIGGRAPH 2001).
   bool find_target(int node, const std::set<std::int32_t>& ring, Vector3d& target) const {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Vector3d right = Vector3d::Zero();

@@ -1,4 +1,4 @@
-// Giving a stuffed body its sharp edges back. [worker]
+// Restores the sharp edges of a stuffed body. [worker]
 #pragma once
 
 #include "engine/mesh/stuffing/winding_number.h"
@@ -6,11 +6,11 @@
 
 namespace ringdown::mesh {
 
-// Isosurfaces cut edges off. Where the surface's normals around a node of the skin differ by more than 35 degrees and
-// their planes meet in one line or point (to a twentieth of `size_m`, the cells' edge), the node moves there, at most
-// 0.8 cells far, if all angles around it stay within kMinDihedral and kMaxDihedral; else half the way. Straight
-// elements, positively oriented, whose skin lies on the surface. Returns how many nodes moved. The same bits every
-// time.
+// Moves nodes of the skin onto sharp edges, which isosurface stuffing cuts off. If the surface's normals around a node
+// differ by more than 35 degrees and their planes meet in one line or point (to a twentieth of `size_m`, the cells'
+// edge), the node moves there, at most 0.8 cells far; only half the way if an angle around it would leave the range
+// from kMinDihedral to kMaxDihedral. The elements must be straight and positively oriented, with the skin on the
+// surface. Returns the number of moved nodes. The result is deterministic.
 int sharpen(TetMesh& mesh, const WindingNumber& surface, double size_m);
 
 }  // namespace ringdown::mesh

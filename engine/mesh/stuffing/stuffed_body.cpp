@@ -19,22 +19,22 @@
 
 // Two ways to a body
 //
-// Small cells follow thin walls, but a lattice of them is too much to solve. So the lattice only gives a skin, which is
-// sound whatever the surface was, and gmsh fills that with elements as large as the band allows (fill.h). A lattice of
-// which only the skin is needed may have kMaxSkinElements. Where gmsh cannot fill the skin, the body is a lattice of
-// fewer, larger cells.
+// Small cells follow thin walls, but a lattice of small cells is too large to solve. So only the lattice's skin is
+// kept, which is sound whatever the surface was, and gmsh fills the skin with elements as large as the band allows
+// (fill.h). For this purpose a lattice may have kMaxSkinElements. If gmsh cannot fill the skin, the body is a lattice
+// of fewer, larger cells.
 namespace ringdown::mesh {
 namespace {
 
 constexpr double kCellsPerWall = 2;
-constexpr double kSkinCells = 60;        // along the diagonal at least, so that the skin follows the shape
-constexpr double kElementsPerCell = 12;  // of the lattice
+constexpr double kSkinCells = 60;  // minimum number of cells along the diagonal, so that the skin follows the shape
+constexpr double kElementsPerCell = 12;  // elements of the lattice per cell
 constexpr double kMaxSkinElements = 3e6, kMaxSolvedElements = 40e3;
 constexpr double kMinKept = 0.5, kSmallerCells = 0.75, kMaxForcedElements = 2 * kMaxSolvedElements;
-constexpr double kVanishing = 0.6;  // of a cell: of plates so thin, askew in the lattice, at most a seventh is left
+constexpr double kVanishing = 0.6;  // share of a cell; of oblique plates that are thinner, at most a seventh is left
 
 struct Cells {
-  double wanted_m = 0, size_m = 0;  // size_m is larger where those wanted would be too many
+  double wanted_m = 0, size_m = 0;  // size_m is larger than wanted_m if there would be too many cells
 };
 
 class StuffedBody {
@@ -79,7 +79,7 @@ class StuffedBody {
     return std::max(std::cbrt(kElementsPerCell * volume_m3_ / max_elements), std::cbrt(points));
   }
 
-  // Returns the finest size of cells by force: half of the body in finer ones would take too many elements.
+  // Returns the finest cell size with force_coarse. With finer cells, half of the body would have too many elements.
   [[nodiscard]] double finest_forced_m() const { return finest_m(kMaxForcedElements / kMinKept); }
 
   [[nodiscard]] Result<void> check_walls(const Cells& cells, double max_elements) const {
@@ -99,8 +99,9 @@ class StuffedBody {
     return fail(ErrorKind::too_large, name_ + text);
   }
 
-  // Between the points of a lattice that is coarser than a wall, most of the wall vanishes, or all of it. Such a body
-  // is made only by force; then cells become smaller, and cells.size_m with them, until half of it is there.
+  // Stuffs a body whose walls are thinner than a cell, which is done only with force_coarse. Most or all of such a wall
+  // falls between the lattice's points and vanishes, so the cells, and cells.size_m, become smaller until half of the
+  // body is there.
   Result<Stuffed> stuff_thin(Cells& cells) const {
     const double finest = std::max(cells.wanted_m, finest_forced_m());
     if (force_ && wall_m_ > 0) cells.size_m = std::clamp(wall_m_ / kVanishing, finest, std::max(finest, cells.size_m));
@@ -119,7 +120,7 @@ class StuffedBody {
     return stuffed;
   }
 
-  // CGAL fails at some skins by rounding. A second attempt has smaller cells, and with them another skin.
+  // CGAL fails on some skins because of rounding. A second attempt uses smaller cells, which give another skin.
   Result<Body> refill() {
     const double size_m = std::min(options_.size_m, box_.norm() / kSkinCells);
     Result<Body> body = refill_by(size_m);
@@ -138,7 +139,7 @@ class StuffedBody {
     if (!diagnose(skin).sound()) return fail(ErrorKind::bad_input, "it is not sound");
     Result<Filled> filled = fill(skin, options_, name_);
     if (!filled) return fail(filled.error());
-    // With the skin's own, small triangles there are too many elements.
+    // A note means that gmsh used the skin's own small triangles, which give too many elements.
     if (!filled->note.empty()) return fail(ErrorKind::bad_input, filled->note);
     Body body{.mesh = std::move(filled->mesh), .making = Making::kRefilled, .notes = {}};
     body.mesh.gaps_m = surface_gaps(body.mesh.mesh, surface_, cells.size_m, true);
@@ -166,13 +167,13 @@ class StuffedBody {
 
 }  // namespace
 
-// Rays start a hair below the middles of triangles, one in each equal share of the area, and end where a crossing leads
-// out of the body.
+// Rays start slightly below the middles of triangles, one in each equal share of the area, and end at the crossing
+// where they leave the body.
 double wall_of_soup(const TriangleMesh& surface) {
   constexpr int kRays = 1000;
   const WindingNumber winding(surface);
   const double length = 1.01 * diagonal_of(surface), hair = 1e-6 * length;
-  std::vector<double> up_to;  // area
+  std::vector<double> up_to;  // area of all triangles up to each one
   double area = 0;
   const auto corner = [&surface](Eigen::Index t, int i) -> Eigen::Vector3d {
     return surface.nodes.row(surface.triangles(t, i)).transpose();
@@ -189,7 +190,7 @@ double wall_of_soup(const TriangleMesh& surface) {
     Eigen::Vector3d inward = -twice_area(t).normalized();
     if (winding.inside(middle - hair * inward)) inward = -inward;
     const Eigen::Vector3d from = middle + hair * inward, to = from + length * inward;
-    if (!winding.inside(from) || winding.inside(middle - hair * inward)) continue;  // not at the border of the inside
+    if (!winding.inside(from) || winding.inside(middle - hair * inward)) continue;  // triangle not at the skin
     for (const double crossing : winding.crossings(from, to)) {
       if (winding.inside(from + (crossing * length + hair) * inward)) continue;
       lengths.push_back(crossing * length + hair);

@@ -24,21 +24,23 @@
 //    that no triangle comes near is decided as a whole, so the cost follows the surface, not the volume.
 // 2. find_rim(): the points inside that have a neighbour outside.
 // 3. find_cuts(): each edge from a rim point to a neighbour outside is cut where it leaves the body.
-// 4. warp(): a lattice point with a cut point too near to it moves onto the nearest such cut point. From then on the
-//    point is on the surface, and its edges have no cut points any more. This is what bounds the angles.
-// 5. fill(): each tetrahedron of the lattice gives the part of it that is inside (bcc_lattice.h). Points and cut points
-//    become nodes when an element first needs them.
+// 4. warp(): a lattice point with a cut point too near to it moves onto the nearest such cut point. The point is then
+// on
+//    the surface, and its edges no longer have cut points. This step bounds the angles.
+// 5. fill(): the part of each tetrahedron of the lattice that is inside becomes elements (bcc_lattice.h). Points and
+// cut
+//    points become nodes when an element first needs them.
 //
-// Steps 1 and 3 ask for winding numbers and take nearly all of the time; threads share them. The others run on one
-// thread in a fixed order, so the mesh does not depend on the number of threads.
+// Steps 1 and 3 compute winding numbers and take nearly all of the time; they are divided among threads. The remaining
+// steps run on one thread in a fixed order, so the mesh does not depend on the number of threads.
 namespace ringdown::mesh {
 namespace {
 
 using Eigen::Vector3d;
 using Site = BccLattice::Site;
 
-constexpr int kMargin = 2;  // cubes around the body's box
-constexpr int kBrick = 4;   // cubes along the edge of what one thread takes at a time
+constexpr int kMargin = 2;  // number of cubes around the body's box
+constexpr int kBrick = 4;   // number of cubes along the edge of a brick, which one thread processes at a time
 constexpr int kBisections = 24;
 
 double length_of(int direction) { return direction < BccLattice::kLongDirections ? 1 : std::sqrt(0.75); }
@@ -72,8 +74,8 @@ class TriangleSolid final : public Solid {
     return bisect(a, b, from, 1);
   }
 
-  // True when no triangle is near and the winding number is far from one half, on the same side of it, at the corners
-  // and in the middle: it is harmonic in between, so it does not come back to one half there.
+  // Returns true if no triangle is near, and the winding number at the corners and in the middle is far from one half,
+  // always above or always below. Without triangles the number is harmonic, so it does not reach one half in between.
   [[nodiscard]] bool uniform(const Vector3d& from, const Vector3d& to) const override {
     const Vector3d margin = (to - from) / 2;
     if (winding_.near(from - margin, to + margin)) return false;
@@ -105,7 +107,7 @@ class Stuffing {
   Stuffing(const Solid& solid, const BccLattice& lattice, int threads, const Progress& progress)
       : solid_(solid), lattice_(lattice), threads_(thread_count(threads)), progress_(progress) {}
 
-  // False when cancelled.
+  // Returns false if cancelled.
   bool run() {
     if (!find_sides()) return false;
     find_rim();
@@ -118,7 +120,7 @@ class Stuffing {
   TetMesh take() { return std::move(mesh_); }
 
  private:
-  // work(i) for all i < count, each once, by all threads; progress from `from` to `to`.
+  // Calls work(i) once for each i < count, on all threads; progress goes from `from` to `to`.
   template <class Work>
   bool share(std::int64_t count, double from, double to, const Work& work) {
     std::atomic<std::int64_t> next = 0;
@@ -134,7 +136,8 @@ class Stuffing {
     return !stopped;
   }
 
-  // The outermost half cube of the lattice's box, whose tetrahedra are not complete. Nothing there may be inside.
+  // Returns true in the outermost half cube of the lattice's box, whose tetrahedra are incomplete. No point there may
+  // be inside.
   [[nodiscard]] bool at_rim(const Site& site) const {
     return (site.array() <= 1).any() || (site.array() >= 2 * lattice_.cubes().array() - 1).any();
   }
@@ -212,8 +215,8 @@ class Stuffing {
     return ends;
   }
 
-  // Visits the ends of cut edges in the order of their numbers. `share` is how far along the edge its cut point lies
-  // from this end; an edge whose other end is on the surface already is no longer cut.
+  // Visits the ends of cut edges in the order of their numbers. `share` is the distance of the cut point from this end
+  // as a fraction of the edge. An edge whose opposite end is already on the surface is no longer cut.
   void warp() {
     node_of_.assign(sides_.size(), -1);
     for (const std::int32_t point : ends_of_cuts()) {

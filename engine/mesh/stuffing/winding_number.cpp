@@ -7,30 +7,30 @@
 #include <limits>
 #include <numbers>
 
-// How the sum is made fast, and how its error is known
+// A fast sum with a known error
 //
 // The triangles are sorted into a binary tree: each node splits its triangles in halves along the longest side of the
 // box around their middles. Each node keeps the first three terms of the expansion of its triangles' solid angle about
 // their common centre: the dipole, its gradient and its second derivatives (expand()).
 //
-// A query walks down the tree (sum()). A node whose radius is less than `opening` times its distance is taken whole, by
-// its expansion; the bound on what the expansion leaves out is added to the error. Leaves are summed triangle by
-// triangle. A smaller opening descends further and is more exact. at() and inside() begin with a wide opening and
-// narrow it only until the error suffices: for most points the first try tells inside from outside.
+// A query walks down the tree (sum()). A node whose radius is less than `opening` times its distance contributes its
+// expansion, and the bound on the expansion's remainder is added to the error. Leaves are summed triangle by triangle.
+// A smaller opening descends further and is more exact. at() and inside() begin with a wide opening and narrow it only
+// until the error is small enough: for most points the first try tells inside from outside.
 //
-// Long, narrow triangles, as a turned body has along its axis, would make clusters as long as the body, which are never
-// far. So they are cut across first (cut_across()), which leaves their solid angles as they are.
+// Long, narrow triangles, such as those along the axis of a turned body, would make clusters as long as the body, which
+// are never far away. So such triangles are first cut across (cut_across()), which does not change their solid angles.
 namespace ringdown::mesh {
 namespace {
 
 using Eigen::Vector3d;
 
 constexpr int kLeaf = 8;
-constexpr double kLong = 8;                               // times as long as wide: longer triangles are cut across
-constexpr double kShortest = 1.0 / 64;                    // of the diagonal: shorter ones are not
+constexpr double kLong = 8;                               // ratio of length to width from which triangles are cut
+constexpr double kShortest = 1.0 / 64;                    // share of the diagonal; shorter triangles are not cut
 constexpr std::array kOpenings = {0.6, 0.4, 0.25, 0.12};  // radius over distance, from cheap to exact
 
-// Over 4 pi: van Oosterom & Strackee (8).
+// The solid angle over 4 pi, by equation (8) of van Oosterom & Strackee.
 double solid_angle(const std::array<Vector3d, 3>& triangle, const Vector3d& point) {
   const Vector3d a = triangle[0] - point, b = triangle[1] - point, c = triangle[2] - point;
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
@@ -40,8 +40,8 @@ double solid_angle(const std::array<Vector3d, 3>& triangle, const Vector3d& poin
 
 Vector3d area_of(const std::array<Vector3d, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]) / 2; }
 
-// Adds the triangle, or pieces of it that are less than kLong times as long as wide or shorter than `shortest`, as long
-// as there are fewer than `most` of them.
+// Adds the triangle to `pieces`, cut into parts that are less than kLong times as long as wide or shorter than
+// `shortest`, as long as there are fewer than `most` pieces.
 void cut_across(const std::array<Vector3d, 3>& triangle, double shortest, std::size_t most,
                 std::vector<std::array<Vector3d, 3>>& pieces) {
   int from = 0;
@@ -60,7 +60,7 @@ void cut_across(const std::array<Vector3d, 3>& triangle, double shortest, std::s
   cut_across({middle, b, c}, shortest, most, pieces);
 }
 
-// A box and a line a + t d, 0 <= t <= 1.
+// Returns true if a box meets the segment a + t d, 0 <= t <= 1.
 bool meets(const Vector3d& low, const Vector3d& high, const Vector3d& a, const Vector3d& d) {
   double from = 0, to = 1;
   for (int k = 0; k < 3; ++k) {
@@ -75,7 +75,7 @@ bool meets(const Vector3d& low, const Vector3d& high, const Vector3d& a, const V
   return from <= to + 1e-12;
 }
 
-// Moeller & Trumbore, J. Graphics Tools 2, 1997; a hair wider than the triangle, so that none slips between two.
+// Moeller & Trumbore, J. Graphics Tools 2, 1997, slightly widened so that no segment slips between two triangles.
 double hit(const std::array<Vector3d, 3>& triangle, const Vector3d& a, const Vector3d& d) {
   constexpr double kHair = 1e-10;
   const Vector3d u = triangle[1] - triangle[0], v = triangle[2] - triangle[0], p = d.cross(v);
@@ -108,11 +108,12 @@ WindingNumber::WindingNumber(const TriangleMesh& surface) {
   build(0, static_cast<int>(triangles_.size()));
 }
 
-// The winding numbers on the two sides of a surface that is turned outward are 1 and 0, else 0 and -1. The sign of the
-// volume would tell the same of a closed surface, but that of an open one depends on where it is measured from.
+// Returns true if the surface is inside out. The winding numbers on the two sides of a surface are 1 and 0 if the
+// surface is turned outward, else 0 and -1. The sign of the volume would decide for a closed surface, but for an open
+// surface that sign depends on the point from which the volume is measured.
 bool WindingNumber::faces_inward() const {
   constexpr std::size_t kTriangles = 500;
-  constexpr double kBeside = 1e-4;  // of the triangle's size
+  constexpr double kBeside = 1e-4;  // distance of test points, as a share of the triangle's size
   const std::size_t step = triangles_.size() / kTriangles + 1;
   double sum = 0;
   for (std::size_t t = 0; t < triangles_.size(); t += step) {
@@ -156,8 +157,9 @@ int WindingNumber::build(int first, int count) {
   return number;
 }
 
-// With y = x - centre: dipole_i = int n_i, gradient_ij = int n_i y_j, and of int n_i y_j y_k = T_ijk what its
-// contraction with the third derivatives of 1/r needs: trace_k = 2 T_iik + T_kii, and T_ijk made symmetric.
+// With y = x - centre: dipole_i = int n_i, gradient_ij = int n_i y_j, T_ijk = int n_i y_j y_k. Of T, only the parts
+// that its contraction with the third derivatives of 1/r needs are kept: trace_k = 2 T_iik + T_kii, and the symmetric
+// part.
 void WindingNumber::expand(Node& node) const {
   double weight = 0;
   node.centre.setZero();
@@ -200,7 +202,7 @@ void WindingNumber::expand(Node& node) const {
   }
 }
 
-// `offset` leads from the point to the centre. The error: the term of degree m of n . grad(1/r) is at most
+// `offset` leads from the point to the centre. Error bound: the term of degree m of n . grad(1/r) is at most
 // (m + 1) |y|^m / r^(m+2), because a zonal harmonic is steepest on its axis.
 WindingNumber::Bounded WindingNumber::far_field(const Node& node, const Vector3d& offset, double distance) {
   const double r2 = distance * distance, r3 = r2 * distance, r5 = r3 * r2, r7 = r5 * r2;
@@ -216,7 +218,7 @@ WindingNumber::Bounded WindingNumber::far_field(const Node& node, const Vector3d
   return {value / (4 * std::numbers::pi), error / (4 * std::numbers::pi)};
 }
 
-// Clusters are taken whole where they are smaller than `opening` times their distance.
+// Clusters smaller than `opening` times their distance are replaced by their expansions.
 WindingNumber::Bounded WindingNumber::sum(const Vector3d& point, double opening) const {
   Bounded total{0, 0};
   std::array<int, 64> waiting;

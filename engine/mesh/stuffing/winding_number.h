@@ -1,5 +1,5 @@
-// How often a surface goes around a point: 1 inside a sound one, 0 outside, and for a soup of triangles something
-// between that still tells the two apart. [any thread once made]
+// Computes how often a surface goes around a point: 1 inside a sound surface, 0 outside. For a soup of triangles the
+// number lies in between and still separates inside from outside. [any thread once made]
 //
 //   const WindingNumber winding(soup);
 //   if (winding.inside(point)) ...
@@ -7,9 +7,9 @@
 // The generalised winding number (Jacobson, Kavan & Sorkine-Hornung, ACM Trans. Graph. 32(4), 2013) is the sum of the
 // triangles' solid angles over 4 pi, each exact (van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983). It is
 // harmonic away from the triangles, jumps by one across each, and passes through one half across a hole. Doubled and
-// overlapping parts add up. Far clusters of triangles are taken together as a dipole and its next two terms (Barill,
-// Dickson, Schmidt, Levin & Jacobson, ACM Trans. Graph. 37(4), 2018). What that leaves out is bounded cluster by
-// cluster, and where the bound is not good enough the clusters are opened, so errors hold for every surface.
+// overlapping parts add up. Far clusters of triangles are approximated by a dipole and its next two terms (Barill,
+// Dickson, Schmidt, Levin & Jacobson, ACM Trans. Graph. 37(4), 2018). The error is bounded for each cluster, and
+// clusters are opened where the bound is too large, so the tolerance holds for every surface.
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
@@ -23,27 +23,27 @@ namespace ringdown::mesh {
 
 class WindingNumber {
  public:
-  // O(T log T). Triangles without area are passed over. A surface that is inside out is taken turned.
+  // O(T log T). Triangles without area are ignored. A surface that is inside out is turned first.
   explicit WindingNumber(const TriangleMesh& surface);
 
-  // To within `tolerance` of the plain sum over all triangles; 0: that sum itself. On a triangle it is half way between
-  // its two sides, or either.
+  // Returns the winding number to within `tolerance` of the plain sum over all triangles; 0: the plain sum itself. On a
+  // triangle the result is the value on one side, or midway between both.
   [[nodiscard]] double at(const Eigen::Vector3d& point, double tolerance = 1e-3) const;
 
-  // at() > 1/2, as exactly as that takes, down to a tolerance of 1e-4.
+  // Returns at() > 1/2, refined as far as the decision needs, down to a tolerance of 1e-4.
   [[nodiscard]] bool inside(const Eigen::Vector3d& point) const;
 
-  // Where the way from a to b crosses triangles: fractions of it, ascending. Hits of a triangle's very edge may be
-  // missed or come twice.
+  // Returns the places where the segment from a to b crosses triangles, as ascending fractions of its length. Hits
+  // exactly on a triangle's edge may be missed or occur twice.
   [[nodiscard]] std::vector<double> crossings(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
 
-  // A triangle lies within the box, or near it: its bounding box does.
+  // Returns true if the bounding box of some triangle meets the box.
   [[nodiscard]] bool near(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
 
-  // The unit normal, outward as taken, of the triangle that the point lies on to within `reach`; false when on none.
+  // Finds the unit normal, outward, of the triangle within `reach` of the point; returns false if there is none.
   [[nodiscard]] bool normal_at(const Eigen::Vector3d& point, double reach, Eigen::Vector3d& normal) const;
 
-  // The surface was inside out as a whole.
+  // Returns true if the whole surface was inside out.
   [[nodiscard]] bool turned() const { return turned_; }
 
  private:
@@ -53,7 +53,7 @@ class WindingNumber {
     Eigen::Vector3d centre, dipole, trace;  // expansion about `centre`; see expand()
     Eigen::Matrix3d gradient;
     std::array<double, 10> cubic;         // xxx yyy zzz xxy xxz yyx yyz zzx zzy xyz
-    double radius = 0, third = 0;         // of all corners from the centre; integral of that distance cubed, or more
+    double radius = 0, third = 0;         // largest distance from the centre; bound of the integral of distance cubed
     int first = 0, count = 0, right = 0;  // triangles; a leaf has right == 0, the left child follows its parent
   };
   struct Bounded {

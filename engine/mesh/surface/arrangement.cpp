@@ -2,7 +2,7 @@
 
 #include "engine/mesh/surface/surface_check.h"
 
-// CGAL's advice against computing crossings of crossings exactly, on every start: there are few of them here.
+// Silences CGAL's warning at every start about exact crossings of crossings, which are few here.
 #define CGAL_NO_CDT_2_WARNING
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
@@ -45,10 +45,10 @@ using FlatStructure = CGAL::Triangulation_data_structure_2<FlatVertex, FlatFace>
 using FlatTriangulation =
     CGAL::Constrained_Delaunay_triangulation_2<Exact, FlatStructure, CGAL::Exact_intersections_tag>;
 
-// Triangles in one plane, and what others cut into them.
+// Triangles in one plane, and the segments that other triangles cut into them.
 struct Group {
   std::vector<std::int32_t> triangles;
-  std::vector<std::array<std::int32_t, 2>> segments;  // nodes; the same one twice: a point
+  std::vector<std::array<std::int32_t, 2>> segments;  // pairs of nodes; a point is one node twice
 };
 
 class Arranger {
@@ -66,7 +66,7 @@ class Arranger {
         for (int i = 0; i < 3; ++i) know(mesh_.triangles(t, i));
       }
     }
-    std::vector<std::pair<std::int32_t, std::array<std::int32_t, 2>>> segments;  // and the triangle they lie in
+    std::vector<std::pair<std::int32_t, std::array<std::int32_t, 2>>> segments;  // triangle and nodes
     for (const auto& [a, b] : pairs) {
       met_.clear();
       if (meet(a, b)) join(a, b);
@@ -123,7 +123,7 @@ class Arranger {
   }
   void join(std::int32_t a, std::int32_t b) { group_of_[static_cast<std::size_t>(root(a))] = root(b); }
 
-  // Notes the segment or the point that two triangles have in common in met_. Returns true when it is a polygon.
+  // Records in met_ the segment or point that two triangles have in common. Returns true if they share a polygon.
   bool meet(std::int32_t a, std::int32_t b) {
     const auto met = CGAL::intersection(exact_triangle(a), exact_triangle(b));
     if (!met) return false;
@@ -139,7 +139,7 @@ class Arranger {
     return false;
   }
 
-  // The plane of a group, seen along the axis that its normal is nearest to.
+  // The plane of a group, projected along the axis nearest to its normal.
   struct Plane {
     Exact::Plane_3 plane;
     int u = 0, v = 1, w = 2;  // axes; w is left out
@@ -249,7 +249,7 @@ class Arranger {
   }
 
   const TriangleMesh& mesh_;
-  std::vector<std::int32_t> group_of_;  // of each triangle, towards the first of its group
+  std::vector<std::int32_t> group_of_;  // union-find: for each triangle a link towards the first triangle of its group
   std::map<ExactPoint, std::int32_t> number_;
   std::vector<ExactPoint> made_;
   std::vector<std::array<std::int32_t, 2>> met_;

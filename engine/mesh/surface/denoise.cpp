@@ -14,25 +14,27 @@
 
 // Normals first, then nodes
 //
-// One plain average of the normals over each triangle's neighbourhood (all triangles that share a node with it) turns
-// those of folded triangles; where it is taken of others, too, edges become rounder. kNormalRounds bilateral averages
-// follow, in which a neighbour counts less the more its normal differs, so that the two sides of an edge do not mix.
-// Then nodes move, kNodeRounds times, towards the planes of their triangles as the new normals have them, and along the
-// surface, on an edge along the edge, to the middle of their neighbours, which unfolds triangles. At last all nodes
-// move along their normals by the same length, which gives the body the volume back that this took.
+// First, a plain average over each triangle's neighbourhood (all triangles that share a node with it) turns the normals
+// of folded triangles; if the other triangles' normals are averaged, too, edges become rounder. kNormalRounds bilateral
+// averages follow, in which a neighbour counts less the more its normal differs, so that the two sides of an edge do
+// not mix. Then nodes move, kNodeRounds times: towards the planes that the new normals give their triangles, and along
+// the surface (on an edge, along the edge) to the middle of their neighbours, which unfolds triangles. Last, all nodes
+// move along their normals by one length that restores the body's volume.
 namespace ringdown::mesh {
 namespace {
 
 using Eigen::RowVector3d;
 
 constexpr int kNormalRounds = 10, kNodeRounds = 15;
-constexpr double kAlike = 0.35;        // the difference of unit normals that halves a weight, about
-constexpr double kFolded = 0.5;        // the cosine from a normal to the mean around it below which it counts as folded
-constexpr double kFreeShare = 0.1;     // of the normals' squares: directions that lie in all planes around a node
-constexpr double kAlong = 0.3;         // of the way to the middle of the neighbours
-constexpr double kRough_deg = 5;       // between the normals of most neighbours
-constexpr double kFineTriangles = 40;  // sides along the diagonal
-constexpr double kFolds = 0.8;         // of the pairs that cut each other
+constexpr double kAlike = 0.35;  // difference of unit normals that about halves a weight
+constexpr double kFolded =
+    0.5;  // cosine between a triangle's normal and the mean around it, below which it counts as folded
+constexpr double kFreeShare =
+    0.1;  // share of the normals' squares below which a direction lies in all planes around a node
+constexpr double kAlong = 0.3;         // share of the way to the middle of the neighbours
+constexpr double kRough_deg = 5;       // angle between the normals of most neighbours
+constexpr double kFineTriangles = 40;  // number of sides along the diagonal
+constexpr double kFolds = 0.8;         // share of neighbours among the pairs that cut each other
 
 class Denoising {
  public:
@@ -73,7 +75,7 @@ class Denoising {
     return *middle > kRough_deg * std::numbers::pi / 180;
   }
 
-  // Returns true where a node of one triangle belongs to a triangle at a node of the other.
+  // Returns true if some triangle has a node of `a` and a node of `b`.
   [[nodiscard]] bool are_neighbours(std::int32_t a, std::int32_t b) const {
     for (const std::int32_t node : from_.triangles.row(a)) {
       for (const std::int32_t beside : fans_.at(node)) {
@@ -130,7 +132,7 @@ class Denoising {
     for (Eigen::Index t = 0; t < to_.triangles.rows(); ++t) {
       for (const std::int32_t node : to_.triangles.row(t)) outward.row(node) += areas_[t] * normals_.row(t);
     }
-    for (auto row : outward.rowwise()) row.normalize();  // leaves the zeros of unused nodes
+    for (auto row : outward.rowwise()) row.normalize();  // zero vectors of unused nodes stay zero
     return outward;
   }
 
@@ -164,7 +166,7 @@ class Denoising {
   const TriangleMesh& from_;
   TriangleFans fans_;
   TriangleMesh to_;
-  Normals normals_;  // of triangles, as they should be
+  Normals normals_;  // the triangles' target normals
   Eigen::VectorXd areas_;
 };
 

@@ -7,7 +7,7 @@
 namespace ringdown::mesh {
 namespace {
 
-// Which triangles have an edge. Triangles without area are left out.
+// Finds the triangles that have an edge. Triangles without area are left out.
 class EdgeIndex {
  public:
   explicit EdgeIndex(const TriangleMesh& mesh) : mesh_(mesh) {
@@ -44,8 +44,8 @@ class FlatTriangles {
  public:
   FlatTriangles(TriangleMesh& mesh, std::size_t& steps) : mesh_(mesh), steps_(steps) {}
 
-  // The two halves of a neighbour take its row and the flat triangle's. A half may be flat itself; it is handled when
-  // the loop comes to its row.
+  // The two halves of a neighbour are stored in the neighbour's row and the flat triangle's. A half may be flat itself;
+  // the loop handles such a half when it reaches the row.
   std::size_t run() {
     if (none()) return 0;
     EdgeIndex index(mesh_);
@@ -91,7 +91,7 @@ class FlatTriangles {
     mesh_.triangles.conservativeResize(kept, 3);
   }
 
-  // Cuts triangle `t` at the point `middle` of its side a b. The halves go into its own row and into `spare`.
+  // Cuts triangle `t` at the point `middle` of its side a b. The halves are stored in the rows `t` and `spare`.
   void split_triangle(Eigen::Index t, Eigen::Index spare, std::int32_t a, std::int32_t b, std::int32_t middle) {
     for (int i = 0; i < 3; ++i) {
       const std::int32_t from = mesh_.triangles(t, i), to = mesh_.triangles(t, (i + 1) % 3),

@@ -1,13 +1,13 @@
-// Triangles without area, and the edges that they hide. [any thread]
+// Removes triangles without area, and joins the edges that they hide. [any thread]
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
 
 namespace ringdown::mesh {
 
-// Takes out the triangles whose corners lie in one line. The neighbour at the longest side of such a triangle is cut in
-// two at its third corner, so that the edges which the triangle joined fit together (a T-joint). Returns how many
-// triangles were taken out; `steps` is raised by the number of triangles visited. O(T log T).
+// Removes the triangles whose corners lie on one line. The neighbour at the longest side of such a triangle is cut in
+// two at the flat triangle's third corner, so that the edges fit together (a T-joint). Returns the number of removed
+// triangles, and adds the number of visited triangles to `steps`. O(T log T).
 std::size_t split_at_flats(TriangleMesh& mesh, std::size_t& steps);
 
 }  // namespace ringdown::mesh

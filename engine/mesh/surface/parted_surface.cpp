@@ -47,7 +47,7 @@ std::vector<Region> regions_of(const Shells& shells, const std::vector<std::int3
   for (std::size_t s = 0; s < regions.size(); ++s) {
     if (shells.parent[s] >= 0)
       regions[static_cast<std::size_t>(shells.parent[s])].volume_m3 -= std::abs(shells.volume_m3[s]);
-    // From the shell outward: a region is inside a surface that has an odd number of shells around it.
+    // Goes from the shell outward: a region is inside a surface if an odd number of that surface's shells is around it.
     std::vector<std::int32_t> inward;
     std::map<std::int32_t, int> around;
     for (int at = static_cast<int>(s); at >= 0; at = shells.parent[static_cast<std::size_t>(at)]) {
@@ -62,7 +62,7 @@ std::vector<Region> regions_of(const Shells& shells, const std::vector<std::int3
 }
 
 std::vector<std::int32_t> sources_of(const Shells& shells, const TriangleMesh& mesh, const PartedSurface& parted) {
-  constexpr int kAsked = 20;  // triangles of each shell
+  constexpr int kAsked = 20;  // number of triangles tested for each shell
   const SurfaceRays old(parted.mesh);
   std::vector<std::map<std::int32_t, int>> votes(static_cast<std::size_t>(shells.count));
   std::vector<int> asked(votes.size(), 0);

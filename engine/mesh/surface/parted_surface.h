@@ -1,4 +1,4 @@
-// A body's surface with closed surfaces inside it, which part it into regions of different materials. [worker]
+// A body's surface with closed surfaces inside that divide the body into regions of different materials. [worker]
 //
 //   Result<PartedSurface> parted = part({cup, {{"clay.stl", clay}}}, "cup.stl");
 //   Result<Filled> filled = fill_parts(*parted, options, "cup.stl");    // fill.h
@@ -15,33 +15,34 @@
 namespace ringdown::mesh {
 
 struct NamedSurface {
-  std::string name;  // for sentences, and of the group of elements inside
+  std::string name;  // used in messages and for the group of elements inside
   TriangleMesh mesh;
 };
 
-// Shells are wound in turn: what lies directly inside an outermost shell is enclosed, what lies inside a shell within
-// it is not, and so on. So the surface bounds a body, that of every second region.
+// Shells are wound alternately: the region directly inside an outermost shell is enclosed, the region inside the next
+// shell is not, and so on. So the surface bounds a body that consists of every second region.
 struct PartedSurface {
   TriangleMesh mesh;
-  std::vector<std::int32_t> source;  // of each triangle: a number in `names`, or -1: of the body's own surface
-  std::vector<std::string> names;    // of the inner surfaces
+  std::vector<std::int32_t> source;  // for each triangle a position in `names`, or -1 for the body's own surface
+  std::vector<std::string> names;    // names of the inner surfaces
 };
 
-// The region directly inside a shell, as far as to the shells within it.
+// The region between a shell and the shells directly within it.
 struct Region {
-  bool filled = false;     // not a cavity of the body
-  std::int32_t part = -1;  // the innermost inner surface around it; -1: none
+  bool filled = false;     // false: a cavity of the body
+  std::int32_t part = -1;  // the innermost inner surface around the region; -1: none
   double volume_m3 = 0;
 };
 
-// One for each of shells_of(), whose shells come from the surfaces that `source` says.
+// Returns one region for each of the shells of shells_of(). `source` gives the surface that each shell comes from.
 std::vector<Region> regions_of(const Shells& shells, const std::vector<std::int32_t>& source);
 
-// The source of each shell of `shells`, a surface that has been cut into other triangles, by what lies nearest.
+// Returns the source of each shell of `mesh`, a surface that was cut into new triangles, by the nearest original
+// triangles.
 std::vector<std::int32_t> sources_of(const Shells& shells, const TriangleMesh& mesh, const PartedSurface& parted);
 
-// All surfaces must be sound. Fails with one sentence when two of them cross or touch, when an inner one lies outside
-// of the body or in a cavity, or when there are two of one name.
+// Joins the surfaces, all of which must be sound. Fails with one sentence if two surfaces cross or touch, if an inner
+// surface lies outside the body or in a cavity, or if two have one name.
 Result<PartedSurface> part(const TriangleMesh& body, const std::vector<NamedSurface>& inner, const std::string& name);
 
 }  // namespace ringdown::mesh

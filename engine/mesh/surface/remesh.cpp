@@ -28,7 +28,7 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Mesh = CGAL::Surface_mesh<Point>;
 
-// Points and triangles as CGAL takes them.
+// Points and triangles in the form that CGAL takes.
 struct PolygonSoup {
   std::vector<Point> points;
   std::vector<std::array<std::size_t, 3>> triangles;
@@ -44,7 +44,7 @@ struct PolygonSoup {
     }
   }
 
-  // The triangles must hang together as a surface does.
+  // The triangles must be connected as in a manifold surface.
   [[nodiscard]] Mesh half_edges() const {
     Mesh mesh;
     pmp::polygon_soup_to_polygon_mesh(points, triangles, mesh);
@@ -72,8 +72,8 @@ TriangleMesh soup_of(Mesh& mesh) {
   return soup;
 }
 
-// For each triangle the largest distance from its middle and from those of its sides to the surface `from`. The corners
-// are left out, because they lie on it.
+// Returns for each triangle the largest distance of its middle and of its sides' middles from the surface `from`. The
+// corners are left out, because they lie on that surface.
 std::vector<double> deviations(const TriangleMesh& mesh, const SurfaceRays& from) {
   std::vector<double> most;
   for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
@@ -119,12 +119,12 @@ Triangles triangulate(const std::vector<Eigen::RowVector3d>& loop) {
 // nodes have six neighbours, and moves nodes towards the middle of their neighbours and back onto the surface. Edges
 // sharper than kSharpAngle_deg are constrained: they are neither flipped nor smoothed away.
 //
-// It begins with the shortest edges everywhere. Then, level by level, the triangles that may be larger are remeshed
-// with edges kGrowth times as long: those around whose corners the surface turns little enough, and which have no
-// smaller triangle beside them. How much it turns is measured on the triangles of the level, between normals that are
-// averaged around each node. So bumps smaller than these triangles, such as a scanner's noise, do not keep triangles
-// small. Sharp edges may turn by half of what faces may. Nor may a larger triangle leave the surface by more than the
-// body's thickness there allows. At last the nodes are put onto the old surface.
+// The first level has the shortest edges everywhere. Then, level by level, the triangles that may be larger are
+// remeshed with edges kGrowth times as long. A triangle may be larger if the surface turns little enough around its
+// corners, if it has no smaller neighbour, and if the larger triangle leaves the surface by no more than the body's
+// thickness there allows. The turn is measured on the triangles of the level, between normals that are averaged around
+// each node, so bumps smaller than these triangles, such as a scanner's noise, do not keep triangles small. Sharp edges
+// may turn half as much as faces. Last, the nodes are put onto the old surface.
 namespace {
 
 constexpr double kGrowth = 1.6;
@@ -175,7 +175,7 @@ class GradedRemeshing {
     return std::atan2(from.cross(to).norm(), from.dot(to));
   }
 
-  // The angle by which the sharp edges turn at a node that two of them meet in.
+  // The angle by which a sharp edge turns at a node in which two sharp edges meet.
   [[nodiscard]] double turn_of_crease(Mesh::Vertex_index v) const {
     std::vector<Eigen::Vector3d> ways;
     for (const auto h : halfedges_around_target(mesh_.halfedge(v), mesh_)) {
@@ -187,7 +187,7 @@ class GradedRemeshing {
     return std::atan2(ways[0].cross(ways[1]).norm(), -ways[0].dot(ways[1]));
   }
 
-  // Returns for each face how far triangles may leave the surface there.
+  // Returns for each face the distance by which triangles may leave the surface there.
   [[nodiscard]] std::vector<double> ways_to_leave(const EdgeLengths& lengths) {
     const SurfaceRays rays(soup_of(mesh_));
     std::vector<double> ways(mesh_.number_of_faces(), std::numeric_limits<double>::max());
@@ -199,8 +199,8 @@ class GradedRemeshing {
     return ways;
   }
 
-  // Returns the faces that may have edges `growth` times as long as now. A triangle of edges e on a surface that turns
-  // by an angle along them leaves it by e / 6 times that angle in its middle.
+  // Returns the faces whose edges may become `growth` times as long. If a surface turns by an angle along edges of
+  // length e, the middle of the triangle leaves the surface by e / 6 times that angle.
   std::vector<Mesh::Face_index> faces_to_grow(const EdgeLengths& lengths, double level_m, double growth) {
     const std::vector<double> ways = ways_to_leave(lengths);
     const double max_turn = lengths.turn_deg / growth * std::numbers::pi / 180;

@@ -1,4 +1,4 @@
-// Surfaces taken apart, closed, and in triangles of another size: what CGAL does on half-edges. [worker]
+// Takes surfaces apart, closes holes, and remeshes to another triangle size, with CGAL's half-edge meshes. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -8,36 +8,35 @@
 
 namespace ringdown::mesh {
 
-// The same triangles where no edge has more than two of them and those around each point are connected: points are
-// doubled where surfaces ran together, and borders that lie on each other are joined again in pairs. No triangle may
-// name a node twice.
+// Doubles points where surfaces run together, until no edge has more than two triangles and the triangles around each
+// point are connected. Borders that lie on each other are then joined in pairs. No triangle may name a node twice.
 TriangleMesh separate(const TriangleMesh& mesh);
 
-// Triangles that close a loop of points, as positions in it, turned like the loop. Empty when CGAL finds none. They are
-// looked for among the triangles of the points' Delaunay tetrahedra, which takes about O(n log n) for n points; where
-// that gives none, loops of up to kMaxExactHole points are searched among all triangles, O(n^3).
+// Returns triangles that close a loop of points, as positions in the loop, turned like the loop; none if CGAL finds
+// none. Triangles are searched among those of the points' Delaunay tetrahedra, in about O(n log n) for n points; if
+// that fails, loops of up to kMaxExactHole points are searched among all triangles, O(n^3).
 inline constexpr std::size_t kMaxExactHole = 500;
 Triangles triangulate(const std::vector<Eigen::RowVector3d>& loop);
 
-inline constexpr double kSharpAngle_deg = 40;  // between neighbours' normals: edges that remeshing keeps
+inline constexpr double kSharpAngle_deg = 40;  // angle between neighbours' normals from which remeshing keeps an edge
 
 struct Remeshed {
   TriangleMesh mesh;
-  std::vector<double> deviations_m;  // of each triangle: the farthest of its middle and its sides' from the old surface
+  std::vector<double> deviations_m;  // per triangle, largest distance of its middle and its sides' from the old surface
 };
 
 struct EdgeLengths {
-  double longest_m = 0;    // where the surface is flat
-  double shortest_m = 0;   // and shorter, down to this, where it bends
-  double turn_deg = 45;    // the angle by which the surface may turn from one end of an edge to the other
-  double leave_m = 0;      // how far triangles may leave a curved surface where the body is thin; 0: any way
-  double leave_share = 0;  // and where it is thicker, as a share of its thickness there
+  double longest_m = 0;    // edge length where the surface is flat
+  double shortest_m = 0;   // minimum edge length where the surface bends
+  double turn_deg = 45;    // largest turn of the surface between the ends of an edge
+  double leave_m = 0;      // largest distance from a curved surface where the body is thin; 0: no limit
+  double leave_share = 0;  // the limit where the body is thicker, as a share of its thickness there
 };
 
-// Triangles with edges of these lengths, which grow by a factor of 1.6 from ring to ring. Corners lie on the old
-// surface, and edges sharper than kSharpAngle_deg stay (Botsch & Kobbelt, A remeshing approach to multiresolution
-// modeling, 2004; CGAL's isotropic_remeshing). Noise of a scan makes nothing finer: what counts is how the surface
-// turns at the size of the triangles that it gets. The surface must be closed and consistent. Fails when CGAL cannot.
+// Remeshes the surface with edges of these lengths, which grow by a factor of 1.6 from ring to ring. Corners lie on the
+// old surface, and edges sharper than kSharpAngle_deg stay (Botsch & Kobbelt, A remeshing approach to multiresolution
+// modeling, 2004; CGAL's isotropic_remeshing). A scan's noise does not make triangles finer, because the surface's turn
+// is measured at the size of the new triangles. The surface must be closed and consistent. Fails if CGAL fails.
 Result<Remeshed> remesh(const TriangleMesh& surface, const EdgeLengths& lengths);
 
 }  // namespace ringdown::mesh

@@ -14,18 +14,18 @@
 
 // Finding shells
 //
-// Triangles are linked through the edges that exactly two of them have; what hangs together so is a part. At an edge
-// with more triangles, each part that has two there is linked to itself: bodies that touch along an edge stay apart,
-// also where one of them is inside out. Where parts have other numbers, and as many triangles run forward along the
-// edge as backward, they are sorted by angle: going round, a body begins at a backward triangle and ends at a forward
-// one, like brackets, and triangles that match are linked. From each triangle that belongs to no shell yet, a
-// breadth-first search collects everything it is linked to: that is one shell. Each step knows whether the next
-// triangle runs the same way round as its neighbour, so every triangle is marked as turned or not relative to the
-// first; if the turned ones have more than half of the area, the marks are exchanged. Volume follows from the
-// tetrahedra between the triangles and one point.
+// Triangles are linked through edges that exactly two triangles have; linked triangles form a part. At an edge with
+// more triangles, each part that has two triangles there is linked to itself, so bodies that touch along an edge stay
+// apart, even if one is inside out. If parts have other numbers of triangles there, and equally many triangles run
+// forward and backward along the edge, the triangles are sorted by angle. Going round the edge, a body begins at a
+// backward triangle and ends at a forward one, like brackets; matching triangles are linked. From each triangle without
+// a shell, a breadth-first search collects all linked triangles: one shell. Each step checks whether the next triangle
+// is wound like its neighbour, so every triangle is marked as turned or not relative to the first; if the turned
+// triangles have more than half of the area, the marks are exchanged. The volume is the sum of the tetrahedra between
+// the triangles and one point.
 //
-// A shell lies inside another when its box does and the other's winding number is 1 at points spread over it, each a
-// hair inside of it. One that pokes out, or is cut in two by the other's surface, does not lie inside.
+// Shell A lies inside shell B if A's box lies in B's, and B's winding number is 1 at points spread over A, each
+// slightly inside A. A shell that pokes out, or that the other's surface cuts in two, does not lie inside.
 namespace ringdown::mesh {
 namespace {
 
@@ -50,7 +50,7 @@ class Grower {
  private:
   struct Link {
     std::int32_t triangle;
-    bool agrees;  // both run through the edge in opposite directions
+    bool agrees;  // the two triangles run through the edge in opposite directions
   };
 
   void link(std::size_t count) {
@@ -75,15 +75,15 @@ class Grower {
     part_[part_of(a)] = part_of(b);
   }
 
-  // Returns the part that the triangle of this use belongs to so far, by the number of the part's first triangle.
+  // Returns the present part of the use's triangle, as the number of the part's first triangle.
   std::size_t part_of(const EdgeUse& use) {
     auto t = static_cast<std::size_t>(use.triangle);
     while (part_[t] != t) t = part_[t] = part_[part_[t]];
     return t;
   }
 
-  // Links the two triangles of each part at this edge, whichever way the parts are wound. False where a part does not
-  // have two, one in either direction.
+  // Links the two triangles of each part at this edge, however the parts are wound. Returns false if some part does not
+  // have exactly two there, one in either direction.
   bool link_parts(std::size_t first, std::size_t last) {
     std::vector<std::pair<std::size_t, std::size_t>> uses;  // part and use
     for (std::size_t e = first; e < last; ++e) uses.emplace_back(part_of(edges_[e]), e);
@@ -98,8 +98,9 @@ class Grower {
     return true;
   }
 
-  // False when not as many triangles run forward as backward. Angles grow counter-clockwise as seen against the edge's
-  // direction, so the inside of a body lies at greater angles than its backward triangle, up to its forward one.
+  // Links triangles by angle. Returns false if the numbers of forward and backward triangles differ. Angles grow
+  // counter-clockwise as seen against the edge's direction, so the inside of a body lies at greater angles than its
+  // backward triangle, up to its forward one.
   bool link_crowded(std::size_t first, std::size_t last) {
     struct Side {
       double angle;
@@ -132,7 +133,7 @@ class Grower {
       if (a.angle != b.angle) return a.angle < b.angle;
       return a.opens != b.opens ? !a.opens : a.use < b.use;  // one body ends before the next begins
     });
-    // The round begins where the fewest bodies are open.
+    // The round begins at the angle with the fewest open bodies.
     std::size_t start = 0;
     int open = 0, fewest = 0;
     for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -197,12 +198,12 @@ class Grower {
   const TriangleMesh& mesh_;
   std::vector<EdgeUse> edges_;
   std::vector<std::vector<Link>> links_;
-  std::vector<std::size_t> part_;  // of each triangle, towards the first of its part
+  std::vector<std::size_t> part_;  // union-find: for each triangle a link towards the first of its part
   std::vector<bool> free_;         // triangles with an edge through which they have no neighbour
   Shells shells_;
 };
 
-// Which shell lies in which, and what that makes of it.
+// Finds which shells lie inside which, and the role that follows for each.
 class Nesting {
  public:
   Nesting(const TriangleMesh& mesh, Shells& shells, CavityRule rule) : mesh_(mesh), shells_(shells), rule_(rule) {
@@ -277,7 +278,7 @@ class Nesting {
 
   [[nodiscard]] bool lies_in(std::size_t inner, const WindingNumber& winding) const {
     constexpr std::size_t kMaxTriangles = 500;
-    constexpr double kHair = 1e-6;  // of a triangle's size
+    constexpr double kHair = 1e-6;  // share of a triangle's size
     constexpr std::array<std::array<double, 3>, 4> kSpots = {
         {{1 / 3.0, 1 / 3.0, 1 / 3.0}, {0.98, 0.01, 0.01}, {0.01, 0.98, 0.01}, {0.01, 0.01, 0.98}}};
     const std::size_t stride = (members_[inner].size() + kMaxTriangles - 1) / kMaxTriangles;
@@ -294,7 +295,7 @@ class Nesting {
     return true;
   }
 
-  // From the outermost shells inward: what lies in air is a body.
+  // Goes from the outermost shells inward: a shell that lies in air is a body.
   void give_roles() {
     std::vector<std::size_t> order(around_.size());
     for (std::size_t s = 0; s < order.size(); ++s) shells_.depth[s] = static_cast<int>(around_[s].size());

@@ -1,5 +1,4 @@
-// The shells of a surface: its parts that hang together through edges, and which of them are bodies or cavities.
-// [worker]
+// Finds the shells of a surface, its parts connected through edges, and decides which are bodies or cavities. [worker]
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
@@ -8,39 +7,40 @@
 
 namespace ringdown::mesh {
 
-inline constexpr std::size_t kMaxShells = 1000;  // compared with each other; beyond, nesting is not looked at
+inline constexpr std::size_t kMaxShells = 1000;  // with more shells, nesting is not examined
 
-// When a closed shell inside a body is a cavity of that body.
+// The condition under which a closed shell inside a body is a cavity of that body.
 enum class CavityRule : std::int32_t {
-  kWoundTheOtherWay,  // if it is wound the other way than the shell around it; otherwise it is part of the body
-  kInside,            // always, however it is wound
+  kWoundTheOtherWay,  // a cavity if wound opposite to the shell around it, otherwise part of the body
+  kInside,            // always a cavity
 };
 
 enum class Role {
-  kBody,    // it lies in no other shell, or in a cavity; or it runs through others
-  kCavity,  // the innermost shell around it is hollow there
-  kBuried,  // a body that lies in another as a whole, and adds nothing to it
+  kBody,    // lies in no other shell or in a cavity, or runs through other shells
+  kCavity,  // a hollow in the innermost shell around it
+  kBuried,  // a body that lies entirely inside another and adds nothing
 };
 
-// Two triangles are neighbours through an edge that no third triangle has. Where an edge has more triangles, neighbours
-// are those that such edges connect, if they come in pairs; else, as many running in one direction as in the other,
-// those that have the inside of a body between them. A shell is what neighbours connect.
+// Two triangles are neighbours if they share an edge that no third triangle has. At an edge with more triangles, the
+// triangles that other edges connect are neighbours, if they come in pairs. Otherwise, if equally many run in both
+// directions, the triangles with the inside of a body between them are neighbours. A shell is a set of triangles
+// connected through neighbours.
 struct Shells {
-  std::vector<std::int32_t> shell;  // of each triangle; -1: degenerate or a duplicate
-  std::vector<bool> turned;         // of each triangle: against the majority of its shell
+  std::vector<std::int32_t> shell;  // shell of each triangle; -1: degenerate or a duplicate
+  std::vector<bool> turned;         // per triangle: turned against the majority of its shell
   int count = 0;
-  std::vector<bool> closed;       // of each shell: every triangle has a neighbour through each of its edges
-  std::vector<double> volume_m3;  // of each shell, its majority's sign; meaningful when closed
+  std::vector<bool> closed;       // per shell: every triangle has a neighbour at each edge
+  std::vector<double> volume_m3;  // per shell, with the sign of its majority; meaningful if closed
   std::vector<double> area_m2;
-  std::vector<int> depth;   // in how many other closed shells it lies as a whole; touching them counts as inside
-  std::vector<int> parent;  // the innermost of these; -1: none
+  std::vector<int> depth;   // per shell: number of other closed shells that it lies entirely inside of, or touches
+  std::vector<int> parent;  // per shell: the innermost closed shell around it; -1: none
   std::vector<Role> role;
 
-  // Returns true where most of a shell faces inward and should face outward, or the other way about.
+  // Returns true if most of shell `s` faces inward and should face outward, or faces outward and should face inward.
   [[nodiscard]] bool wound_wrongly(std::size_t s) const { return (volume_m3[s] < 0) != (role[s] == Role::kCavity); }
 };
 
-// O(T log T), and for each pair of shells of which one's box lies in the other's up to 2,000 winding numbers.
+// Costs O(T log T), and up to 2,000 winding numbers for each pair of shells of which one's box contains the other's.
 Shells shells_of(const TriangleMesh& mesh, CavityRule rule = CavityRule::kWoundTheOtherWay);
 
 }  // namespace ringdown::mesh

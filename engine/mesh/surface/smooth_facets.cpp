@@ -18,16 +18,16 @@
 // above the facet at the barycentric coordinates b, exactly for a quadratic surface: along a side of length L, on which
 // the normal turns by a, that is the sagitta a L / 8 in the middle.
 //
-// The normal at a corner is the mean over the corner's triangles that do not belong to another side of a sharp edge,
-// weighted by their angles there. Triangles that are much smaller than the facet count for less: a large flat face next
-// to a narrow rounded edge is flat, though its corners lie on the rounding. The area's ratio is squared, so that the
-// rise of such a face does not exceed that of the rounding.
+// The normal at a corner is the mean over the corner's triangles on this side of sharp edges, weighted by their angles
+// there. Triangles much smaller than the facet have less weight: a large flat face next to a narrow rounded edge is
+// flat, though its corners lie on the rounding. The ratio of areas is squared, so that the rise of such a face does not
+// exceed that of the rounding.
 namespace ringdown::mesh {
 namespace {
 
-constexpr std::size_t kMaxFan = 500;    // triangles at a node; where there are more, the facets there count as flat
-constexpr double kSimilarSize = 0.5;    // an area's ratio from which on a neighbour counts in full
-constexpr double kTimesMedian = 3;      // how much sharper than most an edge between facets of a curve may be
+constexpr std::size_t kMaxFan = 500;    // triangles at a node; with more, the facets there count as flat
+constexpr double kSimilarSize = 0.5;    // ratio of areas from which a neighbour has full weight
+constexpr double kTimesMedian = 3;      // largest angle within a curved surface, in units of the typical angle
 constexpr double kOnePlane_rad = 2e-3;  // radians between neighbours in one plane
 
 }  // namespace
@@ -76,10 +76,10 @@ SmoothFacets::SmoothFacets(const TriangleMesh& surface)
   }
 }
 
-// Programs cut curves at about equal angles. Where most edges are blunt, as around a fine lathe's work, those that are
-// several times sharper are edges of the body, such as the rings where its profile has corners. Scanners cut at about
-// equal lengths, so that where a body bends most, as at an animal's ears, all edges are several times sharper than most
-// elsewhere. So an edge of the body is one that is also several times sharper than most around it.
+// Programs facet curves at about equal angles. If most edges are blunt, as on a finely turned body, edges that are
+// several times sharper are edges of the body, such as the rings where its profile has corners. Scanners make facets of
+// about equal lengths, so where a body bends most, as at an animal's ears, all edges are several times sharper than
+// most edges elsewhere. So an edge of the body must also be several times sharper than most edges around it.
 std::vector<double> SmoothFacets::min_smooth_cosines(const TriangleFans& fans) const {
   const double sharp = kSharpAngle_deg * std::numbers::pi / 180;
   const auto middle_of = [](std::vector<double>& angles) {

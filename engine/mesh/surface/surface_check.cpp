@@ -10,21 +10,21 @@
 #include <numeric>
 #include <utility>
 
-// The diagnosis looks at one thing after the other (Diagnosis::run), and every look is on its own, so that one surface
-// can have many faults: single triangles, then edges (more than two triangles: crowded; one: the rim of a hole, and
-// rims are followed into loops), then shells and how they are nested (shells.h), then cuts, then the volume.
+// The diagnosis makes independent tests one after another (Diagnosis::run), so that all faults of a surface are
+// reported: single triangles; edges (with more than two triangles: crowded; with one: the rim of a hole, and rims are
+// followed into loops); shells and their nesting (shells.h); cuts; the volume.
 //
-// Cuts (Cutter): CGAL's box intersection, a sweep over the triangles' bounding boxes, finds the pairs that may meet. A
-// pair is judged by exact predicates, by how many corners the two triangles share: none, they must not intersect; one,
-// the opposite sides must not meet the other triangle; two, the triangles must not be folded onto each other.
+// Cuts (Cutter): CGAL's box intersection, a sweep over the triangles' bounding boxes, finds the pairs that may meet.
+// Exact predicates judge each pair by the number of shared corners. None: the triangles must not intersect. One: the
+// side opposite the corner must not meet the other triangle. Two: the triangles must not be folded onto each other.
 //
-// A surface that encloses nothing is told from one with holes by areas: a sheet is one whose openings, spanned flat,
-// would be more than kSheetOpening of the closed whole.
+// A sheet, which encloses nothing, differs from a surface with holes by area: a sheet's openings, spanned flat, would
+// be more than kSheetOpening of the closed whole.
 namespace ringdown::mesh {
 namespace {
 
 constexpr double kSliver = 0.01;       // height over longest side
-constexpr double kSheetOpening = 0.3;  // of the closed whole; half of a sphere without thickness: a third
+constexpr double kSheetOpening = 0.3;  // share of the closed whole; a hemisphere without thickness has a third
 constexpr double kFlatVolume = 1e-7;   // over area times diagonal; a plate 1:1000 has 5e-4
 
 class Diagnosis {
@@ -227,14 +227,14 @@ class Cutter {
     return shared == 2 && folded(a, 3 - sum_a, b, 3 - sum_b);
   }
 
-  // They have one corner in common; they cut when the side opposite to it meets the other triangle.
+  // For triangles with one common corner. Returns true if the side opposite the corner meets the other triangle.
   [[nodiscard]] bool meet_beyond_corner(std::int32_t a, int at_a, std::int32_t b, int at_b) const {
     const Kernel::Segment_3 side_a(point(a, at_a + 1), point(a, at_a + 2)),
         side_b(point(b, at_b + 1), point(b, at_b + 2));
     return CGAL::do_intersect(side_a, triangle(b)) || CGAL::do_intersect(side_b, triangle(a));
   }
 
-  // They have a side in common, and lie on the same half of one plane.
+  // For triangles with a common side. Returns true if both lie in one plane, on one side of the common side.
   [[nodiscard]] bool folded(std::int32_t a, int apex_a, std::int32_t b, int apex_b) const {
     const Point p = point(a, apex_a + 1), q = point(a, apex_a + 2), r = point(a, apex_a), s = point(b, apex_b);
     return CGAL::coplanar(p, q, r, s) && CGAL::coplanar_orientation(p, q, r, s) == CGAL::POSITIVE;

@@ -13,14 +13,12 @@
 
 namespace ringdown::mesh {
 
-// Node numbers must be in range and coordinates finite. O(T log T), and what shells_of() takes.
+// Node numbers must be in range and coordinates finite. O(T log T), plus the cost of shells_of().
 SurfaceReport diagnose(const TriangleMesh& mesh, CavityRule rule = CavityRule::kWoundTheOtherWay);
 
-// Where a surface cuts itself. [any thread]
-
-// Pairs of triangles that have more in common than their shared corners, up to `most`, the lower number first. Exact
-// (CGAL's predicates); degenerate triangles and copies of others are passed over. O(T log T) where few boxes of
-// triangles meet.
+// Returns up to `most` pairs of triangles that meet in more than their shared corners, the lower number first. Exact
+// (CGAL's predicates); degenerate triangles and duplicates are ignored. O(T log T) if few bounding boxes of triangles
+// meet. [any thread]
 std::vector<std::array<std::int32_t, 2>> self_intersections(const TriangleMesh& mesh, std::size_t most);
 
 }  // namespace ringdown::mesh

@@ -87,8 +87,8 @@ double SurfaceRays::along(const Eigen::RowVector3d& point, const Eigen::RowVecto
 
 // The wall is measured by rays: from the middle of a triangle along its inward normal to the next triangle. kRays rays
 // are spread evenly over the area, one in each equal share of it, so the figure does not depend on how the surface is
-// cut into triangles. Of the lengths, the quantile kMinThicknessShare is taken rather than the least: a ray that starts
-// beside an edge may be as short as one likes, however thick the body is.
+// cut into triangles. The result is the quantile kMinThicknessShare of the lengths rather than the minimum, because a
+// ray that starts beside an edge may be arbitrarily short, however thick the body is.
 double wall_thickness(const TriangleMesh& surface) {
   constexpr int kRays = 2000;
   const SurfaceRays rays(surface);

@@ -1,4 +1,4 @@
-// Distances to a surface and through it. By CGAL's tree of boxes. [any thread, once made]
+// Measures distances to a surface and through the body, with CGAL's tree of boxes. [any thread, once made]
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
@@ -17,12 +17,11 @@ class SurfaceRays {
   [[nodiscard]] Eigen::RowVector3d nearest(const Eigen::RowVector3d& point) const;
   [[nodiscard]] Eigen::Index nearest_triangle(const Eigen::RowVector3d& point) const;
 
-  // How far one comes from the middle of a triangle straight inward before the surface comes again; a huge number when
-  // it never does.
+  // The distance from the middle of a triangle straight inward to the next triangle; a huge number if there is none.
   [[nodiscard]] double inward(Eigen::Index triangle) const;
 
-  // How far one comes from a point straight along `direction`, of length 1, to a triangle that is turned along
-  // `outward`; a huge number when none comes, or one that is turned the other way comes first.
+  // The distance from a point along `direction`, of length 1, to the first triangle. A huge number if there is none, or
+  // if that triangle does not face along `outward`.
   [[nodiscard]] double along(const Eigen::RowVector3d& point, const Eigen::RowVector3d& direction,
                              const Eigen::RowVector3d& outward) const;
 
@@ -31,12 +30,12 @@ class SurfaceRays {
   std::unique_ptr<Tree> tree_;
 };
 
-// How thick a body's walls are. [worker]
+// Thickness of a body's walls. [worker]
 
-inline constexpr double kMinThicknessShare = 0.05;  // of the area may be thinner
+inline constexpr double kMinThicknessShare = 0.05;  // share of the area that may be thinner
 
-// The thickness [m] below which kMinThicknessShare of the surface lies, measured from up to 2,000 places straight
-// inward. The surface is turned outward; holes matter little. 0 when no ray meets anything.
+// Returns the thickness [m] below which kMinThicknessShare of the surface lies, measured straight inward from up to
+// 2,000 places; 0 if no ray meets anything. The surface must be turned outward; holes matter little.
 double wall_thickness(const TriangleMesh& surface);
 
 }  // namespace ringdown::mesh

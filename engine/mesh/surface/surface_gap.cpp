@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// From a, inside, to b, outside: the fraction of the way at which the body is left. Triangles are left at once, holes
-// are left where the winding number falls below one half.
+// Returns the fraction of the way from a, inside, to b, outside, at which the body ends: at a triangle, or in a hole
+// where the winding number falls below one half.
 double exit_fraction(const WindingNumber& winding, const Vector3d& a, const Vector3d& b) {
   constexpr double kStep = 1e-6;
   constexpr int kBisections = 12;

@@ -1,4 +1,4 @@
-// How far a body's surface lies from the skin of the mesh that was made of it. [worker]
+// Measures the gap between a body's surface and the skin of its mesh. [worker]
 #pragma once
 
 #include "engine/mesh/tet_mesh.h"
@@ -8,11 +8,11 @@
 
 namespace ringdown::mesh {
 
-// At each of face_points(mesh) the way [m] along the outward normal to the surface: above zero where the body reaches
-// farther than its mesh, at most `reach_m` either way. Where flat facets stand for a curved surface, the way leads on
-// to that (smooth_facets.h). The surface is turned outward. One that is not sound (`soup`) lies where its winding
-// number is one half, also across its holes; that takes some ten times as long. The same bits for any number of threads
-// (0: as many as there are processors).
+// Returns for each of face_points(mesh) the distance [m] along the outward normal to the surface: positive where the
+// body reaches farther than its mesh, at most `reach_m` either way. If flat facets approximate a curved surface, the
+// distance is that to the curved surface (smooth_facets.h). The surface must be turned outward. An unsound surface
+// (`soup`) is taken to lie where its winding number is one half, also across holes; that takes about ten times as long.
+// The result does not depend on the number of threads (0: one per processor).
 Eigen::VectorXd surface_gaps(const TetMesh& mesh, const TriangleMesh& surface, double reach_m, bool soup,
                              int threads = 0);
 

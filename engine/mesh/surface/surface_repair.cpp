@@ -34,8 +34,8 @@ namespace {
 // Every step visits each triangle, edge and node a bounded number of times, and sorts them or looks them up in trees at
 // most; `steps_` counts the visits, so that a test can hold the repair to it.
 
-constexpr double kPlaneShare = 1e-7;  // of the diagonal: what files of single precision round by
-constexpr double kScraps = 0.2;       // of the whole area: open parts that go, where the rest is closed
+constexpr double kPlaneShare = 1e-7;  // share of the diagonal, about the rounding of files in single precision
+constexpr double kScraps = 0.2;       // largest share of the area of open parts that are dropped beside a closed rest
 
 class SurfaceRepair {
  public:
@@ -81,7 +81,7 @@ class SurfaceRepair {
     return dropped;
   }
 
-  // Coordinates along an axis that are nearly equal become equal: faces across an axis that rounding has set apart lie
+  // Makes nearly equal coordinates along an axis equal, so that faces across the axis that rounding has set apart lie
   // in one plane again.
   void align() {
     const double tolerance = kPlaneShare * diagonal_of(mesh_);
@@ -108,9 +108,9 @@ class SurfaceRepair {
     flat_ += drop(narrow);
   }
 
-  // Two triangles with the same corners that look away from each other separate nothing from nothing: they are a wall
-  // inside, where two bodies were put together. Where most triangles come in such pairs, the body was given twice, once
-  // inside out, and nothing is dropped.
+  // Drops walls inside the body. Two triangles with the same corners and opposite normals are a wall left where two
+  // bodies were joined; both of its sides are inside. If most triangles come in such pairs, the body was given twice,
+  // once inside out, and nothing is dropped.
   std::size_t drop_walls() {
     constexpr double kMaxWallShare = 0.4;
     std::map<std::array<std::int32_t, 3>, std::array<std::vector<std::size_t>, 2>> sides;
@@ -130,7 +130,7 @@ class SurfaceRepair {
     return count > kMaxWallShare * static_cast<double>(wall.size()) ? 0 : drop(wall);
   }
 
-  // A flat loop is closed whatever its length, any other up to `longest_m`.
+  // Returns true for a flat loop of any length, and for other loops up to `longest_m`.
   [[nodiscard]] bool may_close(const std::vector<Eigen::RowVector3d>& loop, double longest_m) const {
     constexpr double kFlat = 1e-3;  // height over length
     const auto count = loop.size();
@@ -179,16 +179,16 @@ class SurfaceRepair {
     return edges_of(mesh_, std::vector<bool>(count, true));
   }
 
-  // A fin is a triangle with an edge that more than two triangles have and another edge that no other triangle has. All
-  // fins go at once, which may free an edge of a triangle behind each and make that one a fin; so it goes on round by
-  // round. Uses of an edge only become fewer, so a triangle can become a fin only when it is left alone at an edge: the
-  // next round looks at those triangles and at no others.
+  // Drops fins. A fin is a triangle with an edge that more than two triangles have and another edge that no other
+  // triangle has. Each round drops all fins, which may free an edge of the triangle behind a fin and make that triangle
+  // a fin for the next round. Edges only lose triangles, so a triangle can become a fin only when it is left alone at
+  // an edge; the next round visits just those triangles.
   void drop_fins() {
     const std::vector<EdgeUse> edges = all_edges();
     const auto count = static_cast<std::size_t>(mesh_.triangles.rows());
-    std::vector<std::size_t> first_use, uses;            // of each edge
+    std::vector<std::size_t> first_use, uses;            // per edge: its first use, and its number of uses
     std::vector<std::array<std::size_t, 3>> own(count);  // the edges of each triangle
-    std::vector<int> known(count, 0);                    // how many of them are in `own` so far
+    std::vector<int> known(count, 0);                    // number of edges in `own` so far
     for (std::size_t first = 0, last; first < edges.size(); first = last) {
       last = end_of_edge(edges, first);
       for (std::size_t e = first; e < last; ++e) {
@@ -220,7 +220,7 @@ class SurfaceRepair {
       steps_ += candidates.size() + 3 * fins.size();
       candidates.clear();
       for (const std::size_t edge : touched) {
-        if (uses[edge] != 1) continue;  // the last of its triangles went in the same round
+        if (uses[edge] != 1) continue;  // the edge's last triangle was dropped in this round
         std::size_t use = first_use[edge];
         for (; gone[static_cast<std::size_t>(edges[use].triangle)]; ++use) ++steps_;
         candidates.push_back(static_cast<std::size_t>(edges[use].triangle));
@@ -254,7 +254,7 @@ class SurfaceRepair {
     drop_scraps(shells, open);
   }
 
-  // Drops the shells that are `scraps`, unless they are too much of the whole to be scraps.
+  // Drops the shells marked in `scraps`, unless they are too large a share of the whole.
   void drop_scraps(const Shells& shells, const std::vector<bool>& scraps) {
     double all = 0, dropped = 0;
     for (std::size_t s = 0; s < scraps.size(); ++s) {
@@ -271,7 +271,7 @@ class SurfaceRepair {
     say(count, "dropped %d open scrap%s");
   }
 
-  // Drops parts that are open wider than a body would be, before their rims are taken for holes.
+  // Drops parts that are too wide open to be bodies, before their rims would be closed as holes.
   void drop_rags() {
     constexpr double kOpening = 0.3;
     const Shells shells = shells_of(mesh_);
@@ -294,7 +294,8 @@ class SurfaceRepair {
   void turn_outward() {
     const Shells shells = shells_of(mesh_, rule_);
     std::vector<bool> wrong(shells.closed.size());
-    constexpr double kBulge = 1e-3;  // of the volume of a cube of that side: open and flatter, it has no outside
+    constexpr double kBulge =
+        1e-3;  // share of the volume of a cube of that side; an open part that is flatter has no outside
     for (std::size_t s = 0; s < wrong.size(); ++s) {
       const bool bulges = std::abs(shells.volume_m3[s]) > kBulge * std::pow(shells.area_m2[s], 1.5);
       wrong[s] = (shells.closed[s] || bulges) && shells.wound_wrongly(s);
@@ -305,8 +306,8 @@ class SurfaceRepair {
     say(std::count(wrong.begin(), wrong.end(), true), "turned %d shell%s the right way out");
   }
 
-  // Scans cut themselves in thousands of places where noise has folded their triangles. Cutting them there would leave
-  // a surface that is sound, but so rough that no mesh of the wanted size follows it.
+  // Smooths scans that noise has folded and that cut themselves in thousands of places. Uniting such a surface would
+  // make it sound, but so rough that no mesh of the wanted size could follow it.
   void smooth_noise() {
     if (!is_folded_by_noise(mesh_)) return;
     const auto cuts = [](const TriangleMesh& mesh) { return self_intersections(mesh, kMaxIntersections).size(); };
@@ -321,8 +322,8 @@ class SurfaceRepair {
     actions_.emplace_back(text);
   }
 
-  // Rounding, and merging of points that are nearly one, may make triangles cut each other that did not, in places as
-  // small as the rounding. Uniting such a surface again mends most of them.
+  // Unites shells, several times if needed: rounding, and merging of nearly equal points, may cause new cuts in places
+  // as small as the rounding, and uniting the surface again removes most of them.
   void unite_bodies() {
     constexpr int kRounds = 3;
     const auto bodies = [this] {

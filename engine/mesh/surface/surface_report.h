@@ -10,47 +10,47 @@
 namespace ringdown::mesh {
 
 enum class Fault {
-  kUnusedPoints,      // no triangle has them
+  kUnusedPoints,      // points that no triangle has
   kDegenerate,        // a triangle without area
   kDuplicate,         // a triangle with the corners of another
-  kSliver,            // a triangle lower than a hundredth of its longest side; harmless, but told
+  kSliver,            // a triangle lower than a hundredth of its longest side; harmless, but reported
   kCrowdedEdge,       // more than two triangles at an edge
   kHole,              // a closed run of edges with one triangle
   kFlipped,           // a triangle turned against its neighbours
   kSelfIntersection,  // two triangles that cut each other
-  kInsideOut,         // a shell that is turned inward where it should be outward, or the other way about
+  kInsideOut,         // a shell that faces inward and should face outward, or faces outward and should face inward
   kSeveralShells,     // closed parts beside each other; harmless: they are pieces of one body
   kCavity,            // closed parts inside others; harmless: the body is hollow there
-  kBuried,            // closed parts inside others, wound as they are: bodies that add nothing
+  kBuried,            // closed parts inside others and wound alike: bodies that add nothing
   kOverlap,           // shells that cut each other
-  kSheet,             // open so wide that it encloses nothing
+  kSheet,             // a surface so wide open that it encloses nothing
   kNoVolume,          // closed, but flat
 };
 
-// Told, but no obstacle to filling.
+// Returns true for faults that are reported but do not prevent filling.
 bool is_harmless(Fault fault);
 
 struct Finding {
   Fault fault;
   std::size_t count = 0;
-  std::vector<Eigen::RowVector3d> places;  // [m] of the first kMaxPlaces
-  std::vector<std::int32_t> triangles;     // the first kMaxPlaces, numbers in the mesh; none for unused points
-  double length_m = 0;                     // of holes: the longest perimeter
+  std::vector<Eigen::RowVector3d> places;  // [m], the first kMaxPlaces places
+  std::vector<std::int32_t> triangles;     // numbers of the first kMaxPlaces triangles; none for unused points
+  double length_m = 0;                     // for holes, the longest perimeter
 };
 
 inline constexpr std::size_t kMaxPlaces = 3;
-inline constexpr std::size_t kMaxIntersections = 1000;  // counted; more are "at least" that many
+inline constexpr std::size_t kMaxIntersections = 1000;  // a larger number is reported as "at least 1000"
 
 struct SurfaceReport {
   std::vector<Finding> findings;
-  int shells = 0;        // parts joined by edges
-  double volume_m3 = 0;  // as far as it is closed
+  int shells = 0;        // number of parts joined by edges
+  double volume_m3 = 0;  // meaningful as far as the surface is closed
   double area_m2 = 0;
-  double diagonal_m = 0;  // of its box
+  double diagonal_m = 0;  // diagonal of the bounding box
 
   [[nodiscard]] const Finding* find(Fault fault) const;
-  [[nodiscard]] bool closed() const;  // no edge with one triangle, or more than two
-  // Closed, consistent, cut by nothing, turned outward, with volume: it bounds a body.
+  [[nodiscard]] bool closed() const;  // every edge has exactly two triangles
+  // Returns true if the surface bounds a body: closed, consistent, without cuts, turned outward, with volume.
   [[nodiscard]] bool sound() const;
 };
 
@@ -58,16 +58,16 @@ struct SurfaceReport {
 std::string describe(const Finding& finding);
 std::string name_of(Fault fault);  // "holes", "flipped triangles": for tables
 
-// A surface as it came, what was done to it (surface_repair.h), and what is left.
+// A surface with its faults before repair, the repairs (surface_repair.h), and the faults after.
 struct PreparedSurface {
-  TriangleMesh mesh;  // repaired
+  TriangleMesh mesh;  // the repaired surface
   SurfaceReport found, left;
   std::vector<std::string> actions;
-  std::vector<std::string> notes;     // of the file's reader
-  std::optional<TriangleMesh> rough;  // before noise was smoothed away: how far the body may lie from it; never sent
+  std::vector<std::string> notes;     // notes of the file's reader
+  std::optional<TriangleMesh> rough;  // the surface before smoothing, to measure the body's deviation; never sent
 };
 
-// Why no body can be made of a surface: it is a sheet, or flat. Nothing where one can.
+// Returns the reason why no body can be made of a surface (a sheet, or flat); "" if one can.
 std::string hopeless(const PreparedSurface& surface, const std::string& name);
 
 }  // namespace ringdown::mesh

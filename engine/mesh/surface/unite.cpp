@@ -13,13 +13,13 @@
 
 // The skin of a union
 //
-// The surface is cut wherever it meets itself (arrangement.h). Parts that hang together through edges which no other
-// part comes to form a patch; the winding number is the same everywhere in front of a patch, and behind it larger by
-// the patch's layers. It is asked for on both sides of the largest triangle of each patch, close to it; when the
-// difference is not the number of layers, another part of the surface lies between, and closer points are tried, then
-// the next smaller triangles. A patch is skin where the number is below one half in front of it and above one half
-// behind it. Source: G. Barill, N. G. Dickson, R. Schmidt, D. I. W. Levin & A. Jacobson, Fast Winding Numbers for Soups
-// and Clouds, ACM Trans. Graph. 37(4), 2018, section 5.
+// The surface is cut wherever it meets itself (arrangement.h). Parts connected through edges that no further part
+// touches form a patch. The winding number is constant in front of a patch; behind the patch it is larger by the
+// patch's layers. The number is computed on both sides of the largest triangle of each patch, close to the triangle. If
+// the difference is not the number of layers, another part of the surface lies between, and closer points are tried,
+// then the next smaller triangles. A patch belongs to the skin if the number is below one half in front of it and above
+// one half behind it. Source: G. Barill, N. G. Dickson, R. Schmidt, D. I. W. Levin & A. Jacobson, Fast Winding Numbers
+// for Soups and Clouds, ACM Trans. Graph. 37(4), 2018, section 5.
 namespace ringdown::mesh {
 namespace {
 
@@ -86,9 +86,10 @@ class Skin {
     return front < 0.5 && behind >= 0.5;
   }
 
-  // False when the numbers on both sides do not differ by the layers. Between two sheets that lie within rounding of
-  // each other and face opposite ways there is no point to ask at: both get the numbers around the pair, so that both
-  // are kept or neither is. A mean of the two sides would be one half there, and rounding would decide.
+  // Computes the winding numbers on both sides of triangle `t`. Returns false if they do not differ by the layers. No
+  // point fits between two sheets that face opposite ways and lie within rounding of each other. Both sheets then get
+  // the numbers around the pair, so that both are kept or neither. A mean of the two sides would be one half there, and
+  // rounding would decide.
   bool find_numbers(std::size_t t, double layers, double& front, double& behind) const {
     const Vector3d twice = 2 * area(t), a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
     const double height = twice.norm() / std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
@@ -104,7 +105,7 @@ class Skin {
 
   WindingNumber winding_;
   const Arrangement& parts_;
-  std::vector<std::size_t> patch_;  // of each part, towards the first of its patch
+  std::vector<std::size_t> patch_;  // union-find: for each part a link towards the first of its patch
 };
 
 }  // namespace

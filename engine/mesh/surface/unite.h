@@ -1,4 +1,4 @@
-// Bodies that run into each other become one. [worker]
+// Unites bodies that run into each other. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -6,13 +6,13 @@
 
 namespace ringdown::mesh {
 
-// The boundary of all that the surface goes around at least once, outward: the skin of the union, whatever cuts, folds
-// over or repeats itself in it. Each shell must be turned outward, and inward where it is a cavity (shells.h). Exact
-// but for rounding to kMergeShare of the diagonal, to which nodes are merged; a hole stays a hole, at which inside is
-// where the winding number is above one half. What touches along an edge or in a point still does (separate() in
-// remesh.h). Fails when the surface cuts itself more often than kMaxCuts (arrangement.h).
+// Returns the skin of the union, turned outward: the boundary of the space that the surface encloses at least once,
+// whatever cuts, folds or repetitions the surface has. Each shell must be turned outward, cavities inward (shells.h).
+// Exact up to kMergeShare of the diagonal, within which nodes are merged. Holes stay; there, inside is where the
+// winding number is above one half. Parts that touch along an edge or in a point still do (see separate() in remesh.h).
+// Fails if the surface cuts itself more often than kMaxCuts (arrangement.h).
 Result<TriangleMesh> unite(const TriangleMesh& mesh);
 
-inline constexpr double kMergeShare = 1e-10;  // of the diagonal
+inline constexpr double kMergeShare = 1e-10;  // share of the diagonal
 
 }  // namespace ringdown::mesh

@@ -10,7 +10,7 @@ Vec3 point_of(const Vec3f& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-// Each point stands for a third of the triangles around it: their vector areas give its normal, their areas its weight.
+// Each point represents a third of the triangles around it: their vector areas give its normal, their areas its weight.
 Loudness::Loudness(const Bank& bank) {
   if (bank.radiation || bank.triangles.empty()) return;
   std::vector<Vec3> normals(bank.point_count());

@@ -1,11 +1,12 @@
-// How loud a mode is from afar: the sound pressure at 1 m that a modal velocity of 1 kg^1/2 m/s gives.
+// The loudness of a mode from afar: the sound pressure at 1 m for a modal velocity of 1 kg^1/2 m/s.
 //
-// The level is rms over all directions, for nobody says yet where the listener is. What a bank knows decides:
+// The level is rms over all directions, because the listener's place is not known here. It is computed from the best
+// data that the bank has:
 //
 //   maps of radiation   rho omega |F|rms / 1 m: exact as far as the maps are (radiation_map.h)
 //   triangles           rho c sqrt(sigma A / (4 pi)) phi.n rms / 1 m, with sigma = (ka)^2 / (1 + (ka)^2) and a the
-//                       radius of the disc of area A: what the draft KHR_audio_rigid_bodies asks for. It knows nothing
-//                       of parts of the surface that cancel, so that it overrates thin bodies by tens of dB.
+//                       radius of the disc of area A, as the draft KHR_audio_rigid_bodies asks. The formula ignores
+//                       cancellation between parts of the surface, so it overrates thin bodies by tens of dB.
 //   neither             rho omega kUnknownFlow / 1 m: pressure follows acceleration, as from a small source. Shapes of
 //                       recorded banks are made for this (engine/fit), so that such a bank sounds as it was recorded.
 #pragma once
@@ -21,8 +22,8 @@ namespace ringdown::modal {
 // The sound pressure at 1 m that is full scale by default [Pa]: 117 dB SPL of a steady tone.
 inline constexpr double kFullScale_pa = 20;
 
-// |F| [m^2 kg^-1/2] of a mode of which neither map nor surface is known: a modal acceleration of 1 kg^1/2 m/s^2 is
-// then 1e-4 of the default full scale.
+// |F| [m^2 kg^-1/2] of a mode without map or surface: a modal acceleration of 1 kg^1/2 m/s^2 is then 1e-4 of the
+// default full scale.
 inline constexpr double kUnknownFlow = 1e-4 * kFullScale_pa / Air{}.density_kg_m3;
 
 class Loudness {
@@ -30,14 +31,14 @@ class Loudness {
   // O(modes x points) without maps. [worker]
   explicit Loudness(const Bank& bank);
 
-  // Pascals at 1 m for a modal velocity of 1 of mode `m` of the bank, in another size and material, where it sounds at
-  // frequency_hz. The bank is that of the constructor. [any]
+  // Pascals at 1 m for a modal velocity of 1 of mode `m`, in another size and material in which the mode sounds at
+  // frequency_hz. `bank` must be the constructor's. [any]
   [[nodiscard]] double pressure_pa(const Bank& bank, std::size_t m, const MaterialScale& scale,
                                    double frequency_hz) const;
 
  private:
   double area_m2_ = 0;
-  std::vector<double> normal_rms_;  // of phi.n over the surface [kg^-1/2]; empty with maps, or without triangles
+  std::vector<double> normal_rms_;  // rms of phi.n over the surface [kg^-1/2]; empty with maps or without triangles
 };
 
 // The air that a bank's modes radiate into.

@@ -1,18 +1,19 @@
-// A partial is heard by how far it stands above the threshold of hearing and what the other partials mask, and counts
-// for pitch the more the nearer it lies to 700 Hz: spectral-pitch weights, as Terhardt, Stoll & Seewann have them
-// [J. Acoust. Soc. Am. 71, 679, 1982]. Partials less than a semitone apart are one, named after its stronger half.
+// A partial's audibility is its level above the threshold of hearing and above the masking by other partials. Its
+// weight for pitch is larger the nearer it lies to 700 Hz: the spectral-pitch weights of Terhardt, Stoll & Seewann
+// [J. Acoust. Soc. Am. 71, 679, 1982]. Partials less than a semitone apart count as one, at the stronger one's
+// frequency.
 //
-// Each audible partial is a candidate. Its harmonics support it, the k-th by 1/k of its weight: bars are tuned 1 : 4 :
-// 10 or 1 : 3 so that they do. All other partials within an octave above or below compete with it; its clarity is its
-// share of the weight there, and its score its weight with its harmonics' times its clarity. Of the candidates below 5
-// kHz that ring for long enough to be a tone, and hold 1 % of the energy (or 0.01 %, where they hold half of it with
-// their harmonics), the one of the highest score is the pitch, if
+// Each audible partial is a candidate. Its harmonics support the candidate, the k-th by 1/k of the harmonic's weight;
+// makers tune bars 1 : 4 : 10 or 1 : 3 for this effect. All other partials within an octave above or below compete. A
+// candidate's clarity is its share of the weight within that range; its score is its weight with its harmonics' times
+// its clarity. A candidate must lie below 5 kHz, ring long enough to be a tone, and hold 1 % of the energy (or 0.01 %,
+// if it holds half of the energy with its harmonics). The candidate of the highest score is the pitch if
 //
-//   its clarity is a half or more, and it holds, with its harmonics, at least as much energy as what competes,
-//   it is no more than half masked, and no candidate but its harmonics comes near its score.
+//   its clarity is a half or more, and with its harmonics it holds at least as much energy as its competitors,
+//   it is no more than half masked, and no other candidate except its harmonics comes near its score.
 //
-// Before that, bells: three partials at 2 : 3 : 4 that hold half of the energy give a strike note an octave below the
-// first of the three [Terhardt & Seewann, Acustica 54, 129, 1984].
+// Bells are recognised first: three partials at 2 : 3 : 4 that hold half of the energy give a strike note an octave
+// below the first of the three [Terhardt & Seewann, Acustica 54, 129, 1984].
 #include "engine/modal/hearing/pitch.h"
 
 #include "engine/base/note.h"
@@ -31,19 +32,19 @@
 namespace ringdown::modal {
 namespace {
 
-constexpr double kLowest_hz = 20, kHighest_hz = 20000;  // of hearing
+constexpr double kLowest_hz = 20, kHighest_hz = 20000;  // limits of hearing
 constexpr double kListened_s = 1;
-constexpr double kShortestContact_s = 0.0005, kLongestContact_s = 0.002;  // of mallets, hard to soft
+constexpr double kShortestContact_s = 0.0005, kLongestContact_s = 0.002;  // contact times, hard to soft mallets
 constexpr int kContacts = 32;
 constexpr double kListeningLevel_db = 70;  // SPL of the whole sound: moderate
 constexpr double kOnePartial_cents = 100;  // closer partials fuse
-constexpr double kInTune_cents = 50;       // that harmonics may be off
-constexpr double kBellOctave_cents = 75;   // that a bell's 4 may be off: it is 4.17 [Fletcher & Rossing, table 21.1]
-constexpr int kHarmonics = 10;             // that support a pitch, by their number
+constexpr double kInTune_cents = 50;       // largest mistuning of a harmonic
+constexpr double kBellOctave_cents = 75;   // largest mistuning of a bell's 4; 4.17 in [Fletcher & Rossing, table 21.1]
+constexpr int kHarmonics = 10;             // highest harmonic that supports a pitch
 constexpr double kMinClarity = 0.5, kMinAudibility = 0.5;
-constexpr double kTie = 0.9;                             // of the best score: as good
-constexpr double kMinShare = 0.01;                       // of the energy, that a partial alone must hold: -20 dB
-constexpr double kMinOfGroup = 1e-4, kGroupShare = 0.5;  // or that it must hold when a group holds half of all
+constexpr double kTie = 0.9;                             // share of the best score from which a rival counts as a tie
+constexpr double kMinShare = 0.01;                       // least share of the energy of a lone partial: -20 dB
+constexpr double kMinOfGroup = 1e-4, kGroupShare = 0.5;  // least share of a partial whose group holds half of all
 constexpr double kShortestTone_s =
     0.01;  // a time constant; shorter ones click [Doughty & Garner, J. Exp. Psych. 37, 1947]
 constexpr double kEndOfPitch_hz = 5000;  // [Attneave & Olson, Am. J. Psych. 84, 1971]
@@ -51,20 +52,20 @@ constexpr double kEndOfPitch_hz = 5000;  // [Attneave & Olson, Am. J. Psych. 84,
 struct Partial {
   double frequency_hz = 0, decay_per_s = 0;
   double energy = 0;      // in the first second, in any unit; later weighted by the ear, as a share of all
-  double loudest = 0;     // energy of the mode that names it
-  double audibility = 0;  // by how far it stands above what masks it, 0 (inaudible) to 1
-  double weight = 0;      // of its spectral pitch, 0 to 1
+  double loudest = 0;     // energy of the mode that gives the partial its frequency
+  double audibility = 0;  // level above the masking, as 0 (inaudible) to 1
+  double weight = 0;      // spectral-pitch weight, 0 to 1
 };
 
 struct Candidate {
   double frequency_hz = 0;
   double score = 0, clarity = 0, audibility = 0;
-  double share = 0, group = 0, rivals = 0;  // of the energy
+  double share = 0, group = 0, rivals = 0;  // shares of the energy
 };
 
 double cents_between(double a_hz, double b_hz) { return 1200 * std::log2(a_hz / b_hz); }
 
-// The share of the surface for which each sample point stands, and the normal there.
+// The share of the surface that each sample point represents, and the normal there.
 struct Surface {
   std::vector<double> weight;
   std::vector<Vec3> normal;
@@ -92,7 +93,7 @@ Surface surface_of(const Bank& bank) {
   return surface;
 }
 
-// The mean square of what a blow of 1 N s gives the mode. Without triangles blows come from all directions.
+// The mean square of the modal velocity after a blow of 1 N s. Without triangles, blows come from all directions.
 double mean_square(const Bank& bank, const Surface& surface, std::size_t mode) {
   double sum = 0;
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
@@ -150,7 +151,7 @@ double threshold_db(double frequency_hz) {
   return 3.64 * std::pow(khz, -0.8) - 6.5 * std::exp(-0.6 * std::pow(khz - 3.3, 2)) + 1e-3 * std::pow(khz, 4);
 }
 
-// The A-weighting's factor on energies [IEC 61672-1, annex E], but for a constant.
+// The A-weighting's factor on energies, up to a constant [IEC 61672-1, annex E].
 double a_weight(double frequency_hz) {
   const double f2 = frequency_hz * frequency_hz;
   const double gain =
@@ -188,7 +189,8 @@ void hear(std::vector<Partial>& partials) {
   for (Partial& partial : partials) partial.energy /= weighted;
 }
 
-// By how many cents the partial misses the k-th harmonic nearest to it; nothing beyond kHarmonics or out of tune.
+// Returns k of the nearest harmonic and the partial's distance from it in cents; nothing beyond kHarmonics or out of
+// tune.
 std::optional<std::pair<int, double>> harmonic_of(double frequency_hz, double fundamental_hz) {
   const int k = static_cast<int>(std::lround(std::min(frequency_hz / fundamental_hz, kHarmonics + 1.0)));
   if (k < 1 || k > kHarmonics) return std::nullopt;
@@ -223,7 +225,7 @@ bool is_loud(const Candidate& candidate) {
   return candidate.share >= kMinShare || (candidate.share >= kMinOfGroup && candidate.group >= kGroupShare);
 }
 
-// The energy of the strongest partial as near to this frequency; 0 when all are weak.
+// The energy of the strongest partial within the tolerance of this frequency; 0 if all are weak.
 double strong_near(const std::vector<Partial>& partials, double frequency_hz, double tolerance_cents) {
   double strongest = 0;
   for (const Partial& partial : partials) {
@@ -245,10 +247,10 @@ std::optional<Candidate> strike_note(const std::vector<Partial>& partials) {
   return std::nullopt;
 }
 
-// The candidate of the highest score that may be the pitch, and the next one that is no harmonic of it.
+// The candidate of the highest score that may be the pitch, and the next one that is not its harmonic.
 struct Choice {
   Candidate best, next;
-  Candidate any;  // the best if none may be
+  Candidate any;  // the best candidate overall, if none may be the pitch
 };
 
 Choice choose(const std::vector<Partial>& partials) {
@@ -269,7 +271,7 @@ Choice choose(const std::vector<Partial>& partials) {
   return choice;
 }
 
-// Why the best candidate is no pitch; "" when it is.
+// Returns the reason why the best candidate is not a pitch; "" if it is one.
 std::string objection(const Choice& choice) {
   const Candidate& best = choice.best;
   if (best.score == 0) return "nothing below 5 kHz rings for long enough";

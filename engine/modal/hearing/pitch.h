@@ -1,13 +1,13 @@
-// The pitch of a thing: the one that its bank states, or an estimate from its modes, or none. [worker]
+// The pitch of an object: the pitch that its bank states, or an estimate from its modes, or none. [worker]
 //
 //   const Pitch pitch = pitch_of(bank);
-//   if (pitch.hz) ...a musician would name it so...
-//   else          ...pitch.reason says why not; pitch.tone_hz still stands for it on a keyboard...
+//   if (pitch.hz) ...the pitch that a musician would name...
+//   else          ...pitch.reason says why there is none; pitch.tone_hz still places the object on a keyboard...
 //
-// The estimate asks what is heard in the first second after a blow: on the average over the surface, along its normal,
-// with contacts of 0.5 to 2 ms (from a hard mallet to a soft one), by what each mode radiates and how fast it decays.
-// pitch.cpp has the model of hearing. What the estimate cannot know is how people agreed to name a thing, or that a
-// fork is held against a table: that is what stated pitches are for.
+// The estimate considers the first second after a blow, averaged over the surface, with blows along the normal and
+// contacts of 0.5 to 2 ms (from a hard mallet to a soft one); each mode counts by its radiation and decay. pitch.cpp
+// has the model of hearing. The estimate cannot know conventions for naming an object's pitch, or that a fork is held
+// against a table; such banks state their pitch.
 #pragma once
 
 #include "engine/modal/bank.h"
@@ -21,8 +21,8 @@ namespace ringdown::modal {
 struct Pitch {
   std::optional<double> hz;
   bool stated = false;   // by the bank
-  double strength = 0;   // 0 to 1, how far the pitch stands alone within an octave; 1 when it is stated
-  double tone_hz = 440;  // the pitch, or else the frequency that comes closest to one
+  double strength = 0;   // 0 to 1, the freedom from competing partials within an octave; 1 for a stated pitch
+  double tone_hz = 440;  // the pitch; without one, the frequency that comes closest to a pitch
   std::string reason;    // why there is none: a clause such as "several partials compete"; or empty
 };
 
@@ -32,8 +32,8 @@ Pitch pitch_of(const Bank& bank);
 // The estimate alone.
 Pitch estimated_pitch(const Bank& bank);
 
-// A stated pitch of an object in another size and material, which goes as its modes do; nothing when none is stated, or
-// when it would lie outside of kStatedPitch_hz.
+// Scales a stated pitch to another size and material, as the modes are scaled. Returns nothing if no pitch is stated or
+// the result lies outside kStatedPitch_hz.
 std::optional<double> scaled_pitch(std::optional<double> pitch_hz, const MaterialScale& scale);
 
 // "220.00 Hz (A3 +0 ct), as its maker states", or "none: several partials compete within an octave; 516.03 Hz comes
