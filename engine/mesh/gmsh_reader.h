@@ -34,19 +34,18 @@ Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const Gmsh
 // length, are meshed with the file's own value and with two others. Also returns true if that fails.
 bool depends_on_mesh_size(const std::filesystem::path& path, const GmshOptions& options, double length_m);
 
-// The extent of a body, by which a mesh size is refused that would take too much memory and time. It gives the number
-// of elements: tetrahedra in the volume, and triangles on the area [m^2], if known. The diagonal [m] is the body's
-// length.
+// The extent of a body [m^3, m^2, m], from which check_element_count() estimates the number of elements: tetrahedra in
+// the volume, and triangles on the area if known. It refuses mesh sizes that would take too much memory and time.
 struct Extent {
   double volume_m3 = 0, area_m2 = 0, diagonal_m = 0;
 };
 inline constexpr double kMaxElements = 20e6;
 Result<void> check_element_count(const std::filesystem::path& path, const Extent& extent, double mesh_size_m);
 
-// gmsh between initialize() and finalize(). [worker; calls of several threads wait for each other, because gmsh keeps
-// its state in globals]
+// Runs gmsh between initialize() and finalize(). [worker; calls of several threads wait for each other, because gmsh
+// keeps its state in globals]
 
-// Silent, on one thread, so that the same input gives the same mesh on every machine.
+// gmsh prints nothing and runs on one thread, so that equal input gives equal meshes on every machine.
 class GmshSession {
  public:
   GmshSession();

@@ -15,11 +15,11 @@ namespace ringdown::mesh {
 // A group of faces that the mesh's author named. Elements are numbered as in the mesh, whatever its order.
 struct FaceGroup {
   std::string name;
-  std::vector<std::int64_t> faces;  // 4 element + the corner that the face lies opposite to, ascending
+  std::vector<std::int64_t> faces;  // 4 element + the corner opposite the face, ascending
 };
 struct MeshGroups {
   std::vector<std::string> volumes;
-  std::vector<std::int32_t> volume_of;  // E: a number in `volumes`, or -1; empty when there are none
+  std::vector<std::int32_t> volume_of;  // E: a number in `volumes`, or -1; empty if there are no groups
   std::vector<FaceGroup> surfaces;
   [[nodiscard]] bool empty() const { return volumes.empty() && surfaces.empty(); }
 };
