@@ -68,9 +68,9 @@ Result<BoundSockets> bind_one(const Endpoint& endpoint, int type, const std::str
 Result<BoundSockets> bind_for_server(const Endpoint& endpoint, int type, const std::string& what);
 
 struct Accepted {
-  Descriptor socket;  // not open: nobody is there, or there is no room
+  Descriptor socket;  // not open: no connection is waiting, or no descriptor is free
   Endpoint from;
-  bool out_of_descriptors = false;  // somebody is there, and poll() will report the same connection again at once
+  bool out_of_descriptors = false;  // a connection is waiting, and poll() will report it again at once
 };
 
 // Accepts a connection if one is waiting. The accepted socket is non-blocking.

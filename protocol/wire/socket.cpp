@@ -21,7 +21,7 @@ void raise_receive_buffer(int socket) {
   ::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
 }
 
-// Returns the time since the kernel received the datagram; 0 if `header` has no timestamp or the clock was set back.
+// Returns the time since the kernel received the datagram; 0 if `header` has no timestamp or the clock was changed.
 double age_s(const msghdr& header) {
   const cmsghdr* const control = CMSG_FIRSTHDR(&header);
   if (!control || control->cmsg_level != SOL_SOCKET || control->cmsg_type != SCM_TIMESTAMPNS) return 0;

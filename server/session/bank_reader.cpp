@@ -9,7 +9,7 @@
 namespace ringdown::session {
 namespace {
 
-// Changes whenever the file is written again.
+// Returns a key that changes whenever the file is written again.
 std::string key_of(const std::filesystem::path& path) {
   std::error_code error;
   const auto canonical = std::filesystem::weakly_canonical(path, error);
@@ -42,7 +42,7 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   const modal::ReadBeside beside = [this, &document = at](const std::string& relative, std::size_t limit) {
     return roots_.read_beside(document, relative, limit);
   };
-  const bool in_scene = model || has_ending(at, ".gltf");  // whose buffers may be in other files
+  const bool in_scene = model || has_ending(at, ".gltf");  // a .gltf may have buffers in other files
   auto file = parse_bank_file(*bytes, path.string(), in_scene ? beside : modal::ReadBeside());
   if (file && in_scene) {
     file->alone = std::make_shared<const std::vector<std::byte>>(modal::to_glb(file->map->bank()));

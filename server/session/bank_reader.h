@@ -23,10 +23,10 @@ struct BankFile {
   std::size_t bytes = 0;  // the file's size
   ContentHash content;    // of the whole file
   std::shared_ptr<const std::vector<std::byte>>
-      alone;  // of a bank in a scene: a file with this bank alone, in place of the scene's
+      alone;  // for a bank in a scene, a file with this bank alone, used instead of the scene's file
 };
 
-// The bank in a file of these bytes (modal::parse_bank); `name` stands in sentences where the file's path would.
+// Reads the bank from the bytes of a file (modal::parse_bank); `name` replaces the file's path in errors.
 Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name,
                                  const modal::ReadBeside& read_beside = {});
 
@@ -40,7 +40,7 @@ class BankReader {
   // modal::kMaxBankFileBytes, or without a valid bank; the error names the file.
   [[nodiscard]] Result<BankFile> read(const std::filesystem::path& path);
 
-  // Forgets the banks that nobody holds any more. Now and then, so that the list of known files stays short.
+  // Forgets the banks that nobody holds any more. Call now and then, so that the list of known files stays short.
   void forget_unused();
 
  private:
@@ -52,7 +52,7 @@ class BankReader {
   };
 
   const FileRoots& roots_;
-  std::map<std::string, Known> known_;  // by canonical path and time of the last write
+  std::map<std::string, Known> known_;  // keys consist of canonical path and time of the last write
 };
 
 }  // namespace ringdown::session

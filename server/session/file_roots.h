@@ -30,11 +30,11 @@ inline constexpr WrittenKind kStateKind{".toml", "# What ringdownd holds"};
 
 class FileRoots {
  public:
-  // Every file may be opened: for programs whose user names each file.
+  // Allows every file, for programs whose user names each file.
   FileRoots() = default;
 
   enum class Guard {
-    kernel,  // openat2 with RESOLVE_BENEATH, which nobody can race; `path` where the kernel has none
+    kernel,  // openat2 with RESOLVE_BENEATH, which excludes races; `path` if the kernel lacks it
     path,    // the canonical path is checked, then opened without following a last link
   };
 

@@ -11,7 +11,7 @@ namespace {
 using synth::Event;
 
 constexpr double kMaxContact_s = 0.1;
-constexpr float kFirstPressure = 0.5F;  // of a bow, before any message
+constexpr float kFirstPressure = 0.5F;  // pressure of a bow before any message
 
 float share_of(std::uint8_t value) RINGDOWN_REALTIME { return static_cast<float>(value) / 127.0F; }
 
@@ -113,7 +113,7 @@ void MidiPlayer::damp_released(const HeldKeys::Keys& keys, const Stage& stage) R
   }
 }
 
-// Damps what one note struck, unless another note keeps the object ringing.
+// Damps the object that a note struck, unless another note keeps the object ringing.
 void MidiPlayer::damp(std::size_t note, double within_s, const Stage& stage) RINGDOWN_REALTIME {
   const auto& strike = stage.table.notes.data()[note];
   if (!strike || kept(strike->object, stage.table)) return;
