@@ -51,12 +51,12 @@ class HeldKeys {
   [[nodiscard]] std::size_t channel_of(std::size_t key) const RINGDOWN_REALTIME;
 
  private:
-  using Channels = std::uint16_t;  // a bit for each
+  using Channels = std::uint16_t;  // one bit per channel
 
-  std::array<Channels, kNotes> channels_{};  // that hold the key down
-  std::array<Channels, 3> pedals_{};         // on which the pedal is down
-  Keys kept_;                                // up, but kept by a pedal
-  Keys chosen_;                              // by sostenuto
+  std::array<Channels, kNotes> channels_{};  // channels that hold each key down
+  std::array<Channels, 3> pedals_{};         // channels on which each pedal is down
+  Keys kept_;                                // keys that are up, but kept by a pedal
+  Keys chosen_;                              // keys chosen by sostenuto
 };
 
 }  // namespace ringdown::session

@@ -17,8 +17,8 @@ using synth::Frame;
 
 tl::unexpected<Error> cancelled() { return fail(ErrorKind::cancelled, "cancelled; nothing was written"); }
 
-// A part of the sound. The mix and the ambisonic channels begin and end at different blocks, because only the mix
-// passes the limiter, which delays it.
+// A part of the sound. The mix and the ambisonic channels begin and end at different blocks, because the limiter delays
+// only the mix.
 struct Piece {
   std::span<const float> left, right;
   std::vector<std::span<const float>> ambisonics;  // all of one length
@@ -37,7 +37,7 @@ float peak_of(const Piece& piece) {
   return peak;
 }
 
-// A sound file that takes pieces.
+// A sound file that is written in pieces.
 class PieceFile {
  public:
   // `frames` is the length of the whole file; the number of channels is that of a piece.

@@ -25,7 +25,7 @@ inline constexpr int kKeys = 128;
 
 struct SampleSetOptions {
   std::filesystem::path bank;    // the bank to read
-  std::filesystem::path folder;  // the folder to make, with NAME/NAME.sfz and NAME/samples/; must not exist
+  std::filesystem::path folder;  // the folder NAME to make, with NAME/NAME.sfz and NAME/samples/; must not exist
   bool flac = false;             // 24-bit FLAC instead of 32-bit float WAV
   double sample_rate_hz = 48000;
 
