@@ -26,15 +26,12 @@ using Facet = std::array<std::uint32_t, 3>;
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kNarrowShare =
-    0.1;                          // factor on the increase of a move after which the triangles around are less narrow
-constexpr double kMinTurn = 0.2;  // cosine of the largest angle by which a move may turn a triangle
+constexpr double kNarrowShare = 0.1;  // factor on the increase of a move that makes triangles less narrow
+constexpr double kMinTurn = 0.2;      // cosine of the largest angle by which a move may turn a triangle
 constexpr double kWider = 0.01;  // least gain, in the cosine of an angle, for which an edge is flipped or a point moved
-constexpr double kSlack =
-    0.0113;                    // narrowness of 20.2 degrees, allowed once no other move is left, as in regular grids
-constexpr double kFlat = 0.9;  // cosine of the largest angle by which flips and moves may turn a triangle
-constexpr double kMendingLimit =
-    3;  // largest increase accepted for a wider angle, in units of the mean cost of a point
+constexpr double kSlack = 0.0113;    // narrowness of 20.2 degrees, allowed if no other move is left: regular grids
+constexpr double kFlat = 0.9;        // cosine of the largest angle by which flips and moves may turn a triangle
+constexpr double kMendingLimit = 3;  // largest increase for a wider angle, in units of the mean cost of a point
 constexpr double kFragment =
     0.1;  // longest side, in distance units, of a detail that may be removed although it has sharp edges
 constexpr double kMinBend = 0.5;  // cosine of the largest angle by which a sharp edge may bend at a removed point

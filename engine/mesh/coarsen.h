@@ -24,7 +24,7 @@ struct SurfaceSamples {
 // The point of the coarse surface that represents a sample: the nearest point.
 struct SurfacePlace {
   std::uint32_t triangle = 0;       // position in Coarsening::triangles()
-  std::array<double, 3> weights{};  // of its corners
+  std::array<double, 3> weights{};  // weights of the triangle's corners
 };
 
 // Removes points one by one, each time the cheapest, by moving the point onto a neighbour. The cost is the error of
@@ -40,8 +40,7 @@ struct SurfacePlace {
 // al., Mesh optimization, 1993 (costs measured at samples that move with the mesh).
 class Coarsening {
  public:
-  // Initially every triangle has N / T samples, in the order of the triangles. `fields` (F x P) are values at the
-  // points.
+  // Initially every triangle has N / T samples, in the order of the triangles. `fields` (F x P) are at the points.
   Coarsening(const Points& points, std::vector<std::array<std::uint32_t, 3>> triangles, Eigen::MatrixXf fields,
              SurfaceSamples samples, double distance_unit_m);
   ~Coarsening();

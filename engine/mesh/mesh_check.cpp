@@ -15,10 +15,9 @@ namespace ringdown::mesh {
 
 // Overlaps
 //
-// Two bodies that occupy one space share no face, so a comparison of neighbours does not find them. Therefore the
-// middle of every straight element is looked up among all other straight elements. A tree of bounding boxes, which
-// halves the elements along the longest side of the box around their middles, leads to the few elements whose box holds
-// the point.
+// Two bodies that occupy one space share no face, so a comparison of neighbours does not find them. The middle
+// of every straight element is therefore looked up among all others. A tree of bounding boxes, which halves the
+// elements along the longest side of the box around their middles, leads to the few elements whose box holds the point.
 namespace {
 
 constexpr int kLeafElements = 4;

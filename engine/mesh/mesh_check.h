@@ -35,7 +35,7 @@ struct CheckedMesh {
   int unused_nodes = 0;  // number of nodes dropped as unused
   int duplicates = 0;    // number of elements dropped because an earlier one has equal nodes
   MeshGroups groups = {};
-  Eigen::VectorXd gaps_m = {};  // gaps between the mesh's skin and the body's surface (surface_gap.h); empty: none
+  Eigen::VectorXd gaps_m = {};  // gaps from the mesh's skin to the body's surface (surface_gap.h); empty: none
 };
 
 // Repairs faults that have one right repair (counted above) and refuses all others: no elements, a node number out of

@@ -21,7 +21,7 @@ namespace ringdown::session {
 struct BankFile {
   std::shared_ptr<const modal::StrikeMap> map;
   std::size_t bytes = 0;  // the file's size
-  ContentHash content;    // of the whole file
+  ContentHash content;    // hash of the whole file
   std::shared_ptr<const std::vector<std::byte>>
       alone;  // for a bank in a scene, a file with this bank alone, used instead of the scene's file
 };

@@ -37,10 +37,10 @@ struct SampleSetOptions {
   std::optional<int>
       pitch;  // MIDI key that the object sounds in its own size; nothing: from its pitch (modal/hearing/pitch.h)
 
-  int velocities = 5;          // layers
-  int strikes = 4;             // that take turns when a key is repeated
-  std::vector<Vec3> places_m;  // where it is struck; more than one: chosen by key switches. None: where it is loudest
-  double scatter = 0.06;       // how far the turns' points lie apart, of the object's size
+  int velocities = 5;               // layers
+  int strikes = 4;                  // number of strikes that take turns on a repeated key
+  std::vector<Vec3> places_m;       // strike points; several: chosen by key switches; none: the loudest point
+  double scatter = 0.06;            // how far the turns' points lie apart, of the object's size
   double contact_time_s = 0.001;    // contact time of the hardest blow
   double max_s = 15;                // maximum length of a sample
   std::optional<double> release_s;  // time within which a released key is damped; nothing: the note rings on
@@ -48,9 +48,9 @@ struct SampleSetOptions {
 
 struct SampleSet {
   std::size_t samples = 0;
-  double seconds = 0;    // of all of them
-  double pitch_hz = 0;   // of the object in its own size, or what comes closest to a pitch
-  int key = 0;           // on which the object in its own size lies
+  double seconds = 0;    // total length of all samples
+  double pitch_hz = 0;   // pitch of the object in its own size, or the nearest to a pitch
+  int key = 0;           // key of the object in its own size
   std::string no_pitch;  // why it has no definite pitch; "" when it has one, or when the options say it
   std::filesystem::path sfz;
 };

@@ -58,7 +58,7 @@ class SoundCapture {
 
   Rack& rack_;
   const std::size_t max_frames_;
-  double sample_rate_hz_ = 0;               // of the file
+  double sample_rate_hz_ = 0;               // sample rate of the file
   std::size_t lost_ = 0;                    // capture's thread: frames that the tap dropped
   std::atomic<std::size_t> frames_ = 0;     // in the file
   mutable std::mutex mutex_;                // guards the next two members
