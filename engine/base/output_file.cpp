@@ -126,8 +126,7 @@ void keep_stdout_for(const fs::path& path) {
   if (!target || !target->is_stream || ::fstat(STDOUT_FILENO, &standard) != 0) return;
   const auto own = own_descriptor(target->path);
   if ((own ? ::fstat(*own, &named) : ::stat(target->path.c_str(), &named)) != 0) return;
-  if (named.st_dev == standard.st_dev && named.st_ino == standard.st_ino)
-    stdout = stderr;  // in glibc, stdout is a variable
+  if (named.st_dev == standard.st_dev && named.st_ino == standard.st_ino) stdout = stderr;  // a variable in glibc
 }
 
 }  // namespace ringdown

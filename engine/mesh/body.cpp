@@ -17,7 +17,7 @@ constexpr std::uint64_t kMaxParameters = 1000;
 
 void put(ByteWriter& out, const std::string& text) { out.put_list(std::span(text.data(), text.size())); }
 
-// Without control characters, which could drive a terminal.
+// Refuses texts with control characters, which could manipulate a terminal.
 bool get(ByteReader& in, std::string& text) {
   std::vector<char> bytes;
   if (!in.get_list(bytes) || bytes.size() > kMaxText) return false;
@@ -42,7 +42,7 @@ bool get(ByteReader& in, std::vector<std::string>& texts) {
 
 bool get_finite(ByteReader& in, double& number) { return in.get(number) && std::isfinite(number); }
 
-// A matrix row by row, after the number of its columns.
+// Writes the number of columns, then the matrix row by row.
 template <class Matrix>
 void put_matrix(ByteWriter& out, const Matrix& matrix) {
   out.put(std::int64_t{matrix.cols()});
@@ -224,7 +224,7 @@ bool unpack(std::string_view bytes, Body& body) {
   checked->gaps_m = Eigen::Map<const Eigen::VectorXd>(gaps_m.data(), static_cast<Eigen::Index>(gaps_m.size()));
   const std::size_t points = kPointsPerFace * outer_faces(checked->mesh.elements).size();
   if (!gaps_m.empty() && (gaps_m.size() != points || !checked->gaps_m.allFinite())) return false;
-  if (!groups.empty() && checked->duplicates > 0) return false;  // the elements would no longer match
+  if (!groups.empty() && checked->duplicates > 0) return false;  // the groups' element numbers would no longer match
   checked->groups = std::move(groups);
   checked->flipped = counts[1];
   checked->straightened = counts[2];

@@ -21,10 +21,10 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr Eigen::Index kManyTriangles = 50'000;  // fewer are quick as they are
-constexpr std::size_t kQuickTriangles = 20'000;  // twice as many as a surface is cut into at first (fill.cpp)
-constexpr double kQuickShare = 0.005;            // of the diagonal, that a surface may move by when it gets so few
-constexpr double kReach = 0.05;                  // of the diagonal, that a surface is looked for beside its mesh
+constexpr Eigen::Index kManyTriangles = 50'000;  // surfaces with fewer triangles are not simplified
+constexpr std::size_t kQuickTriangles = 20'000;  // twice the triangles of a first attempt in fill.cpp
+constexpr double kQuickShare = 0.005;            // share of the diagonal by which simplifying may move a surface
+constexpr double kReach = 0.05;                  // share of the diagonal within which gaps are measured
 
 Result<void> check_unit(const std::filesystem::path& path, const std::optional<double>& unit_m) {
   if (!unit_m || (*unit_m > 0 && std::isfinite(*unit_m))) return {};

@@ -1,4 +1,4 @@
-// From a file to a body of tetrahedra, in the process that reads files: body_reader.h is the way to it from any other.
+// Makes a body of tetrahedra from a file. Runs in the process that reads files; other processes use body_reader.h.
 // Links GPL code (gmsh, CGAL). [worker]
 //
 // By the kind of the file (engine/base/file_format.h):
@@ -7,7 +7,7 @@
 //                         (fill.h) where it is sound, else stuffed (stuffed_body.h)
 //   gmsh_mesh             a mesh that gmsh reads as it is (gmsh_reader.h)
 //   geometry, program     meshed by gmsh (gmsh_reader.h)
-// Files of other endings are refused with the list of those that are read.
+// Files with other endings are refused; the error lists the supported endings.
 #pragma once
 
 #include "engine/base/progress.h"
@@ -19,12 +19,12 @@
 
 namespace ringdown::mesh {
 
-// Its three questions are those of BodyReader, without a cache.
+// Answers the three questions of BodyReader, without a cache.
 class BodyMaker {
  public:
   explicit BodyMaker(std::filesystem::path path);
 
-  Result<const PreparedSurface*> surface(const GmshOptions& options);  // kept for the next call
+  Result<const PreparedSurface*> surface(const GmshOptions& options);  // the result is kept for the next call
   Result<Sketch> sketch(const GmshOptions& options);
   Result<Body> make(const GmshOptions& options, const Progress& progress = {});
 

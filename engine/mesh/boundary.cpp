@@ -10,14 +10,14 @@
 #include <string>
 #include <utility>
 
-// All faces of all elements are sorted by their corners; a face that stands there once belongs to the boundary. Its
-// nodes, those between the corners included, become flat triangles (parts_of_face()).
+// All faces of all elements are sorted by their corners; a face that occurs once belongs to the boundary. The nodes of
+// such a face, including those between its corners, become flat triangles (parts_of_face()).
 namespace ringdown::mesh {
 namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-// The face, turned the same way round, with its lowest number first.
+// Returns the face with its lowest number first, without changing its orientation.
 Triangle lowest_first(Triangle face) {
   std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
   return face;
@@ -28,7 +28,7 @@ Triangle sorted(Triangle face) {
   return face;
 }
 
-// The p^2 triangles between an element's nodes on one of its faces, turned as kTetFaces turns it.
+// Returns the p^2 triangles between an element's nodes on one of its faces, oriented like kTetFaces.
 std::vector<Triangle> parts_of_face(int order, int face) {
   const auto node_at = [&](int i, int j, int k) {  // shares of the face's corners, p in all
     Barycentric place = Barycentric::Zero(1, 4);
@@ -65,13 +65,13 @@ Boundary number_points(const std::vector<Triangle>& faces) {
 
 // A point on a face, in the element's own coordinates.
 struct PointOnFace {
-  std::vector<int> nodes;                          // of the element, that lie on the face
-  Eigen::VectorXd values;                          // of the element's shape functions
+  std::vector<int> nodes;                          // the element's nodes that lie on the face
+  Eigen::VectorXd values;                          // values of the element's shape functions
   Eigen::Matrix<double, Eigen::Dynamic, 2> sides;  // derivatives of all shape functions along two sides of the face
-  double weight = 0;                               // of all points on the face they add up to 1
+  double weight = 0;                               // the weights of all points on the face sum to 1
 };
 
-// A point of the element's reference, and what share of its face it stands for.
+// A point of the reference element, and the share of its face that it represents.
 struct FacePlace {
   Eigen::Vector4d at;
   double weight;
@@ -108,8 +108,8 @@ std::vector<std::array<double, 2>> gauss_points(int n) {
   return points;
 }
 
-// The flow through a face of order p has degree p from the shape functions and 2 (p - 1) from the face's form. A
-// triangle is a square with one side drawn together to a point, which adds one degree in one direction.
+// The flow through a face of order p has degree p from the shape functions and 2 (p - 1) from the face's geometry. The
+// triangle is treated as a square with one side collapsed to a point, which adds one degree in one direction.
 std::vector<FacePlace> places_for_flow(int order, int face) {
   const auto& [a, b, c] = kTetFaces[face];
   const std::vector<std::array<double, 2>> points = gauss_points((3 * order + 1) / 2);
@@ -146,7 +146,7 @@ std::vector<PointOnFace> points_on_face(int order, int face, const std::vector<F
   return points;
 }
 
-// `points` stand on an element's four faces.
+// `points` has the points of an element's four faces.
 SurfaceQuadrature quadrature_at(const Boundary& surface, const TetMesh& mesh,
                                 const std::array<std::vector<PointOnFace>, 4>& points) {
   const std::vector<OuterFace> faces = outer_faces(mesh.elements);

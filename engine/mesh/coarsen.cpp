@@ -14,11 +14,11 @@
 
 // The cheapest point first
 //
-// For every point the cheapest collapse is known: onto which neighbour it goes, and by how much the cost of the samples
-// around it then increases. A queue hands out the point with the least increase. A collapse changes the increases of
-// the points around it. They are marked as outdated and computed again only when they reach the front of the queue,
-// which saves most of the work, because increases mostly grow. Points at narrow triangles count at a tenth of their
-// increase, so that such triangles go first.
+// For every point the cheapest collapse is stored: the neighbour it moves onto, and the increase of the cost of the
+// samples around it. A queue returns the point with the least increase. A collapse changes the increases of the points
+// around it. Those are marked as outdated and computed again only when they reach the front of the queue, which saves
+// most of the work, because increases mostly grow. The increase of points at narrow triangles is divided by ten, so
+// that such triangles are removed first.
 namespace ringdown::mesh {
 namespace {
 
@@ -26,15 +26,15 @@ using Facet = std::array<std::uint32_t, 3>;
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kNarrowShare = 0.1;  // factor on the increase of a move that leaves the triangles around less narrow
+constexpr double kNarrowShare = 0.1;  // factor on the increase of a move that makes triangles less narrow
 constexpr double kMinTurn = 0.2;      // cosine of the largest angle by which a move may turn a triangle
 constexpr double kWider = 0.01;  // least gain, in the cosine of an angle, for which an edge is flipped or a point moved
-constexpr double kSlack = 0.0113;  // narrowness of 20.2 degrees, allowed once nothing goes without, as in regular grids
-constexpr double kFlat = 0.9;      // cosine of the largest angle by which flips and moves may turn a triangle
+constexpr double kSlack = 0.0113;    // narrowness of 20.2 degrees, allowed if no other move is left: regular grids
+constexpr double kFlat = 0.9;        // cosine of the largest angle by which flips and moves may turn a triangle
 constexpr double kMendingLimit = 3;  // largest increase for a wider angle, in units of the mean cost of a point
 constexpr double kFragment =
-    0.1;  // of the distance unit, longest side of a detail that may go although it has sharp edges
-constexpr double kMinBend = 0.5;  // cosine of the largest angle by which a sharp edge may bend at a point that goes
+    0.1;  // longest side, in distance units, of a detail that may be removed although it has sharp edges
+constexpr double kMinBend = 0.5;  // cosine of the largest angle by which a sharp edge may bend at a removed point
 const double kEdgeCosine = std::cos(kSharpEdge_deg / 180 * std::numbers::pi);
 const double kNarrowCosine = std::cos(kMinAngle_deg / 180 * std::numbers::pi);
 
@@ -59,10 +59,10 @@ struct Projection {
   double cost = kInfinite;
 };
 
-// Facets that replace others, and where the samples are projected then.
+// Facets that replace others, and the new projections of the samples.
 struct Change {
   std::vector<std::uint32_t> old;
-  std::vector<std::pair<std::uint32_t, Facet>> made;  // with their numbers, some of the old ones
+  std::vector<std::pair<std::uint32_t, Facet>> made;  // numbers, reused from old facets, and new facets
   std::vector<std::pair<std::uint32_t, Projection>> projections;
   double increase = 0;
 };
@@ -70,7 +70,7 @@ struct Change {
 struct Candidate {
   double increase = 0;
   std::uint32_t point = 0, version = 0;
-  bool operator<(const Candidate& other) const {  // the cheapest comes first, of equal ones the lowest number
+  bool operator<(const Candidate& other) const {  // the cheapest first; among equals, the lowest number
     return std::pair(increase, point) > std::pair(other.increase, other.point);
   }
 };
@@ -147,7 +147,7 @@ class Coarsening::Mesh {
   }
   [[nodiscard]] double min_cosine(const Facet& f) const { return min_angle_cosine(corners(f)); }
 
-  // By how much the cosine of the least angle exceeds that of kMinAngle_deg; 0 for facets that are wide enough.
+  // The excess of the cosine of the least angle over the cosine of kMinAngle_deg; 0 for facets that are wide enough.
   [[nodiscard]] double narrowness(const Facet& f) const { return std::max(0.0, min_cosine(f) - kNarrowCosine); }
 
   // Projects the sample onto the nearest of the facets that face its way; the cost is infinite when none does.
@@ -177,7 +177,7 @@ class Coarsening::Mesh {
     return best;
   }
 
-  // Projects the samples of the old facets onto the new ones, and sums up by how much their cost increases.
+  // Projects the samples of the old facets onto the new ones, and sums the increases of their costs.
   void evaluate(Change& change) const {
     for (const std::uint32_t f : change.old) {
       for (const std::uint32_t s : on_[f]) {
@@ -225,15 +225,16 @@ class Coarsening::Mesh {
     return std::find(sharp_[p].begin(), sharp_[p].end(), q) != sharp_[p].end();
   }
 
-  // True when p and q are close neighbours beside a narrow facet: they belong to a step or spike of the first
-  // triangles.
+  // Returns true if p and q are close neighbours beside a narrow facet; they then belong to a step or spike of the
+  // original triangles.
   [[nodiscard]] bool is_fragment(std::uint32_t p, std::uint32_t q) const {
     if (length(points_[p] - points_[q]) > kFragment * unit_m_) return false;
     return std::any_of(around_[p].begin(), around_[p].end(),
                        [&](std::uint32_t f) { return has(facets_[f], q) && narrowness(facets_[f]) > 0; });
   }
 
-  // True when p may be moved onto its neighbour q: points of a sharp edge move along the edge, corners stay.
+  // Returns true if sharp edges allow p to move onto its neighbour q: points of a sharp edge move along the edge,
+  // corners do not move.
   [[nodiscard]] bool keeps_edges(std::uint32_t p, std::uint32_t q) const {
     if (sharp_[p].empty() || any_angle_ || is_fragment(p, q)) return true;
     if (sharp_[p].size() > 2 || !is_sharp(p, q)) return false;
@@ -242,7 +243,7 @@ class Coarsening::Mesh {
            (!is_sharp(other, q) && cosine_between(points_[q] - points_[p], points_[p] - points_[other]) > kMinBend);
   }
 
-  // The sharp edges of p become those of q, onto which it goes.
+  // Gives the sharp edges of p to q, onto which p moves.
   void hand_on_edges(std::uint32_t p, std::uint32_t q) {
     std::erase(sharp_[q], p);
     for (const std::uint32_t other : std::exchange(sharp_[p], {})) {
@@ -253,7 +254,7 @@ class Coarsening::Mesh {
     }
   }
 
-  // The points around p, ascending; none when the facets there are not one closed fan.
+  // Returns the points around p, ascending; none if the facets there are not one closed fan.
   [[nodiscard]] std::vector<std::uint32_t> ring(std::uint32_t p) const {
     std::vector<std::uint32_t> points;  // each twice, where the surface is sound
     for (const std::uint32_t f : around_[p]) {
@@ -270,7 +271,7 @@ class Coarsening::Mesh {
     return points;
   }
 
-  // True when the facets still form a closed surface with its sharp edges after p is moved onto its neighbour q (the
+  // Returns true if the facets still form a closed surface with its sharp edges after p moves onto its neighbour q (the
   // link condition). `ring_p` is ring(p).
   [[nodiscard]] bool may_move(std::uint32_t p, const std::vector<std::uint32_t>& ring_p, std::uint32_t q) const {
     if (!keeps_edges(p, q)) return false;
@@ -280,7 +281,7 @@ class Coarsening::Mesh {
     return common.size() == 2 && around_[common[0]].size() > 3 && around_[common[1]].size() > 3;
   }
 
-  // The facets around p with p at q; nothing when they would be narrower in sum, or one of them turned over.
+  // Returns the facets around p after p moves to q; nothing if their total narrowness grows or one of them turns over.
   [[nodiscard]] std::optional<Change> moved(std::uint32_t p, std::uint32_t q) const {
     Change change{.old = around_[p]};
     double before = 0, after = 0, worst = 0;
@@ -334,8 +335,8 @@ class Coarsening::Mesh {
     for (const std::uint32_t q : neighbours) renew(q);
   }
 
-  // Flips the edge between a and b, if that widens the least angle of its two facets and is cheap or mends a narrow
-  // one.
+  // Flips the edge between a and b, if that widens the least angle of its two facets and is cheap or repairs a narrow
+  // facet.
   bool flip(std::uint32_t a, std::uint32_t b) {
     std::vector<std::uint32_t> beside;
     for (const std::uint32_t f : around_[a]) {
@@ -366,7 +367,7 @@ class Coarsening::Mesh {
     return true;
   }
 
-  // Moves p to the sample nearby that widens the least angle around it most, when that is cheap.
+  // Moves p to the nearby sample that widens the least angle around p most, if that is cheap.
   bool shift(std::uint32_t p) {
     const std::vector<std::uint32_t> neighbours = ring(p);
     if (neighbours.empty() || !sharp_[p].empty()) return false;
@@ -414,8 +415,8 @@ class Coarsening::Mesh {
 
   [[nodiscard]] double mending_limit() const { return kMendingLimit * cost_ / static_cast<double>(left_); }
 
-  // Flips edges and shifts the points of narrow triangles until no more is gained, a few rounds at most. True when
-  // something was changed.
+  // Flips edges and shifts the points of narrow triangles until nothing improves, a few rounds at most. Returns true if
+  // anything changed.
   bool mend() {
     constexpr int kMaxRounds = 5;
     bool any = false, changed = true;
@@ -438,14 +439,14 @@ class Coarsening::Mesh {
   Eigen::MatrixXf fields_;
   SurfaceSamples samples_;
   double unit_m_;
-  std::vector<Facet> facets_;                       // of kNone where one is gone
-  std::vector<std::vector<std::uint32_t>> around_;  // facets at each point; none when the point is gone
-  std::vector<std::vector<std::uint32_t>> sharp_;   // of each point: its neighbours along sharp edges
+  std::vector<Facet> facets_;                       // removed facets consist of kNone
+  std::vector<std::vector<std::uint32_t>> around_;  // facets at each point; none if the point was removed
+  std::vector<std::vector<std::uint32_t>> sharp_;   // neighbours of each point along sharp edges
   std::vector<std::vector<std::uint32_t>> on_;      // samples on each facet
-  std::vector<Eigen::Index> origins_;               // of each point: a point at first, or their number and a sample
-  std::vector<Projection> projections_;             // of the samples
+  std::vector<Eigen::Index> origins_;               // place of each point, as origins() returns it
+  std::vector<Projection> projections_;             // projection of each sample
   std::vector<std::uint32_t> targets_,
-      versions_;                // of each point: the neighbour it would move onto; the number of its valid candidate
+      versions_;                // for each point: the neighbour it would move onto; the number of its valid candidate
   std::vector<char> outdated_;  // whether the target and the increase of a point must be computed again
   std::priority_queue<Candidate> queue_;
   std::size_t left_ = 0;
@@ -473,7 +474,7 @@ std::vector<Facet> Coarsening::triangles() const {
 const std::vector<Eigen::Index>& Coarsening::origins() const { return mesh_->origins(); }
 
 std::vector<SurfacePlace> Coarsening::places() const {
-  std::vector<std::uint32_t> number;  // of a facet among those that are left
+  std::vector<std::uint32_t> number;  // number of each facet among the remaining ones
   std::uint32_t next = 0;
   for (const Facet& f : mesh_->facets()) number.push_back(f[0] == kNone ? kNone : next++);
   std::vector<SurfacePlace> found;

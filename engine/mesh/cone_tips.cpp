@@ -12,7 +12,7 @@
 namespace ringdown::mesh {
 namespace {
 
-using Tags = gmsh::vectorpair;  // of dimension and number
+using Tags = gmsh::vectorpair;  // pairs of dimension and number
 
 constexpr double kTip = 0.15;  // width of the small end as a share of the other's; gmsh 4.8 fails below 0.05
 
@@ -44,7 +44,7 @@ void set_groups(const std::vector<PhysicalGroup>& groups) {
   }
 }
 
-// In every group that holds the entity, its parts take its place.
+// Replaces the entity by its parts in every group that contains it.
 void replace(std::vector<PhysicalGroup>& groups, const std::pair<int, int>& entity, const Tags& parts) {
   for (PhysicalGroup& group : groups) {
     if (group.dimension != entity.first || std::erase(group.entities, entity.second) == 0) continue;
@@ -61,7 +61,7 @@ Tags entities(int dimension) {
 }
 
 struct Mantle {
-  std::array<double, 2> around, along;  // its parameters
+  std::array<double, 2> around, along;  // ranges of the mantle's parameters
 
   [[nodiscard]] static Mantle of(int face) {
     std::vector<double> low, high;

@@ -9,7 +9,7 @@
 namespace ringdown::mesh {
 namespace {
 
-// The element's nodes on the face opposite to a corner, ascending.
+// Returns the element's nodes on the face opposite a corner, ascending.
 std::vector<int> nodes_on_face(int order, int opposite) {
   const Barycentric places = reference_nodes(order);
   std::vector<int> nodes;

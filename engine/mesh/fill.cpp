@@ -18,37 +18,37 @@
 
 // Filling, with two ways back
 //
-// The surface is cut into triangles of the wanted size (sized()); where those would leave the surface, enclose another
-// volume or cut each other, smaller ones are tried. gmsh fills them with straight tetrahedra (fill_as_it_is()), whose
-// outer nodes of higher order are then put onto the original surface (curved()). The volume is compared with the
-// surface's at the end. If any of this fails, all of it is tried once more at a smaller size, and at last the triangles
-// that the surface came with are filled as they are, unless they are far more than the size asks for, as a scan's are.
+// The surface is cut into triangles of the wanted size (sized()); if those would leave the surface, enclose another
+// volume or cut each other, smaller triangles are tried. gmsh fills the triangles with straight tetrahedra
+// (fill_as_it_is()), whose outer nodes of higher order are then put onto the original surface (curved()). Last, the
+// volume is compared with the surface's. If any step fails, all steps are repeated once at a smaller size. If that
+// fails, the surface's original triangles are filled, unless they are far more than the size requires, as in a scan.
 namespace ringdown::mesh {
 namespace {
 
 constexpr double kEdgePerSize = 0.85;      // CGAL's edges scatter about the length asked for
-constexpr double kEdgePerWall = 0.7;       // no shorter, at first: rounded rims of a wall get two or three
-constexpr double kMaxDeviation = 1 / 7.0;  // of the thickness at that place
-constexpr double kQuickDeviation = 0.3;    // of a preview, whose nodes are put back on the surface as well
-constexpr double kMaxLeaving = 0.03;       // of the area, where triangles may leave the surface farther than that
-// If all were of the shortest edges, at the first try and at later ones.
+constexpr double kEdgePerWall = 0.7;       // shortest edge at first, so that a wall's rounded rim gets two or three
+constexpr double kMaxDeviation = 1 / 7.0;  // share of the local thickness
+constexpr double kQuickDeviation = 0.3;    // share for a preview, whose nodes are put back on the surface as well
+constexpr double kMaxLeaving = 0.03;       // share of the area where triangles may deviate more
+// Numbers of triangles if all had the shortest edges, at the first try and at later ones.
 constexpr double kFirstTriangles = 12e3, kFirstQuickTriangles = 4000, kMaxFirstTriangles = 40e3;
-constexpr double kLeave = 0.8;  // of the most they may deviate, so that few go beyond
+constexpr double kLeave = 0.8;  // share of the largest deviation given to remesh(), so that few triangles exceed it
 constexpr double kFiner = 0.6, kFewerDegrees = 0.85;
 constexpr int kMaxTries = 4;
 constexpr double kVolumeSlip = 0.03;
-constexpr double kVolumeToCurve = 0.15;  // that flat triangles may lose, and curved ones win back
+constexpr double kVolumeToCurve = 0.15;  // share of the volume that flat triangles may lose and curved ones regain
 
 double max_deviation(const FillOptions& options) { return options.quick ? kQuickDeviation : kMaxDeviation; }
 
-// Shells as gmsh's surfaces, in units of `unit_m`, and what is meshed between them.
+// Shells as gmsh's surfaces, in units of `unit_m`, and the mesh between them.
 class GmshBody {
  public:
   GmshBody(const TriangleMesh& surface, const Shells& shells, double unit_m)
       : surface_(surface), shells_(shells), unit_m_(unit_m) {}
 
-  // The regions directly inside these shells, which share their nodes; elements in the order of the regions. `counts`
-  // gets the number of each region's elements.
+  // Meshes the regions directly inside these shells, which share their nodes. Elements are in the order of the regions;
+  // `counts` gets the number of each region's elements.
   Result<TetMesh> mesh(const std::vector<int>& regions, double size_m, std::vector<Eigen::Index>& counts) {
     const GmshSession session;
     try {
@@ -154,7 +154,7 @@ std::vector<std::int32_t> nodes_of_skins(const TetMesh& mesh, const MeshGroups& 
   return nodes;
 }
 
-// Nodes of a higher order between the corners of outer faces, and of faces between groups, are put on the surface.
+// Raises the order and puts nodes between the corners of outer faces, and of faces between groups, on the surface.
 Result<CheckedMesh> curved(const CheckedMesh& straight, const PartedSurface& onto, const FillOptions& options,
                            const std::string& name) {
   TetMesh mesh = to_order(straight.mesh, options.order);
@@ -188,8 +188,8 @@ struct Sized {
   double size_m;
 };
 
-// The share of the area where triangles leave the old surface by more than they may: a share of what the body is
-// thick there, or of the thinnest wall where that is more, as beside a sharp rim.
+// Returns the share of the area where triangles leave the old surface by too much: by more than a share of the local
+// thickness, or of the thinnest wall if that is more, as beside a sharp rim.
 double share_that_leaves(const Remeshed& remeshed, const FillOptions& options) {
   const SurfaceRays rays(remeshed.mesh);
   double area = 0, leaves = 0;
@@ -205,8 +205,8 @@ double share_that_leaves(const Remeshed& remeshed, const FillOptions& options) {
   return leaves / area;
 }
 
-// The surface in triangles of the wanted size where it is flat, and of smaller ones where it bends or, the second time,
-// where those would leave it.
+// Returns the surface in triangles of the wanted size where it is flat, and in smaller triangles where it bends or, at
+// the second attempt, where triangles would leave it.
 Result<Sized> sized(const PartedSurface& parted, const FillOptions& options) {
   const TriangleMesh& surface = parted.mesh;
   const double area = area_of(surface);
@@ -238,13 +238,13 @@ Result<Sized> sized(const PartedSurface& parted, const FillOptions& options) {
   return fail(ErrorKind::bad_input, why);
 }
 
-// The surface's own triangles serve in place of those of the wanted size when they are no more than this.
+// The largest number of the surface's own triangles that may replace triangles of the wanted size.
 double max_own_triangles(const PartedSurface& parted, double size_m) {
   constexpr double kTimes = 4, kAlways = 2000;
   return kAlways + kTimes * area_of(parted.mesh) / (std::sqrt(3) / 4 * size_m * size_m);
 }
 
-// The volumes of parts, and last that of what is in none; of a mesh and of the regions between shells.
+// Return the volumes of the parts, and last the volume outside all parts: of a mesh, and of the regions between shells.
 std::vector<double> part_volumes(const CheckedMesh& mesh) {
   std::vector<double> volumes(mesh.groups.volumes.size() + 1, 0);
   for (std::size_t p = 0; p < volumes.size(); ++p) {
@@ -277,7 +277,7 @@ Result<void> check_parts(const CheckedMesh& mesh, const std::vector<double>& wan
   return {};
 }
 
-// `surface` is that of `parted` in other triangles.
+// `surface` is the surface of `parted` in other triangles.
 Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, const PartedSurface& parted, double size_m,
                                   const std::string& name) {
   const Shells shells = shells_of(surface);

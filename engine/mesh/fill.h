@@ -1,4 +1,4 @@
-// The inside of a sound surface as tetrahedra, by gmsh. [worker]
+// Fills a sound surface with tetrahedra, by gmsh. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -11,27 +11,27 @@
 namespace ringdown::mesh {
 
 struct FillOptions {
-  double size_m = 0;   // longest edge; 0: the surface's own triangles, and as few inside as it takes
-  int order = 3;       // 1: straight elements; 2 to 4: their outer faces follow the surface
+  double size_m = 0;   // longest edge; 0: keeps the surface's own triangles, with as few elements inside as possible
+  int order = 3;       // 1: straight elements; 2 to 4: outer faces follow the surface
   double wall_m = 0;   // the thinnest wall; 0: not known
-  bool quick = false;  // coarser where the surface bends, and farther from it, before its nodes are put back on it
+  bool quick = false;  // coarser triangles at bends, which may lie farther from the surface until nodes are put back
 };
 
 struct Filled {
   CheckedMesh mesh;
-  std::string note;  // why it is not meshed as asked; or empty
+  std::string note;  // the reason why the mesh differs from the options; or empty
 };
 
-// `surface` is sound() (surface_check.h); cavities stay empty, and each further shell is a piece of its own. It is
-// first cut into triangles of the size asked for, smaller where it bends, keeping sharp edges (remesh.h), and finer
-// where those would leave the surface by more than a seventh of what the body is thick there; where this fails, its own
-// triangles serve, if they are few enough. `name` stands in the sentence. Fails when gmsh does, when what comes out is
-// no mesh (check_mesh) or has another volume.
+// Fills `surface`, which must be sound() (surface_check.h). Cavities stay empty, and each further shell becomes a
+// separate piece. The surface is first cut into triangles of the requested size, smaller where it bends, keeping sharp
+// edges (remesh.h), and finer where triangles would leave the surface by more than a seventh of the body's thickness
+// there. If this fails, the surface's own triangles are used if they are few enough. Errors contain `name`. Fails if
+// gmsh fails, or if the result is not a valid mesh (check_mesh) or has another volume.
 Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, const std::string& name);
 
-// All of a body with its parts, which share the nodes of the surfaces between them. Each part is a group of elements
-// with the name of its surface (MeshGroups::volumes). Curved elements follow the surfaces between parts, too. Fails as
-// fill() does, and when a part comes out with another volume.
+// Fills a body and its parts, which share the nodes of the surfaces between them. Each part is a group of elements with
+// the name of its surface (MeshGroups::volumes). Curved elements also follow the surfaces between parts. Fails as
+// fill() does, and if a part gets another volume.
 Result<Filled> fill_parts(const PartedSurface& surface, const FillOptions& options, const std::string& name);
 
 }  // namespace ringdown::mesh

@@ -24,10 +24,10 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr double kShareOfBox = 0.01;      // that a body fills at least; thin ones fill little of theirs
+constexpr double kShareOfBox = 0.01;      // assumed minimum share of its box that a body fills; thin bodies fill little
 constexpr double kElementsPerCube = 8.5;  // regular tetrahedra of edge h in a cube of edge h
 constexpr double kTrianglesPerSquare = 2.3;
-constexpr int kMaxUnfolded = 3;  // order; see unfold()
+constexpr int kMaxUnfolded = 3;  // highest order; see unfold()
 
 std::string plain_number(double value) {
   char text[40];
@@ -35,8 +35,8 @@ std::string plain_number(double value) {
   return text;
 }
 
-// A .geo, in memory only, that sets the parameters and includes the real one. gmsh's own way, -setnumber, cannot be
-// taken back, and its parser's variables outlive finalize(), so this also forgets those of the file before.
+// A .geo file, in memory only, that sets the parameters and includes the real file. gmsh's own option, -setnumber,
+// cannot be undone, and the parser's variables outlive finalize(), so this file also deletes the previous file's.
 class ParameterFile {
  public:
   ParameterFile(const std::filesystem::path& geometry, const std::map<std::string, double>& numbers)
@@ -85,7 +85,7 @@ Result<void> check_parameters(const std::filesystem::path& path, const std::map<
   return {};
 }
 
-// The volume of the open body in the file's unit, exact, as OpenCASCADE has it; 0 of gmsh's own kernel, which has none.
+// Returns OpenCASCADE's exact volume of the open body in the file's unit; 0 for gmsh's own kernel, which has none.
 double volume_of_open_body() {
   gmsh::vectorpair volumes;
   gmsh::model::occ::getEntities(volumes, 3);
@@ -107,7 +107,7 @@ Extent extent_of_open_body(double unit_m) {
   return {.volume_m3 = std::pow(unit_m, 3) * volume, .diagonal_m = unit_m * std::hypot(x, y, z)};
 }
 
-// Returns true where the open file has volumes that are not meshed yet.
+// Returns true if the open file has volumes that are not meshed yet.
 bool is_geometry() {
   std::vector<int> types;
   gmsh::model::mesh::getElementTypes(types, 3);
@@ -116,7 +116,7 @@ bool is_geometry() {
   return types.empty() && !volumes.empty();
 }
 
-// The angle between the two faces at a curve's middle is more than this; a seam has one face only.
+// Returns true if the two faces meet at more than 20 degrees at the curve's middle. A seam has one face only.
 bool is_sharp(int curve) {
   constexpr double kSmooth = 0.94;  // cosine of 20 degrees
   std::vector<int> faces, ends;
@@ -151,7 +151,7 @@ std::vector<double> sharp_curves() {
 void refine_at_edges(double edge_size, double mesh_size) {
   const std::vector<double> curves = sharp_curves();
   if (curves.empty()) return;
-  constexpr int kSamples = 400;  // of a curve
+  constexpr int kSamples = 400;  // points on each curve
   const int distance = gmsh::model::mesh::field::add("Distance"), size = gmsh::model::mesh::field::add("Threshold");
   gmsh::model::mesh::field::setNumbers(distance, "CurvesList", curves);
   gmsh::model::mesh::field::setNumber(distance, "NumPointsPerCurve", kSamples);
@@ -268,7 +268,7 @@ Result<void> open_file(const std::filesystem::path& path, const GmshOptions& opt
       return fail(ErrorKind::bad_input, "gmsh knows the ending of " + path.string() +
                                             " in small or in capital letters only; rename the file");
     }
-    // The border of a partition is of no use, and gmsh 4.8 fails on that of old files without a mesh of the surface.
+    // The border of a partition is not needed, and gmsh 4.8 fails on it in old files without a mesh of the surface.
     gmsh::option::setNumber("Mesh.PartitionCreateTopology", 0);
     gmsh::open(path.string());
     if (has_partitions()) gmsh::model::mesh::unpartition();
@@ -283,9 +283,9 @@ Result<void> open_file(const std::filesystem::path& path, const GmshOptions& opt
   return {};
 }
 
-// Moves inner nodes of curved elements that fold, and of their neighbours, until they do not. It may take seconds and
-// may fail. A bell of 1,259 elements: 0.5 s at order 2, where 3 fold; 4 s at order 3, where 8 do (with gmsh's own
-// limits 5 and 20 s); at order 4 it would take a minute.
+// Moves inner nodes of folded curved elements and of their neighbours until the elements no longer fold. May take
+// seconds, and may fail. A bell of 1,259 elements takes 0.5 s at order 2, where 3 elements fold, and 4 s at order 3,
+// where 8 fold (with gmsh's own limits 5 and 20 s); at order 4 it would take a minute.
 void unfold() {
   gmsh::option::setNumber("Mesh.HighOrderThresholdMin", 0.02);
   gmsh::option::setNumber("Mesh.HighOrderNumLayers", 1);
@@ -293,7 +293,7 @@ void unfold() {
   gmsh::option::setNumber("Mesh.HighOrderIterMax", 20);
   try {
     gmsh::model::mesh::optimize("HighOrder");
-  } catch (...) {  // it could not: the mesh is as it was
+  } catch (...) {  // gmsh failed and left the mesh unchanged
   }
 }
 
@@ -316,20 +316,20 @@ Result<CheckedMesh> take_open(const std::filesystem::path& path, double unit_m, 
 // Meshes that lose volume
 //
 // Curved elements have their nodes on the geometry and follow it well in between, unless they are so large beside a
-// bend that they fold: then they become straight, or gmsh moves their outer nodes to unfold them. Either may lose a
-// percent of the volume, and as much of the frequencies. So the volume is compared with that of the geometry, and where
-// too much of it is lost, bends get smaller elements. What the best of these meshes still lacks is taken to be spread
-// evenly over the skin, as a gap that the estimated errors of the frequencies then include.
-constexpr double kMaxLoss = 2e-3;                 // of the volume, or gain
-constexpr std::array kElementsAround = {10, 16};  // a circle, in the second and the third mesh
-constexpr double kMinAtBends = 0.25;              // of the mesh size
+// bend that they fold. Folded elements become straight, or gmsh moves their outer nodes to unfold them. Either may lose
+// a percent of the volume, and as much of the frequencies. So the volume is compared with that of the geometry, and if
+// too much is lost, bends get smaller elements. The loss that the best of these meshes still has is spread evenly over
+// the skin, as a gap that the estimated errors of the frequencies then include.
+constexpr double kMaxLoss = 2e-3;                 // largest accepted loss or gain, as a share of the volume
+constexpr std::array kElementsAround = {10, 16};  // elements around a circle, in the second and the third mesh
+constexpr double kMinAtBends = 0.25;              // smallest elements at bends, as a share of the mesh size
 
 struct Loss {
-  double volume_m3 = 0;  // that the mesh lacks; below zero where it has more than the geometry
+  double volume_m3 = 0;  // volume missing from the mesh; negative if the mesh has more than the geometry
   bool much = false;
 };
 
-// None of straight elements, which lack what is to be expected, nor where the exact volume is not known.
+// Returns no loss for straight elements, whose volume error is expected, and if the exact volume is unknown.
 Loss loss_of(const CheckedMesh& checked, double exact_m3) {
   if (!(exact_m3 > 0) || checked.mesh.elements.rows() == 0 || checked.mesh.order() == 1) return {};
   const double lost = exact_m3 - volume_of(checked.mesh);
@@ -376,12 +376,12 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
     if (mesh && loss_of(*mesh, exact_m3).much)
       return mesh_bends_finer(path, options, unit_m, exact_m3, std::move(mesh));
     return mesh;
-  } catch (...) {  // of several types; what it says is in the log, too
+  } catch (...) {  // gmsh throws several types; the log has the message, too
     return gmsh_failed(path, session.first_error().value_or(""));
   }
 }
 
-// Opens the file with this value of mesh_size, or with its own where that is 0, and meshes its curves.
+// Opens the file with this value of mesh_size, or with its own value if that is 0, and meshes its curves.
 Result<std::vector<double>> nodes_on_curves(const std::filesystem::path& path, const GmshOptions& options,
                                             double mesh_size_m) {
   const double unit_m = options.unit_m ? *options.unit_m : unit_in_file(path);
@@ -405,7 +405,7 @@ Result<std::vector<double>> nodes_on_curves(const std::filesystem::path& path, c
 }  // namespace
 
 bool depends_on_mesh_size(const std::filesystem::path& path, const GmshOptions& options, double length_m) {
-  constexpr std::array kShares = {1.0 / 12, 1.0 / 40};  // of the body's length
+  constexpr std::array kShares = {1.0 / 12, 1.0 / 40};  // mesh sizes as shares of the body's length
   const Result<std::vector<double>> own = nodes_on_curves(path, options, 0);
   return std::ranges::any_of(kShares, [&](double share) {
     const Result<std::vector<double>> other = nodes_on_curves(path, options, share * length_m);
@@ -462,7 +462,7 @@ GmshSession::GmshSession() : lock_(only_one()) {
 }
 
 GmshSession::~GmshSession() {
-  gmsh::logger::stop();  // or the next session finds this one's errors
+  gmsh::logger::stop();  // otherwise the next session would find this session's errors
   gmsh::finalize();
 }
 

@@ -15,17 +15,17 @@ namespace ringdown::mesh {
 
 // Overlaps
 //
-// Two bodies that occupy the same space share no face, so looking at neighbours does not find them. The middle of every
-// straight element is looked up among the other straight elements. A tree of bounding boxes, which halves the elements
-// along the longest side of the box around their middles, leads to the few whose box holds the point.
+// Two bodies that occupy one space share no face, so a comparison of neighbours does not find them. The middle
+// of every straight element is therefore looked up among all others. A tree of bounding boxes, which halves the
+// elements along the longest side of the box around their middles, leads to the few elements whose box holds the point.
 namespace {
 
 constexpr int kLeafElements = 4;
-constexpr double kInside = 1e-3;  // of an element's height, so far from every face at least
+constexpr double kInside = 1e-3;  // least distance from every face, as a share of the element's height
 
 using Box = Eigen::AlignedBox3d;
 
-// By the volumes that the point makes with the four faces, without a matrix inverse: most points fail at the first.
+// Compares the volumes between the point and the four faces, without a matrix inverse: most points fail at the first.
 bool is_inside(const Corners& corners, const Eigen::Vector3d& point) {
   const Eigen::Vector3d from = corners.row(0), a = corners.row(1), b = corners.row(2), c = corners.row(3);
   const Eigen::Vector3d u = a - from, v = b - from, w = c - from, p = point - from;
@@ -37,8 +37,8 @@ bool is_inside(const Corners& corners, const Eigen::Vector3d& point) {
   return second > least && third > least && volume - first - second - third > least;
 }
 
-// Boxes in boxes: each holds half of the elements of the one above, parted across its longest side. The two halves of
-// elements [begin, end) are [begin, middle) and [middle, end), so that a range needs no numbers of children.
+// A tree of boxes. Each box holds half of its parent's elements, divided across the parent's longest side. The two
+// halves of elements [begin, end) are [begin, middle) and [middle, end), so the numbers of children need not be stored.
 class BoxTree {
  public:
   explicit BoxTree(const TetMesh& mesh) : mesh_(mesh) {
@@ -55,7 +55,7 @@ class BoxTree {
   [[nodiscard]] const std::vector<Eigen::Index>& elements() const { return order_; }
   [[nodiscard]] Eigen::Vector3d middle(Eigen::Index element) const { return middles_.col(element); }
 
-  // Any element but `own` that holds the point; -1 when there is none.
+  // Returns any element but `own` that holds the point; -1 if there is none.
   [[nodiscard]] Eigen::Index find(const Eigen::Vector3d& point, Eigen::Index own) const {
     return find(point, own, 0, 0, order_.size());
   }
@@ -124,20 +124,19 @@ Result<void> check_overlap(const TetMesh& mesh, const std::string& name) {
 
 // The whole check
 //
-// The order matters: numbers are checked before anything is looked up by them, orientation is mended before faces are
-// compared by the sense they turn in, duplicates go before they would be reported as overlaps, and curvature is mended
-// last, because it moves nodes.
+// The order matters: node numbers are checked before they are used as indices, orientation is repaired before faces are
+// compared by their orientation, duplicates are dropped before they would be reported as overlaps, and curvature is
+// repaired last, because that moves nodes.
 namespace {
 
-// The determinant of an equilateral tetrahedron of edge h is h^3 / sqrt(2): below 1e-9 h^3 there is no
-// volume.
+// The determinant of an equilateral tetrahedron of edge h is h^3 / sqrt(2); below 1e-9 h^3 an element counts as flat.
 bool is_flat(const Corners& corners, double determinant) {
   double longest = 0;
   for (const auto& [i, j] : kTetEdges) longest = std::max(longest, (corners.row(i) - corners.row(j)).norm());
   return !(std::abs(determinant) > 1e-9 * longest * longest * longest);
 }
 
-// nodes[k] of the element, exchanged with corners 1 and 2, is where node k was.
+// Returns the order of nodes that exchanges corners 1 and 2: the new node k is the old node nodes[k].
 std::vector<int> flipped_nodes(int order) {
   Barycentric points = reference_nodes(order);
   points.col(1).swap(points.col(2));

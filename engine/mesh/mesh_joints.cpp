@@ -12,8 +12,8 @@ namespace {
 
 struct Face {
   std::array<std::int32_t, 3> corners;  // ascending
-  bool turned;                          // seen from outside, the ascending order turns clockwise
-  std::int8_t number;                   // in kTetFaces
+  bool turned;                          // true: seen from outside, the ascending order turns clockwise
+  std::int8_t number;                   // position in kTetFaces
   std::int32_t element;
 };
 
@@ -27,7 +27,7 @@ Face face_of(const TetMesh& mesh, Eigen::Index element, int number) {
   return {corners, turned, static_cast<std::int8_t>(number), static_cast<std::int32_t>(element)};
 }
 
-// All faces of all elements; equal ones stand side by side, the lower element first.
+// Returns all faces of all elements; equal faces are adjacent, the lower element first.
 std::vector<Face> sorted_faces(const TetMesh& mesh) {
   std::vector<Face> faces;
   faces.reserve(4 * static_cast<std::size_t>(mesh.elements.rows()));
@@ -98,12 +98,11 @@ int count_pieces(const TetMesh& mesh) {
 
 // Checking how elements meet
 //
-// All faces are sorted by their corners, so that the faces of neighbours stand side by side. A face may stand there
-// once (it is part of the boundary) or twice with opposite turns (it is inside); anything else overlaps. Each inner
-// face joins its two elements around every one of its nodes. When all faces are done, the elements around a node form
-// one fan if every one can be reached from every other by stepping through faces at that node; two fans at one node are
-// parts that touch in a point only. An edge of the boundary borders two outer faces; four mean parts that touch along
-// that edge.
+// All faces are sorted by their corners, so that the faces of neighbours are adjacent. A face may occur once (on the
+// boundary) or twice with opposite turns (inside); anything else is an overlap. Each inner face joins its two elements
+// around each of the face's nodes. The elements around a node then form one fan if all are connected through faces at
+// that node; two fans at one node are parts that touch in a point only. An edge of the boundary has two outer faces;
+// four mean that parts touch along that edge.
 namespace {
 
 std::string position_text(const Eigen::RowVector3d& at) {
@@ -117,8 +116,8 @@ std::string position_text(const TetMesh& mesh, const Face& face) {
   return position_text((mesh.nodes.row(a) + mesh.nodes.row(b) + mesh.nodes.row(c)) / 3);
 }
 
-// The nodes of all elements, a slot for each node of each element. Slots of one node belong to one fan when a way
-// through faces around that node leads from one element to the other.
+// A slot for each node of each element. Slots of one node belong to one fan if faces around that node connect their
+// elements.
 class Fans {
  public:
   explicit Fans(const TetMesh& mesh) : mesh_(mesh), groups_(static_cast<std::size_t>(mesh.elements.size())) {
@@ -130,7 +129,7 @@ class Fans {
     }
   }
 
-  // Joins the fans around all nodes of a common face. False when the elements do not share all nodes of the face.
+  // Joins the fans around all nodes of a common face. Returns false if the elements do not share all nodes of the face.
   bool join(const Face& a, const Face& b) {
     const std::vector<Eigen::Index> first = slots(a), second = slots(b);
     for (std::size_t k = 0; k < first.size(); ++k) {
@@ -140,7 +139,7 @@ class Fans {
     return true;
   }
 
-  // A node around which there is more than one fan; -1 when there is none.
+  // Returns a node with more than one fan; -1 if there is none.
   std::int32_t parted_node() {
     std::vector<Eigen::Index> fan(mesh_.nodes.rows(), -1);
     for (Eigen::Index slot = 0; slot < mesh_.elements.size(); ++slot) {
@@ -167,7 +166,7 @@ class Fans {
   std::array<std::vector<int>, 4> on_face_;
 };
 
-// Around an edge of the boundary run as many fans of elements as it has pairs of outer faces.
+// An edge of the boundary has as many fans of elements as pairs of outer faces, so each edge must have just one pair.
 Result<void> check_edges(const TetMesh& mesh, const std::vector<Face>& outer, const std::string& name) {
   std::vector<std::array<std::int32_t, 2>> edges;
   for (const auto& [corners, turned, number, element] : outer) {
@@ -218,10 +217,10 @@ Result<void> check_joints(const TetMesh& mesh, const std::string& name) {
 
 // Keeping the sound parts
 //
-// Elements are joined by the faces that they share. Parts of too few elements go first. Where nothing small is left,
-// the groups of elements around every corner and every edge are found in the same way as above; where there is more
-// than one group, all but the largest go. Removing elements may free new small parts or hinges, so the two steps
-// alternate until nothing is removed.
+// Elements are joined by the faces that they share. First, parts of too few elements are removed. Then the groups of
+// elements connected through faces are found around every corner and every edge; if there is more than one group, all
+// but the largest are removed. Removing elements may create new small parts or hinges, so the two steps alternate until
+// nothing is removed.
 namespace {
 
 // Two elements with a face in common.
@@ -240,15 +239,15 @@ std::vector<Joint> joints_of(const TetMesh& mesh) {
   return joints;
 }
 
-// One corner or edge of one element. Slots of the same corner or edge are joined where a face leads from one element
-// to the other.
+// One corner or edge of one element. Slots of one corner or edge are joined if a face connects their elements.
 struct Slot {
-  std::array<std::int32_t, 2> what;  // a node twice, or the two of an edge, ascending
+  std::array<std::int32_t, 2> what;  // a corner's node twice, or the two nodes of an edge, ascending
   int element;
   auto key() const { return std::tie(what, element); }
 };
 
-// Marks, around every corner and every edge, the elements of all groups but the largest. Returns how many were marked.
+// Marks, around every corner and edge, the elements of all groups but the largest. Returns the number of marked
+// elements.
 int mark_hinges(const TetMesh& mesh, const std::vector<Joint>& joints, std::vector<bool>& gone) {
   std::vector<Slot> slots;
   slots.reserve(10 * mesh.elements.rows());

@@ -125,9 +125,8 @@ struct LineRule {
   Eigen::VectorXd weights;  // sum to 1
 };
 
-// Gauss rule for the weight (1-t)^power on (0, 1), by the eigenvalues of the Jacobi matrix (Golub & Welsch
-// 1969). The recurrence is that of the Jacobi polynomials with exponents (power, 0) on (-1, 1), mapped to (0,
-// 1).
+// Gauss rule for the weight (1-t)^power on (0, 1), by the eigenvalues of the Jacobi matrix (Golub & Welsch 1969). The
+// recurrence is that of the Jacobi polynomials with exponents (power, 0) on (-1, 1), mapped to (0, 1).
 LineRule gauss_jacobi(int count, int power) {
   const double a = power;
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(count, count);

@@ -7,13 +7,12 @@
 //   x(l) = sum_a N_a(l) x_a,   N_a(l) = P_n0(l0) P_n1(l1) P_n2(l2) P_n3(l3),   P_n(x) = product over k < n of
 //                                                                                       (p x - k) / (k + 1)
 //
-// where N_a interpolates: it is 1 at node a and 0 at the others (Silvester, Int. J. Eng. Sci. 7, 1969). Meshes need the
-// map to know what a curved element looks like; finite elements (engine/fem) take the N_a for their shape functions,
-// too.
+// where N_a is 1 at node a and 0 at all other nodes (Silvester, Int. J. Eng. Sci. 7, 1969). Meshes need the map for the
+// geometry of curved elements; finite elements (engine/fem) also use the N_a as shape functions.
 //
 // Order of the nodes: the four corners; for each edge of kTetEdges its inner nodes, from the first corner to the
 // second; for each face of kTetFaces its inner nodes (order 4: the one nearest to the face's first corner first); the
-// inner nodes. Up to order 2 that is VTK's and CalculiX's order. gmsh's is another one; gmsh_reader.cpp changes it.
+// inner nodes. Up to order 2 this is VTK's and CalculiX's order. gmsh's order differs; gmsh_reader.cpp converts it.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,7 +29,7 @@ inline constexpr std::array<std::array<int, 2>, 6> kTetEdges = {{{0, 1}, {1, 2},
 // The face opposite each corner, counter-clockwise from outside.
 inline constexpr std::array<std::array<int, 3>, 4> kTetFaces = {{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
-// 4, 10, 20, 35: polynomials of that degree in three variables.
+// Returns 4, 10, 20 or 35, the number of polynomials of degree `order` in three variables.
 constexpr int nodes_per_element(int order) { return (order + 1) * (order + 2) * (order + 3) / 6; }
 
 // Inner nodes of an edge, of a face, of an element.
@@ -38,7 +37,7 @@ constexpr int nodes_per_edge(int order) { return order - 1; }
 constexpr int nodes_per_face(int order) { return (order - 1) * (order - 2) / 2; }
 constexpr int nodes_inside(int order) { return (order - 1) * (order - 2) * (order - 3) / 6; }
 
-// The order whose elements have that many nodes; 0 when there is none up to kMaxOrder.
+// Returns the order whose elements have this number of nodes; 0 if there is none up to kMaxOrder.
 int order_of_nodes(Eigen::Index nodes);
 
 // In all functions below 1 <= order <= kMaxOrder, and n = nodes_per_element(order).
@@ -46,14 +45,14 @@ int order_of_nodes(Eigen::Index nodes);
 using Barycentric = Eigen::Matrix<double, Eigen::Dynamic, 4>;  // a point in each row
 using ReferenceGradient = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 using Corners = Eigen::Matrix<double, 4, 3>;
-// n x 3 [m], the nodes of one element in their order; kept without a heap.
+// n x 3 [m], the nodes of one element in their order; stored without heap allocation.
 using ElementNodes = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, nodes_per_element(kMaxOrder), 3>;
 
 // The nodes of the reference tetrahedron, n x 4.
 Barycentric reference_nodes(int order);
 
-// Which node of the element lies at each of the points; -1 where there is none. So an element whose nodes come in
-// another order, or with its corners exchanged, is put into ours.
+// Returns for each point the element's node that lies there; -1 if there is none. This converts elements whose nodes
+// are in another order, or whose corners are exchanged, to our order.
 std::vector<int> nodes_at(int order, const Barycentric& points);
 
 // n values N_a at a point. They sum to 1.
@@ -69,8 +68,8 @@ Eigen::Matrix3d jacobian(const ElementNodes& nodes, const ReferenceGradient& gra
 // The nodes of a straight element of that order.
 ElementNodes straight_nodes(int order, const Corners& corners);
 
-// True when every node is where it would be in a straight element (to 1e-9 of the longest edge): the element is then an
-// affine image of the reference one, and cheap exact integrals exist.
+// Returns true if every node is where it would be in a straight element (to 1e-9 of the longest edge). The element is
+// then an affine image of the reference element, and cheap exact integrals exist.
 bool is_straight(const ElementNodes& nodes);
 
 struct QuadraturePoint {

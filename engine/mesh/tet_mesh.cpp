@@ -48,10 +48,10 @@ int drop_unused_nodes(Points& nodes, Eigen::Ref<Indices> elements) {
 // Straightening folded elements
 //
 // The map of a curved element from the reference tetrahedron may fold over itself: where its Jacobian determinant is
-// not positive, the element is inside out there and its energy has no meaning. Each round visits every element. One
+// not positive, the element is inside out and its energy has no meaning. Each round visits every element. An element
 // that folds is pulled half of the way towards its straight form; after three such rounds it becomes straight. Pulling
-// moves nodes that neighbours share, which may bend a neighbour more, so rounds follow each other until none folds.
-// Halving keeps more of the geometry than straightening at once: of a ball of 50 elements of order 4, three fold.
+// moves nodes that neighbours share, which may bend a neighbour more, so rounds repeat until no element folds. Halving
+// keeps more of the geometry than straightening at once: of a ball of 50 elements of order 4, three fold.
 namespace {
 
 // Keeps the fraction `kept` of every node's distance from its place in the straight element.
@@ -116,9 +116,9 @@ int straighten_folded(TetMesh& mesh) {
 
 // Changing the order
 //
-// The corners keep their numbers. Every other node of the new order is found by the elements around it under one name,
-// its NodeKey: the corners it lies between, each with its barycentric share. The first element that meets a key
-// computes the node's position by its own map and gives it the next number; later elements look the number up.
+// The corners keep their numbers. Every other node of the new order has a NodeKey that is equal in all elements around
+// the node: the corners it lies between, each with its barycentric share. The first element that meets a key computes
+// the node's position by its own map and assigns the next number; later elements look the number up.
 namespace {
 
 // The corners around a node in ascending order, each with its share p l_i in the lowest three bits; unused places are
@@ -177,10 +177,10 @@ TetMesh to_order(const TetMesh& mesh, int order) {
 
 // Splitting each element into eight
 //
-// First the elements are split as if they were straight: the middles of the six edges become corners, numbered once for
-// all elements around an edge; four children sit at the parent's corners, and the octahedron that is left is cut in
-// four around its shortest diagonal, which keeps the children's angles from degenerating. The children then get the
-// nodes of the parent's order, and each node is moved to where the parent's own map takes it.
+// First the elements are split as if they were straight. The middles of the six edges become corners, numbered once for
+// all elements around an edge. Four children lie at the parent's corners, and the remaining octahedron is cut in four
+// around its shortest diagonal, which keeps the children's angles from degenerating. The children then get the nodes of
+// the parent's order, and each node moves to the place that the parent's own map gives.
 namespace {
 
 // The ten points that children have as corners: the parent's corners, and the middles of its edges.

@@ -1,10 +1,10 @@
-// A solid as tetrahedra, and the same solid in elements of another order or of half the size. [worker]
+// A solid as tetrahedra, and its conversion to elements of another order or of half the size. [worker]
 //
 // Nodes are points in metres. All elements of a mesh have the same order p, 1 to 4, and 4, 10, 20 or 35 nodes in the
 // order of tet_element.h: inside an element, position is a polynomial of degree p, so above order 1 edges and faces may
 // be curved. Corners 1, 2, 3 turn counter-clockwise when seen from outside opposite corner 0, so that
 //   det[x1-x0, x2-x0, x3-x0] > 0.
-// A mesh from a file may break every one of these rules; mesh_check.h tells whether it does.
+// A mesh from a file may break any of these rules; mesh_check.h checks them.
 #pragma once
 
 #include "engine/mesh/tet_element.h"
@@ -29,23 +29,23 @@ struct TetMesh {
 ElementNodes nodes_of(const TetMesh& mesh, Eigen::Index element);
 Corners corners_of(const TetMesh& mesh, Eigen::Index element);
 
-// Removes the nodes that `elements` do not name and renumbers the others, which keep their order. Returns how many were
-// removed. O(N + E).
+// Removes the nodes that `elements` do not name and renumbers the remaining ones, which keep their order. Returns the
+// number of removed nodes. O(N + E).
 int drop_unused_nodes(Points& nodes, Eigen::Ref<Indices> elements);
 
-// The same elements with the nodes of another order: each element's own map at the places of the new nodes, which are
-// shared by the elements around an edge or a face. Raising the order keeps the geometry exactly. Lowering it keeps the
-// corners and puts the other nodes on the old curve; what the lower order cannot follow in between is lost, and
-// elements that would fold lose curvature. Corners come first, in their old sequence. O(E).
+// Converts the elements to another order. Each element's map gives the places of its new nodes, which the elements
+// around an edge or a face share. Raising the order keeps the geometry exactly. Lowering the order keeps the corners
+// and puts all other nodes on the old curve; detail beyond the lower order is lost, and elements that would fold lose
+// curvature. Corners come first, in their old sequence. O(E).
 TetMesh to_order(const TetMesh& mesh, int order);
 
-// Every element cut into eight of the same order, which together are the same body: its corners cut off, and the
-// octahedron between them cut in four along its shortest diagonal (Bey, Computing 55, 1995). O(E).
+// Cuts every element into eight of equal order, which together are the original body: the corners are cut off, and the
+// octahedron between them is cut in four along its shortest diagonal (Bey, Computing 55, 1995). O(E).
 TetMesh split(const TetMesh& mesh);
 
-// Takes curvature from the elements that fold. A curved element folds where the determinant of its map falls below a
+// Reduces the curvature of elements that fold. A curved element folds where the determinant of its map falls below a
 // thousandth of the straight element's. Such an element loses half of its curvature, up to three times, then all of it.
-// Returns how many elements were changed. O(E) for each round; there are a few.
+// Returns the number of changed elements. O(E) for each of a few rounds.
 int straighten_folded(TetMesh& mesh);
 
 // The volume that the elements fill, curved as they are [m^3]. O(E).

@@ -72,15 +72,15 @@ bool is_degenerate(const TriangleMesh& mesh, Eigen::Index triangle) {
   return (b - a).cross(c - a).norm() <= kFlat * longest;
 }
 
-// Follows edges from each edge that is not used yet, and keeps the nodes on the way. Where the way comes to a node that
-// it has been at, everything since then is a loop: it is taken out, and the way goes on from that node. Each edge is
-// entered once, and each node leaves the way as often as it came, so all of it takes O(edges).
+// Starts from each unused edge, follows edges, and records the nodes of the path. When the path returns to one of its
+// nodes, the part since then is a loop; the loop is taken out, and the path continues from that node. Each edge is
+// entered once, and each node leaves the path as often as it entered, so the cost is O(edges).
 std::vector<std::vector<std::int32_t>> loops_of(const std::vector<EdgeUse>& edges, std::size_t* steps) {
   std::unordered_map<std::int32_t, std::vector<std::size_t>> unused;  // edges that start at a node
   const auto start = [&edges](std::size_t e) { return edges[e].forward ? edges[e].high : edges[e].low; };
   for (std::size_t e = 0; e < edges.size(); ++e) unused[start(e)].push_back(e);
   std::vector<bool> used(edges.size(), false);
-  std::unordered_map<std::int32_t, std::size_t> position;  // of a node in `way`
+  std::unordered_map<std::int32_t, std::size_t> position;  // position of each node in `way`
   std::vector<std::vector<std::int32_t>> loops;
   std::size_t visits = 0;
   for (std::size_t seed = 0; seed < edges.size(); ++seed) {

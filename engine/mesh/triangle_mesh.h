@@ -1,4 +1,4 @@
-// A surface as triangles, as files have it: perhaps with holes, turned inside out, or cutting itself; and its edges.
+// A surface as triangles, and its edges. As read from a file, the surface may have holes, be inside out, or cut itself.
 // [any thread]
 #pragma once
 
@@ -17,47 +17,47 @@ using Triangles = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor
 
 struct TriangleMesh {
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> nodes;  // V x 3 [m]
-  Triangles triangles;  // T x 3, numbers of nodes; counter-clockwise from outside where it is sound
+  Triangles triangles;  // T x 3, numbers of nodes; counter-clockwise from outside in a sound surface
 };
 
-// The diagonal of the box around all triangles [m]; 0 when there are none.
+// The diagonal of the box around all triangles [m]; 0 if there are none.
 double diagonal_of(const TriangleMesh& mesh);
 
-// Removes the nodes that no triangle names and renumbers the others, which keep their order. O(V + T).
+// Removes the nodes that no triangle names and renumbers the remaining ones, which keep their order. O(V + T).
 void drop_unused_nodes(TriangleMesh& mesh);
 
-// One side of one triangle. Sides of the same edge stand beside each other in a sorted list.
+// One side of one triangle. In a sorted list the sides of one edge are adjacent.
 struct EdgeUse {
-  std::int32_t low = 0, high = 0;  // its nodes
+  std::int32_t low = 0, high = 0;  // the nodes of the edge
   std::int32_t triangle = 0;
   bool forward = false;  // the triangle runs from low to high
 };
 
-// All sides of the triangles that `usable` names, sorted by edge, then by triangle.
+// Returns all sides of the triangles marked in `usable`, sorted by edge, then by triangle.
 std::vector<EdgeUse> edges_of(const TriangleMesh& mesh, const std::vector<bool>& usable);
 
-// Past the last use of the edge whose first use is edges[first].
+// Returns one past the last use of the edge whose first use is edges[first].
 inline std::size_t end_of_edge(const std::vector<EdgeUse>& edges, std::size_t first) {
   std::size_t last = first;
   while (last < edges.size() && edges[last].low == edges[first].low && edges[last].high == edges[first].high) ++last;
   return last;
 }
 
-// The closed loops along such edges, as their nodes. Every edge is used once, against the direction that its triangle
-// runs in. Loops that meet at a node are separated there; runs of edges that do not close are left out. `steps` is
-// raised by the number of edges and nodes visited. O(edges).
+// Returns the closed loops of `edges`, as lists of nodes. Every edge is used once, against the direction in which its
+// triangle runs. Loops that meet at a node are separated there; runs of edges that do not close are left out. Adds the
+// number of visited edges and nodes to `steps`. O(edges).
 std::vector<std::vector<std::int32_t>> loops_of(const std::vector<EdgeUse>& edges, std::size_t* steps = nullptr);
 
-// How much a closed loop of nodes spans [m^2]: the length of its vector area.
+// The area that a closed loop of nodes spans [m^2]: the length of its vector area.
 double spanned_area(const TriangleMesh& mesh, const std::vector<std::int32_t>& loop);
 
-// Lower than 1e-12 of its longest side, or a corner named twice.
+// Returns true if the triangle's height is below 1e-12 of its longest side or a corner is named twice.
 bool is_degenerate(const TriangleMesh& mesh, Eigen::Index triangle);
 
-// For each triangle, whether an earlier one that is not degenerate has the same corners.
+// Marks the triangles whose corners equal those of an earlier triangle that is not degenerate.
 std::vector<bool> duplicates_in(const TriangleMesh& mesh);
 
-// Neither degenerate nor a duplicate.
+// Marks the triangles that are neither degenerate nor duplicates.
 std::vector<bool> usable_triangles(const TriangleMesh& mesh);
 
 // The triangles at each node, ascending. O(V + T).
@@ -71,12 +71,12 @@ class TriangleFans {
   }
 
  private:
-  std::vector<std::size_t> first_;  // of each node, in triangles_, and past the last
+  std::vector<std::size_t> first_;  // beginning of each node's triangles in triangles_, and the end of the last
   std::vector<std::int32_t> triangles_;
 };
 
-// A PLY text file, which every mesh tool reads; coordinates with 9 digits, in metres. Written as
-// output_file.h says. [worker]
+// Writes a PLY text file, which every mesh tool reads; coordinates have 9 digits, in metres. Writes as described in
+// output_file.h. [worker]
 Result<void> write_ply(const TriangleMesh& surface, const std::filesystem::path& path);
 
 }  // namespace ringdown::mesh

@@ -45,8 +45,7 @@ struct Material {
   double poisson_ratio = 0;
   double density_kg_m3 = 0;
   RayleighDamping damping;
-  std::vector<LossFactor> loss_factors =
-      {};  // by ascending frequency; empty: unknown. Otherwise `damping` is their fit
+  std::vector<LossFactor> loss_factors = {};  // by ascending frequency; empty: unknown, else `damping` is their fit
   std::optional<Orthotropy> orthotropy = {};  // if a bank has it, its modes are those of this solid, not the isotropic
   [[nodiscard]] MaterialDamping damping_law() const { return {damping, loss_factors}; }
 };

@@ -103,7 +103,7 @@ std::vector<FarField::Term> terms_of(std::span<const std::complex<double>> coeff
 // before keep their units, so packing them again loses nothing.
 struct PackedMaps {
   std::vector<std::byte> bytes;
-  double largest_error = 0;  // of any mode, rms over directions relative to the mode's own
+  double largest_error = 0;  // largest error of any mode, rms over directions relative to the mode's own
 };
 inline constexpr double kPackingError = 0.01;
 inline constexpr std::size_t kMaxPackedBytesPerMode = 750;  // 150 kB for 200 modes

@@ -19,7 +19,7 @@ struct FreeBundle {
   using pointer = lo_bundle;
   void operator()(lo_bundle bundle) const { lo_bundle_free_recursive(bundle); }
 };
-// lo_message and lo_bundle are void* in liblo 0.31, and pointers of their own from 0.32 on.
+// lo_message and lo_bundle are void* in liblo 0.31, and pointers to distinct types from 0.32 on.
 using MessageHandle = std::unique_ptr<std::remove_pointer_t<lo_message>, FreeMessage>;
 using BundleHandle = std::unique_ptr<std::remove_pointer_t<lo_bundle>, FreeBundle>;
 
@@ -33,7 +33,7 @@ void add(lo_message message, const std::string& value) { lo_message_add_string(m
 void add(lo_message message, bool value) { (value ? lo_message_add_true : lo_message_add_false)(message); }
 void add(lo_message message, Tag tag) { (tag.type == 'I' ? lo_message_add_infinitum : lo_message_add_nil)(message); }
 void add(lo_message message, const Blob& value) {
-  // lo_blob_new() makes none without bytes. As in an argument, a blob is its size, then its bytes.
+  // lo_blob_new() cannot make an empty blob, so the blob is built here: its size, then its bytes, as in an argument.
   std::vector<std::uint32_t> blob(1 + (value.size() + 3) / 4);
   blob[0] = static_cast<std::uint32_t>(value.size());
   std::ranges::copy(value, reinterpret_cast<std::byte*>(blob.data() + 1));
@@ -48,7 +48,7 @@ MessageHandle to_liblo(const Message& message) {
   return handle;
 }
 
-// Takes over what liblo serialised with malloc.
+// Takes ownership of a packet that liblo allocated with malloc.
 std::vector<std::byte> take(void* serialised, std::size_t size) {
   const auto* const first = static_cast<const std::byte*>(serialised);
   std::vector<std::byte> bytes(first, first + size);

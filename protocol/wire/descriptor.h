@@ -21,7 +21,7 @@ class Descriptor {
   [[nodiscard]] int get() const { return open_; }
   [[nodiscard]] bool is_open() const { return open_ >= 0; }
 
-  // Gives the descriptor to somebody else, who closes it.
+  // Returns the descriptor and gives up ownership; the caller closes it.
   [[nodiscard]] int release() { return std::exchange(open_, -1); }
 
  private:

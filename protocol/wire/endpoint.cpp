@@ -28,7 +28,7 @@ Error bind_error(const Endpoint& endpoint, int reason, const std::string& what) 
 struct Opened {
   Descriptor socket;
   Endpoint endpoint;
-  int reason = 0;  // why there is no socket
+  int reason = 0;  // errno if there is no socket
 };
 
 Opened open(const Endpoint& endpoint, int type) {
@@ -36,7 +36,7 @@ Opened open(const Endpoint& endpoint, int type) {
   Opened opened{Descriptor(::socket(address.storage.ss_family, type | SOCK_CLOEXEC, 0)), endpoint};
   const int on = 1, socket = opened.socket.get();
   if (socket >= 0 && !endpoint.is_ipv4()) ::setsockopt(socket, IPPROTO_IPV6, IPV6_V6ONLY, &on, sizeof on);
-  // A daemon that is started again gets its TCP port back at once.
+  // A restarted daemon gets its TCP port back at once.
   if (socket >= 0 && type == SOCK_STREAM) ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (socket < 0 || ::bind(socket, address.generic(), address.size) != 0 ||
       ::getsockname(socket, address.generic(), &address.size) != 0) {
@@ -54,7 +54,7 @@ BoundSockets bound(Opened first, Opened second = {}) {
   return {std::move(first.socket), std::move(second.socket), endpoint};
 }
 
-// The address of the other version of IP that a server listens on, too.
+// Returns the address of the other version of IP on which a server also listens.
 std::optional<Address> companion_of(const Address& address) {
   if (address == kLoopback4) return kLoopback6;
   if (address == kAny4) return kAny6;

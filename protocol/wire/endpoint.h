@@ -28,17 +28,17 @@ struct Endpoint {
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 
   [[nodiscard]] bool is_ipv4() const;
-  [[nodiscard]] bool is_loopback() const;  // nobody outside of this computer can reach it
+  [[nodiscard]] bool is_loopback() const;  // true if only this computer can reach the endpoint
   [[nodiscard]] bool is_multicast() const;
 };
 
-// Looks a host name up, or reads an address; of a host with both kinds, the IPv4 address. May ask a name server.
+// Looks a host name up, or parses an address. If a host has both kinds of address, returns IPv4. May ask a name server.
 Result<Endpoint> resolve(const std::string& host, std::uint16_t port);
 
-// "127.0.0.1:7770" or "[::1]:7770"
+// Returns "127.0.0.1:7770" or "[::1]:7770".
 std::string to_text(const Endpoint& endpoint);
 
-// An endpoint in the form that system calls take.
+// An endpoint in the form for system calls.
 struct SocketAddress {
   sockaddr_storage storage{};
   socklen_t size = sizeof storage;
@@ -53,27 +53,27 @@ struct SocketAddress {
 // One or two bound sockets, one for each version of IP.
 struct BoundSockets {
   Descriptor ipv4, ipv6;
-  Endpoint endpoint;  // of the first that was opened; the other has the same port
+  Endpoint endpoint;  // endpoint of the first socket; a second socket has an equal port
 
   // The socket that reaches an endpoint.
   [[nodiscard]] int to(const Endpoint& peer) const { return (peer.is_ipv4() ? ipv4 : ipv6).get(); }
 };
 
-// Binds a socket of `type` (SOCK_DGRAM or SOCK_STREAM) to the endpoint; port 0 takes any free one. Fails with
-// ErrorKind::port_busy where the port cannot be had, or input_output; `what` begins the sentence: "OSC".
+// Binds a socket of `type` (SOCK_DGRAM or SOCK_STREAM) to the endpoint; port 0 means any free port. Fails with
+// ErrorKind::port_busy if the port is not available, or input_output; the sentence begins with `what`, such as "OSC".
 Result<BoundSockets> bind_one(const Endpoint& endpoint, int type, const std::string& what);
 
-// Binds as a server should: 127.0.0.1 brings ::1 with it, on the same port, because `localhost` may mean either;
-// 0.0.0.0 brings ::, and :: brings 0.0.0.0. A computer without IPv6 is served by IPv4 alone.
+// Binds as a server should. 127.0.0.1 also binds ::1, on an equal port, because `localhost` may mean either; 0.0.0.0
+// also binds ::, and :: also binds 0.0.0.0. On a computer without IPv6, only IPv4 is bound.
 Result<BoundSockets> bind_for_server(const Endpoint& endpoint, int type, const std::string& what);
 
 struct Accepted {
-  Descriptor socket;  // not open: nobody is there, or there is no room
+  Descriptor socket;  // not open: no connection is waiting, or no descriptor is free
   Endpoint from;
-  bool out_of_descriptors = false;  // somebody is there, and poll() will report the same connection again at once
+  bool out_of_descriptors = false;  // a connection is waiting, and poll() will report it again at once
 };
 
-// Accepts a connection without waiting for one; reading from it will not wait either.
+// Accepts a connection if one is waiting. The accepted socket is non-blocking.
 Accepted accept_one(int listener);
 
 }  // namespace ringdown::wire

@@ -1,6 +1,5 @@
-// How packets follow each other in a TCP stream. Two framings are in use, and both are spoken: SLIP (OSC 1.1), and a
-// big-endian int32 with the packet's length before each packet (OSC 1.0), which liblo and SuperCollider send by
-// default. [any thread]
+// Separates packets in a TCP stream. Two framings are supported: SLIP (OSC 1.1), and a big-endian int32 with the
+// packet's length before each packet (OSC 1.0), which liblo and SuperCollider send by default. [any thread]
 //
 //   FrameDecoder decoder(kMaxPacketBytes);
 //   if (decoder.push(byte) == FrameDecoder::Outcome::packet) handle(decoder.take());
@@ -19,20 +18,21 @@ namespace ringdown::wire {
 
 enum class Framing : std::uint8_t { slip, length };
 
-// Tells the framing by the stream's first byte: packets are so short that their length begins with a zero, and SLIP
+// Detects the framing by the stream's first byte: packets are so short that their length begins with a zero, and SLIP
 // begins with END (0xC0) or with the packet's own / or #.
 class FrameDecoder {
  public:
-  // `limit`: of a packet's bytes, less than 2^24. Longer packets are a fault, found before they are kept.
+  // `limit`: maximum number of bytes in a packet, less than 2^24. Longer packets are a fault, found before they are
+  // stored.
   explicit FrameDecoder(std::size_t limit) : limit_(limit), slip_(limit) {}
 
   using Outcome = SlipDecoder::Outcome;
-  // One byte of the stream. After `packet`, take() has it; after `fault` the stream cannot be trusted any more. Packets
-  // without bytes are left out.
+  // Takes one byte of the stream. After `packet`, take() returns the packet; after `fault` the stream is unusable.
+  // Empty packets are ignored.
   Outcome push(std::byte byte);
   std::vector<std::byte> take();
 
-  // SLIP until the first byte has come.
+  // The stream's framing; SLIP before the first byte.
   [[nodiscard]] Framing framing() const { return framing_.value_or(Framing::slip); }
 
  private:
@@ -41,11 +41,11 @@ class FrameDecoder {
   std::size_t limit_;
   std::optional<Framing> framing_;
   SlipDecoder slip_;
-  std::size_t length_ = 0, length_bytes_ = 0;  // the length so far, and how many of its four bytes have come
+  std::size_t length_ = 0, length_bytes_ = 0;  // the length so far, and how many of its four bytes have been read
   std::vector<std::byte> packet_;
 };
 
-// The packet with what goes before and after it.
+// Returns the packet with its framing.
 std::vector<std::byte> frame(std::span<const std::byte> packet, Framing framing);
 
 }  // namespace ringdown::wire

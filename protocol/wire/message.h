@@ -12,14 +12,14 @@ namespace ringdown::wire {
 
 using Blob = std::vector<std::byte>;
 
-// An argument that says nothing but its type: N (nil) and I (impulse), and also c (character), m (MIDI message), r
-// (colour) and t (time tag), whose values no request takes.
+// An argument of which only the type is kept: N (nil) and I (impulse), which have no value, and c (character), m (MIDI
+// message), r (colour) and t (time tag), whose values no request uses.
 struct Tag {
   char type = 'N';
   friend bool operator==(const Tag&, const Tag&) = default;
 };
 
-// OSC types i, h, f, d, s (also of S, a symbol), b, and a bool for T and F.
+// An argument of OSC type i, h, f, d, s (also S, a symbol) or b, or a bool for T and F.
 using Argument = std::variant<std::int32_t, std::int64_t, float, double, std::string, Blob, bool, Tag>;
 
 struct Message {
@@ -28,14 +28,14 @@ struct Message {
   friend bool operator==(const Message&, const Message&) = default;
 };
 
-// Many numbers in one blob: float32, big-endian as everything in OSC. decode_floats() ignores bytes after the last
-// whole number, and returns 0 for a number that is not finite.
+// Many numbers in one blob: float32, big-endian as all OSC numbers. decode_floats() ignores bytes after the last whole
+// number, and returns 0 for a number that is not finite.
 Blob encode_floats(std::span<const float> numbers);
 std::vector<float> decode_floats(const Blob& blob);
 
 // A message of a score (score.h).
 struct ScoreEvent {
-  double time_s = 0;  // since the start
+  double time_s = 0;  // time since the start of the score
   Message message;
 };
 

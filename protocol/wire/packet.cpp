@@ -9,11 +9,11 @@
 
 // Reading a packet
 //
-// One pass over the bytes, element by element (OSC 1.0): split() tells a bundle from a message, split_bundle() takes
-// the elements of a bundle one after the other, read_message() takes address, type tags and arguments off the front of
-// a message and must arrive exactly at its end. Every length is compared with the bytes that are left before anything
-// is taken, and bundles may nest kMaxBundle deep, so the pass reads no byte outside of the packet and its stack is
-// bounded, whatever was sent. A message in an inner bundle carries the later of all time tags around it.
+// The packet is read in one pass, element by element (OSC 1.0): split() tells a bundle from a message, split_bundle()
+// takes the elements of a bundle one after another, read_message() takes address, type tags and arguments off the front
+// of a message and must arrive exactly at its end. Every length is compared with the remaining bytes before anything is
+// taken, and bundles may nest kMaxBundle deep, so the pass reads no byte outside the packet and its stack is bounded,
+// whatever was sent. A message in an inner bundle gets the latest of all time tags around it.
 namespace ringdown::wire {
 namespace {
 
@@ -65,7 +65,7 @@ bool is_address(std::string_view text) {
   return text.size() <= kMaxAddress && text.starts_with('/') && std::ranges::all_of(text, printable);
 }
 
-// The bytes that a number of this type has; 0 for other types.
+// Returns the number of bytes in a number of this type; 0 for other types.
 std::size_t size_of(char type) {
   if (std::string_view("ifcmr").find(type) != std::string_view::npos) return 4;
   return std::string_view("hdt").find(type) != std::string_view::npos ? 8 : 0;
@@ -120,14 +120,14 @@ Result<Message> read_message(std::span<const std::byte> rest) {
                   " printable characters");
   }
   Message message{std::string(*address), {}};
-  if (rest.empty()) return message;  // an old sender, which leaves out the type tags
+  if (rest.empty()) return message;  // old senders leave out the type tags
   if (rest.front() != std::byte{','}) {
     return refuse(message.address + " has " + std::to_string(rest.size()) +
                   " bytes of arguments, but its type tags are missing: send a text like ,f before them");
   }
   const std::optional<std::string_view> types = take_string(rest);
   if (!types) return refuse(message.address + " has type tags that do not end or are not padded with zeros");
-  int open = 0;  // brackets
+  int open = 0;  // number of open brackets
   for (const char type : types->substr(1)) {
     if (type == '[' || type == ']') {
       open += type == '[' ? 1 : -1;

@@ -1,6 +1,6 @@
 // Reads OSC packets, byte by byte. [any thread but audio]
 //
-// Our own instead of liblo's: liblo 0.31 reads past the end of malformed packets, and knows neither colours nor arrays.
+// liblo's reader is not used, because liblo 0.31 reads past the end of malformed packets and lacks colours and arrays.
 #pragma once
 
 #include "engine/base/result.h"
@@ -28,13 +28,14 @@ struct TimedMessage {
   Message message;
 };
 
-// The messages of a packet in their order, bundles opened. A message without a bundle has time kImmediately; in a
-// bundle inside a bundle it has the later of the two times, as OSC 1.0 asks of senders. A packet with any fault is
-// refused whole; the sentence names the address, if it got that far, and what is wrong. Checked: the length, a multiple
-// of 4; that every string ends inside the packet and is padded with zeros; addresses of printable characters; argument
-// types of OSC 1.0 and 1.1; the limits above; that nothing is left over.
+// Returns the messages of a packet in order, including those inside bundles. A message without a bundle has time
+// kImmediately; in nested bundles a message has the latest of their times, as OSC 1.0 asks of senders. A packet with
+// any fault is refused whole; the sentence names the fault, and the address if it was read before the fault. These
+// rules are checked: the length is a multiple of 4; every string ends inside the packet and is padded with zeros;
+// addresses have printable characters; argument types are those of OSC 1.0 and 1.1; the limits above hold; no bytes are
+// left over.
 //
-// Elements of an array become arguments like any others. A message without type tags is one without arguments.
+// Elements of an array become ordinary arguments. A message without type tags has no arguments.
 Result<std::vector<TimedMessage>> decode_packet(std::span<const std::byte> packet);
 
 }  // namespace ringdown::wire

@@ -13,7 +13,7 @@
 namespace ringdown::wire {
 namespace {
 
-// Time 1, "immediately", is the start.
+// The time tag 1, "immediately", means the start.
 double to_seconds(TimeTag time) { return time == kImmediately ? 0 : static_cast<double>(time) / kTicksPerSecond; }
 TimeTag to_time_tag(double seconds) { return static_cast<TimeTag>(std::llround(seconds * kTicksPerSecond)); }
 

@@ -1,4 +1,4 @@
-// SLIP (RFC 1055), which OSC 1.1 frames packets with in a stream: END at both ends, END and ESC escaped inside.
+// SLIP (RFC 1055), the framing of packets in a stream in OSC 1.1: END at both ends, END and ESC escaped inside.
 // [any thread]
 #pragma once
 
@@ -13,12 +13,12 @@ std::vector<std::byte> slip_encode(std::span<const std::byte> packet);
 
 class SlipDecoder {
  public:
-  // Packets longer than `limit` are an error, found before they are kept.
+  // Packets longer than `limit` are a fault, found before they are stored.
   explicit SlipDecoder(std::size_t limit) : limit_(limit) {}
 
   enum class Outcome { more, packet, fault };
-  // One byte of the stream. After `packet`, take() has it; after `fault` (too long, or a wrong escape) the stream
-  // cannot be trusted any more.
+  // Takes one byte of the stream. After `packet`, take() returns the packet; after `fault` (too long, or a wrong
+  // escape) the stream is unusable.
   Outcome push(std::byte byte);
   std::vector<std::byte> take();
 

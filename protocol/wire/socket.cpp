@@ -21,7 +21,7 @@ void raise_receive_buffer(int socket) {
   ::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
 }
 
-// Since the kernel received what `header` describes; 0 where it does not say, or the clock was set meanwhile.
+// Returns the time since the kernel received the datagram; 0 if `header` has no timestamp or the clock was changed.
 double age_s(const msghdr& header) {
   const cmsghdr* const control = CMSG_FIRSTHDR(&header);
   if (!control || control->cmsg_level != SOL_SOCKET || control->cmsg_type != SCM_TIMESTAMPNS) return 0;
@@ -36,11 +36,11 @@ double age_s(const msghdr& header) {
 
 }  // namespace
 
-// Datagrams are received in batches: recvmmsg() hands over all that wait, up to kMaxBatch, in one system call, which in
-// a flood saves most of the time that receiving takes. The kernel stamps each datagram when it arrives
-// (SO_TIMESTAMPNS), so a message's time does not depend on when this thread came to read it.
+// Receives datagrams in batches: recvmmsg() returns all waiting datagrams, up to kMaxBatch, in one system call, which
+// saves most of the receiving time in a flood. The kernel stamps each datagram on arrival (SO_TIMESTAMPNS), so a
+// message's time does not depend on when this thread reads it.
 //
-// A batch reserves memory for the largest datagrams, but touches no more of it than the received ones fill.
+// A batch reserves memory for the largest datagrams, but touches only the part that received datagrams fill.
 struct OscSocket::Batch {
   static constexpr std::size_t kMaxBatch = 32, kMaxDatagramBytes = 65536;
 
@@ -53,9 +53,9 @@ struct OscSocket::Batch {
   std::array<Slot, kMaxBatch> slots{};
   std::array<mmsghdr, kMaxBatch> headers{};
   std::size_t next = 0, count = 0;
-  std::size_t from = 0;  // 0: of the IPv4 socket, 1: of the IPv6 socket
+  std::size_t from = 0;  // origin of the batch: 0 the IPv4 socket, 1 the IPv6 socket
 
-  // False when there is nothing.
+  // Returns false if no datagram is waiting.
   bool fetch(int socket) {
     for (std::size_t i = 0; i < kMaxBatch; ++i) {
       Slot& slot = slots[i];
@@ -121,7 +121,7 @@ std::size_t OscSocket::receive_buffer_bytes() const {
   int bytes = 0;
   socklen_t size = sizeof bytes;
   ::getsockopt(sockets_.to(sockets_.endpoint), SOL_SOCKET, SO_RCVBUF, &bytes, &size);
-  return static_cast<std::size_t>(bytes) / 2;  // the kernel reports twice what it uses for data
+  return static_cast<std::size_t>(bytes) / 2;  // the kernel reports twice the size that it uses for data
 }
 
 bool OscSocket::receive(Datagram& datagram, std::chrono::milliseconds timeout) {
@@ -131,9 +131,9 @@ bool OscSocket::receive(Datagram& datagram, std::chrono::milliseconds timeout) {
   return true;
 }
 
-// Fetches what waits at one of the sockets: at the one that was not served last, if both have something.
+// Fetches the waiting datagrams of one socket; if both sockets have some, of the one that was not served last.
 bool OscSocket::fetch(std::chrono::milliseconds timeout) {
-  // poll() ignores negative descriptors: those of a socket that is not there.
+  // poll() ignores negative descriptors, such as that of a missing socket.
   pollfd watched[] = {{sockets_.ipv4.get(), POLLIN, 0}, {sockets_.ipv6.get(), POLLIN, 0}, {waker_.get(), POLLIN, 0}};
   if (::poll(watched, std::size(watched), static_cast<int>(timeout.count())) <= 0) return false;
   if (watched[2].revents != 0) {

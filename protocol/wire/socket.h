@@ -1,4 +1,4 @@
-// A UDP socket for OSC. Ours instead of liblo's, which always listens on all interfaces.
+// A UDP socket for OSC. liblo's server is not used, because it always listens on all interfaces.
 //
 //   auto socket = OscSocket::serve(*resolve("127.0.0.1", 7770));
 //   Datagram datagram;                        // kept by the caller, so that its memory is used again
@@ -26,20 +26,21 @@ namespace ringdown::wire {
 struct Datagram {
   std::vector<std::byte> bytes;
   Endpoint from;
-  double age_s = 0;  // how long the kernel kept it until receive() took it, by the realtime clock; never negative
+  double age_s = 0;  // time from arrival in the kernel to receive(), by the realtime clock; never negative
 };
 
 class OscSocket {
  public:
-  // Port 0 takes any free one. The address must be this computer's; 127.0.0.1, which nobody outside can reach, unless
-  // the user asked for another. A taken port is an error whose sentence says so. Nothing shares the port.
+  // Binds a socket to an address of this computer; port 0 means any free port. Use 127.0.0.1, which only this computer
+  // can reach, unless the user asked for another address. A port in use is an error whose sentence says so. The port is
+  // not shared.
   static Result<OscSocket> bind(const Endpoint& endpoint = {});
 
-  // Binds a server's socket. Other than with bind(), 127.0.0.1 and 0.0.0.0 are served by IPv6, too (bind_for_server()
-  // in endpoint.h).
+  // Binds a server's socket. Unlike bind(), also serves IPv6 for 127.0.0.1 and 0.0.0.0 (bind_for_server() in
+  // endpoint.h).
   static Result<OscSocket> serve(const Endpoint& endpoint);
 
-  // Binds the socket of a client of `server`: to the loopback if the server is there, else to any address.
+  // Binds the socket of a client of `server`: to the loopback address if the server has one, else to any address.
   static Result<OscSocket> reach(const Endpoint& server);
 
   OscSocket(OscSocket&& other) noexcept;
@@ -49,15 +50,15 @@ class OscSocket {
   [[nodiscard]] Endpoint endpoint() const { return sockets_.endpoint; }
   [[nodiscard]] std::uint16_t port() const { return sockets_.endpoint.port; }
 
-  // Bytes that the kernel queues for us while we are busy. We ask for 4 MiB; a plain user gets at most
-  // net.core.rmem_max.
+  // The number of bytes that the kernel queues while this thread is busy. We request 4 MiB; users without privileges
+  // get at most net.core.rmem_max.
   [[nodiscard]] std::size_t receive_buffer_bytes() const;
 
-  // True when a datagram came; false after the timeout or a wake(). In a flood many are fetched from the kernel at
-  // once, and then given out one by one.
+  // Waits for a datagram; returns false after the timeout or a wake(). In a flood many datagrams are fetched from the
+  // kernel at once and then returned one by one.
   bool receive(Datagram& datagram, std::chrono::milliseconds timeout);
 
-  // Makes a receive() that waits, or the next one that asks the kernel, return false. Also from a signal handler.
+  // Makes a waiting receive(), or the next one that asks the kernel, return false. May be called in a signal handler.
   void wake() noexcept;
 
   Result<void> send_to(const Endpoint& to, std::span<const std::byte> bytes);
@@ -71,7 +72,7 @@ class OscSocket {
 
   BoundSockets sockets_;
   Descriptor waker_;              // an eventfd
-  std::unique_ptr<Batch> batch_;  // made when first something is received
+  std::unique_ptr<Batch> batch_;  // made at the first receive()
 };
 
 }  // namespace ringdown::wire

@@ -9,7 +9,7 @@
 namespace ringdown::session {
 namespace {
 
-// Changes whenever the file is written again.
+// Returns a key that changes whenever the file is written again.
 std::string key_of(const std::filesystem::path& path) {
   std::error_code error;
   const auto canonical = std::filesystem::weakly_canonical(path, error);

@@ -22,9 +22,9 @@ namespace ringdown::session {
 struct BankFile {
   std::shared_ptr<const modal::StrikeMap> map;
   std::size_t bytes = 0;  // the file's size
-  ContentHash content;    // of the whole file
+  ContentHash content;    // hash of the whole file
   std::shared_ptr<const std::vector<std::byte>>
-      alone;  // of a bank in a scene: a file with this bank alone, in place of the scene's
+      alone;  // for a bank in a scene, a file with this bank alone, used instead of the scene's file
 };
 
 // The bank in a file of these bytes (modal::parse_bank); `name` stands in sentences where the file's path would.
@@ -41,7 +41,7 @@ class BankReader {
   // modal::kMaxBankFileBytes, or without a valid bank; the error names the file.
   [[nodiscard]] Result<BankFile> read(const std::filesystem::path& path);
 
-  // Forgets the banks that nobody holds any more. Now and then, so that the list of known files stays short.
+  // Forgets the banks that nobody holds any more. Call now and then, so that the list of known files stays short.
   void forget_unused();
 
  private:
@@ -53,7 +53,7 @@ class BankReader {
   };
 
   const FileRoots& roots_;
-  std::map<std::string, Known> known_;  // by canonical path and time of the last write
+  std::map<std::string, Known> known_;  // keys consist of canonical path and time of the last write
 };
 
 }  // namespace ringdown::session

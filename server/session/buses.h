@@ -1,4 +1,4 @@
-// Which object is heard at which of the mixer's buses, and what the buses are called. A bus becomes an output port.
+// Assigns objects to the mixer's buses, and names the buses. A bus becomes an output port.
 //
 // The port mode decides an object's label: the object's own name, its group's name, or none. Objects of one label share
 // a bus, which exists as long as one of these objects does. When a bus comes or goes, the others keep their numbers.

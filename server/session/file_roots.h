@@ -30,26 +30,26 @@ inline constexpr WrittenKind kStateKind{".toml", "# What ringdownd holds"};
 
 class FileRoots {
  public:
-  // Every file may be opened: for programs whose user names each file.
+  // Allows every file, for programs whose user names each file.
   FileRoots() = default;
 
   enum class Guard {
-    kernel,  // openat2 with RESOLVE_BENEATH, which nobody can race; `path` where the kernel has none
+    kernel,  // openat2 with RESOLVE_BENEATH, which excludes races; `path` if the kernel lacks it
     path,    // the canonical path is checked, then opened without following a last link
   };
 
-  // Only files below `folders`, which must exist.
+  // Allows only files below `folders`, which must exist.
   static Result<FileRoots> only(const std::vector<std::filesystem::path>& folders, Guard guard = Guard::kernel);
 
-  // The whole file. A relative path starts in the current folder.
+  // Reads the whole file. A relative path starts in the current folder.
   [[nodiscard]] Result<std::string> read(const std::filesystem::path& path, std::size_t limit_bytes) const;
 
-  // A file that `document` names, relative to its folder. It lies in that folder or below also where every file may be
-  // opened.
+  // Reads a file that `document` names, relative to the document's folder. The file must lie in that folder or below,
+  // even if every file may be opened.
   [[nodiscard]] Result<std::string> read_beside(const std::filesystem::path& document,
                                                 const std::filesystem::path& relative, std::size_t limit_bytes) const;
 
-  // Up to `max_bytes` bytes from `offset` on, and the size of the whole file.
+  // Reads up to `max_bytes` bytes from `offset` on, and the size of the whole file.
   struct Piece {
     std::vector<std::byte> bytes;
     std::size_t total = 0;
@@ -57,7 +57,7 @@ class FileRoots {
   [[nodiscard]] Result<Piece> read_piece(const std::filesystem::path& path, std::size_t offset,
                                          std::size_t max_bytes) const;
 
-  // The folders, as they were given; none when every file may be opened.
+  // The folders, as given; none if every file may be opened.
   [[nodiscard]] std::vector<std::filesystem::path> folders() const;
 
   // Returns the path, without links, at which a file of this kind may be written: in one of the folders or below. A

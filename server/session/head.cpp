@@ -19,19 +19,18 @@
 #include <utility>
 #include <vector>
 
-// From a head to filters, downward:
+// From a head to filters, in the order of this file:
 //
-// 1. The head's responses are looked up in kDirections directions, spread evenly over the sphere, without those near
-//    which nothing was measured (below the head, as a rule). What all of them wait for before they begin is cut off
-//    (measure).
-// 2. The spherical harmonics of these directions make a system of equations: the filters of the channels, each times
-// the
-//    gain of a direction at the channel, should add up to the response of that direction. Its pseudo-inverse has one
-//    row for each channel (Fit).
-// 3. Frequency by frequency it is applied to the responses. From kPhasesTo_hz on, the phase of a response is replaced
-// by
-//    the phase that the filters themselves have in that direction at the frequency before, less what the common delay
-//    takes (filters_of).
+// 1. The head's responses are looked up in kDirections directions, spread evenly over the sphere, except directions
+// near
+//    which nothing was measured (usually below the head). The delay that all responses share is cut off (measure).
+// 2. The spherical harmonics of these directions form a system of equations: the sum of the channels' filters, each
+// times
+//    the direction's gain in that channel, should equal the direction's response. The pseudo-inverse of the system has
+//    one row for each channel (Fit).
+// 3. The pseudo-inverse is applied to the responses at each frequency. From kPhasesTo_hz on, the phase of a response is
+//    replaced by the filters' own phase in that direction at the previous frequency, minus the advance of the common
+//    delay (filters_of).
 namespace ringdown::session {
 namespace {
 
@@ -40,22 +39,22 @@ using synth::kMaxAmbisonicChannels;
 
 constexpr std::size_t kDirections = 240;
 constexpr double kPhasesTo_hz = 2000;
-constexpr double kLength_s = 0.004;     // of a filter
-constexpr double kBefore_s = 0.0004;    // of that, for what the fit puts before a response's beginning
+constexpr double kLength_s = 0.004;     // length of a filter
+constexpr double kBefore_s = 0.0004;    // part of it before a response's beginning, which the fit fills
 constexpr double kToMiddle_s = 0.0003;  // from the nearest ear to the middle of the head
 constexpr double kBegins = 0.02;        // share of the largest sample at which a response begins
 constexpr double kNear_rad = 0.25;
 constexpr std::size_t kMinDirections = kDirections / 2;
 constexpr const char* kDefaultHead = "/usr/share/libmysofa/default.sofa";
 
-// Points of a sphere along a spiral, each for the same area.
+// Returns point k of a spiral on the sphere; all points represent equal areas.
 Vec3 direction(std::size_t k) {
   const double z = 1 - (2.0 * static_cast<double>(k) + 1) / kDirections;
   const double turn = std::numbers::pi * (3 - std::sqrt(5.0)) * static_cast<double>(k), r = std::sqrt(1 - z * z);
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
-// The responses of one head, from each of some directions to each ear.
+// The responses of one head, from a set of directions to each ear.
 struct Responses {
   std::size_t length = 0;
   std::vector<Vec3> directions;
@@ -68,7 +67,7 @@ struct SofaDeleter {
 };
 using Sofa = std::unique_ptr<MYSOFA_EASY, SofaDeleter>;
 
-// Whether the head was measured near a direction.
+// Returns true if the head was measured near a direction.
 bool knows(const MYSOFA_EASY& sofa, Vec3 towards) {
   std::array<float, 3> at = {static_cast<float>(towards.x), static_cast<float>(towards.y),
                              static_cast<float>(towards.z)};
@@ -127,7 +126,7 @@ Result<Responses> measure(const std::filesystem::path& path, double sample_rate_
   return cut;
 }
 
-// Solves, for all directions k, sum over c of gains[k][c] x_c = given_k in the sense of least squares.
+// Solves sum over c of gains[k][c] x_c = given_k for all directions k by least squares.
 class Fit {
  public:
   explicit Fit(const std::vector<Vec3>& directions) {
@@ -138,7 +137,7 @@ class Fit {
         for (std::size_t b = 0; b < kMaxAmbisonicChannels; ++b) rows[a][b] += gains_[k][a] * gains_[k][b];
       }
     }
-    // The normal matrix is inverted beside a unit matrix; harmonics are nearly orthogonal, so that no pivot is needed.
+    // Gauss-Jordan inversion of the normal matrix. The harmonics are nearly orthogonal, so no pivoting is needed.
     for (std::size_t a = 0; a < kMaxAmbisonicChannels; ++a) rows[a][kMaxAmbisonicChannels + a] = 1;
     for (std::size_t a = 0; a < kMaxAmbisonicChannels; ++a) {
       const double pivot = rows[a][a];
@@ -158,7 +157,7 @@ class Fit {
     }
   }
 
-  using Spectrum = std::array<Complex, kMaxAmbisonicChannels>;  // of the channels, at one frequency
+  using Spectrum = std::array<Complex, kMaxAmbisonicChannels>;  // one value per channel, at one frequency
   [[nodiscard]] Spectrum solve(const std::vector<Complex>& given) const {
     Spectrum x{};
     for (std::size_t k = 0; k < given.size(); ++k) {
@@ -173,7 +172,7 @@ class Fit {
   }
 
  private:
-  std::vector<synth::AmbisonicGains> gains_, inverse_;  // of each direction
+  std::vector<synth::AmbisonicGains> gains_, inverse_;  // one entry per direction
 };
 
 std::shared_ptr<const synth::HeadFilters> filters_of(const Responses& responses, double sample_rate_hz) {
@@ -181,7 +180,7 @@ std::shared_ptr<const synth::HeadFilters> filters_of(const Responses& responses,
   std::size_t frame = 1;
   while (frame < 2 * length) frame *= 2;
   const std::size_t bins = frame / 2 + 1;
-  // By how much the phase of what arrives at the middle of the head falls from one frequency to the next.
+  // The decrease in phase from one frequency to the next of sound at the middle of the head.
   const double step = 2 * std::numbers::pi * (kBefore_s + kToMiddle_s) * sample_rate_hz / static_cast<double>(frame);
   const Fit fit(responses.directions);
   auto filters = std::make_shared<synth::HeadFilters>();
@@ -228,7 +227,7 @@ std::shared_ptr<const synth::HeadFilters> filters_of(const Responses& responses,
   return filters;
 }
 
-// Makes the mean over directions of what both ears get of a unit impulse 1.
+// Scales the filters so that both ears together get mean energy 1 from a unit impulse, averaged over directions.
 void normalise(synth::HeadFilters& filters) {
   double energy = 0;
   for (std::size_t k = 0; k < kDirections; ++k) {

@@ -1,4 +1,4 @@
-// Which keys of a MIDI keyboard are held: by fingers, on one channel or several, or by pedals. [audio]
+// Tracks the held keys of a MIDI keyboard: by fingers, on one channel or several, or by pedals. [audio]
 //
 //   HeldKeys keys;
 //   keys.press(60, 0);
@@ -25,8 +25,8 @@ class HeldKeys {
  public:
   using Keys = std::bitset<kNotes>;
 
-  // sustain keeps every key that is released while it is down; sostenuto keeps those that were down when it went down;
-  // damp keeps none, whatever the other two say.
+  // sustain keeps every key that is released while the pedal is down; sostenuto keeps the keys that were down when the
+  // pedal went down; damp keeps no key, even if another pedal would.
   enum class Pedal : std::uint8_t { sustain, sostenuto, damp };
   static std::optional<Pedal> pedal_of(std::uint8_t controller) RINGDOWN_REALTIME;
 
@@ -51,12 +51,12 @@ class HeldKeys {
   [[nodiscard]] std::size_t channel_of(std::size_t key) const RINGDOWN_REALTIME;
 
  private:
-  using Channels = std::uint16_t;  // a bit for each
+  using Channels = std::uint16_t;  // one bit per channel
 
-  std::array<Channels, kNotes> channels_{};  // that hold the key down
-  std::array<Channels, 3> pedals_{};         // on which the pedal is down
-  Keys kept_;                                // up, but kept by a pedal
-  Keys chosen_;                              // by sostenuto
+  std::array<Channels, kNotes> channels_{};  // channels that hold each key down
+  std::array<Channels, 3> pedals_{};         // channels on which each pedal is down
+  Keys kept_;                                // keys that are up, but kept by a pedal
+  Keys chosen_;                              // keys chosen by sostenuto
 };
 
 }  // namespace ringdown::session

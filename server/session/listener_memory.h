@@ -1,5 +1,5 @@
-// The last message about the listener, even if its frame is still to come. [any thread; keep() neither locks nor
-// allocates]
+// Remembers the last message about the listener, even if its frame is still to come. [any thread; keep() neither locks
+// nor allocates]
 #pragma once
 
 #include "engine/base/rotation.h"
@@ -21,8 +21,8 @@ class ListenerMemory {
     double temperature_c = 20, humidity_percent = 50;
   };
 
-  // Takes notice of an event of the listener; others are nothing to it. Of two threads that say where the listener is
-  // at the same moment, each number is from one of them.
+  // Stores an event of the listener; ignores all other events. If two threads call at one moment, each number comes
+  // from one of the two events.
   void keep(const synth::Event& event) {
     if (!synth::is_of_listener(event)) return;
     if (event.verb.holds<synth::verb::ListenerOff>() && !known_) return;
@@ -40,7 +40,7 @@ class ListenerMemory {
     ended_.fetch_add(1);
   }
 
-  // Nothing when there has never been a listener. Waits for those who are just writing.
+  // Returns nothing if there has never been a listener. Waits for threads that are just writing.
   [[nodiscard]] std::optional<Listener> last() const {
     std::array<double, kAir + 2> n{};
     bool on = false;
@@ -55,7 +55,7 @@ class ListenerMemory {
     return Listener{on, pose, n[kAir], n[kAir + 1]};
   }
 
-  // Whether there is a listener now.
+  // Returns true if there is a listener now.
   [[nodiscard]] bool on() const { return on_; }
 
  private:

@@ -1,4 +1,4 @@
-// The MIDI messages that are played, by their bytes. [any]
+// The bytes of the MIDI messages that are played. [any]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -18,7 +18,7 @@ inline constexpr std::size_t kChannels = 16;
 inline constexpr std::uint8_t kExpression = 11, kSustainPedal = 64, kSostenutoPedal = 66, kSoftPedal = 67,
                               kBrightness = 74, kAllSoundOff = 120, kResetControllers = 121, kAllNotesOff = 123;
 
-// All notes off, and the four changes of mode behind it (omni off and on, mono, poly), which end notes as it does.
+// Returns true for all notes off and for the four changes of mode (omni off and on, mono, poly), which also end notes.
 constexpr bool ends_notes(std::uint8_t controller) RINGDOWN_REALTIME { return controller >= kAllNotesOff; }
 
 }  // namespace ringdown::session::midi

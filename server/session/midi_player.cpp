@@ -11,7 +11,7 @@ namespace {
 using synth::Event;
 
 constexpr double kMaxContact_s = 0.1;
-constexpr float kFirstPressure = 0.5F;  // of a bow, before any message
+constexpr float kFirstPressure = 0.5F;  // pressure of a bow before any message
 
 float share_of(std::uint8_t value) RINGDOWN_REALTIME { return static_cast<float>(value) / 127.0F; }
 

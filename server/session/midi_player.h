@@ -1,13 +1,13 @@
-// MIDI to events: notes strike, released notes and the damp pedal put a hand on what rings. [audio]
+// Converts MIDI to events: notes strike objects; released notes and the damp pedal damp them. [audio]
 //
 // A note's velocity v, 1 to 127, gives the share (v / 127)^2 of its full impulse J, so that the lowest is 84 dB below
 // the highest; the blow lasts (J_full / J)^(1/5) times as long as at full velocity, by Hertz's law of contact: soft
 // blows are duller.
 //
 // A bowed note draws its bow while its key is down: at v / 127 of its full speed, and at kFirstPressure of its full
-// force until the key's or the channel's pressure says otherwise. Controllers 74 and 11 set the speed of what is bowed
-// on their channel, so that an MPE keyboard, with a channel for each note, bows each by itself. Reset all controllers
-// (RP-015 of the MIDI Association) lifts its channel's pedals and gives its bows their first speed and force.
+// force until the key's or the channel's pressure changes the force. Controllers 74 and 11 set the speed of all bows on
+// their channel, so an MPE keyboard, with a channel for each note, controls each bow separately. Reset all controllers
+// (RP-015 of the MIDI Association) lifts its channel's pedals and returns its bows to their first speed and force.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -58,7 +58,7 @@ class MidiPlayer {
   HeldKeys keys_;
   struct Bow {
     std::uint8_t channel = 0;
-    float first_speed = 0;       // when the key went down
+    float first_speed = 0;       // speed when the key went down
     float speed = 0, force = 0;  // shares of the full ones
     bool drawn = false;
   };

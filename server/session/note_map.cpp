@@ -12,7 +12,7 @@ constexpr std::size_t kLeadingModes = 8;
 
 Vec3 as_vector(const modal::Vec3f& v) { return {v[0], v[1], v[2]}; }
 
-// How much the leading modes move at a sample point.
+// Returns the motion of the leading modes at a sample point.
 double motion_at(const modal::Bank& bank, std::size_t point) {
   double sum = 0;
   for (std::size_t mode = 0; mode < std::min(bank.mode_count(), kLeadingModes); ++mode) {

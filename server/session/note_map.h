@@ -1,4 +1,4 @@
-// Which note of a MIDI keyboard strikes which object, where, and how hard (docs/use/midi.md).
+// Maps notes of a MIDI keyboard to strikes: which object, where, and how hard (docs/use/midi.md).
 #pragma once
 
 #include "engine/base/vec3.h"
@@ -15,16 +15,16 @@
 
 namespace ringdown::session {
 
-inline constexpr std::size_t kFirstDefaultNote = 60;  // middle C strikes the first object when nothing else is said
+inline constexpr std::size_t kFirstDefaultNote = 60;  // without a map, middle C strikes the first object
 
-// The map with every value chosen: what the audio thread reads.
+// The map with every value chosen, which the audio thread reads.
 struct NoteTable {
   struct Strike {
     synth::ObjectNumber object = 0;
     Vec3 point_m;
     Vec3 impulse_ns;            // at full velocity
     double contact_time_s = 0;  // at full velocity
-    struct Bow {                // in place of a blow
+    struct Bow {                // a bow instead of a blow
       Vec3 direction;           // of length 1
       double speed_m_s = 0;     // at full velocity
       double force_n = 0;       // at full pressure
@@ -36,17 +36,18 @@ struct NoteTable {
   double damp_s = 0.15;
 };
 
-// How an object is struck when the map does not say: at the point where its eight most important modes move most, in
-// the direction in which the first of these modes moves there, with an impulse of kDefaultVelocity_m_s times its mass.
+// Returns the default strike of an object: at the point where its eight most important modes move most, in the
+// direction in which the first of these modes moves there, with an impulse of kDefaultVelocity_m_s times the object's
+// mass.
 NoteTable::Strike best_strike(const ObjectState& object);
 inline constexpr double kDefaultVelocity_m_s = 0.1;
 inline constexpr double kDefaultBow_m_s = 0.4, kDefaultBow_n = 2;
 
-// Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note the next object, and so
-// on. Values that the map does not name are those of best_strike().
+// Makes the note table. Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note
+// the next object, and so on. Values that the map does not name are those of best_strike().
 NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects);
 
-// The note table for the objects that a rack holds now. It is made anew when they have changed.
+// Keeps the note table for a rack's present objects, and makes it anew after they have changed.
 class Notes {
  public:
   Notes(const Rack& rack, std::optional<NoteMap> map) : rack_(rack), map_(std::move(map)) {}

@@ -1,5 +1,5 @@
-// The file that says which note of a MIDI keyboard strikes which object (docs/use/midi.md), as it stands. note_map.h
-// makes what is played of it.
+// Reads the file that maps notes of a MIDI keyboard to objects (docs/use/midi.md). note_map.h makes the played table
+// from it.
 #pragma once
 
 #include "engine/base/result.h"
@@ -15,7 +15,7 @@ namespace ringdown::session {
 
 inline constexpr std::size_t kNotes = 128;
 
-// A map as it stands in its file. Values that the file leaves out are chosen from the object's bank.
+// A map as written in its file. Values that the file leaves out are chosen from the object's bank.
 struct NoteMap {
   struct Entry {
     std::size_t note = 0;
@@ -31,7 +31,7 @@ struct NoteMap {
   std::vector<Entry> notes;
   std::optional<double> release_s;  // a released note is damped within this time; nullopt: it rings on
   double damp_s = 0.15;             // the damp pedal damps within this time
-  std::string banks;                // the folder with NAME.glb for each object, for who has no scene; "": the map's own
+  std::string banks;                // folder with NAME.glb for each object, used without a scene; "": the map's own
 };
 
 // Reads a map. Values out of range and two entries for one note are refused, with the line. [worker]

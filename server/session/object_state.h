@@ -27,15 +27,15 @@ struct ObjectState {
   std::size_t bank_bytes = 0;  // the file's size
   ContentHash bank_content;    // the file's hash
   std::shared_ptr<const std::vector<std::byte>>
-      bank_alone;                 // of a scene's bank: the file with it alone that they are of
+      bank_alone;                 // for a scene's bank, the file with this bank alone, which size and hash describe
   std::int32_t bank_version = 0;  // grows when the object gets a new bank
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
-  modal::Dampers dampers;  // what touches the object
+  modal::Dampers dampers;  // dampers that touch the object
   modal::ModeRange modes;  // the modes of the bank that ring
   std::string group;       // empty: the object is in no group
   double gain = 1;         // the value that was set last, even if its frame is still to come
-  double pan = 0;          // set as the gain is: -1 left ... +1 right
+  double pan = 0;          // -1 left ... +1 right; the value that was set last, as for gain
   bool mute = false;       // silent, whatever is soloed
   bool solo = false;       // while any object is soloed, only soloed ones are heard
 };
@@ -43,10 +43,10 @@ struct ObjectState {
 // An object at one moment. It stays valid for whoever holds it, and so does its bank, whatever is loaded later.
 using ObjectSnapshot = std::shared_ptr<const ObjectState>;
 
-// Refuses a point [m, object frame] that is farther from the object's bounding box than the box measures: such a point
-// is in millimetres, or in another object's coordinates. Requests for whatever acts at a point of an object are checked
-// by it. The object has the size that its material gives it. An object of one point may be touched from everywhere.
-// Allocates nothing while it succeeds. [any]
+// Refuses a point [m, object frame] whose distance from the object's bounding box exceeds the size of the box: such a
+// point is probably in millimetres, or in another object's coordinates. Every request that acts at a point of an object
+// is checked. The box has the size that the object's material gives. An object of one point may be touched from
+// anywhere. Does not allocate on success. [any]
 Result<void> check_point(Vec3 point_m, const ObjectState& object);
 
 }  // namespace ringdown::session

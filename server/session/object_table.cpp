@@ -33,7 +33,7 @@ ObjectSnapshot ObjectTable::find(const std::string& name) const {
   const Index& index = **index_.load();
   const auto found = index.numbers.find(name);
   if (found == index.numbers.end()) return nullptr;
-  // Since the index was loaded the object may have been removed, and its number given to another.
+  // Since the index was loaded, the object may have been removed, and its number given to another object.
   const Node<ObjectState>* const node = slots_[found->second].load();
   return node && (*node)->name == name ? *node : nullptr;
 }
@@ -45,7 +45,7 @@ std::shared_ptr<const ObjectTable::Names> ObjectTable::names() const {
 
 std::vector<ObjectSnapshot> ObjectTable::all() const {
   std::vector<ObjectSnapshot> objects;
-  const auto held = names();  // another thread may replace the table's own meanwhile
+  const auto held = names();  // keeps the names alive if another thread replaces them meanwhile
   for (const std::string& name : *held) {
     if (ObjectSnapshot object = find(name)) objects.push_back(std::move(object));
   }

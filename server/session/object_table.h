@@ -9,9 +9,9 @@
 //   readers_ -= 1                              later, in collect(): if readers_ == 0, free what is retired
 //
 // These operations have one total order (sequential consistency). A reader that collect() does not count has either
-// left or not yet entered; one that enters later loads the pointers later, too, and finds successors only. So nothing
-// is freed that a reader still looks at. Readers never wait; collect() does not either, but leaves for its next run
-// what it finds in use. It also leaves snapshots that somebody still holds, so that no reader ever frees a bank.
+// left or not yet entered; a reader that enters later also loads the pointers later and finds successors only. So no
+// snapshot is freed while a reader looks at it. Neither readers nor collect() ever wait: snapshots in use are left for
+// the next collect(). Snapshots that somebody still holds are left, too, so that no reader ever frees a bank.
 #pragma once
 
 #include "engine/synth/mixer.h"
@@ -32,12 +32,12 @@ namespace ringdown::session {
 class ObjectTable {
  public:
   ObjectTable() = default;
-  ~ObjectTable();  // nobody may be reading
+  ~ObjectTable();  // no thread may be reading
   ObjectTable(const ObjectTable&) = delete;
   ObjectTable& operator=(const ObjectTable&) = delete;
 
-  // The object as it is now, or null if there is none. Neither locks nor allocates; takes as long with one object as
-  // with kMaxObjects. [any but audio]
+  // Returns the object as it is now, or null if there is none. Neither locks nor allocates; the time does not depend on
+  // the number of objects. [any but audio]
   [[nodiscard]] ObjectSnapshot find(synth::ObjectNumber number) const;
   [[nodiscard]] ObjectSnapshot find(const std::string& name) const;
 
@@ -49,8 +49,8 @@ class ObjectTable {
   // Adds an object whose number and name are free. Writers wait for each other. [any but audio]
   ObjectSnapshot add(ObjectState object);
 
-  // Replaces an object by what `edit` makes of it, which may be anything but another name or number. Both are null when
-  // there is no object of that number. [any but audio]
+  // Replaces an object by the result of `edit`, which must not change name or number. Returns both snapshots, or nulls
+  // if there is no object of that number. [any but audio]
   struct Replaced {
     ObjectSnapshot before, after;
   };
@@ -70,7 +70,7 @@ class ObjectTable {
   // Counts a reader as long as it lives.
   class Reading;
   template <class T>
-  using Node = std::shared_ptr<const T>;  // what an atomic pointer points to
+  using Node = std::shared_ptr<const T>;  // the target of an atomic pointer
 
   void publish(synth::ObjectNumber number, ObjectSnapshot next);
   void publish(std::shared_ptr<const Index> next);
@@ -80,7 +80,7 @@ class ObjectTable {
   std::array<std::atomic<const Node<ObjectState>*>, synth::kMaxObjects> slots_{};
   std::atomic<const Node<Index>*> index_ = new Node<Index>(std::make_shared<const Index>());
 
-  std::mutex writing_;  // guards the rest, and stores to the pointers
+  std::mutex writing_;  // guards the members below, and stores to the pointers
   std::vector<std::unique_ptr<const Node<ObjectState>>> retired_;
   std::vector<std::unique_ptr<const Node<Index>>> retired_indexes_;
 };

@@ -1,7 +1,8 @@
-// Reports what happens in a rack: to subscribers (server/notifier.h), to a recording (recorder.h), to the audio driver.
+// Reports events and changes in a rack to observers: subscribers (server/notifier.h), a recording (recorder.h), the
+// audio driver.
 //
-// Changes of objects are reported by the worker as they are made. Events are reported later: each producer's thread
-// puts those that the mixer has taken into a ring, and report_events() empties the rings. So a strike waits for no
+// The worker reports changes of objects as it makes them. Events are reported later: each producer's thread puts the
+// events that the mixer has taken into a ring, and report_events() empties the rings. So no strike waits for an
 // observer.
 #pragma once
 
@@ -25,36 +26,37 @@ class Observer {
  public:
   virtual ~Observer() = default;
 
-  // The mixer's queue has taken the event. Called from Observers::report_events(), so a moment later and by one thread
-  // at a time: each producer's events in their order. [any but audio]
+  // Called after the mixer's queue has taken the event, by Observers::report_events(), so a moment later and by one
+  // thread at a time. Each producer's events come in order. [any but audio]
   virtual void played(const synth::Event& event) = 0;
 
-  // An object has come, when `before` is null, or gone, when `after` is, or changed: from frame `at` on, if that is
-  // still to come. Gains and pans are not reported here, because they are events. [worker]
+  // Called after an object was added (`before` is null), removed (`after` is null) or changed. The change holds from
+  // frame `at` on, if that is still to come. Gains and pans are not reported here, because they are events. [worker]
   virtual void changed(const ObjectState* before, const ObjectState* after, synth::Frame at) = 0;
 };
 
 class Observers {
  public:
-  // Reports to `observer` from now on, until remove(). While no other thread uses the rack. [main]
+  // Reports to `observer` until remove(). Call while no other thread uses the rack. [main]
   void add(Observer& observer) { observers_.push_back(&observer); }
   void remove(Observer& observer) { std::erase(observers_, &observer); }
 
-  // Called whenever an object, a bus or an input has come, gone or changed. [main, before anything is loaded]
+  // Sets a function that is called after every change of an object, a bus or an input. [main, before anything is
+  // loaded]
   void set_on_change(std::function<void()> on_change) { on_change_ = std::move(on_change); }
 
   // Grows with every change of an object, a bus or an input. [any]
   [[nodiscard]] std::uint64_t version() const { return version_; }
 
-  // Keeps an event that the mixer has taken for report_events(). Locks nothing, unless synth::kQueueCapacity events of
-  // this producer wait already: then they are reported first. [the producer's thread]
+  // Stores an event that the mixer has taken, for report_events(). Locks nothing, unless synth::kQueueCapacity events
+  // of this producer are already waiting; those are then reported first. [the producer's thread]
   void keep(synth::Producer producer, const synth::Event& event);
 
   // The ring for events that the audio thread has pushed to the mixer itself. Events that find the ring full are heard
   // but not reported.
   [[nodiscard]] SpscRing<synth::Event>& notes_played() { return played_by(synth::Producer::midi); }
 
-  // Reports the events that were kept since the last call. Several times a second. [any but audio]
+  // Reports the events that were stored since the last call. Call several times a second. [any but audio]
   void report_events();
 
   // Reports a change of an object to the observers, and that something has changed. [worker]

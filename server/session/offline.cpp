@@ -17,14 +17,14 @@ using synth::Frame;
 
 tl::unexpected<Error> cancelled() { return fail(ErrorKind::cancelled, "cancelled; nothing was written"); }
 
-// A part of the sound. The mix and the ambisonic channels begin and end at different blocks, because only the mix
-// passes the limiter, which delays it.
+// A part of the sound. The mix and the ambisonic channels begin and end at different blocks, because the limiter delays
+// only the mix.
 struct Piece {
   std::span<const float> left, right;
   std::vector<std::span<const float>> ambisonics;  // all of one length
 };
 
-// Returns the channels that are written: the ambisonic ones where there are some, else left and right.
+// Returns the channels to write: the ambisonic ones if there are any, else left and right.
 std::vector<std::span<const float>> written_channels(const Piece& piece) {
   return piece.ambisonics.empty() ? std::vector{piece.left, piece.right} : piece.ambisonics;
 }
@@ -37,10 +37,10 @@ float peak_of(const Piece& piece) {
   return peak;
 }
 
-// A sound file that takes pieces.
+// A sound file that is written in pieces.
 class PieceFile {
  public:
-  // `frames` in all; the number of channels is that of a piece.
+  // `frames` is the length of the whole file; the number of channels is that of a piece.
   static Result<PieceFile> create(const std::filesystem::path& path, double sample_rate_hz, const Piece& first,
                                   std::size_t frames) {
     const auto target = output_target(path);
@@ -117,7 +117,7 @@ class Run {
     return {};
   }
 
-  // The length of the sound, and its channels without samples. Known when the run is prepared.
+  // The length of the sound, and its channels without samples. Valid once the run is prepared.
   [[nodiscard]] std::size_t frames() const { return static_cast<std::size_t>(frames_); }
   [[nodiscard]] Piece silence() const { return {{}, {}, std::vector<std::span<const float>>(ambisonics_.size())}; }
 
@@ -189,7 +189,7 @@ class Run {
     if (!done) warn(event, done.error().message);
   }
 
-  // At most a block, which is handed on.
+  // Renders at most one block and hands it on.
   void render_frames(Frame end) {
     advance_scene(end);
     const Frame begin = std::exchange(now_, end);
@@ -207,7 +207,7 @@ class Run {
     if (taken_) taken_ = take_(piece);
   }
 
-  // In short pieces, because a long block may have more events than the mixer's ring takes.
+  // Advances in short pieces, because a long block may have more events than the mixer's ring holds.
   void advance_scene(Frame end) {
     constexpr Frame kPiece = 256;
     for (Frame at = now_; at < end;) {
@@ -237,11 +237,11 @@ class Run {
   Session session_;
   std::vector<wire::ScoreEvent> score_;
   std::size_t next_ = 0, pushed_ = 0;
-  Frame now_ = 0, frames_ = 0;       // rendered so far; of the sound, without the limiter's delay
-  std::vector<float> left_, right_;  // a block
+  Frame now_ = 0, frames_ = 0;       // frames rendered so far; length of the sound without the limiter's delay
+  std::vector<float> left_, right_;  // one block
   std::vector<std::vector<float>> ambisonics_;
   Take take_;
-  Result<void> taken_;  // what take_ returned
+  Result<void> taken_;  // the result of take_
 };
 
 void append(std::vector<float>& samples, std::span<const float> more) {

@@ -1,4 +1,4 @@
-// Rendering without a clock: the same session, mixer and scene as the daemon's, driven as fast as the machine can.
+// Renders without a clock: runs the daemon's session, mixer and scene as fast as the machine can.
 //
 // `ringdown render` and `ringdownd --driver wav` use it, and tests compare live sound with it. Two renderings are
 // bit-identical; at another block size the samples differ only by rounding.
@@ -35,12 +35,12 @@ inline constexpr double kMaxRender_s = 24 * 3600;
 struct Recording {
   double sample_rate_hz = 0;
   std::vector<float> left, right;
-  std::vector<std::vector<float>> ambisonics;  // a row for each channel, if the mixer has ambisonic ones
+  std::vector<std::vector<float>> ambisonics;  // one row per ambisonic channel; none if the mixer has none
   float peak = 0;                              // largest |sample| of what write_audio() writes
-  std::vector<std::string> warnings;           // of the scene, and requests that were refused and when
+  std::vector<std::string> warnings;           // warnings of the scene, and refused requests with their times
 };
 
-// Called now and then with the share that is done, 0 to 1. If it returns false, rendering is cancelled.
+// Called now and then with the finished share, 0 to 1. If the function returns false, rendering is cancelled.
 using Progress = std::function<bool(double done)>;
 
 // Renders into memory.
@@ -53,12 +53,12 @@ struct Rendering {
   std::vector<std::string> warnings;
 };
 
-// Renders into a file as write_audio() writes it, sample for sample, but keeps no more than a second of it in memory.
+// Renders into a file equal, sample for sample, to that of write_audio(), but keeps at most a second in memory.
 Result<Rendering> render_to_file(const OfflineOptions& options, const std::filesystem::path& path,
                                  const Progress& progress);
 
-// Writes where the user says (engine/base/output_file.h): 32-bit float WAV, or 24-bit FLAC when the name ends in .flac.
-// The ambisonic channels are written where there are some, else left and right. The file appears when it is complete.
+// Writes to the user's path (engine/base/output_file.h): 32-bit float WAV, or 24-bit FLAC if the name ends in .flac.
+// Writes the ambisonic channels if there are any, else left and right. The file appears when it is complete.
 Result<void> write_audio(
     const Recording& recording, const std::filesystem::path& path,
     const Progress& progress = [](double) { return true; });

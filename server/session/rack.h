@@ -36,7 +36,7 @@
 
 namespace ringdown::session {
 
-// An event may lie this far ahead: a sender whose clock is wrong is told so.
+// The farthest an event may lie ahead, so that senders with a wrong clock get an error.
 inline constexpr double kMaxAhead_s = 3600;
 [[nodiscard]] inline bool is_too_far_ahead(const synth::Mixer& mixer, synth::Frame frame) {  // [any]
   const synth::Frame now = mixer.counters().frames.load(std::memory_order_relaxed);
@@ -51,7 +51,7 @@ class Rack {
   [[nodiscard]] synth::Mixer& mixer() { return mixer_; }
   [[nodiscard]] const synth::Mixer& mixer() const { return mixer_; }
 
-  // Everyone who is told what happens in the rack.
+  // The observers of events and changes in the rack.
   [[nodiscard]] Observers& observers() { return observers_; }
   [[nodiscard]] const Observers& observers() const { return observers_; }
 
@@ -64,41 +64,41 @@ class Rack {
     if (on_warning_) on_warning_(sentence);
   }
 
-  // Hands an event to the mixer; false: the mixer's queue is full and nothing happened. A gain or pan becomes the
-  // object's, and a listener is remembered; other events lock nothing, unless Observers::keep() does. [the producer's
-  // thread]
+  // Hands an event to the mixer. Returns false, and does nothing, if the mixer's queue is full. A gain or pan is stored
+  // in the object, and a listener is remembered; all other events lock nothing, unless Observers::keep() does. [the
+  // producer's thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
 
   // Where somebody listens from, and whether. [any but audio]
   [[nodiscard]] const ListenerMemory& listener() const { return listener_; }
 
-  // The object as it is now. Neither locks nor allocates, unless there is none. [any but audio]
+  // Returns the object as it is now. Neither locks nor allocates, unless there is none. [any but audio]
   [[nodiscard]] Result<ObjectSnapshot> find(const protocol::ObjectRef& object) const;
 
   // All objects, and all names, in the order of the names. [any but audio]
   [[nodiscard]] std::vector<ObjectSnapshot> objects() const { return objects_.all(); }
   [[nodiscard]] std::shared_ptr<const ObjectTable::Names> names() const { return objects_.names(); }
 
-  // Reads a bank and gives it to the object of that name, which is made if there is none; a bank that the object had
-  // before rings out. Returns the object's number. On failure nothing has changed. [worker]
+  // Reads a bank and gives it to the object of that name, which is created if there is none; the object's previous bank
+  // rings out. Returns the object's number. On failure nothing changes. [worker]
   Result<synth::ObjectNumber> load(const std::string& name, const std::filesystem::path& bank);
-  // The same with a bank that was read already, from `path`.
+  // Gives the object of that name a bank that was already read from `path`; otherwise like load().
   Result<synth::ObjectNumber> add(const std::string& name, const std::filesystem::path& path, BankFile bank);
 
-  // Change the material or the dampers: what rings is retuned, and later strikes ring retuned. A damper in `dampers` is
-  // added, or replaces the object's damper of that number, or removes that damper if its own damping is 0; the object's
-  // other dampers stay. The retuning happens at frame `at`, or at once if that has passed. [worker]
+  // Change the material or the dampers, which retunes ringing modes and later strikes. Each damper in `dampers` is
+  // added, or replaces the object's damper of that number, or removes that damper if its damping is 0; all other
+  // dampers of the object stay. The retuning happens at frame `at`, or at once if that has passed. [worker]
   Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
   Result<void> set_dampers(const protocol::ObjectRef& object, const modal::Dampers& dampers, synth::Frame at = 0);
 
-  // Restricts the object to a range of its modes. Modes outside of the range fade within some milliseconds. When the
-  // object gets a new bank, it has all modes of it. [worker]
+  // Restricts the object to a range of its modes. Modes outside the range fade within a few milliseconds. A new bank
+  // removes the restriction. [worker]
   Result<void> select_modes(const protocol::ObjectRef& object, modal::ModeRange modes);
 
   // Puts the object into a group; an empty name takes the object out of its group. [worker]
   Result<void> set_group(const protocol::ObjectRef& object, const std::string& group);
 
-  // Sets ObjectState::mute or ObjectState::solo (silences.h). What is silenced goes on ringing unheard, and fades in
+  // Sets ObjectState::mute or ObjectState::solo (silences.h). A silenced object goes on ringing unheard, and fades in
   // and out without a click. [worker]
   Result<void> set_heard(const protocol::ObjectRef& object, bool ObjectState::*flag, bool on);
 
@@ -107,7 +107,7 @@ class Rack {
   // the object is refused (check_point()). [worker]
   Result<void> excite(std::size_t input, const protocol::ObjectRef& object, const Vec3& point_m, const Vec3& force_n);
 
-  // The inputs that have ever excited an object, and so have a port that stays; bit 0 is the first input. [any]
+  // The inputs that have ever excited an object; their ports stay. Bit 0 is the first input. [any]
   [[nodiscard]] std::uint32_t inputs() const { return inputs_; }
 
   // The object and point that each input excites. [worker]
@@ -118,7 +118,7 @@ class Rack {
   using Excitations = std::array<std::optional<Excitation>, synth::kMaxInputs>;
   [[nodiscard]] const Excitations& excitations() const { return excitations_; }
 
-  // The ports at which objects are heard beside the mix.
+  // The buses, which make objects audible at their own ports beside the mix.
   [[nodiscard]] Buses& buses() { return buses_; }
 
   // Fades the object out. Its name may be used again at once, its number when the object is silent. [worker]
@@ -127,14 +127,14 @@ class Rack {
   // Retunes everything to another sample rate. [any thread, while nothing is rendered]
   void change_sample_rate(double sample_rate_hz);
 
-  // Reports events, and frees what is no longer needed: voices, snapshots, banks, and the numbers and buses of freed
-  // objects that have fallen silent. Several times a second. [worker]
+  // Reports events, and frees unused voices, snapshots and banks, and the numbers and buses of freed objects that have
+  // fallen silent. Call several times a second. [worker]
   void collect();
 
  private:
   using Edit = std::function<void(ObjectState&)>;
-  // Replaces an object's snapshot and reports that to the observers; retune() gives it a voice of the same bank first.
-  // [worker]
+  // change() replaces an object's snapshot and reports that to the observers; retune() first gives the object a new
+  // voice of its bank. [worker]
   void change(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
   [[nodiscard]] Result<void> retune(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
   [[nodiscard]] Result<void> assign(const ObjectState& object);

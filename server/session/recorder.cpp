@@ -12,8 +12,8 @@ using synth::Event;
 using synth::Frame;
 using wire::Message;
 
-// The requests that take an object from one state to another. An object that did not exist, or has another bank, is
-// loaded first; a load keeps nothing but the object's group, gain, pan, mute and solo.
+// Returns the requests that take an object from one state to another. An object that did not exist, or has another
+// bank, is loaded first; a load keeps only the object's group, gain, pan, mute and solo.
 std::vector<protocol::Request> requests_between(const ObjectState* before, const ObjectState& after) {
   std::vector<protocol::Request> requests;
   const protocol::ObjectRef ref{.name = after.name};

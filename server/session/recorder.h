@@ -1,10 +1,10 @@
-// Records what is played as an OSC score (protocol/wire/score.h), which `ringdown render --events` plays again.
+// Records a performance as an OSC score (protocol/wire/score.h), which `ringdown render --events` plays again.
 //
-// The score's first messages load the objects that there are at the start, with their materials, choices of modes,
-// gains and pans. Then follow every event that the mixer has taken, from OSC, from the scene and from notes, at the
-// event's own frame, and every change of an object, at the block after which it happened. So the replay of strikes,
-// gains, pans and clears is bit-identical at the same sample rate and block size, from silence on. What rang before the
-// start is not recorded, and an event that came late is replayed at the time it was meant for.
+// The score's first messages load the objects present at the start, with their materials, ranges of modes, gains and
+// pans. Then follow every event that the mixer has taken, from OSC, from the scene and from notes, at the event's own
+// frame, and every change of an object, at the block after which it happened. So the replay of strikes, gains, pans and
+// clears is bit-identical, from silence on, if sample rate and block size are equal. Sound that rang before the start
+// is not recorded, and an event that came late is replayed at its intended time.
 #pragma once
 
 #include "engine/base/one_of.h"
@@ -34,12 +34,12 @@ class Recorder final : public Observer {
   // Observes `rack`, which must be empty and outlive it.
   Recorder(Rack& rack, Write write);
 
-  // Starts to record into `path`, which is written by stop(). Refused while something is recorded. [worker]
+  // Starts a recording into `path`, which stop() writes. Refused while a recording runs. [worker]
   Result<void> start(const std::filesystem::path& path, synth::Frame frame);
 
-  // Writes the score, to `path` if it is given, and returns the number of its messages. The score has every event that
-  // the mixer has taken; it ends at `frame`, or just after an event that comes later. Refused when nothing is recorded.
-  // When the file cannot be written, the recording goes on. [worker]
+  // Writes the score, to `path` if given, and returns the number of its messages. The score has every event that the
+  // mixer has taken; it ends at `frame`, or just after an event that comes later. Refused if no recording runs. If the
+  // file cannot be written, the recording goes on. [worker]
   Result<std::size_t> stop(synth::Frame frame, std::optional<std::filesystem::path> path = std::nullopt);
 
   [[nodiscard]] bool records() const { return records_; }
@@ -53,7 +53,7 @@ class Recorder final : public Observer {
  private:
   struct Played {
     synth::Event event;
-    std::string name;  // the name of its object
+    std::string name;  // the name of the event's object
   };
   using What = OneOf<Types<Played, wire::Message>>;
   struct Entry {

@@ -10,8 +10,8 @@ namespace {
 
 using synth::Event;
 
-// No sentence of this file names an argument or an address, because OSC, the C library and Python have names of their
-// own for both.
+// The errors in this file name no arguments or addresses, because OSC, the C library and Python have different names
+// for them.
 tl::unexpected<Error> no_such(const char* what, std::size_t number, std::size_t count, const ObjectState& object) {
   return fail(ErrorKind::bad_input, "there is no " + std::string(what) + " " + std::to_string(number) + ": \"" +
                                         object.name + "\" has " + std::to_string(count) +
@@ -23,8 +23,8 @@ Result<void> check_direction(const char* what, const Vec3& direction) {
   return fail(ErrorKind::bad_input, "the " + std::string(what) + " must not be 0 0 0; any length but 0 will do");
 }
 
-// Checks of a verb against the object that it happens to, and of what the ranges of single numbers cannot say. Most
-// verbs have a point at which they act, or nothing to check. A check may normalise what comes in single precision.
+// Checks a verb against its object, beyond the ranges of single numbers. Most verbs have a point at which they act, or
+// nothing to check. A check may normalise values that come in single precision.
 template <class Verb>
 Result<void> check(Verb& verb, const ObjectState& object) {
   if constexpr (requires { verb.point_m; }) {
@@ -50,7 +50,7 @@ Result<void> check(synth::verb::Ring& ring, const ObjectState& object) {
   return {};
 }
 
-// Single precision on the way may leave a unit quaternion a little longer or shorter.
+// Normalises the quaternion, because transport in single precision may change its length slightly.
 Result<void> check_turn(Rotation& turn) {
   if (std::abs(norm(turn) - 1) > 0.01) {
     return fail(ErrorKind::bad_input, "the rotation w x y z must be a quaternion of length 1; 1 0 0 0 is not turned");

@@ -1,4 +1,4 @@
-// Requests of the mixer's lane as the mixer's events.
+// Converts requests of the mixer's lane to the mixer's events.
 #pragma once
 
 #include "engine/base/result.h"

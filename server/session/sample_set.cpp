@@ -17,8 +17,8 @@ namespace ringdown::session {
 namespace {
 
 constexpr double kBlow_ns = 0.05;
-constexpr double kPeak = 0.7;       // of the loudest sample, full scale 1: -3 dB
-constexpr double kSilence_db = 80;  // below its own peak a sample ends
+constexpr double kPeak = 0.7;       // peak of the loudest sample, full scale 1: -3 dB
+constexpr double kSilence_db = 80;  // level below its own peak at which a sample ends
 constexpr double kFade_s = 0.03, kPeakWithin_s = 0.3;
 constexpr std::size_t kBlock = 256;
 
@@ -89,7 +89,7 @@ class Maker {
  private:
   [[nodiscard]] const modal::Bank& bank() const { return bank_.map->bank(); }
 
-  // How loud each mode is after a blow of 1 N s there: Pa at 1 m.
+  // Returns the loudness of each mode after a blow of 1 N s at the place: Pa at 1 m.
   [[nodiscard]] std::vector<double> levels_at(const Place& place) const {
     std::vector<double> amplitudes(bank().mode_count());
     bank_.map->excite(place.point_m, place.normal, amplitudes);
@@ -170,7 +170,7 @@ class Maker {
             options_.contact_time_s * size * std::pow(impulse_share, -0.2)};
   }
 
-  // A sample, without its end mark: until all modes are kSilence_db below their beginning, or `seconds`.
+  // Renders a sample, without its end mark, until all modes are kSilence_db below their beginning, or for `seconds`.
   Result<std::vector<float>> render(const Blow& blow, double seconds) {
     const FileRoots roots;
     BankReader reader(roots);

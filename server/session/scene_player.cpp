@@ -24,12 +24,12 @@ scene::SoundingObject as_sounding(const ObjectState& object) {
   return {object.name, object.number, {object.map, &object.map->bank()}};
 }
 
-constexpr double kWarnEvery_s = 0.5;  // of lost time
+constexpr double kWarnEvery_s = 0.5;  // lost time between two warnings
 
 tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one first"); }
 
-// The events that put a scene's listener in place. A scene without a listener ends the one that the previous scene has
-// set (`ends`), but nobody else's.
+// Returns the events that put a scene's listener in place. A scene without a listener removes the listener if the
+// previous scene has set it (`ends`), but not if somebody else has.
 std::vector<Event> listener_events(const scene::SceneDescription& scene, bool ends, Frame frame) {
   if (!scene.listener)
     return ends ? std::vector<Event>{{.frame = frame, .verb = synth::verb::ListenerOff{}}} : std::vector<Event>{};
@@ -38,14 +38,14 @@ std::vector<Event> listener_events(const scene::SceneDescription& scene, bool en
   return {{.frame = frame, .verb = air}, {.frame = frame, .verb = listener}};
 }
 
-// Bodies are where they are two poses later for the listener, so that the pose after the next is known, too, whenever
-// the mixer sets out for the next one: motion then does not depend on the size of blocks.
+// The delay with which the listener gets the bodies' poses: two poses. When the mixer starts towards a pose, the pose
+// after that is then known, too, so motion does not depend on the size of blocks.
 Frame pose_delay(const scene::World& world, double sample_rate_hz) {
   return std::llround(2 * ScenePoses::interval_s(world) * sample_rate_hz);
 }
 
-// The dropped body becomes a [[body]] of the scene. Where emitters scatter their bodies at random, a further body
-// before them would change these places, so there it becomes an emitter of one body after them.
+// Adds a dropped body to the scene as a [[body]]. If emitters scatter their bodies at random, a further body before the
+// emitters would change the random places, so the dropped body becomes an emitter of one body after them.
 void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, double now_s) {
   const auto is_taken = [&scene](const std::string& name) {
     return std::ranges::count(scene.bodies, name, &scene::BodyDescription::name) +
@@ -71,7 +71,7 @@ modal::ReadBeside beside(const FileRoots& roots, const std::filesystem::path& pa
   };
 }
 
-// Warns of parts of the file that a scene cannot have.
+// Reads a scene, and warns of parts of the file that a scene cannot have.
 Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::filesystem::path& path,
                                            const std::function<void(const std::string&)>& warn) {
   const bool is_gltf = scene::is_gltf(path);
@@ -84,7 +84,7 @@ Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::fi
   return std::move(read->scene);
 }
 
-// Tells how the bodies of a scene file get their sound.
+// Returns advice on how the bodies of a scene file get their sound.
 std::string cure_of_silence(const FileRoots& roots, const std::filesystem::path& path) {
   if (!scene::is_gltf(path)) return "name an [[object]] with a bank in their [[body]]";
   const std::string bake = "`ringdown bake " + path.string() + "`";
@@ -97,7 +97,7 @@ std::string cure_of_silence(const FileRoots& roots, const std::filesystem::path&
          bake + " gives them banks";
 }
 
-// Warns of what will not be heard.
+// Warns of bodies that will not be heard.
 void warn_of_silence(const scene::SceneDescription& scene, std::span<const scene::SoundingObject> objects,
                      const std::function<std::string()>& cure, const std::function<void(const std::string&)>& warn) {
   for (const std::string& sentence : scene::above_hearing(scene, objects)) warn("scene: " + sentence);
@@ -301,8 +301,8 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
   return more;
 }
 
-// Removes all bodies and passes on the ends of their lasting contacts, which would otherwise sound until they time out.
-// Returns the dampings that remove the scene's dampers from every object.
+// Removes all bodies and ends their lasting contacts, which would otherwise sound until they time out. Returns the
+// dampings that remove the scene's dampers from every object.
 std::vector<scene::RestDamping> ScenePlayer::end_contacts() {
   std::vector<scene::RestDamping> dampings;
   if (!world_) return dampings;
@@ -331,16 +331,16 @@ void ScenePlayer::change_sample_rate(double sample_rate_hz) {
   world_->set_start_frame(start_ = now + ahead - std::llround(world_->time_s() * sample_rate_hz));
 }
 
-// The frame at which the world stands.
+// The frame of the world's present time.
 Frame ScenePlayer::position() const { return start_ + std::llround(world_->time_s() * rack_.mixer().sample_rate_hz()); }
 
-// All events before this frame have been passed on. It lies one step before the world's own time, because a strike is
-// found in the step after the one in which it happens.
+// Returns the frame before which all events have been passed on. This frame lies one step before the world's time,
+// because a strike is found in the step after the one in which it happens.
 Frame ScenePlayer::reported_until() const {
   return position() - std::llround(world_->step_s() * rack_.mixer().sample_rate_hz());
 }
 
-// Moves the scene later by what the computer could not keep up with, and warns now and then.
+// Moves the scene later by the time that the computer could not keep up, and warns now and then.
 void ScenePlayer::slow_down(Frame by) {
   if (by <= 0) return;
   const double rate = rack_.mixer().sample_rate_hz();
@@ -354,8 +354,8 @@ void ScenePlayer::slow_down(Frame by) {
              " s; fewer bodies or a longer step_s help");
 }
 
-// Sets the dampers that the scene's bodies lay on objects or take away. Called without the mutex, because the worker,
-// which carries this out, may be waiting for the mutex.
+// Sets or removes the dampers of the scene's bodies on objects. Called without the mutex, because the worker, which
+// carries out the changes, may be waiting for the mutex.
 void ScenePlayer::set_dampers(const std::vector<scene::RestDamping>& dampings) {
   for (const scene::RestDamping& damping : dampings) {
     const auto set = [this, damping] {

@@ -32,8 +32,8 @@
 
 namespace ringdown::session {
 
-// A mutex that is given to those who wait in their order: a thread that lets go of it and wants it again at once does
-// not pass the others.
+// A mutex that waiting threads get in the order of their arrival: a thread that unlocks the mutex and locks it again at
+// once does not overtake the waiting threads.
 class FairMutex {
  public:
   void lock() {
@@ -48,38 +48,38 @@ class FairMutex {
 
 class ScenePlayer {
  public:
-  // Takes the report of one step: its events, and what has begun or ceased to rest on objects. Returns how many of
-  // these could not be passed on.
+  // Takes the report of one step: events, and bodies that have begun or ceased to rest on objects. Returns the number
+  // of items that could not be passed on.
   using Sink = std::function<std::size_t(const scene::StepReport&)>;
 
   // Reads scene files below `roots`, and their banks by `banks`. The events go to the rack, unless send_to() names a
   // sink. All three must outlive the player.
   ScenePlayer(Rack& rack, BankReader& banks, const FileRoots& roots) : rack_(rack), banks_(banks), roots_(roots) {}
 
-  // Passes the reports to `sink` instead of the rack. Before anything is loaded. [main]
+  // Passes the reports to `sink` instead of the rack. Call before anything is loaded. [main]
   void send_to(Sink sink) { sink_ = std::move(sink); }
 
-  // A body that rests on an object damps it, so the worker retunes the object. retune_by() names the function
-  // that hands such tasks to the worker and returns whether the worker took them; without it they are carried out at
-  // once. While the scene thread does not run. [main]
+  // Sets the function that hands tasks to the worker and returns whether the worker took them. The tasks retune
+  // objects, which bodies resting on them damp; without the function they are carried out at once. Call while the scene
+  // thread does not run. [main]
   using Post = std::function<bool(std::function<void()>)>;
   void retune_by(Post post) { post_ = std::move(post); }
 
-  // Loads a scene file, TOML or glTF (.glb, .gltf), and the objects it names, and starts it at `frame`. The former
-  // scene ends; its objects stay. Returns the number of bodies. [worker]
+  // Loads a scene file, TOML or glTF (.glb, .gltf), and the objects it names, and starts the scene at `frame`. The
+  // previous scene ends; its objects stay. Returns the number of bodies. [worker]
   Result<std::size_t> load(const std::filesystem::path& path, synth::Frame frame);
 
   // Requests to the scene; without a scene they are refused. spawn() returns the new body's number; clear() removes all
-  // bodies, and gives up the step that is being done; push() applies an impulse at the body's centre of mass, in the
-  // scene's axes. [worker]
+  // bodies and aborts the present step; push() applies an impulse at the body's centre of mass, in the scene's axes.
+  // [worker]
   Result<void> pause(bool paused);
   Result<scene::BodyId> spawn(const protocol::SpawnBox& box);
   Result<scene::BodyId> spawn(const protocol::SpawnSphere& sphere);
   Result<void> clear();
   Result<void> push(scene::BodyId body, Vec3 impulse_ns);
 
-  // An object of the rack has a new bank, or has been freed: bodies that sound by it get the new bank, or become
-  // silent. [worker]
+  // Call after an object of the rack got a new bank or was freed: bodies that sound by this object get the new bank, or
+  // become silent. [worker]
   Result<void> object_changed(const ObjectState& object);
   void object_freed(synth::ObjectNumber number);
 
@@ -89,21 +89,21 @@ class ScenePlayer {
   // that nobody watches; its time stands still. [scene]
   void advance_to(synth::Frame frame, std::optional<synth::Frame> slack);
 
-  // Takes one step of advance_to(). False when no more are needed. Between two steps requests have their turn, so that
-  // what is slow to step can be cleared. [scene]
+  // Takes one step of advance_to(). Returns false if no more steps are needed. Requests are handled between two steps,
+  // so that a scene that is slow to step can be cleared. [scene]
   bool step_towards(synth::Frame frame, std::optional<synth::Frame> slack);
 
-  // The step that is being done and all later ones end soon, wrong as they are: before the player goes. [any]
+  // Makes the present step and all later ones end soon, with wrong results. Call before the player is destroyed. [any]
   void give_up() { ++given_up_; }
 
   // Changes the sample rate of the scene and of the rack. Events to come stay as many seconds ahead as they were.
   // [any thread, while nothing is rendered]
   void change_sample_rate(double sample_rate_hz);
 
-  // Where the bodies are at one time of the scene.
+  // The poses of the bodies at one time of the scene.
   struct Poses {
     std::int32_t version = 0;
-    double time_s = 0;  // the scene's, which runs a little ahead of the sound
+    double time_s = 0;  // scene time, which runs a little ahead of the sound
     bool paused = false;
     std::vector<scene::BodyState> bodies;
   };
@@ -120,29 +120,29 @@ class ScenePlayer {
   };
   [[nodiscard]] Description describe() const;  // [any but audio]
 
-  // Says whether somebody follows the bodies: a watched scene is stepped even when nothing in it can sound. [any]
+  // Sets whether anybody follows the bodies. A watched scene is stepped even if nothing in it can sound. [any]
   void set_watched(bool watched) { watched_ = watched; }
 
-  // Which file is played, and what was done to the scene since; nullopt when there is no scene. [any but audio]
+  // The file that is played, and the changes to the scene since loading; nullopt if there is no scene. [any but audio]
   struct Playing {
     std::filesystem::path file;
     bool paused = false, cleared = false;
   };
   [[nodiscard]] std::optional<Playing> playing() const;
 
-  // Returns the scene's file, without bodies that were cleared and with those that were dropped, which enter at the
-  // time at which they were; nullopt when there is no scene. [any but audio]
+  // Returns the description in the scene's file, without cleared bodies and with dropped bodies, which enter at the
+  // time at which they were dropped; nullopt if there is no scene. [any but audio]
   [[nodiscard]] std::optional<scene::SceneDescription> description() const;
 
   [[nodiscard]] std::size_t body_count() const { return body_count_; }  // [any]
 
-  // How long the scene lasts, as its file says; 0 without a scene. [any]
+  // The duration of the scene by its file; 0 without a scene. [any]
   [[nodiscard]] double duration_s() const { return duration_s_; }
 
   // Events and dampings that were lost because a queue was full. [any]
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
-  // By how much the scene was moved later because the computer could not keep up. [any]
+  // The total delay of the scene because the computer could not keep up. [any]
   [[nodiscard]] double slowed_s() const { return slowed_s_; }
 
  private:
@@ -162,14 +162,14 @@ class ScenePlayer {
   mutable FairMutex mutex_;  // guards all members below except the atomics
   std::optional<scene::World> world_;
   ScenePoses poses_;
-  scene::Reliefs reliefs_;      // of all scenes so far: the mixer may still feel them
-  bool sets_listener_ = false;  // the scene, or one before it
+  scene::Reliefs reliefs_;      // reliefs of all scenes so far, which the mixer may still use
+  bool sets_listener_ = false;  // whether this scene, or a previous one, has set a listener
   synth::Frame start_ = 0;      // the frame of scene time 0
   Playing playing_;
-  scene::SceneDescription description_;   // of world_
-  std::int32_t version_ = 0;              // of the description
+  scene::SceneDescription description_;   // description of world_
+  std::int32_t version_ = 0;              // version of the description
   std::set<synth::ObjectNumber> damped_;  // objects that the scene's bodies rest on or against
-  std::atomic<int> given_up_ = 0;         // how many wait for a step whose result does not matter
+  std::atomic<int> given_up_ = 0;         // number of callers waiting for a step whose result does not matter
   std::atomic<bool> watched_ = false;
   std::atomic<std::size_t> body_count_ = 0;
   std::atomic<double> duration_s_ = 0;

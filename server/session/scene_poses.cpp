@@ -12,7 +12,7 @@ double ScenePoses::interval_s(const scene::World& world) {
 
 std::uint64_t ScenePoses::send(const scene::World& world, synth::Frame at, Rack& rack) {
   if (!rack.listener().on()) {
-    sent_.clear();  // whoever listens next needs them all
+    sent_.clear();  // the next listener needs all poses
     return 0;
   }
   if (!sent_.empty() && world.time_s() < next_s_) return 0;

@@ -1,4 +1,4 @@
-// Tells the mixer where the bodies of a scene are, while somebody listens. [scene, worker; one at a time]
+// Sends the poses of a scene's bodies to the mixer while there is a listener. [scene, worker; one at a time]
 #pragma once
 
 #include "engine/base/rotation.h"
@@ -13,17 +13,17 @@ namespace ringdown::session {
 
 class ScenePoses {
  public:
-  // Poses come once in so many seconds, or with every step of the world if that is longer.
+  // The time between two poses, unless a step of the world is longer.
   static constexpr double kEvery_s = 0.002;
 
-  // Seconds between two poses of what moves in a world.
+  // Returns the seconds between two poses of a moving body in a world.
   [[nodiscard]] static double interval_s(const scene::World& world);
 
-  // Forgets what was sent: another world follows.
+  // Forgets the poses that were sent, because another world follows.
   void forget() { *this = {}; }
-  // Sends the poses of what has moved since the last call, for frame `at`, which is the world's time, and where it has
-  // stood an interval before when it begins to move. Nothing without a listener. An object that several bodies play is
-  // heard from the middle of them, not turned. Returns how many events were lost.
+  // Sends the poses of all objects that have moved since the last call, for frame `at`, the world's time. If an object
+  // begins to move, also sends its pose of one interval before. Sends nothing without a listener. An object that
+  // several bodies play is heard from their middle, without rotation. Returns the number of lost events.
   std::uint64_t send(const scene::World& world, synth::Frame at, Rack& rack);
 
  private:
@@ -31,7 +31,7 @@ class ScenePoses {
     Pose pose;
     bool moves = false;
   };
-  std::map<std::string, Sent> sent_;  // of each object
+  std::map<std::string, Sent> sent_;  // the last pose of each object
   double next_s_ = 0;
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The path as a scene file in `folder` may name it.
+// Returns the bank's path in the form for a scene file in `folder`.
 fs::path bank_path(const fs::path& bank, const fs::path& folder, const fs::path& presets) {
   std::error_code error;
   const fs::path whole = fs::canonical(bank, error);

@@ -1,4 +1,4 @@
-// Saves what a session plays as a scene file. [worker]
+// Saves the objects and the scene of a session as a scene file. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -10,12 +10,12 @@ namespace ringdown::session {
 
 class Session;
 
-// The scene with every object of the session as it is set now, and the bodies that were dropped, each at its time.
-// Without a scene: the objects alone.
+// Returns the scene with every object of the session as set now, and the dropped bodies, each at its time. Without a
+// scene, returns the objects alone.
 scene::SceneDescription scene_of(const Session& session);
 
-// Writes scene_of() to `path`. Banks below the file's folder, and presets, get relative paths, others absolute ones.
-// Fails when there is nothing to save, and when the file would not load again.
+// Writes scene_of() to `path`. Banks below the file's folder, and presets, get relative paths, all others absolute
+// ones. Fails if there is nothing to save, or if the file could not be loaded again.
 Result<void> save_scene(const Session& session, const std::filesystem::path& path);
 
 }  // namespace ringdown::session

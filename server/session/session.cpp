@@ -21,7 +21,7 @@ Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::
   return visit(Overloaded{[&](const protocol::Hold& set) -> Result<void> {
                  const auto object = rack_.find(set.object);
                  if (!object) return fail(object.error());
-                 if (!(set.damper.damping_ns_m > 0)) return {};  // taken away from wherever it is said to be
+                 if (!(set.damper.damping_ns_m > 0)) return {};  // removes the damper; its point does not matter
                  return check_point(set.damper.point_m, **object);
                }},
                request);
@@ -48,7 +48,7 @@ Result<void> Session::play(const protocol::MixerRequest& request, synth::Frame f
   return drop(lost, std::to_string(synth::kQueueCapacity) + " events are waiting already");
 }
 
-// Returns how many events were lost: 0 or 1.
+// Returns the number of lost events: 0 or 1.
 std::size_t Session::push(const synth::Event& event) { return rack_.push(synth::Producer::control, event) ? 0 : 1; }
 
 void Session::flush() {

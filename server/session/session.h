@@ -47,11 +47,11 @@ class Session {
   // were dropped. [control]
   Result<void> play(const protocol::MixerRequest& request, synth::Frame frame);
 
-  // Whether play() or perform() would accept the request now, if no queue is full. [control]
+  // Succeeds if play() or perform() would accept the request now, provided that no queue is full. [control]
   [[nodiscard]] Result<void> check(const protocol::MixerRequest& request, synth::Frame frame);
   [[nodiscard]] Result<void> check(const protocol::TimedWorkerRequest& request, synth::Frame frame);
 
-  // Counts `events` as dropped and returns the error for that: "dropped, because ...". [any]
+  // Counts `events` as dropped and returns the error "dropped, because ...". [any]
   [[nodiscard]] tl::unexpected<Error> drop(std::size_t events, const std::string& because);
 
   // Carries out a request that changes objects or the scene. A scene that is loaded starts at `frame`, and a request
@@ -63,8 +63,8 @@ class Session {
   // default, 0, merges none. [before anything is played]
   void merge_within(double seconds) { merger_ = StrikeMerger(std::llround(seconds * sample_rate_hz())); }
 
-  // Whether the merger holds strikes back. flush() hands them to the mixer; call it soon after the last play().
-  // [control]
+  // Returns true if the merger holds strikes back. flush() hands them to the mixer; call flush() soon after the last
+  // play(). [control]
   [[nodiscard]] bool holds_strikes() const { return !merger_.held().empty(); }
   void flush();
 
@@ -88,7 +88,7 @@ class Session {
   Rack rack_;
   ScenePlayer scene_;
   StrikeMerger merger_{0};
-  std::vector<synth::Event> events_;  // control: events of the request that check() saw last
+  std::vector<synth::Event> events_;  // control: events of the request that was last checked
   std::atomic<std::uint64_t> dropped_ = 0, merged_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// Mute and solo: which objects the mixer is to silence. While any object is soloed, the others are silent; a muted one
-// always is. [worker]
+// Tells the mixer which objects to silence, by mute and solo. While any object is soloed, objects that are not soloed
+// are silent; a muted object is always silent. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -13,14 +13,14 @@ namespace ringdown::session {
 
 class Silences {
  public:
-  // `mixer` must outlive it.
+  // `mixer` must outlive this object.
   explicit Silences(synth::Mixer& mixer) : mixer_(mixer) {}
 
-  // Tells the mixer what has changed. `changed` is the successor of one of the objects, or a new object, that is not
-  // among them yet; null: there is none. Fails when too many commands wait.
+  // Sends changes to the mixer. `changed` is the new state of one of the objects, or a new object, and is not yet among
+  // `objects`; null if there is none. Fails if too many commands are waiting.
   Result<void> update(const std::vector<ObjectSnapshot>& objects, const ObjectState* changed = nullptr);
 
-  // The object has been freed.
+  // Call after an object was freed.
   void forget(synth::ObjectNumber object) { silent_.erase(object); }
 
  private:

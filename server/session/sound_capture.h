@@ -1,10 +1,10 @@
-// Captures what is heard, the mix, as a WAV file while the mixer plays. The file begins with the sound of the frame at
-// which the capture began, whatever the limiter's delay, as `ringdown render` does.
+// Captures the mix as a sound file while the mixer plays. The file begins with the sound of the frame at which the
+// capture began, whatever the limiter's delay, as in `ringdown render`.
 //
 // The audio thread puts the samples of each block into a tap (engine/synth/output/sound_tap.h); a thread of the capture
 // takes them out and writes them. Samples that the tap had to drop because that thread was late are zeros in the file,
-// so that what follows keeps its time, and a warning counts them. The capture ends by itself, and completes its file,
-// when the file is as long as it may be, the sample rate changes or the disk is full.
+// so that later samples keep their time, and a warning counts them. The capture ends by itself, and completes its file,
+// when the file has reached its maximum length, the sample rate changes or the disk is full.
 #pragma once
 
 #include "engine/base/result.h"
@@ -22,7 +22,7 @@
 
 namespace ringdown::session {
 
-inline constexpr std::size_t kMaxCapturedFrames = std::size_t{1} << 28;  // of a file: 93 minutes at 48 kHz, 2 GiB
+inline constexpr std::size_t kMaxCapturedFrames = std::size_t{1} << 28;  // per file: 93 minutes at 48 kHz, 2 GiB
 
 class SoundCapture {
  public:
@@ -36,29 +36,29 @@ class SoundCapture {
   // Begins to write a .wav or .flac, or a stream. Refused while another file is being written. [worker]
   Result<void> start(OutputTarget target);
 
-  // Completes the file and returns how many frames it has: also of a capture that has ended by itself. Refused when
-  // nothing was being captured; fails with the reason where the file could not be written. [worker]
+  // Completes the file and returns its number of frames, also if the capture has ended by itself. Refused if nothing
+  // was captured; fails with the reason if the file could not be written. [worker]
   Result<std::size_t> stop();
 
-  // The file that is being written and its length so far; nullopt when nothing is being captured. [any but audio]
+  // The file that is being written and its length so far; nullopt if nothing is being captured. [any but audio]
   struct Progress {
     std::string path;
     double seconds = 0;
   };
   [[nodiscard]] std::optional<Progress> progress() const;
 
-  // Whether a capture has begun that stop() has not ended, also one that has ended by itself. [worker]
+  // Returns true from start() to stop(), even if the capture has ended by itself meanwhile. [worker]
   [[nodiscard]] bool is_open() const;
 
  private:
   void run(const std::stop_token& stop, SoundFile file, synth::Frame first);
-  // Writes what the tap holds; false when the file is to end.
+  // Writes the samples in the tap. Returns false if the file should end.
   [[nodiscard]] Result<bool> write_pieces(SoundFile& file, synth::Frame first);
   [[nodiscard]] bool writes() const;
 
   Rack& rack_;
   const std::size_t max_frames_;
-  double sample_rate_hz_ = 0;               // of the file
+  double sample_rate_hz_ = 0;               // sample rate of the file
   std::size_t lost_ = 0;                    // capture's thread: frames that the tap dropped
   std::atomic<std::size_t> frames_ = 0;     // in the file
   mutable std::mutex mutex_;                // guards the next two members

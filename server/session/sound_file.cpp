@@ -16,7 +16,7 @@
 namespace ringdown::session {
 namespace {
 
-constexpr std::size_t kMaxWavBytes = 0xffff'0000;  // of its samples: a length has 32 bits, and counts the head too
+constexpr std::size_t kMaxWavBytes = 0xffff'0000;  // limit for samples; a length has 32 bits and includes the header
 
 tl::unexpected<Error> cannot_write(const std::filesystem::path& path, const std::string& why) {
   return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + why);
@@ -24,12 +24,12 @@ tl::unexpected<Error> cannot_write(const std::filesystem::path& path, const std:
 
 }  // namespace
 
-// A stream gets the sound only when it is complete, from a file without a name, because libsndfile goes back to write
+// A stream gets the sound only when complete, from a file without a name, because libsndfile goes back to write
 // lengths.
 struct SoundFile::Open {
   OutputTarget target;
   std::filesystem::path temporary;
-  std::FILE* nameless = nullptr;  // of a stream
+  std::FILE* nameless = nullptr;  // the file without a name, used for a stream
   SNDFILE* file = nullptr;
   std::size_t channels = 2;
 
@@ -91,7 +91,7 @@ Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz, 
   open->channels = format.channels;
   if (!format.comment.empty()) sf_set_string(open->file, SF_STR_COMMENT, format.comment.c_str());
   sf_command(open->file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
-  // The chunk would contain the time of day, so no two files would be equal.
+  // The PEAK chunk would contain the time of day, so no two files would be equal.
   sf_command(open->file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
   return SoundFile(std::move(open));
 }

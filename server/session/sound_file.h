@@ -1,8 +1,8 @@
-// A sound file that is written piece by piece under a temporary name, and gets its own when it is complete.
+// A sound file that is written piece by piece under a temporary name, and gets its final name when complete.
 //
 //   auto file = SoundFile::create({"take.wav"}, 48000);
 //   file->write(samples);            // left right left right ...
-//   file->finish();                  // without, the destructor removes what was written
+//   file->finish();                  // without finish(), the destructor removes the file
 //
 // [worker]
 #pragma once
@@ -19,16 +19,16 @@ namespace ringdown::session {
 
 struct SoundFormat {
   std::size_t channels = 2;
-  std::string comment = {};  // is kept in the file
-  std::size_t frames = 0;    // of the whole file, where that is known
+  std::string comment = {};  // comment stored in the file
+  std::size_t frames = 0;    // length of the whole file; 0: unknown
 };
 
 class SoundFile {
  public:
-  // 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. WAV that is known to exceed 4 GiB, where its lengths
-  // have no more digits, is written as RF64 (EBU Tech 3306), which the same programs read. Fails for other endings,
-  // except those of streams, and where no file can be made. A path from a message is its own target; output_target()
-  // follows a user's.
+  // Creates a 32-bit float WAV, or a 24-bit FLAC if the name ends in .flac. WAV that is known to exceed 4 GiB, the
+  // limit of its length fields, is written as RF64 (EBU Tech 3306), which programs that read WAV also read. Fails for
+  // other endings, except those of streams, and if no file can be made. Use a path from a message as the target itself,
+  // and output_target() for a user's path.
   static Result<SoundFile> create(OutputTarget target, double sample_rate_hz, const SoundFormat& format = {});
   SoundFile(SoundFile&&) noexcept;
   SoundFile& operator=(SoundFile&&) noexcept;
@@ -37,7 +37,7 @@ class SoundFile {
   // Appends frames of one sample for each channel. Fails when the disk is full.
   Result<void> write(std::span<const float> samples);
 
-  // Completes the file and renames it, or copies it to the stream; also after a write() that failed, and then with what
+  // Completes the file and renames it, or copies it to the stream. After a failed write() the file has the sound that
   // was written before. Call last.
   Result<void> finish();
 

@@ -210,7 +210,7 @@ Result<void> restore_scene(const State::Scene& scene, Session& session, synth::F
   return scene.cleared ? session.scene().clear() : Result<void>{};
 }
 
-// The dampers to set so that an object has the `wanted` ones instead of the `present` ones. A scene's dampers stay.
+// Returns the changes that replace an object's `present` dampers by the `wanted` ones. A scene's dampers stay.
 modal::Dampers damper_changes(const modal::Dampers& wanted, const modal::Dampers& present) {
   modal::Dampers changes = wanted;
   for (const auto& [number, damper] : present) {
@@ -219,7 +219,7 @@ modal::Dampers damper_changes(const modal::Dampers& wanted, const modal::Dampers
   return changes;
 }
 
-// `from` is the frame at which a restored scene sets gains and pans: the object's own are set again at that frame.
+// `from` is the frame at which a restored scene sets gains and pans; the object's own are set again at that frame.
 Result<void> restore_object(const State::Object& object, Session& session, synth::Frame from) {
   Rack& rack = session.rack();
   const protocol::ObjectRef ref{.name = object.name};

@@ -1,6 +1,6 @@
-// The state of a daemon as a readable TOML file: its objects with bank, gain, pan, material and group, what its inputs
-// excite, its listener and its scene. `--state` and session managers load it; `/state/save` and session managers write
-// it.
+// The state of a daemon as a readable TOML file: objects with bank, gain, pan, material and group; the objects that
+// inputs excite; the listener; the scene. `--state` and session managers load the file; `/state/save` and session
+// managers write it.
 //
 //   [[object]]
 //   name = "bell"
@@ -36,8 +36,8 @@
 //   paused = false
 //   cleared = false                           # whether its bodies were removed
 //
-// The file does not contain what rings, where the scene's bodies and other objects are, bodies that were spawned, or
-// the connections of ports, which a session manager keeps itself. [worker, or before the worker runs]
+// The file does not contain ringing sound, the poses of bodies and objects, spawned bodies, or the connections of
+// ports, which a session manager keeps itself. [worker, or before the worker runs]
 #pragma once
 
 #include "engine/base/result.h"
@@ -85,14 +85,14 @@ struct State {
   std::optional<Scene> scene;
 };
 
-// Errors begin with path:line and say what is missing, wrong or unknown.
+// Reads a state. Errors begin with path:line and name the missing, wrong or unknown key.
 Result<State> read_state(const std::filesystem::path& path);
 Result<State> parse_state(std::string_view text, const std::filesystem::path& path);
 
 std::string to_toml(const State& state);
 Result<void> write_state(const State& state, const std::filesystem::path& path);
 
-// The state of the session now. Banks get absolute paths.
+// Returns the present state of the session. Banks get absolute paths.
 State state_of(const Session& session);
 
 // Loads the objects, inputs, listener and scene that the state names. Other objects stay; a scene that plays ends. The

@@ -10,7 +10,7 @@ using synth::Event;
 bool same_place(const synth::verb::Strike& a, const synth::verb::Strike& b) { return a.point_m == b.point_m; }
 bool same_place(const synth::verb::StrikeVertex& a, const synth::verb::StrikeVertex& b) { return a.vertex == b.vertex; }
 
-// Adds a strike to a held event if it hits the same place of the same object for the same time.
+// Adds a strike to a held event if object, point and contact time are equal.
 template <class Strike>
 bool merge(const Strike& strike, const Event& event, Event& held) {
   Strike* const before = held.verb.get_if<Strike>();

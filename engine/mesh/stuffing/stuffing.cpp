@@ -25,11 +25,9 @@
 // 2. find_rim(): the points inside that have a neighbour outside.
 // 3. find_cuts(): each edge from a rim point to a neighbour outside is cut where it leaves the body.
 // 4. warp(): a lattice point with a cut point too near to it moves onto the nearest such cut point. The point is then
-// on
-//    the surface, and its edges no longer have cut points. This step bounds the angles.
+//    on the surface, and its edges no longer have cut points. This step bounds the angles.
 // 5. fill(): the part of each tetrahedron of the lattice that is inside becomes elements (bcc_lattice.h). Points and
-// cut
-//    points become nodes when an element first needs them.
+//    cut points become nodes when an element first needs them.
 //
 // Steps 1 and 3 compute winding numbers and take nearly all of the time; they are divided among threads. The remaining
 // steps run on one thread in a fixed order, so the mesh does not depend on the number of threads.
@@ -303,8 +301,8 @@ class Stuffing {
   const Progress& progress_;
   std::vector<Side> sides_;
   std::vector<std::int32_t> rim_;                                  // points inside with a neighbour outside
-  std::vector<std::int32_t> rim_number_, node_of_;                 // of points; -1: none
-  std::vector<std::array<double, BccLattice::kDirections>> cuts_;  // of rim points: fraction of the edge inside
+  std::vector<std::int32_t> rim_number_, node_of_;                 // per point; -1: none
+  std::vector<std::array<double, BccLattice::kDirections>> cuts_;  // per rim point, fraction of each edge inside
   std::vector<std::array<std::int32_t, BccLattice::kDirections>> cut_node_;
   std::vector<Vector3d> nodes_;
   std::vector<std::array<std::int32_t, 4>> elements_;

@@ -26,11 +26,9 @@ namespace {
 using Eigen::RowVector3d;
 
 constexpr int kNormalRounds = 10, kNodeRounds = 15;
-constexpr double kAlike = 0.35;  // difference of unit normals that about halves a weight
-constexpr double kFolded =
-    0.5;  // cosine between a triangle's normal and the mean around it, below which it counts as folded
-constexpr double kFreeShare =
-    0.1;  // share of the normals' squares below which a direction lies in all planes around a node
+constexpr double kAlike = 0.35;        // difference of unit normals that about halves a weight
+constexpr double kFolded = 0.5;        // cosine from a normal to the mean around it, below which it counts as folded
+constexpr double kFreeShare = 0.1;     // largest share of the normals' squares along a direction in all planes
 constexpr double kAlong = 0.3;         // share of the way to the middle of the neighbours
 constexpr double kRough_deg = 5;       // angle between the normals of most neighbours
 constexpr double kFineTriangles = 40;  // number of sides along the diagonal

@@ -294,8 +294,7 @@ class SurfaceRepair {
   void turn_outward() {
     const Shells shells = shells_of(mesh_, rule_);
     std::vector<bool> wrong(shells.closed.size());
-    constexpr double kBulge =
-        1e-3;  // share of the volume of a cube of that side; an open part that is flatter has no outside
+    constexpr double kBulge = 1e-3;  // share of the volume of a cube of that side; flatter open parts have no outside
     for (std::size_t s = 0; s < wrong.size(); ++s) {
       const bool bulges = std::abs(shells.volume_m3[s]) > kBulge * std::pow(shells.area_m2[s], 1.5);
       wrong[s] = (shells.closed[s] || bulges) && shells.wound_wrongly(s);

@@ -20,7 +20,7 @@ namespace ringdown::modal {
 
 struct Pitch {
   std::optional<double> hz;
-  bool stated = false;   // by the bank
+  bool stated = false;   // true: stated by the bank
   double strength = 0;   // 0 to 1, the freedom from competing partials within an octave; 1 for a stated pitch
   double tone_hz = 440;  // the pitch; without one, the frequency that comes closest to a pitch
   std::string reason;    // why there is none: a clause such as "several partials compete"; or empty
