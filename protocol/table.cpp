@@ -1,5 +1,5 @@
-// The table of what can be asked. A new verb of the mixer is a struct in engine/synth/events/verbs.h and a row here. Any
-// other new address is
+// The table of what can be asked. A new verb of the mixer is a struct in engine/synth/events/verbs.h and a row here.
+// Any other new address is
 //
 //   - a struct in request.h, and its place in Requests;
 //   - its place in a lane (lanes.h), which says who handles it, when and on which thread;

@@ -241,8 +241,7 @@ Eigen::VectorXd rms_on(const WaveQuestion& question, const Skin& skin, WaveMemor
   for (std::size_t c = 0; c < parts.size(); ++c) {
     const std::vector<Eigen::Index>& columns = parts[c].columns;
     if (columns.empty()) continue;
-    solved.push_back(
-        {static_cast<int>(c), columns, LuFactors(memory.factors[c]).solve(flows[c](Eigen::all, columns))});
+    solved.push_back({static_cast<int>(c), columns, LuFactors(memory.factors[c]).solve(flows[c](Eigen::all, columns))});
   }
   return rms_of(directions, fields_of(question, skin, coupling, directions, solved, flows[0].cols()));
 }

@@ -207,7 +207,8 @@ void add_objects(Class& mixer) {
           },
           py::arg("object"), py::arg("point_m"), py::arg("damping_ns_m") = 10.0, py::kw_only(),
           py::arg("direction") = Vector{}, py::arg("number") = 0, py::arg("frame") = py::none(),
-          "Lays a damper, such as a hand or a table, on the object: damper `number`, 0 to 7, resists motion along `direction` (0 0 0: any) with so"
+          "Lays a damper, such as a hand or a table, on the object: damper `number`, 0 to 7, resists motion along "
+          "`direction` (0 0 0: any) with so"
           " many newtons per m/s. A finger is about 0.1, a hand 10; 0 takes the damper away.")
       .def(
           "mute", [](Mixer& self, Object object, bool on) { call(ringdown_mute, self.handle, object, on ? 1 : 0); },

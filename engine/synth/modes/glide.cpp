@@ -244,7 +244,7 @@ void Glide::move(std::size_t c, double delta) RINGDOWN_REALTIME {
     return weigh(c, static_cast<std::uint16_t>(std::min<long>(band, kBands - 1)));
   }
   const Phasor stride = times(static_cast<double>(own.stride_re[c]), static_cast<double>(own.stride_im[c]),
-                               stride_turn.real(), stride_turn.imag());
+                              stride_turn.real(), stride_turn.imag());
   strides_.get()[c] = static_cast<float>(stride.real());
   strides_.get()[columns_ + c] = static_cast<float>(stride.imag());
   const float* const from = own.runs + c * 2 * kRun;
