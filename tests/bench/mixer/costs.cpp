@@ -25,9 +25,9 @@ class Player {
   synth::Event strike(synth::ObjectNumber object, synth::Frame block_start) {
     return {.frame = block_start + static_cast<synth::Frame>(random_() % kBlock),
             .object = object,
-            .verb = verb::Strike{.point_m = {coordinate(), coordinate(), coordinate()},
-                                 .impulse_ns = {1e-3, 2e-3, 3e-3},
-                                 .contact_time_s = 1e-4}};
+            .verb = synth::verb::Strike{.point_m = {coordinate(), coordinate(), coordinate()},
+                                        .impulse_ns = {1e-3, 2e-3, 3e-3},
+                                        .contact_time_s = 1e-4}};
   }
   synth::ObjectNumber any_of(std::size_t objects) { return static_cast<synth::ObjectNumber>(random_() % objects); }
 
