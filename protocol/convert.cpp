@@ -142,6 +142,8 @@ Result<Value> convert(const ArgumentSpec& spec, const wire::Argument& argument) 
   return convert_object(spec, argument);
 }
 
+std::optional<double> fitted_number(const ArgumentSpec& spec, double value) { return within(spec, value, true); }
+
 Result<void> fit(const ArgumentSpec& spec, Value& value) {
   if (auto* real = std::get_if<double>(&value)) {
     const std::optional<double> fitted = within(spec, *real, true);

@@ -12,6 +12,9 @@ Result<Value> convert(const ArgumentSpec& spec, const wire::Argument& argument);
 // at. As in convert(), the 32-bit float nearest to a limit becomes the limit itself.
 Result<void> fit(const ArgumentSpec& spec, Value& value);
 
+// A number as the spec accepts it, or nothing.
+std::optional<double> fitted_number(const ArgumentSpec& spec, double value);
+
 // Says what the spec accepts: "a number from 0 to 0.1 s".
 std::string expectation(const ArgumentSpec& spec);
 

@@ -84,6 +84,19 @@ void Field::write(void* base, const Value& value) const {
   }
 }
 
+void Field::write_number(void* base, double number) const {
+  void* const at = static_cast<std::byte*>(base) + offset;
+  if (member == Member::number) {
+    *static_cast<double*>(at) = number;
+  } else if (member == Member::uint32) {
+    *static_cast<std::uint32_t*>(at) = static_cast<std::uint32_t>(number);
+  } else if (member == Member::object) {
+    static_cast<ObjectRef*>(at)->number = static_cast<std::uint32_t>(number);
+  } else {
+    write(base, static_cast<std::int32_t>(number));
+  }
+}
+
 Columns argument(const void* at, Member member, ValueType type, const char* name, const Quantity& quantity,
                  const char* sentence) {
   Columns one;

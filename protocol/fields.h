@@ -47,6 +47,8 @@ struct Field {
   [[nodiscard]] Value read(const void* base) const;
   // Takes only a value that convert() made for an argument of this member's type.
   void write(void* base, const Value& value) const;
+  // As write(), for a number, a whole number, or an object by its number.
+  void write_number(void* base, double number) const;
 };
 
 // A range of numbers with its unit.

@@ -234,21 +234,19 @@ std::optional<OutOfRange> find_out_of_range(Request& request) {
   return std::nullopt;
 }
 
-std::optional<OutOfRange> fill(Request& request, std::span<const double> numbers) {
-  const Row& row = request_table().rows[request.index()];
-  assert(numbers.size() == row.fields.size());
+std::optional<OutOfRange> fill(MixerRequest& request, std::span<const double> numbers) {
+  const Row& row = request_table().rows[request.index()];  // verbs come first in both lists
+  assert(request.index() < VerbRequests::kCount && numbers.size() == row.fields.size());
   for (std::size_t i = 0; i < row.fields.size(); ++i) {
     const ArgumentSpec& argument = row.spec.arguments[i];
-    Value value = numbers[i];
     if (argument.type == ValueType::object) {
-      value = ObjectRef{.name = {}, .number = static_cast<std::uint32_t>(numbers[i])};
+      row.fields[i].write_number(request.address(), numbers[i]);
+    } else if (const std::optional<double> fitted = fitted_number(argument, numbers[i])) {
+      row.fields[i].write_number(request.address(), *fitted);
     } else {
-      assert(argument.type == ValueType::number || argument.type == ValueType::integer);
-      const Result<void> good = fit(argument, value);
-      if (!good) return OutOfRange{i, good.error().message};
-      if (argument.type == ValueType::integer) value = static_cast<std::int32_t>(std::get<double>(value));
+      Value wrong = numbers[i];
+      return OutOfRange{i, fit(argument, wrong).error().message};
     }
-    row.fields[i].write(request.address(), value);
   }
   return std::nullopt;
 }

@@ -94,9 +94,9 @@ struct OutOfRange {
 // float nearest to a limit has become the limit, as in parse(). Allocates nothing if there is none.
 std::optional<OutOfRange> find_out_of_range(Request& request);
 
-// Fills a request that is made of numbers: one for each of its arguments, in order; an object is given by its number.
-// Like find_out_of_range(), returns the first number that is wrong, and allocates nothing if there is none.
-std::optional<OutOfRange> fill(Request& request, std::span<const double> numbers);
+// Fills the request of a verb: one number for each of its arguments, in order; an object is given by its number. Like
+// find_out_of_range(), returns the first number that is wrong, and allocates nothing if there is none.
+std::optional<OutOfRange> fill(MixerRequest& request, std::span<const double> numbers);
 
 // What an argument is called where it is a member or a parameter with its unit: "contact_time_s". The arguments of a
 // vector are one member: "impulse_ns".

@@ -8,16 +8,17 @@
 namespace ringdown::library {
 
 // A gain or pan goes to the mixer alone: Rack::push would lock to write it into the object's description.
-ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::Request blank,
+ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::MixerRequest blank,
                      std::span<const double> numbers, ringdown_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!mixer) return missing("mixer");
-    if (const auto wrong = protocol::fill(blank, numbers)) return out_of_range(blank, *wrong);
+    if (const auto wrong = protocol::fill(blank, numbers)) {
+      return out_of_range(protocol::verb_addresses()[blank.index()], *wrong);
+    }
     if (session::is_too_far_ahead(mixer->rack.mixer(), frame))
       return fail(ErrorKind::bad_input, "frame lies more than an hour ahead");
-    const protocol::LaneRequest request = protocol::in_its_lane(std::move(blank));
     mixer->events.clear();
-    const auto made = session::append_events(request.get<protocol::MixerRequest>(), mixer->rack, frame, mixer->events);
+    const auto made = session::append_events(blank, mixer->rack, frame, mixer->events);
     if (!made) return made;
     for (const synth::Event& event : mixer->events) {
       const bool taken = synth::effect_of(event) == synth::Effect::sets

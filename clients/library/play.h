@@ -14,7 +14,7 @@ namespace ringdown::library {
 
 // Plays the verb whose request is `blank`. `numbers` are its arguments in the order of the protocol's table. Neither
 // allocates nor locks, unless it fails. [control]
-ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::Request blank,
+ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::MixerRequest blank,
                      std::span<const double> numbers, ringdown_error* error);
 
 template <class Verb>

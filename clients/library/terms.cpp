@@ -26,12 +26,12 @@ std::string text_of(double value) {
 
 }  // namespace
 
-tl::unexpected<Error> out_of_range(const protocol::Request& request, const protocol::OutOfRange& wrong) {
-  return fail(ErrorKind::bad_input, name_of(protocol::spec_of(request), wrong.argument) + " " + wrong.complaint);
+tl::unexpected<Error> out_of_range(const protocol::AddressSpec& spec, const protocol::OutOfRange& wrong) {
+  return fail(ErrorKind::bad_input, name_of(spec, wrong.argument) + " " + wrong.complaint);
 }
 
 Result<void> check(protocol::Request& request) {
-  if (const auto wrong = protocol::find_out_of_range(request)) return out_of_range(request, *wrong);
+  if (const auto wrong = protocol::find_out_of_range(request)) return out_of_range(protocol::spec_of(request), *wrong);
   return {};
 }
 

@@ -14,8 +14,8 @@
 
 namespace ringdown::library {
 
-// The sentence about a number of the request that is out of range.
-tl::unexpected<Error> out_of_range(const protocol::Request& request, const protocol::OutOfRange& wrong);
+// The sentence about a number of a request that is out of range.
+tl::unexpected<Error> out_of_range(const protocol::AddressSpec& spec, const protocol::OutOfRange& wrong);
 
 // Refuses a request with a number outside of its range. A 32-bit float nearest to a limit becomes the limit. Allocates
 // nothing while all are good.
