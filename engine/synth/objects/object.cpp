@@ -275,17 +275,17 @@ void Object::end_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
 void Object::drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
   if (begin == end) return;
   std::array<Force, kMaxForces> forces;
-  std::size_t number = 0;
+  std::size_t acting = 0;
   for (Exciter* exciter : exciters.all()) {
     const float* const samples = exciter->input ? chunk.inputs[*exciter->input] : nullptr;
-    double* const impulses = workspace.impulses[number].data();
+    double* const impulses = workspace.impulses[acting].data();
     exciter->fill(chunk.begin + static_cast<Frame>(begin), end - begin, samples ? samples + begin : nullptr, impulses);
-    forces[number++] = {exciter->amplitudes.get(), impulses};
+    forces[acting++] = {exciter->amplitudes.get(), impulses};
   }
   const double chunks = static_cast<double>(end - begin) / static_cast<double>(kChunkFrames);
   chunk.shedding->worked(kDrivePerMode * chunks * static_cast<double>(voices.current()->table().columns()), workspace);
   const bool sane = voices.current()->render_late(workspace.mono.data() + begin, end - begin,
-                                                  std::span<const Force>(forces.data(), number));
+                                                  std::span<const Force>(forces.data(), acting));
   if (!sane) count(chunk.counters->not_finite);
 }
 
