@@ -30,6 +30,7 @@ MomentSums* ChannelSums::moments(std::size_t channel) RINGDOWN_REALTIME {
 
 void ChannelSums::add(const ChannelSums& other) RINGDOWN_REALTIME {
   for (std::size_t c = 0; c < kMaxChannels; ++c) {
+    if (!contains(other.has_samples_ | other.has_moments_, c)) continue;
     const Channel& from = other.channels_.data()[c];
     if (contains(other.has_samples_, c)) add_scaled(from.samples.data(), 1, samples(c), frames_);
     if (!contains(other.has_moments_, c)) continue;
