@@ -1,5 +1,5 @@
-// What the functions of the verbs share: a verb becomes the request that a message to the daemon would be, is checked
-// as such a message is, and is pushed as the mixer's event. Private to clients/library.
+// Plays verbs for the C functions: the numbers of a verb become the request that a message to the daemon would be, are
+// checked as such a message is, and become an event of the mixer. Private to clients/library.
 #pragma once
 
 #include "clients/library/handles.h"

@@ -14,7 +14,7 @@
 
 namespace ringdown::viewer {
 
-// What the user has chosen as the target of actions.
+// The target of actions, as the user has chosen it.
 struct Choice {
   std::string object;      // empty: there is no object
   std::uint32_t node = 0;  // the sample point that test forces strike

@@ -45,7 +45,7 @@ Result<void> add_support(Recipe& recipe, const Value& value) {
   return parse_support(value.text).map([&](const Support& s) { recipe.options.makeup.supports.push_back(s); });
 }
 
-// Of the command line, bake() checks the band.
+// A band of the command line is checked by bake().
 Result<void> set_band(Recipe& recipe, const Value& value) {
   if (value.in_file && !(value.number >= 0 && value.second > value.number))
     return fail(ErrorKind::bad_input, "the band must go from a frequency >= 0 Hz to a higher one");

@@ -1,4 +1,4 @@
-// What a bank is baked from, and every option of that, once: its key in an object file, its name on the command line of
+// The recipe of a bank, and every option of it once: the key in an object file, its name on the command line of
 // ringdown-bake, what both accept, and where its value goes. [any thread]
 //
 // A new option takes a row in recipe_options.cpp, a member for its value, and a row in docs/use/materials.md. Its

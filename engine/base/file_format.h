@@ -25,7 +25,7 @@ enum class FileKind {
   sound,
 };
 
-// Where the rest of a body lies that is in more files than the named one.
+// The place of the rest of a body whose data are in more files than the named one.
 enum class Companions {
   none,
   siblings,  // in files of the same name with other endings

@@ -3,7 +3,7 @@
 // Eigen's decompositions are templates that take seconds to compile for each type of matrix. This project compiles them
 // once, in decompositions.cpp, and other files need not include Eigen's headers for them.
 //
-// Of a symmetric matrix only the lower triangle is read, unless a function says otherwise. Only cholesky() and
+// Functions read only the lower triangle of a symmetric matrix, unless they say otherwise. Only cholesky() and
 // generalized_spectrum() can fail; results of matrices that hold NaN are NaN.
 #pragma once
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 
-// For each face, the displacements of its nodes, for all modes side by side, give the values and the slopes along two
-// sides at the face's points. The slopes are converted to two perpendicular directions in the surface. They give the
+// The displacements of a face's nodes, for all modes side by side, give the values and the slopes along two sides at
+// the face's points. The slopes are converted to two perpendicular directions in the surface. They give the
 // strains e11, e22 and 2 e12 in the plane of the surface, and with them
 //
 //   sigma : epsilon = E/(1 - nu^2) (e11^2 + e22^2 + 2 nu e11 e22 + (1 - nu)/2 (2 e12)^2).

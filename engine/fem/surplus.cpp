@@ -100,7 +100,7 @@ namespace {
 
 using CornerOrder = std::array<int, 4>;
 
-// For each place of a node, the node that moves there when the corners are put in the order `corners`.
+// Returns, for each place of a node, the node that moves there when the corners are put in the order `corners`.
 std::vector<int> nodes_in_order(int order, const CornerOrder& corners) {
   const mesh::Barycentric points = mesh::reference_nodes(order);
   std::vector<int> from;

@@ -42,7 +42,7 @@ std::vector<double> band_noise(std::span<const double> samples, double sample_ra
 
 inline constexpr double kCellOverNoise = 4;  // power over the noise: 6 dB
 
-// For each cell, whether it is heard: whether its power is at least kCellOverNoise times the noise.
+// Returns for each cell whether it is heard: its power is then at least kCellOverNoise times the noise.
 std::vector<bool> heard_cells(const BandPowers& powers, std::span<const double> noise);
 
 // The cells that a fit should follow: heard cells with a heard neighbour in time, and a heard first cell. By chance
@@ -54,7 +54,7 @@ std::vector<bool> sure_cells(const BandPowers& powers, std::span<const double> n
 // NAN if no cell is heard.
 double distance_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise);
 
-// As distance_db(), but over the given cells of `recorded`, and with a gain of 1.
+// Returns the distance over the given cells of `recorded`, with a gain of 1 instead of the best one of distance_db().
 double distance_as_played_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise,
                              const std::vector<bool>& cells);
 

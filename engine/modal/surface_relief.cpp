@@ -7,9 +7,9 @@
 namespace ringdown::modal {
 namespace {
 
-constexpr std::size_t kFewest = 4;    // minimum heights in a level: a cubic goes through four
-constexpr int kTaps = 8;              // parts of a step over which a coarser height is averaged
-constexpr double kStepsPerWidth = 2;  // number of its steps over which a level is smooth
+constexpr std::size_t kMinHeights = 4;  // of a level: a cubic goes through four
+constexpr int kTaps = 8;                // parts of a step over which a coarser height is averaged
+constexpr double kStepsPerWidth = 2;    // number of its steps over which a level is smooth
 
 // Returns a level with half as many heights. Each is the mean over two of the new steps, weighted by a triangle.
 std::vector<float> halved(const std::vector<float>& fine) {
@@ -46,15 +46,15 @@ Result<SurfaceTrack> SurfaceTrack::make(std::span<const float> heights_m, double
     return fail(ErrorKind::bad_input, "a height of a surface's track is not a finite number");
   SurfaceTrack track;
   std::vector<float> first;
-  while (first.size() < kFewest) first.insert(first.end(), heights_m.begin(), heights_m.end());
+  while (first.size() < kMinHeights) first.insert(first.end(), heights_m.begin(), heights_m.end());
   const std::size_t count = first.size();
   track.length_m_ = spacing_m * static_cast<double>(count);
   track.levels_.push_back(std::move(first));
-  while (track.levels_.back().size() >= 2 * kFewest) {
+  while (track.levels_.back().size() >= 2 * kMinHeights) {
     std::vector<float> coarse = halved(track.levels_.back());
     track.levels_.push_back(std::move(coarse));
   }
-  track.levels_.emplace_back(kFewest, 0.F);  // averaged over more than the whole track, the slope is zero
+  track.levels_.emplace_back(kMinHeights, 0.F);  // averaged over more than the whole track, the slope is zero
   double sum = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const double slope = track.slope_in(0, (static_cast<double>(k) + 0.5) * spacing_m);

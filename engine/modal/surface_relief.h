@@ -42,7 +42,7 @@ class SurfaceTrack {
   SurfaceTrack() = default;
   [[nodiscard]] double slope_in(std::size_t level, double at_m) const RINGDOWN_REALTIME;
 
-  std::vector<std::vector<float>> levels_;  // each has at least kFewest heights; the last is flat
+  std::vector<std::vector<float>> levels_;  // each has at least kMinHeights heights; the last is flat
   double length_m_ = 0, rms_slope_ = 0;
 };
 

@@ -42,6 +42,7 @@ void Mixer::configure(const MixerSettings& settings) {
 }
 
 void Mixer::make_object(ObjectNumber object) {
+  timeline_.events().make_room();
   renderer_.make_room();
   stage_.make_object(object);
 }

@@ -43,7 +43,6 @@ const std::map<std::string, double> kConstants = {
     ROW(synth::kMaxInputs),
     ROW(synth::kMaxDrivenColumns),
     ROW(synth::kQueueCapacity),
-    ROW(synth::kLargeCapacity),
     ROW(synth::kMaxPendingEvents),
     ROW(synth::kMaxEventsPerChunk),
     ROW(modal::kMaxDampers),

@@ -24,6 +24,7 @@ TEST(EventQueue, AnEventThatWaitsIsSmallAndAnIdleMixerTakesLittle) {
 
 TEST(EventQueue, GivesBackWhatWasPushedWhereverItWaited) {
   EventQueue queue;
+  queue.make_room();
   const verb::Strike strike{{1, 2, 3}, {4, 5, 6}, 0.125};
   const verb::Couple couple{.point_m = {1, 0, 0}, .other = 7, .direction = {0, 0, 1}, .gap_m = -0.001, .number = 3};
   ASSERT_TRUE(queue.push(Producer::control, {20, 5, couple}));
@@ -52,24 +53,37 @@ TEST(EventQueue, GivesBackWhatWasPushedWhereverItWaited) {
   EXPECT_EQ(queue.next_before(kNever), nullptr);
 }
 
-TEST(EventQueue, TakesAsManyContactsAsThereArePlacesAndThenAgain) {
+TEST(EventQueue, ContactsFillRingAndQueueAndAreTakenAgainWhenTheyAreOver) {
   Player player;
   player.install(0, map_of(single_mode_bank(440, 5)));
   player.render(512);
-  const auto push_all = [&] {
-    const Frame now = player.mixer.counters().frames.load();
-    std::size_t taken = 0;
-    for (std::uint32_t i = 0; i < kLargeCapacity + 10; ++i) {
-      taken += player.mixer.push(Producer::control, {now + i % 256, 0, contact_of(i % 4)});
-    }
-    EXPECT_TRUE(player.mixer.push(Producer::control, strike_at(now, 0, {0, 0, 1}))) << "a strike needs no place";
-    return taken;
-  };
   for (int round = 0; round < 3; ++round) {
-    EXPECT_EQ(push_all(), kLargeCapacity) << round;
-    player.render(4096);
+    const Frame later = player.mixer.counters().frames.load() + 24000;
+    const auto push_all = [&] {
+      std::size_t taken = 0;
+      while (player.mixer.push(Producer::control, {later, 0, contact_of(taken % 4)})) ++taken;
+      return taken;
+    };
+    std::size_t taken = push_all();
+    for (std::size_t more = 1; more > 0; taken += more) {
+      player.mixer.render({}, {});  // the ring's events move to the queue
+      more = push_all();
+    }
+    EXPECT_EQ(taken, kQueueCapacity + kMaxPendingEvents) << round;
+    player.render(36000);
   }
-  EXPECT_EQ(player.mixer.counters().strikes, 3u);
+}
+
+TEST(EventQueue, AProducerWithoutPlacesIsRefusedContactsAndNoStrikes) {
+  Player player;
+  player.install(0, map_of(single_mode_bank(440, 5)));
+  EXPECT_TRUE(player.mixer.push(Producer::worker, {0, 0, contact_of(0)}));
+  EXPECT_TRUE(player.mixer.push(Producer::worker, {0, 0, contact_of(1)}));
+  EXPECT_FALSE(player.mixer.push(Producer::worker, {0, 0, contact_of(2)}));
+  EXPECT_TRUE(player.mixer.push(Producer::worker, strike_at(0, 0, {0, 0, 1})));
+  player.render(4096);
+  EXPECT_EQ(player.mixer.counters().strikes, 1u);
+  EXPECT_TRUE(player.mixer.push(Producer::worker, {4096, 0, contact_of(2)})) << "places are given back";
 }
 
 TEST(EventQueue, ABlowOrAPoseOfAnObjectThatNeverWasIsRefused) {

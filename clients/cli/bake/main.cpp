@@ -38,7 +38,7 @@ using protocol::ExitCode;
 struct Arguments {
   fs::path input, output, materials;
   std::optional<std::string> material;
-  // What the command line gives options of the recipe. Other options stay as in the object file.
+  // The options of the recipe that the command line gives. All other options stay as in the object file.
   std::vector<std::pair<const RecipeOption*, bake::OptionValue>> given;
   std::map<const RecipeOption*, bool> flags;
   std::vector<std::string> shaping;  // the given options that can change a bank

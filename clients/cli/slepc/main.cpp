@@ -2,9 +2,9 @@
 //
 //   mpirun -n 8 ringdown-modes-slepc PROBLEM MODES
 //
-// It reads the first file and writes the second (engine/solve/distributed_files.h). Options of PETSc and SLEPc may
-// follow. From time to time it writes a line "STAGE FRACTION" to standard output; on failure one sentence to standard
-// error, with exit code 1.
+// The program reads the first file and writes the second (engine/solve/distributed_files.h). Options of PETSc and SLEPc
+// may follow. From time to time it writes a line "STAGE FRACTION" to standard output; on failure one sentence to
+// standard error, with exit code 1.
 #include "clients/cli/slepc/failure.h"
 #include "clients/cli/slepc/krylov_schur.h"
 

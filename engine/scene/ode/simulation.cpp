@@ -20,8 +20,7 @@
 // One step of the simulation, downward:
 //
 // 1. A step is done in parts. Each part is as long as the fastest body may fly and turn without passing through an
-//    obstacle (ode/flight_probe.h), and at most the rest of the step; a scene without fast bodies has one part a step
-//    (Simulation::step).
+//    obstacle (ode/flight_probe.h), and at most the rest of the step (Simulation::step). Mostly a step has one part.
 // 2. In a part, contacts are found and become contact joints with friction and restitution (ode/contact_joints.h).
 //    Bodies that touch or are joined form islands (islands.h).
 // 3. ODE's exact solver finds the impulses if no island has more contact points than it can solve in time, and ODE's

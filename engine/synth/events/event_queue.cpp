@@ -13,8 +13,10 @@ constexpr bool kWaitsInside = sizeof(One) <= QueuedEvent::kSmallVerb;
 
 }  // namespace
 
-EventQueue::Lane::Lane(std::size_t events, std::size_t large_verbs)
-    : ring(events), large(large_verbs), free(large_verbs) {
+// The audio thread adds to `free` only what was taken from it, so that until now nobody has.
+void EventQueue::Lane::make_room() {
+  if (!large.empty()) return;
+  large = std::vector<Large>(places);
   for (std::size_t i = 0; i < large.size(); ++i) static_cast<void>(free.push(static_cast<std::uint16_t>(i)));
 }
 

@@ -18,9 +18,8 @@
 
 namespace ringdown::synth {
 
-// Capacities. Past the first two, push() returns false; past the third, events stay in their rings.
+// Capacities. Past the first, push() returns false; past the second, events stay in their rings.
 inline constexpr std::size_t kQueueCapacity = 4096;     // events one producer may have in its ring
-inline constexpr std::size_t kLargeCapacity = 1536;     // lasting contacts one producer may have waiting
 inline constexpr std::size_t kMaxPendingEvents = 8192;  // events waiting for their frame
 inline constexpr std::size_t kMaxPlacings = 4096;       // events that say where something is, taken in one block
 
@@ -46,6 +45,11 @@ class EventQueue {
     std::uint64_t order = 0;  // among the events of one frame
     bool travelled = false;   // the frame is that at which it is heard
   };
+
+  // Makes the places for large verbs. Must come before a large verb is pushed. [worker]
+  void make_room() {
+    for (Lane& lane : lanes_) lane.make_room();
+  }
 
   // Hands an event over. False when the producer's ring or its places are full: the event was not taken. [the
   // producer's thread]
@@ -106,12 +110,14 @@ class EventQueue {
   };
   // A producer's ring, and its places for large verbs.
   struct Lane {
-    Lane(std::size_t events, std::size_t large_verbs);
+    explicit Lane(std::size_t large_verbs) : places(large_verbs), free(large_verbs) {}
+    void make_room();
 
     struct Large {
       alignas(Verb) std::array<std::byte, kLargestVerb> bytes;
     };
-    SpscRing<QueuedEvent> ring;
+    SpscRing<QueuedEvent> ring{kQueueCapacity};
+    std::size_t places;
     std::vector<Large> large;
     SpscRing<std::uint16_t> free;  // places of `large`, which the audio thread gives back
   };
@@ -128,10 +134,11 @@ class EventQueue {
   bool wait(const QueuedEvent& queued, Frame now) RINGDOWN_REALTIME;
   void rescale_pending(Frame now, double ratio);
 
-  // MIDI notes strike and bow, one contact for each key; the worker sends no contacts.
-  std::array<Lane, static_cast<std::size_t>(Producer::kCount)> lanes_{
-      Lane(kQueueCapacity, kLargeCapacity), Lane(kQueueCapacity, 2), Lane(kQueueCapacity, kLargeCapacity),
-      Lane(kQueueCapacity, 128)};
+  // Control and scene may fill their rings and the heap with contacts. MIDI notes bow, and the worker sends no
+  // contacts.
+  static constexpr std::size_t kAllContacts = kQueueCapacity + kMaxPendingEvents;
+  std::array<Lane, static_cast<std::size_t>(Producer::kCount)> lanes_{Lane(kAllContacts), Lane(2), Lane(kAllContacts),
+                                                                      Lane(2048)};
   std::vector<Pending> heap_ = std::vector<Pending>(kMaxPendingEvents);  // earliest first
   std::size_t count_ = 0;
   std::uint64_t next_order_ = 0;

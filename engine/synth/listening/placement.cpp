@@ -1,6 +1,6 @@
 #include "engine/synth/listening/placement.h"
 
-#include "engine/synth/modes/voice_stack.h"
+#include "engine/synth/modes/voice.h"
 #include "engine/synth/output/channel_strip.h"
 
 #include <algorithm>

@@ -11,7 +11,7 @@
 #include "engine/synth/modes/touched_states.h"
 #include "engine/synth/output/channel_strip.h"
 #include "engine/synth/objects/source.h"
-#include "engine/synth/modes/voice_stack.h"
+#include "engine/synth/modes/voice.h"
 
 #include <cstddef>
 #include <cstdint>
