@@ -108,7 +108,7 @@ Solved solve_one(const radiate::Body& body, const radiate::Skin& skin, int mode,
   radiate::ComplexMatrix matrix;
   Solved solved{.coupling = radiate::coupling_of(skin, k)};
   radiate::wave_matrix(skin.panels, 0, skin.near[0], k, solved.coupling, matrix);
-  solved.layer = radiate::Elimination(matrix)
+  solved.layer = radiate::LuFactors(matrix)
                      .solve(skin.flow[0].col(mode).cast<std::complex<float>>())
                      .cast<std::complex<double>>();
   const auto directions = radiate::directions_for(radiate::degree_for(k, radius));

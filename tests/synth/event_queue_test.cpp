@@ -29,11 +29,16 @@ TEST(EventQueue, GivesBackWhatWasPushedWhereverItWaited) {
   const verb::Couple couple{.point_m = {1, 0, 0}, .other = 7, .direction = {0, 0, 1}, .gap_m = -0.001, .number = 3};
   ASSERT_TRUE(queue.push(Producer::control, {20, 5, couple}));
   ASSERT_TRUE(queue.push(Producer::midi, {10, 4, strike}));
-  std::vector<verb::Pose> placed;
+  verb::Pose placed;
+  int placings = 0;
   ASSERT_TRUE(queue.push(Producer::scene, {5, 1, verb::Pose{{{1, 2, 3}, {}}}}));
-  EXPECT_EQ(queue.accept(0, [&](const Event& event) { placed.push_back(event.verb.get<verb::Pose>()); }), 0u);
-  ASSERT_EQ(placed.size(), 1u);
-  EXPECT_EQ(placed[0].pose.position_m, (Vec3{1, 2, 3}));
+  const auto place = [&](const Event& event) {
+    placed = event.verb.get<verb::Pose>();
+    ++placings;
+  };
+  EXPECT_EQ(queue.accept(0, place), 0u);
+  EXPECT_EQ(placings, 1);
+  EXPECT_EQ(placed.pose.position_m, (Vec3{1, 2, 3}));
   const auto take = [&] {
     const QueuedEvent queued = queue.next_before(100)->event;
     const Event event = queue.event_of(queued);
