@@ -103,6 +103,8 @@ Row row(ObjectReply& s) {
                 number(&s.scale.size, "size", kSizeScale, "The same."),
                 number(&s.gain, "gain", kGain, "As /gain and /pan set them."), number(&s.pan, "pan", kPan, "The same."),
                 flag(&s.mute, "mute", "As /mute and /solo set them."), flag(&s.solo, "solo", "The same."),
+                number(&s.scale.heat, "heat", kDampingScale, "As /material set it."),
+                number(&s.scale.air, "air", kDampingScale, "The same."),
                 optional(any_text(&s.group, "group", "Absent: none."))});
 }
 

@@ -108,14 +108,17 @@ Row row(SetPan& s) {
 Row row(SetMaterial& s) {
   return answered(
       s = {kBell, {1, 1, 1, 4, 0.5}}, "/object/{object}/material",
-      "Scales the bank's material and size, exactly. Points in later messages lie on the object in its new size. "
+      "Scales the bank's material, size and losses, exactly. Of a material that is described by Rayleigh's two "
+      "constants, alpha and beta scale these. Points in later messages lie on the object in its new size. "
       "Bodies of a running scene keep theirs.",
       {object(&s.object),
-       number(&s.scale.alpha, "alpha", kDampingScale, "The factor on Rayleigh's alpha: damping of low modes."),
-       number(&s.scale.beta, "beta", kDampingScale, "The factor on Rayleigh's beta: damping of high modes."),
+       number(&s.scale.alpha, "alpha", kDampingScale, "The factor on what supports take."),
+       number(&s.scale.beta, "beta", kDampingScale, "The factor on what the material takes."),
        number(&s.scale.density, "density", kScale, "The factor on the density."),
        number(&s.scale.stiffness, "stiffness", kScale, "The factor on Young's modulus; 4 is an octave up."),
-       optional(number(&s.scale.size, "size", kSizeScale, "The factor on all lengths; 0.5 is an octave up."))});
+       optional(number(&s.scale.size, "size", kSizeScale, "The factor on all lengths; 0.5 is an octave up.")),
+       optional(number(&s.scale.heat, "heat", kDampingScale, "The factor on what flows as heat.")),
+       optional(number(&s.scale.air, "air", kDampingScale, "The factor on what the air takes."))});
 }
 
 Row row(Hold& s) {

@@ -146,7 +146,7 @@ ringdown_result ringdown_remove(ringdown_mixer* mixer, uint32_t object, ringdown
 void ringdown_material_init(ringdown_material* material, size_t size_of_struct) {
   if (!material || size_of_struct < sizeof material->size_of_struct) return;
   std::memset(material, 0, size_of_struct);
-  const ringdown_material ours{sizeof(ringdown_material), 1, 1, 1, 1, 1};
+  const ringdown_material ours{sizeof(ringdown_material), 1, 1, 1, 1, 1, 1, 1};
   std::memcpy(material, &ours, std::min(size_of_struct, sizeof ours));
   material->size_of_struct = size_of_struct;
 }
@@ -157,14 +157,16 @@ ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object, co
     if (!mixer) return missing("mixer");
     if (!material) return missing("material");
     const auto given =
-        library::taken(material, material->size_of_struct, ringdown_material{sizeof(ringdown_material), 1, 1, 1, 1, 1});
+        library::taken(material, material->size_of_struct, ringdown_material{sizeof(ringdown_material), 1, 1, 1, 1, 1, 1, 1});
     if (!given) return fail(given.error());
     protocol::SetMaterial request{numbered(object),
                                   {.alpha = given->alpha,
                                    .beta = given->beta,
                                    .density = given->density,
                                    .stiffness = given->stiffness,
-                                   .size = given->size}};
+                                   .size = given->size,
+                                   .heat = given->heat,
+                                   .air = given->air}};
     if (auto good = library::check(request); !good) return good;
     return mixer->rack.set_material(request.object, request.scale);
   });

@@ -19,6 +19,16 @@ constexpr Range kFactor{1e-3, 1e3}, kDampingFactor{0, 1e3};  // what /object/...
 // The factor, or 1 when there is nothing to scale.
 double ratio(double wanted, double bank) { return bank > 0 ? wanted / bank : 1; }
 
+// The loss factor of either kind of material, in a mode of an undamped 1 kHz.
+double loss_at_1_khz(const Material& material) {
+  const double omega = modal::hz_to_rad_per_s(1000);
+  return 2 * modal::mode_loss(material.damping_law(), omega * omega).material_per_s / omega;
+}
+
+double strength(const Material& material) {
+  return modal::relaxation_strength(*material.thermal, material.youngs_modulus_pa, material.density_kg_m3);
+}
+
 bool near(double a, double b) { return std::abs(a - b) <= 1e-6 * std::max(std::abs(a), std::abs(b)); }
 
 template <class... Values>
@@ -43,17 +53,23 @@ MaterialChoice choice_of(const Material& bank, const Material& wanted) {
   MaterialScale& scale = choice.scale;
   scale.stiffness = wanted.youngs_modulus_pa / bank.youngs_modulus_pa;
   scale.density = wanted.density_kg_m3 / bank.density_kg_m3;
-  scale.alpha = ratio(wanted.damping.alpha_per_s, bank.damping.alpha_per_s);
-  scale.beta = ratio(wanted.damping.beta_s, bank.damping.beta_s);
+  const bool by_parts = !bank.loss_factors.empty();
+  if (by_parts) {
+    scale.beta = loss_at_1_khz(wanted) / loss_at_1_khz(bank);
+    if (bank.thermal) scale.heat = wanted.thermal ? strength(wanted) / strength(bank) * scale.density / scale.stiffness : 0;
+  } else {
+    scale.alpha = ratio(wanted.damping.alpha_per_s, bank.damping.alpha_per_s);
+    scale.beta = ratio(wanted.damping.beta_s, bank.damping.beta_s);
+  }
   const double nu = bank.poisson_ratio, wanted_nu = wanted.poisson_ratio;
   choice.plate_error = std::sqrt((1 - nu * nu) / (1 - wanted_nu * wanted_nu)) - 1;
   choice.twist_error = std::sqrt((1 + nu) / (1 + wanted_nu)) - 1;
   if (!kFactor.holds(scale.stiffness) || !kFactor.holds(scale.density) || !kDampingFactor.holds(scale.alpha) ||
-      !kDampingFactor.holds(scale.beta)) {
+      !kDampingFactor.holds(scale.beta) || !kDampingFactor.holds(scale.heat)) {
     choice.obstacle = "A bank's stiffness, density and damping can be scaled a thousandfold at most.";
   }
-  const bool lacks_alpha = bank.damping.alpha_per_s <= 0 && wanted.damping.alpha_per_s > 0;
-  const bool lacks_beta = bank.damping.beta_s <= 0 && wanted.damping.beta_s > 0;
+  const bool lacks_alpha = !by_parts && bank.damping.alpha_per_s <= 0 && wanted.damping.alpha_per_s > 0;
+  const bool lacks_beta = !by_parts && bank.damping.beta_s <= 0 && wanted.damping.beta_s > 0;
   if (lacks_alpha || lacks_beta) {
     choice.reservation = std::string("The bank has no damping of ") +
                          (lacks_alpha && lacks_beta ? "its own"
@@ -76,7 +92,7 @@ std::vector<Material> known_materials() {
 
 std::string material_name(const Material& bank, const MaterialScale& scale, const std::vector<Material>& known) {
   const auto fits = [&](const MaterialScale& s) {
-    return near(s.alpha, scale.alpha) && near(s.beta, scale.beta) && near(s.density, scale.density) &&
+    return near(s.alpha, scale.alpha) && near(s.beta, scale.beta) && near(s.heat, scale.heat) && near(s.density, scale.density) &&
            near(s.stiffness, scale.stiffness);
   };
   if (fits({})) return bank.name;

@@ -8,6 +8,7 @@
 #include "engine/bake/heard_modes.h"
 #include "engine/bake/sample_points.h"
 #include "engine/fem/error_estimate.h"
+#include "engine/fem/heat_flow.h"
 #include "engine/fem/shape_change.h"
 #include "engine/mesh/boundary.h"
 #include "engine/solve/eigensolver.h"
@@ -170,6 +171,23 @@ Result<SamplePoints> find_points(const Task& task, const std::vector<HeardMode>&
   return points;
 }
 
+bool heat_counts(const Task& task) {
+  return task.makeup.warming && fem::order_of(task.options.element) > 1;
+}
+
+// Adds how the heat of each mode relaxes, where the material says how it warms. In linear elements the pressure does not
+// follow a bent wall, so they have none.
+Result<void> add_heat(const Task& task, const Eigen::Ref<const Eigen::MatrixXd>& shapes, BodyModes& body,
+                      const Progress& progress) {
+  if (!heat_counts(task) || body.lambda.size() == 0) return {};
+  const double wall = measure_shape(task.mesh).thickness_m / task.units.length_m;
+  auto pairs = fem::heat_relaxations({task.unit_mesh, task.makeup.solid, task.makeup.heat, task.makeup.part_of, wall},
+                                     shapes, body.lambda, progress);
+  if (!pairs) return fail(pairs.error());
+  body.heat = std::move(*pairs);
+  return {};
+}
+
 Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, BakeReport& report,
                              const Progress& progress) {
   Stopwatch watch;
@@ -211,6 +229,8 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (!errors) return fail(errors.error());
   body.errors = *errors + rounding_of(*modes) * body.lambda.cwiseInverse();
   report.estimate_seconds = watch.lap();
+  if (auto heat = add_heat(task, elastic, body, progress); !heat) return fail(heat.error());
+  report.heat_seconds = watch.lap();
   body.complete_to = request.highest_lambda;
   body.verified = request.verify;
   body.unknowns = moving.unknowns();
@@ -248,7 +268,8 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   const NonlinearCache terms{ContentCache(task.options.cache)};
   if (kept && task.options.nonlinear > 0) kept->nonlinear = terms.find(*kept, task.options.nonlinear);
   if (kept && kept->errors.size() == kept->lambda.size() && (kept->verified || !request.verify) &&
-      (kept->nonlinear || task.options.nonlinear == 0)) {
+      (kept->nonlinear || task.options.nonlinear == 0) &&
+      (kept->heat.size() > 0 || kept->lambda.size() == 0 || !heat_counts(task))) {
     report.from_cache = true;
     return std::move(*kept);
   }
@@ -275,7 +296,9 @@ Eigen::VectorXd shape_errors(const Task& task, const Eigen::VectorXd& gaps_m, co
 
 LossOf loss_of(const Task& task, const BodyModes& modes) {
   return [&task, &modes](Eigen::Index m, double lambda, double air_per_s) {
-    return task.makeup.loss(modes.shares, task.units, m, lambda, air_per_s);
+    modal::ModeLoss loss = task.makeup.loss(modes.shares, task.units, m, lambda, air_per_s);
+    loss.heat_per_s = modal::heat_loss(task.makeup.relaxations(modes.heat, task.units, m), std::sqrt(lambda));
+    return loss;
   };
 }
 
@@ -325,6 +348,7 @@ Result<Sounding> modes_up_to(double top_hz, const Task& task, const Eigen::Vecto
   Sounding found{.modes = std::move(*modes), .heard = {}, .left_out = {}, .top_hz = top_hz};
   found.heard = modes_in_band(found.modes, task.units, loss_of(task, found.modes), {task.options.band_low_hz, top_hz},
                               found.left_out);
+  for (HeardMode& mode : found.heard) mode.heat = task.makeup.relaxations(found.modes.heat, task.units, mode.number);
   return found;
 }
 
@@ -357,11 +381,11 @@ Error no_mode(const std::string& name, const BakeOptions& options, std::optional
 
 Result<void> check_request(const modal::Material& material, const BakeOptions& options, const std::string& name) {
   if (auto good = check_options(options); !good) return good;
-  if (options.nonlinear > 0 && !options.makeup.plain()) {
+  if (options.nonlinear > 0 && !options.makeup.moves_freely()) {
     return fail(ErrorKind::bad_input,
                 name +
-                    ": nonlinear terms are found for free bodies of one material without grain; leave "
-                    "`nonlinear` out, or grain, parts, supports and masses");
+                    ": nonlinear terms are found for bodies of one material without grain that nothing holds stiffly; leave "
+                    "`nonlinear` out, or grain, parts, masses and supports with stiffness or mass");
   }
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good) return failed(material.name, good.error());
@@ -433,7 +457,7 @@ void describe_body(const Task& task, const Sounding& sounding, modal::Bank& bank
   bank.name = task.name;
   bank.material = task.material;
   if (!makeup.grain) bank.material->orthotropy.reset();
-  bank.held = !makeup.supports.empty();
+  bank.held = !std::ranges::all_of(makeup.supports, &Support::only_damps);
   bank.mass = task.units.mass(modes.mass);
   bank.provenance = {.generator = "Ringdown " RINGDOWN_VERSION,
                      .element = element_text(task.options.element),

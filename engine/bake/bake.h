@@ -54,6 +54,7 @@ struct BakeReport {
   std::vector<std::string> held;  // what holds the body, and on how large an area
   RadiationReport radiation;
   double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
+  double heat_seconds = 0;
   double radiation_seconds = 0, nonlinear_seconds = 0;
   std::vector<double> hardening;                 // own_hardening() of the modes that have nonlinear terms, by frequency
   std::vector<std::size_t> hardened;             // which of these the bank's terms are, in their order
@@ -71,7 +72,7 @@ struct Baked {
 // importance() but with inaudible ones last (audibility.h), and everything else that a bank holds. Shapes at the sample
 // points are those whose linear interpolation is nearest to the finite elements on the whole surface (sample_points.h);
 // the sign of each is chosen so that its largest component on the surface (the first of equals) is positive. Progress
-// stages: "assemble", "factors", "modes", "errors", "nonlinear", "radiation", "finish".
+// stages: "assemble", "factors", "modes", "errors", "heat", "nonlinear", "radiation", "finish".
 //
 // With a cache, a body whose shape, Poisson's ratio (or makeup) and element were solved before, up to the band's top or
 // higher, is not solved again: E, density, damping and size rescale exactly (body_modes.h). The bank is the same, byte

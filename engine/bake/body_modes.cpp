@@ -2,6 +2,7 @@
 
 #include "engine/base/byte_stream.h"
 #include "engine/dense/decompositions.h"
+#include "engine/fem/heat_flow.h"
 
 #include <Eigen/Geometry>
 
@@ -29,7 +30,8 @@ BodyModes up_to(BodyModes modes, double top) {
   modes.residuals.conservativeResize(count);
   modes.shapes.conservativeResize(Eigen::NoChange, count);
   if (modes.errors.size() > 0) modes.errors.conservativeResize(count);
-  for (Eigen::MatrixXd* share : {&modes.shares.strain, &modes.shares.motion, &modes.shares.springs}) {
+  for (Eigen::MatrixXd* share : {&modes.shares.strain, &modes.shares.motion, &modes.shares.springs, &modes.shares.points,
+                                 &modes.heat}) {
     if (share->size() > 0) share->conservativeResize(Eigen::NoChange, count);
   }
   modes.complete_to = std::min(modes.complete_to, top);
@@ -43,7 +45,7 @@ double characteristic_length(const mesh::Points& nodes) {
 namespace {
 
 constexpr std::string_view kModes = "modes", kExpected = "expected";
-constexpr int kFormat = 5;  // of an entry; raise it also when assembly, counting or the estimate give other results
+constexpr int kFormat = 6;  // of an entry; raise it also when assembly, counting or the estimate give other results
 constexpr double kGrid = 1 << 24, kGridOffset = 0.3819660113;  // off the halves that structured meshes sit on
 constexpr double kSameNode = 1e-13;
 
@@ -82,9 +84,11 @@ std::string packed(const mesh::Points& nodes, const BodyModes& modes) {
   out.put_list(numbers(nodes)).put_list(numbers(modes.lambda)).put_list(numbers(modes.shapes));
   out.put_list(numbers(modes.residuals)).put_list(numbers(modes.errors));
   out.put(modes.complete_to).put(modes.rigid).put(static_cast<int>(modes.verified)).put(modes.unknowns).put(modes.mass);
+  out.put_list(numbers(modes.heat));
   if (modes.shares.strain.size() > 0) {
     out.put(static_cast<std::uint64_t>(modes.shares.strain.rows())).put_list(numbers(modes.shares.strain));
     out.put_list(numbers(modes.shares.motion)).put_list(numbers(modes.shares.springs));
+    out.put_list(numbers(modes.shares.points));
   }
   return out.bytes();
 }
@@ -108,34 +112,39 @@ bool same_nodes(const std::vector<double>& kept, const mesh::Points& nodes) {
 bool read_shares(ByteReader& in, std::size_t modes, ModeShares& shares) {
   if (in.finished()) return true;
   std::uint64_t parts = 0;
-  std::vector<double> strain, motion, springs;
-  if (!in.get(parts) || !in.get_list(strain) || !in.get_list(motion) || !in.get_list(springs)) return false;
+  std::vector<double> strain, motion, springs, points;
+  if (!in.get(parts) || !in.get_list(strain) || !in.get_list(motion) || !in.get_list(springs) ||
+      !in.get_list(points))
+    return false;
   const bool whole = parts > 0 && modes > 0 && strain.size() == parts * modes && motion.size() == strain.size() &&
-                     springs.size() % (2 * modes) == 0;
+                     springs.size() % (2 * modes) == 0 && points.size() % modes == 0;
   if (!whole) return false;
   const auto matrix = [modes](const std::vector<double>& list) {
     const auto columns = static_cast<Eigen::Index>(modes);
     return Eigen::MatrixXd(
         Eigen::Map<const Eigen::MatrixXd>(list.data(), static_cast<Eigen::Index>(list.size()) / columns, columns));
   };
-  shares = {matrix(strain), matrix(motion), matrix(springs)};
-  return shares.strain.allFinite() && shares.motion.allFinite() && shares.springs.allFinite();
+  shares = {matrix(strain), matrix(motion), matrix(springs), matrix(points)};
+  return shares.strain.allFinite() && shares.motion.allFinite() && shares.springs.allFinite() &&
+         shares.points.allFinite();
 }
 
 std::optional<BodyModes> unpacked(std::string_view bytes, const BodyQuestion& question) {
   ByteReader in(bytes);
-  std::vector<double> nodes, lambda, shapes, residuals, errors;
+  std::vector<double> nodes, lambda, shapes, residuals, errors, heat;
   BodyModes modes;
   int verified = 0;
   if (!in.get_list(nodes) || !in.get_list(lambda) || !in.get_list(shapes) || !in.get_list(residuals) ||
       !in.get_list(errors) || !in.get(modes.complete_to) || !in.get(modes.rigid) || !in.get(verified) ||
-      !in.get(modes.unknowns) || !in.get(modes.mass) || !read_shares(in, lambda.size(), modes.shares) ||
+      !in.get(modes.unknowns) || !in.get(modes.mass) || !in.get_list(heat) ||
+      !read_shares(in, lambda.size(), modes.shares) ||
       !in.finished()) {
     return std::nullopt;
   }
-  const std::size_t rows = 3 * question.surface_nodes, count = lambda.size();
+  const std::size_t rows = 3 * question.surface_nodes, count = lambda.size(), pairs = 2 * fem::kHeatPairs;
   const bool whole = shapes.size() == rows * count && residuals.size() == count &&
-                     (errors.empty() || errors.size() == count) && is_ascending_above_zero(lambda);
+                     (errors.empty() || errors.size() == count) &&
+                     (heat.empty() || heat.size() == pairs * count) && is_ascending_above_zero(lambda);
   const bool has_shares = modes.shares.strain.size() > 0;
   if (!whole || has_shares == (question.makeup.empty() || count == 0)) return std::nullopt;
   if (!same_nodes(nodes, question.unit_mesh.nodes)) return std::nullopt;
@@ -148,7 +157,10 @@ std::optional<BodyModes> unpacked(std::string_view bytes, const BodyQuestion& qu
   modes.errors = vector(errors);
   modes.shapes = Eigen::Map<const Eigen::MatrixXd>(shapes.data(), static_cast<Eigen::Index>(rows),
                                                    static_cast<Eigen::Index>(count));
-  if (!modes.shapes.allFinite()) return std::nullopt;
+  if (!heat.empty())
+    modes.heat = Eigen::Map<const Eigen::MatrixXd>(heat.data(), static_cast<Eigen::Index>(pairs),
+                                                   static_cast<Eigen::Index>(count));
+  if (!modes.shapes.allFinite() || !modes.heat.allFinite()) return std::nullopt;
   return modes;
 }
 

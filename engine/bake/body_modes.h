@@ -38,6 +38,7 @@ struct BodyUnits {
 struct ModeShares {
   Eigen::MatrixXd strain, motion;  // parts x m: phi^T K phi, weighed by the part's losses, and phi^T M phi
   Eigen::MatrixXd springs;         // 2 supports x m: integrals of |phi|^2 along the normal, and across it
+  Eigen::MatrixXd points;          // held points x m: |phi|^2
 };
 
 struct BodyModes {
@@ -51,6 +52,7 @@ struct BodyModes {
   std::int64_t unknowns = 0;
   modal::MassProperties mass;  // of density 1
   ModeShares shares;
+  Eigen::MatrixXd heat;  // 2 fem::kHeatPairs x m (fem/heat_flow.h); or empty: it was not asked for
   std::optional<NonlinearModes> nonlinear;  // of the first modes, where they were asked for; not in the ModeCache
 };
 

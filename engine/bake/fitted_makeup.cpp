@@ -81,6 +81,25 @@ std::string place_text(const Place& place) {
   return place.box_m ? "box" : "plane";
 }
 
+void fit_heat(FittedMakeup& fitted) {
+  const auto warms = [](const modal::Material& material) { return material.thermal.has_value(); };
+  const auto found = std::ranges::find_if(fitted.materials, warms);
+  if (found == fitted.materials.end()) return;
+  fitted.warming = *found;
+  const double capacity = found->density_kg_m3 * found->thermal->heat_capacity_j_kgk;
+  for (const modal::Material& material : fitted.materials) {
+    constexpr double kInsulates = 1e-6;  // conductivity of a part that does not say it; 0 would leave it no equation
+    if (!material.thermal) {
+      fitted.heat.push_back({.expansion = 0, .conductivity = kInsulates});
+      continue;
+    }
+    const auto& [expansion_per_k, conductivity_w_mk, heat_capacity_j_kgk] = *material.thermal;
+    fitted.heat.push_back({expansion_per_k / found->thermal->expansion_per_k,
+                           conductivity_w_mk / found->thermal->conductivity_w_mk,
+                           material.density_kg_m3 * heat_capacity_j_kgk / capacity});
+  }
+}
+
 class Fitter {
  public:
   Fitter(const Makeup& makeup, const modal::Material& material, const mesh::TetMesh& mesh,
@@ -102,6 +121,7 @@ class Fitter {
       if (auto glued = glue(mass); !glued) return fail(glued.error());
     }
     fitted_.free_motions = fem::free_motions(mesh_, fitted_.holding);
+    fit_heat(fitted_);
     write_key();
     return std::move(fitted_);
   }
@@ -233,7 +253,21 @@ class Fitter {
     return ((point - a.cwiseMin(b)).array() >= -kOnPlace).all() && ((a.cwiseMax(b) - point).array() >= -kOnPlace).all();
   }
 
+  void touch(const Support& support) {
+    if (outer_.empty()) outer_ = mesh::outer_faces(mesh_.elements);
+    const double unit_kg = units_.density_kg_m3 * std::pow(units_.length_m, 3);
+    for (const Vec3& point_m : support.points_m) {
+      fem::HeldPoint point = fem::nearest_point(mesh_, outer_, to_eigen(point_m) / units_.length_m);
+      point.mass_kg = support.point_mass_kg / unit_kg;
+      fitted_.holding.points.push_back(point);
+      fitted_.point_damping_ns_m.push_back(support.point_damping_ns_m);
+    }
+    const std::size_t count = support.points_m.size();
+    fitted_.notes.push_back("touched at " + std::to_string(count) + (count == 1 ? " point" : " points"));
+  }
+
   Result<void> hold(const Support& support) {
+    if (support.kind == SupportKind::kPoints) return touch(support), Result<void>{};
     auto faces = faces_at(support.place);
     if (!faces) return fail(faces.error());
     const fem::Extent extent = fem::extent_of(mesh_, *faces);
@@ -258,6 +292,8 @@ class Fitter {
         fitted_.holding.layers.push_back({.faces = std::move(*faces),
                                           .normal_n_m3 = spring * support.stiffness_n_m3,
                                           .tangential_n_m3 = spring * support.stiffness_along_n_m3});
+        break;
+      case SupportKind::kPoints: break;
     }
     return {};
   }
@@ -286,6 +322,7 @@ class Fitter {
         if (law.stiffness_pa) key.put_list(std::span<const double>(law.stiffness_pa->data(), 36));
       }
     }
+    for (const fem::HeatRatios& part : fitted_.heat) key.put(part.expansion).put(part.conductivity).put(part.capacity);
     key.put_list(std::span<const std::int32_t>(fitted_.solid.law_of()));
     key.put_list(std::span<const std::int32_t>(fitted_.part_of));
     const auto put_faces = [&key](const std::vector<mesh::OuterFace>& faces) {
@@ -297,6 +334,10 @@ class Fitter {
     for (const fem::Layer& layer : fitted_.holding.layers) {
       put_faces(layer.faces);
       key.put(layer.normal_n_m3).put(layer.tangential_n_m3).put(layer.mass_kg_m2);
+    }
+    for (const fem::HeldPoint& point : fitted_.holding.points) {
+      key.put(static_cast<std::int64_t>(point.element)).put(point.mass_kg);
+      key.put_list(std::span<const double>(point.barycentric.data(), 4));
     }
     fitted_.key = key.bytes();
   }
@@ -312,6 +353,15 @@ class Fitter {
 
 }  // namespace
 
+bool Support::only_damps() const {
+  if (kind == SupportKind::kPoints) return point_mass_kg == 0;
+  return kind == SupportKind::kSprings && stiffness_n_m3 == 0 && stiffness_along_n_m3 == 0;
+}
+
+bool Makeup::moves_freely() const {
+  return !grain && parts.empty() && masses.empty() && std::ranges::all_of(supports, &Support::only_damps);
+}
+
 Makeup scaled(Makeup makeup, double scale) {
   const auto scale_grain = [scale](std::optional<Grain>& grain) {
     if (grain) grain->through_m = scale * grain->through_m;
@@ -322,7 +372,10 @@ Makeup scaled(Makeup makeup, double scale) {
   };
   scale_grain(makeup.grain);
   for (Part& part : makeup.parts) scale_grain(part.grain);
-  for (Support& support : makeup.supports) scale_place(support.place);
+  for (Support& support : makeup.supports) {
+    scale_place(support.place);
+    for (Vec3& point_m : support.points_m) point_m = scale * point_m;
+  }
   for (GluedMass& mass : makeup.masses) scale_place(mass.place);
   return makeup;
 }
@@ -334,6 +387,7 @@ Result<FittedMakeup> fit_makeup(const Makeup& makeup, const modal::Material& mat
   FittedMakeup plain{.solid = elastic, .lost = elastic};
   plain.materials = {material};
   plain.free_motions = 6 * pieces;
+  fit_heat(plain);
   return plain;
 }
 
@@ -347,11 +401,12 @@ ModeShares FittedMakeup::shares(const mesh::TetMesh& unit_mesh, const Eigen::Ref
   for (std::size_t k = 0; k < springs.size(); ++k)
     shares.springs.middleRows<2>(2 * static_cast<Eigen::Index>(k)) =
         fem::motion_on(unit_mesh, holding.layers[k], shapes);
+  shares.points = fem::motion_at(unit_mesh, holding.points, shapes);
   return shares;
 }
 
 // A part's material takes the share of the mode's energy that is in it, weighed by the loss of its directions; springs
-// take theirs, dampers c |v|^2 for each area, and Rayleigh's alpha goes with the part's share of the motion.
+// take theirs, dampers c |v|^2 for each area or at each point, and Rayleigh's alpha goes with the part's share of the motion.
 modal::ModeLoss FittedMakeup::loss(const ModeShares& shares, const BodyUnits& units, Eigen::Index m, double lambda,
                                    double air_per_s) const {
   if (key.empty()) return modal::mode_loss(materials.front().damping_law(), lambda, air_per_s);
@@ -374,7 +429,24 @@ modal::ModeLoss FittedMakeup::loss(const ModeShares& shares, const BodyUnits& un
     loss.support_per_s +=
         0.5 * support.damping_ns_m3 * (normal + along) + 0.5 * support.loss_factor * energy / std::sqrt(lambda);
   }
+  const double per_point = per_area / (units.length_m * units.length_m);
+  for (std::size_t k = 0; k < point_damping_ns_m.size(); ++k)
+    loss.support_per_s += 0.5 * point_damping_ns_m[k] * per_point * shares.points(static_cast<Eigen::Index>(k), m);
   return loss;
+}
+
+static_assert(modal::kRelaxations == fem::kHeatPairs);
+
+modal::ModeHeat FittedMakeup::relaxations(const Eigen::MatrixXd& pairs, const BodyUnits& units, Eigen::Index m) const {
+  modal::ModeHeat relaxations{};
+  if (!warming || pairs.size() == 0) return relaxations;
+  const modal::Thermal& thermal = *warming->thermal;
+  const double strength = modal::relaxation_strength(thermal, units.modulus_pa, warming->density_kg_m3);
+  const double rate = modal::diffusivity(thermal, warming->density_kg_m3) / (units.length_m * units.length_m);
+  for (int j = 0; j < modal::kRelaxations; ++j) {
+    if (pairs(2 * j, m) > 0) relaxations[j] = {strength * pairs(2 * j, m), 1 / (rate * pairs(2 * j + 1, m))};
+  }
+  return relaxations;
 }
 
 double FittedMakeup::highest_lambda(double band_high_hz) const {

@@ -84,11 +84,13 @@ void add_modes(modal::Bank& bank, const std::vector<HeardMode>& heard, const Eig
                const modal::Air* air) {
   if (air) bank.radiation = modal::BankRadiation{.air = *air};
   const bool doubtful = std::ranges::any_of(heard, [](const HeardMode& mode) { return !mode.radiation_doubt.empty(); });
+  const bool warms = std::ranges::any_of(heard, [](const HeardMode& mode) { return mode.loss.heat_per_s > 0; });
   for (std::size_t m = 0; m < heard.size(); ++m) {
     const HeardMode& mode = heard[m];
     bank.frequency_hz.push_back(mode.mode.frequency_hz);
     bank.decay_per_s.push_back(mode.mode.decay_per_s);
     bank.losses.push_back(mode.loss);
+    if (warms) bank.heat.push_back(mode.heat);
     bank.frequency_error.push_back(rounded_error(mode.frequency_error));
     const Eigen::VectorXf shape = shapes.col(static_cast<Eigen::Index>(m)).cast<float>();
     for (Eigen::Index row = 0; row < shape.size(); row += 3) {

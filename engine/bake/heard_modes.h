@@ -19,6 +19,7 @@ struct HeardMode {
   double lambda = 0;        // [rad^2/s^2]
   modal::DampedMode mode;
   modal::ModeLoss loss;
+  modal::ModeHeat heat{};
   double importance = 0;
   double frequency_error = 0;
   modal::FarField field;  // of the mode with sign_of() its shape; where it was computed

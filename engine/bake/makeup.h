@@ -36,15 +36,21 @@ enum class SupportKind {
   kClamped,  // nothing moves
   kSlides,   // flat; moves along itself only
   kSprings,  // rests on springs and dampers, spread over its area
+  kPoints,   // cords, felt or fingers touch it at points
 };
 
 struct Support {
   SupportKind kind = SupportKind::kClamped;
-  Place place;
+  Place place;                   // of all but points
+  std::vector<Vec3> points_m;    // of points: where they are, on the surface or near it
+  double point_damping_ns_m = 0; // of each point, in all directions
+  double point_mass_kg = 0;      // what moves with each point
   double stiffness_n_m3 = 0;        // along the normal: newtons for each metre and each square metre
   double stiffness_along_n_m3 = 0;  // along the surface
   double damping_ns_m3 = 0;         // in all directions
   double loss_factor = 0;           // of the springs
+  // True if the body moves as if it were free, but for what it loses.
+  [[nodiscard]] bool only_damps() const;
 };
 
 struct GluedMass {
@@ -67,6 +73,8 @@ struct Makeup {
   std::vector<Support> supports;
   std::vector<GluedMass> masses;
   [[nodiscard]] bool plain() const { return !grain && parts.empty() && supports.empty() && masses.empty(); }
+  // True if its modes are those of a free body of one isotropic material: what supports there are only damp it.
+  [[nodiscard]] bool moves_freely() const;
 };
 
 // The makeup of an object whose lengths are `scale` times as large.

@@ -1,6 +1,7 @@
 #include "engine/bake/makeup_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -10,6 +11,8 @@ namespace {
 
 constexpr Range kPlace_m{-1e6, 1e6}, kDirection{-1e6, 1e6};
 constexpr Range kStiffness_n_m3{0, 1e18}, kDamping_ns_m3{0, 1e12}, kSpringLoss{0, 2}, kMass_kg{1e-9, 1e6};
+constexpr Range kPointDamping_ns_m{0, 1e6}, kPointMass_kg{0, 1e3};
+constexpr std::size_t kMaxPoints = 1000;  // of one cord
 
 std::optional<Vec3> direction(TomlTable& table, const char* key) {
   if (!table.has(key)) return std::nullopt;
@@ -54,11 +57,44 @@ void read_place(TomlTable& table, Place& place) {
   if (place.plane && !(length((*place.plane)[1]) > 0)) table.complain("plane", "the plane's normal must have a length");
 }
 
+// What a word for a support stands for, spread over an area and at points. The figures of cords, felt, foam and hands
+// are our choice (docs/use/materials.md).
+struct SupportWord {
+  SupportKind kind = SupportKind::kSprings;
+  double damping_ns_m3 = 0, point_damping_ns_m = 0;  // 0: not at points
+};
+constexpr std::array<SupportWord, 7> kWords{{{SupportKind::kClamped},
+                                             {SupportKind::kSlides},
+                                             {SupportKind::kSprings},
+                                             {SupportKind::kPoints, 0, 1},
+                                             {SupportKind::kSprings, 2e3, 1},
+                                             {SupportKind::kSprings, 5e2, 0.3},
+                                             {SupportKind::kSprings, 2e4, 10}}};
+
+void read_points(TomlTable& table, Support& support) {
+  std::vector<double> numbers;
+  table.require({"points"});
+  table.numbers("points", numbers);
+  if (numbers.empty() || numbers.size() % 3 != 0 || numbers.size() > 3 * kMaxPoints)
+    table.complain("points", "points must be three numbers for each point, in metres, of 1 to 1000 points");
+  for (std::size_t i = 0; i + 2 < numbers.size(); i += 3)
+    support.points_m.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+  table.number("damping", support.point_damping_ns_m, kPointDamping_ns_m);
+  table.number("mass", support.point_mass_kg, kPointMass_kg);
+}
+
 Support read_support(TomlTable& table) {
-  Support support;
   table.require({"kind"});
-  const int kind = table.choice("kind", {"clamped", "slides", "springs"});
-  support.kind = static_cast<SupportKind>(std::max(kind, 0));
+  const int kind = table.choice("kind", {"clamped", "slides", "springs", "cord", "felt", "foam", "hand"});
+  const SupportWord& word = kWords[static_cast<std::size_t>(std::max(kind, 0))];
+  Support support{.kind = word.kind};
+  if (word.kind == SupportKind::kPoints || (word.point_damping_ns_m > 0 && table.has("points"))) {
+    support.kind = SupportKind::kPoints;
+    support.point_damping_ns_m = word.point_damping_ns_m;
+    read_points(table, support);
+    return support;
+  }
+  support.damping_ns_m3 = word.damping_ns_m3;
   read_place(table, support.place);
   table.number("stiffness", support.stiffness_n_m3, kStiffness_n_m3);
   support.stiffness_along_n_m3 = support.stiffness_n_m3;
@@ -67,7 +103,7 @@ Support read_support(TomlTable& table) {
   table.number("loss_factor", support.loss_factor, kSpringLoss);
   if (support.kind != SupportKind::kSprings) {
     for (const char* key : {"stiffness", "stiffness_along", "damping", "loss_factor"}) {
-      if (table.has(key)) table.complain(key, std::string(key) + " belongs to springs: kind = \"springs\"");
+      if (table.has(key)) table.complain(key, std::string(key) + " belongs to springs, felt, foam and hands");
     }
   }
   return support;

@@ -1,10 +1,13 @@
 #include "engine/fem/holding.h"
 
+#include "engine/base/triangle.h"
 #include "engine/dense/decompositions.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <numeric>
 
 namespace ringdown::fem {
@@ -176,6 +179,51 @@ void add_layers(const mesh::TetMesh& mesh, const Holding& holding, System& syste
   for (const Layer& layer : holding.layers) {
     for (const mesh::OuterFace& face : layer.faces) add_face(mesh, layer, face, system);
   }
+  for (const HeldPoint& point : holding.points) {
+    if (point.mass_kg == 0) continue;
+    const Eigen::VectorXd shape = mesh::interpolation(mesh.order(), point.barycentric);
+    const auto own = mesh.elements.row(point.element);
+    for (Eigen::Index b = 0; b < shape.size(); ++b) {
+      for (Eigen::Index a = 0; a < shape.size(); ++a) {
+        if (const double mass = point.mass_kg * shape[a] * shape[b]; mass != 0)
+          system.node_mass.coeffRef(own[a], own[b]) += mass;
+      }
+    }
+  }
+}
+
+HeldPoint nearest_point(const mesh::TetMesh& mesh, const std::vector<mesh::OuterFace>& faces,
+                        const Eigen::Vector3d& point) {
+  const auto vec3 = [](const Vector3d& v) { return Vec3{v[0], v[1], v[2]}; };
+  HeldPoint nearest;
+  double best = std::numeric_limits<double>::infinity();
+  for (const mesh::OuterFace& face : faces) {
+    std::array<Vec3, 3> corners;
+    const auto& turned = mesh::kTetFaces[face.opposite];
+    for (std::size_t i = 0; i < 3; ++i)
+      corners[i] = vec3(mesh.nodes.row(mesh.elements(face.element, turned[i])).transpose());
+    const std::array<double, 3> weights = nearest_on_triangle(vec3(point), corners);
+    const double distance = length(at_weights(corners, weights) - vec3(point));
+    if (distance >= best) continue;
+    best = distance;
+    nearest.element = face.element;
+    nearest.barycentric.setZero();
+    for (std::size_t i = 0; i < 3; ++i) nearest.barycentric[turned[i]] = weights[i];
+  }
+  return nearest;
+}
+
+Eigen::MatrixXd motion_at(const mesh::TetMesh& mesh, const std::vector<HeldPoint>& points,
+                          const Eigen::Ref<const Eigen::MatrixXd>& shapes) {
+  MatrixXd motion(static_cast<Eigen::Index>(points.size()), shapes.cols());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Eigen::VectorXd shape = mesh::interpolation(mesh.order(), points[k].barycentric);
+    MatrixXd moved = MatrixXd::Zero(3, shapes.cols());
+    for (Eigen::Index a = 0; a < shape.size(); ++a)
+      moved += shape[a] * shapes.middleRows<3>(3 * Eigen::Index{mesh.elements(points[k].element, a)});
+    motion.row(static_cast<Eigen::Index>(k)) = moved.colwise().squaredNorm();
+  }
+  return motion;
 }
 
 std::vector<std::int32_t> nodes_on(const mesh::TetMesh& mesh, const std::vector<mesh::OuterFace>& faces) {

@@ -1,4 +1,5 @@
-// The supports of a body: parts of its surface that are clamped, slide, or rest on springs, and masses glued on.
+// The supports of a body: parts of its surface that are clamped, slide, or rest on springs, masses glued on, and points
+// that cords touch.
 // [worker]
 //
 // A layer of springs adds to the stiffness, and a glued mass to the mass, for the shape functions N_a of a face:
@@ -29,10 +30,23 @@ struct Layer {
   std::optional<Eigen::Vector3d> direction = std::nullopt;  // unit vector that replaces the normal
 };
 
+// A point of the surface, and the mass that moves with it.
+struct HeldPoint {
+  Eigen::Index element = 0;
+  Eigen::Vector4d barycentric = Eigen::Vector4d::Zero();
+  double mass_kg = 0;
+};
+
 struct Holding {
   std::vector<mesh::OuterFace> clamped;
   std::vector<Layer> layers;
+  std::vector<HeldPoint> points;
 };
+
+// The point of the faces that is nearest to `point`, with the faces taken to be flat between their corners. There must
+// be a face.
+HeldPoint nearest_point(const mesh::TetMesh& mesh, const std::vector<mesh::OuterFace>& faces,
+                        const Eigen::Vector3d& point);
 
 // A point on an element's face, with its share of the face's area.
 struct FacePoint {
@@ -53,7 +67,7 @@ struct Extent {
 };
 Extent extent_of(const mesh::TetMesh& mesh, const std::vector<mesh::OuterFace>& faces);
 
-// Adds the layers to a system that assemble() made of `mesh`.
+// Adds the layers and the points' masses to a system that assemble() made of `mesh`.
 void add_layers(const mesh::TetMesh& mesh, const Holding& holding, System& system);
 
 // The numbers of the nodes on the faces, ascending.
@@ -69,6 +83,10 @@ int free_motions(const mesh::TetMesh& mesh, const Holding& holding);
 
 // For each mode, the integrals over the faces of (phi . n)^2 and of |phi|^2 - (phi . n)^2: 2 x m.
 Eigen::MatrixXd motion_on(const mesh::TetMesh& mesh, const Layer& layer,
+                          const Eigen::Ref<const Eigen::MatrixXd>& shapes);
+
+// |phi|^2 at each point for each mode: points x m.
+Eigen::MatrixXd motion_at(const mesh::TetMesh& mesh, const std::vector<HeldPoint>& points,
                           const Eigen::Ref<const Eigen::MatrixXd>& shapes);
 
 }  // namespace ringdown::fem

@@ -178,7 +178,9 @@ std::vector<Mode> as_recorded(std::span<const Mode> recording, const modal::Bank
   for (const Match& match : calibration.matches) {
     const double lambda =
         tuning * tuning * modal::undamped_lambda({bank.frequency_hz[match.baked], bank.decay_per_s[match.baked]});
-    const modal::DampedMode baked = modal::damp(lambda, calibration.damping);
+    const double frequency_hz = modal::rad_per_s_to_hz(std::sqrt(lambda));
+    const modal::DampedMode baked =
+        modal::with_decay(lambda, fitted_loss(calibration, bank, match.baked, frequency_hz).total_per_s());
     const auto nearest = std::ranges::min_element(
         recording, {}, [&](const Mode& mode) { return std::abs(mode.frequency_hz - baked.frequency_hz); });
     if (nearest == recording.end()) continue;

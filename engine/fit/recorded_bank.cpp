@@ -5,16 +5,22 @@
 #include "engine/modal/hearing/loudness.h"
 #include "engine/modal/mode_choice.h"
 
+#include <Eigen/Core>
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstdio>
+#include <limits>
 #include <numeric>
+#include <optional>
+#include <string>
 #include <utility>
 
 // Calibration in three steps: the common factor between recorded and baked frequencies, the pairs that agree after it,
-// and alpha and beta from the decays of the pairs by weighted least squares, repeated while the weights of outliers
-// fall.
+// and loss factors from the decays of the pairs by weighted least squares, repeated while the weights of outliers fall.
 namespace ringdown::fit {
 namespace {
 
@@ -84,30 +90,107 @@ double find_tuning(std::span<const Mode> recorded, const Sorted& baked, const Ca
   return best;
 }
 
-struct Point {
-  double lambda, decay, weight;
-};
-
-// Minimises the sum of (d - alpha/2 - beta lambda/2)^2 weight, with alpha and beta at least 0.
-modal::RayleighDamping solve(const std::vector<Point>& points) {
-  double w = 0, wl = 0, wll = 0, wd = 0, wld = 0;
-  for (const Point& p : points) {
-    w += p.weight, wl += p.weight * p.lambda, wll += p.weight * p.lambda * p.lambda;
-    wd += p.weight * p.decay, wld += p.weight * p.lambda * p.decay;
-  }
-  const double determinant = w * wll - wl * wl;
-  if (determinant > 1e-9 * w * wll) {
-    const double alpha = 2 * (wll * wd - wl * wld) / determinant, beta = 2 * (w * wld - wl * wd) / determinant;
-    if (alpha >= 0 && beta >= 0) return {alpha, beta};
-  }
-  // Otherwise either alpha or beta is 0, whichever fits better.
-  const double gain_of_alpha = wd * wd / w, gain_of_beta = wld * wld / wll;
-  return gain_of_alpha > gain_of_beta ? modal::RayleighDamping{2 * wd / w, 0}
-                                      : modal::RayleighDamping{0, 2 * wld / wll};
+// What air, heat and supports take of a mode [1/s]. Rayleigh's alpha is no such loss: it is fitted anew.
+modal::ModeLoss other_losses(const modal::Bank& bank, std::size_t m) {
+  if (bank.losses.empty()) return {};
+  modal::ModeLoss loss = bank.losses[m];
+  loss.material_per_s = 0;
+  if (!bank.material || bank.material->loss_factors.empty()) loss.support_per_s = 0;
+  return loss;
 }
 
-double fitted(const modal::RayleighDamping& damping, double lambda) {
-  return 0.5 * (damping.alpha_per_s + damping.beta_s * lambda);
+// The logarithm of a measured loss factor, and what it is worth.
+struct Point {
+  double log_f, log_eta, error, weight;
+};
+
+// log eta at one to three frequencies, straight between them.
+struct Law {
+  std::vector<double> log_f, log_eta, error;
+
+  // The shares of the frequencies at a point: they sum to 1, and at most two are not 0.
+  [[nodiscard]] Eigen::Vector3d shares(double at) const {
+    const auto above = std::ranges::upper_bound(log_f, at) - log_f.begin();
+    if (above == 0) return Eigen::Vector3d::Unit(0);
+    if (above == std::ssize(log_f)) return Eigen::Vector3d::Unit(above - 1);
+    const double share = (at - log_f[above - 1]) / (log_f[above] - log_f[above - 1]);
+    return (1 - share) * Eigen::Vector3d::Unit(above - 1) + share * Eigen::Vector3d::Unit(above);
+  }
+  [[nodiscard]] double at(double place) const {
+    const Eigen::Vector3d shares = this->shares(place);
+    double sum = 0;
+    for (std::size_t k = 0; k < log_f.size(); ++k) sum += shares[static_cast<Eigen::Index>(k)] * log_eta[k];
+    return sum;
+  }
+};
+
+// Equal steps in pitch from the lowest point to the highest; the middle alone where there is one.
+Law law_of(const std::vector<Point>& points, int count) {
+  const auto [low, high] = std::ranges::minmax(points, {}, &Point::log_f);
+  Law law;
+  for (int k = 0; k < count; ++k)
+    law.log_f.push_back(low.log_f + (high.log_f - low.log_f) * (count == 1 ? 0.5 : k / (count - 1.0)));
+  law.log_eta.resize(law.log_f.size());
+  law.error.resize(law.log_f.size());
+  return law;
+}
+
+// Weighted least squares; false where the points do not determine it.
+bool solve(const std::vector<Point>& points, Law& law) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (Eigen::Index k = std::ssize(law.log_f); k < 3; ++k) normal(k, k) = 1;  // frequencies that there are not
+  for (const Point& p : points) {
+    const Eigen::Vector3d shares = law.shares(p.log_f);
+    const double weight = p.weight / (p.error * p.error);
+    normal += weight * shares * shares.transpose();
+    right += weight * p.log_eta * shares;
+  }
+  if (!(normal.diagonal().minCoeff() > 0)) return false;
+  const Eigen::Matrix3d covariance = normal.inverse();
+  const Eigen::Vector3d solved = covariance * right;
+  if (!solved.allFinite()) return false;
+  for (std::size_t k = 0; k < law.log_f.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    law.log_eta[k] = solved[row];
+    law.error[k] = std::sqrt(std::max(covariance(row, row), 0.0));
+  }
+  return true;
+}
+
+double median_off(const std::vector<Point>& points, const Law& law) {
+  std::vector<double> sizes;
+  for (const Point& p : points) sizes.push_back(std::abs(p.log_eta - law.at(p.log_f)));
+  return median(std::move(sizes));
+}
+
+// Iteratively reweighted least squares with Tukey's biweight: a mode counts less the further it lies from the law
+// fitted before, in units of the spread of all modes (the median of the absolute deviations, scaled to a standard
+// deviation), and not at all beyond 4.685 units. A mode that was matched wrongly, or damped by the hand that held the
+// object, therefore does not distort the loss factors. Returns the standard deviation of those that count.
+std::optional<double> fit_law(std::vector<Point>& points, Law& law) {
+  constexpr double kMinSpread = 0.02, kBiweight = 4.685, kFromMad = 1.4826;
+  constexpr int kRounds = 30;
+  for (int round = 0; round < kRounds; ++round) {
+    if (!solve(points, law)) return std::nullopt;
+    const double spread = std::max(kFromMad * median_off(points, law), kMinSpread);
+    for (Point& p : points) {
+      const double x = (p.log_eta - law.at(p.log_f)) / (kBiweight * spread);
+      p.weight = std::abs(x) < 1 ? std::pow(1 - x * x, 2) : 0;
+    }
+  }
+  double square = 0, count = 0;
+  for (const Point& p : points) {
+    if (p.weight > 0) square += std::pow(p.log_eta - law.at(p.log_f), 2), ++count;
+  }
+  return std::sqrt(square / std::max(count, 1.0));
+}
+
+// Akaike's criterion with its correction for few points; infinite where they are too few.
+double criterion(double spread, double points, double figures) {
+  constexpr double kLeastSpread = 0.01;
+  if (points < figures + 3) return std::numeric_limits<double>::infinity();
+  return 2 * points * std::log(std::max(spread, kLeastSpread)) + 2 * figures * points / (points - figures - 1);
 }
 
 }  // namespace
@@ -116,10 +199,17 @@ std::size_t Calibration::used() const {
   return static_cast<std::size_t>(std::ranges::count(matches, true, &Match::used));
 }
 
-// Iteratively reweighted least squares with Tukey's biweight: a mode counts less the further its decay lies from the
-// law fitted before, in units of the spread of all modes (the median of the absolute deviations, scaled to a standard
-// deviation), and not at all beyond 4.685 units. A mode that was matched wrongly, or damped by the hand that held the
-// object, therefore does not distort alpha and beta. Deviations are those of the decays' logarithms.
+std::string Calibration::text() const {
+  std::string text;
+  for (std::size_t k = 0; k < loss_factors.size(); ++k) {
+    char one[96];
+    std::snprintf(one, sizeof one, "%s%.3g +- %.2g %% at %.4g Hz", k > 0 ? ", " : "", loss_factors[k].eta,
+                  100 * loss_errors[k], loss_factors[k].frequency_hz);
+    text += one;
+  }
+  return text;
+}
+
 Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank& bank,
                               const CalibrateOptions& options) {
   const Sorted baked(bank);
@@ -132,56 +222,63 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
                                           std::to_string(kMinMatches) +
                                           " are needed: is it the same object? --tolerance takes more");
   }
-  // Relative errors of the estimate, and of the law, which is accurate to about 5 % at best.
-  constexpr double kOfTheLaw = 0.05, kMinSpread = 0.02, kBiweight = 4.685, kFromMad = 1.4826;
-  constexpr int kRounds = 30;
-  std::vector<double> off(result.matches.size(), 0), tukey(result.matches.size(), 1);
-  for (int round = 0; round < kRounds; ++round) {
-    std::vector<Point> points;
-    for (std::size_t i = 0; i < result.matches.size(); ++i) {
-      const Mode& mode = recorded[result.matches[i].recorded];
-      // The weight follows from the fitted decay. With the measured one, modes measured too long would count too much.
-      const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
-      const double expected = round == 0 ? mode.decay_per_s : fitted(result.damping, lambda);
-      const double error = std::hypot(mode.decay_error_per_s, kOfTheLaw * expected);
-      points.push_back({lambda, mode.decay_per_s, tukey[i] / (error * error)});
-    }
-    result.damping = solve(points);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      off[i] = std::log(points[i].decay / fitted(result.damping, points[i].lambda));
-    }
-    std::vector<double> sizes;
-    for (const double o : off) sizes.push_back(std::abs(o));
-    const double spread = std::max(kFromMad * median(std::move(sizes)), kMinSpread);
-    for (std::size_t i = 0; i < off.size(); ++i) {
-      const double x = off[i] / (kBiweight * spread);
-      tukey[i] = std::abs(x) < 1 ? std::pow(1 - x * x, 2) : 0;
-    }
+  // Relative errors of the estimate, and of the law, which is accurate to about 5 % at best. Where the others take all
+  // but a fifth of a decay or more than that, a fifth is the material's, to within itself.
+  constexpr double kOfTheLaw = 0.05, kLeastShare = 0.2;
+  std::vector<Point> points;
+  for (const Match& pair : result.matches) {
+    const Mode& mode = recorded[pair.recorded];
+    const double others = other_losses(bank, pair.baked).total_per_s();
+    const double material = std::max(mode.decay_per_s - others, kLeastShare * mode.decay_per_s);
+    const double omega = std::sqrt(modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s}));
+    double error = std::hypot(mode.decay_error_per_s, kOfTheLaw * mode.decay_per_s) / material;
+    if (mode.decay_per_s - others < material) error += 1;
+    points.push_back({std::log(modal::rad_per_s_to_hz(omega)), std::log(2 * material / omega), error, 1});
   }
-  double square = 0;
-  for (std::size_t i = 0; i < off.size(); ++i) {
-    result.matches[i].used = tukey[i] > 0;
-    if (tukey[i] > 0) square += off[i] * off[i];
+  double best = std::numeric_limits<double>::infinity();
+  for (int figures = 1; figures <= 3; ++figures) {
+    Law law = law_of(points, figures);
+    const auto spread = fit_law(points, law);
+    if (!spread) break;
+    const double score = criterion(*spread, static_cast<double>(points.size()), figures);
+    if (figures > 1 && !(score < best)) continue;
+    best = score;
+    result.loss_factors.clear();
+    for (std::size_t k = 0; k < law.log_f.size(); ++k)
+      result.loss_factors.push_back({std::exp(law.log_f[k]), std::exp(law.log_eta[k])});
+    result.loss_errors = law.error;
+    result.spread = std::expm1(*spread);
+    for (std::size_t i = 0; i < points.size(); ++i) result.matches[i].used = points[i].weight > 0;
   }
-  result.spread = std::expm1(std::sqrt(square / static_cast<double>(std::max<std::size_t>(result.used(), 1))));
   return result;
 }
 
-modal::Bank with_damping(const modal::Bank& bank, const modal::RayleighDamping& damping) {
+modal::ModeLoss fitted_loss(const Calibration& calibration, const modal::Bank& bank, std::size_t baked,
+                            double frequency_hz) {
+  modal::ModeLoss loss = other_losses(bank, baked);
+  loss.material_per_s = 0.5 * modal::hz_to_rad_per_s(frequency_hz) *
+                        modal::loss_factor_at(calibration.loss_factors, frequency_hz);
+  return loss;
+}
+
+modal::Bank with_losses(const modal::Bank& bank, const Calibration& calibration) {
   modal::Bank result = bank;
   result.losses.clear();
   std::vector<std::size_t> ringing;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    const modal::DampedMode mode =
-        modal::damp(modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]}), damping);
+    const double lambda = modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
+    const modal::ModeLoss loss =
+        fitted_loss(calibration, bank, m, modal::rad_per_s_to_hz(std::sqrt(lambda)));
+    const modal::DampedMode mode = modal::with_decay(lambda, loss.total_per_s());
+    result.losses.push_back(loss);
     result.frequency_hz[m] = mode.frequency_hz;
     result.decay_per_s[m] = mode.decay_per_s;
     if (mode.frequency_hz > 0) ringing.push_back(m);
   }
   modal::take_modes(result, ringing);
   if (result.material) {
-    result.material->damping = damping;
-    result.material->loss_factors.clear();
+    result.material->damping = modal::fit_rayleigh_to_list(calibration.loss_factors);
+    result.material->loss_factors = calibration.loss_factors;
   }
   return result;
 }

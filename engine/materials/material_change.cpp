@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace ringdown::bake {
@@ -42,14 +43,33 @@ double share_of_loss(const modal::Material& from, const modal::Bank& bank, std::
   return std::abs(share - 1) > kRounding ? share : 1;
 }
 
-// The losses of the mode in another material. The loss to air and support together scales as the two materials' alphas:
-// a bank whose support takes more than its material says keeps that ratio.
-modal::ModeLoss loss_in(const modal::Material& from, const modal::Material& to, const modal::Bank& bank, std::size_t m,
+// The relaxations of the mode in another material of the same Poisson's ratio; none where one of the two does not say
+// how it warms.
+modal::ModeHeat heat_in(const modal::Material& from, const modal::Material& to, const modal::Bank& bank, std::size_t m,
                         const modal::MaterialScale& scale) {
+  if (bank.heat.empty() || !from.thermal || !to.thermal) return {};
+  const double strength =
+      modal::relaxation_strength(*to.thermal, to.youngs_modulus_pa, to.density_kg_m3) /
+      modal::relaxation_strength(*from.thermal, from.youngs_modulus_pa, from.density_kg_m3);
+  const double time = scale.size * scale.size * modal::diffusivity(*from.thermal, from.density_kg_m3) /
+                      modal::diffusivity(*to.thermal, to.density_kg_m3);
+  return modal::multiplied(bank.heat[m], strength, time);
+}
+
+// The losses of the mode in another material. The loss to air and support together scales as the two materials' alphas:
+// a bank whose support takes more than its material says keeps that ratio. What supports take of a material without
+// alpha follows the body's size and density alone.
+modal::ModeLoss loss_in(const modal::Material& from, const modal::Material& to, const modal::Bank& bank, std::size_t m,
+                        const modal::MaterialScale& scale, const modal::ModeHeat& heat) {
   modal::ModeLoss loss =
       modal::mode_loss(to.damping_law(), lambda_of(bank, m, scale), modal::rescaled_air_loss(bank, m, scale));
   loss.material_per_s *= share_of_loss(from, bank, m);
+  loss.heat_per_s = modal::heat_loss(heat, std::sqrt(lambda_of(bank, m, scale)));
   const modal::ModeLoss baked = modal::loss_of(bank, m);
+  if (!from.loss_factors.empty()) {
+    loss.support_per_s += baked.support_per_s / (scale.density * scale.size);
+    return loss;
+  }
   const double alpha = alpha_of(from), wanted_alpha = alpha_of(to);
   const double taken = baked.support_per_s + std::min(baked.air_per_s, 0.5 * alpha);
   const double wanted = alpha > 0 ? taken * (wanted_alpha / alpha) : taken + 0.5 * wanted_alpha;
@@ -89,11 +109,14 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   modal::Bank& out = changed.bank;
   const modal::Loudness loudness(bank);
   std::vector<modal::DampedMode> modes;
+  std::vector<modal::ModeHeat> heat;
   std::vector<modal::ModeLoss> losses;
   std::vector<double> weights;
   std::vector<std::size_t> order;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    losses.push_back(change.material ? loss_in(from, to, bank, m, scale) : modal::rescaled_loss(bank, m, scale));
+    heat.push_back(change.material ? heat_in(from, to, bank, m, scale) : modal::rescaled_heat(bank, m, scale));
+    losses.push_back(change.material ? loss_in(from, to, bank, m, scale, heat[m])
+                                     : modal::rescaled_loss(bank, m, scale));
     modes.push_back(modal::with_decay(lambda_of(bank, m, scale), losses[m].total_per_s()));
     const double pressure_pa = loudness.pressure_pa(bank, m, scale, modes[m].frequency_hz);
     weights.push_back(importance(modes[m], pressure_pa, rms_shape(bank, m)));
@@ -110,6 +133,7 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
     if (!bank.losses.empty()) out.losses[m] = losses[m];
     if (bank.radiation) out.radiation->maps.modes[m] = modal::rescale(bank.radiation->maps.modes[m], scale);
   }
+  if (!bank.heat.empty()) out.heat = std::move(heat);
   for (modal::Vec3f& s : out.shapes) s = {shape * s[0], shape * s[1], shape * s[2]};
   if (out.radiation) out.radiation->maps.origin_m = scale.size * out.radiation->maps.origin_m;
   if (out.nonlinear) modal::rescale(*out.nonlinear, scale);

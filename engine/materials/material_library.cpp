@@ -25,6 +25,10 @@ constexpr Range kAlpha_per_s{0, 1e6};
 constexpr Range kBeta_s{0, 1};
 constexpr Range kFrequency_hz{1e-3, 1e9};
 constexpr Range kLossFactor{1e-12, 10};
+constexpr Range kUncertainty{1, 100};
+constexpr Range kExpansion_per_k{1e-9, 1e-2};
+constexpr Range kConductivity_w_mk{1e-3, 1e4};
+constexpr Range kHeatCapacity_j_kgk{10, 1e4};
 
 // One figure of a material: its key in a file, and how a table writes it.
 struct Figure {
@@ -52,6 +56,12 @@ Result<void> check_stable(const modal::Material& material) {
   return fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
 }
 
+std::array<Figure, 3> figures_of(modal::Thermal& thermal) {
+  return {{{"expansion_per_k", thermal.expansion_per_k, kExpansion_per_k, 1e-6},
+           {"conductivity_w_mk", thermal.conductivity_w_mk, kConductivity_w_mk},
+           {"heat_capacity_j_kgk", thermal.heat_capacity_j_kgk, kHeatCapacity_j_kgk}}};
+}
+
 void read_figure(TomlTable& file, const Figure& wanted, MaterialEntry& entry) {
   const auto& [key, target, range, unit] = wanted;
   file.require({key});
@@ -72,9 +82,9 @@ std::string source_of_fit(const MaterialEntry& entry, const std::set<std::string
                   point.frequency_hz);
     text += part;
   }
-  char off[64];
+  char off[96];
   std::snprintf(off, sizeof off,
-                ", which it misses by at most %.0f %%: ", 100 * modal::worst_error(entry.material.damping, factors));
+                " at the octaves from 125 Hz to 8 kHz, and off by at most %.0f %% in the list: ", 100 * modal::worst_error(entry.material.damping, factors));
   text += off;
   for (const std::string& source : sources) text += (source == *sources.begin() ? "" : "; ") + source;
   return text;
@@ -99,14 +109,12 @@ void read_loss_factors(TomlTable& file, MaterialEntry& entry) {
   }
   if (factors.size() > modal::kMaxLossFactors)
     file.complain("loss_factor", "at most " + std::to_string(modal::kMaxLossFactors) + " loss factors can be given");
-  if (factors.size() < 2 || factors.front().frequency_hz == factors.back().frequency_hz)
-    file.complain("loss_factor", "give the loss factor at two different frequencies at least");
   const auto same = std::ranges::adjacent_find(factors, {}, &modal::LossFactor::frequency_hz);
   if (same != factors.end())
     file.complain("loss_factor", "give one loss factor at each frequency; there are two at " +
                                      number_text(same->frequency_hz) + " Hz");
   if (factors.empty()) return;
-  const modal::RayleighDamping fitted = entry.material.damping = modal::fit_rayleigh(factors);
+  const modal::RayleighDamping fitted = entry.material.damping = modal::fit_rayleigh_to_list(factors);
   if (!kAlpha_per_s.holds(fitted.alpha_per_s) || !kBeta_s.holds(fitted.beta_s))
     file.complain("loss_factor", "no alpha up to 1e6 1/s and beta up to 1 s fit these loss factors");
   entry.sources["alpha_per_s"] = entry.sources["beta_s"] = source_of_fit(entry, sources);
@@ -129,6 +137,11 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
     if (!(curve && damping)) read_figure(*file, figure, entry);
   }
   if (curve) read_loss_factors(*file, entry);
+  file->number("uncertainty", entry.uncertainty, kUncertainty);
+  if (std::optional<TomlTable> thermal = file->table("thermal")) {
+    material.thermal.emplace();
+    for (const Figure& figure : figures_of(*material.thermal)) read_figure(*thermal, figure, entry);
+  }
   read_grain_constants(*file, material.orthotropy, entry.sources);
   if (auto good = file->finish(); !good) return fail(good.error());
   if (const auto stable = check_stable(material); !stable)
@@ -148,6 +161,15 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
       material.loss_factors.clear();
     return check_stable(material);
   }
+  if (key == "loss_factor") {
+    if (auto good = check_range(value, kLossFactor); !good)
+      return fail(good.error().kind, key + ": " + good.error().message);
+    constexpr double kAnywhere_hz = 1000;
+    material.loss_factors = {{kAnywhere_hz, value}};
+    material.damping = modal::fit_rayleigh_to_list(material.loss_factors);
+    return {};
+  }
+  known += ", loss_factor";
   if (auto set = set_grain_constant(material, key, value)) return *set;
   if (material.orthotropy) {
     for (const GrainFigure& figure : grain_figures(*material.orthotropy)) known += std::string(", ") + figure.key;

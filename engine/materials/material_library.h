@@ -6,15 +6,19 @@
 //   value = 100e9
 //   source = "where the figure is from, or that it is our choice and why"
 //
-// Every figure has a source. Rayleigh's alpha and beta are seldom published: most are fitted to a loss factor
-// eta at one frequency by beta = eta / omega, which the source then says. Where it is known at several frequencies,
-// they stand in the file instead of alpha and beta, and each mode gets the loss factor of its own frequency
-// (modal/losses.h); alpha and beta are fitted to them (modal/damping.h) for readers that know no others:
+// Every figure has a source. What a material loses stands in the file as its loss factor eta at one frequency or more,
+// and each mode gets that of its own frequency (modal/losses.h); a list of one holds everywhere. Alpha and beta are
+// fitted to the list for readers that know no others. A file may give Rayleigh's two constants instead, as the course
+// report of 2011 does; then a mode's loss grows with the square of its frequency, which is seldom so.
 //
-//   [[loss_factor]]          # two at least, at different frequencies
+//   uncertainty = 2          # the factor within which an alloy or a piece may lie, 1 at least; of the loss factors
+//   [[loss_factor]]          # without what flows as heat
 //   frequency_hz = 250
 //   eta = 0.01
 //   source = "where the figure is from"
+//   [thermal.expansion_per_k]             # and conductivity_w_mk, heat_capacity_j_kgk: how it warms, from which the
+//   value = 11.7e-6                       # loss to heat is computed; without them there is none
+//   source = "..."
 //
 // A material with a grain says as well what it is along it and across (modal/orthotropy.h), for objects that give their
 // grain (object_file.h): nine figures in [orthotropic], or five in [transversely_isotropic], which is alike in all
@@ -51,6 +55,7 @@ inline constexpr std::string_view kToBeChecked = "to be checked against the orig
 struct MaterialEntry {
   modal::Material material;
   std::string description;
+  double uncertainty = 0;  // factor of the loss factors, at least 1; 0: not given
   std::map<std::string, std::string> sources;  // key of the figure -> where it is from
 };
 
@@ -61,8 +66,9 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path);
 // `folder`/`name`.toml; when there is none, the error lists those that are there.
 Result<MaterialEntry> find_material(const std::filesystem::path& folder, const std::string& name);
 
-// Another value for the figure of that key in a material's file; refused when it is out of its range there. With
-// alpha_per_s or beta_s a list of loss factors no longer counts.
+// Another value for the figure of that key in a material's file; refused when it is out of its range there.
+// "loss_factor" replaces the list by one that holds at all frequencies; with alpha_per_s or beta_s a list no longer
+// counts.
 Result<void> set_figure(modal::Material& material, const std::string& key, double value);
 
 // The second table of docs/use/materials.md: the constants along the grain and across, of the materials that have them.

@@ -5,7 +5,8 @@
 //
 //   frequency_hz   M      damped, in (0, inf)                    [Hz]
 //   decay_per_s    M      amplitude decay, in [0, inf)           [1/s]
-//   losses         M      decay split into material, air, support [1/s]; empty when unknown
+//   losses         M      decay split into material, heat, air, support [1/s]; empty when unknown
+//   heat           M      relaxations of the heat that flows in the body; empty when unknown or when none counts
 //   positions      P x 3  object frame                           [m]
 //   shapes         M x P x 3, mode-major: shape(m, p) is the mass-normalised displacement of point p in mode m
 //                                                                [kg^-1/2]; between points it is interpolated linearly
@@ -46,6 +47,7 @@ struct Material {
   double density_kg_m3 = 0;
   RayleighDamping damping;
   std::vector<LossFactor> loss_factors = {};  // by ascending frequency; empty: unknown, else `damping` is their fit
+  std::optional<Thermal> thermal = {};           // absent: how it warms is not known
   std::optional<Orthotropy> orthotropy = {};  // if a bank has it, its modes are those of this solid, not the isotropic
   [[nodiscard]] MaterialDamping damping_law() const { return {damping, loss_factors}; }
 };
@@ -92,6 +94,7 @@ struct Bank {
   std::vector<double> frequency_hz;
   std::vector<double> decay_per_s;
   std::vector<ModeLoss> losses;
+  std::vector<ModeHeat> heat;
   std::optional<BankRadiation> radiation;
   std::optional<NonlinearTerms> nonlinear;
   std::vector<double> frequency_error, shape_error;

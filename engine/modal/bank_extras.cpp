@@ -51,21 +51,45 @@ std::vector<double> read_numbers(const JsonPlace& list, std::size_t modes) {
   return numbers;
 }
 
-// Returns an empty list, without which the bank still plays, unless every mode has three parts that add up to its
-// decay.
+// Returns an empty list, without which the bank still plays, unless every mode has parts that add up to its decay. A
+// part that is missing from the file, air or heat, is 0.
 std::vector<ModeLoss> read_losses(const JsonPlace& field, const std::vector<double>& decay_per_s) {
   constexpr double kRounding = 1e-5;
   const std::vector<double> material = read_numbers(field["material"], decay_per_s.size()),
                             support = read_numbers(field["support"], decay_per_s.size());
-  std::vector<double> air = read_numbers(field["air"], decay_per_s.size());
-  if (!field["air"].present()) air.assign(decay_per_s.size(), 0.0);
-  if (material.empty() || support.empty() || air.empty()) return {};
+  const auto or_none = [&](const char* key) {
+    if (field[key].present()) return read_numbers(field[key], decay_per_s.size());
+    return std::vector<double>(decay_per_s.size(), 0.0);
+  };
+  const std::vector<double> air = or_none("air"), heat = or_none("heat");
+  if (material.empty() || support.empty() || air.empty() || heat.empty()) return {};
   std::vector<ModeLoss> losses;
   for (std::size_t m = 0; m < decay_per_s.size(); ++m) {
-    losses.push_back({.material_per_s = material[m], .air_per_s = air[m], .support_per_s = support[m]});
+    losses.push_back({.material_per_s = material[m],
+                      .air_per_s = air[m],
+                      .support_per_s = support[m],
+                      .heat_per_s = heat[m]});
     if (std::abs(losses[m].total_per_s() - decay_per_s[m]) > kRounding * decay_per_s[m]) return {};
   }
   return losses;
+}
+
+// Returns an empty list unless every mode has a strength and a time [s] for each of its relaxations.
+std::vector<ModeHeat> read_heat(const JsonPlace& list, std::size_t modes) {
+  constexpr std::size_t kNumbers = 2 * kRelaxations;
+  const std::vector<double> numbers = read_numbers(list, kNumbers * modes);
+  std::vector<ModeHeat> heat(numbers.size() / kNumbers);
+  for (std::size_t i = 0; i < numbers.size(); i += 2)
+    heat[i / kNumbers][i % kNumbers / 2] = {.strength = numbers[i], .time_s = numbers[i + 1]};
+  return heat;
+}
+
+// Returns nothing unless all three figures are there and above 0.
+std::optional<Thermal> read_thermal(const JsonPlace& field) {
+  const auto figure = [&field](const char* key) { return field[key].number().value_or(0); };
+  const Thermal thermal{figure("expansion"), figure("conductivity"), figure("heatCapacity")};
+  const bool whole = thermal.expansion_per_k > 0 && thermal.conductivity_w_mk > 0 && thermal.heat_capacity_j_kgk > 0;
+  return whole ? std::optional(thermal) : std::nullopt;
 }
 
 // Returns an empty list unless all elements are pairs of an ascending frequency > 0 and a loss factor > 0.
@@ -85,14 +109,28 @@ std::vector<LossFactor> read_loss_factors(const JsonPlace& list) {
 
 Json losses_json(const std::vector<ModeLoss>& losses) {
   Json json;
-  bool air = false;
+  bool air = false, heat = false;
   for (const ModeLoss& loss : losses) {
     json["material"].push_back(loss.material_per_s);
     json["air"].push_back(loss.air_per_s);
     json["support"].push_back(loss.support_per_s);
+    json["heat"].push_back(loss.heat_per_s);
     air = air || loss.air_per_s > 0;
+    heat = heat || loss.heat_per_s > 0;
   }
   if (!air) json.erase("air");
+  if (!heat) json.erase("heat");
+  return json;
+}
+
+Json heat_json(const std::vector<ModeHeat>& heat) {
+  Json json = Json::array();
+  for (const ModeHeat& mode : heat) {
+    for (const auto& [strength, time_s] : mode) {
+      json.push_back(strength);
+      json.push_back(time_s);
+    }
+  }
   return json;
 }
 
@@ -242,9 +280,12 @@ Result<void> read_extras(const Glb& glb, const JsonPlace& extras, Bank& bank) {
   bank.frequency_error = read_numbers(extras["frequencyErrors"], bank.mode_count());
   bank.shape_error = read_numbers(extras["shapeErrors"], bank.mode_count());
   bank.losses = read_losses(extras["losses"], bank.decay_per_s);
+  bank.heat = read_heat(extras["relaxations"], bank.mode_count());
   if (bank.material) {
     bank.material->loss_factors = read_loss_factors(extras["lossFactors"]);
-    if (!bank.material->loss_factors.empty()) bank.material->damping = fit_rayleigh(bank.material->loss_factors);
+    if (!bank.material->loss_factors.empty())
+      bank.material->damping = fit_rayleigh_to_list(bank.material->loss_factors);
+    bank.material->thermal = read_thermal(extras["thermal"]);
   }
   // Returns nothing unless all constants are present and describe a stable solid; the bank plays without them.
   const auto read_orthotropy = [field = extras["orthotropic"]]() -> std::optional<Orthotropy> {
@@ -277,8 +318,15 @@ Json extras_json(const Bank& bank, GlbWriter& writer) {
   if (!bank.frequency_error.empty()) json["frequencyErrors"] = bank.frequency_error;
   if (!bank.shape_error.empty()) json["shapeErrors"] = bank.shape_error;
   if (!bank.losses.empty()) json["losses"] = losses_json(bank.losses);
+  if (!bank.heat.empty()) json["relaxations"] = heat_json(bank.heat);
   if (bank.material && !bank.material->loss_factors.empty())
     json["lossFactors"] = loss_factors_json(bank.material->loss_factors);
+  if (bank.material && bank.material->thermal) {
+    const auto& [expansion_per_k, conductivity_w_mk, heat_capacity_j_kgk] = *bank.material->thermal;
+    json["thermal"] = {{"expansion", expansion_per_k},
+                       {"conductivity", conductivity_w_mk},
+                       {"heatCapacity", heat_capacity_j_kgk}};
+  }
   if (bank.material && bank.material->orthotropy) json["orthotropic"] = orthotropy_json(*bank.material->orthotropy);
   if (bank.held) json["held"] = true;
   if (bank.pitch_hz) json["pitch"] = *bank.pitch_hz;

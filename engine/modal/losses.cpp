@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <vector>
 
 namespace ringdown::modal {
 
@@ -16,10 +17,19 @@ double loss_factor_at(std::span<const LossFactor> list, double frequency_hz) {
   return low.eta * std::pow(high.eta / low.eta, share);
 }
 
+RayleighDamping fit_rayleigh_to_list(std::span<const LossFactor> list) {
+  std::vector<LossFactor> octaves;
+  for (double frequency_hz = 125; frequency_hz <= 8000; frequency_hz *= 2)
+    octaves.push_back({frequency_hz, loss_factor_at(list, frequency_hz)});
+  return fit_rayleigh(octaves);
+}
+
 ModeLoss mode_loss(const MaterialDamping& damping, double lambda, double air_per_s) {
   if (damping.loss_factors.empty()) {
     const auto& [alpha_per_s, beta_s] = damping.rayleigh;
-    return {0.5 * beta_s * lambda, air_per_s, std::max(0.5 * alpha_per_s - air_per_s, 0.0)};
+    return {.material_per_s = 0.5 * beta_s * lambda,
+            .air_per_s = air_per_s,
+            .support_per_s = std::max(0.5 * alpha_per_s - air_per_s, 0.0)};
   }
   const double omega = std::sqrt(lambda);
   return {.material_per_s = 0.5 * omega * loss_factor_at(damping.loss_factors, rad_per_s_to_hz(omega)),
@@ -64,6 +74,30 @@ double worst_error(const MaterialDamping& damping, double low_hz, double high_hz
   for (const LossFactor& point : damping.loss_factors) look_at(point.frequency_hz);
   for (int i = 0; i <= kSteps; ++i) look_at(low_hz * std::pow(high_hz / low_hz, i / double{kSteps}));
   return worst;
+}
+
+double relaxation_strength(const Thermal& thermal, double youngs_modulus_pa, double density_kg_m3) {
+  return youngs_modulus_pa * thermal.expansion_per_k * thermal.expansion_per_k * kRoomTemperature_k /
+         (density_kg_m3 * thermal.heat_capacity_j_kgk);
+}
+
+double diffusivity(const Thermal& thermal, double density_kg_m3) {
+  return thermal.conductivity_w_mk / (density_kg_m3 * thermal.heat_capacity_j_kgk);
+}
+
+double heat_loss(const ModeHeat& heat, double omega_rad_s) {
+  double eta = 0;
+  for (const auto& [strength, time_s] : heat) {
+    const double x = omega_rad_s * time_s;
+    eta += strength * x / (1 + x * x);
+  }
+  return 0.5 * eta * omega_rad_s;
+}
+
+ModeHeat multiplied(const ModeHeat& heat, double strength, double time) {
+  ModeHeat result = heat;
+  for (Relaxation& one : result) one = {strength * one.strength, time * one.time_s};
+  return result;
 }
 
 }  // namespace ringdown::modal

@@ -9,13 +9,16 @@ double lambda_of(const Bank& bank, std::size_t m) {
   return undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
 }
 
-// Returns the material's loss by a list of loss factors at the new eigenvalue over that at the old one, with the two
-// shares of Rayleigh's fit scaled.
-double list_factor(const MaterialDamping& damping, double lambda, double scaled_lambda, const MaterialScale& scale) {
-  const double factor = mode_loss(damping, scaled_lambda).material_per_s / mode_loss(damping, lambda).material_per_s;
-  const double mass_share = damping.rayleigh.alpha_per_s, stiffness_share = damping.rayleigh.beta_s * scaled_lambda;
-  if (!(mass_share + stiffness_share > 0)) return factor;
-  return factor * (scale.alpha * mass_share + scale.beta * stiffness_share) / (mass_share + stiffness_share);
+// The losses of a mode whose material is a list of loss factors.
+ModeLoss rescaled_by_parts(const Bank& bank, std::size_t m, const MaterialScale& scale) {
+  const ModeLoss& baked = bank.losses[m];
+  const MaterialDamping law = bank.material->damping_law();
+  const double lambda = lambda_of(bank, m), scaled_lambda = lambda_factor(scale) * lambda;
+  const double material = mode_loss(law, scaled_lambda).material_per_s / mode_loss(law, lambda).material_per_s;
+  return {.material_per_s = scale.beta * material * baked.material_per_s,
+          .air_per_s = scale.air * rescaled_air_loss(bank, m, scale),
+          .support_per_s = scale.alpha * baked.support_per_s / (scale.density * scale.size),
+          .heat_per_s = heat_loss(rescaled_heat(bank, m, scale), std::sqrt(scaled_lambda))};
 }
 
 // Returns the rms of F in the scaled body over that in the original, apart from the scaling of shapes by size and
@@ -34,6 +37,12 @@ ModeLoss loss_of(const Bank& bank, std::size_t m) {
   return {.material_per_s = material, .support_per_s = bank.decay_per_s[m] - material};
 }
 
+ModeHeat rescaled_heat(const Bank& bank, std::size_t m, const MaterialScale& scale) {
+  if (bank.heat.empty()) return {};
+  return multiplied(bank.heat[m], scale.heat * scale.stiffness / scale.density,
+                    scale.size * scale.size * scale.density);
+}
+
 double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& scale) {
   const double share = loss_of(bank, m).air_per_s / (scale.density * scale.size);
   if (!bank.radiation || scale.stiffness == scale.density) return share;
@@ -44,16 +53,13 @@ double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& s
 ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& scale) {
   const ModeLoss baked = loss_of(bank, m);
   if (scale == MaterialScale{}) return baked;
-  const bool follows_list = bank.material && !bank.material->loss_factors.empty() && !bank.losses.empty();
+  if (bank.material && !bank.material->loss_factors.empty() && !bank.losses.empty())
+    return rescaled_by_parts(bank, m, scale);
   const double factor = lambda_factor(scale);
   ModeLoss loss{.material_per_s = scale.beta * factor * baked.material_per_s,
-                .air_per_s = rescaled_air_loss(bank, m, scale)};
-  if (follows_list) {
-    const double lambda = lambda_of(bank, m);
-    loss.material_per_s =
-        baked.material_per_s * list_factor(bank.material->damping_law(), lambda, factor * lambda, scale);
-  }
-  const double alpha = bank.material && !follows_list ? bank.material->damping.alpha_per_s : 0.0;
+                .air_per_s = scale.air * rescaled_air_loss(bank, m, scale),
+                .heat_per_s = heat_loss(rescaled_heat(bank, m, scale), std::sqrt(factor * lambda_of(bank, m)))};
+  const double alpha = bank.material ? bank.material->damping.alpha_per_s : 0.0;
   const double air_and_support = baked.support_per_s + std::min(baked.air_per_s, 0.5 * alpha);
   loss.support_per_s = std::max(scale.alpha * air_and_support - loss.air_per_s, 0.0);
   return loss;

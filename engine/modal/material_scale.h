@@ -14,11 +14,15 @@
 
 namespace ringdown::modal {
 
-// Factors on a bank's own material and on its lengths. With all factors 1 the bank is as baked. Alpha and beta are >=
+// Factors on a bank's own material and on its lengths. With all factors 1 the bank is as baked. Those on losses are >=
 // 0, the other factors > 0.
 struct MaterialScale {
-  double alpha = 1, beta = 1, density = 1, stiffness = 1;
+  double alpha = 1;  // on what the supports take; of a material with Rayleigh's constants on alpha
+  double beta = 1;   // on what the material takes; of a material with Rayleigh's constants on beta
+  double density = 1, stiffness = 1;
   double size = 1;  // points of the resized object lie `size` times as far from its frame's origin
+  double heat = 1;  // on what flows as heat
+  double air = 1;   // on what the air takes; it changes how long modes ring, not how loudly they radiate
   friend bool operator==(const MaterialScale&, const MaterialScale&) = default;
 };
 
@@ -36,13 +40,18 @@ inline double shape_factor(const MaterialScale& scale) {
 // beta lambda / 2 (beta from the bank's material, 0 without one) for the material and the rest for the support.
 ModeLoss loss_of(const Bank& bank, std::size_t m);
 
-// Returns the losses of mode `m` under a scaled material. `alpha` scales the losses to air and support that come from
-// the material's alpha; the air then takes its part of them. `beta` scales the material's part. If the material is a
-// list of loss factors, the material's part is read from the list at the new frequency, and `alpha` and `beta` scale
-// the shares that Rayleigh's fit gives them at that frequency.
+// Returns the losses of mode `m` under a scaled material. If the material is a list of loss factors, each part follows
+// its own law: the material's is read from the list at the new frequency, heat relaxes as in a body of the new
+// size, and supports take 1 / (density size) of what they took, as if they were spread over the same share of the
+// surface. With Rayleigh's constants, `alpha` scales the losses to air and support that come from the material's alpha,
+// and the air takes its part of them.
 ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
-// Returns the loss of mode `m` to the air under a scaled material. A change of size is treated exactly: the share of
+// Returns the relaxations of mode `m` of the scaled body, at `scale.heat` times their strengths; none where the bank has
+// none.
+ModeHeat rescaled_heat(const Bank& bank, std::size_t m, const MaterialScale& scale);
+
+// Returns the loss of mode `m` to the air under a scaled material, before `scale.air`. A change of size is treated exactly: the share of
 // its energy that a mode radiates in a cycle stays. Stiffness and density change the pitch relative to the size, and so
 // the radiation efficiency; level_ratio() gives that change if the bank has radiation, otherwise the share stays.
 double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);

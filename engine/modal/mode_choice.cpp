@@ -7,7 +7,7 @@ namespace ringdown::modal {
 
 // Names every member of a bank, so that a new member that is not handled here does not compile.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
-  auto& [name, frequencies, decays, losses, radiation, nonlinear, errors, shape_errors, positions, shapes, triangles,
+  auto& [name, frequencies, decays, losses, heat, radiation, nonlinear, errors, shape_errors, positions, shapes, triangles,
          material, mass, held, gain, pitch, provenance] = bank;
   const auto take = [&order](auto& list, std::size_t width) {
     if (list.empty()) return;
@@ -23,6 +23,7 @@ void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
   take(frequencies, 1);
   take(decays, 1);
   take(losses, 1);
+  take(heat, 1);
   take(errors, 1);
   take(shape_errors, 1);
   if (nonlinear) take_modes(*nonlinear, order);

@@ -16,6 +16,7 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
     out.frequency_hz[m] = mode.frequency_hz;
     out.decay_per_s[m] = mode.decay_per_s;
     if (!bank.losses.empty()) out.losses[m] = rescaled_loss(bank, m, scale);
+    if (!bank.heat.empty()) out.heat[m] = rescaled_heat(bank, m, scale);
     if (bank.radiation) out.radiation->maps.modes[m] = rescale(bank.radiation->maps.modes[m], scale);
   }
   const auto shape = static_cast<float>(shape_factor(scale));
@@ -29,6 +30,7 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
     out.material->youngs_modulus_pa *= scale.stiffness;
     out.material->damping.alpha_per_s *= scale.alpha;
     out.material->damping.beta_s *= scale.beta;
+    for (LossFactor& point : out.material->loss_factors) point.eta *= scale.beta;
     if (out.material->orthotropy) out.material->orthotropy = stiffer(*out.material->orthotropy, scale.stiffness);
   }
   out.pitch_hz = scaled_pitch(bank.pitch_hz, scale);

@@ -52,7 +52,7 @@ inline constexpr Range kGain{0, 1000};
 inline constexpr Range kPan{-1, 1};
 inline constexpr Range kMaterialScale{1e-3, 1e3};  // density, stiffness
 inline constexpr Range kSizeScale{1e-2, 1e2};
-inline constexpr Range kDampingScale{0, 1e3};  // alpha, beta
+inline constexpr Range kDampingScale{0, 1e3};  // alpha, beta, heat, air
 inline constexpr Range kDensity_kg_m3{0.1, 1e5};
 inline constexpr Range kSize_m{1e-4, 1000};
 inline constexpr Range kMass_kg{1e-7, 1e7};

@@ -222,6 +222,8 @@ class SceneReader {
     table.number("density", object.material.density, range::kMaterialScale);
     table.number("stiffness", object.material.stiffness, range::kMaterialScale);
     table.number("size", object.material.size, range::kSizeScale);
+    table.number("heat", object.material.heat, range::kDampingScale);
+    table.number("air", object.material.air, range::kDampingScale);
   }
 
   std::filesystem::path find_bank(const std::string& bank, TomlTable& table) {

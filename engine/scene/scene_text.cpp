@@ -107,7 +107,7 @@ class SceneWriter {
     if (m == modal::MaterialScale{}) return;
     text_ += "material = { alpha = " + text_of(m.alpha) + ", beta = " + text_of(m.beta) +
              ", density = " + text_of(m.density) + ", stiffness = " + text_of(m.stiffness) +
-             ", size = " + text_of(m.size) + " }\n";
+             ", size = " + text_of(m.size) + ", heat = " + text_of(m.heat) + ", air = " + text_of(m.air) + " }\n";
   }
 
   // A quaternion, because axis and angle would not come back to the last bit.

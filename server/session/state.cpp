@@ -60,6 +60,8 @@ State::Object read_object(TomlTable& table) {
     material->number("density", object.material.density, kScale);
     material->number("stiffness", object.material.stiffness, kScale);
     material->number("size", object.material.size, kSize);
+    material->number("heat", object.material.heat, kDamping);
+    material->number("air", object.material.air, kDamping);
   }
   if (auto modes = table.table("modes")) object.modes = read_modes(*modes);
   for (TomlTable& damper : table.tables("touch")) read_damper(damper, object.dampers);
@@ -137,7 +139,8 @@ std::string to_toml(const State& state) {
     if (m != modal::MaterialScale{}) {
       text += "material = { alpha = " + toml_number(m.alpha) + ", beta = " + toml_number(m.beta) +
               ", density = " + toml_number(m.density) + ", stiffness = " + toml_number(m.stiffness) +
-              ", size = " + toml_number(m.size) + " }\n";
+              ", size = " + toml_number(m.size) + ", heat = " + toml_number(m.heat) +
+              ", air = " + toml_number(m.air) + " }\n";
     }
     if (object.modes != modal::ModeRange{}) {
       text += "modes = { first = " + std::to_string(object.modes.first) +

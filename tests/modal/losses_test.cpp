@@ -87,13 +87,55 @@ TEST(Losses, AModeInAnotherMaterialLosesWhatTheListSaysAtItsNewFrequency) {
   }
 }
 
-// Rayleigh's fit scaled in both terms is the same curve, scaled.
-TEST(Losses, ScalingBothTermsOfTheFitScalesTheList) {
-  const Bank bank = listed_bank();
+ModeHeat heat_of_mode(std::size_t m) {
+  ModeHeat heat;
+  for (std::size_t j = 0; j < heat.size(); ++j)
+    heat[j] = {1e-3 / static_cast<double>(j * j + m + 1), 1e-3 / static_cast<double>(j + 1)};
+  return heat;
+}
+
+// With all four parts.
+Bank warm_bank() {
+  Bank bank = listed_bank();
+  bank.material->thermal = Thermal{1.2e-5, 50, 460};
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    const ModeLoss once = rescaled_loss(bank, m, {.size = 1.5});
-    const ModeLoss thrice = rescaled_loss(bank, m, {.alpha = 3, .beta = 3, .size = 1.5});
-    EXPECT_NEAR(thrice.material_per_s, 3 * once.material_per_s, 1e-9 * once.material_per_s);
+    const double lambda = undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
+    bank.heat.push_back(heat_of_mode(m));
+    bank.losses[m].heat_per_s = heat_loss(bank.heat[m], std::sqrt(lambda));
+    bank.losses[m].support_per_s = 0.3;
+    const DampedMode mode = with_decay(lambda, bank.losses[m].total_per_s());
+    bank.frequency_hz[m] = mode.frequency_hz;
+    bank.decay_per_s[m] = mode.decay_per_s;
+  }
+  return bank;
+}
+
+TEST(Losses, EachFactorScalesItsOwnPart) {
+  const Bank bank = warm_bank();
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const ModeLoss once = bank.losses[m];
+    const ModeLoss scaled = rescaled_loss(bank, m, {.alpha = 2, .beta = 3, .heat = 5, .air = 7});
+    EXPECT_NEAR(scaled.support_per_s / once.support_per_s, 2, 1e-12);
+    EXPECT_NEAR(scaled.material_per_s / once.material_per_s, 3, 1e-12);
+    EXPECT_NEAR(scaled.heat_per_s / once.heat_per_s, 5, 1e-9);
+    EXPECT_NEAR(scaled.air_per_s, 7 * once.air_per_s, 1e-12);
+  }
+}
+
+// Heat needs four times as long through a wall that is twice as thick, and carries a share of Young's modulus over the
+// heat capacity per volume.
+TEST(Losses, HeatGoesAsFrequencyTimesThicknessSquared) {
+  const Bank bank = warm_bank();
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double omega = std::sqrt(undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]}));
+    const MaterialScale scale{.density = 0.5, .stiffness = 3, .size = 2};
+    const double scaled_omega = omega * std::sqrt(3 / 0.5) / 2;
+    double eta = 0;
+    for (const Relaxation& one : heat_of_mode(m)) {
+      const double x = scaled_omega * one.time_s * 4 * 0.5;
+      eta += one.strength * (3 / 0.5) * x / (1 + x * x);
+    }
+    EXPECT_NEAR(rescaled_loss(bank, m, scale).heat_per_s / (0.5 * eta * scaled_omega), 1, 1e-9);
   }
 }
 
@@ -105,7 +147,7 @@ TEST(Losses, AModeOfALargerBodyRadiatesTheSameShareOfItsEnergyInACycle) {
 }
 
 TEST(LossesInAFile, TheirPartsComeBackAndAreTheSameFileAgain) {
-  const Bank bank = listed_bank();
+  const Bank bank = warm_bank();
   const std::string once = written(bank);
   const auto back = parse(once);
   ASSERT_TRUE(back) << back.error().message;
@@ -114,10 +156,13 @@ TEST(LossesInAFile, TheirPartsComeBackAndAreTheSameFileAgain) {
     EXPECT_EQ(back->losses[m].material_per_s, bank.losses[m].material_per_s);
     EXPECT_EQ(back->losses[m].air_per_s, bank.losses[m].air_per_s);
     EXPECT_EQ(back->losses[m].support_per_s, bank.losses[m].support_per_s);
+    EXPECT_EQ(back->losses[m].heat_per_s, bank.losses[m].heat_per_s);
   }
+  EXPECT_EQ(back->heat, bank.heat);
+  EXPECT_EQ(back->material->thermal, bank.material->thermal);
   ASSERT_EQ(back->material->loss_factors.size(), kList.size());
   EXPECT_EQ(back->material->loss_factors[1].eta, kList[1].eta);
-  EXPECT_EQ(back->material->damping, kListed.rayleigh) << "fitted again";
+  EXPECT_EQ(back->material->damping, fit_rayleigh_to_list(kList)) << "fitted again";
   EXPECT_EQ(written(*back), once);
 }
 

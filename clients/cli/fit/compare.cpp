@@ -214,9 +214,9 @@ double distance_of(const cli::ComparedSound& s) {
                           fit::band_noise(part, rate, onset));
 }
 
-// The bank with the fitted modulus and damping.
+// The bank with the fitted modulus and loss factors.
 modal::Bank fitted_bank(const cli::Comparison& c) {
-  return fit::with_damping(modal::scaled(c.bank, {.stiffness = c.stiffness()}), c.calibration.damping);
+  return fit::with_losses(modal::scaled(c.bank, {.stiffness = c.stiffness()}), c.calibration);
 }
 
 ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {

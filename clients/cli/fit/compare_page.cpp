@@ -156,8 +156,7 @@ std::string rows(const Comparison& c) {
   const double tuning = std::exp2(c.calibration.tuning_cents / 1200);
   for (const fit::Match& match : c.calibration.matches) {
     const fit::Mode& mode = c.heard[match.recorded];
-    const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
-    const double decay = modal::damp(lambda, c.calibration.damping).decay_per_s;
+    const double decay = fit::fitted_loss(c.calibration, c.bank, match.baked, mode.frequency_hz).total_per_s();
     text += print("<tr><td>%zu</td><td>%.2f</td><td>%.2f</td><td>%+.1f</td><td>%.3g</td><td>%.3g</td></tr>\n",
                   match.baked, mode.frequency_hz, tuning * c.bank.frequency_hz[match.baked], match.off_cents,
                   modal::t60_s(mode.decay_per_s), modal::t60_s(decay));
@@ -186,8 +185,8 @@ double Comparison::decay_error() const {
   for (const fit::Match& match : calibration.matches) {
     if (!match.used) continue;
     const fit::Mode& mode = heard[match.recorded];
-    const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
-    sum += std::abs(std::log(mode.decay_per_s / modal::damp(lambda, calibration.damping).decay_per_s));
+    const double decay = fit::fitted_loss(calibration, bank, match.baked, mode.frequency_hz).total_per_s();
+    sum += std::abs(std::log(mode.decay_per_s / decay));
   }
   return std::expm1(sum / static_cast<double>(std::max<std::size_t>(calibration.used(), 1)));
 }
@@ -242,8 +241,8 @@ std::string verdict(const Comparison& c) {
       (c.nu_told
            ? print("nu           %.3f; the material says %.3f\n", c.poisson_ratio, c.given_poisson_ratio)
            : print("nu           %.3f as the material says: the recordings do not determine it\n", c.poisson_ratio)) +
-      print("damping      alpha = %.4g 1/s, beta = %.4g s; decays %.0f %% off on average\n",
-            c.calibration.damping.alpha_per_s, c.calibration.damping.beta_s, 100 * c.decay_error());
+      print("loss factor  %s; decays %.0f %% off on average\n", c.calibration.text().c_str(),
+            100 * c.decay_error());
   if (aside > 0) {
     text +=
         print("             %zu of the %zu decay differently, as in a room or a hand, and are left out of this fit\n",

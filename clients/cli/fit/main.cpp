@@ -43,7 +43,7 @@ void add_options(manual::App& app, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output, "The bank to write; default: the modes are only printed.")
       ->type_name("FILE");
   app.add_option("--damping-of", arguments.damping_of,
-                 "A baked bank of the same object: --output is that bank with its alpha and beta fitted to the "
+                 "A baked bank of the same object: --output is that bank with its loss factors fitted to the "
                  "recording.")
       ->type_name("FILE");
   app.add_option(
@@ -132,7 +132,7 @@ Result<modal::Bank> bank_of(const fit::Fit& found, const fit::Kept& kept, const 
   if (!calibration)
     return fail(calibration.error().kind, arguments.input.string() + ": " + calibration.error().message);
   cli::print_calibration(found, *bank, *calibration);
-  return fit::with_damping(*bank, calibration->damping);
+  return fit::with_losses(*bank, *calibration);
 }
 
 ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {

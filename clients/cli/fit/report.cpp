@@ -68,20 +68,15 @@ void print_calibration(const fit::Fit& fit, const modal::Bank& bank, const fit::
               "fitted 1/s", "");
   for (const fit::Match& match : calibration.matches) {
     const fit::Mode& mode = fit.modes[match.recorded];
-    const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
     std::printf("%5zu %12.3f %12.3f %9.1f %10.4g %10.4g %10s\n", match.baked, mode.frequency_hz,
                 bank.frequency_hz[match.baked], match.off_cents, mode.decay_per_s,
-                modal::damp(lambda, calibration.damping).decay_per_s, match.used ? "" : "left out");
+                fit::fitted_loss(calibration, bank, match.baked, mode.frequency_hz).total_per_s(), match.used ? "" : "left out");
   }
-  std::printf("\n%zu of the recording's %zu modes match one of the bank's %zu; %zu of them fit the damping\n",
+  std::printf("\n%zu of the recording's %zu modes match one of the bank's %zu; %zu of them fit the loss factor\n",
               calibration.matches.size(), fit.modes.size(), bank.mode_count(), calibration.used());
   std::printf("tuning     %+.1f cents: the recording over the bank\n", calibration.tuning_cents);
-  if (const auto& material = bank.material) {
-    std::printf("before     alpha = %.4g 1/s, beta = %.4g s\n", material->damping.alpha_per_s,
-                material->damping.beta_s);
-  }
-  std::printf("damping    alpha = %.4g 1/s, beta = %.4g s; decays lie within %.2g %% of it (standard deviation)\n",
-              calibration.damping.alpha_per_s, calibration.damping.beta_s, 100 * calibration.spread);
+  std::printf("loss       factor %s; the material's part of the decays lies within %.2g %% (standard deviation)\n",
+              calibration.text().c_str(), 100 * calibration.spread);
 }
 
 }  // namespace ringdown::cli

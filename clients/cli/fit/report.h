@@ -17,7 +17,7 @@ void print_fit(const std::string& name, const fit::Fit& fit);
 // if the modes explain little of it.
 void print_kept(const std::string& name, const fit::Fit& fit, const fit::Kept& kept);
 
-// Prints a row for each matched mode and the fitted damping.
+// Prints a row for each matched mode and the fitted loss factors.
 void print_calibration(const fit::Fit& fit, const modal::Bank& bank, const fit::Calibration& calibration);
 
 }  // namespace ringdown::cli

@@ -66,6 +66,8 @@ class Mixer:
         size: float = 1.0,
         alpha: float = 1.0,
         beta: float = 1.0,
+        heat: float = 1.0,
+        air: float = 1.0,
     ) -> None: ...
     def hold(
         self,

@@ -190,14 +190,15 @@ void add_objects(Class& mixer) {
           "Takes an object away: what rings fades out within some milliseconds.")
       .def(
           "material",
-          [](Mixer& self, Object object, double stiffness, double density, double size, double alpha, double beta) {
-            const ringdown_material material{sizeof material, stiffness, density, size, alpha, beta};
+          [](Mixer& self, Object object, double stiffness, double density, double size, double alpha, double beta,
+             double heat, double air) {
+            const ringdown_material material{sizeof material, stiffness, density, size, alpha, beta, heat, air};
             call(ringdown_set_material, self.handle, object, &material);
           },
           py::arg("object"), py::kw_only(), py::arg("stiffness") = 1.0, py::arg("density") = 1.0, py::arg("size") = 1.0,
-          py::arg("alpha") = 1.0, py::arg("beta") = 1.0,
-          "Factors on the bank's own Young's modulus, density, lengths, and the two parts of its damping: what modes"
-          " lose to air and support, and to the material. What rings is retuned.")
+          py::arg("alpha") = 1.0, py::arg("beta") = 1.0, py::arg("heat") = 1.0, py::arg("air") = 1.0,
+          "Factors on the bank's own Young's modulus, density and lengths, and on what modes lose to supports (alpha),"
+          " to the material (beta), to heat that flows in the body and to the air. What rings is retuned.")
       .def(
           "hold",
           [](Mixer& self, Object object, const Vector& point_m, double damping_ns_m, const Vector& direction,

@@ -121,15 +121,18 @@ void SideView::draw_sliders(const KnownObject& object, Commands& commands) {
            a.scale.stiffness, {0.05, 20});
   material("Density", "The factor on the mass density (B and N keys). Denser is lower: four times, an octave down",
            a.scale.density, {0.1, 10});
-  material(
-      "Damping low",
-      "The factor on alpha1, Rayleigh damping in proportion to mass (Z and X keys): shortens all modes alike, which\n"
-      "is heard most in low ones",
-      a.scale.alpha, {0.05, 20});
-  material("Damping high",
-           "The factor on alpha2, Rayleigh damping in proportion to stiffness (C and V keys): shortens a mode by the\n"
-           "square of its frequency",
-           a.scale.beta, {0.05, 20});
+  material("Material loss",
+           "The factor on what the material takes (C and V keys): shortens all modes by the same share", a.scale.beta,
+           {0.05, 20});
+  material("Heat loss",
+           "The factor on the heat that flows through bent walls: shortens the low modes of thin metal", a.scale.heat,
+           {0.05, 20});
+  material("Air loss", "The factor on what the air takes: shortens the modes that sound loudest, above all high ones",
+           a.scale.air, {0.05, 20});
+  material("Support loss",
+           "The factor on what cords, felt or a hand take (Z and X keys). An object that nothing holds loses nothing\n"
+           "to them",
+           a.scale.alpha, {0.05, 20});
   material("Size", "The factor on all lengths. Twice the size is an octave down, and eight times the mass",
            a.scale.size, {0.25, 4});
   double level_db = 20 * std::log10(std::max(a.gain, 1e-3));

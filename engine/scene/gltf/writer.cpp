@@ -74,7 +74,8 @@ class GlbScene {
   void add_models() {
     std::map<std::pair<std::string, std::string>, std::size_t> known;
     const auto model_at = [&](std::size_t k, const modal::MaterialScale& scale) {
-      const std::string key = Json{scale.alpha, scale.beta, scale.density, scale.stiffness, scale.size}.dump();
+      const std::string key =
+          Json{scale.alpha, scale.beta, scale.density, scale.stiffness, scale.size, scale.heat, scale.air}.dump();
       const auto [model, is_new] = known.try_emplace({scene_.objects[k].bank.string(), key}, models_.size());
       if (!is_new) return model->second;
       const modal::Bank played = scale == modal::MaterialScale{} ? banks_[k] : modal::scaled(banks_[k], scale);
