@@ -133,8 +133,8 @@ TEST(HeatFlow, NothingFlowsInATwistedRodNorWhereAllIsPressedAlike) {
   }
 }
 
-// Any motion of a body of two materials: the three pairs are held against the factorized pencil.
-TEST(HeatFlow, ThreePairsHoldAtAllFrequencies) {
+// Any motion of a body of two materials: the pairs are held against the factorized pencil.
+TEST(HeatFlow, FewPairsHoldAtAllFrequencies) {
   Bent body(test::box_mesh({6, 3, 2}, {0.6, 0.2, 0.05}), 3, 0.3, [](const Eigen::Vector3d& x) {
     const double z = x[2] - 0.025, y = x[1] - 0.1;
     return Eigen::Vector3d(-z * 3 * x[0] * x[0] - y * x[0], y * y * x[0], x[0] * x[0] * x[0] + 0.3 * x[0] * y);
