@@ -111,8 +111,7 @@ Row row(SetMaterial& s) {
       "Scales the bank's material, size and losses, exactly. Of a material that is described by Rayleigh's two "
       "constants, alpha and beta scale these. Points in later messages lie on the object in its new size. "
       "Bodies of a running scene keep theirs.",
-      {object(&s.object),
-       number(&s.scale.alpha, "alpha", kDampingScale, "The factor on what supports take."),
+      {object(&s.object), number(&s.scale.alpha, "alpha", kDampingScale, "The factor on what supports take."),
        number(&s.scale.beta, "beta", kDampingScale, "The factor on what the material takes."),
        number(&s.scale.density, "density", kScale, "The factor on the density."),
        number(&s.scale.stiffness, "stiffness", kScale, "The factor on Young's modulus; 4 is an octave up."),

@@ -55,10 +55,11 @@ double blow_level_db(const modal::Bank& bank, std::size_t mode) {
 std::string loss_columns(const modal::Bank& bank, std::size_t mode) {
   char text[96];
   if (bank.losses.empty()) {
-    std::snprintf(text, sizeof text, "%10s %10s %10s", "", "", "");
+    std::snprintf(text, sizeof text, "%10s %10s %10s %10s", "", "", "", "");
   } else {
     const modal::ModeLoss& loss = bank.losses[mode];
-    std::snprintf(text, sizeof text, "%10.4g %10.4g %10.4g", loss.material_per_s, loss.air_per_s, loss.support_per_s);
+    std::snprintf(text, sizeof text, "%10.4g %10.4g %10.4g %10.4g", loss.material_per_s, loss.heat_per_s,
+                  loss.air_per_s, loss.support_per_s);
   }
   std::string columns = text;
   if (bank.radiation && !bank.radiation->maps.modes[mode].terms.empty()) {
@@ -101,9 +102,8 @@ void print_head(const modal::Bank& bank) {
   std::printf("%s: %zu modes at %zu points, %zu triangles\n", bank.name.c_str(), bank.mode_count(), bank.point_count(),
               bank.triangles.size());
   if (const auto& m = bank.material) {
-    std::printf("material   %s: E = %.4g Pa, nu = %.3g, rho = %.5g kg/m3, alpha = %.4g 1/s, beta = %.4g s\n",
-                m->name.c_str(), m->youngs_modulus_pa, m->poisson_ratio, m->density_kg_m3, m->damping.alpha_per_s,
-                m->damping.beta_s);
+    std::printf("material   %s: E = %.4g Pa, nu = %.3g, rho = %.5g kg/m3, %s\n", m->name.c_str(), m->youngs_modulus_pa,
+                m->poisson_ratio, m->density_kg_m3, modal::describe_damping(*m).c_str());
   }
   if (bank.material && bank.material->orthotropy) {
     const auto& [e, nu, g, loss] = *bank.material->orthotropy;
@@ -155,8 +155,8 @@ void print_head(const modal::Bank& bank) {
 }
 
 void print_modes(const modal::Bank& bank) {
-  std::printf("\n%5s %12s %10s %10s %10s %10s %10s %8s %8s %14s %8s  %s\n", "mode", "frequency Hz", "T60 s",
-              "decay 1/s", "material", "air", "support", "dB SPL", "beam dB", "rms kg^-1/2", "error %", "note");
+  std::printf("\n%5s %12s %10s %10s %10s %10s %10s %10s %8s %8s %14s %8s  %s\n", "mode", "frequency Hz", "T60 s",
+              "decay 1/s", "material", "heat", "air", "support", "dB SPL", "beam dB", "rms kg^-1/2", "error %", "note");
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double decay = bank.decay_per_s[m];
     char error[16] = "";

@@ -131,7 +131,7 @@ void print_curve(const modal::Bank& bar) {
 }
 
 void print_figure(const char* label, double value, const char* unit, const std::string& source) {
-  std::printf("  %-6s %10.5g %-7s %s\n", label, value, unit, source.c_str());
+  std::printf("  %-8s %10.5g %-8s %s\n", label, value, unit, source.c_str());
 }
 
 void print_material(const bake::MaterialEntry& entry) {
@@ -141,12 +141,16 @@ void print_material(const bake::MaterialEntry& entry) {
   print_figure("E", m.youngs_modulus_pa, "Pa", from.at("youngs_modulus_pa"));
   print_figure("nu", m.poisson_ratio, "", from.at("poisson_ratio"));
   print_figure("rho", m.density_kg_m3, "kg/m3", from.at("density_kg_m3"));
+  for (const modal::LossFactor& point : m.loss_factors)
+    std::printf("  loss factor at %7.5g Hz: %.3g\n", point.frequency_hz, point.eta);
+  if (entry.uncertainty > 0) std::printf("  of an alloy or a piece within a factor of %.3g\n", entry.uncertainty);
   print_figure("alpha", m.damping.alpha_per_s, "1/s", from.at("alpha_per_s"));
   const bool same = from.at("beta_s") == from.at("alpha_per_s");
   print_figure("beta", m.damping.beta_s, "s", same ? "as alpha" : from.at("beta_s"));
-  for (const modal::LossFactor& point : m.loss_factors) {
-    std::printf("  loss factor at %7.5g Hz: %.3g, fitted %.3g\n", point.frequency_hz, point.eta,
-                modal::loss_factor(m.damping, point.frequency_hz));
+  if (m.thermal) {
+    print_figure("expands", m.thermal->expansion_per_k, "1/K", from.at("expansion_per_k"));
+    print_figure("conducts", m.thermal->conductivity_w_mk, "W/(m K)", from.at("conductivity_w_mk"));
+    print_figure("heat", m.thermal->heat_capacity_j_kgk, "J/(kg K)", from.at("heat_capacity_j_kgk"));
   }
   for (const auto& [key, source] : from) {
     if (key.starts_with("grain.")) std::printf("  %-28s %s\n", key.c_str(), source.c_str());

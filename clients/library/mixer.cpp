@@ -156,8 +156,8 @@ ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object, co
   return guarded(error, [&]() -> Result<void> {
     if (!mixer) return missing("mixer");
     if (!material) return missing("material");
-    const auto given =
-        library::taken(material, material->size_of_struct, ringdown_material{sizeof(ringdown_material), 1, 1, 1, 1, 1, 1, 1});
+    const auto given = library::taken(material, material->size_of_struct,
+                                      ringdown_material{sizeof(ringdown_material), 1, 1, 1, 1, 1, 1, 1});
     if (!given) return fail(given.error());
     protocol::SetMaterial request{numbered(object),
                                   {.alpha = given->alpha,

@@ -48,7 +48,7 @@ std::optional<std::string> embedded_bytes(const std::string& embedded, const Sou
 
 bool same(const ringdown_material& a, const ringdown_material& b) {
   return a.stiffness == b.stiffness && a.density == b.density && a.size == b.size && a.alpha == b.alpha &&
-         a.beta == b.beta && a.heat == b.heat;
+         a.beta == b.beta && a.heat == b.heat && a.air == b.air;
 }
 
 }  // namespace
@@ -194,7 +194,7 @@ bool Instrument::tune(const KeyMap& map, const KeyMap::Object& object, Tuning& t
   ringdown_material_init(&material, sizeof material);
   material.stiffness = parameters_[Parameter::stiffness];
   material.density = parameters_[Parameter::density];
-  material.alpha = material.beta = material.heat = parameters_[Parameter::loss];
+  material.alpha = material.beta = material.heat = material.air = parameters_[Parameter::loss];
   material.size = size_of(map, object, parameters_, keyboard_.bend_semitones(object.key));
   if (tuning.is_new || !same(material, tuning.material)) {
     if (ringdown_set_material(mixer_.get(), object.number, &material, nullptr) != RINGDOWN_OK) return false;

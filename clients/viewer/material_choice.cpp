@@ -56,7 +56,8 @@ MaterialChoice choice_of(const Material& bank, const Material& wanted) {
   const bool by_parts = !bank.loss_factors.empty();
   if (by_parts) {
     scale.beta = loss_at_1_khz(wanted) / loss_at_1_khz(bank);
-    if (bank.thermal) scale.heat = wanted.thermal ? strength(wanted) / strength(bank) * scale.density / scale.stiffness : 0;
+    if (bank.thermal)
+      scale.heat = wanted.thermal ? strength(wanted) / strength(bank) * scale.density / scale.stiffness : 0;
   } else {
     scale.alpha = ratio(wanted.damping.alpha_per_s, bank.damping.alpha_per_s);
     scale.beta = ratio(wanted.damping.beta_s, bank.damping.beta_s);
@@ -92,8 +93,8 @@ std::vector<Material> known_materials() {
 
 std::string material_name(const Material& bank, const MaterialScale& scale, const std::vector<Material>& known) {
   const auto fits = [&](const MaterialScale& s) {
-    return near(s.alpha, scale.alpha) && near(s.beta, scale.beta) && near(s.heat, scale.heat) && near(s.density, scale.density) &&
-           near(s.stiffness, scale.stiffness);
+    return near(s.alpha, scale.alpha) && near(s.beta, scale.beta) && near(s.heat, scale.heat) &&
+           near(s.density, scale.density) && near(s.stiffness, scale.stiffness);
   };
   if (fits({})) return bank.name;
   for (const Material& material : known) {

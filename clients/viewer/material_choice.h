@@ -1,11 +1,12 @@
 // The choice of another material for an object, from the catalogue (`ringdown materials`): computes the factors that
 // give its bank this material, and how far the bank allows it. [UI]
 //
-// Young's modulus and density of a bank can be scaled, exactly (modal/material_scale.h), and so can its losses where both
-// materials have one loss factor at all frequencies; a list that is not constant is matched at 1 kHz. Heat flows as
-// strongly as in the wanted material, at the pitch at which it flows in the bank's. Poisson's ratio cannot: the bank's value remains until the object is baked again. The effect on the pitch depends on
-// the deformation in a mode: none for a thin bar in bending, sqrt((1 - bank^2) / (1 - wanted^2)) for a plate, sqrt((1 +
-// bank) / (1 + wanted)) for twisting.
+// Young's modulus and density of a bank can be scaled, exactly (modal/material_scale.h), and so can its losses where
+// both materials have one loss factor at all frequencies; a list that is not constant is matched at 1 kHz. Heat flows
+// as strongly as in the wanted material, at the pitch at which it flows in the bank's. Poisson's ratio cannot: the
+// bank's value remains until the object is baked again. The effect on the pitch depends on the deformation in a mode:
+// none for a thin bar in bending, sqrt((1 - bank^2) / (1 - wanted^2)) for a plate, sqrt((1 + bank) / (1 + wanted)) for
+// twisting.
 #pragma once
 
 #include "engine/modal/bank.h"

@@ -21,7 +21,7 @@ namespace ringdown::viewer {
 
 class SupportChoice {
  public:
-  static constexpr std::array kKinds = {"clamped", "slides", "springs"};
+  static constexpr std::array kKinds = {"clamped", "slides", "springs", "felt", "foam", "hand"};
   using Bank = std::shared_ptr<const KnownBank>;
   using Triangle = std::array<Vec3, 3>;
 

@@ -23,11 +23,12 @@ The presets are the objects of `presets/objects`. Their banks, of 17 to 1,880 kB
     ringdown strike it --vertex 0 --impulse 0,0,-0.01
 
 Each picture shows the shape of the most important mode, coloured by how far each place moves (dark: at rest, yellow: moves most). Beside it is the
-spectrum, in dB over Hz, of a blow at the point where the object responds most. T60 belongs to the same mode. A [pitch](materials.md#pitch) in bold is
-stated; the others are estimated. [Pictures of a bank](previews.md) show more modes. `./run presets` bakes the presets that have changed.
+spectrum, in dB over Hz, of a blow at the point where the object responds most. The first T60 is that of the mode at the pitch, if there is one there,
+the second that of the most important mode, which is the loudest in most blows. A [pitch](materials.md#pitch) in bold is stated; the others are
+estimated. [Pictures of a bank](previews.md) show more modes. `./run presets` bakes the presets that have changed.
 
-| | object | material | pitch in Hz (note, cents) | T60 [s] |
-|---|---|---|---|---|
+| | object | material | pitch in Hz (note, cents) | T60 of the pitch [s] | T60 of the loudest [s] |
+|---|---|---|---|---|---|
 """
 
 
@@ -55,6 +56,15 @@ def pitch_of(ringdown, bank):
     return f"**{text}**" if stated else text
 
 
+def t60_at(pitch, modes):
+    """T60 of the longest mode within a third of a semitone of the pitch; empty where there is none."""
+    if pitch == "none":
+        return ""
+    frequency = float(pitch.strip("*").split()[0])
+    near = [t60 for own, t60 in modes if abs(own / frequency - 1) < 0.02]
+    return f"{max(near):.2g}" if near else ""
+
+
 def small_picture(ringdown, bank, path):
     drawn = path.with_suffix(".part.png")
     subprocess.run([ringdown, "picture", bank, "-o", drawn, "--small"], check=True)
@@ -73,12 +83,13 @@ def row(ringdown, path):
     name, bank = path.stem, ROOT / "presets/banks" / f"{path.stem}.glb"
     label = f"`{name}`: {thing.get('description', '').replace('|', '/')}"
     if not bank.exists():
-        return f"| | {label} | {thing.get('material', '')} | | |\n"
+        return f"| | {label} | {thing.get('material', '')} | | | |\n"
     picture = PICTURES / f"{name}.png"
     small_picture(ringdown, bank, picture)
     modes = modes_of(ringdown, bank)
-    return (f"| ![{name}](../figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {pitch_of(ringdown, bank)} "
-            f"| {modes[0][1]:.2g} |\n")
+    pitch = pitch_of(ringdown, bank)
+    return (f"| ![{name}](../figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {pitch} "
+            f"| {t60_at(pitch, modes)} | {modes[0][1]:.2g} |\n")
 
 
 def main():

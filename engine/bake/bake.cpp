@@ -171,12 +171,10 @@ Result<SamplePoints> find_points(const Task& task, const std::vector<HeardMode>&
   return points;
 }
 
-bool heat_counts(const Task& task) {
-  return task.makeup.warming && fem::order_of(task.options.element) > 1;
-}
+bool heat_counts(const Task& task) { return task.makeup.warming && fem::order_of(task.options.element) > 1; }
 
-// Adds how the heat of each mode relaxes, where the material says how it warms. In linear elements the pressure does not
-// follow a bent wall, so they have none.
+// Adds how the heat of each mode relaxes, where the material says how it warms. In linear elements the pressure does
+// not follow a bent wall, so they have none.
 Result<void> add_heat(const Task& task, const Eigen::Ref<const Eigen::MatrixXd>& shapes, BodyModes& body,
                       const Progress& progress) {
   if (!heat_counts(task) || body.lambda.size() == 0) return {};
@@ -382,10 +380,11 @@ Error no_mode(const std::string& name, const BakeOptions& options, std::optional
 Result<void> check_request(const modal::Material& material, const BakeOptions& options, const std::string& name) {
   if (auto good = check_options(options); !good) return good;
   if (options.nonlinear > 0 && !options.makeup.moves_freely()) {
-    return fail(ErrorKind::bad_input,
-                name +
-                    ": nonlinear terms are found for bodies of one material without grain that nothing holds stiffly; leave "
-                    "`nonlinear` out, or grain, parts, masses and supports with stiffness or mass");
+    return fail(
+        ErrorKind::bad_input,
+        name +
+            ": nonlinear terms are found for bodies of one material without grain that nothing holds stiffly; leave "
+            "`nonlinear` out, or grain, parts, masses and supports with stiffness or mass");
   }
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good) return failed(material.name, good.error());

@@ -30,8 +30,8 @@ BodyModes up_to(BodyModes modes, double top) {
   modes.residuals.conservativeResize(count);
   modes.shapes.conservativeResize(Eigen::NoChange, count);
   if (modes.errors.size() > 0) modes.errors.conservativeResize(count);
-  for (Eigen::MatrixXd* share : {&modes.shares.strain, &modes.shares.motion, &modes.shares.springs, &modes.shares.points,
-                                 &modes.heat}) {
+  for (Eigen::MatrixXd* share :
+       {&modes.shares.strain, &modes.shares.motion, &modes.shares.springs, &modes.shares.points, &modes.heat}) {
     if (share->size() > 0) share->conservativeResize(Eigen::NoChange, count);
   }
   modes.complete_to = std::min(modes.complete_to, top);
@@ -113,8 +113,7 @@ bool read_shares(ByteReader& in, std::size_t modes, ModeShares& shares) {
   if (in.finished()) return true;
   std::uint64_t parts = 0;
   std::vector<double> strain, motion, springs, points;
-  if (!in.get(parts) || !in.get_list(strain) || !in.get_list(motion) || !in.get_list(springs) ||
-      !in.get_list(points))
+  if (!in.get(parts) || !in.get_list(strain) || !in.get_list(motion) || !in.get_list(springs) || !in.get_list(points))
     return false;
   const bool whole = parts > 0 && modes > 0 && strain.size() == parts * modes && motion.size() == strain.size() &&
                      springs.size() % (2 * modes) == 0 && points.size() % modes == 0;
@@ -137,14 +136,13 @@ std::optional<BodyModes> unpacked(std::string_view bytes, const BodyQuestion& qu
   if (!in.get_list(nodes) || !in.get_list(lambda) || !in.get_list(shapes) || !in.get_list(residuals) ||
       !in.get_list(errors) || !in.get(modes.complete_to) || !in.get(modes.rigid) || !in.get(verified) ||
       !in.get(modes.unknowns) || !in.get(modes.mass) || !in.get_list(heat) ||
-      !read_shares(in, lambda.size(), modes.shares) ||
-      !in.finished()) {
+      !read_shares(in, lambda.size(), modes.shares) || !in.finished()) {
     return std::nullopt;
   }
   const std::size_t rows = 3 * question.surface_nodes, count = lambda.size(), pairs = 2 * fem::kHeatPairs;
   const bool whole = shapes.size() == rows * count && residuals.size() == count &&
-                     (errors.empty() || errors.size() == count) &&
-                     (heat.empty() || heat.size() == pairs * count) && is_ascending_above_zero(lambda);
+                     (errors.empty() || errors.size() == count) && (heat.empty() || heat.size() == pairs * count) &&
+                     is_ascending_above_zero(lambda);
   const bool has_shares = modes.shares.strain.size() > 0;
   if (!whole || has_shares == (question.makeup.empty() || count == 0)) return std::nullopt;
   if (!same_nodes(nodes, question.unit_mesh.nodes)) return std::nullopt;

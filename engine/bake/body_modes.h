@@ -52,7 +52,7 @@ struct BodyModes {
   std::int64_t unknowns = 0;
   modal::MassProperties mass;  // of density 1
   ModeShares shares;
-  Eigen::MatrixXd heat;  // 2 fem::kHeatPairs x m (fem/heat_flow.h); or empty: it was not asked for
+  Eigen::MatrixXd heat;                     // 2 fem::kHeatPairs x m (fem/heat_flow.h); or empty: it was not asked for
   std::optional<NonlinearModes> nonlinear;  // of the first modes, where they were asked for; not in the ModeCache
 };
 

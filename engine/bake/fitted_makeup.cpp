@@ -18,8 +18,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kOnPlace = 1e-6;  // of the body's length, how far a node may lie outside
-constexpr double kFlat = 1e-6;     // 1 - length of the mean normal of a surface that slides
+constexpr double kOnPlace = 1e-6;   // of the body's length, how far a node may lie outside
+constexpr double kNearPoint = 0.1;  // of the body's length, how far a point that touches it may lie beside it
+constexpr double kFlat = 1e-6;      // 1 - length of the mean normal of a surface that slides
 // Stiffness for each area of a surface that slides, in units of modulus over length. It gives way by a
 // ten-millionth of the strain times the length, and leaves eigenvalues nine digits.
 constexpr double kRigid = 1e7;
@@ -253,21 +254,30 @@ class Fitter {
     return ((point - a.cwiseMin(b)).array() >= -kOnPlace).all() && ((a.cwiseMax(b) - point).array() >= -kOnPlace).all();
   }
 
-  void touch(const Support& support) {
+  Result<void> touch(const Support& support) {
     if (outer_.empty()) outer_ = mesh::outer_faces(mesh_.elements);
     const double unit_kg = units_.density_kg_m3 * std::pow(units_.length_m, 3);
     for (const Vec3& point_m : support.points_m) {
       fem::HeldPoint point = fem::nearest_point(mesh_, outer_, to_eigen(point_m) / units_.length_m);
+      if (point.distance > kNearPoint) {
+        char text[160];
+        std::snprintf(text, sizeof text,
+                      "the point (%.4g, %.4g, %.4g) of a support lies %.3g m beside the body; give it in metres of the "
+                      "object",
+                      point_m.x, point_m.y, point_m.z, point.distance * units_.length_m);
+        return fail(ErrorKind::bad_input, text);
+      }
       point.mass_kg = support.point_mass_kg / unit_kg;
       fitted_.holding.points.push_back(point);
       fitted_.point_damping_ns_m.push_back(support.point_damping_ns_m);
     }
     const std::size_t count = support.points_m.size();
     fitted_.notes.push_back("touched at " + std::to_string(count) + (count == 1 ? " point" : " points"));
+    return {};
   }
 
   Result<void> hold(const Support& support) {
-    if (support.kind == SupportKind::kPoints) return touch(support), Result<void>{};
+    if (support.kind == SupportKind::kPoints) return touch(support);
     auto faces = faces_at(support.place);
     if (!faces) return fail(faces.error());
     const fem::Extent extent = fem::extent_of(mesh_, *faces);
@@ -293,7 +303,8 @@ class Fitter {
                                           .normal_n_m3 = spring * support.stiffness_n_m3,
                                           .tangential_n_m3 = spring * support.stiffness_along_n_m3});
         break;
-      case SupportKind::kPoints: break;
+      case SupportKind::kPoints:
+        break;
     }
     return {};
   }
@@ -406,7 +417,8 @@ ModeShares FittedMakeup::shares(const mesh::TetMesh& unit_mesh, const Eigen::Ref
 }
 
 // A part's material takes the share of the mode's energy that is in it, weighed by the loss of its directions; springs
-// take theirs, dampers c |v|^2 for each area or at each point, and Rayleigh's alpha goes with the part's share of the motion.
+// take theirs, dampers c |v|^2 for each area or at each point, and Rayleigh's alpha goes with the part's share of the
+// motion.
 modal::ModeLoss FittedMakeup::loss(const ModeShares& shares, const BodyUnits& units, Eigen::Index m, double lambda,
                                    double air_per_s) const {
   if (key.empty()) return modal::mode_loss(materials.front().damping_law(), lambda, air_per_s);

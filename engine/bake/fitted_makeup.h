@@ -29,11 +29,11 @@ struct FittedMakeup {
   std::optional<modal::Material> warming;  // the first of them that says how it warms: the reference of `heat`
   std::vector<fem::HeatRatios> heat;       // by part; a part that does not say it neither warms nor conducts
   fem::Holding holding;
-  std::vector<Support> springs;           // of the first layers of `holding`, in their order
+  std::vector<Support> springs;            // of the first layers of `holding`, in their order
   std::vector<double> point_damping_ns_m;  // of the points of `holding`
-  int free_motions = 6;            // rigid motions that cost no energy
-  std::string key;                 // all that the modes depend on beside mesh and Poisson's ratio; empty: plain
-  std::vector<std::string> notes;  // what holds where, for people
+  int free_motions = 6;                    // rigid motions that cost no energy
+  std::string key;                         // all that the modes depend on beside mesh and Poisson's ratio; empty: plain
+  std::vector<std::string> notes;          // what holds where, for people
 
   // The shares of each mode's energy by which loss() tells its losses apart; empty for a plain body. `shapes` is 3N x
   // m.
@@ -44,8 +44,8 @@ struct FittedMakeup {
   [[nodiscard]] modal::ModeLoss loss(const ModeShares& shares, const BodyUnits& units, Eigen::Index m, double lambda,
                                      double air_per_s) const;
 
-  // The relaxations of mode `m` of those that `pairs` has (BodyModes::heat), with the time in seconds; none where no part
-  // says how it warms.
+  // The relaxations of mode `m` of those that `pairs` has (BodyModes::heat), with the time in seconds; none where no
+  // part says how it warms.
   [[nodiscard]] modal::ModeHeat relaxations(const Eigen::MatrixXd& pairs, const BodyUnits& units, Eigen::Index m) const;
 
   // How any mode may be damped at most: for the top of a band.

@@ -41,10 +41,10 @@ enum class SupportKind {
 
 struct Support {
   SupportKind kind = SupportKind::kClamped;
-  Place place;                   // of all but points
-  std::vector<Vec3> points_m;    // of points: where they are, on the surface or near it
-  double point_damping_ns_m = 0; // of each point, in all directions
-  double point_mass_kg = 0;      // what moves with each point
+  Place place;                      // of all but points
+  std::vector<Vec3> points_m;       // of points: where they are, on the surface or near it
+  double point_damping_ns_m = 0;    // of each point, in all directions
+  double point_mass_kg = 0;         // what moves with each point
   double stiffness_n_m3 = 0;        // along the normal: newtons for each metre and each square metre
   double stiffness_along_n_m3 = 0;  // along the surface
   double damping_ns_m3 = 0;         // in all directions

@@ -18,14 +18,12 @@
 //   material = "maple"
 //   grain = { along = [1, 0, 0], radial = [0, 0, 1] }    # as [grain]
 //   [[support]]                      # what holds the body; any number of them
-//   kind = "clamped"                 # or "slides", "springs"; "felt", "foam", "hand": springs with figures of their own
-//   box = [0, 0, 0, 0.01, 0.1, 0.1]  # faces between two corners, in metres before `scale`; or:
-//   plane = [0, 0, 0, 0, 0, 1]       # faces on a plane: a point in metres, and the normal; or:
-//   group = "foot"                   # Physical Surface
-//   stiffness = 1e9                  # of springs: N/m for each m^2 along the normal
-//   stiffness_along = 1e8            # along the surface; default: as along the normal
-//   damping = 1e4                    # N s/m for each m^2; default 0
-//   loss_factor = 0.1                # of the springs; default 0
+//   kind = "clamped"                 # or "slides", "springs"; "felt", "foam", "hand": springs with figures of their
+//   own box = [0, 0, 0, 0.01, 0.1, 0.1]  # faces between two corners, in metres before `scale`; or: plane = [0, 0, 0,
+//   0, 0, 1]       # faces on a plane: a point in metres, and the normal; or: group = "foot"                   #
+//   Physical Surface stiffness = 1e9                  # of springs: N/m for each m^2 along the normal stiffness_along =
+//   1e8            # along the surface; default: as along the normal damping = 1e4                    # N s/m for each
+//   m^2; default 0 loss_factor = 0.1                # of the springs; default 0
 //   [[support]]
 //   kind = "cord"                    # or "felt", "foam", "hand": touches it at points
 //   points = [0.1, 0, 0, 0.3, 0, 0]  # three numbers for each point, in metres before `scale`

@@ -20,7 +20,7 @@ namespace {
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 // The derivatives of the heat equation's relaxation are fastest through the wall: the slowest of them is pi^2 / wall^2.
-constexpr double kShift = 50;  // over wall^2; between the rates of the first and the third way through the wall
+constexpr double kShift = 50;        // over wall^2; between the rates of the first and the third way through the wall
 constexpr double kTolerance = 1e-6;  // of residuals
 
 // The stress that holds back a relative expansion of 1 along all axes: xx, yy, zz, yz, xz, xy.

@@ -5,14 +5,14 @@
 //
 //   K_ab = integral of grad N_a . grad N_b,   C_ab = integral of N_a N_b,   (B u)_a = integral of N_a beta : grad u
 //
-// with thermal stress beta = C : I, the stress per relative expansion (Biot, J. Appl. Phys. 27, 1956). Its lag gives the
-// loss factor. Seen from b = B u, the pencil (K, C) has real relaxation modes, so that the loss factor is
+// with thermal stress beta = C : I, the stress per relative expansion (Biot, J. Appl. Phys. 27, 1956). Its lag gives
+// the loss factor. Seen from b = B u, the pencil (K, C) has real relaxation modes, so that the loss factor is
 //
 //   eta(omega) = sum over j of s_j omega tau_j / (1 + (omega tau_j)^2),       tau_j = 1 / rate_j.
 //
-// A few steps of Lanczos with (K + s C)^-1 C from C^-1 b give the Gauss rule of this sum: kPairs pairs that match its
-// moments, and so hold at every frequency, material and size (Golub & Meurant, Matrices, Moments and Quadrature, 2010).
-// Frequencies do not enter at all.
+// A few steps of Lanczos with (K + s C)^-1 C from C^-1 b give the Gauss rule of this sum: kHeatPairs pairs that match
+// its moments, and so hold at every frequency, material and size (Golub & Meurant, Matrices, Moments and Quadrature,
+// 2010). Frequencies do not enter at all.
 #pragma once
 
 #include "engine/base/progress.h"

@@ -205,7 +205,7 @@ HeldPoint nearest_point(const mesh::TetMesh& mesh, const std::vector<mesh::Outer
     const std::array<double, 3> weights = nearest_on_triangle(vec3(point), corners);
     const double distance = length(at_weights(corners, weights) - vec3(point));
     if (distance >= best) continue;
-    best = distance;
+    best = nearest.distance = distance;
     nearest.element = face.element;
     nearest.barycentric.setZero();
     for (std::size_t i = 0; i < 3; ++i) nearest.barycentric[turned[i]] = weights[i];

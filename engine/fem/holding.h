@@ -35,6 +35,7 @@ struct HeldPoint {
   Eigen::Index element = 0;
   Eigen::Vector4d barycentric = Eigen::Vector4d::Zero();
   double mass_kg = 0;
+  double distance = 0;  // of the point that was asked for
 };
 
 struct Holding {

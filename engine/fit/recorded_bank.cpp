@@ -3,6 +3,7 @@
 #include "engine/modal/damping.h"
 #include "engine/modal/hearing/contact_pulse.h"
 #include "engine/modal/hearing/loudness.h"
+#include "engine/modal/material_scale.h"
 #include "engine/modal/mode_choice.h"
 
 #include <Eigen/Core>
@@ -231,9 +232,10 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
     const double others = other_losses(bank, pair.baked).total_per_s();
     const double material = std::max(mode.decay_per_s - others, kLeastShare * mode.decay_per_s);
     const double omega = std::sqrt(modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s}));
+    const double share = modal::material_share(bank, pair.baked);
     double error = std::hypot(mode.decay_error_per_s, kOfTheLaw * mode.decay_per_s) / material;
     if (mode.decay_per_s - others < material) error += 1;
-    points.push_back({std::log(modal::rad_per_s_to_hz(omega)), std::log(2 * material / omega), error, 1});
+    points.push_back({std::log(modal::rad_per_s_to_hz(omega)), std::log(2 * material / (omega * share)), error, 1});
   }
   double best = std::numeric_limits<double>::infinity();
   for (int figures = 1; figures <= 3; ++figures) {
@@ -256,7 +258,7 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
 modal::ModeLoss fitted_loss(const Calibration& calibration, const modal::Bank& bank, std::size_t baked,
                             double frequency_hz) {
   modal::ModeLoss loss = other_losses(bank, baked);
-  loss.material_per_s = 0.5 * modal::hz_to_rad_per_s(frequency_hz) *
+  loss.material_per_s = 0.5 * modal::hz_to_rad_per_s(frequency_hz) * modal::material_share(bank, baked) *
                         modal::loss_factor_at(calibration.loss_factors, frequency_hz);
   return loss;
 }
@@ -267,8 +269,7 @@ modal::Bank with_losses(const modal::Bank& bank, const Calibration& calibration)
   std::vector<std::size_t> ringing;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double lambda = modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
-    const modal::ModeLoss loss =
-        fitted_loss(calibration, bank, m, modal::rad_per_s_to_hz(std::sqrt(lambda)));
+    const modal::ModeLoss loss = fitted_loss(calibration, bank, m, modal::rad_per_s_to_hz(std::sqrt(lambda)));
     const modal::DampedMode mode = modal::with_decay(lambda, loss.total_per_s());
     result.losses.push_back(loss);
     result.frequency_hz[m] = mode.frequency_hz;

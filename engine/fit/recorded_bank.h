@@ -28,8 +28,8 @@ struct Match {
 struct Calibration {
   std::vector<modal::LossFactor> loss_factors;  // 1 to 3, by ascending frequency
   std::vector<double> loss_errors;              // relative standard error of each
-  double tuning_cents = 0;  // common factor of the recording's over the bank's frequencies
-  double spread = 0;        // exp(standard deviation of log(recorded / fitted decay)) - 1
+  double tuning_cents = 0;                      // common factor of the recording's over the bank's frequencies
+  double spread = 0;                            // exp(standard deviation of log(recorded / fitted decay)) - 1
   std::vector<Match> matches;
   [[nodiscard]] std::size_t used() const;
   [[nodiscard]] std::string text() const;  // "0.0012 +- 3 % at 1200 Hz", of each loss factor

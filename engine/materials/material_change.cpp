@@ -33,24 +33,13 @@ double alpha_of(const modal::Material& material) {
   return material.loss_factors.empty() ? material.damping.alpha_per_s : 0.0;
 }
 
-// How much more or less the mode loses than its material as a whole: by a grain, parts of other materials, springs that
-// have a share of its energy. 1 to rounding where nothing of that is known.
-double share_of_loss(const modal::Material& from, const modal::Bank& bank, std::size_t m) {
-  constexpr double kRounding = 1e-4;
-  const double whole = modal::mode_loss(from.damping_law(), lambda_of(bank, m, {})).material_per_s;
-  if (bank.losses.empty() || !(whole > 0)) return 1;
-  const double share = bank.losses[m].material_per_s / whole;
-  return std::abs(share - 1) > kRounding ? share : 1;
-}
-
 // The relaxations of the mode in another material of the same Poisson's ratio; none where one of the two does not say
 // how it warms.
 modal::ModeHeat heat_in(const modal::Material& from, const modal::Material& to, const modal::Bank& bank, std::size_t m,
                         const modal::MaterialScale& scale) {
   if (bank.heat.empty() || !from.thermal || !to.thermal) return {};
-  const double strength =
-      modal::relaxation_strength(*to.thermal, to.youngs_modulus_pa, to.density_kg_m3) /
-      modal::relaxation_strength(*from.thermal, from.youngs_modulus_pa, from.density_kg_m3);
+  const double strength = modal::relaxation_strength(*to.thermal, to.youngs_modulus_pa, to.density_kg_m3) /
+                          modal::relaxation_strength(*from.thermal, from.youngs_modulus_pa, from.density_kg_m3);
   const double time = scale.size * scale.size * modal::diffusivity(*from.thermal, from.density_kg_m3) /
                       modal::diffusivity(*to.thermal, to.density_kg_m3);
   return modal::multiplied(bank.heat[m], strength, time);
@@ -63,7 +52,7 @@ modal::ModeLoss loss_in(const modal::Material& from, const modal::Material& to, 
                         const modal::MaterialScale& scale, const modal::ModeHeat& heat) {
   modal::ModeLoss loss =
       modal::mode_loss(to.damping_law(), lambda_of(bank, m, scale), modal::rescaled_air_loss(bank, m, scale));
-  loss.material_per_s *= share_of_loss(from, bank, m);
+  loss.material_per_s *= modal::material_share(bank, m);
   loss.heat_per_s = modal::heat_loss(heat, std::sqrt(lambda_of(bank, m, scale)));
   const modal::ModeLoss baked = modal::loss_of(bank, m);
   if (!from.loss_factors.empty()) {
@@ -71,6 +60,11 @@ modal::ModeLoss loss_in(const modal::Material& from, const modal::Material& to, 
     return loss;
   }
   const double alpha = alpha_of(from), wanted_alpha = alpha_of(to);
+  if (!to.loss_factors.empty()) {
+    const double of_alpha = std::max(0.5 * alpha - baked.air_per_s, 0.0);
+    loss.support_per_s = std::max(baked.support_per_s - of_alpha, 0.0) / (scale.density * scale.size);
+    return loss;
+  }
   const double taken = baked.support_per_s + std::min(baked.air_per_s, 0.5 * alpha);
   const double wanted = alpha > 0 ? taken * (wanted_alpha / alpha) : taken + 0.5 * wanted_alpha;
   loss.support_per_s = std::max(wanted - loss.air_per_s, 0.0);

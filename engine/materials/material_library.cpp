@@ -56,6 +56,11 @@ Result<void> check_stable(const modal::Material& material) {
   return fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
 }
 
+// Rayleigh's constants, which a list replaces.
+bool is_damping(const Figure& figure, const modal::Material& material) {
+  return &figure.value == &material.damping.alpha_per_s || &figure.value == &material.damping.beta_s;
+}
+
 std::array<Figure, 3> figures_of(modal::Thermal& thermal) {
   return {{{"expansion_per_k", thermal.expansion_per_k, kExpansion_per_k, 1e-6},
            {"conductivity_w_mk", thermal.conductivity_w_mk, kConductivity_w_mk},
@@ -82,10 +87,7 @@ std::string source_of_fit(const MaterialEntry& entry, const std::set<std::string
                   point.frequency_hz);
     text += part;
   }
-  char off[96];
-  std::snprintf(off, sizeof off,
-                " at the octaves from 125 Hz to 8 kHz, and off by at most %.0f %% in the list: ", 100 * modal::worst_error(entry.material.damping, factors));
-  text += off;
+  text += " at the octaves from 125 Hz to 8 kHz: ";
   for (const std::string& source : sources) text += (source == *sources.begin() ? "" : "; ") + source;
   return text;
 }
@@ -133,8 +135,7 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
   if (material.name != path.stem()) file->complain("name", "name must be the file's, " + quote(path.stem().string()));
   const bool curve = file->has("loss_factor");
   for (const Figure& figure : figures_of(material)) {
-    const bool damping = &figure.value == &material.damping.alpha_per_s || &figure.value == &material.damping.beta_s;
-    if (!(curve && damping)) read_figure(*file, figure, entry);
+    if (!(curve && is_damping(figure, material))) read_figure(*file, figure, entry);
   }
   if (curve) read_loss_factors(*file, entry);
   file->number("uncertainty", entry.uncertainty, kUncertainty);
@@ -157,8 +158,7 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
     if (auto good = check_range(value, figure.range); !good)
       return fail(good.error().kind, key + ": " + good.error().message);
     figure.value = value;
-    if (&figure.value == &material.damping.alpha_per_s || &figure.value == &material.damping.beta_s)
-      material.loss_factors.clear();
+    if (is_damping(figure, material)) material.loss_factors.clear();
     return check_stable(material);
   }
   if (key == "loss_factor") {
@@ -230,25 +230,34 @@ std::string grain_row(const MaterialEntry& entry) {
   return row + " |\n";
 }
 
-// How far Rayleigh's fit is off from a list of loss factors; where there is none, Rayleigh's numbers are the material.
-std::string fit_errors(const modal::Material& material) {
-  constexpr double kLowest_hz = 20, kHighest_hz = 20000;
-  const std::vector<modal::LossFactor>& list = material.loss_factors;
-  if (list.empty()) return " | |";
-  const auto off = [&](double low_hz, double high_hz) {
-    return number_text(100 * modal::worst_error(material.damping_law(), low_hz, high_hz), "%.0f");
-  };
-  const double low_hz = list.front().frequency_hz, high_hz = list.back().frequency_hz;
-  return " " + off(low_hz, high_hz) + " % in " + number_text(low_hz) + " ... " + number_text(high_hz) + " Hz | " +
-         off(kLowest_hz, kHighest_hz) + " % |";
+std::string loss_cells(const MaterialEntry& entry) {
+  const modal::MaterialDamping law = entry.material.damping_law();
+  std::string row;
+  for (const double frequency_hz : {100.0, 1000.0, 10000.0}) {
+    const double eta = law.loss_factors.empty() ? modal::loss_factor(law.rayleigh, frequency_hz)
+                                                : modal::loss_factor_at(law.loss_factors, frequency_hz);
+    row += " " + marked(number_text(eta, "%.2g"), entry.sources.at("beta_s")) + " |";
+  }
+  return row + (entry.uncertainty > 0 ? " " + number_text(entry.uncertainty, "%.2g") : "") + " |";
+}
+
+std::string thermal_cells(const MaterialEntry& entry) {
+  if (!entry.material.thermal) return " | | |";
+  modal::Thermal thermal = *entry.material.thermal;
+  std::string row;
+  for (const Figure& figure : figures_of(thermal))
+    row += " " + marked(number_text(figure.value / figure.table_unit, "%.3g"), entry.sources.at(figure.key)) + " |";
+  return row;
 }
 
 std::string figure_row(MaterialEntry entry) {
   std::string row = "| `" + entry.material.name + "` |";
   for (const Figure& figure : figures_of(entry.material)) {
+    if (is_damping(figure, entry.material)) continue;
     row += " " + marked(number_text(figure.value / figure.table_unit), entry.sources.at(figure.key)) + " |";
   }
-  return row + " " + number_text(t60_at_1_khz(entry.material), "%.2g") + " |" + fit_errors(entry.material) + "\n";
+  return row + loss_cells(entry) + thermal_cells(entry) + " " + number_text(t60_at_1_khz(entry.material), "%.2g") +
+         " |\n";
 }
 
 }  // namespace
@@ -269,10 +278,9 @@ Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
   const std::vector<std::string> names = names_in(folder);
   if (names.empty()) return fail(ErrorKind::bad_input, "there are no materials in " + folder.string());
   std::string figures =
-      "| material | E [GPa] | nu | rho [kg/m^3] | alpha [1/s] | beta [s] | T60 at 1 kHz [s] | Rayleigh is off by at "
-      "most | "
-      "in 20 ... 20000 Hz |\n"
-      "|---|---|---|---|---|---|---|---|---|\n";
+      "| material | E [GPa] | nu | rho [kg/m^3] | loss factor at 100 Hz | at 1 kHz | at 10 kHz | within a factor | "
+      "expansion [1e-6/K] | conductivity [W/(m K)] | heat capacity [J/(kg K)] | T60 at 1 kHz [s] |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const std::string& name : names) {
     const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
     if (!entry) return fail(entry.error());

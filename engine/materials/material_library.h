@@ -55,7 +55,7 @@ inline constexpr std::string_view kToBeChecked = "to be checked against the orig
 struct MaterialEntry {
   modal::Material material;
   std::string description;
-  double uncertainty = 0;  // factor of the loss factors, at least 1; 0: not given
+  double uncertainty = 0;                      // factor of the loss factors, at least 1; 0: not given
   std::map<std::string, std::string> sources;  // key of the figure -> where it is from
 };
 
@@ -79,8 +79,7 @@ std::vector<std::string> names_in(const std::filesystem::path& folder);
 
 // The table of docs/use/materials.md: every material in `folder` with its figures, as Markdown. Their sources stand in
 // the files. Figures that are our own choice are in italics, figures that are yet to be checked carry a question mark
-// (kOurChoice and kToBeChecked). The last columns say how far Rayleigh's fit is off from a list of loss factors,
-// between the list's ends and in the audible band. Fails with the first file that cannot be read, or when there is
+// (kOurChoice and kToBeChecked). Fails with the first file that cannot be read, or when there is
 // none.
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder);
 

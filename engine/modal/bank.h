@@ -47,7 +47,7 @@ struct Material {
   double density_kg_m3 = 0;
   RayleighDamping damping;
   std::vector<LossFactor> loss_factors = {};  // by ascending frequency; empty: unknown, else `damping` is their fit
-  std::optional<Thermal> thermal = {};           // absent: how it warms is not known
+  std::optional<Thermal> thermal = {};        // absent: how it warms is not known
   std::optional<Orthotropy> orthotropy = {};  // if a bank has it, its modes are those of this solid, not the isotropic
   [[nodiscard]] MaterialDamping damping_law() const { return {damping, loss_factors}; }
 };

@@ -65,10 +65,8 @@ std::vector<ModeLoss> read_losses(const JsonPlace& field, const std::vector<doub
   if (material.empty() || support.empty() || air.empty() || heat.empty()) return {};
   std::vector<ModeLoss> losses;
   for (std::size_t m = 0; m < decay_per_s.size(); ++m) {
-    losses.push_back({.material_per_s = material[m],
-                      .air_per_s = air[m],
-                      .support_per_s = support[m],
-                      .heat_per_s = heat[m]});
+    losses.push_back(
+        {.material_per_s = material[m], .air_per_s = air[m], .support_per_s = support[m], .heat_per_s = heat[m]});
     if (std::abs(losses[m].total_per_s() - decay_per_s[m]) > kRounding * decay_per_s[m]) return {};
   }
   return losses;
@@ -323,9 +321,8 @@ Json extras_json(const Bank& bank, GlbWriter& writer) {
     json["lossFactors"] = loss_factors_json(bank.material->loss_factors);
   if (bank.material && bank.material->thermal) {
     const auto& [expansion_per_k, conductivity_w_mk, heat_capacity_j_kgk] = *bank.material->thermal;
-    json["thermal"] = {{"expansion", expansion_per_k},
-                       {"conductivity", conductivity_w_mk},
-                       {"heatCapacity", heat_capacity_j_kgk}};
+    json["thermal"] = {
+        {"expansion", expansion_per_k}, {"conductivity", conductivity_w_mk}, {"heatCapacity", heat_capacity_j_kgk}};
   }
   if (bank.material && bank.material->orthotropy) json["orthotropic"] = orthotropy_json(*bank.material->orthotropy);
   if (bank.held) json["held"] = true;

@@ -65,18 +65,19 @@ double worst_error(const MaterialDamping& damping, double low_hz, double high_hz
 //
 //   eta(omega) = sum over relaxations of  strength omega tau / (1 + (omega tau)^2)
 //
-// engine/fem/heat_flow.h finds the few pairs (strength, tau) that stand for all relaxations of a mode, at any frequency.
-// In another size and material of the same Poisson's ratio a strength goes as Young's modulus times expansion squared
-// over heat capacity per volume, and tau as length squared times heat capacity per volume over conductivity.
+// engine/fem/heat_flow.h finds the few pairs (strength, tau) that stand for all relaxations of a mode, at any
+// frequency. In another size and material of the same Poisson's ratio a strength goes as Young's modulus times
+// expansion squared over heat capacity per volume, and tau as length squared times heat capacity per volume over
+// conductivity.
 
 inline constexpr double kRoomTemperature_k = 293.15;
 inline constexpr int kRelaxations = 4;  // for each mode
 
 // How a material warms; each figure is > 0.
 struct Thermal {
-  double expansion_per_k = 0;        // of a length
-  double conductivity_w_mk = 0;      // [W / (m K)]
-  double heat_capacity_j_kgk = 0;    // at constant pressure [J / (kg K)]
+  double expansion_per_k = 0;      // of a length
+  double conductivity_w_mk = 0;    // [W / (m K)]
+  double heat_capacity_j_kgk = 0;  // at constant pressure [J / (kg K)]
   friend bool operator==(const Thermal&, const Thermal&) = default;
 };
 

@@ -1,6 +1,7 @@
 #include "engine/modal/material_scale.h"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace ringdown::modal {
 namespace {
@@ -29,6 +30,29 @@ double level_factor(const FarField& field, const MaterialScale& scale) {
 }
 
 }  // namespace
+
+std::string describe_damping(const Material& material) {
+  char text[120];
+  const auto& list = material.loss_factors;
+  if (list.empty()) {
+    std::snprintf(text, sizeof text, "alpha = %.4g 1/s, beta = %.4g s", material.damping.alpha_per_s,
+                  material.damping.beta_s);
+  } else if (list.size() == 1) {
+    std::snprintf(text, sizeof text, "loss factor %.3g", list.front().eta);
+  } else {
+    std::snprintf(text, sizeof text, "loss factor %.3g at %.4g Hz to %.3g at %.4g Hz", list.front().eta,
+                  list.front().frequency_hz, list.back().eta, list.back().frequency_hz);
+  }
+  return text;
+}
+
+double material_share(const Bank& bank, std::size_t m) {
+  constexpr double kRounding = 1e-4;
+  if (bank.losses.empty() || !bank.material) return 1;
+  const double whole = mode_loss(bank.material->damping_law(), lambda_of(bank, m)).material_per_s;
+  const double share = whole > 0 ? bank.losses[m].material_per_s / whole : 1;
+  return std::abs(share - 1) > kRounding ? share : 1;
+}
 
 ModeLoss loss_of(const Bank& bank, std::size_t m) {
   if (!bank.losses.empty()) return bank.losses[m];

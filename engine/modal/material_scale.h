@@ -1,8 +1,8 @@
 // A different material and size for the same modes, exactly and without a new analysis.
 //
 // Scaling stiffness scales every eigenvalue. Density and size scale eigenvalues and mass-normalised shapes. The losses
-// to material, air and support scale separately (docs/how/physics.md, "Another material"). Only another Poisson's ratio
-// needs a new bake.
+// to material, heat, air and support scale separately (docs/how/physics.md, "Another material"). Only another Poisson's
+// ratio needs a new bake.
 #pragma once
 
 #include "engine/modal/bank.h"
@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <string>
 
 namespace ringdown::modal {
 
@@ -36,6 +37,14 @@ inline double shape_factor(const MaterialScale& scale) {
   return 1 / std::sqrt(scale.density * scale.size * scale.size * scale.size);
 }
 
+// Returns what the material takes of a mode, in words: "loss factor 0.0002", of a list at its ends, or Rayleigh's
+// constants.
+std::string describe_damping(const Material& material);
+
+// Returns the loss of mode `m` to its material over that of its material as a whole: by a grain, parts of other
+// materials, or springs that have a share of its energy. 1 to rounding where nothing of that is known.
+double material_share(const Bank& bank, std::size_t m);
+
 // Returns the losses of mode `m` of the bank as baked. If the bank does not state them, the mode's decay is split into
 // beta lambda / 2 (beta from the bank's material, 0 without one) for the material and the rest for the support.
 ModeLoss loss_of(const Bank& bank, std::size_t m);
@@ -47,13 +56,14 @@ ModeLoss loss_of(const Bank& bank, std::size_t m);
 // and the air takes its part of them.
 ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
-// Returns the relaxations of mode `m` of the scaled body, at `scale.heat` times their strengths; none where the bank has
-// none.
+// Returns the relaxations of mode `m` of the scaled body, at `scale.heat` times their strengths; none where the bank
+// has none.
 ModeHeat rescaled_heat(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
-// Returns the loss of mode `m` to the air under a scaled material, before `scale.air`. A change of size is treated exactly: the share of
-// its energy that a mode radiates in a cycle stays. Stiffness and density change the pitch relative to the size, and so
-// the radiation efficiency; level_ratio() gives that change if the bank has radiation, otherwise the share stays.
+// Returns the loss of mode `m` to the air under a scaled material, before `scale.air`. A change of size is treated
+// exactly: the share of its energy that a mode radiates in a cycle stays. Stiffness and density change the pitch
+// relative to the size, and so the radiation efficiency; level_ratio() gives that change if the bank has radiation,
+// otherwise the share stays.
 double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
 // Returns mode `m` of the bank under a scaled material; frequency_hz is 0 if the mode has become over-damped.

@@ -7,8 +7,8 @@ namespace ringdown::modal {
 
 // Names every member of a bank, so that a new member that is not handled here does not compile.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
-  auto& [name, frequencies, decays, losses, heat, radiation, nonlinear, errors, shape_errors, positions, shapes, triangles,
-         material, mass, held, gain, pitch, provenance] = bank;
+  auto& [name, frequencies, decays, losses, heat, radiation, nonlinear, errors, shape_errors, positions, shapes,
+         triangles, material, mass, held, gain, pitch, provenance] = bank;
   const auto take = [&order](auto& list, std::size_t width) {
     if (list.empty()) return;
     std::remove_reference_t<decltype(list)> chosen;

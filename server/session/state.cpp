@@ -139,8 +139,8 @@ std::string to_toml(const State& state) {
     if (m != modal::MaterialScale{}) {
       text += "material = { alpha = " + toml_number(m.alpha) + ", beta = " + toml_number(m.beta) +
               ", density = " + toml_number(m.density) + ", stiffness = " + toml_number(m.stiffness) +
-              ", size = " + toml_number(m.size) + ", heat = " + toml_number(m.heat) +
-              ", air = " + toml_number(m.air) + " }\n";
+              ", size = " + toml_number(m.size) + ", heat = " + toml_number(m.heat) + ", air = " + toml_number(m.air) +
+              " }\n";
     }
     if (object.modes != modal::ModeRange{}) {
       text += "modes = { first = " + std::to_string(object.modes.first) +

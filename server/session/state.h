@@ -10,7 +10,7 @@
 //   group = "metal"
 //   mute = false
 //   solo = false
-//   material = { alpha = 1, beta = 1, density = 1, stiffness = 4, size = 1 }   # factors, as in /object/.../material
+//   material = { alpha = 1, beta = 1, density = 1, stiffness = 4, size = 1, heat = 1, air = 1 }   # factors
 //   modes = { first = 0, count = 20 }         # by ascending frequency, as in /object/.../modes
 //   [[object.touch]]                          # as in /object/.../hold
 //   number = 0

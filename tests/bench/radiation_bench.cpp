@@ -108,9 +108,8 @@ Solved solve_one(const radiate::Body& body, const radiate::Skin& skin, int mode,
   radiate::ComplexMatrix matrix;
   Solved solved{.coupling = radiate::coupling_of(skin, k)};
   radiate::wave_matrix(skin.panels, 0, skin.near[0], k, solved.coupling, matrix);
-  solved.layer = radiate::LuFactors(matrix)
-                     .solve(skin.flow[0].col(mode).cast<std::complex<float>>())
-                     .cast<std::complex<double>>();
+  solved.layer =
+      radiate::LuFactors(matrix).solve(skin.flow[0].col(mode).cast<std::complex<float>>()).cast<std::complex<double>>();
   const auto directions = radiate::directions_for(radiate::degree_for(k, radius));
   const Eigen::MatrixXcd field = radiate::far_fields(skin.panels, origin, k, solved.coupling, directions, solved.layer);
   solved.rms = std::sqrt(directions.weights.dot(field.col(0).cwiseAbs2()) / (4 * std::numbers::pi));

@@ -17,8 +17,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Lifshitz & Roukes, Phys. Rev. B 61, 2000, eq. 41: eta over E alpha^2 T / (rho c) of a bar bent across its thickness h,
-// with xi = h sqrt(omega rho c / (2 k)).
+// Lifshitz & Roukes, Phys. Rev. B 61, 2000, eq. 41: eta over E alpha^2 T / (rho c) of a bar bent across its thickness
+// h, with xi = h sqrt(omega rho c / (2 k)).
 double lifshitz_roukes(double xi) {
   return 6 / (xi * xi) - 6 / (xi * xi * xi) * (std::sinh(xi) + std::sin(xi)) / (std::cosh(xi) + std::cos(xi));
 }
@@ -69,9 +69,7 @@ struct Bent {
 };
 
 Motion bent_bar(double middle) {
-  return [middle](const Eigen::Vector3d& x) {
-    return Eigen::Vector3d(-(x[2] - middle) * x[0], 0, 0.5 * x[0] * x[0]);
-  };
+  return [middle](const Eigen::Vector3d& x) { return Eigen::Vector3d(-(x[2] - middle) * x[0], 0, 0.5 * x[0] * x[0]); };
 }
 
 TEST(HeatFlow, AThinBarLosesWhatLifshitzAndRoukesSay) {
@@ -100,8 +98,8 @@ TEST(HeatFlow, OneElementAcrossTheWallIsEnough) {
     EXPECT_NEAR(eta_of(pairs.col(0), omega_of(xi, kThick)) / lifshitz_roukes(xi), 1, 0.03) << xi;
 }
 
-// A plate that curves one way loses (1 + nu) / (1 - nu) times as much as a bar, one that curves alike in both directions
-// 2 / (1 - nu) times: from the stresses of a thin plate, whose thickness adds -nu / (1 - nu) of its stretch.
+// A plate that curves one way loses (1 + nu) / (1 - nu) times as much as a bar, one that curves alike in both
+// directions 2 / (1 - nu) times: from the stresses of a thin plate, whose thickness adds -nu / (1 - nu) of its stretch.
 TEST(HeatFlow, APlateLosesMoreByPoissonsRatio) {
   constexpr double kThick = 0.02, kNu = 0.3;
   const double middle = kThick / 2, squeeze = kNu / (1 - kNu);

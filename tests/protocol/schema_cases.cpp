@@ -107,8 +107,13 @@ Cases material_cases() {
            {a, {1, 2, 3, 4, 0.5}, claim<SetMaterial>([](const SetMaterial& s) {
               return s.scale == modal::MaterialScale{1, 2, 3, 4, 0.5};
             })},
+           {a, {1, 2, 3, 4, 0.5, 6, 7}, claim<SetMaterial>([](const SetMaterial& s) {
+              return s.scale == modal::MaterialScale{1, 2, 3, 4, 0.5, 6, 7};
+            })},
            {a, {0, 0, 0.001, 1000, 100}, is_a<SetMaterial>()}},
           {{"/object/b%/material", {1, 1, 1, 1}, "object"},
+           {a, {1, 1, 1, 1, 1, -1}, "heat"},
+           {a, {1, 1, 1, 1, 1, 1, 1001}, "air"},
            {a, {-1, 1, 1, 1}, "alpha"},
            {a, {1, 1001, 1, 1}, "beta"},
            {a, {1, 1, 0, 1}, "density"},

@@ -241,8 +241,7 @@ std::string verdict(const Comparison& c) {
       (c.nu_told
            ? print("nu           %.3f; the material says %.3f\n", c.poisson_ratio, c.given_poisson_ratio)
            : print("nu           %.3f as the material says: the recordings do not determine it\n", c.poisson_ratio)) +
-      print("loss factor  %s; decays %.0f %% off on average\n", c.calibration.text().c_str(),
-            100 * c.decay_error());
+      print("loss factor  %s; decays %.0f %% off on average\n", c.calibration.text().c_str(), 100 * c.decay_error());
   if (aside > 0) {
     text +=
         print("             %zu of the %zu decay differently, as in a room or a hand, and are left out of this fit\n",

@@ -70,7 +70,8 @@ void print_calibration(const fit::Fit& fit, const modal::Bank& bank, const fit::
     const fit::Mode& mode = fit.modes[match.recorded];
     std::printf("%5zu %12.3f %12.3f %9.1f %10.4g %10.4g %10s\n", match.baked, mode.frequency_hz,
                 bank.frequency_hz[match.baked], match.off_cents, mode.decay_per_s,
-                fit::fitted_loss(calibration, bank, match.baked, mode.frequency_hz).total_per_s(), match.used ? "" : "left out");
+                fit::fitted_loss(calibration, bank, match.baked, mode.frequency_hz).total_per_s(),
+                match.used ? "" : "left out");
   }
   std::printf("\n%zu of the recording's %zu modes match one of the bank's %zu; %zu of them fit the loss factor\n",
               calibration.matches.size(), fit.modes.size(), bank.mode_count(), calibration.used());

@@ -4,6 +4,7 @@
 #include "clients/cli/picture/view_data.h"
 #include "engine/base/note.h"
 #include "engine/modal/damping.h"
+#include "engine/modal/material_scale.h"
 
 #include <algorithm>
 #include <array>
@@ -56,9 +57,8 @@ std::string table_of(const modal::Bank& bank, const Answer& answer) {
 std::string facts_of(const modal::Bank& bank) {
   std::string text;
   if (const auto& m = bank.material) {
-    text += escaped(m->name) + format(": E = %.4g Pa, nu = %.3g, rho = %.5g kg/m³, alpha = %.4g 1/s, beta = %.4g s. ",
-                                      m->youngs_modulus_pa, m->poisson_ratio, m->density_kg_m3, m->damping.alpha_per_s,
-                                      m->damping.beta_s);
+    text += escaped(m->name) + format(": E = %.4g Pa, nu = %.3g, rho = %.5g kg/m³, %s. ", m->youngs_modulus_pa,
+                                      m->poisson_ratio, m->density_kg_m3, modal::describe_damping(*m).c_str());
   }
   text += format("%zu sample points, %zu triangles. ", bank.point_count(), bank.triangles.size());
   if (!bank.provenance.generator.empty()) text += "Made by " + escaped(bank.provenance.generator) + ".";

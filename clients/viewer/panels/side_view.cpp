@@ -124,9 +124,8 @@ void SideView::draw_sliders(const KnownObject& object, Commands& commands) {
   material("Material loss",
            "The factor on what the material takes (C and V keys): shortens all modes by the same share", a.scale.beta,
            {0.05, 20});
-  material("Heat loss",
-           "The factor on the heat that flows through bent walls: shortens the low modes of thin metal", a.scale.heat,
-           {0.05, 20});
+  material("Heat loss", "The factor on the heat that flows through bent walls: shortens the low modes of thin metal",
+           a.scale.heat, {0.05, 20});
   material("Air loss", "The factor on what the air takes: shortens the modes that sound loudest, above all high ones",
            a.scale.air, {0.05, 20});
   material("Support loss",

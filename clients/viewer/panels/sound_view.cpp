@@ -86,9 +86,9 @@ void draw_settings(const KnownObject* object, const Commands& commands) {
   if (object) {
     const modal::MaterialScale scale = commands.edits().adjustment_of(*object).scale;
     ImGui::TextWrapped(
-        "%s: stiffness \xC3\x97 %.3g, density \xC3\x97 %.3g, damping low \xC3\x97 %.3g, high \xC3\x97 %.3g, "
+        "%s: stiffness \xC3\x97 %.3g, density \xC3\x97 %.3g, material loss \xC3\x97 %.3g, support loss \xC3\x97 %.3g, "
         "test force %.3g N s",
-        object->name.c_str(), scale.stiffness, scale.density, scale.alpha, scale.beta, commands.choice().impulse_ns);
+        object->name.c_str(), scale.stiffness, scale.density, scale.beta, scale.alpha, commands.choice().impulse_ns);
   }
   ImGui::TextDisabled("F1: keys");
 }
