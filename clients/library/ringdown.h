@@ -205,13 +205,13 @@ RINGDOWN_API ringdown_result ringdown_add(ringdown_mixer* mixer, const char* nam
 RINGDOWN_API ringdown_result ringdown_remove(ringdown_mixer* mixer, uint32_t object, ringdown_error* error);
 
 /* Factors on the bank's own material and size; all 1 is the bank as baked. What rings is retuned. Exact, without a new
- * bake: stiffness is Young's modulus, size is a length; alpha, beta, heat and air scale what modes lose to supports, to
- * the material, to heat that flows in the body, and to the air. Stiffness and density are 0.001 ... 1000, size 0.01 ...
- * 100, those of losses 0 ... 1000. Points of later calls lie on the object in its new size. */
+ * bake: stiffness is Young's modulus, size is a length. alpha, beta, heat and air scale what modes lose to supports, to
+ * the material, to heat that flows in the body, and to the air. Points of later calls lie on the object in its new size.
+ * Stiffness and density are 0.001 ... 1000, size 0.01 ... 100, alpha and beta 0 ... 1000, heat and air as well. */
 typedef struct ringdown_material {
   size_t size_of_struct; /* sizeof(ringdown_material) */
   double stiffness, density, size, alpha, beta;
-  double heat, air; /* new in 1.0; a shorter struct leaves them at 1 */
+  double heat, air; /* a shorter struct leaves them at 1 */
 } ringdown_material;
 RINGDOWN_API void ringdown_material_init(ringdown_material* material, size_t size_of_struct); /* [any] */
 RINGDOWN_API ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object,

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <span>
 #include <utility>
 
@@ -447,6 +448,17 @@ modal::ModeLoss FittedMakeup::loss(const ModeShares& shares, const BodyUnits& un
   return loss;
 }
 
+namespace {
+
+// To four digits, which is more than a relaxation is known to: a bank holds eight of these numbers for each mode.
+double rounded(double figure) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3e", figure);
+  return std::strtod(text, nullptr);
+}
+
+}  // namespace
+
 static_assert(modal::kRelaxations == fem::kHeatPairs);
 
 modal::ModeHeat FittedMakeup::relaxations(const Eigen::MatrixXd& pairs, const BodyUnits& units, Eigen::Index m) const {
@@ -456,7 +468,8 @@ modal::ModeHeat FittedMakeup::relaxations(const Eigen::MatrixXd& pairs, const Bo
   const double strength = modal::relaxation_strength(thermal, units.modulus_pa, warming->density_kg_m3);
   const double rate = modal::diffusivity(thermal, warming->density_kg_m3) / (units.length_m * units.length_m);
   for (int j = 0; j < modal::kRelaxations; ++j) {
-    if (pairs(2 * j, m) > 0) relaxations[j] = {strength * pairs(2 * j, m), 1 / (rate * pairs(2 * j + 1, m))};
+    if (pairs(2 * j, m) > 0)
+      relaxations[j] = {rounded(strength * pairs(2 * j, m)), rounded(1 / (rate * pairs(2 * j + 1, m)))};
   }
   return relaxations;
 }

@@ -112,24 +112,42 @@ class Body:
         return heat, self.air[m]
 
 
-def recorded_modes(fit, paths, thing):
-    """[frequency, T60] of the strong modes of some recordings whose decay the fit knows to a tenth."""
+COMPANION = 2 ** (60 / 1200)  # a blow's thump and its room add short modes beside a mode, as near as this
+
+
+def strongest(rows):
+    """Of modes near each other the one with the most energy: lists of (frequency, T60, energy in dB), by frequency."""
+    clusters = []
+    for row in sorted(rows):
+        if clusters and row[0] < COMPANION * clusters[-1][-1][0]:
+            clusters[-1].append(row)
+        else:
+            clusters.append([row])
+    return [max(cluster, key=lambda row: row[2]) for cluster in clusters]
+
+
+def recorded_modes(fit, paths, thing, folder):
+    """[frequency, T60] of the modes up to 16 kHz that have at least 1/300 of the energy of the strongest in a third of the
+    recordings, with decays that the fit knows to a tenth; the median of the recordings."""
     found = []
     for path in paths:
-        ran = subprocess.run([fit, str(path), "--floor", "50"], capture_output=True, text=True, check=False)
-        rows = re.findall(r"^ +\d+ +([\d.]+) +\S+ +([\d.e+-]+) +([\d.e+-]+) +(-?[\d.]+) ", ran.stdout, re.M)
+        kept = folder / f'{thing["name"]}-{path.stem}.txt'
+        if not kept.exists():
+            ran = subprocess.run([fit, str(path), "--floor", "50"], capture_output=True, text=True, check=False)
+            kept.write_text(ran.stdout)
+        rows = re.findall(r"^ +\d+ +([\d.]+) +\S+ +([\d.e+-]+) +([\d.e+-]+) +(-?[\d.]+) ", kept.read_text(), re.M)
         rows = [tuple(map(float, row)) for row in rows]
-        loudest = max((row[3] for row in rows), default=0)
-        found += [row for row in rows if row[2] < 10 and row[3] > loudest - 30]
-    found.sort()
+        rows = [(f, t60, level + 10 * math.log10(t60)) for f, t60, error, level in rows if error < 10 and f < 16000]
+        loudest = max((row[2] for row in rows), default=0)
+        found += [row for row in strongest(rows) if row[2] > loudest - 25 and row[0] >= thing.get("from_hz", 0)]
     merged = []
-    for frequency, t60, *_ in found:
-        if merged and frequency < 1.004 * merged[-1][0][0]:
-            merged[-1].append((frequency, t60))
+    for row in sorted(found):
+        if merged and row[0] < 1.004 * merged[-1][0][0]:
+            merged[-1].append(row)
         else:
-            merged.append([(frequency, t60)])
-    low = thing.get("from_hz", 0)
-    return [[median([row[0] for row in one]), median([row[1] for row in one])] for one in merged if one[0][0] >= low]
+            merged.append([row])
+    return [[median([row[0] for row in one]), median([row[1] for row in one])]
+            for one in merged if 3 * len(one) >= len(paths)]
 
 
 def compare(thing, bake, fit, folder):
@@ -138,7 +156,7 @@ def compare(thing, bake, fit, folder):
         paths = [path for pattern in thing["recordings"] for path in sorted(DATA.glob(pattern))]
         if not paths:
             return None
-        thing["modes"] = recorded_modes(fit, paths, thing)
+        thing["modes"] = recorded_modes(fit, paths, thing, folder)
     material = read_material(thing["material"])
     body = Body(bake, thing, folder) if "body" in thing else None
     rows = []
