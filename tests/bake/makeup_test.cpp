@@ -7,14 +7,18 @@
 #include "engine/mesh/gmsh_reader.h"
 #include "engine/modal/bank_file.h"
 #include "engine/modal/damping.h"
+#include "engine/modal/material_scale.h"
 #include "tests/fem/grain_frequencies.h"
 #include "tests/fem/sample_meshes.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace ringdown {
 namespace {
@@ -56,6 +60,77 @@ bake::Place box(Vec3 from, Vec3 to) { return {.box_m = std::array{from, to}, .pl
 std::vector<double> sorted(std::vector<double> frequencies) {
   std::sort(frequencies.begin(), frequencies.end());
   return frequencies;
+}
+
+// The ends of a slender bar move twice as much as its rms in every mode of bending, phi^2 = 4 / m, so that a damper c
+// at one end takes 2 c / m.
+TEST(Makeup, ACordAtTheEndOfABarTakesWhatTheClosedFormSays) {
+  constexpr double kDamping_ns_m = 3, kMass_kg = 0.2 * 0.02 * 0.004 * 7850;
+  const mesh::CheckedMesh bar = test::checked(test::box_mesh({12, 2, 1}, {0.2, 0.02, 0.004}));
+  bake::BakeOptions options = quick(1500);
+  const auto free = bake::bake(bar, steel(), options, "bar");
+  options.makeup.supports = {
+      {.kind = bake::SupportKind::kPoints, .points_m = {{0, 0.01, 0.004}}, .point_damping_ns_m = kDamping_ns_m}};
+  EXPECT_TRUE(options.makeup.moves_freely());
+  const auto held = bake::bake(bar, steel(), options, "bar");
+  ASSERT_TRUE(free && held);
+  EXPECT_FALSE(held->bank.held);
+  ASSERT_EQ(free->bank.mode_count(), held->bank.mode_count());
+  const auto lowest =
+      static_cast<std::size_t>(std::ranges::min_element(held->bank.frequency_hz) - held->bank.frequency_hz.begin());
+  const double alone = 0.5 * steel().damping.alpha_per_s;
+  EXPECT_NEAR((held->bank.losses[lowest].support_per_s - alone) / (2 * kDamping_ns_m / kMass_kg), 1, 0.02);
+  options.makeup.supports[0].points_m = {{0, 0.01, 4}};  // millimetres
+  const auto far = bake::bake(bar, steel(), options, "bar");
+  ASSERT_FALSE(far);
+  EXPECT_NE(far.error().message.find("beside the body"), std::string::npos) << far.error().message;
+}
+
+TEST(Makeup, AMassAtAPointLowersThePitchAsAGluedOneDoes) {
+  const mesh::CheckedMesh bar = test::checked(test::box_mesh({12, 2, 1}, {0.2, 0.02, 0.004}));
+  bake::BakeOptions options = quick(1500);
+  options.makeup.supports = {
+      {.kind = bake::SupportKind::kPoints, .points_m = {{0, 0.01, 0.004}}, .point_mass_kg = 0.01}};
+  const auto point = bake::bake(bar, steel(), options, "bar");
+  options.makeup.supports.clear();
+  options.makeup.masses = {{.place = box({-1e-4, -1, -1}, {1e-4, 1, 1}), .mass_kg = 0.01}};
+  const auto glued = bake::bake(bar, steel(), options, "bar");
+  ASSERT_TRUE(point && glued);
+  EXPECT_NEAR(sorted(point->bank.frequency_hz)[0] / sorted(glued->bank.frequency_hz)[0], 1, 0.005);
+}
+
+// What a scaled bank says against a bake of the other body in the other material.
+TEST(Makeup, HeatOfAScaledBankIsThatOfAFreshBake) {
+  modal::Material brass = steel();
+  brass.damping = {};
+  brass.loss_factors = {{1000, 3e-4}};
+  brass.thermal = modal::Thermal{1.9e-5, 115, 380};
+  bake::BakeOptions options = quick(4000);
+  const auto bar = [](double size) {
+    return test::checked(test::box_mesh({8, 2, 1}, {0.2 * size, 0.02 * size, 0.002 * size}));
+  };
+  const auto one = bake::bake(bar(1), brass, options, "bar");
+  modal::Material other = brass;
+  other.youngs_modulus_pa *= 3;
+  other.density_kg_m3 *= 0.5;
+  const auto two = bake::bake(bar(2), other, options, "bar");
+  ASSERT_TRUE(one && two);
+  std::vector<std::pair<double, double>> scaled, fresh;
+  for (std::size_t m = 0; m < one->bank.mode_count(); ++m) {
+    const modal::MaterialScale scale{.density = 0.5, .stiffness = 3, .size = 2};
+    scaled.emplace_back(modal::rescale(one->bank, m, scale).frequency_hz,
+                        modal::rescaled_loss(one->bank, m, scale).heat_per_s);
+  }
+  for (std::size_t m = 0; m < two->bank.mode_count(); ++m)
+    fresh.emplace_back(two->bank.frequency_hz[m], two->bank.losses[m].heat_per_s);
+  std::ranges::sort(scaled);
+  std::ranges::sort(fresh);
+  const std::size_t both = std::min(scaled.size(), fresh.size());
+  ASSERT_GE(both, 4u);
+  for (std::size_t m = 0; m < both; ++m) {
+    EXPECT_NEAR(scaled[m].first / fresh[m].first, 1, 1e-4);
+    EXPECT_NEAR(scaled[m].second / fresh[m].second, 1, 0.002) << fresh[m].first;
+  }
 }
 
 TEST(Makeup, AnObjectFileSaysItAllAndIsReadStrictly) {
