@@ -171,20 +171,9 @@ Result<SamplePoints> find_points(const Task& task, const std::vector<HeardMode>&
   return points;
 }
 
-bool heat_counts(const Task& task) { return task.makeup.warming && fem::order_of(task.options.element) > 1; }
-
-// Adds how the heat of each mode relaxes, where the material says how it warms. In linear elements the pressure does
-// not follow a bent wall, so they have none.
-Result<void> add_heat(const Task& task, const Eigen::Ref<const Eigen::MatrixXd>& shapes, BodyModes& body,
-                      const Progress& progress) {
-  if (!heat_counts(task) || body.lambda.size() == 0) return {};
-  const double wall = measure_shape(task.mesh).thickness_m / task.units.length_m;
-  auto pairs = fem::heat_relaxations({task.unit_mesh, task.makeup.solid, task.makeup.heat, task.makeup.part_of, wall},
-                                     shapes, body.lambda, progress);
-  if (!pairs) return fail(pairs.error());
-  body.heat = std::move(*pairs);
-  return {};
-}
+// True if some material says how it warms. In linear elements the pressure does not follow a bent wall, so they have no
+// heat.
+bool heat_counts(const Task& task) { return task.makeup.heat.reference && fem::order_of(task.options.element) > 1; }
 
 Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, BakeReport& report,
                              const Progress& progress) {
@@ -227,7 +216,14 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (!errors) return fail(errors.error());
   body.errors = *errors + rounding_of(*modes) * body.lambda.cwiseInverse();
   report.estimate_seconds = watch.lap();
-  if (auto heat = add_heat(task, elastic, body, progress); !heat) return fail(heat.error());
+  if (heat_counts(task) && body.lambda.size() > 0) {
+    const double wall = measure_shape(task.mesh).thickness_m / task.units.length_m;
+    auto pairs = fem::heat_relaxations(
+        {task.unit_mesh, task.makeup.solid, task.makeup.heat.parts, task.makeup.part_of, wall}, elastic, body.lambda,
+        progress);
+    if (!pairs) return fail(pairs.error());
+    body.heat = std::move(*pairs);
+  }
   report.heat_seconds = watch.lap();
   body.complete_to = request.highest_lambda;
   body.verified = request.verify;
@@ -295,7 +291,7 @@ Eigen::VectorXd shape_errors(const Task& task, const Eigen::VectorXd& gaps_m, co
 LossOf loss_of(const Task& task, const BodyModes& modes) {
   return [&task, &modes](Eigen::Index m, double lambda, double air_per_s) {
     modal::ModeLoss loss = task.makeup.loss(modes.shares, task.units, m, lambda, air_per_s);
-    loss.heat_per_s = modal::heat_loss(task.makeup.relaxations(modes.heat, task.units, m), std::sqrt(lambda));
+    loss.heat_per_s = modal::heat_loss(task.makeup.heat.relaxations(modes.heat, task.units, m), std::sqrt(lambda));
     return loss;
   };
 }
@@ -346,7 +342,8 @@ Result<Sounding> modes_up_to(double top_hz, const Task& task, const Eigen::Vecto
   Sounding found{.modes = std::move(*modes), .heard = {}, .left_out = {}, .top_hz = top_hz};
   found.heard = modes_in_band(found.modes, task.units, loss_of(task, found.modes), {task.options.band_low_hz, top_hz},
                               found.left_out);
-  for (HeardMode& mode : found.heard) mode.heat = task.makeup.relaxations(found.modes.heat, task.units, mode.number);
+  for (HeardMode& mode : found.heard)
+    mode.heat = task.makeup.heat.relaxations(found.modes.heat, task.units, mode.number);
   return found;
 }
 

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <span>
 #include <utility>
 
@@ -83,25 +82,6 @@ std::string place_text(const Place& place) {
   return place.box_m ? "box" : "plane";
 }
 
-void fit_heat(FittedMakeup& fitted) {
-  const auto warms = [](const modal::Material& material) { return material.thermal.has_value(); };
-  const auto found = std::ranges::find_if(fitted.materials, warms);
-  if (found == fitted.materials.end()) return;
-  fitted.warming = *found;
-  const double capacity = found->density_kg_m3 * found->thermal->heat_capacity_j_kgk;
-  for (const modal::Material& material : fitted.materials) {
-    constexpr double kInsulates = 1e-6;  // conductivity of a part that does not say it; 0 would leave it no equation
-    if (!material.thermal) {
-      fitted.heat.push_back({.expansion = 0, .conductivity = kInsulates});
-      continue;
-    }
-    const auto& [expansion_per_k, conductivity_w_mk, heat_capacity_j_kgk] = *material.thermal;
-    fitted.heat.push_back({expansion_per_k / found->thermal->expansion_per_k,
-                           conductivity_w_mk / found->thermal->conductivity_w_mk,
-                           material.density_kg_m3 * heat_capacity_j_kgk / capacity});
-  }
-}
-
 class Fitter {
  public:
   Fitter(const Makeup& makeup, const modal::Material& material, const mesh::TetMesh& mesh,
@@ -123,7 +103,7 @@ class Fitter {
       if (auto glued = glue(mass); !glued) return fail(glued.error());
     }
     fitted_.free_motions = fem::free_motions(mesh_, fitted_.holding);
-    fit_heat(fitted_);
+    fitted_.heat = BodyHeat(fitted_.materials);
     write_key();
     return std::move(fitted_);
   }
@@ -334,7 +314,8 @@ class Fitter {
         if (law.stiffness_pa) key.put_list(std::span<const double>(law.stiffness_pa->data(), 36));
       }
     }
-    for (const fem::HeatRatios& part : fitted_.heat) key.put(part.expansion).put(part.conductivity).put(part.capacity);
+    for (const fem::HeatRatios& part : fitted_.heat.parts)
+      key.put(part.expansion).put(part.conductivity).put(part.capacity);
     key.put_list(std::span<const std::int32_t>(fitted_.solid.law_of()));
     key.put_list(std::span<const std::int32_t>(fitted_.part_of));
     const auto put_faces = [&key](const std::vector<mesh::OuterFace>& faces) {
@@ -399,7 +380,7 @@ Result<FittedMakeup> fit_makeup(const Makeup& makeup, const modal::Material& mat
   FittedMakeup plain{.solid = elastic, .lost = elastic};
   plain.materials = {material};
   plain.free_motions = 6 * pieces;
-  fit_heat(plain);
+  plain.heat = BodyHeat(plain.materials);
   return plain;
 }
 
@@ -446,32 +427,6 @@ modal::ModeLoss FittedMakeup::loss(const ModeShares& shares, const BodyUnits& un
   for (std::size_t k = 0; k < point_damping_ns_m.size(); ++k)
     loss.support_per_s += 0.5 * point_damping_ns_m[k] * per_point * shares.points(static_cast<Eigen::Index>(k), m);
   return loss;
-}
-
-namespace {
-
-// To four digits, which is more than a relaxation is known to: a bank holds eight of these numbers for each mode.
-double rounded(double figure) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3e", figure);
-  return std::strtod(text, nullptr);
-}
-
-}  // namespace
-
-static_assert(modal::kRelaxations == fem::kHeatPairs);
-
-modal::ModeHeat FittedMakeup::relaxations(const Eigen::MatrixXd& pairs, const BodyUnits& units, Eigen::Index m) const {
-  modal::ModeHeat relaxations{};
-  if (!warming || pairs.size() == 0) return relaxations;
-  const modal::Thermal& thermal = *warming->thermal;
-  const double strength = modal::relaxation_strength(thermal, units.modulus_pa, warming->density_kg_m3);
-  const double rate = modal::diffusivity(thermal, warming->density_kg_m3) / (units.length_m * units.length_m);
-  for (int j = 0; j < modal::kRelaxations; ++j) {
-    if (pairs(2 * j, m) > 0)
-      relaxations[j] = {rounded(strength * pairs(2 * j, m)), rounded(1 / (rate * pairs(2 * j + 1, m)))};
-  }
-  return relaxations;
 }
 
 double FittedMakeup::highest_lambda(double band_high_hz) const {

@@ -6,16 +6,15 @@
 //   fitted->loss(shares, units, m, lambda, air);   // [1/s]
 #pragma once
 
+#include "engine/bake/body_heat.h"
 #include "engine/bake/body_modes.h"
 #include "engine/bake/makeup.h"
-#include "engine/fem/heat_flow.h"
 #include "engine/fem/holding.h"
 #include "engine/fem/solid.h"
 #include "engine/mesh/mesh_check.h"
 #include "engine/modal/losses.h"
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,8 +25,7 @@ struct FittedMakeup {
   fem::Solid lost;                         // its stiffness weighed with loss factors over the material's own
   std::vector<std::int32_t> part_of;       // E; empty: one part
   std::vector<modal::Material> materials;  // by part; the last is what belongs to no group
-  std::optional<modal::Material> warming;  // the first of them that says how it warms: the reference of `heat`
-  std::vector<fem::HeatRatios> heat;       // by part; a part that does not say it neither warms nor conducts
+  BodyHeat heat;
   fem::Holding holding;
   std::vector<Support> springs;            // of the first layers of `holding`, in their order
   std::vector<double> point_damping_ns_m;  // of the points of `holding`
@@ -43,10 +41,6 @@ struct FittedMakeup {
   // The decay rates [1/s] of mode `m`, whose eigenvalue is lambda [rad^2/s^2]; the air takes `air_per_s` of them.
   [[nodiscard]] modal::ModeLoss loss(const ModeShares& shares, const BodyUnits& units, Eigen::Index m, double lambda,
                                      double air_per_s) const;
-
-  // The relaxations of mode `m` of those that `pairs` has (BodyModes::heat), with the time in seconds; none where no
-  // part says how it warms.
-  [[nodiscard]] modal::ModeHeat relaxations(const Eigen::MatrixXd& pairs, const BodyUnits& units, Eigen::Index m) const;
 
   // How any mode may be damped at most: for the top of a band.
   [[nodiscard]] double highest_lambda(double band_high_hz) const;

@@ -57,8 +57,8 @@ void read_place(TomlTable& table, Place& place) {
   if (place.plane && !(length((*place.plane)[1]) > 0)) table.complain("plane", "the plane's normal must have a length");
 }
 
-// What a word for a support stands for, spread over an area and at points. The figures of cords, felt, foam and hands
-// are our choice (docs/use/materials.md).
+// A word for a support, as the damping that it stands for on an area and at points. The figures of cords, felt, foam
+// and hands are our choice (docs/use/materials.md).
 struct SupportWord {
   SupportKind kind = SupportKind::kSprings;
   double damping_ns_m3 = 0, point_damping_ns_m = 0;  // 0: not at points

@@ -192,7 +192,7 @@ class Relaxations {
 
 }  // namespace
 
-// Both matrices have one entry for each pair of nodes of an element; the pattern is sorted out by Eigen.
+// K and C have one entry for each pair of nodes of an element; Eigen sorts out the pattern.
 HeatProblem::HeatProblem(const HeatSource& source, int threads)
     : source_(source),
       threads_(thread_count(threads)),

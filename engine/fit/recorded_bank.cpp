@@ -91,7 +91,7 @@ double find_tuning(std::span<const Mode> recorded, const Sorted& baked, const Ca
   return best;
 }
 
-// What air, heat and supports take of a mode [1/s]. Rayleigh's alpha is no such loss: it is fitted anew.
+// Returns the losses of a mode to air, heat and supports [1/s]. Rayleigh's alpha is no such loss: it is fitted anew.
 modal::ModeLoss other_losses(const modal::Bank& bank, std::size_t m) {
   if (bank.losses.empty()) return {};
   modal::ModeLoss loss = bank.losses[m];

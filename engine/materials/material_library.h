@@ -79,8 +79,7 @@ std::vector<std::string> names_in(const std::filesystem::path& folder);
 
 // The table of docs/use/materials.md: every material in `folder` with its figures, as Markdown. Their sources stand in
 // the files. Figures that are our own choice are in italics, figures that are yet to be checked carry a question mark
-// (kOurChoice and kToBeChecked). Fails with the first file that cannot be read, or when there is
-// none.
+// (kOurChoice and kToBeChecked). Fails with the first file that cannot be read, or when there is none.
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder);
 
 }  // namespace ringdown::bake

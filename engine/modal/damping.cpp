@@ -35,12 +35,4 @@ RayleighDamping fit_rayleigh(std::span<const LossFactor> points) {
   return both;
 }
 
-double worst_error(RayleighDamping damping, std::span<const LossFactor> points) {
-  double worst = 0;
-  for (const LossFactor& point : points) {
-    worst = std::max(worst, std::abs(loss_factor(damping, point.frequency_hz) / point.eta - 1));
-  }
-  return worst;
-}
-
 }  // namespace ringdown::modal

@@ -80,7 +80,7 @@ inline double impulse_response(double lambda, RayleighDamping damping, double t_
 //
 // A Rayleigh-damped mode of undamped angular frequency omega has eta = 2 d / omega = alpha / omega + beta omega. Tables
 // and measurements give eta at some frequencies. Real materials seldom follow the Rayleigh curve, so a fit is good only
-// near the frequencies it was made for; worst_error() says how good.
+// near the frequencies it was made for.
 
 struct LossFactor {
   double frequency_hz = 0;  // > 0
@@ -93,8 +93,5 @@ double loss_factor(RayleighDamping damping, double frequency_hz);
 // relative because decay times are heard relatively. If all points have one frequency, only beta is fitted. There must
 // be a point.
 RayleighDamping fit_rayleigh(std::span<const LossFactor> points);
-
-// The largest |fitted eta / eta - 1| of any point.
-double worst_error(RayleighDamping damping, std::span<const LossFactor> points);
 
 }  // namespace ringdown::modal

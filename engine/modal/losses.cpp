@@ -63,19 +63,6 @@ double highest_lambda(double band_high_hz, const MaterialDamping& damping) {
   return high;
 }
 
-double worst_error(const MaterialDamping& damping, double low_hz, double high_hz) {
-  constexpr int kSteps = 21;
-  double worst = 0;
-  const auto look_at = [&](double frequency_hz) {
-    if (frequency_hz < low_hz || frequency_hz > high_hz) return;
-    const double eta = loss_factor_at(damping.loss_factors, frequency_hz);
-    worst = std::max(worst, std::abs(loss_factor(damping.rayleigh, frequency_hz) / eta - 1));
-  };
-  for (const LossFactor& point : damping.loss_factors) look_at(point.frequency_hz);
-  for (int i = 0; i <= kSteps; ++i) look_at(low_hz * std::pow(high_hz / low_hz, i / double{kSteps}));
-  return worst;
-}
-
 double relaxation_strength(const Thermal& thermal, double youngs_modulus_pa, double density_kg_m3) {
   return youngs_modulus_pa * thermal.expansion_per_k * thermal.expansion_per_k * kRoomTemperature_k /
          (density_kg_m3 * thermal.heat_capacity_j_kgk);

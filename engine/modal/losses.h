@@ -53,15 +53,11 @@ DampedMode with_decay(double lambda, double decay_per_s);
 // over-damped or nearly so.
 double highest_lambda(double band_high_hz, const MaterialDamping& damping);
 
-// Returns the largest |fitted eta / eta - 1| of Rayleigh's fit between two frequencies, taken at the list's own
-// frequencies and at 20 more, equally spaced in pitch.
-double worst_error(const MaterialDamping& damping, double low_hz, double high_hz);
-
 // Heat that flows in a body while it bends
 //
-// What is pressed together warms, what is stretched cools, and heat that flows between them costs energy (Zener, Phys.
-// Rev. 52, 1937). A body's heat relaxes in many ways at once; of each, the loss factor is a Debye peak at the angular
-// frequency 1 / tau:
+// A bent body warms where it is pressed together and cools where it is stretched, and heat that flows between the two
+// costs energy (Zener, Phys. Rev. 52, 1937). A body's heat relaxes in many ways at once; of each, the loss factor is a
+// Debye peak at the angular frequency 1 / tau:
 //
 //   eta(omega) = sum over relaxations of  strength omega tau / (1 + (omega tau)^2)
 //

@@ -10,6 +10,13 @@ double lambda_of(const Bank& bank, std::size_t m) {
   return undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
 }
 
+// What flows as heat in the scaled body. Where the bank does not say how it relaxes, its loss factor stays.
+double rescaled_heat_loss(const Bank& bank, std::size_t m, double heat_per_s, const MaterialScale& scale) {
+  const double root = std::sqrt(lambda_factor(scale));
+  if (bank.heat.empty()) return scale.heat * root * heat_per_s;
+  return heat_loss(rescaled_heat(bank, m, scale), root * std::sqrt(lambda_of(bank, m)));
+}
+
 // The losses of a mode whose material is a list of loss factors.
 ModeLoss rescaled_by_parts(const Bank& bank, std::size_t m, const MaterialScale& scale) {
   const ModeLoss& baked = bank.losses[m];
@@ -19,7 +26,7 @@ ModeLoss rescaled_by_parts(const Bank& bank, std::size_t m, const MaterialScale&
   return {.material_per_s = scale.beta * material * baked.material_per_s,
           .air_per_s = scale.air * rescaled_air_loss(bank, m, scale),
           .support_per_s = scale.alpha * baked.support_per_s / (scale.density * scale.size),
-          .heat_per_s = heat_loss(rescaled_heat(bank, m, scale), std::sqrt(scaled_lambda))};
+          .heat_per_s = rescaled_heat_loss(bank, m, baked.heat_per_s, scale)};
 }
 
 // Returns the rms of F in the scaled body over that in the original, apart from the scaling of shapes by size and
@@ -82,7 +89,7 @@ ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& sca
   const double factor = lambda_factor(scale);
   ModeLoss loss{.material_per_s = scale.beta * factor * baked.material_per_s,
                 .air_per_s = scale.air * rescaled_air_loss(bank, m, scale),
-                .heat_per_s = heat_loss(rescaled_heat(bank, m, scale), std::sqrt(factor * lambda_of(bank, m)))};
+                .heat_per_s = rescaled_heat_loss(bank, m, baked.heat_per_s, scale)};
   const double alpha = bank.material ? bank.material->damping.alpha_per_s : 0.0;
   const double air_and_support = baked.support_per_s + std::min(baked.air_per_s, 0.5 * alpha);
   loss.support_per_s = std::max(scale.alpha * air_and_support - loss.air_per_s, 0.0);

@@ -99,7 +99,7 @@ TEST(Makeup, AMassAtAPointLowersThePitchAsAGluedOneDoes) {
   EXPECT_NEAR(sorted(point->bank.frequency_hz)[0] / sorted(glued->bank.frequency_hz)[0], 1, 0.005);
 }
 
-// What a scaled bank says against a bake of the other body in the other material.
+// The heat of a scaled bank is held against a bake of the larger body in the stiffer, lighter material.
 TEST(Makeup, HeatOfAScaledBankIsThatOfAFreshBake) {
   modal::Material brass = steel();
   brass.damping = {};

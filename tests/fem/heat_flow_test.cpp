@@ -88,7 +88,7 @@ TEST(HeatFlow, AThinBarLosesWhatLifshitzAndRoukesSay) {
   }
 }
 
-// What a bake has: one element across the wall.
+// A bake has one element across the wall.
 TEST(HeatFlow, OneElementAcrossTheWallIsEnough) {
   constexpr double kThick = 0.02;
   const Bent bar(test::box_mesh({10, 1, 1}, {1, 0.1, kThick}), 3, 0, bent_bar(kThick / 2));

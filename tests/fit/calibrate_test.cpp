@@ -26,7 +26,7 @@ struct Loss {
   [[nodiscard]] double at(double frequency_hz) const { return at_1_khz * std::pow(frequency_hz / 1000, power); }
 };
 
-// What air, heat and supports take of a mode.
+// Returns the losses of a mode to air, heat and supports.
 double others(const modal::Bank& bank, std::size_t m) {
   return bank.losses[m].total_per_s() - bank.losses[m].material_per_s;
 }

@@ -56,12 +56,6 @@ TEST(Losses, TheHighestEigenvalueInABandIsThatOfAModeAtItsTop) {
   EXPECT_EQ(highest_lambda(2000, {{5, 3e-8}, {}}), highest_lambda_in_band(2000, {5, 3e-8}));
 }
 
-TEST(Losses, RayleighsErrorIsTheLargestOfTheListAndBetween) {
-  EXPECT_NEAR(worst_error({{0, 1 / (2 * M_PI * 1000)}, std::vector<LossFactor>{{100, 1}, {10000, 1}}}, 100, 10000), 9,
-              1e-9);
-  EXPECT_GE(worst_error(kListed, 100, 10000), worst_error(kListed.rayleigh, kList));
-}
-
 Bank listed_bank() {
   Bank bank = bar_bank(8);
   bank.material->loss_factors = kList;
@@ -143,6 +137,19 @@ TEST(Losses, AModeOfALargerBodyRadiatesTheSameShareOfItsEnergyInACycle) {
   const Bank bank = listed_bank();
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     EXPECT_NEAR(rescaled_loss(bank, m, {.size = 2}).air_per_s, bank.losses[m].air_per_s / 2, 1e-12);
+  }
+}
+
+TEST(LossesInAFile, RelaxationsThatContradictTheLossAreNotRead) {
+  for (const double factor : {1.01, 1e-300, 1e12}) {
+    Bank bank = warm_bank();
+    bank.heat[2] = multiplied(bank.heat[2], factor, 1);
+    const auto back = parse(written(bank));
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_TRUE(back->heat.empty());
+    EXPECT_EQ(back->losses.size(), bank.mode_count());
+    // The loss factor of heat then stays: four times as stiff, the mode is an octave higher.
+    EXPECT_NEAR(rescaled_loss(*back, 2, {.stiffness = 4}).heat_per_s / bank.losses[2].heat_per_s, 2, 1e-9);
   }
 }
 

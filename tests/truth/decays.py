@@ -6,9 +6,9 @@ usage: decays.py [--docs] BIN FOLDER [NAME...]
 BIN holds ringdown-bake and ringdown-fit. Every file of tests/truth/decays is one thing with the decays of its modes. Its loss is
 computed from three parts: the material's, from the preset material; the heat's, by the bake of a body of its size, or by the
 closed form of Lifshitz & Roukes where only the wall is known; and the air's, by the bake, at the mode nearest in pitch. A thing
-that is a recording is analysed by ringdown-fit; recordings are not part of the project and are left out where they are missing.
-FOLDER gets decays.tsv and decays.png; --docs puts table and picture into docs/how/truth.md. Exit code 1 when the things that
-count as free are further off than they were.
+that is a recording is analysed by ringdown-fit. Recordings are not part of the project: those of the folder $RINGDOWN_MEASURED
+are read, and missing ones left out. FOLDER gets decays.tsv and decays.png; --docs puts table and picture into docs/how/truth.md.
+Exit code 1 when the things that count as free are further off than they were.
 """
 import csv
 import math
@@ -24,7 +24,7 @@ ROOT = HERE.parents[1]
 sys.path.append(str(HERE.parent / "support"))
 
 from bank_document import read_bank
-from truth import fill, median, text
+from truth import fill, median, read_thing, text
 
 DATA = pathlib.Path(os.environ.get("RINGDOWN_MEASURED", ROOT.parent / "shared" / "data"))
 ROOM_K = 293.15
@@ -33,13 +33,6 @@ ROOM_K = 293.15
 AIMS = (0.5, 1.35, 2.0)
 LIMITS = (0.42, 1.8, 4.4)
 LIMIT_MEAN = 0.6  # of one thing; above it the page names the cause
-
-
-def read_thing(path):
-    with open(path, "rb") as file:
-        thing = tomllib.load(file)
-    thing["name"] = path.stem
-    return thing
 
 
 def read_material(name):
