@@ -218,9 +218,9 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   report.estimate_seconds = watch.lap();
   if (heat_counts(task) && body.lambda.size() > 0) {
     const double wall = measure_shape(task.mesh).thickness_m / task.units.length_m;
-    auto pairs = fem::heat_relaxations(
-        {task.unit_mesh, task.makeup.solid, task.makeup.heat.parts, task.makeup.part_of, wall}, elastic, body.lambda,
-        progress);
+    auto pairs =
+        fem::heat_relaxations({task.unit_mesh, task.makeup.solid, task.makeup.heat.parts, task.makeup.part_of, wall},
+                              elastic, body.lambda, progress);
     if (!pairs) return fail(pairs.error());
     body.heat = std::move(*pairs);
   }
