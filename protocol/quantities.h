@@ -36,6 +36,8 @@ inline constexpr Quantity kContactTime{"s", 0, 0.1};
 inline constexpr Quantity kGain{"", 0, 100};
 inline constexpr Quantity kPressure{"Pa", 1e-6, 1e6};
 inline constexpr Quantity kLost{"s", 0, 1e9};
+inline constexpr Quantity kModalVelocity{"kg^1/2 m/s", -1e6, 1e6};
+inline constexpr Quantity kPhase{"rad", -1e3, 1e3};
 inline constexpr Quantity kRamp{"s", 0, 60};
 inline constexpr Quantity kPan{"", -1, 1};
 inline constexpr Quantity kScale{"", 1e-3, 1e3};

@@ -161,6 +161,17 @@ Row row(RingModes& s) {
                        "Of each, at gain 1, before the pan; 1 is full scale."))});
 }
 
+Row row(OnObject<synth::verb::Impart>& s) {
+  return silent(s = {kBell, {0, 0.001}}, "/object/{object}/impart",
+                "Sets one mode going by a motion that is known: from a computation of your own, or from a body that "
+                "breaks.",
+                {object(&s.object), integer(&s.verb.mode, "mode", kIndex, "Which; 0 has the lowest frequency."),
+                 number(&s.verb.velocity, "velocity", kModalVelocity,
+                        "Its greatest velocity, in a shape whose mass is 1 kg."),
+                 optional(number(&s.verb.phase_rad, "phase", kPhase,
+                                 "0 starts it as a blow does, pi/2 from rest at its greatest displacement."))});
+}
+
 Row row(SelectModes& s) {
   return answered(
       s = {kBell, {0, 20}}, "/object/{object}/modes",
@@ -210,7 +221,7 @@ Row row(OnObject<synth::verb::Choke>& s) {
       "Lets what rings in the object die away, as a hand on a cymbal does. Bows and other contacts go on, and "
       "what is struck afterwards rings.",
       {object(&s.object),
-       optional(number(&s.verb.within_s, "within", kRamp, "In which it falls by 60 dB; at least some 10 ms."))});
+       optional(number(&s.verb.within_s, "within", kRamp, "In which it falls by 60 dB. Less than 5 ms clicks."))});
 }
 
 Row row(SetContact& s) {

@@ -190,6 +190,10 @@ public sealed class Mixer : IDisposable {
   public void Ring(uint body, uint first, uint count = 1, double amplitude = 0.1, long frame = 0) {
     eventFailure_.Check(Native.ringdown_ring(handle_, frame, body, first, count, amplitude, eventFailure_.Room));
   }
+  // Sets one mode going by a motion that is known: from a computation of your own, or from a body that breaks.
+  public void Impart(uint body, uint mode, double velocity, double phase = 0, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_impart(handle_, frame, body, mode, velocity, phase, eventFailure_.Room));
+  }
   // Fades what rings in the object.
   public void Clear(uint body, double ramp = 0, long frame = 0) {
     eventFailure_.Check(Native.ringdown_clear(handle_, frame, body, ramp, eventFailure_.Room));
@@ -383,6 +387,8 @@ static class Native {
                                                                 IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_ring(IntPtr mixer, long frame, uint body, uint first,
                                                                  uint count, double amplitude, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_impart(IntPtr mixer, long frame, uint body, uint mode,
+                                                                   double velocity, double phase, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_clear(IntPtr mixer, long frame, uint body, double ramp,
                                                                   IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_choke(IntPtr mixer, long frame, uint body,

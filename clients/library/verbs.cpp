@@ -44,6 +44,12 @@ ringdown_result ringdown_ring(ringdown_mixer* mixer, int64_t frame, uint32_t obj
   return play<synth::verb::Ring>(mixer, frame, numbers, error);
 }
 
+ringdown_result ringdown_impart(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t mode,
+                                double velocity, double phase_rad, ringdown_error* error) {
+  const double numbers[] = {static_cast<double>(object), static_cast<double>(mode), velocity, phase_rad};
+  return play<synth::verb::Impart>(mixer, frame, numbers, error);
+}
+
 ringdown_result ringdown_clear(ringdown_mixer* mixer, int64_t frame, uint32_t object, double ramp_s,
                                ringdown_error* error) {
   const double numbers[] = {static_cast<double>(object), ramp_s};

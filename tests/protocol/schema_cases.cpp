@@ -307,6 +307,21 @@ Cases choke_cases() {
   return cases;
 }
 
+Cases impart_cases() {
+  using Impart = OnObject<synth::verb::Impart>;
+  const std::string a = "/object/bell/impart";
+  return {{{a, {3, -0.5f}, claim<Impart>([](const Impart& i) {
+              return i.object == named("bell") && i.verb.mode == 3 && i.verb.velocity == -0.5 && i.verb.phase_rad == 0;
+            })},
+           {a, {0, 1, 1.5f}, claim<Impart>([](const Impart& i) { return i.verb.phase_rad == 1.5; })}},
+          {{"/object/b%/impart", {0, 1}, "object"},
+           {a, {}, "mode"},
+           {a, {-1, 1}, "mode"},
+           {a, {0}, "velocity"},
+           {a, {0, kNan}, "velocity"},
+           {a, {0, 1, 2e3f}, "phase"}}};
+}
+
 template <class Struct>
 Cases switch_cases(const std::string& address) {
   const auto on = [](bool value) { return claim<Struct>([value](const Struct& s) { return s.on == value; }); };
@@ -446,6 +461,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/material", material_cases()},
       {"/object/{object}/clear", clear_cases()},
       {"/object/{object}/choke", choke_cases()},
+      {"/object/{object}/impart", impart_cases()},
       {"/object/{object}/hold", hold_cases()},
       {"/object/{object}/contact", contact_cases()},
       {"/object/{object}/bow", bow_cases()},

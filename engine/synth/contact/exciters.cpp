@@ -98,7 +98,7 @@ bool Exciters::fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN
   if (!voice || voice->table().columns() > kMaxDrivenColumns) return false;
   const auto finds = [voice](const auto& impulse) RINGDOWN_REALTIME { return voice->find_sane_amplitudes(impulse); };
   if (!visit_now(finds, exciter.impulse)) return false;
-  std::copy_n(voice->amplitudes(), voice->table().columns(), exciter.amplitudes.get());
+  std::copy_n(voice->amplitudes().re, voice->table().columns(), exciter.amplitudes.get());
   slots.add(exciter);
   return true;
 }
@@ -160,7 +160,7 @@ void Exciters::update_contact(const verb::Contact& event, Frame frame, Voice* vo
   exciter->impulse = impulse;
   exciter->begin = frame;
   if (!voice->find_sane_amplitudes(impulse)) return;
-  std::copy_n(voice->amplitudes(), voice->table().columns(), exciter->amplitudes.get());
+  std::copy_n(voice->amplitudes().re, voice->table().columns(), exciter->amplitudes.get());
 }
 
 void Exciters::connect(std::size_t input, ObjectNumber object, const verb::Strike& impulse, Voice* voice,

@@ -109,6 +109,15 @@ struct Ring {
   double amplitude = kDefaultRingAmplitude;
 };
 
+// Sets one mode going by a motion that is known, as a piece has it from the body that it broke off. The mode's
+// coordinate is q = velocity / omega sin(omega t + phase), in a shape whose mass is 1.
+struct Impart {
+  static constexpr Effect kEffect = Effect::excites;
+  std::uint32_t mode = 0;  // counted from the lowest frequency, from 0
+  double velocity = 0;     // [kg^1/2 m/s]
+  double phase_rad = 0;    // 0: as a blow starts it; pi/2: from rest, displaced
+};
+
 // A blow sets the object in motion as a whole, which is heard, too. Its strikes are verbs of their own.
 struct Click {
   static constexpr Effect kEffect = Effect::begins;
@@ -250,7 +259,7 @@ struct Rub {
 }  // namespace verb
 
 // The verbs that every door has, in the order of the reference.
-using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Ring, verb::Clear, verb::Choke,
+using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Ring, verb::Impart, verb::Clear, verb::Choke,
                           verb::Contact, verb::Bow, verb::Mallet, verb::Couple, verb::Click, verb::Pose, verb::Listener,
                           verb::ListenerOff, verb::ListenerAir>;
 using Verbs = Joined<PublicVerbs, Types<verb::Collision, verb::Rub>>;

@@ -24,8 +24,9 @@ void FadeOut::begin(StateArray& from, const Fading& fade) RINGDOWN_REALTIME {
     im[i] = before * im[i] + from.im()[i];
   }
   from.clear();
-  left_ = frames_ = std::max(fade.frames, kMinFrames);
-  nepers_ = fade.nepers;
+  const bool abrupt = fade.nepers > 0 && fade.frames < kMinFrames;
+  left_ = frames_ = std::max(fade.frames, abrupt ? std::size_t{1} : kMinFrames);
+  nepers_ = abrupt ? 0 : fade.nepers;
 }
 
 bool FadeOut::move_from(FadeOut& other) RINGDOWN_REALTIME {
@@ -34,7 +35,7 @@ bool FadeOut::move_from(FadeOut& other) RINGDOWN_REALTIME {
   const auto scaled = [ratio](std::size_t frames) RINGDOWN_REALTIME {
     return static_cast<std::size_t>(std::ceil(static_cast<double>(frames) * ratio));
   };
-  frames_ = std::max(kMinFrames, scaled(other.frames_));
+  frames_ = scaled(other.frames_);
   left_ = std::min(scaled(other.left_), frames_);
   nepers_ = other.nepers_;
   return left;

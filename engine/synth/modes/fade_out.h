@@ -12,7 +12,8 @@
 namespace ringdown::synth {
 
 // How long a fade takes, and its shape: the gain falls in a straight line, or exponentially by so many nepers, and then
-// in a straight line within the last FadeOut::kMinFrames.
+// in a straight line within the last FadeOut::kMinFrames. An exponential fade shorter than that is a straight line, and
+// clicks.
 struct Fading {
   std::size_t frames = 0;
   double nepers = 0;  // 0: a straight line
@@ -24,7 +25,7 @@ class FadeOut {
 
   explicit FadeOut(const ModeTable& table);  // [worker]
 
-  // Takes what `from` holds, leaves zeros there, and lets it fade within at least kMinFrames. What is left of a fade
+  // Takes what `from` holds, leaves zeros there, and lets it fade, within at least kMinFrames if by a straight line. What is left of a fade
   // that runs already joins the new one at its present level.
   void begin(StateArray& from, const Fading& fade) RINGDOWN_REALTIME;
 

@@ -12,14 +12,14 @@ void LateStrikes::list_all() RINGDOWN_REALTIME {
   std::fill_n(listed_.data(), listed_.size(), std::uint8_t{1});
 }
 
-void LateStrikes::add(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
-  states_.add_strike(amplitudes, gain, each);
+void LateStrikes::add(BlowAmplitudes blow, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+  states_.add_strike(blow, gain, each);
   list_all();
 }
 
-void LateStrikes::add(const double* amplitudes, double gain, std::uint32_t group,
+void LateStrikes::add(BlowAmplitudes blow, double gain, std::uint32_t group,
                       const ModeFactors* each) RINGDOWN_REALTIME {
-  states_.add_strike(amplitudes, gain, group, each);
+  states_.add_strike(blow, gain, group, each);
   if (has(group)) return;
   listed_.data()[group] = 1;
   groups_.push(group);

@@ -19,8 +19,8 @@ class LateStrikes {
   explicit LateStrikes(const ModeTable& table);  // [worker]
 
   // Adds a strike's amplitudes, times `gain`, at the present frame: to all groups, or to one.
-  void add(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME;
-  void add(const double* amplitudes, double gain, std::uint32_t group, const ModeFactors* each) RINGDOWN_REALTIME;
+  void add(BlowAmplitudes blow, double gain, const ModeFactors* each) RINGDOWN_REALTIME;
+  void add(BlowAmplitudes blow, double gain, std::uint32_t group, const ModeFactors* each) RINGDOWN_REALTIME;
 
   // Adds the next `frames` <= kChunkFrames samples to `out`: ringing freely, or under forces. False when a state is
   // absurd.

@@ -29,14 +29,15 @@ namespace {
 constexpr Level kHysteresis = 3;  // 1.1 dB: what wavers about the threshold does not come and go
 
 // Adds a strike's amplitudes to a group as the strike will be after `frames_left` frames.
-void add_decayed(const double* amplitudes, double gain, std::uint32_t group, std::size_t frames_left,
+void add_decayed(BlowAmplitudes blow, double gain, std::uint32_t group, std::size_t frames_left,
                  const ModeFactors* each, StateArray& states) RINGDOWN_REALTIME {
   alignas(64) double re[kModePadding], im[kModePadding];
   const std::size_t first = std::size_t{group} * kModePadding;
   for (std::size_t i = 0; i < kModePadding; ++i) {
-    const double a = gain * amplitudes[first + i];
-    re[i] = each ? a * static_cast<double>(each->im[first + i]) : 0;
-    im[i] = each ? -a * static_cast<double>(each->re[first + i]) : -a;
+    const std::complex<double> a = gain * std::complex(blow.im ? blow.im[first + i] : 0, -blow.re[first + i]);
+    const std::complex<double> by(each ? each->re[first + i] : 1, each ? each->im[first + i] : 0);
+    re[i] = a.real() * by.real() - a.imag() * by.imag();
+    im[i] = a.real() * by.imag() + a.imag() * by.real();
   }
   ModeArrays struck = states.for_kernel(0);
   struck.z_re = re, struck.z_im = im;
@@ -99,12 +100,12 @@ void ModeStates::hear(const HeardTime* time) RINGDOWN_REALTIME {
   late_.hear_by(hearing);
 }
 
-void ModeStates::add(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+void ModeStates::add(BlowAmplitudes blow, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
   if (selective()) {
     return add_to_groups([&](std::uint32_t group)
-                             RINGDOWN_REALTIME { states_.add_strike(amplitudes, gain, group, each); });
+                             RINGDOWN_REALTIME { states_.add_strike(blow, gain, group, each); });
   }
-  states_.add_strike(amplitudes, gain, each);
+  states_.add_strike(blow, gain, each);
   wake();
 }
 
@@ -204,24 +205,27 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   return sane;
 }
 
-void ModeStates::add_late(const double* amplitudes, double gain, std::size_t frames_left,
+void ModeStates::add_late(BlowAmplitudes blow, double gain, std::size_t frames_left,
                           const ModeFactors* each) RINGDOWN_REALTIME {
-  if (!selective()) return late_.add(amplitudes, gain, each);
+  if (!selective()) return late_.add(blow, gain, each);
   mark();
   for (std::uint32_t group = 0; group < table_.groups(); ++group) {
-    const double* const a = amplitudes + std::size_t{group} * kModePadding;
-    double energy = 0;
-    for (std::size_t i = 0; i < kModePadding; ++i) energy += gain * gain * a[i] * a[i];  // before direction
+    double energy = 0;  // before direction
+    for (const double* const a : {blow.re, blow.im}) {
+      if (a == nullptr) continue;
+      const double* const of_group = a + std::size_t{group} * kModePadding;
+      for (std::size_t i = 0; i < kModePadding; ++i) energy += gain * gain * of_group[i] * of_group[i];
+    }
     const bool sounds = is_.data()[group] == Is::sounding || late_.has(group) || group >= table_.slow_groups() ||
                         level_of(energy) >= threshold_;
     if (sounds) {
-      late_.add(amplitudes, gain, group, each);
+      late_.add(blow, gain, group, each);
     } else if (is_.data()[group] == Is::muted) {  // muting_ has reached the end of the chunk
       muting_.catch_up(states_, group);
-      add_decayed(amplitudes, gain, group, frames_left, each, states_);
+      add_decayed(blow, gain, group, frames_left, each, states_);
       muting_.measure(states_, group);
     } else {
-      add_decayed(amplitudes, gain, group, frames_left, each, states_);
+      add_decayed(blow, gain, group, frames_left, each, states_);
       muting_.mute(states_, group);
     }
   }

@@ -40,7 +40,7 @@ class ModeStates {
 
   // Adds a strike's amplitudes (ModeTable::strike), times `gain`, at the current frame; they sound from the next
   // rendered frame on. With `each`, every mode is multiplied by a gain of its own as well.
-  void add(const double* amplitudes, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  void add(BlowAmplitudes blow, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
   // How much of a strike's amplitudes is to be added (blow_limit.h); 1 for all but thin objects struck very hard.
   [[nodiscard]] double blow_limit(const double* amplitudes) const RINGDOWN_REALTIME;
   // Adds what rings in `other`, of the same table, times `gain` and `each`. What fades out is left alone.
@@ -82,7 +82,7 @@ class ModeStates {
   // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() adds
   // what it sounds from there on (LateStrikes), driven sample by sample where there are `forces`, if only an empty
   // list; merge_late() ends the chunk.
-  void add_late(const double* amplitudes, double gain, std::size_t frames_left,
+  void add_late(BlowAmplitudes blow, double gain, std::size_t frames_left,
                 const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
   bool render_late(double* out, std::size_t frames,
                    std::optional<std::span<const Force>> forces = {}) RINGDOWN_REALTIME;

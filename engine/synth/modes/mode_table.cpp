@@ -204,6 +204,21 @@ std::optional<double> ModeTable::strike(const verb::Ring& ring, std::span<double
   return energy;
 }
 
+std::optional<double> ModeTable::strike(const verb::Impart& impart, std::span<double> /*scratch*/,
+                                        double* amplitudes) const RINGDOWN_REALTIME {
+  std::fill_n(amplitudes, 2 * columns_, 0.0);
+  if (impart.mode >= bank().mode_count()) return std::nullopt;
+  // A mode that is not playable at this rate or in this material takes the motion and is not heard.
+  const std::optional<std::size_t> at = column_of(map_->by_frequency()[impart.mode]);
+  if (!at) return 0;
+  const double weight = weight_.data()[at_column(*at).value_or(0)];
+  const double shape = modal::shape_factor(material_);
+  const double amplitude = weight / shape * impart.velocity;
+  amplitudes[*at] = amplitude * std::cos(impart.phase_rad);
+  amplitudes[columns_ + *at] = amplitude * std::sin(impart.phase_rad);
+  return amplitude * amplitude;
+}
+
 std::optional<double> ModeTable::strike(const verb::StrikeVertex& strike, std::span<double> scratch,
                                         double* amplitudes) const RINGDOWN_REALTIME {
   if (strike.vertex >= bank().point_count()) return std::nullopt;

@@ -84,6 +84,9 @@ class ModeTable {
                                              double* amplitudes) const RINGDOWN_REALTIME;
   [[nodiscard]] std::optional<double> strike(const verb::Ring& ring, std::span<double> scratch,
                                              double* amplitudes) const RINGDOWN_REALTIME;
+  // Writes 2 x columns() amplitudes: the sines of all columns, then the cosines (BlowAmplitudes).
+  [[nodiscard]] std::optional<double> strike(const verb::Impart& impart, std::span<double> scratch,
+                                             double* amplitudes) const RINGDOWN_REALTIME;
 
   // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
   void prepare(std::size_t frames) RINGDOWN_REALTIME;

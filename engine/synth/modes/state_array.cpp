@@ -6,28 +6,36 @@
 
 namespace ringdown::synth {
 
-void StateArray::add_strike(const double* amplitudes, double gain, std::size_t first, std::size_t end,
+// Adds -i times the amplitudes, each times its factor.
+void StateArray::add_strike(BlowAmplitudes blow, double gain, std::size_t first, std::size_t end,
                             const ModeFactors* each) RINGDOWN_REALTIME {
   excited();
   double *const re = this->re(), *const im = this->im();
   if (each == nullptr) {
-    for (std::size_t i = first; i < end; ++i) im[i] -= gain * amplitudes[i];
+    for (std::size_t i = first; i < end; ++i) im[i] -= gain * blow.re[i];
+    if (blow.im == nullptr) return;
+    for (std::size_t i = first; i < end; ++i) re[i] += gain * blow.im[i];
     return;
   }
   for (std::size_t i = first; i < end; ++i) {
-    re[i] += gain * amplitudes[i] * static_cast<double>(each->im[i]);
-    im[i] -= gain * amplitudes[i] * static_cast<double>(each->re[i]);
+    re[i] += gain * blow.re[i] * static_cast<double>(each->im[i]);
+    im[i] -= gain * blow.re[i] * static_cast<double>(each->re[i]);
+  }
+  if (blow.im == nullptr) return;
+  for (std::size_t i = first; i < end; ++i) {
+    re[i] += gain * blow.im[i] * static_cast<double>(each->re[i]);
+    im[i] += gain * blow.im[i] * static_cast<double>(each->im[i]);
   }
 }
 
-void StateArray::add_strike(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
-  add_strike(amplitudes, gain, 0, table_.columns(), each);
+void StateArray::add_strike(BlowAmplitudes blow, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+  add_strike(blow, gain, 0, table_.columns(), each);
 }
 
-void StateArray::add_strike(const double* amplitudes, double gain, std::uint32_t group,
+void StateArray::add_strike(BlowAmplitudes blow, double gain, std::uint32_t group,
                             const ModeFactors* each) RINGDOWN_REALTIME {
   const std::size_t first = std::size_t{group} * kModePadding;
-  add_strike(amplitudes, gain, first, first + kModePadding, each);
+  add_strike(blow, gain, first, first + kModePadding, each);
 }
 
 void StateArray::add(const StateArray& other, double gain, std::size_t first, std::size_t end,

@@ -20,6 +20,12 @@ struct ModeFactors {
   const float *re = nullptr, *im = nullptr;
 };
 
+// The amplitudes that a blow gives the modes, one per column: a mode begins as re sin(omega t) + im cos(omega t).
+struct BlowAmplitudes {
+  const double* re;
+  const double* im = nullptr;  // null: all 0, as after a strike, which moves no point at once
+};
+
 class StateArray {
  public:
   // All zero. The table outlives the array. [worker]
@@ -57,11 +63,11 @@ class StateArray {
   // By what gains the modes are heard in kernels; null: each by 1. It outlives the array.
   void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { hearing_ = hearing; }
 
-  // Adds a strike's amplitudes (ModeTable::strike), one per column, times `gain`. A struck mode begins as a sine:
+  // Adds a blow's amplitudes (ModeTable::strike), one per column, times `gain`. A struck mode begins as a sine:
   // a sin(omega t) = Re(-i a exp(i omega t)), so a strike lowers the imaginary part of z.
   // With `each`, every mode is multiplied by a gain of its own as well.
-  void add_strike(const double* amplitudes, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
-  void add_strike(const double* amplitudes, double gain, std::uint32_t group,
+  void add_strike(BlowAmplitudes blow, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  void add_strike(BlowAmplitudes blow, double gain, std::uint32_t group,
                   const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
 
   // Adds the states of another array of the same table, times `gain`, and times `each`.
@@ -87,7 +93,7 @@ class StateArray {
   [[nodiscard]] double amplitude() const RINGDOWN_REALTIME;
 
  private:
-  void add_strike(const double* amplitudes, double gain, std::size_t first, std::size_t end,
+  void add_strike(BlowAmplitudes blow, double gain, std::size_t first, std::size_t end,
                   const ModeFactors* each) RINGDOWN_REALTIME;
   void add(const StateArray& other, double gain, std::size_t first, std::size_t end,
            const ModeFactors* each) RINGDOWN_REALTIME;

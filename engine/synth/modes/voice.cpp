@@ -11,7 +11,7 @@ Voice::Voice(std::shared_ptr<ModeTable> table)
     : ModeStates(*table),
       table_(std::move(table)),
       scratch_(table_->bank().mode_count()),
-      amplitudes_(aligned_zeros<double>(table_->columns())) {}
+      amplitudes_(aligned_zeros<double>(2 * table_->columns())) {}
 
 Voice::Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz)
     : Voice(std::make_shared<ModeTable>(std::move(map), material, sample_rate_hz)) {}
@@ -25,7 +25,7 @@ std::unique_ptr<Voice> Voice::with_table(std::shared_ptr<ModeTable> table) {
 // An absurd strike becomes not-a-number, because modes that die within the chunk would hide a merely huge one.
 double Voice::gain_for(double energy, MixerCounters* counters) const RINGDOWN_REALTIME {
   if (!(energy <= kAbsurdEnergy)) return std::numeric_limits<double>::quiet_NaN();
-  const double limit = blow_limit(amplitudes());
+  const double limit = blow_limit(amplitudes_.get());
   if (limit < 1 && counters) count(counters->limited);
   return limit;
 }

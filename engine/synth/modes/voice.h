@@ -11,6 +11,7 @@
 
 #include <memory>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 namespace ringdown::synth {
@@ -43,6 +44,7 @@ class Voice : public ModeStates {
   // when the vertex does not exist. [audio]
   template <class Blow>
   [[nodiscard]] std::optional<double> find_amplitudes(const Blow& blow) RINGDOWN_REALTIME {
+    displaced_ = std::is_same_v<Blow, verb::Impart>;
     return table_->strike(blow, {scratch_.data(), scratch_.size()}, amplitudes_.get());
   }
   // As above, and false when the amplitudes are absurd, too (kAbsurdEnergy). [audio]
@@ -51,7 +53,10 @@ class Voice : public ModeStates {
     const std::optional<double> energy = find_amplitudes(blow);
     return energy && *energy <= kAbsurdEnergy;
   }
-  [[nodiscard]] const double* amplitudes() const RINGDOWN_REALTIME { return amplitudes_.get(); }
+  // What find_amplitudes() found last. [audio]
+  [[nodiscard]] BlowAmplitudes amplitudes() const RINGDOWN_REALTIME {
+    return {amplitudes_.get(), displaced_ ? amplitudes_.get() + table_->columns() : nullptr};
+  }
 
   // A new voice with another table of the same bank, which takes over what rings in this one. [worker, while nothing
   // renders either]
@@ -68,7 +73,8 @@ class Voice : public ModeStates {
 
   std::shared_ptr<ModeTable> table_;
   std::vector<double> scratch_;      // one per mode of the bank
-  AlignedArray<double> amplitudes_;  // one per column
+  AlignedArray<double> amplitudes_;  // BlowAmplitudes: re of all columns, then im, which counts if displaced_
+  bool displaced_ = false;
 };
 
 // An object's voices: the current one, which takes strikes, and older ones that ring out.

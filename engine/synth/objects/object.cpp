@@ -25,6 +25,7 @@ namespace {
 constexpr double kMinGainRamp_s = 0.005;  // a step in gain or pan would click
 constexpr double kMaxGainRamp_s = 3600;
 constexpr double kMaxSharedGain = 100;
+constexpr double kMinChoke_s = 0.00025;   // as fast as a body breaks; 10 frames
 constexpr double kChokeNepers = 3 * std::numbers::ln10;  // 60 dB
 
 // Returns whether the samples of a segment may be added to the outputs. Absurd ones (sane_samples.h) silence the
@@ -125,17 +126,20 @@ struct Object::Play {
     object.voices.fade_out({static_cast<std::size_t>(frames_of(clear.ramp_s))});
   }
   void operator()(const verb::Choke& choke) const RINGDOWN_REALTIME {
-    object.voices.fade_out({static_cast<std::size_t>(frames_of(choke.within_s)), kChokeNepers});
+    object.voices.fade_out({static_cast<std::size_t>(frames_of(choke.within_s, kMinChoke_s)), kChokeNepers});
   }
   template <class One>
   requires(Elsewhere::kHas<One>) void operator()(const One&) const RINGDOWN_REALTIME {}
 
  private:
   static bool is_sane(const verb::Ring& ring) RINGDOWN_REALTIME { return std::abs(ring.amplitude) <= kMaxEventValue; }
+  static bool is_sane(const verb::Impart& impart) RINGDOWN_REALTIME {
+    return std::abs(impart.velocity) <= kMaxEventValue && std::abs(impart.phase_rad) <= kMaxEventValue;
+  }
   static bool is_sane(const auto&) RINGDOWN_REALTIME { return true; }
   // Written so that a ramp that is not a number becomes the shortest.
-  [[nodiscard]] Frame frames_of(double ramp_s) const RINGDOWN_REALTIME {
-    const double within_s = std::min(ramp_s > kMinGainRamp_s ? ramp_s : kMinGainRamp_s, kMaxGainRamp_s);
+  [[nodiscard]] Frame frames_of(double ramp_s, double min_s = kMinGainRamp_s) const RINGDOWN_REALTIME {
+    const double within_s = std::min(ramp_s > min_s ? ramp_s : min_s, kMaxGainRamp_s);
     return static_cast<Frame>(within_s * chunk.sample_rate_hz);
   }
 };

@@ -74,7 +74,7 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
     if (k > 0) push.point_m = point_m + side * aside[(k - 1) / 2];
     const double share = points == 1 ? 1.0 : (k == 0 ? 2.0 : 1.0) / 6.0;
     if (!voice.find_sane_amplitudes(push)) continue;
-    for (std::size_t i = 0; i < table.columns(); ++i) port.weight[i] += share * voice.amplitudes()[i];
+    for (std::size_t i = 0; i < table.columns(); ++i) port.weight[i] += share * voice.amplitudes().re[i];
   }
   double per_kg = 0;
   port.leaning = 0;

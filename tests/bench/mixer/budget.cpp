@@ -99,7 +99,7 @@ class Workshop {
     voice(v).wake();
   }
   void drive(std::size_t v) {
-    const synth::Force force{voice(v).amplitudes(), out_.data()};
+    const synth::Force force{voice(v).amplitudes().re, out_.data()};
     static_cast<void>(voice(v).render_late(samples_.data(), kChunkFrames, std::span<const synth::Force>(&force, 1)));
     voice(v).merge_late();
   }
