@@ -7,14 +7,11 @@
 #include "engine/bake/fitted_makeup.h"
 #include "engine/bake/heard_modes.h"
 #include "engine/bake/sample_points.h"
-#include "engine/fem/error_estimate.h"
-#include "engine/fem/heat_flow.h"
+#include "engine/bake/solve_body.h"
 #include "engine/fem/shape_change.h"
 #include "engine/mesh/boundary.h"
-#include "engine/solve/eigensolver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -22,23 +19,6 @@
 
 namespace ringdown::bake {
 namespace {
-
-using solve::Eigenmodes;
-
-// The band of a rescaled body differs in its last bits. The headroom lets modes from the cache cover it all the same.
-constexpr double kHeadroom = 1 + 1e-9;
-
-class Stopwatch {
- public:
-  // Seconds since the last call, or since construction.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 void add_points(modal::Bank& bank, const mesh::Points& positions) {
   for (const auto& at : positions.cast<float>().rowwise()) bank.positions.push_back({at[0], at[1], at[2]});
@@ -62,50 +42,6 @@ Result<void> check_options(const BakeOptions& options) {
     return fail(ErrorKind::bad_input, "the floor must be from 0 to 1000 dB");
   return {};
 }
-
-// The largest |lambda| of a rigid motion, which is 0 but for rounding: so large is the rounding error of any lambda.
-double rounding_of(const Eigenmodes& modes) {
-  return modes.rigid > 0 ? modes.lambda.head(modes.rigid).cwiseAbs().maxCoeff() : 0.0;
-}
-
-// A mesh whose pieces hold together by faces (check_mesh) has six rigid motions for each, and no others; `free` of them
-// are left by what holds the body.
-Result<void> check_rigid(const Eigenmodes& modes, int free, double highest_lambda) {
-  constexpr double kMinContrast = 10;
-  const bool vibrates = modes.lambda.size() > modes.rigid;
-  const double lowest = vibrates ? modes.lambda[modes.rigid] : highest_lambda;
-  if (modes.rigid == free && lowest > kMinContrast * rounding_of(modes)) return {};
-  return fail(ErrorKind::bad_input,
-              "its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
-              "distorted: mesh the object again");
-}
-
-BodyModes on_surface(const Eigenmodes& modes, const Eigen::MatrixXd& shapes, const mesh::Boundary& surface) {
-  const Eigen::Index elastic = modes.lambda.size() - modes.rigid;
-  BodyModes body{.lambda = modes.lambda.tail(elastic),
-                 .shapes = Eigen::MatrixXd(3 * static_cast<Eigen::Index>(surface.nodes.size()), elastic),
-                 .residuals = modes.residuals.tail(elastic),
-                 .rigid = modes.rigid};
-  for (Eigen::Index m = 0; m < elastic; ++m) {
-    for (std::size_t p = 0; p < surface.nodes.size(); ++p) {
-      body.shapes.col(m).segment<3>(3 * static_cast<Eigen::Index>(p)) =
-          shapes.col(modes.rigid + m).segment<3>(3 * surface.nodes[p]);
-    }
-  }
-  return body;
-}
-
-// The input of a bake, once its mesh has the element's order.
-struct Task {
-  mesh::TetMesh mesh;
-  mesh::TetMesh unit_mesh;  // in units of units.length_m
-  mesh::Boundary surface;
-  BodyUnits units;
-  const modal::Material& material;
-  const BakeOptions& options;
-  const std::string& name;
-  FittedMakeup makeup;
-};
 
 // The modes of a body, and those of them that the bank may have.
 struct Sounding {
@@ -169,113 +105,6 @@ Result<SamplePoints> find_points(const Task& task, const std::vector<HeardMode>&
   points->shapes = Eigen::MatrixXd(points->shapes(Eigen::all, order));
   points->errors = Eigen::VectorXd(points->errors(order));
   return points;
-}
-
-// True if some material says how it warms. In linear elements the pressure does not follow a bent wall, so they have no
-// heat.
-bool heat_counts(const Task& task) { return task.makeup.heat.reference && fem::order_of(task.options.element) > 1; }
-
-Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, BakeReport& report,
-                             const Progress& progress) {
-  Stopwatch watch;
-  const fem::Holding& holding = task.makeup.holding;
-  Result<fem::System> system = fem::assemble(task.unit_mesh, task.makeup.solid, task.options.element);
-  if (!system) return fail(system.error().kind, task.material.name + ": " + system.error().message);
-  fem::add_layers(task.unit_mesh, holding, *system);
-  const std::vector<std::int32_t> clamped = fem::nodes_on(task.unit_mesh, holding.clamped);
-  fem::System left;
-  if (!clamped.empty()) fem::remove_nodes(clamped, *system, left);
-  const fem::System& moving = clamped.empty() ? *system : left;
-  if (moving.unknowns() == 0)
-    return fail(ErrorKind::bad_input, "its supports clamp all of it: nothing is left to move");
-  report.assemble_seconds = watch.lap();
-
-  const double highest_lambda = request.highest_lambda * task.units.lambda();
-  const modal::Material guess = task.options.makeup.grain ? isotropic_stand_in(task.material) : task.material;
-  if (auto few = check_count(measure_shape(task.mesh).volume_m3, guess, highest_lambda, task.options.band_high_hz,
-                             task.options.max_modes);
-      !few)
-    return fail(few.error());
-  const Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
-  if (!modes) return fail(modes.error());
-  report.agreement = modes->agreement;
-  report.factor_seconds = modes->factor_seconds;
-  report.iterate_seconds = modes->iterate_seconds;
-  if (auto rigid = check_rigid(*modes, task.makeup.free_motions, request.highest_lambda); !rigid)
-    return fail(rigid.error());
-
-  const Eigen::MatrixXd expanded = clamped.empty() ? Eigen::MatrixXd() : fem::with_nodes(modes->shapes, clamped);
-  const Eigen::MatrixXd& shapes = clamped.empty() ? modes->shapes : expanded;
-  BodyModes body = on_surface(*modes, shapes, task.surface);
-  const auto elastic = shapes.rightCols(body.lambda.size());
-  body.shares = task.makeup.shares(task.unit_mesh, elastic);
-  watch.lap();
-  if (progress && !progress("errors", 0)) return fail_cancelled();
-  Result<Eigen::VectorXd> errors =
-      fem::frequency_errors(task.unit_mesh, task.makeup.solid, body.lambda, elastic, 0, holding);
-  if (!errors) return fail(errors.error());
-  body.errors = *errors + rounding_of(*modes) * body.lambda.cwiseInverse();
-  report.estimate_seconds = watch.lap();
-  if (heat_counts(task) && body.lambda.size() > 0) {
-    const double wall = measure_shape(task.mesh).thickness_m / task.units.length_m;
-    auto pairs =
-        fem::heat_relaxations({task.unit_mesh, task.makeup.solid, task.makeup.heat.parts, task.makeup.part_of, wall},
-                              elastic, body.lambda, progress);
-    if (!pairs) return fail(pairs.error());
-    body.heat = std::move(*pairs);
-  }
-  report.heat_seconds = watch.lap();
-  body.complete_to = request.highest_lambda;
-  body.verified = request.verify;
-  body.unknowns = moving.unknowns();
-  body.mass = mass_properties(task.unit_mesh, system->node_mass);
-  if (task.options.nonlinear > 0 && body.lambda.size() > 0) {
-    watch.lap();
-    const int count = std::min(task.options.nonlinear, static_cast<int>(body.lambda.size()));
-    const fem::Elastic& law = task.makeup.solid.laws().front().elastic;  // of a plain body the only one
-    Result<NonlinearModes> nonlinear =
-        find_nonlinear(task.unit_mesh, law, *system, modes->lambda, modes->shapes, modes->rigid, count, progress);
-    if (!nonlinear) return fail(nonlinear.error());
-    body.nonlinear = std::move(*nonlinear);
-    report.nonlinear_seconds = watch.lap();
-  }
-  return body;
-}
-
-// The modes of the body up to `top`: from the cache, or solved and put there.
-Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& report, const Progress& progress) {
-  solve::EigenRequest request{.highest_lambda = kHeadroom * top,
-                              .max_modes = task.options.max_modes,
-                              .method = task.options.solver,
-                              .rigid = task.makeup.free_motions,
-                              .processes = task.options.processes,
-                              .verify = task.options.verify,
-                              .unit_hz = std::sqrt(task.units.lambda())};
-  const auto in_band = [top](BodyModes modes) { return up_to(std::move(modes), top); };
-  if (task.options.cache.empty()) return solve_body(task, request, report, progress).map(in_band);
-
-  const ModeCache cache{ContentCache(task.options.cache)};
-  const BodyQuestion question{task.unit_mesh,       task.surface.nodes.size(),
-                              task.options.element, task.material.poisson_ratio,
-                              request.tolerance,    task.makeup.key};
-  auto kept = cache.find(question, top, request.max_modes);
-  const NonlinearCache terms{ContentCache(task.options.cache)};
-  if (kept && task.options.nonlinear > 0) kept->nonlinear = terms.find(*kept, task.options.nonlinear);
-  if (kept && kept->errors.size() == kept->lambda.size() && (kept->verified || !request.verify) &&
-      (kept->nonlinear || task.options.nonlinear == 0) &&
-      (kept->heat.size() > 0 || kept->lambda.size() == 0 || !heat_counts(task))) {
-    report.from_cache = true;
-    return std::move(*kept);
-  }
-  request.expected_lambda = cache.expected(question, task.options.family);
-  Result<BodyModes> modes = solve_body(task, request, report, progress);
-  if (!modes) return modes;
-  const Result<void> stored = cache.store(question, *modes);
-  if (!stored) report.cache_trouble = stored.error().message;
-  if (stored) (void)cache.expect(question, task.options.family, modes->lambda);
-  BodyModes body = in_band(std::move(*modes));
-  if (body.nonlinear && body.nonlinear->modes() <= body.lambda.size()) (void)terms.store(body, *body.nonlinear);
-  return body;
 }
 
 // The relative change of each frequency from the mesh's skin to the body's surface, to first order. Its sign is known,
@@ -418,6 +247,7 @@ Result<Sounding> find_modes(const Task& task, const Eigen::VectorXd& gaps_m, Bak
   }
   const LeftOut& left_out = found->left_out;
   if (!found->heard.empty() || left_out.below_band > 0 || left_out.over_damped > 0) return found;
+  if (options.may_be_silent) return found;
   Result<std::optional<Sounding>> above = find_above_band(task, gaps_m, report, progress);
   if (!above) return fail(above.error());
   if (!*above) return fail(no_mode(task.name, options, {}));
@@ -467,11 +297,32 @@ void describe_body(const Task& task, const Sounding& sounding, modal::Bank& bank
   for (const Part& part : makeup.parts) bank.provenance.parts.push_back(part.material.name);
 }
 
+SolvedBody solved_body(const Task& task, const BodyModes& modes, const std::vector<HeardMode>& kept) {
+  const BodyUnits& units = task.units;
+  SolvedBody body{.mesh = task.mesh,
+                  .shapes = Eigen::MatrixXd(3 * task.mesh.nodes.rows(), static_cast<Eigen::Index>(kept.size())),
+                  .node_mass = units.density_kg_m3 * std::pow(units.length_m, 3) * modes.interior->node_mass};
+  for (std::size_t m = 0; m < kept.size(); ++m) {
+    body.shapes.col(static_cast<Eigen::Index>(m)) =
+        sign_of(modes.shapes.col(kept[m].number)) * units.shape() * modes.interior->shapes.col(kept[m].number);
+  }
+  return body;
+}
+
+// Fills the bank of a body without a mode in its band: the corners of its surface, and its mass.
+void fill_silent(const Task& task, const Sounding& sounding, Baked& baked) {
+  describe_body(task, sounding, baked.bank);
+  modal::Bank corners = corner_bank(task, {}, sounding.modes, nullptr);
+  baked.bank.positions = std::move(corners.positions);
+  baked.bank.triangles = std::move(corners.triangles);
+  if (sounding.modes.interior) baked.body = solved_body(task, sounding.modes, {});
+}
+
 // Chooses the modes that stay and the sample points, and fills the bank with both. `origin_m` is where the modes
 // radiate from, if they do.
 Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional<Vec3>& origin_m, Baked& baked,
                        const Progress& progress) {
-  auto& [bank, report] = baked;
+  auto& [bank, body, report] = baked;
   const modal::Air* const air = origin_m ? &*task.options.air : nullptr;
   const int bending = order_modes(task, sounding, air);
   describe_body(task, sounding, bank);
@@ -483,6 +334,7 @@ Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional
   add_modes(bank, kept, task.units.shape() * points->shapes, air);
   if (origin_m) bank.radiation->maps.origin_m = *origin_m;
   add_points(bank, task.units.length_m * points->positions);
+  if (sounding.modes.interior) body = solved_body(task, sounding.modes, kept);
   bank.triangles = points->triangles;
   if (sounding.modes.nonlinear) add_nonlinear(task, sounding.modes, kept, baked);
   for (const double error : points->errors) bank.shape_error.push_back(rounded_error(error));
@@ -507,7 +359,11 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   report_modes(*task, *sounding, baked.report);
   const Result<std::optional<Vec3>> origin_m = add_radiation(*task, *sounding, baked.report, progress);
   if (!origin_m) return fail(origin_m.error());
-  if (sounding->heard.empty()) return fail(no_mode(name, options, {}));
+  if (sounding->heard.empty()) {
+    if (!options.may_be_silent) return fail(no_mode(name, options, {}));
+    fill_silent(*task, *sounding, baked);
+    return baked;
+  }
   if (progress && !progress("finish", 0)) return fail_cancelled();
   Stopwatch watch;
   if (auto filled = fill_bank(*task, *sounding, *origin_m, baked, progress); !filled) return fail(filled.error());

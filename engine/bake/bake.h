@@ -39,6 +39,8 @@ struct BakeOptions {
   Makeup makeup;                // grain, parts and supports
   solve::Method solver = solve::Method::kAutomatic;
   int processes = 2;    // of solve::Method::kSlepc
+  bool may_be_silent = false;  // a body without a mode in its band gets a bank of no modes; else it fails
+  bool interior = false;       // returns the modes at every node, too, and solves even if the cache has them
   bool verify = false;  // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
 };
 
@@ -63,8 +65,16 @@ struct BakeReport {
   double largest_error = 0;    // estimated, relative, of any mode's frequency in the band, dropped ones included
 };
 
+// The body of a bank as it was solved: for what needs its modes inside of the body.
+struct SolvedBody {
+  mesh::TetMesh mesh;           // of the element's order [m]
+  Eigen::MatrixXd shapes;       // 3N x M, the bank's modes in its order and with its signs [kg^-1/2]
+  fem::SparseMatrix node_mass;  // N x N [kg]
+};
+
 struct Baked {
   modal::Bank bank;
+  std::optional<SolvedBody> body;  // with options.interior
   BakeReport report;
 };
 

@@ -41,6 +41,12 @@ struct ModeShares {
   Eigen::MatrixXd points;          // held points x m: |phi|^2
 };
 
+// Modes at every node of the body, which take many times the memory of those at its surface.
+struct Interior {
+  Eigen::MatrixXd shapes;       // 3N x m
+  fem::SparseMatrix node_mass;  // N x N
+};
+
 struct BodyModes {
   Eigen::VectorXd lambda;     // m, ascending; the rigid motions are left out
   Eigen::MatrixXd shapes;     // 3S x m, at the S nodes of mesh::boundary_of(), in its order
@@ -53,6 +59,7 @@ struct BodyModes {
   modal::MassProperties mass;  // of density 1
   ModeShares shares;
   Eigen::MatrixXd heat;                     // 2 fem::kHeatPairs x m (fem/heat_flow.h); or empty: it was not asked for
+  std::optional<Interior> interior;         // if it was asked for; not in the ModeCache
   std::optional<NonlinearModes> nonlinear;  // of the first modes, where they were asked for; not in the ModeCache
 };
 

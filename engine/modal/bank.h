@@ -31,6 +31,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -89,6 +90,8 @@ struct Provenance {
   double peak_pa = 0;              // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
 };
 
+struct Fracture;  // fracture/fracture.h
+
 struct Bank {
   std::string name;
   std::vector<double> frequency_hz;
@@ -106,6 +109,7 @@ struct Bank {
   bool held = false;               // true: supports hold the body; false: the body is free
   double gain = 1;                 // linear gain on the whole sound, by which its maker balances it against other banks
   std::optional<double> pitch_hz;  // pitch stated by the maker, in kStatedPitch_hz; absent: see hearing/pitch.h
+  std::shared_ptr<const Fracture> fracture;  // how the body breaks; null: it does not
   Provenance provenance;
 
   [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }

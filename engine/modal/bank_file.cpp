@@ -9,13 +9,14 @@
 #include "engine/gltf/gltf_file.h"
 #include "engine/modal/bank_extras.h"
 #include "engine/modal/bank_model.h"
-#include "engine/modal/material_scale.h"
+#include "engine/modal/fracture/fracture_file.h"
 #include "engine/modal/scaled_bank.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <utility>
 
 namespace ringdown::modal {
@@ -124,36 +125,6 @@ Result<Instance> find_instance(const Glb& glb) {
     return instance;
   }
   return Instance{};
-}
-
-// Makes the object `s` times as large. Fails if its modes would no longer ring.
-Result<void> scale_size(Bank& bank, double s, const std::string& name) {
-  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    if (rescale(bank, m, {.size = s}).frequency_hz > 0) continue;
-    return fail(ErrorKind::bad_input, name + ": at the node's scale of " + Json(s).dump() + " mode " +
-                                          std::to_string(m) +
-                                          " is over-damped and has no pitch; bake the object at that size");
-  }
-  bank = scaled(bank, {.size = s});
-  const auto finite = [](std::span<const float> numbers) {
-    return std::all_of(numbers.begin(), numbers.end(), [](float x) { return std::isfinite(x); });
-  };
-  if (!finite(as_floats(bank.positions)) || !finite(as_floats(bank.shapes)) ||
-      (bank.nonlinear && !(finite(bank.nonlinear->bending) && finite(bank.nonlinear->curving)))) {
-    return fail(ErrorKind::bad_input, name + ": at the node's scale of " + Json(s).dump() +
-                                          " its positions, shapes or nonlinear terms overflow");
-  }
-  return {};
-}
-
-// Multiplies the points of a bank by `factor`. The bank's other values already belong to the resulting size.
-void spread_points(Bank& bank, double factor) {
-  const auto moved = [factor](float x) {
-    return static_cast<float>(std::clamp(factor * static_cast<double>(x), -1e30, 1e30));
-  };
-  for (Vec3f& p : bank.positions) p = {moved(p[0]), moved(p[1]), moved(p[2])};
-  if (bank.radiation) bank.radiation->maps.origin_m = factor * bank.radiation->maps.origin_m;
-  if (bank.mass) bank.mass->center_of_mass_m = factor * bank.mass->center_of_mass_m;
 }
 
 Result<void> read_modes(const Glb& glb, const JsonPlace& model, Bank& bank) {
@@ -267,6 +238,55 @@ Json material_json(const Bank& bank) {
   return json;
 }
 
+Result<Bank> read_model(const Glb& glb, const JsonPlace& model, const std::string& name) {
+  const JsonPlace extension = glb.root()["extensions"][kExtension];
+  const auto version = model["extras"]["ringdown"]["version"].index().value_or(1);
+  if (version > kBankVersion) {
+    return fail(ErrorKind::bad_input, glb.name + " is a bank of version " + std::to_string(version) +
+                                          ", and this program, Ringdown " + kVersion + ", reads up to " +
+                                          std::to_string(kBankVersion) + "; a later Ringdown plays it");
+  }
+  Bank bank{.name = model["name"].text_or(name)};
+  if (const auto read = read_modes(glb, model, bank); !read) return fail(read.error());
+  if (const auto read = read_triangles(glb, model["indices"], bank); !read) return fail(read.error());
+  auto material = read_material(extension["acousticMaterials"], model["material"]);
+  if (!material) return fail(material.error());
+  auto mass = read_mass(model["massProperties"]);
+  if (!mass) return fail(mass.error());
+  bank.material = std::move(*material);
+  bank.mass = *mass;
+  if (const auto read = read_extras(glb, model["extras"]["ringdown"], bank); !read) return fail(read.error());
+  bank.provenance.generator = glb.root()["asset"]["generator"].text_or("");
+  return bank;
+}
+
+// Reads a piece without modes, which is of the body's material.
+Result<Bank> read_silent_piece(const Glb& glb, const JsonPlace& piece, const Bank& body) {
+  Bank bank{.name = piece["name"].text_or(""), .material = body.material};
+  const auto positions = read_floats(glb, piece["positions"], 3, kMaxPoints);
+  if (!positions) return fail(positions.error());
+  bank.positions = as_vectors(*positions);
+  if (const auto read = read_triangles(glb, piece["indices"], bank); !read) return fail(read.error());
+  auto mass = read_mass(piece["massProperties"]);
+  if (!mass) return fail(mass.error());
+  bank.mass = *mass;
+  return bank;
+}
+
+Result<void> read_pieces(const Glb& glb, const JsonPlace& fracture, Bank& bank) {
+  if (!fracture.present()) return {};
+  const JsonPlace models = glb.root()["extensions"][kExtension]["modalModels"];
+  const PieceReaders readers{.model = [&](std::size_t number) -> Result<Bank> {
+                               if (!models[number].present()) return models.wrong("a model " + std::to_string(number));
+                               return read_model(glb, models[number], "");
+                             },
+                             .silent = [&](const JsonPlace& piece) { return read_silent_piece(glb, piece, bank); }};
+  auto read = read_fracture(glb, fracture, bank.mode_count(), readers);
+  if (!read) return fail(read.error());
+  bank.fracture = std::make_shared<const Fracture>(std::move(*read));
+  return {};
+}
+
 Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, const ModelChoice& chosen,
                      const ReadBeside& read_beside) {
   const auto glb = read_beside ? parse_gltf(bytes, name, read_beside) : parse_glb(bytes, name);
@@ -282,26 +302,17 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
   if (!model.present())
     return fail(ErrorKind::bad_input, name + ": a node plays modal model " + std::to_string(instance->model) +
                                           ", which the file does not have");
-  const auto version = model["extras"]["ringdown"]["version"].index().value_or(1);
-  if (version > kBankVersion) {
-    return fail(ErrorKind::bad_input, name + " is a bank of version " + std::to_string(version) +
-                                          ", and this program, Ringdown " + kVersion + ", reads up to " +
-                                          std::to_string(kBankVersion) + "; a later Ringdown plays it");
-  }
-  Bank bank{.name = model["name"].text_or(instance->name), .gain = instance->gain};
-  if (const auto read = read_modes(*glb, model, bank); !read) return fail(read.error());
-  if (const auto read = read_triangles(*glb, model["indices"], bank); !read) return fail(read.error());
-  auto material = read_material(extension["acousticMaterials"], model["material"]);
-  if (!material) return fail(material.error());
-  auto mass = read_mass(model["massProperties"]);
-  if (!mass) return fail(mass.error());
-  bank.material = std::move(*material);
-  bank.mass = *mass;
-  if (const auto read = read_extras(*glb, model["extras"]["ringdown"], bank); !read) return fail(read.error());
-  bank.provenance.generator = glb->root()["asset"]["generator"].text_or("");
+  auto read = read_model(*glb, model, instance->name);
+  if (!read) return read;
+  Bank& bank = *read;
+  bank.gain = instance->gain;
+  if (const auto pieces = read_pieces(*glb, model["extras"]["ringdown"]["fracture"], bank); !pieces)
+    return fail(pieces.error());
   if (chosen.scale != 1) spread_points(bank, chosen.scale);
   if (instance->scale != 1) {
-    if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
+    if (const auto scaled = scale_size(bank, instance->scale, name + ": at the node's scale of " + Json(instance->scale).dump());
+        !scaled)
+      return fail(scaled.error());
   }
   return bank;
 }
@@ -345,11 +356,30 @@ Result<Bank> read_bank(const std::filesystem::path& path) {
   return parse_bank(std::as_bytes(std::span(*text)), path.string(), model, is_text ? files_beside(file) : ReadBeside());
 }
 
+namespace {
+
+std::size_t add_positions(GlbWriter& writer, const Bank& bank, bool packed) {
+  const auto add = packed ? &GlbWriter::add_packed_floats : &GlbWriter::add_floats;
+  return (writer.*add)(as_floats(bank.positions), 3, GlbWriter::Use::vertices);
+}
+
+// Adds the bank's triangles, if it has any, and names them in `owner`, the JSON of a model or a piece. Returns the mesh
+// primitive of the bank's surface.
+Json add_triangles(GlbWriter& writer, const Bank& bank, bool packed, Json& owner) {
+  Json primitive = {{"attributes", {{"POSITION", owner["positions"]}}}, {"mode", 0}};
+  if (bank.triangles.empty()) return primitive;
+  const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());
+  owner["indices"] = primitive["indices"] = packed ? writer.add_packed_indices(corners) : writer.add_indices(corners);
+  primitive["mode"] = 4;
+  return primitive;
+}
+
+}  // namespace
+
 WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {
   const std::vector<float> frequencies(bank.frequency_hz.begin(), bank.frequency_hz.end());
   const std::vector<float> decays(bank.decay_per_s.begin(), bank.decay_per_s.end());
-  const auto add_positions = packed ? &GlbWriter::add_packed_floats : &GlbWriter::add_floats;
-  const std::size_t positions = (writer.*add_positions)(as_floats(bank.positions), 3, GlbWriter::Use::vertices);
+  const std::size_t positions = add_positions(writer, bank, packed);
   WrittenModel written;
   written.model = {{"name", bank.name},
                    {"positions", positions},
@@ -357,13 +387,7 @@ WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {
                    {"decayRates", writer.add_floats(decays, 1)},
                    {"shapes", packed ? add_rounded_shapes(writer, bank) : writer.add_floats(as_floats(bank.shapes), 3)},
                    {"extras", {{"ringdown", extras_json(bank, writer)}}}};
-  written.primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
-  if (!bank.triangles.empty()) {
-    const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());
-    written.model["indices"] = written.primitive["indices"] =
-        packed ? writer.add_packed_indices(corners) : writer.add_indices(corners);
-    written.primitive["mode"] = 4;
-  }
+  written.primitive = add_triangles(writer, bank, packed, written.model);
   if (bank.material) written.material = material_json(bank);
   if (bank.mass) written.model["massProperties"] = mass_json(*bank.mass);
   return written;
@@ -374,27 +398,72 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
   return write_output(path, to_glb(bank, input_hash, compression));
 }
 
-std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash, Compression compression) {
-  GlbWriter writer;
-  auto [model, primitive, material] = add_model(writer, bank, compression == Compression::meshopt);
-  if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
-  Json extension = {{"modalModels", Json::array()}};
-  if (material) {
-    extension["acousticMaterials"] = Json::array({*material});
-    model["material"] = 0;
-  }
-  extension["modalModels"].push_back(std::move(model));
+namespace {
 
-  const Json node = {
-      {"name", bank.name}, {"mesh", 0}, {"extensions", {{kExtension, {{"modalModel", 0}, {"gain", bank.gain}}}}}};
-  Json document = {{"asset", {{"version", "2.0"}, {"generator", bank.provenance.generator}}},
-                   {"extensionsUsed", Json::array({kExtension})},
-                   {"extensions", {{kExtension, std::move(extension)}}},
-                   {"scene", 0},
-                   {"scenes", Json::array({{{"nodes", Json::array({0})}}})},
-                   {"nodes", Json::array({node})},
-                   {"meshes", Json::array({{{"name", bank.name}, {"primitives", Json::array({primitive})}}})}};
-  return std::move(writer).finish(std::move(document));
+// Collects the models, nodes and meshes of a bank's document.
+struct Document {
+  GlbWriter writer;
+  bool packed = false;
+  Json models = Json::array(), nodes = Json::array(), meshes = Json::array(), materials = Json::array();
+
+  // Adds a node with the mesh, and returns the node's number.
+  std::size_t add_node(const std::string& name, Json primitive) {
+    nodes.push_back({{"name", name}, {"mesh", meshes.size()}});
+    meshes.push_back({{"name", name}, {"primitives", Json::array({std::move(primitive)})}});
+    return nodes.size() - 1;
+  }
+
+  // Adds the bank's model and a node that plays it. All models of a document have its first material.
+  Json& add_bank(const Bank& bank) {
+    auto [model, primitive, material] = add_model(writer, bank, packed);
+    if (material && materials.empty()) materials.push_back(std::move(*material));
+    if (bank.material) model["material"] = 0;
+    const std::size_t node = add_node(bank.name, std::move(primitive));
+    nodes[node]["extensions"][kExtension] = {{"modalModel", models.size()}, {"gain", bank.gain}};
+    models.push_back(std::move(model));
+    return models.back();
+  }
+
+  // Adds a piece of the body, and returns the JSON that names it.
+  Json add_piece(const Piece& piece) {
+    if (piece.bank.mode_count() > 0) {
+      add_bank(piece.bank);
+      return {{"model", models.size() - 1}};
+    }
+    Json json = {{"name", piece.bank.name},
+                 {"positions", add_positions(writer, piece.bank, packed)},
+                 {"massProperties", mass_json(*piece.bank.mass)}};
+    add_node(piece.bank.name, add_triangles(writer, piece.bank, packed, json));
+    return json;
+  }
+};
+
+}  // namespace
+
+std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash, Compression compression) {
+  Document document{.packed = compression == Compression::meshopt};
+  document.add_bank(bank);
+  Json scenes = Json::array({{{"nodes", Json::array({0})}}});
+  Json extras;
+  if (!input_hash.empty()) extras["inputHash"] = input_hash;
+  if (bank.fracture) {
+    extras["fracture"] = fracture_json(*bank.fracture, document.writer,
+                                       [&document](const Piece& piece) { return document.add_piece(piece); });
+    Json pieces = Json::array();
+    for (std::size_t node = 1; node < document.nodes.size(); ++node) pieces.push_back(node);
+    scenes.push_back({{"name", "pieces"}, {"nodes", std::move(pieces)}});
+  }
+  if (!extras.is_null()) document.models.front()["extras"]["ringdown"].update(extras);
+  Json extension = {{"modalModels", std::move(document.models)}};
+  if (!document.materials.empty()) extension["acousticMaterials"] = std::move(document.materials);
+  return std::move(document.writer)
+      .finish({{"asset", {{"version", "2.0"}, {"generator", bank.provenance.generator}}},
+               {"extensionsUsed", Json::array({kExtension})},
+               {"extensions", {{kExtension, std::move(extension)}}},
+               {"scene", 0},
+               {"scenes", std::move(scenes)},
+               {"nodes", std::move(document.nodes)},
+               {"meshes", std::move(document.meshes)}});
 }
 
 std::optional<std::string> read_input_hash(const std::filesystem::path& path) {

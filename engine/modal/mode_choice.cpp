@@ -1,5 +1,7 @@
 #include "engine/modal/mode_choice.h"
 
+#include "engine/modal/fracture/fracture.h"
+
 #include <type_traits>
 #include <utility>
 
@@ -8,7 +10,12 @@ namespace ringdown::modal {
 // Names every member of a bank, so that a new member that is not handled here does not compile.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
   auto& [name, frequencies, decays, losses, heat, radiation, nonlinear, errors, shape_errors, positions, shapes,
-         triangles, material, mass, held, gain, pitch, provenance] = bank;
+         triangles, material, mass, held, gain, pitch, fracture, provenance] = bank;
+  if (fracture) {
+    Fracture broken = *fracture;
+    take_modes(broken, frequencies.size(), order);
+    fracture = std::make_shared<const Fracture>(std::move(broken));
+  }
   const auto take = [&order](auto& list, std::size_t width) {
     if (list.empty()) return;
     std::remove_reference_t<decltype(list)> chosen;

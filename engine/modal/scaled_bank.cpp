@@ -1,8 +1,14 @@
 #include "engine/modal/scaled_bank.h"
 
+#include "engine/modal/fracture/fracture.h"
 #include "engine/modal/hearing/pitch.h"
 #include "engine/modal/mode_choice.h"
 
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace ringdown::modal {
@@ -34,8 +40,45 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
     if (out.material->orthotropy) out.material->orthotropy = stiffer(*out.material->orthotropy, scale.stiffness);
   }
   out.pitch_hz = scaled_pitch(bank.pitch_hz, scale);
+  if (bank.fracture) out.fracture = std::make_shared<const Fracture>(scaled(*bank.fracture, scale));
   if (ringing.size() < bank.mode_count()) take_modes(out, ringing);
   return out;
+}
+
+Result<void> scale_size(Bank& bank, double size, const std::string& name) {
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    if (rescale(bank, m, {.size = size}).frequency_hz > 0) continue;
+    return fail(ErrorKind::bad_input, name + " mode " + std::to_string(m) +
+                                          " is over-damped and has no pitch; bake the object at that size");
+  }
+  bank = scaled(bank, {.size = size});
+  const auto finite = [](const std::vector<float>& numbers) {
+    return std::ranges::all_of(numbers, [](float x) { return std::isfinite(x); });
+  };
+  const auto all_finite = [](const std::vector<Vec3f>& vectors) {
+    return std::ranges::all_of(vectors, [](const Vec3f& v) { return std::isfinite(v[0] + v[1] + v[2]); });
+  };
+  if (!all_finite(bank.positions) || !all_finite(bank.shapes) ||
+      (bank.nonlinear && !(finite(bank.nonlinear->bending) && finite(bank.nonlinear->curving)))) {
+    return fail(ErrorKind::bad_input, name + " its positions, shapes or nonlinear terms overflow");
+  }
+  return {};
+}
+
+void spread_points(Bank& bank, double factor) {
+  const auto moved = [factor](float x) {
+    return static_cast<float>(std::clamp(factor * static_cast<double>(x), -1e30, 1e30));
+  };
+  for (Vec3f& p : bank.positions) p = {moved(p[0]), moved(p[1]), moved(p[2])};
+  if (bank.radiation) bank.radiation->maps.origin_m = factor * bank.radiation->maps.origin_m;
+  if (bank.mass) bank.mass->center_of_mass_m = factor * bank.mass->center_of_mass_m;
+  if (!bank.fracture) return;
+  Fracture fracture = *bank.fracture;
+  for (BreakPattern& pattern : fracture.patterns) {
+    pattern.at_m = factor * pattern.at_m;
+    for (Piece& piece : pattern.pieces) spread_points(piece.bank, factor);
+  }
+  bank.fracture = std::make_shared<const Fracture>(std::move(fracture));
 }
 
 }  // namespace ringdown::modal

@@ -1,0 +1,162 @@
+#include "engine/bake/solve_body.h"
+
+#include "engine/bake/body_nonlinear.h"
+#include "engine/bake/body_shape.h"
+#include "engine/fem/error_estimate.h"
+#include "engine/fem/heat_flow.h"
+#include "engine/solve/eigensolver.h"
+
+#include <utility>
+#include <vector>
+
+namespace ringdown::bake {
+namespace {
+
+using solve::Eigenmodes;
+
+// The band of a rescaled body differs in its last bits. The headroom lets modes from the cache cover it all the same.
+constexpr double kHeadroom = 1 + 1e-9;
+
+// The largest |lambda| of a rigid motion, which is 0 but for rounding: so large is the rounding error of any lambda.
+double rounding_of(const Eigenmodes& modes) {
+  return modes.rigid > 0 ? modes.lambda.head(modes.rigid).cwiseAbs().maxCoeff() : 0.0;
+}
+
+// A mesh whose pieces hold together by faces (check_mesh) has six rigid motions for each, and no others; `free` of them
+// are left by what holds the body.
+Result<void> check_rigid(const Eigenmodes& modes, int free, double highest_lambda) {
+  constexpr double kMinContrast = 10;
+  const bool vibrates = modes.lambda.size() > modes.rigid;
+  const double lowest = vibrates ? modes.lambda[modes.rigid] : highest_lambda;
+  if (modes.rigid == free && lowest > kMinContrast * rounding_of(modes)) return {};
+  return fail(ErrorKind::bad_input,
+              "its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
+              "distorted: mesh the object again");
+}
+
+BodyModes on_surface(const Eigenmodes& modes, const Eigen::MatrixXd& shapes, const mesh::Boundary& surface) {
+  const Eigen::Index elastic = modes.lambda.size() - modes.rigid;
+  BodyModes body{.lambda = modes.lambda.tail(elastic),
+                 .shapes = Eigen::MatrixXd(3 * static_cast<Eigen::Index>(surface.nodes.size()), elastic),
+                 .residuals = modes.residuals.tail(elastic),
+                 .rigid = modes.rigid};
+  for (Eigen::Index m = 0; m < elastic; ++m) {
+    for (std::size_t p = 0; p < surface.nodes.size(); ++p) {
+      body.shapes.col(m).segment<3>(3 * static_cast<Eigen::Index>(p)) =
+          shapes.col(modes.rigid + m).segment<3>(3 * surface.nodes[p]);
+    }
+  }
+  return body;
+}
+
+// True if some material says how it warms. In linear elements the pressure does not follow a bent wall, so they have no
+// heat.
+bool heat_counts(const Task& task) { return task.makeup.heat.reference && fem::order_of(task.options.element) > 1; }
+
+Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, BakeReport& report,
+                             const Progress& progress) {
+  Stopwatch watch;
+  const fem::Holding& holding = task.makeup.holding;
+  Result<fem::System> system = fem::assemble(task.unit_mesh, task.makeup.solid, task.options.element);
+  if (!system) return fail(system.error().kind, task.material.name + ": " + system.error().message);
+  fem::add_layers(task.unit_mesh, holding, *system);
+  const std::vector<std::int32_t> clamped = fem::nodes_on(task.unit_mesh, holding.clamped);
+  fem::System left;
+  if (!clamped.empty()) fem::remove_nodes(clamped, *system, left);
+  const fem::System& moving = clamped.empty() ? *system : left;
+  if (moving.unknowns() == 0)
+    return fail(ErrorKind::bad_input, "its supports clamp all of it: nothing is left to move");
+  report.assemble_seconds = watch.lap();
+
+  const double highest_lambda = request.highest_lambda * task.units.lambda();
+  const modal::Material guess = task.options.makeup.grain ? isotropic_stand_in(task.material) : task.material;
+  if (auto few = check_count(measure_shape(task.mesh).volume_m3, guess, highest_lambda, task.options.band_high_hz,
+                             task.options.max_modes);
+      !few)
+    return fail(few.error());
+  const Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
+  if (!modes) return fail(modes.error());
+  report.agreement = modes->agreement;
+  report.factor_seconds = modes->factor_seconds;
+  report.iterate_seconds = modes->iterate_seconds;
+  if (auto rigid = check_rigid(*modes, task.makeup.free_motions, request.highest_lambda); !rigid)
+    return fail(rigid.error());
+
+  const Eigen::MatrixXd expanded = clamped.empty() ? Eigen::MatrixXd() : fem::with_nodes(modes->shapes, clamped);
+  const Eigen::MatrixXd& shapes = clamped.empty() ? modes->shapes : expanded;
+  BodyModes body = on_surface(*modes, shapes, task.surface);
+  const auto elastic = shapes.rightCols(body.lambda.size());
+  body.shares = task.makeup.shares(task.unit_mesh, elastic);
+  watch.lap();
+  if (progress && !progress("errors", 0)) return fail_cancelled();
+  Result<Eigen::VectorXd> errors =
+      fem::frequency_errors(task.unit_mesh, task.makeup.solid, body.lambda, elastic, 0, holding);
+  if (!errors) return fail(errors.error());
+  body.errors = *errors + rounding_of(*modes) * body.lambda.cwiseInverse();
+  report.estimate_seconds = watch.lap();
+  if (heat_counts(task) && body.lambda.size() > 0) {
+    const double wall = measure_shape(task.mesh).thickness_m / task.units.length_m;
+    auto pairs =
+        fem::heat_relaxations({task.unit_mesh, task.makeup.solid, task.makeup.heat.parts, task.makeup.part_of, wall},
+                              elastic, body.lambda, progress);
+    if (!pairs) return fail(pairs.error());
+    body.heat = std::move(*pairs);
+  }
+  report.heat_seconds = watch.lap();
+  body.complete_to = request.highest_lambda;
+  body.verified = request.verify;
+  body.unknowns = moving.unknowns();
+  body.mass = mass_properties(task.unit_mesh, system->node_mass);
+  if (task.options.interior) body.interior = {elastic, system->node_mass};
+  if (task.options.nonlinear > 0 && body.lambda.size() > 0) {
+    watch.lap();
+    const int count = std::min(task.options.nonlinear, static_cast<int>(body.lambda.size()));
+    const fem::Elastic& law = task.makeup.solid.laws().front().elastic;  // of a plain body the only one
+    Result<NonlinearModes> nonlinear =
+        find_nonlinear(task.unit_mesh, law, *system, modes->lambda, modes->shapes, modes->rigid, count, progress);
+    if (!nonlinear) return fail(nonlinear.error());
+    body.nonlinear = std::move(*nonlinear);
+    report.nonlinear_seconds = watch.lap();
+  }
+  return body;
+}
+
+}  // namespace
+
+// The modes of the body up to `top`: from the cache, or solved and put there.
+Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& report, const Progress& progress) {
+  solve::EigenRequest request{.highest_lambda = kHeadroom * top,
+                              .max_modes = task.options.max_modes,
+                              .method = task.options.solver,
+                              .rigid = task.makeup.free_motions,
+                              .processes = task.options.processes,
+                              .verify = task.options.verify,
+                              .unit_hz = std::sqrt(task.units.lambda())};
+  const auto in_band = [top](BodyModes modes) { return up_to(std::move(modes), top); };
+  if (task.options.cache.empty()) return solve_body(task, request, report, progress).map(in_band);
+
+  const ModeCache cache{ContentCache(task.options.cache)};
+  const BodyQuestion question{task.unit_mesh,       task.surface.nodes.size(),
+                              task.options.element, task.material.poisson_ratio,
+                              request.tolerance,    task.makeup.key};
+  auto kept = task.options.interior ? std::nullopt : cache.find(question, top, request.max_modes);
+  const NonlinearCache terms{ContentCache(task.options.cache)};
+  if (kept && task.options.nonlinear > 0) kept->nonlinear = terms.find(*kept, task.options.nonlinear);
+  if (kept && kept->errors.size() == kept->lambda.size() && (kept->verified || !request.verify) &&
+      (kept->nonlinear || task.options.nonlinear == 0) &&
+      (kept->heat.size() > 0 || kept->lambda.size() == 0 || !heat_counts(task))) {
+    report.from_cache = true;
+    return std::move(*kept);
+  }
+  request.expected_lambda = cache.expected(question, task.options.family);
+  Result<BodyModes> modes = solve_body(task, request, report, progress);
+  if (!modes) return modes;
+  const Result<void> stored = cache.store(question, *modes);
+  if (!stored) report.cache_trouble = stored.error().message;
+  if (stored) (void)cache.expect(question, task.options.family, modes->lambda);
+  BodyModes body = in_band(std::move(*modes));
+  if (body.nonlinear && body.nonlinear->modes() <= body.lambda.size()) (void)terms.store(body, *body.nonlinear);
+  return body;
+}
+
+}  // namespace ringdown::bake

@@ -1,0 +1,32 @@
+// Reads and writes the pieces of a body in its bank's file (docs/reference/bank-format.md). Private to bank_file.cpp.
+// [worker]
+//
+// The file's first model and first scene are the whole body, so that a reader without fracture plays it as any bank.
+// Pieces that ring are further models; all pieces have nodes in a second scene. extras.ringdown.fracture of the first
+// model holds the rest.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/gltf/glb.h"
+#include "engine/modal/fracture/fracture.h"
+
+#include <functional>
+
+namespace ringdown::modal {
+
+// Reads a model without its own fracture, or the mass and the mesh of a piece without modes.
+struct PieceReaders {
+  std::function<Result<Bank>(std::size_t model)> model;
+  std::function<Result<Bank>(const JsonPlace& piece)> silent;
+};
+
+// Reads the field `fracture` of a bank with `modes` modes. Fails with a sentence when a count, an index or a number is
+// out of range, or when an entry of a handover is above 1, which no body's is.
+Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, std::size_t modes,
+                               const PieceReaders& readers);
+
+// Returns the JSON of the field and adds its arrays to the document. `describe` adds a piece to the document and returns
+// the JSON that names it there.
+Json fracture_json(const Fracture& fracture, GlbWriter& writer, const std::function<Json(const Piece&)>& describe);
+
+}  // namespace ringdown::modal
