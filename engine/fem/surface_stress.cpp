@@ -114,8 +114,7 @@ SurfaceStress surface_stress(const mesh::TetMesh& mesh, const Solid& solid,
                       .second = mesh::Points(count, 3),
                       .components = Eigen::MatrixXd(3 * count, modes),
                       .largest = Eigen::VectorXd::Zero(modes)};
-  Eigen::MatrixXd values(3 * nodes, modes), to_stress(3 * kPointsPerFace, 3 * nodes),
-      stress(3 * kPointsPerFace, modes);
+  Eigen::MatrixXd values(3 * nodes, modes), to_stress(3 * kPointsPerFace, 3 * nodes), stress(3 * kPointsPerFace, modes);
   for (Eigen::Index f = 0; f < candidates.nodes.rows(); ++f) {
     const mesh::FaceFunctions& on_face = functions[candidates.opposite[f]];
     const Law& law = solid.at(candidates.elements[f]);

@@ -59,8 +59,9 @@ TEST_P(SurfaceStressOf, RigidMotionHasNone) {
 TEST_P(SurfaceStressOf, PureStretchIsYoungsModulusTimesStrain) {
   const mesh::TetMesh box = mesh::to_order(test::box_mesh({3, 2, 2}, kBoxSize), GetParam());
   const double e = 1e-3, nu = kGlass.poisson_ratio;
-  const SurfaceStress stress = surface_stress(
-      box, kGlass, sampled(box, [&](const auto& x) { return Eigen::Vector3d(e * x[0], -nu * e * x[1], -nu * e * x[2]); }));
+  const SurfaceStress stress = surface_stress(box, kGlass, sampled(box, [&](const auto& x) {
+                                                return Eigen::Vector3d(e * x[0], -nu * e * x[1], -nu * e * x[2]);
+                                              }));
   const Eigen::Matrix3d truth = Eigen::Vector3d(72e6, 0, 0).asDiagonal();
   int seen = 0;
   for (Eigen::Index p = 0; p < stress.positions.rows(); ++p) {
@@ -102,9 +103,10 @@ TEST(SurfaceStress, ABentBarHasTheStressOfItsCurvature) {
   for (int order = 2; order <= mesh::kMaxOrder; ++order) {
     const mesh::TetMesh bar = mesh::to_order(test::box_mesh({8, 2, 1}, {length, width, height}), order);
     const SurfaceStress stress = surface_stress(bar, kGlass, sampled(bar, [&](const Eigen::Vector3d& at) {
-      const double x = at[0], y = at[1] - width / 2, z = at[2] - height / 2;
-      return Eigen::Vector3d(kappa * x * z, -nu * kappa * y * z, -kappa * (x * x + nu * (z * z - y * y)) / 2);
-    }));
+                                                  const double x = at[0], y = at[1] - width / 2, z = at[2] - height / 2;
+                                                  return Eigen::Vector3d(kappa * x * z, -nu * kappa * y * z,
+                                                                         -kappa * (x * x + nu * (z * z - y * y)) / 2);
+                                                }));
     const double truth = kGlass.youngs_modulus_pa * kappa * height / 2;
     EXPECT_NEAR(stress.largest[0], truth, 1e-9 * truth);
     for (Eigen::Index p = 0; p < stress.positions.rows(); ++p) {
@@ -119,10 +121,11 @@ TEST(SurfaceStress, ABentBarHasTheStressOfItsCurvature) {
 TEST(SurfaceStress, APlateBentToASphereHasItsStress) {
   const double side = 0.2, height = 0.004, kappa = 0.2, nu = kGlass.poisson_ratio;
   const mesh::TetMesh plate = mesh::to_order(test::box_mesh({6, 6, 1}, {side, side, height}), 2);
-  const SurfaceStress stress = surface_stress(plate, kGlass, sampled(plate, [&](const Eigen::Vector3d& at) {
-    const double x = at[0] - side / 2, y = at[1] - side / 2, z = at[2] - height / 2;
-    return Eigen::Vector3d(kappa * x * z, kappa * y * z, -kappa * ((x * x + y * y) / 2 + nu / (1 - nu) * z * z));
-  }));
+  const SurfaceStress stress = surface_stress(
+      plate, kGlass, sampled(plate, [&](const Eigen::Vector3d& at) {
+        const double x = at[0] - side / 2, y = at[1] - side / 2, z = at[2] - height / 2;
+        return Eigen::Vector3d(kappa * x * z, kappa * y * z, -kappa * ((x * x + y * y) / 2 + nu / (1 - nu) * z * z));
+      }));
   const double truth = kGlass.youngs_modulus_pa * kappa * height / 2 / (1 - nu);
   for (Eigen::Index p = 0; p < stress.positions.rows(); ++p) {
     if (std::abs(stress.normals(p, 2)) < 0.5) continue;
@@ -179,9 +182,8 @@ TEST(SurfaceStress, EachPartHasItsOwnLaw) {
     law_of.push_back(centre[0] > 0.034 ? 1 : 0);
   }
   const Elastic soft{7.2e9, 0.23, 2530};
-  const SurfaceStress stress =
-      surface_stress(box, Solid({Law{kGlass}, Law{soft}}, law_of),
-                     sampled(box, [](const auto& x) { return Eigen::Vector3d(x[0], 0, 0); }));
+  const SurfaceStress stress = surface_stress(box, Solid({Law{kGlass}, Law{soft}}, law_of),
+                                              sampled(box, [](const auto& x) { return Eigen::Vector3d(x[0], 0, 0); }));
   for (Eigen::Index p = 0; p < stress.positions.rows(); ++p) {
     if (std::abs(stress.normals(p, 0)) > 0.5) continue;
     const double youngs = stress.positions(p, 0) < 0.1 / 3 ? 72e9 : 7.2e9;
@@ -203,7 +205,8 @@ TEST(SurfaceStress, PointsAreOnTheSkinAndWellSpread) {
     const Eigen::Vector3d first = stress.first.row(p), second = stress.second.row(p), normal = stress.normals.row(p);
     EXPECT_LT((first.cross(second) - normal).norm(), 1e-12);
     EXPECT_NEAR(first.norm(), 1, 1e-12);
-    for (Eigen::Index o = 0; o < p; ++o) closest = std::min(closest, (stress.positions.row(p) - stress.positions.row(o)).norm());
+    for (Eigen::Index o = 0; o < p; ++o)
+      closest = std::min(closest, (stress.positions.row(p) - stress.positions.row(o)).norm());
   }
   EXPECT_GT(closest, 0.5 * apart);
   // No place on the skin is far from all of them.
@@ -221,7 +224,8 @@ TEST(SurfaceStress, TheLargestIsThatOfAllPointsAndBothPhases) {
   std::normal_distribution<double> number;
   Eigen::MatrixXd shapes(3 * mesh.nodes.rows(), 3);
   for (double& x : shapes.reshaped()) x = number(random);
-  const SurfaceStress few = surface_stress(mesh, kGlass, shapes, 5), all = surface_stress(mesh, kGlass, shapes, 1000000);
+  const SurfaceStress few = surface_stress(mesh, kGlass, shapes, 5),
+                      all = surface_stress(mesh, kGlass, shapes, 1000000);
   EXPECT_EQ(few.largest, all.largest);
   for (Eigen::Index m = 0; m < 3; ++m) {
     double truth = 0;

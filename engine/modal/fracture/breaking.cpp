@@ -187,8 +187,8 @@ Broken BasicBreaking<Real>::operator()(const ModalState& body, double crack_ener
     const auto& [real, imaginary] = part.turns.empty() ? at_once : late;
     for (std::size_t k = 0; k < part.modes.size(); ++k) {
       const double re = static_cast<double>(inner_product(&part.real[k * width_], real.data(), width_));
-      const double im = static_cast<double>(
-          inner_product(&part.imaginary[(kRigidMotions + k) * width_], imaginary.data(), width_));
+      const double im =
+          static_cast<double>(inner_product(&part.imaginary[(kRigidMotions + k) * width_], imaginary.data(), width_));
       broken.ringing_j += (re * re + im * im) / 2;
       piece.amplitudes.push_back(
           part.modes[k].frequency_hz <= 0
@@ -198,8 +198,7 @@ Broken BasicBreaking<Real>::operator()(const ModalState& body, double crack_ener
   }
   remove_momentum(broken.pieces);
   for (std::size_t s = 0; s < parts_.size(); ++s) {
-    broken.flight_j +=
-        rigid_energy_j(parts_[s].mass, broken.pieces[s].velocity_m_s, broken.pieces[s].spin_rad_s);
+    broken.flight_j += rigid_energy_j(parts_[s].mass, broken.pieces[s].velocity_m_s, broken.pieces[s].spin_rad_s);
   }
   broken.crack_j = std::min(crack_energy_j, broken.before_j);
   const double after_j = broken.flight_j + broken.ringing_j;

@@ -22,10 +22,14 @@
 // with undamped angular frequencies w, and a rigid motion has the velocity sum_j P_kj q'_j G(w_j). At T = 0 both are
 // the projection itself. A piece without modes only flies.
 //
+// Rigid velocities are taken at the break for all pieces, also for those that the crack reaches later, because only
+// then do they keep the momentum.
+//
 // Energy. The body's rigid motion goes on in the pieces exactly. All else is the *rest*, which has no linear and no
 // angular momentum; it pays for the crack and is multiplied by (1 - crack energy / energy of the rest)^1/2. The rest's
-// energy never grows: modes left out take energy away. Cracks that open late or slowly, under a state that has moved
-// on since the break, could break this rule; then the rest is scaled down to the energy that there was.
+// energy never grows: modes left out take energy away. A piece that the crack reaches late takes over a state that has
+// moved on since the rigid velocities were taken, which could make energy; then the rest is scaled down to the energy
+// that there was.
 #pragma once
 
 #include "engine/modal/fracture/modal_state.h"
@@ -58,7 +62,8 @@ struct BasicPiece {
 };
 using Piece = BasicPiece<float>;
 
-// The motion of one piece after the break, and its amplitudes z_k [kg^1/2 m] at that time; a delay is included in them.
+// The motion of one piece after the break. Its amplitudes z_k [kg^1/2 m] are those at `delay_s` after the break, when
+// the piece begins to ring.
 struct PieceMotion {
   Vec3 velocity_m_s;  // of the piece's centre of mass, along the body's axes
   Vec3 spin_rad_s;    // along the body's axes
@@ -71,7 +76,7 @@ struct Broken {
   double crack_j = 0;    // paid for the crack: what was asked for, at most before_j
   double flight_j = 0;   // energy of the pieces' rigid motion beyond that of the body's own
   double ringing_j = 0;  // energy of the pieces' modes
-  double limit = 1;      // factor on energies, below 1 where a delay or crack time would have made energy
+  double limit = 1;      // factor on energies, below 1 where a delay would have made energy
 };
 
 // Holds all that a break needs, so that the break itself is a few products of matrices and vectors.
@@ -80,14 +85,15 @@ class BasicBreaking {
  public:
   // `modes` and `mass` are those of the body. The masses of the pieces have to sum to the body's, and their moments of
   // inertia, too, or the body's rigid momentum is not kept. Every piece needs a mass and three moments above 0, and a
-  // handover of its size; these are asserted. Cost: 20 ns for each number of a handover; memory: twice the handovers.
+  // handover of its size; these are asserted. Cost: 30 ns for each number of a handover; memory: twice the handovers.
   // [worker]
-  BasicBreaking(std::span<const DampedMode> modes, const MassProperties& mass,
-                std::span<const BasicPiece<Real>> pieces, double crack_time_s);
+  BasicBreaking(std::span<const DampedMode> modes, const MassProperties& mass, std::span<const BasicPiece<Real>> pieces,
+                double crack_time_s);
 
   // Breaks the body in this state; the present of the state is the middle of the crack's opening. A crack energy above
   // the energy of the modes leaves pieces that only share the body's rigid motion. Linear and angular momentum are kept
-  // to rounding, whatever the handovers: the momentum of their rounding is taken out.
+  // to rounding, whatever the handovers: the momentum of their rounding is taken out. Cost: 0.12 ms for 60 pieces of 40
+  // modes and a body of 100; 0.04 ms for 60 pieces of 4. Allocates the result. [any]
   [[nodiscard]] Broken operator()(const ModalState& body, double crack_energy_j) const;
 
   [[nodiscard]] double crack_time_s() const { return crack_time_s_; }

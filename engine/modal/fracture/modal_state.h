@@ -7,8 +7,8 @@
 //   q_j(t) = Re(a_j exp((i omega_j - d_j) t))  [kg^1/2 m]
 //
 // The state holds a_j for the present, t = 0. An impulse that gives mode j the velocity b_j = phi_j . J adds
-// -i b_j / omega_j, so i omega_j a_j is an amplitude in the sense of a strike (StrikeMap::excite()). A mode of frequency
-// 0 is over-damped and never moves.
+// -i b_j / omega_j, so i omega_j a_j is an amplitude in the sense of a strike (StrikeMap::excite()). A mode of
+// frequency 0 is over-damped and never moves.
 //
 //   ModalState state = at_rest(modes, mass);
 //   advance(state, seconds_since_last_blow);

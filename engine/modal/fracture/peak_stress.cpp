@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-// Instants are taken eight at a time: the coordinates of all modes at eight instants are a table of M x 8 numbers, whose
-// product with the three rows of a point gives the point's stress at these instants. Principal stress in a plane:
+// Instants are taken eight at a time: the coordinates of all modes at eight instants are a table of M x 8 numbers,
+// whose product with the three rows of a point gives the point's stress at these instants. Principal stress in a plane:
 // (s11 + s22) / 2 + ((s11 - s22)^2 / 4 + s12^2)^1/2.
 namespace ringdown::modal {
 namespace {
@@ -70,8 +70,7 @@ double stress_bound_pa(const StressTable& table, const ModalState& state, const 
     const double omega = hz_to_rad_per_s(state.modes[j].frequency_hz);
     if (blow != nullptr && omega > 0) {
       const double angle = omega * blow->contact_time_s;
-      amplitude += std::abs(blow->modal_impulse[j]) / omega *
-                   (angle > std::numbers::pi ? std::numbers::pi / angle : 1);
+      amplitude += std::abs(blow->modal_impulse[j]) / omega * (angle > std::numbers::pi ? std::numbers::pi / angle : 1);
     }
     bound += amplitude * static_cast<double>(table.largest[j]);
   }

@@ -35,10 +35,10 @@ double stress_factor(const MaterialScale& scale);
 double stress_bound_pa(const StressTable& table, const ModalState& state, const Blow* blow);
 
 struct StressSearch {
-  int instants_during = 12;   // in the blow's contact time, evenly, up to its end; unused without a blow
-  int instants_after = 48;    // after the blow, or from the present on; the first is its beginning
-  double after_s = 3e-3;      // length of the time searched after the blow
-  Vec3 spared_m;              // points within `spared_radius_m` of this place are left out
+  int instants_during = 12;  // in the blow's contact time, evenly, up to its end; unused without a blow
+  int instants_after = 48;   // after the blow, or from the present on; the first is its beginning
+  double after_s = 3e-3;     // length of the time searched after the blow
+  Vec3 spared_m;             // points within `spared_radius_m` of this place are left out
   double spared_radius_m = 0;
 };
 

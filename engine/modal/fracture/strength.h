@@ -16,8 +16,8 @@ namespace ringdown::modal {
 inline constexpr double kReferenceArea_m2 = 1e-3;
 
 struct Strength {
-  double strength_pa = 0;                       // sigma_0 > 0: 63 % of all specimens break below
-  double weibull_modulus = 1;                   // m >= 1; glass 5 to 7, porcelain 10 to 15
+  double strength_pa = 0;                        // sigma_0 > 0: 63 % of all specimens break below
+  double weibull_modulus = 1;                    // m >= 1; glass 5 to 7, porcelain 10 to 15
   double reference_area_m2 = kReferenceArea_m2;  // A_0 > 0
 };
 

@@ -20,7 +20,8 @@ constexpr std::size_t kAll = 1000;
 
 ModalState random_state(const Truss& whole, std::size_t modes, std::mt19937& random) {
   std::normal_distribution<double> number;
-  ModalState state = at_rest({whole.modes.begin(), whole.modes.begin() + static_cast<std::ptrdiff_t>(modes)}, whole.mass);
+  ModalState state =
+      at_rest({whole.modes.begin(), whole.modes.begin() + static_cast<std::ptrdiff_t>(modes)}, whole.mass);
   for (std::size_t j = 0; j < modes; ++j) {
     const double size = std::exp(2 * number(random)) / std::sqrt(undamped_lambda(state.modes[j]));
     state.amplitudes[j] = size * std::complex<double>(number(random), number(random));
@@ -52,7 +53,7 @@ Motion motion_of_points(const Truss& truss, const std::vector<DampedMode>& modes
 struct Balance {
   double kinetic = 0, strain = 0;
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();  // about the frame's origin
-  double momentum_size = 0, angular_size = 0;  // sums of magnitudes
+  double momentum_size = 0, angular_size = 0;                                             // sums of magnitudes
 };
 void add(Balance& balance, const Truss& truss, const Motion& motion) {
   const Eigen::VectorXd masses = test::unknown_masses(truss);
@@ -70,8 +71,7 @@ void add(Balance& balance, const Truss& truss, const Motion& motion) {
 
 Balance balance_of(const Truss& whole, const ModalState& state) {
   Balance balance;
-  add(balance, whole,
-      motion_of_points(whole, state.modes, state.amplitudes, state.velocity_m_s, state.spin_rad_s));
+  add(balance, whole, motion_of_points(whole, state.modes, state.amplitudes, state.velocity_m_s, state.spin_rad_s));
   return balance;
 }
 
@@ -112,8 +112,8 @@ TEST(Breaking, WithAllModesEveryPointGoesOnAsItMoved) {
           motion_of_points(body.whole, state.modes, state.amplitudes, state.velocity_m_s, state.spin_rad_s);
       for (std::size_t s = 0; s < pieces.size(); ++s) {
         const PieceMotion& piece = broken.pieces[s];
-        const Motion after = motion_of_points(body.pieces[s], pieces[s].modes, piece.amplitudes, piece.velocity_m_s,
-                                              piece.spin_rad_s);
+        const Motion after =
+            motion_of_points(body.pieces[s], pieces[s].modes, piece.amplitudes, piece.velocity_m_s, piece.spin_rad_s);
         for (std::size_t i = 0; i < body.pieces[s].points.size(); ++i) {
           const Eigen::Index here = 3 * static_cast<Eigen::Index>(i), there = 3 * body.pieces[s].points[i];
           EXPECT_LT((after.velocity.segment<3>(here) - before.velocity.segment<3>(there)).norm(),
@@ -189,7 +189,8 @@ TEST(Breaking, EnergyNeverRises) {
   double largest_instant = 0;
   for (unsigned seed = 1; seed <= 50; ++seed) {
     const JointedTruss body = test::jointed_truss(seed, seed % 2 ? 0 : 0.01);
-    const auto modes = static_cast<std::size_t>(1 + share(random) * 38.99), own = static_cast<std::size_t>(share(random) * 15.99);
+    const auto modes = static_cast<std::size_t>(1 + share(random) * 38.99),
+               own = static_cast<std::size_t>(share(random) * 15.99);
     auto pieces = test::pieces_of<float>(body, own, modes);
     const bool instant = seed % 3 == 0, delayed = seed % 3 == 1;
     if (delayed) {

@@ -38,8 +38,8 @@ double traction_left(double t, double crack_time_s) {
 struct CrackCase {
   double body_hz, piece_hz, crack_time_s;
 };
-const std::vector<CrackCase> kCracks = {{700, 9000, 5e-5},   {700, 9000, 1e-4},    {8700, 9000, 1e-4},
-                                        {12000, 3000, 1e-4}, {300, 15000, 1e-4},   {2999.999, 3000, 2e-4},
+const std::vector<CrackCase> kCracks = {{700, 9000, 5e-5},    {700, 9000, 1e-4},    {8700, 9000, 1e-4},
+                                        {12000, 3000, 1e-4},  {300, 15000, 1e-4},   {2999.999, 3000, 2e-4},
                                         {3000, 3000.5, 5e-5}, {19000, 19500, 3e-4}, {1000, 6000, 2e-4}};
 
 // r'' + w_k^2 r = T_kj q_j(t) g(t) from r = P q_j, with T_kj = (w_k^2 - w_j^2) P. The piece is followed as the
@@ -48,10 +48,10 @@ Complex integrated(const CrackCase& crack, double p, Complex a) {
   const double wj = 2 * std::numbers::pi * crack.body_hz, wk = 2 * std::numbers::pi * crack.piece_hz;
   const double half = crack.crack_time_s / 2, traction = (wk * wk - wj * wj) * p;
   const auto q = [&](double t) { return (a * std::polar(1.0, wj * t)).real(); };
-  const auto end = test::runge_kutta(
-      std::array<double, 2>{0, 0}, -half, half, 20000, [&](double t, const std::array<double, 2>& y) {
-        return std::array<double, 2>{
-            y[1], -wk * wk * y[0] - (1 - traction_left(t, crack.crack_time_s)) * traction * q(t)};
+  const auto end =
+      test::runge_kutta(std::array<double, 2>{0, 0}, -half, half, 20000, [&](double t, const std::array<double, 2>& y) {
+        return std::array<double, 2>{y[1],
+                                     -wk * wk * y[0] - (1 - traction_left(t, crack.crack_time_s)) * traction * q(t)};
       });
   const Complex at_end = a * std::polar(1.0, wj * half);
   const double r = end[0] + p * at_end.real(), v = end[1] + p * (Complex(0, wj) * at_end).real();
@@ -104,7 +104,8 @@ TEST(SlowCracks, PiecesFlyAsTheirFallingTractionLetsThem) {
 
 TEST(SlowCracks, ALatePieceTakesOverALaterState) {
   const std::vector<DampedMode> modes = {{900, 40}};
-  const std::vector<BasicPiece<double>> late = {one_mode_piece(4000, 0.05, 3e-4)}, prompt = {one_mode_piece(4000, 0.05)};
+  const std::vector<BasicPiece<double>> late = {one_mode_piece(4000, 0.05, 3e-4)},
+                                        prompt = {one_mode_piece(4000, 0.05)};
   ModalState body = at_rest(modes, unit_mass(0));
   body.amplitudes[0] = {0.3, -0.1};
   const Broken found = BasicBreaking<double>(modes, unit_mass(0), late, 5e-5)(body, 0);

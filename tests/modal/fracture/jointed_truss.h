@@ -20,12 +20,12 @@ namespace ringdown::test {
 
 // Points with masses and springs, and all of its motions.
 struct Truss {
-  std::vector<int> points;           // numbers in the whole body
-  Eigen::MatrixXd places;            // n x 3 [m]
-  Eigen::VectorXd masses;            // n [kg]
-  Eigen::MatrixXd stiffness;         // 3n x 3n [N/m]
+  std::vector<int> points;    // numbers in the whole body
+  Eigen::MatrixXd places;     // n x 3 [m]
+  Eigen::VectorXd masses;     // n [kg]
+  Eigen::MatrixXd stiffness;  // 3n x 3n [N/m]
   modal::MassProperties mass;
-  Eigen::MatrixXd motions;           // 3n x 3n: six rigid ones and all elastic ones, mass-normalised
+  Eigen::MatrixXd motions;               // 3n x 3n: six rigid ones and all elastic ones, mass-normalised
   std::vector<modal::DampedMode> modes;  // 3n - 6
 };
 
@@ -68,8 +68,7 @@ inline void solve(Truss& truss, double damping) {
   }
   for (Eigen::Index k = 6; k < 3 * n; ++k) {
     const double omega = std::sqrt(spectrum.values[k]);
-    truss.modes.push_back(
-        {omega * std::sqrt(1 - damping * damping) / (2 * std::numbers::pi), damping * omega});
+    truss.modes.push_back({omega * std::sqrt(1 - damping * damping) / (2 * std::numbers::pi), damping * omega});
   }
 }
 

@@ -27,10 +27,11 @@ ModeMotion integrated(const DampedMode& mode, ModeMotion start, double from_s, d
     if (t < 0 || t > kContact_s) return 0.0;
     return kImpulse * std::numbers::pi / (2 * kContact_s) * std::sin(std::numbers::pi * t / kContact_s);
   };
-  const auto [q, v] = test::runge_kutta(
-      std::array<double, 2>{start.coordinate, start.velocity}, from_s, to_s, 20000, [&](double t, const std::array<double, 2>& x) {
-        return std::array<double, 2>{x[1], force(t) - 2 * mode.decay_per_s * x[1] - lambda * x[0]};
-      });
+  const auto [q, v] =
+      test::runge_kutta(std::array<double, 2>{start.coordinate, start.velocity}, from_s, to_s, 20000,
+                        [&](double t, const std::array<double, 2>& x) {
+                          return std::array<double, 2>{x[1], force(t) - 2 * mode.decay_per_s * x[1] - lambda * x[0]};
+                        });
   return {q, v};
 }
 

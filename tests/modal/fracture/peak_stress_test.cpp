@@ -26,7 +26,9 @@ Struck struck_body(std::size_t modes, std::size_t points, double contact_time_s,
   std::mt19937 random(seed);
   std::normal_distribution<double> number;
   std::vector<DampedMode> all;
-  for (std::size_t j = 0; j < modes; ++j) all.push_back({150.0 * std::pow(1.4, static_cast<double>(j % 14)) + static_cast<double>(j), 5.0 + static_cast<double>(j)});
+  for (std::size_t j = 0; j < modes; ++j)
+    all.push_back(
+        {150.0 * std::pow(1.4, static_cast<double>(j % 14)) + static_cast<double>(j), 5.0 + static_cast<double>(j)});
   Struck struck{.state = at_rest(all, {.mass_kg = 1, .inertia_kg_m2 = {1, 1, 1}})};
   for (std::size_t j = 0; j < modes; ++j) {
     const double omega = hz_to_rad_per_s(all[j].frequency_hz);
@@ -40,7 +42,8 @@ Struck struck_body(std::size_t modes, std::size_t points, double contact_time_s,
     for (std::size_t j = 0; j < modes; ++j) {
       for (std::size_t c = 0; c < 3; ++c)
         rows[c * modes + j] = static_cast<float>(1e9 * number(random) * all[j].frequency_hz);
-      const double a = static_cast<double>(rows[j]), b = static_cast<double>(rows[modes + j]), c = static_cast<double>(rows[2 * modes + j]);
+      const double a = static_cast<double>(rows[j]), b = static_cast<double>(rows[modes + j]),
+                   c = static_cast<double>(rows[2 * modes + j]);
       const double size = std::abs(a + b) / 2 + std::sqrt((a - b) * (a - b) / 4 + c * c);
       struck.table.largest[j] = std::max(struck.table.largest[j], static_cast<float>(size));
     }
@@ -58,7 +61,9 @@ std::vector<double> coordinates_at(const Struck& struck, bool blown, double time
     const double lambda = undamped_lambda(mode), tau = struck.blow.contact_time_s;
     const ModeMotion start = motion_of(mode, struck.state.amplitudes[j]);
     const auto slope = [&](double t, const std::array<double, 2>& x) {
-      const double force = blown && t < tau ? struck.impulse[j] * std::numbers::pi / (2 * tau) * std::sin(std::numbers::pi * t / tau) : 0;
+      const double force = blown && t < tau
+                               ? struck.impulse[j] * std::numbers::pi / (2 * tau) * std::sin(std::numbers::pi * t / tau)
+                               : 0;
       return std::array<double, 2>{x[1], force - 2 * mode.decay_per_s * x[1] - lambda * x[0]};
     };
     std::array<double, 2> x = {start.coordinate, start.velocity};
@@ -84,7 +89,8 @@ TEST(PeakStresses, TheSearchFindsWhatBruteForceFinds) {
     Struck struck = struck_body(12, 15, blown ? 2e-4 : 0, 1);
     struck.blow.modal_impulse = struck.impulse;
     const Blow* blow = blown ? &struck.blow : nullptr;
-    const StressSearch search{.instants_during = 5, .instants_after = 14, .after_s = 2e-3, .spared_m = {0.3, 0.1, 0}, .spared_radius_m = 0.6};
+    const StressSearch search{
+        .instants_during = 5, .instants_after = 14, .after_s = 2e-3, .spared_m = {0.3, 0.1, 0}, .spared_radius_m = 0.6};
     std::vector<double> times;
     for (int i = 1; blown && i < 5; ++i) times.push_back(2e-4 * i / 5);
     for (int i = 0; i < 14; ++i) times.push_back(struck.blow.contact_time_s + 2e-3 * i / 13);
@@ -100,7 +106,8 @@ TEST(PeakStresses, TheSearchFindsWhatBruteForceFinds) {
         }
         std::array<double, 3> s{};
         for (std::size_t c = 0; c < 3; ++c) {
-          for (std::size_t j = 0; j < 12; ++j) s[c] += static_cast<double>(struck.table.stress[(3 * p + c) * 12 + j]) * q[j];
+          for (std::size_t j = 0; j < 12; ++j)
+            s[c] += static_cast<double>(struck.table.stress[(3 * p + c) * 12 + j]) * q[j];
         }
         const double principal = tension(s[0], s[1], s[2]);
         if (principal > truth) truth = principal, at = time, where = p;
@@ -123,7 +130,8 @@ TEST(PeakStresses, TheBoundIsNeverBelowTheSearch) {
       for (auto& a : struck.state.amplitudes) a = 0;
     }
     const double bound = stress_bound_pa(struck.table, struck.state, &struck.blow);
-    const double found = peak_stress(struck.table, struck.state, &struck.blow, {.instants_during = 60, .instants_after = 60}).stress_pa;
+    const double found =
+        peak_stress(struck.table, struck.state, &struck.blow, {.instants_during = 60, .instants_after = 60}).stress_pa;
     EXPECT_LE(found, bound * (1 + 1e-6)) << seed;
     EXPECT_GT(found, 0.02 * bound) << seed;
     EXPECT_LE(peak_stress(struck.table, struck.state, nullptr).stress_pa,
