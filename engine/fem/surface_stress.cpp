@@ -25,20 +25,27 @@ namespace {
 
 using mesh::kPointsPerFace;
 
-// Numbers of points, at most `count`, each the farthest from those before it.
-std::vector<Eigen::Index> spread_points(const mesh::Points& positions, Eigen::Index count) {
-  const Eigen::RowVector3d middle = positions.colwise().mean();
-  std::vector<Eigen::Index> chosen(1);
-  (positions.rowwise() - middle).rowwise().squaredNorm().maxCoeff(&chosen[0]);
+// Returns numbers of points, at most `count`: first those in `wanted`, then each the farthest from all before it.
+std::vector<Eigen::Index> spread_points(const mesh::Points& positions, const std::vector<Eigen::Index>& wanted,
+                                        Eigen::Index count) {
   Eigen::VectorXd distance = Eigen::VectorXd::Constant(positions.rows(), std::numeric_limits<double>::infinity());
-  while (static_cast<Eigen::Index>(chosen.size()) < std::min(count, positions.rows())) {
-    const Eigen::RowVector3d last = positions.row(chosen.back());
+  std::vector<Eigen::Index> chosen;
+  const auto choose = [&](Eigen::Index point) {
+    chosen.push_back(point);
+    const Eigen::RowVector3d place = positions.row(point);
     for (Eigen::Index p = 0; p < positions.rows(); ++p)
-      distance[p] = std::min(distance[p], (positions.row(p) - last).squaredNorm());
-    Eigen::Index farthest = 0;
-    if (distance.maxCoeff(&farthest) <= 0) break;
-    chosen.push_back(farthest);
+      distance[p] = std::min(distance[p], (positions.row(p) - place).squaredNorm());
+  };
+  for (const Eigen::Index point : wanted) {
+    if (distance[point] > 0) choose(point);
   }
+  Eigen::Index farthest = 0;
+  if (chosen.empty()) {
+    const Eigen::RowVector3d middle = positions.colwise().mean();
+    (positions.rowwise() - middle).rowwise().squaredNorm().maxCoeff(&farthest);
+    choose(farthest);
+  }
+  while (static_cast<Eigen::Index>(chosen.size()) < count && distance.maxCoeff(&farthest) > 0) choose(farthest);
   return chosen;
 }
 
@@ -73,6 +80,46 @@ Eigen::MatrixXd strain_of_nodes(const mesh::FacePoints& points, Eigen::Index p, 
   return strain;
 }
 
+// Computes the stress of all shapes at the points of one face after another.
+class FaceStress {
+ public:
+  FaceStress(int order, const Solid& solid, const Eigen::Ref<const Eigen::MatrixXd>& shapes,
+             const mesh::FacePoints& points)
+      : solid_(solid),
+        shapes_(shapes),
+        points_(points),
+        values_(3 * points.nodes.cols(), shapes.cols()),
+        to_stress_(3 * kPointsPerFace, 3 * points.nodes.cols()),
+        stress_(3 * kPointsPerFace, shapes.cols()) {
+    for (int f = 0; f < 4; ++f) functions_[f] = mesh::face_functions(order, f);
+  }
+
+  // Returns s11, s22 and s12 at each point of face f, 3 kPointsPerFace x m.
+  const Eigen::MatrixXd& at(Eigen::Index f) {
+    const Eigen::Index nodes = points_.nodes.cols();
+    const mesh::FaceFunctions& functions = functions_[points_.opposite[f]];
+    for (Eigen::Index a = 0; a < nodes; ++a)
+      values_.middleRows<3>(3 * a) = shapes_.middleRows<3>(3 * Eigen::Index{points_.nodes(f, a)});
+    Eigen::MatrixXd sides(nodes, 2);
+    for (Eigen::Index i = 0; i < kPointsPerFace; ++i) {
+      const Eigen::Index p = f * kPointsPerFace + i;
+      const Eigen::Matrix3d frame = frame_at(points_, p);
+      sides << functions.along_second.row(i).transpose(), functions.along_third.row(i).transpose();
+      to_stress_.middleRows<3>(3 * i) =
+          plane_stress_law(solid_.at(points_.elements[f]), frame) * strain_of_nodes(points_, p, frame, sides);
+    }
+    dense::set_product(stress_, to_stress_, values_);
+    return stress_;
+  }
+
+ private:
+  const Solid& solid_;
+  const Eigen::Ref<const Eigen::MatrixXd> shapes_;
+  const mesh::FacePoints& points_;
+  std::array<mesh::FaceFunctions, 4> functions_;
+  Eigen::MatrixXd values_, to_stress_, stress_;
+};
+
 }  // namespace
 
 PrincipalStress principal_stress(double s11, double s22, double s12) {
@@ -100,46 +147,38 @@ SurfaceStress surface_stress(const mesh::TetMesh& mesh, const Solid& solid,
   assert(shapes.rows() == 3 * mesh.nodes.rows() && points >= 1);
   const BlasThreads one(1);
   const mesh::FacePoints candidates = mesh::face_points(mesh);
-  std::array<mesh::FaceFunctions, 4> functions;
-  for (int f = 0; f < 4; ++f) functions[f] = mesh::face_functions(mesh.order(), f);
-  const std::vector<Eigen::Index> chosen = spread_points(candidates.positions, points);
-  std::vector<Eigen::Index> place_of(candidates.positions.rows(), -1);
-  const auto count = static_cast<Eigen::Index>(chosen.size());
-  for (Eigen::Index i = 0; i < count; ++i) place_of[chosen[i]] = i;
-
-  const Eigen::Index modes = shapes.cols(), nodes = candidates.nodes.cols();
-  SurfaceStress found{.positions = candidates.positions(chosen, Eigen::all),
-                      .normals = candidates.normals(chosen, Eigen::all),
-                      .first = mesh::Points(count, 3),
-                      .second = mesh::Points(count, 3),
-                      .components = Eigen::MatrixXd(3 * count, modes),
-                      .largest = Eigen::VectorXd::Zero(modes)};
-  Eigen::MatrixXd values(3 * nodes, modes), to_stress(3 * kPointsPerFace, 3 * nodes), stress(3 * kPointsPerFace, modes);
-  for (Eigen::Index f = 0; f < candidates.nodes.rows(); ++f) {
-    const mesh::FaceFunctions& on_face = functions[candidates.opposite[f]];
-    const Law& law = solid.at(candidates.elements[f]);
-    for (Eigen::Index a = 0; a < nodes; ++a)
-      values.middleRows<3>(3 * a) = shapes.middleRows<3>(3 * Eigen::Index{candidates.nodes(f, a)});
-    for (Eigen::Index i = 0; i < kPointsPerFace; ++i) {
-      const Eigen::Index p = f * kPointsPerFace + i;
-      const Eigen::Matrix3d frame = frame_at(candidates, p);
-      Eigen::MatrixXd sides(nodes, 2);
-      sides << on_face.along_second.row(i).transpose(), on_face.along_third.row(i).transpose();
-      const Eigen::Matrix3d plane = plane_stress_law(law, frame);
-      to_stress.middleRows<3>(3 * i) = plane * strain_of_nodes(candidates, p, frame, sides);
-      if (place_of[p] < 0) continue;
-      found.first.row(place_of[p]) = frame.col(0).transpose();
-      found.second.row(place_of[p]) = frame.col(1).transpose();
-    }
-    dense::set_product(stress, to_stress, values);
-    for (Eigen::Index i = 0; i < kPointsPerFace; ++i) {
-      const Eigen::Index place = place_of[f * kPointsPerFace + i];
-      if (place >= 0) found.components.middleRows<3>(3 * place) = stress.middleRows<3>(3 * i);
-      for (Eigen::Index m = 0; m < modes; ++m) {
+  FaceStress on_face(mesh.order(), solid, shapes, candidates);
+  const Eigen::Index modes = shapes.cols(), faces = candidates.nodes.rows();
+  SurfaceStress found{.largest = Eigen::VectorXd::Zero(modes)};
+  std::vector<Eigen::Index> peaks(modes, -1);
+  for (Eigen::Index f = 0; f < faces; ++f) {
+    const Eigen::MatrixXd& stress = on_face.at(f);
+    for (Eigen::Index m = 0; m < modes; ++m) {
+      for (Eigen::Index i = 0; i < kPointsPerFace; ++i) {
         const auto [larger, smaller] = principal_stress(stress(3 * i, m), stress(3 * i + 1, m), stress(3 * i + 2, m));
-        found.largest[m] = std::max({found.largest[m], larger, -smaller});
+        if (std::max(larger, -smaller) <= found.largest[m]) continue;
+        found.largest[m] = std::max(larger, -smaller);
+        peaks[m] = f * kPointsPerFace + i;
       }
     }
+  }
+  std::erase(peaks, -1);
+  peaks.resize(std::min(peaks.size(), static_cast<std::size_t>(points / 2)));
+  std::vector<Eigen::Index> chosen = spread_points(candidates.positions, peaks, points);
+  std::sort(chosen.begin(), chosen.end());
+
+  const auto count = static_cast<Eigen::Index>(chosen.size());
+  found.positions = candidates.positions(chosen, Eigen::all);
+  found.normals = candidates.normals(chosen, Eigen::all);
+  found.first.resize(count, 3);
+  found.second.resize(count, 3);
+  found.components.resize(3 * count, modes);
+  for (Eigen::Index p = 0; p < count; ++p) {
+    const Eigen::Matrix3d frame = frame_at(candidates, chosen[p]);
+    found.first.row(p) = frame.col(0).transpose();
+    found.second.row(p) = frame.col(1).transpose();
+    found.components.middleRows<3>(3 * p) =
+        on_face.at(chosen[p] / kPointsPerFace).middleRows<3>(3 * (chosen[p] % kPointsPerFace));
   }
   return found;
 }

@@ -33,11 +33,13 @@ struct SurfaceStress {
 inline constexpr Eigen::Index kStressPoints = 300;
 
 // Computes the stress of `shapes`, 3N x m, on a mesh of any order, curved or not. Candidates are the nine points inside
-// each outer face (mesh::face_points()); `largest` is taken over all of them. At most `points` >= 1 of them are kept,
-// spread over the skin: the first is the candidate farthest from the middle of all, and each further one is the
-// farthest from those that are kept already (Gonzalez, Theor. Comput. Sci. 38, 1985). Cost for F faces with n nodes
-// each: 162 F n m operations for stresses and 80 F `points` for the choice, on one thread: 0.5 s for 5,000 faces of
-// order 3 and 100 modes. Memory: 9 F places, and the kept components.
+// each outer face (mesh::face_points()); `largest` is taken over all of them. At most `points` >= 1 of them are kept:
+// where each of the first points / 2 modes has its largest stress, and then each farthest from those that are kept
+// already (Gonzalez, Theor. Comput. Sci. 38, 1985), so that they are spread over the skin. In a struck pane, 300 points
+// had the largest stress that 3,000 had farther than 3 cm from the blow; under the blow they had 17 % less.
+//
+// Cost for F faces with n nodes each, on one thread: 162 F n m operations for stresses and 80 F `points` for the
+// choice; about 0.5 s for 5,000 faces of order 3 and 100 modes.
 SurfaceStress surface_stress(const mesh::TetMesh& mesh, const Solid& solid,
                              const Eigen::Ref<const Eigen::MatrixXd>& shapes, Eigen::Index points = kStressPoints);
 

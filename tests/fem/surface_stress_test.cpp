@@ -237,6 +237,24 @@ TEST(SurfaceStress, TheLargestIsThatOfAllPointsAndBothPhases) {
   }
 }
 
+TEST(SurfaceStress, TheKeptPointsHaveTheLargestStressOfEachMode) {
+  const mesh::TetMesh mesh = test::bent(mesh::to_order(test::box_mesh({4, 3, 2}, kBoxSize), 2), 5);
+  std::mt19937 random(6);
+  std::normal_distribution<double> number;
+  Eigen::MatrixXd shapes(3 * mesh.nodes.rows(), 10);
+  for (double& x : shapes.reshaped()) x = number(random);
+  const SurfaceStress stress = surface_stress(mesh, kGlass, shapes, 40);
+  EXPECT_EQ(stress.positions.rows(), 40);
+  for (Eigen::Index m = 0; m < 10; ++m) {
+    double truth = 0;
+    for (Eigen::Index p = 0; p < 40; ++p) {
+      const Eigen::Vector3d values = tensor_at(stress, p, m).selfadjointView<Eigen::Lower>().eigenvalues();
+      truth = std::max(truth, values.cwiseAbs().maxCoeff());
+    }
+    EXPECT_NEAR(stress.largest[m], truth, 1e-9 * truth);
+  }
+}
+
 // Stress of mass-normalised shapes goes as stiffness / (density^1/2 size^5/2).
 TEST(SurfaceStress, StressScalesByDimensions) {
   const mesh::TetMesh small = mesh::to_order(test::box_mesh({2, 2, 2}, kBoxSize), 2);
