@@ -67,6 +67,15 @@ Refinement::Refinement(const mesh::TetMesh& body) {
   }
 }
 
+Refinement Refinement::of_elements(const Refinement& other) {
+  Refinement own = other;
+  for (std::size_t e = 0; e < own.elements_.size(); ++e) {
+    own.elements_[e].parent = static_cast<std::int32_t>(e);
+    own.elements_[e].barycentric.setIdentity();
+  }
+  return own;
+}
+
 // Several insertions into one tetrahedron
 //
 // A tetrahedron takes the insertion of the lowest rank first; its children are looked up again, because they have the

@@ -42,6 +42,9 @@ class Refinement {
   // Begins with the straight elements of a body; point n is the n-th node that is a corner.
   explicit Refinement(const mesh::TetMesh& body);
 
+  // Takes another refinement's tetrahedra as elements of their own: `parent` is then the number of one of them.
+  static Refinement of_elements(const Refinement& other);
+
   [[nodiscard]] const std::vector<SubElement>& elements() const { return elements_; }
   [[nodiscard]] Eigen::Index point_count() const { return static_cast<Eigen::Index>(points_.size()); }
   [[nodiscard]] const Eigen::Vector3d& point(Eigen::Index number) const { return points_[number]; }
