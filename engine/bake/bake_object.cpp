@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <utility>
 
 // Rounds until the error holds
@@ -94,6 +95,7 @@ class Baker {
     if (recipe.error > 0) recipe_.options.radiation_error = recipe.error;
     if (recipe.preview) recipe_.options.air.reset();
     recipe_.options.makeup = scaled(std::move(recipe_.options.makeup), recipe.scale);
+    recipe_.options.interior = recipe.shatter.has_value();
   }
 
   Result<Forecast> forecast() {
@@ -111,6 +113,7 @@ class Baker {
   }
 
   Result<BakedObject> run() {
+    if (auto possible = check_shatter(); !possible) return fail(possible.error());
     if (auto planned = plan(); !planned) return fail(planned.error());
     bool same_mesh = false;
     for (;;) {
@@ -122,6 +125,7 @@ class Baker {
       if (auto baked = bake_once(); !baked) return fail(baked.error());
       if (recipe_.error <= 0 || error() <= recipe_.error) {
         if (auto compared = compare_nonlinear(); !compared) return fail(compared.error());
+        if (auto broken = shatter(); !broken) return fail(broken.error());
         return finished();
       }
       const Result<bool> refined = refine();
@@ -281,6 +285,27 @@ class Baker {
                               .elements = object_.baked.report.elements,
                               .unknowns = object_.baked.report.unknowns,
                               .error = object_.baked.report.largest_error});
+    return {};
+  }
+
+  [[nodiscard]] Result<void> check_shatter() const {
+    if (!recipe_.shatter) return {};
+    const char* const what = !recipe_.options.makeup.moves_freely() ? "a grain, parts, masses or stiff supports"
+                             : recipe_.options.nonlinear > 0        ? "nonlinear modes"
+                                                                    : nullptr;
+    if (what == nullptr) return {};
+    return fail(ErrorKind::bad_input, recipe_.name + ": a body with " + what +
+                                          " cannot be broken; leave [shatter] out, or make it of one free material");
+  }
+
+  // Breaks the body, if its recipe says so.
+  Result<void> shatter() {
+    if (!recipe_.shatter) return {};
+    Shatter how = *recipe_.shatter;
+    for (Vec3& place : how.places_m) place = recipe_.scale * place;
+    Result<modal::Fracture> fracture = shatter_body(object_.baked, how, recipe_.options, progress());
+    if (!fracture) return fail(fracture.error());
+    object_.baked.bank.fracture = std::make_shared<const modal::Fracture>(std::move(*fracture));
     return {};
   }
 

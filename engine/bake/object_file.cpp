@@ -4,6 +4,8 @@
 #include "engine/base/note.h"
 #include "engine/base/toml_table.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <regex>
@@ -26,6 +28,53 @@ void read_pitch(TomlTable& file, ObjectRecipe& recipe) {
   recipe.pitch_hz = parse_pitch(words.front());
   if (!recipe.pitch_hz)
     file.complain("pitch", "pitch must be a note such as \"A4\" or \"F#3\", or a frequency of 1 to 100000 Hz");
+}
+
+constexpr Range kSeed{0, 1e9}, kPieceMass_kg{0, 1e3}, kBlow_m{-1e6, 1e6}, kBand_hz{0, 1e6};
+constexpr std::size_t kMaxPlaces = 16, kMaxLevels = 4;
+constexpr double kMaxPieces = 500;  // of a level
+
+void read_pieces(TomlTable& table, Shatter& shatter) {
+  std::vector<double> pieces(shatter.pieces.begin(), shatter.pieces.end());
+  table.numbers("pieces", pieces);
+  shatter.pieces.clear();
+  for (const double count : pieces) {
+    const bool above = shatter.pieces.empty() || count > shatter.pieces.back();
+    if (count >= 2 && count <= kMaxPieces && count == std::floor(count) && above)
+      shatter.pieces.push_back(static_cast<int>(count));
+  }
+  if (shatter.pieces.empty() || shatter.pieces.size() < pieces.size() || pieces.size() > kMaxLevels)
+    table.complain("pieces", "pieces must be one to four ascending whole numbers from 2 to 500");
+}
+
+std::optional<Shatter> read_shatter(TomlTable& file) {
+  constexpr std::array kPatterns = {shatter::Pattern::kImpact, shatter::Pattern::kRadial, shatter::Pattern::kUniform};
+  std::optional<TomlTable> table = file.table("shatter");
+  if (!table) return std::nullopt;
+  Shatter shatter;
+  read_pieces(*table, shatter);
+  if (table->has("pattern"))
+    shatter.pattern =
+        kPatterns[static_cast<std::size_t>(std::max(table->choice("pattern", {"impact", "radial", "uniform"}), 0))];
+  std::vector<double> places, band = {shatter.band_low_hz, shatter.band_high_hz};
+  table->numbers("at", places);
+  if (places.size() % 3 != 0 || places.size() > 3 * kMaxPlaces ||
+      !std::ranges::all_of(places, [](double x) { return kBlow_m.holds(x); }))
+    table->complain("at", "at must be three numbers for each place of a blow, in metres, of at most 16 places");
+  for (std::size_t i = 0; i + 2 < places.size(); i += 3)
+    shatter.places_m.push_back({places[i], places[i + 1], places[i + 2]});
+  double seed = static_cast<double>(shatter.seed);
+  table->number("seed", seed, kSeed);
+  shatter.seed = static_cast<std::uint64_t>(seed);
+  table->number("min_mass_kg", shatter.min_mass_kg, kPieceMass_kg);
+  table->numbers("band_hz", band);
+  if (band.size() != 2 || !kBand_hz.holds(band[0]) || !kBand_hz.holds(band[1]) || !(band[1] > band[0])) {
+    table->complain("band_hz", "band_hz must be two frequencies in Hz, the lower one first");
+    return std::nullopt;
+  }
+  shatter.band_low_hz = band[0];
+  shatter.band_high_hz = band[1];
+  return shatter;
 }
 
 // Surfaces of parts become groups, named as they are seen from the geometry's folder, where they must lie.
@@ -56,6 +105,7 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   read_makeup(*file, recipe.options.makeup);
   read_part_surfaces(*file, path.parent_path(), recipe);
   read_pitch(*file, recipe);
+  recipe.shatter = read_shatter(*file);
   if (auto good = file->finish(); !good) return fail(good.error());
   return recipe;
 }

@@ -31,6 +31,14 @@
 //   mass = 0                         # kg, of each point; default 0
 //   [[mass]]                         # glued on, spread over a box, plane or group
 //   mass_kg = 0.002
+//   [shatter]                        # it can break into pieces (docs/use/breaking.md)
+//   pieces = [4, 14, 48]             # numbers of pieces, of one pattern each; default 30
+//   pattern = "impact"               # or "radial", "uniform"
+//   at = [0.1, 0, 0]                 # places of blows, three numbers each, in metres before `scale`; default: the
+//                                    # middle of the surface
+//   seed = 1                         # another seed, other pieces
+//   min_mass_kg = 0                  # lighter pieces join a neighbour; default: 0.2 % of the body's mass
+//   band_hz = [20, 20000]            # of the pieces
 //   [parameters]                     # DefineConstant names of a .geo, in its unit; an option, too
 //   height = 110
 #pragma once

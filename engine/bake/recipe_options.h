@@ -7,6 +7,7 @@
 #pragma once
 
 #include "engine/bake/bake.h"
+#include "engine/bake/shatter_body.h"
 #include "engine/base/range.h"
 #include "engine/base/result.h"
 #include "engine/base/toml_table.h"
@@ -31,6 +32,7 @@ struct ObjectRecipe {
   double scale = 1;                       // size of the object over that of its geometry, whose mesh it keeps
   std::map<std::string, double> figures;  // of the material, by their keys in its file, instead of what stands there
   bool other_material = false;  // `material` is not the object's own: a grain that it has no constants for is left out
+  std::optional<Shatter> shatter;  // how it breaks; nothing: it does not
   double gain_db = 0;
   std::optional<double> pitch_hz;  // stated, of the object at its scale and in its material
   double error = 0;  // relative, that the estimate for every frequency in the band must reach; 0: whatever it is

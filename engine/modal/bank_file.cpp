@@ -425,7 +425,7 @@ struct Document {
   }
 
   // Adds a piece of the body, and returns the JSON that names it.
-  Json add_piece(const Piece& piece) {
+  Json add_piece(const PieceBank& piece) {
     if (piece.bank.mode_count() > 0) {
       add_bank(piece.bank);
       return {{"model", models.size() - 1}};
@@ -448,7 +448,7 @@ std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash, Com
   if (!input_hash.empty()) extras["inputHash"] = input_hash;
   if (bank.fracture) {
     extras["fracture"] = fracture_json(*bank.fracture, document.writer,
-                                       [&document](const Piece& piece) { return document.add_piece(piece); });
+                                       [&document](const PieceBank& piece) { return document.add_piece(piece); });
     Json pieces = Json::array();
     for (std::size_t node = 1; node < document.nodes.size(); ++node) pieces.push_back(node);
     scenes.push_back({{"name", "pieces"}, {"nodes", std::move(pieces)}});

@@ -76,7 +76,7 @@ void spread_points(Bank& bank, double factor) {
   Fracture fracture = *bank.fracture;
   for (BreakPattern& pattern : fracture.patterns) {
     pattern.at_m = factor * pattern.at_m;
-    for (Piece& piece : pattern.pieces) spread_points(piece.bank, factor);
+    for (PieceBank& piece : pattern.pieces) spread_points(piece.bank, factor);
   }
   bank.fracture = std::make_shared<const Fracture>(std::move(fracture));
 }

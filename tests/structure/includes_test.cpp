@@ -62,7 +62,7 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/shatter/", {"engine/base/", "engine/mesh/", "engine/shatter/"}},
     {"engine/bake/",
      {"engine/base/", "engine/dense/", "engine/materials/", "engine/modal/", "engine/mesh/", "engine/fem/",
-      "engine/solve/", "engine/radiate/", "engine/bake/"}},
+      "engine/solve/", "engine/radiate/", "engine/shatter/", "engine/bake/"}},
     {"engine/fit/", {"engine/base/", "engine/modal/", "engine/fit/"}},
     // rigid bodies
     {"engine/scene/",

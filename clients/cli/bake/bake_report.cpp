@@ -1,9 +1,11 @@
 #include "clients/cli/bake/bake_report.h"
 
 #include "engine/base/range.h"
+#include "engine/modal/fracture/fracture.h"
 #include "protocol/exit_codes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace ringdown::cli {
@@ -82,11 +84,29 @@ void print_body(const bake::BakedObject& object) {
   }
 }
 
+void print_fracture(const modal::Fracture& fracture) {
+  for (const modal::BreakPattern& pattern : fracture.patterns) {
+    std::size_t modes = 0, silent = 0;
+    double lowest_hz = HUGE_VAL, error = 0;
+    for (const auto& [bank, handover, near_m, far_m] : pattern.pieces) {
+      modes += bank.mode_count();
+      silent += bank.mode_count() == 0;
+      for (const double hz : bank.frequency_hz) lowest_hz = std::min(lowest_hz, hz);
+      for (const double relative : bank.frequency_error) error = std::max(error, relative);
+    }
+    std::printf("  breaks at (%.3g, %.3g, %.3g) m into %zu pieces with %zu modes", pattern.at_m.x, pattern.at_m.y,
+                pattern.at_m.z, pattern.pieces.size(), modes);
+    if (modes > 0) std::printf(" from %.0f Hz, errors up to %.2g %%", lowest_hz, 100 * error);
+    std::printf("; %zu only click; %.3g cm2 of cracks\n", silent, 1e4 * pattern.crack_area_m2);
+  }
+}
+
 }  // namespace
 
 void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& object,
                   const std::filesystem::path& output) {
-  const auto& [bank, report] = object.baked;
+  const modal::Bank& bank = object.baked.bank;
+  const bake::BakeReport& report = object.baked.report;
   const auto [low, high] = std::minmax_element(bank.frequency_hz.begin(), bank.frequency_hz.end());
   std::error_code error;
   const auto bytes = std::filesystem::file_size(output, error);  // a stream has no size
@@ -121,6 +141,7 @@ void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& obj
   print_errors(object);
   print_radiation(object.baked);
   print_nonlinear(object.baked);
+  if (bank.fracture) print_fracture(*bank.fracture);
   print_body(object);
   std::fflush(stdout);
   if (!object.question.empty()) protocol::complain("is this size meant? " + object.question, protocol::ExitCode::ok);

@@ -9,7 +9,7 @@ namespace ringdown::modal {
 namespace {
 
 // Keeps the rows of the piece's rigid motions and of its modes that still ring under `scale`.
-std::vector<float> ringing_rows(const Piece& piece, const MaterialScale& scale) {
+std::vector<float> ringing_rows(const PieceBank& piece, const MaterialScale& scale) {
   const std::size_t rows = kRigidMotions + piece.bank.mode_count(), columns = piece.handover.size() / rows;
   std::vector<float> kept;
   kept.reserve(piece.handover.size());
@@ -29,7 +29,7 @@ Fracture scaled(const Fracture& fracture, const MaterialScale& scale) {
     BreakPattern& changed = out.patterns.emplace_back();
     changed.at_m = scale.size * pattern.at_m;
     changed.crack_area_m2 = scale.size * scale.size * pattern.crack_area_m2;
-    for (const Piece& piece : pattern.pieces) {
+    for (const PieceBank& piece : pattern.pieces) {
       changed.pieces.push_back({.bank = scaled(piece.bank, scale),
                                 .handover = ringing_rows(piece, scale),
                                 .near_m = scale.size * piece.near_m,
@@ -41,7 +41,7 @@ Fracture scaled(const Fracture& fracture, const MaterialScale& scale) {
 
 void take_modes(Fracture& fracture, std::size_t modes, const std::vector<std::size_t>& kept) {
   for (BreakPattern& pattern : fracture.patterns) {
-    for (Piece& piece : pattern.pieces) {
+    for (PieceBank& piece : pattern.pieces) {
       const std::size_t rows = kRigidMotions + piece.bank.mode_count(), columns = kRigidMotions + modes;
       std::vector<float> chosen;
       chosen.reserve(rows * (kRigidMotions + kept.size()));

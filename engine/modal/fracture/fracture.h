@@ -4,18 +4,13 @@
 // struck and for numbers of pieces. Every piece has a bank of its own, which may have no modes: such a piece clicks and
 // never rings. All pieces are in the body's frame, so at the moment of the break a piece's pose is the body's.
 //
-// At the break each piece takes over the motion that it has as a part of the body. With the body's motions phi_j (six
-// rigid ones, then the M modes of its bank) and the piece's motions psi_k (six rigid ones, then its K modes), all
-// orthonormal in the mass of body and piece,
-//
-//   r_k = sum over j of P_kj q_j,      P_kj = integral over the piece of rho psi_k . phi_j.
-//
-// P has no unit and does not change with size, stiffness or density. Rigid motions of a body with mass m, centre c,
-// principal axes a_i and moments I_i are a_i / sqrt(m), i = 1..3, and a_i x (x - c) / sqrt(I_i).
+// At the break each piece takes over the motion that it has as a part of the body (breaking.h), by a matrix of the
+// body's motions and its own.
 #pragma once
 
 #include "engine/base/vec3.h"
 #include "engine/modal/bank.h"
+#include "engine/modal/fracture/breaking.h"
 #include "engine/modal/material_scale.h"
 
 #include <cstddef>
@@ -24,13 +19,12 @@
 
 namespace ringdown::modal {
 
-inline constexpr std::size_t kRigidMotions = 6;
 inline constexpr std::size_t kMaxPieces = 1024;  // of all patterns of a body together
 inline constexpr std::size_t kMaxPatterns = 64;
 
-struct Piece {
+struct PieceBank {
   Bank bank;                    // with its mass; no mode: it does not ring
-  std::vector<float> handover;  // P: (6 + K) x (6 + M), one row after the other
+  std::vector<float> handover;  // BasicHandover::values
   double near_m = 0;            // distances of its nearest and its farthest crack from the place of the blow: the crack
   double far_m = 0;             // opens from one to the other
 };
@@ -38,7 +32,7 @@ struct Piece {
 struct BreakPattern {
   Vec3 at_m;                // the place of the blow
   double crack_area_m2 = 0;  // of all cracks, one face counted
-  std::vector<Piece> pieces;
+  std::vector<PieceBank> pieces;
 };
 
 struct Fracture {

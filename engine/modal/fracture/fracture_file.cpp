@@ -19,8 +19,8 @@ Result<double> read_size(const JsonPlace& field, double max) {
   return *number;
 }
 
-Result<Piece> read_piece(const JsonPlace& field, const PieceReaders& readers) {
-  Piece piece;
+Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers) {
+  PieceBank piece;
   const auto bank = [&]() -> Result<Bank> {
     if (!field["model"].present()) return readers.silent(field);
     const auto model = field["model"].index();
@@ -34,14 +34,14 @@ Result<Piece> read_piece(const JsonPlace& field, const PieceReaders& readers) {
   if (!near_m) return fail(near_m.error());
   if (!far_m) return fail(far_m.error());
   if (*far_m < *near_m) return opens.wrong("two distances, the nearer one first");
-  return Piece{.bank = *bank, .handover = {}, .near_m = *near_m, .far_m = *far_m};
+  return PieceBank{.bank = *bank, .handover = {}, .near_m = *near_m, .far_m = *far_m};
 }
 
 Result<void> read_handovers(const Glb& glb, const JsonPlace& field, std::size_t columns, BreakPattern& pattern) {
   const auto numbers = read_floats(glb, field, 1, kMaxHandover);
   if (!numbers) return fail(numbers.error());
   std::size_t rows = 0;
-  for (const Piece& piece : pattern.pieces) rows += kRigidMotions + piece.bank.mode_count();
+  for (const PieceBank& piece : pattern.pieces) rows += kRigidMotions + piece.bank.mode_count();
   if (numbers->size() != rows * columns) {
     return field.wrong(std::to_string(rows * columns) + " numbers: " + std::to_string(columns) + " for each of " +
                        std::to_string(rows) + " motions of the pieces");
@@ -49,7 +49,7 @@ Result<void> read_handovers(const Glb& glb, const JsonPlace& field, std::size_t 
   if (!std::ranges::all_of(*numbers, [](float x) { return std::abs(x) <= kMaxEntry; }))
     return field.wrong("numbers from -1 to 1");
   auto from = numbers->begin();
-  for (Piece& piece : pattern.pieces) {
+  for (PieceBank& piece : pattern.pieces) {
     const auto to = from + static_cast<std::ptrdiff_t>((kRigidMotions + piece.bank.mode_count()) * columns);
     piece.handover.assign(from, to);
     from = to;
@@ -92,12 +92,12 @@ Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, std::s
   return out;
 }
 
-Json fracture_json(const Fracture& fracture, GlbWriter& writer, const std::function<Json(const Piece&)>& describe) {
+Json fracture_json(const Fracture& fracture, GlbWriter& writer, const std::function<Json(const PieceBank&)>& describe) {
   Json patterns = Json::array();
   for (const BreakPattern& pattern : fracture.patterns) {
     Json pieces = Json::array();
     std::vector<float> handovers;
-    for (const Piece& piece : pattern.pieces) {
+    for (const PieceBank& piece : pattern.pieces) {
       Json json = describe(piece);
       json["opens"] = {piece.near_m, piece.far_m};
       pieces.push_back(std::move(json));

@@ -27,6 +27,6 @@ Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, std::s
 
 // Returns the JSON of the field and adds its arrays to the document. `describe` adds a piece to the document and returns
 // the JSON that names it there.
-Json fracture_json(const Fracture& fracture, GlbWriter& writer, const std::function<Json(const Piece&)>& describe);
+Json fracture_json(const Fracture& fracture, GlbWriter& writer, const std::function<Json(const PieceBank&)>& describe);
 
 }  // namespace ringdown::modal

@@ -1,0 +1,184 @@
+#include "engine/bake/shatter_body.h"
+
+#include "engine/base/in_parallel.h"
+#include "engine/base/rotation.h"
+#include "engine/mesh/boundary.h"
+#include "engine/shatter/cut.h"
+#include "engine/shatter/pieces.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+// The pieces of a body
+//
+// The body's own elements are cut, so the body's motions are polynomials in every element of a piece, and of its degree.
+// A motion of the body is therefore a field of the piece's finite elements, exactly, and its projection on the piece's
+// motions is a product of matrices:
+//
+//   P = [R_s Psi]^T M_s [R_b Phi]
+//
+// with the mass matrix M_s of the piece, its rigid motions R_s and modes Psi, and those of the body, R_b and Phi, at
+// the piece's nodes. The complete product over all motions of all pieces is orthogonal; pieces whose modes end at the
+// band's top take less.
+namespace ringdown::bake {
+namespace {
+
+constexpr double kLeastShare = 0.002;  // of the body's mass, of pieces on their own
+
+Eigen::Vector3d vector_of(Vec3 v) { return {v.x, v.y, v.z}; }
+
+// Rigid motions at the nodes, 3N x 6, orthonormal in the mass of the body that has `mass` (fracture.h).
+Eigen::MatrixXd rigid_motions(const mesh::Points& nodes, const modal::MassProperties& mass) {
+  const Rotation turn = Rotation::from_xyzw(mass.orientation);
+  const std::array<Vec3, 3> axes = {rotated(turn, {1, 0, 0}), rotated(turn, {0, 1, 0}), rotated(turn, {0, 0, 1})};
+  const std::array<double, 3> inertia = {mass.inertia_kg_m2.x, mass.inertia_kg_m2.y, mass.inertia_kg_m2.z};
+  const Eigen::Vector3d centre = vector_of(mass.center_of_mass_m);
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(3 * nodes.rows(), 6);
+  for (Eigen::Index n = 0; n < nodes.rows(); ++n) {
+    const Eigen::Vector3d arm = nodes.row(n).transpose() - centre;
+    for (int i = 0; i < 3; ++i) {
+      motions(3 * n + i, i) = 1 / std::sqrt(mass.mass_kg);
+      motions.block<3, 1>(3 * n, 3 + i) = vector_of(axes[i]).cross(arm) / std::sqrt(inertia[i]);
+    }
+  }
+  return motions;
+}
+
+struct Cut {
+  const SolvedBody& body;
+  const modal::MassProperties& mass;
+  shatter::CutBody parts;
+};
+
+std::vector<float> handover(const Cut& cut, const shatter::PieceMesh& mesh, const Baked& piece) {
+  const SolvedBody& solved = *piece.body;
+  const Eigen::Index rigid = modal::kRigidMotions;
+  Eigen::MatrixXd own(solved.shapes.rows(), rigid + solved.shapes.cols());
+  own << rigid_motions(solved.mesh.nodes, *piece.bank.mass), solved.shapes;
+  Eigen::MatrixXd of_body(solved.shapes.rows(), rigid + cut.body.shapes.cols());
+  of_body << rigid_motions(solved.mesh.nodes, cut.mass), shatter::restricted(mesh, cut.body.mesh, cut.body.shapes);
+  const Eigen::MatrixXf p = (own.transpose() * fem::mass_times(solved.node_mass, of_body)).cast<float>();
+  std::vector<float> rows;
+  rows.reserve(static_cast<std::size_t>(p.size()));
+  for (const auto& row : p.rowwise()) rows.insert(rows.end(), row.begin(), row.end());
+  return rows;
+}
+
+Result<modal::PieceBank> bake_piece(const Cut& cut, const shatter::PieceMesh& mesh, const modal::Material& material,
+                                    const BakeOptions& options, const Vec3& place_m, const std::string& name) {
+  Result<Baked> baked = bake({.mesh = mesh.mesh, .pieces = 1}, material, options, name);
+  if (!baked) return fail(baked.error());
+  modal::PieceBank piece{.bank = std::move(baked->bank)};
+  baked->bank.mass = piece.bank.mass;
+  piece.handover = handover(cut, mesh, *baked);
+  const auto distances = (mesh.mesh.nodes.rowwise() - vector_of(place_m).transpose()).rowwise().norm();
+  piece.near_m = distances.minCoeff();
+  piece.far_m = distances.maxCoeff();
+  return piece;
+}
+
+// Counts finished pieces over all patterns, for the progress.
+struct Work {
+  const Progress& progress;
+  std::mutex mutex;
+  std::size_t done = 0, count = 0;
+  std::optional<Error> failure;
+
+  bool go_on(std::size_t finished) {
+    const std::scoped_lock lock(mutex);
+    done += finished;
+    if (failure) return false;
+    const double fraction = static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(count, 1));
+    if (progress && !progress("pieces", fraction)) failure = Error{ErrorKind::cancelled, "cancelled"};
+    return !failure;
+  }
+  void fail_with(const Error& error) {
+    const std::scoped_lock lock(mutex);
+    if (!failure) failure = error;
+  }
+};
+
+Result<modal::BreakPattern> bake_level(const Cut& cut, const shatter::Level& level, const modal::Bank& whole,
+                                       const BakeOptions& options, const Vec3& place_m, Work& work) {
+  modal::BreakPattern pattern{.at_m = place_m, .crack_area_m2 = level.crack_area_m2, .pieces = {}};
+  pattern.pieces.resize(level.pieces.size());
+  std::atomic<std::size_t> next = 0;
+  const auto bake_some = [&](int /*worker*/) {
+    for (std::size_t i = next++; i < pattern.pieces.size() && work.go_on(0); i = next++) {
+      const shatter::PieceMesh mesh =
+          piece_mesh(cut.parts, cut.body.mesh, elements_of(level, static_cast<std::int32_t>(i)));
+      Result<modal::PieceBank> piece =
+          bake_piece(cut, mesh, *whole.material, options, place_m, whole.name + "." + std::to_string(i));
+      if (!piece) return work.fail_with(piece.error());
+      pattern.pieces[i] = std::move(*piece);
+      work.go_on(1);
+    }
+  };
+  in_parallel(thread_count(0), bake_some);
+  if (work.failure) return fail(*work.failure);
+  return pattern;
+}
+
+// The options of a piece, which keeps all its modes and is held by nothing.
+BakeOptions options_of_piece(const BakeOptions& of_body, const Shatter& shatter) {
+  return {.element = of_body.element,
+          .band_low_hz = shatter.band_low_hz,
+          .band_high_hz = shatter.band_high_hz,
+          .shape_error = of_body.shape_error,
+          .solver = of_body.solver == solve::Method::kSlepc ? solve::Method::kAutomatic : of_body.solver,
+          .may_be_silent = true,
+          .interior = true};
+}
+
+Vec3 middle_of_surface(const SolvedBody& body, const modal::MassProperties& mass) {
+  const mesh::Boundary surface = mesh::boundary_of(body.mesh);
+  const Eigen::RowVector3d centre = vector_of(mass.center_of_mass_m).transpose();
+  const auto distance = [&](std::int32_t node) { return (body.mesh.nodes.row(node) - centre).squaredNorm(); };
+  const auto nearest = body.mesh.nodes.row(*std::ranges::min_element(surface.nodes, {}, distance));
+  return {nearest[0], nearest[1], nearest[2]};
+}
+
+}  // namespace
+
+Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter, const BakeOptions& options,
+                                     const Progress& progress) {
+  const SolvedBody& body = *whole.body;
+  const modal::MassProperties& mass = *whole.bank.mass;
+  const double least_share = shatter.min_mass_kg > 0 ? shatter.min_mass_kg / mass.mass_kg : kLeastShare;
+  if (!(least_share < 1))
+    return fail(ErrorKind::bad_input, whole.bank.name + ": a piece's least mass is above the mass of the body");
+  std::vector<Vec3> places_m = shatter.places_m;
+  if (places_m.empty()) places_m.push_back(middle_of_surface(body, mass));
+  if (progress && !progress("pieces", 0)) return fail_cancelled();
+  modal::Fracture fracture;
+  Work work{.progress = progress, .mutex = {}};
+  for (const int pieces : shatter.pieces) work.count += places_m.size() * static_cast<std::size_t>(pieces);
+  for (const Vec3& place_m : places_m) {
+    const auto seeds = shatter::make_seeds(
+        body.mesh,
+        {.pattern = shatter.pattern, .pieces = shatter.pieces, .impact_m = place_m, .seed = shatter.seed});
+    if (!seeds) return fail(seeds.error().kind, whole.bank.name + ": " + seeds.error().message);
+    Result<shatter::CutBody> parts = shatter::cut_body(body.mesh, seeds->points);
+    if (!parts) return fail(parts.error().kind, whole.bank.name + ": " + parts.error().message);
+    const Cut cut{body, mass, std::move(*parts)};
+    for (const shatter::Level& level : levels_of(cut.parts, body.mesh, seeds->group_of_cell,
+                                                 {.least_volume_share = least_share, .impact_m = place_m})) {
+      if (level.pieces.size() < 2)
+        return fail(ErrorKind::bad_input, whole.bank.name + " breaks into one piece only; ask for more `pieces`");
+      Result<modal::BreakPattern> pattern =
+          bake_level(cut, level, whole.bank, options_of_piece(options, shatter), place_m, work);
+      if (!pattern) return fail(pattern.error());
+      fracture.patterns.push_back(std::move(*pattern));
+    }
+  }
+  return fracture;
+}
+
+}  // namespace ringdown::bake
