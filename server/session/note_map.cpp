@@ -47,8 +47,8 @@ double peak_bound_pa(const ObjectState& object, const NoteTable::Strike& strike)
     const double frequency_hz = modal::rescale(bank, m, object.material).frequency_hz;
     if (frequency_hz == 0) continue;
     const double share = modal::pulse_spectrum(frequency_hz, strike.contact_time_s);
-    sum_pa += std::abs(velocities[m] * share) *
-              object.map->loudness().pressure_pa(bank, m, object.material, frequency_hz);
+    sum_pa +=
+        std::abs(velocities[m] * share) * object.map->loudness().pressure_pa(bank, m, object.material, frequency_hz);
   }
   return bank.gain * modal::shape_factor(object.material) * sum_pa;
 }

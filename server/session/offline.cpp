@@ -119,8 +119,8 @@ class Run {
     return {};
   }
 
-  // The length of the sound, and its channels without samples. Valid once the run is prepared. Before render() the length
-  // is the largest possible one.
+  // The length of the sound, and its channels without samples. Valid once the run is prepared. Before render() the
+  // length is the largest possible one.
   [[nodiscard]] std::size_t frames() const { return static_cast<std::size_t>(longest_); }
   [[nodiscard]] Piece silence() const { return {{}, {}, std::vector<std::span<const float>>(ambisonics_.size())}; }
 
@@ -263,12 +263,12 @@ class Run {
   Session session_;
   std::vector<wire::ScoreEvent> score_;
   std::size_t next_ = 0, pushed_ = 0;
-  Frame now_ = 0;                    // frames rendered so far
-  Frame frames_ = 0, longest_ = 0;   // length of the sound without the limiter's delay: so far, and at most
-  Frame second_ = 0;                 // frames in a second
-  bool tail_ = false;                // whether the length depends on how long the sound rings
+  Frame now_ = 0;                       // frames rendered so far
+  Frame frames_ = 0, longest_ = 0;      // length of the sound without the limiter's delay: so far, and at most
+  Frame second_ = 0;                    // frames in a second
+  bool tail_ = false;                   // whether the length depends on how long the sound rings
   float loudest_ = 0, peak_since_ = 0;  // largest |sample| of the tail's sound: of all, and of the last second
-  std::vector<float> left_, right_;  // one block
+  std::vector<float> left_, right_;     // one block
   std::vector<std::vector<float>> ambisonics_;
   Take take_;
   Result<void> taken_;  // the result of take_

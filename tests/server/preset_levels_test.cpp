@@ -1,5 +1,5 @@
-// Levels of the presets: a single blow of a preset object stays below the limiter's ceiling and is heard, and the preset
-// scenes are about equally loud.
+// Levels of the presets: a single blow of a preset object stays below the limiter's ceiling and is heard, and the
+// preset scenes are about equally loud.
 #include "engine/modal/bank.h"
 #include "server/session/note_map.h"
 #include "server/session/offline.h"
@@ -50,7 +50,8 @@ Stereo sound_of(const std::filesystem::path& bank, const NoteTable::Strike& blow
   constexpr std::size_t kBlock = 256, kFrames = 94 * kBlock;
   Session session(kRate_hz);
   EXPECT_TRUE(session.rack().load("object", bank));
-  EXPECT_TRUE(session.play(protocol::Strike{{.name = "object"}, {blow.point_m, blow.impulse_ns, blow.contact_time_s}}, 0));
+  EXPECT_TRUE(
+      session.play(protocol::Strike{{.name = "object"}, {blow.point_m, blow.impulse_ns, blow.contact_time_s}}, 0));
   Stereo sound{std::vector<float>(kFrames), std::vector<float>(kFrames)};
   for (std::size_t at = 0; at < kFrames; at += kBlock) {
     session.rack().mixer().render(synth::Outputs(sound.left.data() + at, sound.right.data() + at), kBlock);
@@ -58,8 +59,8 @@ Stereo sound_of(const std::filesystem::path& bank, const NoteTable::Strike& blow
   return sound;
 }
 
-// The programs give two blows whose impulse nobody needs to state: that of a key at full velocity, and that of a click in
-// the window, which is as strong as the blow whose pressure a recorded bank states.
+// The programs give two blows whose impulse nobody needs to state: that of a key at full velocity, and that of a click
+// in the window, which is as strong as the blow whose pressure a recorded bank states.
 TEST(PresetLevels, ASingleBlowOnAPresetStaysBelowTheLimiterAndIsHeard) {
   constexpr double kClickContact_s = 0.0005, kLost_db = -60;
   const auto banks = files_below(kPresets / "banks", ".glb");
@@ -100,8 +101,7 @@ double integrated_lufs(const Stereo& sound) {
   std::vector<double> hops(sound.left.size() / kHop);  // energy
   for (const auto* channel : {&sound.left, &sound.right}) {
     std::vector<double> weighted(channel->begin(), channel->end());
-    filter(weighted, {1.53512485958697, -2.69169618940638, 1.19839281085285},
-           {1, -1.69065929318241, 0.73248077421585});
+    filter(weighted, {1.53512485958697, -2.69169618940638, 1.19839281085285}, {1, -1.69065929318241, 0.73248077421585});
     filter(weighted, {1, -2, 1}, {1, -1.99004745483398, 0.99007225036621});
     for (std::size_t i = 0; i < hops.size() * kHop; ++i) hops[i / kHop] += weighted[i] * weighted[i];
   }
@@ -123,7 +123,8 @@ double integrated_lufs(const Stereo& sound) {
 TEST(PresetLevels, ASineOf997HertzAtMinus23DecibelsInBothChannelsHasMinus23Lufs) {
   Stereo sine;
   for (int n = 0; n < 5 * 48000; ++n) {
-    sine.left.push_back(static_cast<float>(std::pow(10, -23.0 / 20) * std::sin(2 * std::numbers::pi * 997 * n / kRate_hz)));
+    sine.left.push_back(
+        static_cast<float>(std::pow(10, -23.0 / 20) * std::sin(2 * std::numbers::pi * 997 * n / kRate_hz)));
   }
   sine.right = sine.left;
   EXPECT_NEAR(integrated_lufs(sine), -23, 0.05);
