@@ -88,7 +88,8 @@ void add_render_verb(manual::App& app, ExitCode& outcome) {
   verb->add_option("-o,--output", arguments->output, "File to write: .wav (32-bit float) or .flac (24 bit).")
       ->type_name("FILE")
       ->required();
-  verb->add_option("--seconds", options.seconds, "Length; default: the scene's own, or the score's plus 5 s.")
+  verb->add_option("--seconds", options.seconds,
+                   "Length; default: the scene's own, or the score's plus 5 to 60 s, until it has fallen by 60 dB.")
       ->check(manual::between(0.0, session::kMaxRender_s));
   verb->add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")
       ->check(manual::between(8000.0, 768000.0))

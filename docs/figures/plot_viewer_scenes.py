@@ -27,6 +27,7 @@ MOMENTS_S = {  # of the scene
     "vibraphone": 5,
     "xylophone": 5.2,
     "turning-plate": 3,
+    "gongs": 7.35,
     "rolling-balls": 2.8,
 }
 COLUMNS = 4

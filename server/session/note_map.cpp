@@ -1,9 +1,12 @@
 #include "server/session/note_map.h"
 
+#include "engine/modal/hearing/contact_pulse.h"
+#include "engine/modal/material_scale.h"
 #include "protocol/defaults.h"
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace ringdown::session {
 namespace {
@@ -22,6 +25,41 @@ double motion_at(const modal::Bank& bank, std::size_t point) {
   return sum;
 }
 
+// Returns the direction in which the first leading mode that has an average share of the motion at a sample point moves
+// there. One mode always has such a share. The first mode of all may be at rest, on one of its nodal lines.
+Vec3 direction_at(const modal::Bank& bank, std::size_t point) {
+  const double share = motion_at(bank, point) / static_cast<double>(kLeadingModes);
+  for (std::size_t mode = 0; mode < std::min(bank.mode_count(), kLeadingModes); ++mode) {
+    const Vec3 shape = as_vector(bank.shape(mode, point));
+    if (const double motion = dot(shape, shape); motion > 0 && motion >= share) return (1 / std::sqrt(motion)) * shape;
+  }
+  return {};
+}
+
+// Returns the sum of the modes' amplitudes after a strike, which the sound pressure at 1 m does not exceed [Pa], for an
+// object of gain 1.
+double peak_bound_pa(const ObjectState& object, const NoteTable::Strike& strike) {
+  const modal::Bank& bank = object.map->bank();
+  std::vector<double> velocities(bank.mode_count());
+  object.map->excite((1 / object.material.size) * strike.point_m, strike.impulse_ns, velocities);
+  double sum_pa = 0;
+  for (std::size_t m = 0; m < velocities.size(); ++m) {
+    const double frequency_hz = modal::rescale(bank, m, object.material).frequency_hz;
+    if (frequency_hz == 0) continue;
+    const double share = modal::pulse_spectrum(frequency_hz, strike.contact_time_s);
+    sum_pa +=
+        std::abs(velocities[m] * share) * object.map->loudness().pressure_pa(bank, m, object.material, frequency_hz);
+  }
+  return bank.gain * modal::shape_factor(object.material) * sum_pa;
+}
+
+// Changes the impulse so that the strike is between kMinDefault_pa and kMaxDefault_pa loud.
+void keep_in_range(const ObjectState& object, NoteTable::Strike& strike) {
+  const double bound_pa = peak_bound_pa(object, strike);
+  if (bound_pa == 0) return;
+  strike.impulse_ns = (std::clamp(bound_pa, kMinDefault_pa, kMaxDefault_pa) / bound_pa) * strike.impulse_ns;
+}
+
 }  // namespace
 
 NoteTable::Strike best_strike(const ObjectState& object) {
@@ -34,9 +72,8 @@ NoteTable::Strike best_strike(const ObjectState& object) {
     if (const double motion = motion_at(bank, point); motion > most) best = point, most = motion;
   }
   strike.point_m = object.material.size * as_vector(bank.positions[best]);
-  const Vec3 direction = as_vector(bank.shape(0, best));
-  const double mass_kg = bank.mass ? modal::rescale(*bank.mass, object.material).mass_kg : 1, size = length(direction);
-  strike.impulse_ns = size > 0 ? (kDefaultVelocity_m_s * mass_kg / size) * direction : Vec3{};
+  const double mass_kg = bank.mass ? modal::rescale(*bank.mass, object.material).mass_kg : 1;
+  strike.impulse_ns = (kDefaultVelocity_m_s * mass_kg) * direction_at(bank, best);
   return strike;
 }
 
@@ -46,7 +83,9 @@ NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSna
     std::vector<ObjectSnapshot> ordered = objects;
     std::ranges::sort(ordered, {}, [](const ObjectSnapshot& object) { return object->number; });
     for (std::size_t i = 0; i < ordered.size() && kFirstDefaultNote + i < kNotes; ++i) {
-      table.notes[kFirstDefaultNote + i] = best_strike(*ordered[i]);
+      NoteTable::Strike strike = best_strike(*ordered[i]);
+      keep_in_range(*ordered[i], strike);
+      table.notes[kFirstDefaultNote + i] = strike;
     }
     return table;
   }
@@ -58,8 +97,9 @@ NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSna
     if (object == objects.end()) continue;  // the object may be loaded later
     NoteTable::Strike strike = best_strike(**object);
     strike.point_m = entry.point_m.value_or(strike.point_m);
-    strike.impulse_ns = entry.impulse_ns.value_or(strike.impulse_ns);
     strike.contact_time_s = entry.contact_time_s.value_or(strike.contact_time_s);
+    keep_in_range(**object, strike);
+    strike.impulse_ns = entry.impulse_ns.value_or(strike.impulse_ns);
     if (entry.is_bowed()) {
       const Vec3 way = entry.bow_direction.value_or(strike.impulse_ns);
       const double size = length(way);

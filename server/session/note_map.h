@@ -37,14 +37,18 @@ struct NoteTable {
 };
 
 // Returns the default strike of an object: at the point where its eight most important modes move most, in the
-// direction in which the first of these modes moves there, with an impulse of kDefaultVelocity_m_s times the object's
-// mass.
+// direction in which the first of these modes that takes an average part in this motion moves there, with an impulse of
+// kDefaultVelocity_m_s times the object's mass.
 NoteTable::Strike best_strike(const ObjectState& object);
 inline constexpr double kDefaultVelocity_m_s = 0.1;
+// The sound pressures at 1 m between which a full blow of a note lies if the map states no impulse. They are 1 and 30
+// dB below the default full scale, so one note neither reaches the limiter nor is lost.
+inline constexpr double kMaxDefault_pa = 17.8, kMinDefault_pa = 0.63;
 inline constexpr double kDefaultBow_m_s = 0.4, kDefaultBow_n = 2;
 
 // Makes the note table. Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note
-// the next object, and so on. Values that the map does not name are those of best_strike().
+// the next object, and so on. Values that the map does not name are those of best_strike(), with the impulse raised or
+// lowered so that the sum of the modes' amplitudes lies between kMinDefault_pa and kMaxDefault_pa.
 NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects);
 
 // Keeps the note table for a rack's present objects, and makes it anew after they have changed.

@@ -108,7 +108,9 @@ class Run {
       return fail(ErrorKind::bad_input,
                   "nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
     }
-    frames_ = static_cast<Frame>(std::llround(seconds * options_.sample_rate_hz));
+    frames_ = longest_ = static_cast<Frame>(std::llround(seconds * options_.sample_rate_hz));
+    second_ = static_cast<Frame>(std::llround(options_.sample_rate_hz));
+    if (tail_) longest_ = frames_ + static_cast<Frame>(kMaxTail_s - kTail_s) * second_;
     left_.resize(options_.block_frames);
     right_.resize(options_.block_frames);
     if (const auto order = settings.ambisonic_order) {
@@ -117,19 +119,21 @@ class Run {
     return {};
   }
 
-  // The length of the sound, and its channels without samples. Valid once the run is prepared.
-  [[nodiscard]] std::size_t frames() const { return static_cast<std::size_t>(frames_); }
+  // The length of the sound, and its channels without samples. Valid once the run is prepared. Before render() the
+  // length is the largest possible one.
+  [[nodiscard]] std::size_t frames() const { return static_cast<std::size_t>(longest_); }
   [[nodiscard]] Piece silence() const { return {{}, {}, std::vector<std::span<const float>>(ambisonics_.size())}; }
 
-  // Hands the sound to `take`, piece by piece, and ends with the first error that it returns.
+  // Hands the sound to `take`, piece by piece, and ends with the first error that it returns. A tail grows second by
+  // second, until the last second is quiet; the limiter's delay comes after that.
   Result<void> render(const Take& take, const Progress& progress) {
     take_ = take;
-    const Frame total = frames_ + latency();
     const auto block = static_cast<Frame>(options_.block_frames);
-    for (Frame begin = 0; begin < total; begin += block) {
-      render_until(std::min(begin + block, total));
+    while (now_ < longest_ + latency()) {
+      if (now_ == frames_ && frames_ < longest_) grow_tail();
+      render_until(std::min(now_ + block, frames_ < longest_ ? frames_ : longest_ + latency()));
       if (!taken_) return taken_;
-      if (!progress(static_cast<double>(now_) / static_cast<double>(total))) return cancelled();
+      if (!progress(static_cast<double>(now_) / static_cast<double>(longest_ + latency()))) return cancelled();
     }
     return {};
   }
@@ -139,9 +143,22 @@ class Run {
   double take_score_length() {
     if (score_.empty()) return 0;
     const double last_s = score_.back().time_s;
-    if (score_.back().message.address != "/c_set") return last_s + kTail_s;
+    if (score_.back().message.address != "/c_set") {
+      tail_ = !options_.seconds;
+      return last_s + kTail_s;
+    }
     score_.pop_back();
     return last_s;
+  }
+
+  // Adds a second to the sound, or makes its length final if the last second was quiet.
+  void grow_tail() {
+    if (peak_since_ > loudest_ * static_cast<float>(std::pow(10, -kTail_db / 20))) {
+      frames_ = std::min(frames_ + second_, longest_);
+      peak_since_ = 0;
+    } else {
+      longest_ = frames_;
+    }
   }
 
   void render_until(Frame end) {
@@ -201,9 +218,18 @@ class Run {
       const Frame from = std::clamp(first, begin, end), to = std::clamp(last, from, end);
       return std::span(samples).subspan(static_cast<std::size_t>(from - begin), static_cast<std::size_t>(to - from));
     };
-    const Frame late = latency();
-    Piece piece{part(left_, late, late + frames_), part(right_, late, late + frames_), {}};
-    for (const std::vector<float>& channel : ambisonics_) piece.ambisonics.push_back(part(channel, 0, frames_));
+    // The frames of the sound from `first` to `last` that lie in this block.
+    const auto piece_of = [&](Frame first, Frame last) {
+      const Frame late = latency();
+      Piece piece{part(left_, late + first, late + last), part(right_, late + first, late + last), {}};
+      for (const std::vector<float>& channel : ambisonics_) piece.ambisonics.push_back(part(channel, first, last));
+      return piece;
+    };
+    const Piece piece = piece_of(0, frames_);
+    if (tail_) {
+      loudest_ = std::max(loudest_, peak_of(piece));
+      peak_since_ = std::max(peak_since_, peak_of(piece_of(frames_ - second_, frames_)));
+    }
     if (taken_) taken_ = take_(piece);
   }
 
@@ -237,8 +263,12 @@ class Run {
   Session session_;
   std::vector<wire::ScoreEvent> score_;
   std::size_t next_ = 0, pushed_ = 0;
-  Frame now_ = 0, frames_ = 0;       // frames rendered so far; length of the sound without the limiter's delay
-  std::vector<float> left_, right_;  // one block
+  Frame now_ = 0;                       // frames rendered so far
+  Frame frames_ = 0, longest_ = 0;      // length of the sound without the limiter's delay: so far, and at most
+  Frame second_ = 0;                    // frames in a second
+  bool tail_ = false;                   // whether the length depends on how long the sound rings
+  float loudest_ = 0, peak_since_ = 0;  // largest |sample| of the tail's sound: of all, and of the last second
+  std::vector<float> left_, right_;     // one block
   std::vector<std::vector<float>> ambisonics_;
   Take take_;
   Result<void> taken_;  // the result of take_

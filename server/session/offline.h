@@ -23,13 +23,15 @@ struct OfflineOptions {
   std::vector<wire::ScoreEvent> score;                                 // by time, as read_score() returns it
   std::vector<std::pair<std::string, std::filesystem::path>> objects;  // name, bank
   std::optional<double> seconds;  // default: the scene's own duration, or up to the score's end mark /c_set, or its
-                                  // last event and kTail_s
+                                  // last event and its tail
   double sample_rate_hz = 48000;
   std::size_t block_frames = 256;
   synth::MixerSettings mixer;  // the limiter's delay is removed from the result; the budget is not used
 };
 
-inline constexpr double kTail_s = 5;
+// A score without an end mark sounds for kTail_s after its last event, and then second by second until the peak of the
+// last second is kTail_db below the peak of the whole, for kMaxTail_s at most.
+inline constexpr double kTail_s = 5, kMaxTail_s = 60, kTail_db = 60;
 inline constexpr double kMaxRender_s = 24 * 3600;
 
 struct Recording {

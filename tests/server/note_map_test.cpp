@@ -103,6 +103,26 @@ TEST_F(NoteMapTest, AnObjectOfAnotherSizeIsStruckWhereThatPointHasCome) {
   EXPECT_NEAR(length(large.impulse_ns) / length(one.impulse_ns), 3 * 8, 1e-9) << "as many times its mass";
 }
 
+TEST_F(NoteMapTest, AnObjectWhoseMainModeRestsAtTheBestPointIsStruckAlongAnotherMode) {
+  modal::Bank bank = test::bar_bank(5);
+  for (std::size_t point = 0; point < bank.point_count(); ++point) bank.shapes[point] = {};
+  const NoteTable::Strike strike = best_strike(object("bar", 0, bank));
+  EXPECT_NEAR(std::abs(strike.impulse_ns.z), kDefaultVelocity_m_s * bank.mass->mass_kg, 1e-6);
+}
+
+// The gain of a bank stands for how loud it is: the impulse times the gain is the level.
+TEST_F(NoteMapTest, ADefaultBlowLiesBetweenTwoLevelsHoweverLoudAnObjectIs) {
+  const auto level = [](double gain) {
+    modal::Bank bank = test::bar_bank(5);
+    bank.gain = gain;
+    const NoteTable table = resolve(std::nullopt, {std::make_shared<const ObjectState>(object("bar", 0, bank))});
+    return gain * length(table.notes[kFirstDefaultNote]->impulse_ns);
+  };
+  EXPECT_NEAR(level(1e6) / level(1e5), 1, 1e-9);
+  EXPECT_NEAR(level(1e-6) / level(1e-5), 1, 1e-9);
+  EXPECT_NEAR(level(1e6) / level(1e-6), kMaxDefault_pa / kMinDefault_pa, 1e-9);
+}
+
 TEST_F(NoteMapTest, WithoutAMapTheObjectsLieInARowFromMiddleC) {
   const NoteTable table = resolve(std::nullopt, {snapshot("second", 3), snapshot("first", 1)});
   ASSERT_TRUE(table.notes[60] && table.notes[61]);

@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 #include <sndfile.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <unistd.h>
@@ -284,6 +285,35 @@ TEST_F(OfflineTest, RefusedRequestsOfAScoreAreReportedWithTheirTime) {
 TEST_F(OfflineTest, AScoreEndsAtItsEndMark) {
   ASSERT_TRUE(wire::write_score(std::vector<wire::ScoreEvent>{{0.75, {"/c_set", {0, 0}}}}, folder_ / "end.osc"));
   EXPECT_EQ(render({.score = wire::read_score(folder_ / "end.osc").value()}).left.size(), 36000u);
+}
+
+// The bank of one mode falls by 60 dB in `t60_s`.
+std::size_t seconds_of_a_blow(const test::TemporaryFolder& folder, double t60_s, OfflineOptions options) {
+  EXPECT_TRUE(modal::write_bank(test::single_mode_bank(500, std::log(1000) / t60_s), folder / "one.glb"));
+  const protocol::Strike blow{{.name = "one"}, {{}, {0, 0, 0.01}, 0.0002}};
+  EXPECT_TRUE(wire::write_score(std::vector<wire::ScoreEvent>{{0.5, format(blow)}}, folder / "one.osc"));
+  options.objects = {{"one", folder / "one.glb"}};
+  options.score = wire::read_score(folder / "one.osc").value();
+  const auto recording = render_offline(options, [](double) { return true; });
+  EXPECT_TRUE(recording) << recording.error().message;
+  EXPECT_GT(recording->peak, 0);
+  EXPECT_EQ(recording->left.size(), recording->right.size());
+  for (const auto& channel : recording->ambisonics) EXPECT_EQ(channel.size(), recording->left.size());
+  // A score ends half a second after a whole second, because its event does not lie on one.
+  EXPECT_EQ((recording->left.size() - 24000) % 48000, 0u);
+  return recording->left.size() / 48000;
+}
+
+TEST_F(OfflineTest, AScoreWithoutEndMarkEndsWhenItsSoundHasFallenBySixtyDecibels) {
+  for (const auto limiter : {std::optional<double>(), std::optional(-1.0)}) {
+    for (const std::size_t block : {255u, 256u, 8192u}) {
+      const OfflineOptions options{.block_frames = block,
+                                   .mixer = {.limiter_db = limiter, .ambisonic_order = std::size_t{1}}};
+      EXPECT_EQ(seconds_of_a_blow(folder_, 0.5, options), 5u) << "after the shortest tail";
+      EXPECT_EQ(seconds_of_a_blow(folder_, 8.75, options), 10u) << "with a last second below the 60 dB";
+      EXPECT_EQ(seconds_of_a_blow(folder_, 500, options), 60u) << "after the longest tail";
+    }
+  }
 }
 
 TEST_F(OfflineTest, AnEmptyRenderAndACancelledOneAreErrors) {
