@@ -21,11 +21,11 @@ using MixerRequests = Joined<VerbRequests, Types<StrikeMany, PoseMany, ClearAll>
 using MixerRequest = OneOf<MixerRequests>;
 
 // Carried out by the worker before the request's own frame, and heard from that frame on.
-using TimedWorkerRequests = Types<Hold>;
+using TimedWorkerRequests = Types<Hold, BreakObject>;
 using TimedWorkerRequest = OneOf<TimedWorkerRequests>;
 
 // Carried out by the worker as soon as everything sent before has been: reads banks and scenes, retunes, frees.
-using WorkerRequests = Types<SetMaterial, SetGroup, SetMute, SetSolo, SelectModes, Excite, FreeObject, LoadObject,
+using WorkerRequests = Types<SetMaterial, SetGroup, SetMute, SetSolo, SelectModes, Excite, ArmObject, MendObject, FreeObject, LoadObject,
                              SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush, TestTone>;
 using WorkerRequest = OneOf<WorkerRequests>;
 
@@ -34,7 +34,7 @@ using FileRequests = Types<SaveState, SaveScene, RecordStart, RecordStop, Captur
 using FileRequest = OneOf<FileRequests>;
 
 // Asks and changes nothing: answered by the worker, in order.
-using Questions = Types<DescribeObject, ReadBank, SceneDescribe, Browse, Sync>;
+using Questions = Types<DescribeObject, DescribePieces, ReadBank, SceneDescribe, Browse, Sync>;
 using Question = OneOf<Questions>;
 
 // Changes what its sender is sent from now on: at once, by the thread that received it.

@@ -43,6 +43,7 @@ inline constexpr Quantity kPan{"", -1, 1};
 inline constexpr Quantity kScale{"", 1e-3, 1e3};
 inline constexpr Quantity kDampingScale{"", 0, 1e3};
 inline constexpr Quantity kSizeScale{"", 1e-2, 1e2};
+inline constexpr Quantity kPattern{"", -1, 1023};
 inline constexpr Quantity kIndex{"", 0, kMaxNumber};
 inline constexpr Quantity kCount{"", 0, std::numeric_limits<std::int32_t>::max()};
 inline constexpr Quantity kId{"", std::numeric_limits<std::int32_t>::min(), kCount.most};
@@ -52,6 +53,8 @@ inline constexpr Quantity kNoticeRate{"Hz", 0.1, 200};
 inline constexpr Quantity kUnit{"", -1.001, 1.001};  // rounding to float may pass 1
 inline constexpr Quantity kTemperature{"degrees C", -50, 60};
 inline constexpr Quantity kHumidity{"percent", 0, 100};
+inline constexpr Quantity kPieceMass{"kg", 0, 1e30};
+inline constexpr Quantity kInertia{"kg m2", 0, 1e30};
 inline constexpr Quantity kAnyPosition{"m", -1e30, 1e30};
 inline constexpr Quantity kAnyImpulse{"N s", -1e30, 1e30};
 inline constexpr Quantity kFrequency{"Hz", 1, 1e5};

@@ -80,6 +80,21 @@ struct BankReply {  // /bank.reply
   std::int32_t total = 0;  // bytes of the file
   wire::Blob bytes;
 };
+struct PiecesReply {  // /pieces.reply
+  std::string name;
+  std::int32_t pattern = 0, patterns = 0;
+  bool broken = false;
+  std::int32_t pieces = 0;  // number of /pieces.piece that follow
+};
+struct PieceReply {  // /pieces.piece
+  std::int32_t number = 0;
+  std::string name;
+  std::int32_t object = -1;  // -1: it has no mode that rings
+  double mass_kg = 0;
+  Vec3 center_m, inertia_kg_m2;
+  double x = 0, y = 0, z = 0, w = 1;  // principal axes -> object frame
+  Vec3 velocity_m_s, spin_rad_s;
+};
 struct SceneReply {  // /scene.reply
   std::int32_t version = 0;
   std::int32_t bodies = 0, statics = 0;  // numbers of /scene.body and /scene.static that follow
@@ -166,7 +181,7 @@ struct NotifyModes {  // /notify.modes
 
 inline constexpr std::int32_t kFrameModulus = 1 << 30;
 
-using Replies = Types<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply, BankReply, SceneReply, SceneBody,
+using Replies = Types<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply, BankReply, PiecesReply, PieceReply, SceneReply, SceneBody,
                       SceneStatic, BrowseReply, BrowseFile, NotifyObject, NotifyGroup, NotifyContact, NotifyPeak,
                       NotifyObjectPeak, NotifyLoad, NotifyBody, NotifyScene, NotifySound, NotifyModes>;
 using Reply = OneOf<Replies>;

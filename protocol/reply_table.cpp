@@ -121,6 +121,32 @@ Row row(BankReply& s) {
        integer(&s.total, "total", kCount, "The same."), records(&s.bytes, "bytes", 1, kMaxBankBytes, "The piece.")});
 }
 
+Row row(PiecesReply& s) {
+  return reply(s = {"plate", 0, 1, true, 36}, "/pieces.reply", "What an object breaks into.",
+               {any_text(&s.name, "name", "The object's name."),
+                integer(&s.pattern, "pattern", kCount, "The pattern of its pieces, and how many its bank has."),
+                integer(&s.patterns, "patterns", kCount, "The same."), flag(&s.broken, "broken", "0: it is whole."),
+                integer(&s.pieces, "pieces", kCount, "How many /pieces.piece follow; 0 if it is not armed.")});
+}
+
+Row row(PieceReply& s) {
+  return reply(
+      s = {0, "plate.0", 12, 0.02, {0.05, 0, 0.01}, {1e-6, 2e-6, 3e-6}, 0, 0, 0, 1, {0, 0, -0.5}, {1, 0, 0}},
+      "/pieces.piece", "A piece, in the frame of the object that it is from.",
+      {integer(&s.number, "piece", kCount, "Its number, from 0, and its name."),
+       any_text(&s.name, "name", "The same."),
+       integer(&s.object, "object", kPattern, "The number of the object that it is; -1: it does not ring and is none."),
+       number(&s.mass_kg, "mass", kPieceMass, "Its mass."),
+       vector(&s.center_m, "centre", {"x", "y", "z"}, kAnyPosition, "Its centre of mass."),
+       vector(&s.inertia_kg_m2, "inertia", {"ix", "iy", "iz"}, kInertia, "Its principal moments of inertia."),
+       number(&s.x, "qx", kUnit, "How its principal axes are turned, a unit quaternion, real part last."),
+       number(&s.y, "qy", kUnit, "Its y component."), number(&s.z, "qz", kUnit, "Its z component."),
+       number(&s.w, "qw", kUnit, "The same."),
+       vector(&s.velocity_m_s, "velocity", {"vx", "vy", "vz"}, kAnyPosition,
+              "How it flies, beyond the motion that the object had before the blow; 0 before it breaks."),
+       vector(&s.spin_rad_s, "spin", {"sx", "sy", "sz"}, kAnyPosition, "How fast it turns, in rad/s.")});
+}
+
 Row row(SceneReply& s) {
   return reply(s = {3, 6, 1, 12, {0, -2, 1}, {0, 0, 0.3}, 50, "presets/scenes/demo.toml"}, "/scene.reply",
                "What scene is played.",

@@ -122,6 +122,25 @@ struct Excite {  // /object/{object}/excite
 struct PoseMany {  // /poses
   wire::Blob records;
 };
+// Makes the pieces ready that the object breaks into.
+struct ArmObject {  // /object/{object}/arm
+  ObjectRef object;
+  std::uint32_t pattern = 0;  // of its bank
+};
+// A blow under which the object breaks.
+struct BreakObject {  // /object/{object}/break
+  ObjectRef object;
+  Vec3 point_m, impulse_ns;
+  double contact_time_s = synth::kDefaultContactTime_s;
+  std::int32_t pattern = -1;  // -1: the one that is armed, or else the one nearest to the point
+};
+// The pieces go, and the object is whole.
+struct MendObject {  // /object/{object}/mend
+  ObjectRef object;
+};
+struct DescribePieces {  // /object/{object}/pieces
+  ObjectRef object;
+};
 struct FreeObject {  // /object/{object}/free
   ObjectRef object;
 };
@@ -210,7 +229,7 @@ using VerbRequests = decltype(detail::requests_of(synth::PublicVerbs()));
 using Requests =
     Joined<VerbRequests,
            Types<StrikeMany, PoseMany, ClearAll, SetMaterial, Hold, SetGroup, SetMute, SetSolo, SelectModes,
-                 WatchObject, DescribeObject, ReadBank, Excite, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox,
+                 WatchObject, DescribeObject, ReadBank, Excite, ArmObject, BreakObject, MendObject, DescribePieces, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox,
                  SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState,
                  SaveScene, RecordStart, RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
 using Request = OneOf<Requests>;

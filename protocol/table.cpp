@@ -343,6 +343,38 @@ Row row(SetListenerAir& s) {
                  optional(number(&s.verb.humidity_percent, "humidity", kHumidity, "Relative humidity."))});
 }
 
+Row row(ArmObject& s) {
+  return answered(s = {kBell}, "/object/{object}/arm",
+                  "Makes the pieces ready that the object breaks into, as objects NAME.0, NAME.1 and so on, so that a "
+                  "break takes no time. /break does it by itself.",
+                  {object(&s.object),
+                   optional(integer(&s.pattern, "pattern", kIndex, "Which of its bank's patterns of pieces, from 0."))},
+                  "/done", "How many pieces it has; those without a mode are no objects.");
+}
+
+Row row(BreakObject& s) {
+  return answered(
+      s = {kBell, {0.05, 0, 0.02}, {-0.5, 0, 0}, 0.0002}, "/object/{object}/break",
+      "Breaks the object at the peak of a blow: it falls silent, and its pieces take over its motion. Its bank must "
+      "have pieces ([shatter] in the object file).",
+      {object(&s.object), vector(&s.point_m, "point", {"x", "y", "z"}, kPosition, "Where it is struck."),
+       impulse(&s.impulse_ns), contact_time(&s.contact_time_s),
+       optional(integer(&s.pattern, "pattern", kPattern,
+                        "Which of its bank's patterns; -1: the one that is armed, else the nearest one."))},
+      "/done", "How many pieces it has; /pieces tells their names and velocities.");
+}
+
+Row row(MendObject& s) {
+  return answered(s = {kBell}, "/object/{object}/mend", "Removes the object's pieces; it can be struck again.",
+                  {object(&s.object)});
+}
+
+Row row(DescribePieces& s) {
+  return answered(s = {kBell}, "/object/{object}/pieces",
+                  "Asks for the pieces of an object that is armed or broken: their masses, and how they fly.",
+                  {object(&s.object)}, "/pieces.reply");
+}
+
 Row row(FreeObject& s) {
   return answered(s = {kBell}, "/object/{object}/free",
                   "Fades and removes the object; its name and number become free.", {object(&s.object)});

@@ -71,6 +71,22 @@ Answer read(const protocol::ReadBank& question, const session::Session& session)
                                                           whole(piece->total), std::move(piece->bytes)}};
 }
 
+Answer describe(const protocol::DescribePieces& question, const session::Session& session) {
+  const auto report = session.breakage().report(question.object);
+  if (!report) return fail(report.error());
+  const std::string name = (*session.rack().find(question.object))->name;
+  std::vector<protocol::Reply> answer{protocol::PiecesReply{name, whole(report->pattern), whole(report->patterns),
+                                                            report->broken, whole(report->pieces.size())}};
+  for (std::size_t i = 0; i < report->pieces.size(); ++i) {
+    const auto& piece = report->pieces[i];
+    const auto& [x, y, z, w] = piece.mass.orientation;
+    answer.emplace_back(protocol::PieceReply{whole(i), piece.name, piece.number ? whole(*piece.number) : -1,
+                                             piece.mass.mass_kg, piece.mass.center_of_mass_m, piece.mass.inertia_kg_m2,
+                                             x, y, z, w, piece.velocity_m_s, piece.spin_rad_s});
+  }
+  return answer;
+}
+
 Answer describe(const session::ScenePlayer& player) {
   const session::ScenePlayer::Description scene = player.describe();
   protocol::SceneReply head{.version = scene.version,
@@ -111,6 +127,7 @@ Answer browse_all(const session::FileRoots& roots) {
 Answer answer_to(const protocol::Question& question, const session::Session& session) {
   return visit(Overloaded{
                    [&](const protocol::DescribeObject& object) { return describe(object, session); },
+                   [&](const protocol::DescribePieces& pieces) { return describe(pieces, session); },
                    [&](const protocol::ReadBank& bank) { return read(bank, session); },
                    [&](const protocol::SceneDescribe&) { return describe(session.scene()); },
                    [&](const protocol::Browse&) { return browse_all(session.roots()); },

@@ -13,7 +13,13 @@ Result<void> Session::check_frame(synth::Frame frame) const {
 Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame frame) {
   if (auto good = check_frame(frame); !good) return good;
   events_.clear();
-  return append_events(request, rack_, frame, events_);
+  if (auto appended = append_events(request, rack_, frame, events_); !appended) return appended;
+  for (const synth::Event& event : events_) {
+    const synth::Effect effect = effect_of(event);
+    if (effect != synth::Effect::excites && effect != synth::Effect::begins) continue;
+    if (auto whole = breakage_.check_whole(event.object); !whole) return whole;
+  }
+  return {};
 }
 
 Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
@@ -23,7 +29,8 @@ Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::
                  if (!object) return fail(object.error());
                  if (!(set.damper.damping_ns_m > 0)) return {};  // removes the damper; its point does not matter
                  return check_point(set.damper.point_m, **object);
-               }},
+               },
+                          [&](const protocol::BreakObject& blow) { return breakage_.check(blow); }},
                request);
 }
 
@@ -86,6 +93,8 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
                    [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
                    [&](const SetMute& set) { return none(rack_.set_heard(set.object, &ObjectState::mute, set.on)); },
                    [&](const SetSolo& set) { return none(rack_.set_heard(set.object, &ObjectState::solo, set.on)); },
+                   [&](const ArmObject& arm) { return number(breakage_.arm(arm.object, arm.pattern)); },
+                   [&](const MendObject& mend) { return none(breakage_.mend(mend.object)); },
                    [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },
                    [&](const SceneLoad& scene) { return number(scene_.load(scene.path, frame)); },
                    [&](const ScenePause& pause) { return none(scene_.pause(pause.paused)); },
@@ -107,7 +116,8 @@ Answer Session::perform(const protocol::TimedWorkerRequest& request, synth::Fram
   if (const auto good = check(request, frame); !good) return fail(good.error());
   return visit(Overloaded{[&](const protocol::Hold& set) {
                  return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
-               }},
+               },
+                          [&](const protocol::BreakObject& blow) { return number(breakage_.break_object(blow, frame)); }},
                request);
 }
 

@@ -14,6 +14,7 @@
 #include "engine/base/result.h"
 #include "protocol/lanes.h"
 #include "server/session/bank_reader.h"
+#include "server/session/breakage.h"
 #include "server/session/file_roots.h"
 #include "server/session/rack.h"
 #include "server/session/scene_player.h"
@@ -39,6 +40,7 @@ class Session {
   [[nodiscard]] BankReader& banks() { return banks_; }
   [[nodiscard]] Rack& rack() { return rack_; }
   [[nodiscard]] const Rack& rack() const { return rack_; }
+  [[nodiscard]] const Breakage& breakage() const { return breakage_; }
   [[nodiscard]] ScenePlayer& scene() { return scene_; }
   [[nodiscard]] const ScenePlayer& scene() const { return scene_; }
   [[nodiscard]] double sample_rate_hz() const { return rack_.mixer().sample_rate_hz(); }
@@ -86,6 +88,7 @@ class Session {
   FileRoots roots_;
   BankReader banks_;
   Rack rack_;
+  Breakage breakage_{rack_};
   ScenePlayer scene_;
   StrikeMerger merger_{0};
   std::vector<synth::Event> events_;  // control: events of the request that was last checked

@@ -88,7 +88,8 @@ void print_fracture(const modal::Fracture& fracture) {
   for (const modal::BreakPattern& pattern : fracture.patterns) {
     std::size_t modes = 0, silent = 0;
     double lowest_hz = HUGE_VAL, error = 0;
-    for (const auto& [bank, handover, near_m, far_m] : pattern.pieces) {
+    for (const auto& piece : pattern.pieces) {
+      const modal::Bank& bank = piece.bank;
       modes += bank.mode_count();
       silent += bank.mode_count() == 0;
       for (const double hz : bank.frequency_hz) lowest_hz = std::min(lowest_hz, hz);

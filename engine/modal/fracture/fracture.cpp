@@ -33,7 +33,8 @@ Fracture scaled(const Fracture& fracture, const MaterialScale& scale) {
       changed.pieces.push_back({.bank = scaled(piece.bank, scale),
                                 .handover = ringing_rows(piece, scale),
                                 .near_m = scale.size * piece.near_m,
-                                .far_m = scale.size * piece.far_m});
+                                .far_m = scale.size * piece.far_m,
+                                .model = piece.model});
     }
   }
   return out;

@@ -27,6 +27,7 @@ struct PieceBank {
   std::vector<float> handover;  // BasicHandover::values
   double near_m = 0;            // distances of its nearest and its farthest crack from the place of the blow: the crack
   double far_m = 0;             // opens from one to the other
+  std::size_t model = 0;        // its number in the file that it was read from
 };
 
 struct BreakPattern {

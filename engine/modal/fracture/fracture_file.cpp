@@ -34,7 +34,11 @@ Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers
   if (!near_m) return fail(near_m.error());
   if (!far_m) return fail(far_m.error());
   if (*far_m < *near_m) return opens.wrong("two distances, the nearer one first");
-  return PieceBank{.bank = *bank, .handover = {}, .near_m = *near_m, .far_m = *far_m};
+  return PieceBank{.bank = *bank,
+                   .handover = {},
+                   .near_m = *near_m,
+                   .far_m = *far_m,
+                   .model = field["model"].index().value_or(0)};
 }
 
 Result<void> read_handovers(const Glb& glb, const JsonPlace& field, std::size_t columns, BreakPattern& pattern) {

@@ -1,0 +1,174 @@
+// Objects that break: a body whose first piece has all of its modes, and takes all of its motion, must sound on.
+#include "engine/modal/bank_file.h"
+#include "engine/modal/fracture/fracture.h"
+#include "server/session/session.h"
+#include "tests/support/signal.h"
+#include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ringdown::session {
+namespace {
+
+using protocol::BreakObject;
+using ringdown::test::Samples;
+using ringdown::test::TemporaryFolder;
+
+constexpr double kSampleRate = 48000;
+constexpr synth::Frame kBreak = 4003;
+const Vec3 kPoint{0.02, 0, 0};
+
+// A bar with little damping, which the pulse of a blow on the mixer leaves out while the pulse lasts.
+modal::Bank bar_bank(std::size_t modes) {
+  modal::Bank bar = test::bar_bank(modes);
+  for (double& decay : bar.decay_per_s) decay *= 0.01;
+  return bar;
+}
+
+// The first `shared` modes go on in the first piece; the second piece has none.
+modal::Bank breaking_bar(std::size_t shared) {
+  modal::Bank bar = bar_bank(6);
+  modal::MassProperties half = *bar.mass;
+  half.mass_kg /= 2;
+  half.inertia_kg_m2 = 0.5 * half.inertia_kg_m2;
+  modal::Fracture fracture;
+  fracture.patterns.push_back({.at_m = {}, .crack_area_m2 = 1e-4, .pieces = {}});
+  for (const std::size_t modes : {shared, std::size_t{0}}) {
+    modal::PieceBank piece{.bank = bar_bank(modes == 0 ? 1 : modes)};
+    piece.bank.mass = half;
+    const std::size_t columns = modal::kRigidMotions + bar.mode_count();
+    if (modes == 0) {
+      modal::Bank silent{.name = "silent", .positions = piece.bank.positions, .material = bar.material, .mass = half};
+      piece.bank = silent;
+    }
+    piece.handover.assign((modal::kRigidMotions + modes) * columns, 0);
+    for (std::size_t m = 0; m < modes; ++m)
+      piece.handover[(modal::kRigidMotions + m) * columns + modal::kRigidMotions + m] = 1;
+    fracture.patterns[0].pieces.push_back(std::move(piece));
+  }
+  bar.fracture = std::make_shared<const modal::Fracture>(std::move(fracture));
+  return bar;
+}
+
+class Breaking : public testing::Test {
+ protected:
+  explicit Breaking() : session(kSampleRate) { load(session, 6); }
+
+  void load(Session& into, std::size_t shared) {
+    const auto path = folder / ("bar" + std::to_string(shared) + ".glb");
+    ASSERT_TRUE(modal::write_bank(breaking_bar(shared), path));
+    const auto loaded = into.perform(protocol::LoadObject{"bar", path.string()}, 0);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+  }
+  static Samples render(Session& played, std::size_t frames) {
+    std::vector<float> left(frames), right(frames);
+    constexpr std::size_t kBlock = 500;
+    for (std::size_t at = 0; at < frames; at += kBlock) {
+      const std::size_t now = std::min(kBlock, frames - at);
+      played.rack().mixer().render(std::span(left).subspan(at, now), std::span(right).subspan(at, now));
+      played.rack().collect();
+    }
+    return {left.begin(), left.end()};
+  }
+  static void strike(Session& struck, synth::Frame frame, Vec3 impulse_ns, double contact_time_s) {
+    const auto played = struck.play(protocol::Strike{{.name = "bar"}, {kPoint, impulse_ns, contact_time_s}}, frame);
+    ASSERT_TRUE(played) << played.error().message;
+  }
+
+  TemporaryFolder folder;
+  Session session;
+};
+
+// With and without a blow that breaks it, against the same bar that is only struck.
+TEST_F(Breaking, APieceWithAllOfTheMotionSoundsOnAsTheBodyWould) {
+  for (const Vec3 impulse_ns : {Vec3{0, 0, 0}, Vec3{0, 0, 0.02}, Vec3{0, 0, -1}}) {
+    constexpr double kContact_s = 0.4e-3;
+    Session broken(kSampleRate), whole(kSampleRate);
+    load(broken, 6);
+    load(whole, 6);
+    for (Session* one : {&broken, &whole}) strike(*one, 100, {0, 0, 0.05}, 0.2e-3);
+    // Armed before the first strike is played, so that the state follows it.
+    ASSERT_EQ(broken.perform(protocol::ArmObject{{.name = "bar"}}, 0).value(), 2);
+    strike(whole, kBreak, impulse_ns, kContact_s);
+    const auto done = broken.perform(BreakObject{{.name = "bar"}, kPoint, impulse_ns, kContact_s}, kBreak);
+    ASSERT_TRUE(done) << done.error().message;
+    const Samples heard = render(broken, 12000), expected = render(whole, 12000);
+    constexpr std::size_t kOver = kBreak + 50;
+    EXPECT_LT(test::relative_error_db(std::span(heard).subspan(kOver), std::span(expected).subspan(kOver)), -100)
+        << impulse_ns.z;
+    EXPECT_GT(test::peak(std::span(expected).subspan(kOver)), 0);
+  }
+}
+
+// Modes that no piece has end within a millisecond.
+TEST_F(Breaking, WhatNoPieceTakesFallsSilent) {
+  Session one(kSampleRate);
+  load(one, 1);
+  ASSERT_TRUE(one.perform(protocol::ArmObject{{.name = "bar"}}, 0));
+  strike(one, 100, {0, 0, 0.05}, 0);
+  ASSERT_TRUE(one.perform(BreakObject{{.name = "bar"}, kPoint, {}, 0}, kBreak));
+  const Samples heard = render(one, 24000);
+  const double first_hz = test::bar_bank(6).frequency_hz[0];
+  const auto left = test::fit_damped_sinusoid(std::span(heard).subspan(kBreak + 60, 8000), kSampleRate);
+  EXPECT_NEAR(left.frequency_hz, first_hz, 0.01);
+}
+
+TEST_F(Breaking, ABodyBreaksOnceAndIsMended) {
+  const auto refused = [](const auto& outcome, const char* word) {
+    ASSERT_FALSE(outcome);
+    EXPECT_NE(outcome.error().message.find(word), std::string::npos) << outcome.error().message;
+  };
+  const BreakObject blow{{.name = "bar"}, kPoint, {0, 0, 0.02}, 0.2e-3};
+  refused(session.perform(protocol::MendObject{{.name = "bar"}}, 0), "whole");
+  ASSERT_EQ(session.perform(blow, 0).value(), 2);
+  EXPECT_TRUE(session.rack().find({.name = "bar.0"}));
+  EXPECT_FALSE(session.rack().find({.name = "bar.1"})) << "it has no mode";
+  refused(session.perform(blow, 0), "broken");
+  refused(session.play(protocol::Strike{{.name = "bar"}, {kPoint, {0, 0, 1}, 0}}, 0), "bar.0");
+  ASSERT_TRUE(session.play(protocol::Strike{{.name = "bar.0"}, {kPoint, {0, 0, 1}, 0}}, 0));
+  const auto report = session.breakage().report({.name = "bar"});
+  ASSERT_TRUE(report);
+  EXPECT_TRUE(report->broken);
+  ASSERT_EQ(report->pieces.size(), 2u);
+  Vec3 momentum;
+  for (const auto& piece : report->pieces) momentum = momentum + piece.mass.mass_kg * piece.velocity_m_s;
+  EXPECT_NEAR(momentum.z, 0.01, 1e-9) << "half of the blow; a scene's striker gives the rest";
+  ASSERT_TRUE(session.perform(protocol::MendObject{{.name = "bar"}}, 0));
+  EXPECT_FALSE(session.rack().find({.name = "bar.0"}));
+  EXPECT_TRUE(session.play(protocol::Strike{{.name = "bar"}, {kPoint, {0, 0, 1}, 0}}, 0));
+}
+
+TEST_F(Breaking, RefusalsNameWhatIsMissing) {
+  ASSERT_TRUE(modal::write_bank(test::bar_bank(2), folder / "plain.glb"));
+  ASSERT_TRUE(session.perform(protocol::LoadObject{"plain", (folder / "plain.glb").string()}, 0));
+  const auto plain = session.perform(protocol::ArmObject{{.name = "plain"}}, 0);
+  ASSERT_FALSE(plain);
+  EXPECT_NE(plain.error().message.find("[shatter]"), std::string::npos);
+  const auto pattern = session.perform(protocol::ArmObject{{.name = "bar"}, 7}, 0);
+  ASSERT_FALSE(pattern);
+  EXPECT_NE(pattern.error().message.find("pattern 7"), std::string::npos);
+  ASSERT_TRUE(session.perform(protocol::LoadObject{"bar.0", (folder / "plain.glb").string()}, 0));
+  const auto taken = session.perform(protocol::ArmObject{{.name = "bar"}}, 0);
+  ASSERT_FALSE(taken);
+  EXPECT_NE(taken.error().message.find("exists already"), std::string::npos);
+}
+
+// A new material or bank makes pieces ready anew; a freed body takes its pieces along.
+TEST_F(Breaking, PiecesFollowTheirBody) {
+  ASSERT_TRUE(session.perform(protocol::ArmObject{{.name = "bar"}}, 0));
+  ASSERT_TRUE(session.perform(protocol::SetMaterial{{.name = "bar"}, {.stiffness = 4}}, 0));
+  EXPECT_FALSE(session.rack().find({.name = "bar.0"}));
+  ASSERT_TRUE(session.perform(BreakObject{{.name = "bar"}, kPoint, {0, 0, 0.02}, 0}, 0));
+  ASSERT_TRUE(session.rack().find({.name = "bar.0"}));
+  EXPECT_EQ((*session.rack().find({.name = "bar.0"}))->material.stiffness, 4);
+  ASSERT_TRUE(session.perform(protocol::FreeObject{{.name = "bar"}}, 0));
+  EXPECT_FALSE(session.rack().find({.name = "bar.0"}));
+}
+
+}  // namespace
+}  // namespace ringdown::session
