@@ -139,7 +139,14 @@ class Cutter {
     return cells;
   }
 
-  [[nodiscard]] bool is_apart(const Simplex& edge) const { return common(edge, 2).empty(); }
+  [[nodiscard]] bool has_common(const Simplex& simplex, int count) const {
+    const Cells& cells = cells_[simplex[0]];
+    return std::any_of(cells.begin(), cells.end(), [&](std::int32_t cell) {
+      return std::all_of(simplex.begin() + 1, simplex.begin() + count, [&](std::int32_t c) { return has(c, cell); });
+    });
+  }
+
+  [[nodiscard]] bool is_apart(const Simplex& edge) const { return !has_common(edge, 2); }
 
   // The least number of cells such that each corner belongs to one of them. The first `number` of `taken` are chosen
   // already, and corners before `from` belong to one of those.
@@ -253,7 +260,8 @@ class Cutter {
     insert(3, [&](const Simplex& s) { return least_cells(s, 3) > 2; });
     insert(2, [&](const Simplex& s) { return is_apart(s); });
     for (int count = 4; count > 1; --count) {
-      insert(count, [&](const Simplex& s) { return common(s, count).empty(); }, true);
+      insert(
+          count, [&](const Simplex& s) { return !has_common(s, count); }, true);
     }
   }
 
@@ -323,8 +331,8 @@ class Cutter {
   enum class Flatness { kNone, kThin, kFolded };
 
   // A part is folded if its corners span a tenth or less, or ten times, of what they would in a straight element, or so
-  // little that mesh::check_mesh() takes it for no volume, with a margin of two. It is thin if they span a hundred times
-  // that.
+  // little that mesh::check_mesh() takes it for no volume, with a margin of two. It is thin if they span a hundred
+  // times that.
   [[nodiscard]] Flatness flatness_of(const SubElement& part) const {
     constexpr double kLeastRatio = 0.1, kMaxRatio = 10, kNoVolume = 2e-9, kThinVolume = 1e-7;
     mesh::Corners corners;

@@ -22,7 +22,7 @@ struct PartGraph {
 
 // For each bit, its part; parts are numbered from 0 in the order of their first bits.
 using Parts = std::vector<std::int32_t>;
-std::int32_t count_of(const Parts& parts);
+std::int32_t count_of(const Parts& parts);  // the number of parts
 
 // Bits are in one part if joints connect them within bits of one label. O(n).
 Parts connected_parts(const PartGraph& graph, const std::vector<std::int32_t>& labels);
@@ -38,16 +38,16 @@ Parts parted_at_necks(const PartGraph& graph, const Parts& parts);
 
 // Parts below `least_m3`, the smallest first, join the neighbour with the largest common area; if one of the
 // neighbours has the part's `family`, only those count. A family is given for each bit, and a part has that of its
-// largest bits. A part without neighbours stays.
+// largest bits. A part without neighbours stays. O(n log n), and O(p^2) for p parts.
 Parts joined_small(const PartGraph& graph, const Parts& parts, const std::vector<std::int32_t>& families,
                    double least_m3);
 
-// Volume of each part, and for each part the label that has the largest share of its volume.
+// Return the volume of each part, and for each part the label of the largest share of its volume. O(n log n).
 std::vector<double> volumes_of(const PartGraph& graph, const Parts& parts);
 std::vector<std::int32_t> main_labels(const PartGraph& graph, const Parts& parts,
                                       const std::vector<std::int32_t>& labels);
 
-// The bits of each part become one bit.
+// Returns the graph in which each part is one bit, at the centre of its bits. O(n log n).
 PartGraph merged(const PartGraph& graph, const Parts& parts);
 
 }  // namespace ringdown::shatter

@@ -77,9 +77,11 @@ std::vector<Body> bodies() {
   return {{"plate", plate(8)},
           {"block of six elements", box_mesh({1, 1, 1}, {0.1, 0.1, 0.1})},
           {"shaken slab", shaken(box_mesh({5, 5, 1}, {0.1, 0.1, 0.01}), 0.002)},
-          {"slab with a thin layer", moved(box_mesh({6, 6, 2}, {1, 1, 0.1}), [](const Eigen::Vector3d& at) {
-             return Eigen::Vector3d(at[0], at[1], std::abs(at[2] - 0.05) < 0.01 ? 0.1 - 3e-8 : at[2]);
-           })},
+          {"slab with a thin layer", moved(box_mesh({6, 6, 2}, {1, 1, 0.1}),
+                                           [](const Eigen::Vector3d& at) {
+                                             return Eigen::Vector3d(at[0], at[1],
+                                                                    std::abs(at[2] - 0.05) < 0.01 ? 0.1 - 3e-8 : at[2]);
+                                           })},
           {"tube, straight", tube(1, 20, 6)},
           {"tube, order 2", tube(2, 16, 5)},
           {"tube, order 3", tube(3, 12, 4)},
