@@ -176,6 +176,7 @@ class Cutter {
 
   void halve(const std::vector<Simplex>& edges) {
     std::vector<Insertion> insertions;
+    insertions.reserve(edges.size());
     for (const Simplex& edge : edges) insertions.push_back({edge, {0.5, 0.5, 0, 0}});
     if (!insertions.empty()) refinement_.insert(insertions, 2);
     add_points();

@@ -52,6 +52,7 @@ std::vector<std::int32_t> main_labels(const PartGraph& graph, const Parts& parts
   std::vector<std::map<std::int32_t, double>> shares(static_cast<std::size_t>(count_of(parts)));
   for (std::size_t bit = 0; bit < parts.size(); ++bit) shares[parts[bit]][labels[bit]] += graph.volumes_m3[bit];
   std::vector<std::int32_t> main;
+  main.reserve(shares.size());
   for (const auto& share : shares) {
     main.push_back(std::max_element(share.begin(), share.end(), [](const auto& a, const auto& b) {
                      return a.second < b.second;

@@ -77,6 +77,7 @@ std::vector<std::int32_t> part_points(std::vector<SubElement>& elements, Groups&
     elements[k / 4].corners[k % 4] = static_cast<std::int32_t>(found - numbered.begin());
   }
   std::vector<std::int32_t> points;
+  points.reserve(numbered.size());
   for (const auto& [point, root] : numbered) points.push_back(point);
   return points;
 }

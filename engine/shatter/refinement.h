@@ -29,7 +29,7 @@ using Simplex = std::array<std::int32_t, 4>;
 Simplex simplex_of(std::array<std::int32_t, 4> corners, int count);  // of the first `count` corners
 
 struct Insertion {
-  Simplex simplex;
+  Simplex simplex{};
   std::array<double, 4> weights{};  // of its corners, in their order; > 0, sum 1
   std::int32_t point = 0;           // the number of the new point
 };

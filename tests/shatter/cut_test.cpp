@@ -1,17 +1,21 @@
 // The pieces fill the body exactly, whatever the body and the seeds, and fields of the body are fields of theirs.
 #include "engine/shatter/cut.h"
 
+#include "engine/mesh/boundary.h"
 #include "engine/shatter/pattern.h"
 #include "engine/shatter/piece_mesh.h"
 #include "engine/shatter/pieces.h"
 #include "tests/shatter/bodies.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
 #include <set>
 #include <vector>
@@ -217,6 +221,29 @@ TEST(ShatterCut, AnyFieldOfACurvedBodyIsAFieldOfItsPieces) {
         ASSERT_LT((place - true_place).norm(), 1e-13) << body.name;
       }
     }
+  }
+}
+
+// A face that belongs to one part only lies on the body's skin.
+TEST(ShatterCut, NeighboursShareFacesAcrossCells) {
+  for (const mesh::TetMesh& body : {plate(8), tube(1, 16, 5), shaken(box_mesh({4, 4, 4}, {1, 1, 1}), 0.04)}) {
+    const CutBody cut = broken(body, 25, shatter::Pattern::kUniform, 1).cut;
+    mesh::TetMesh all{cut.points, mesh::Indices(std::ssize(cut.elements), 4)};
+    for (std::size_t e = 0; e < cut.elements.size(); ++e) {
+      for (int c = 0; c < 4; ++c) all.elements(static_cast<Eigen::Index>(e), c) = cut.elements[e].corners[c];
+    }
+    const auto checked = mesh::check_mesh(all, "all parts");
+    ASSERT_TRUE(checked) << checked.error().message;
+    const auto skin_area = [](const mesh::TetMesh& mesh) {
+      double area = 0;
+      for (const mesh::OuterFace& face : mesh::outer_faces(mesh.elements)) {
+        const Eigen::RowVector3d a = mesh.nodes.row(face.corners[0]), u = mesh.nodes.row(face.corners[1]) - a,
+                                 v = mesh.nodes.row(face.corners[2]) - a;
+        area += 0.5 * u.cross(v).norm();
+      }
+      return area;
+    };
+    EXPECT_NEAR(skin_area(all) / skin_area(body), 1, 1e-12);
   }
 }
 

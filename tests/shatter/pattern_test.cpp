@@ -6,10 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <numbers>
 #include <set>
+#include <string>
 #include <vector>
 
 namespace ringdown::test {

@@ -16,8 +16,10 @@ namespace {
 
 using shatter::cut_body;
 using shatter::CutBody;
+using shatter::elements_of;
 using shatter::Level;
 using shatter::levels_of;
+using shatter::make_seeds;
 using shatter::piece_mesh;
 
 std::vector<std::int32_t> each_its_own(int cells) {
