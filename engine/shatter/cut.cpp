@@ -30,8 +30,8 @@
 //      because every chain of a simplex, a face of it, an edge of that and a corner has the corner's cells.
 //   5. A flat part of a curved element may be more curved than it is thick, so that the tetrahedron between its corners
 //      has too little volume or is inside out. The least shares of the edges that its points divide are then raised, up
-//      to a half, where edges are not divided at all; if that is not enough, the element is halved. Then steps 2 to 4
-//      are done again.
+//      to a half, where edges are not divided at all; if that is not enough, the element is halved. Parts that are thin
+//      because the body's elements are get higher shares, too. Then steps 2 to 4 are done again.
 //
 // All decisions depend on the simplex alone and not on the tetrahedron it is seen from, so no gaps can open, whatever
 // the rounding.
@@ -50,12 +50,6 @@ Cells united(const Cells& a, const Cells& b) {
   return all;
 }
 
-double determinant_between(const mesh::Points& points, const std::array<std::int32_t, 4>& corners) {
-  mesh::Corners at;
-  for (int c = 0; c < 4; ++c) at.row(c) = points.row(corners[c]);
-  return mesh::jacobian(at).determinant();
-}
-
 class Cutter {
  public:
   Cutter(const mesh::TetMesh& body, const mesh::Points& seeds, const Eigen::RowVector3d& center)
@@ -69,7 +63,7 @@ class Cutter {
     }
   }
 
-  // Steps 2 to 5. Returns false if flat parts are left.
+  // Steps 2 to 5. Returns false if parts are left that are too flat for their curvature.
   bool cut() {
     for (int trial = 0; trial < kTrials; ++trial) {
       const Refinement base = refinement_;
@@ -87,9 +81,8 @@ class Cutter {
         part.barycentric = (part.barycentric * whole.barycentric).eval();
       }
       place_points();
-      const std::vector<std::size_t> flat = flat_parts();
-      if (flat.empty()) return true;
-      const std::vector<Simplex> halved = raise_shares(flat, base);
+      std::vector<Simplex> halved;
+      if (!raise_shares(base, halved)) return true;
       refinement_ = base, cells_ = base_cells;
       halve(halved);
     }
@@ -146,7 +139,14 @@ class Cutter {
     return cells;
   }
 
-  [[nodiscard]] bool is_apart(const Simplex& edge) const { return common(edge, 2).empty(); }
+  [[nodiscard]] bool has_common(const Simplex& simplex, int count) const {
+    const Cells& cells = cells_[simplex[0]];
+    return std::any_of(cells.begin(), cells.end(), [&](std::int32_t cell) {
+      return std::all_of(simplex.begin() + 1, simplex.begin() + count, [&](std::int32_t c) { return has(c, cell); });
+    });
+  }
+
+  [[nodiscard]] bool is_apart(const Simplex& edge) const { return !has_common(edge, 2); }
 
   // The least number of cells such that each corner belongs to one of them. The first `number` of `taken` are chosen
   // already, and corners before `from` belong to one of those.
@@ -176,6 +176,7 @@ class Cutter {
 
   void halve(const std::vector<Simplex>& edges) {
     std::vector<Insertion> insertions;
+    insertions.reserve(edges.size());
     for (const Simplex& edge : edges) insertions.push_back({edge, {0.5, 0.5, 0, 0}});
     if (!insertions.empty()) refinement_.insert(insertions, 2);
     add_points();
@@ -211,8 +212,8 @@ class Cutter {
     const double share = crossing(edge, first, second);
     const std::int32_t between = nearest((1 - share) * at(edge[0]) + share * at(edge[1]));
     if (between == first || between == second) return false;
-    const double apart_m = std::min((seeds_.row(between) - seeds_.row(first)).norm(),
-                                    (seeds_.row(between) - seeds_.row(second)).norm());
+    const double apart_m =
+        std::min((seeds_.row(between) - seeds_.row(first)).norm(), (seeds_.row(between) - seeds_.row(second)).norm());
     const double passage = crossing(edge, between, second) - crossing(edge, first, between);
     return passage > 2 * kLeastShare && passage * (at(edge[0]) - at(edge[1])).norm() > kHidden * apart_m;
   }
@@ -260,15 +261,19 @@ class Cutter {
     insert(3, [&](const Simplex& s) { return least_cells(s, 3) > 2; });
     insert(2, [&](const Simplex& s) { return is_apart(s); });
     for (int count = 4; count > 1; --count) {
-      insert(count, [&](const Simplex& s) { return common(s, count).empty(); });
+      insert(
+          count, [&](const Simplex& s) { return !has_common(s, count); }, true);
     }
   }
 
   template <class Wanted>
-  void insert(int count, const Wanted& wanted) {
+  void insert(int count, const Wanted& wanted, bool in_middle = false) {
     std::vector<Insertion> insertions;
     for (const Simplex& simplex : refinement_.find(count, wanted)) {
-      insertions.push_back({simplex, count == 2 ? cut_of(simplex) : meeting_point(simplex, count)});
+      std::array<double, 4> weights{};
+      std::fill_n(weights.begin(), count, 1.0 / count);
+      if (!in_middle) weights = count == 2 ? cut_of(simplex) : meeting_point(simplex, count);
+      insertions.push_back({simplex, weights});
       Cells all;
       for (int c = 0; c < count; ++c) all = united(all, cells_[simplex[c]]);
       cells_.push_back(std::move(all));
@@ -283,8 +288,8 @@ class Cutter {
     for (int c = 0; c < count; ++c) {
       equations(0, c) = 1;
       for (int row = 1; row < count; ++row) {
-        equations(row, c) = farness(cells_[simplex[row]][0], at(simplex[c])) -
-                            farness(cells_[simplex[0]][0], at(simplex[c]));
+        equations(row, c) =
+            farness(cells_[simplex[row]][0], at(simplex[c])) - farness(cells_[simplex[0]][0], at(simplex[c]));
       }
     }
     Eigen::Vector4d weights = equations.partialPivLu().solve(Eigen::Vector4d::UnitX());
@@ -324,29 +329,37 @@ class Cutter {
     }
   }
 
-  // Parts whose corners span a tenth or less, or ten times, of what they would in a straight element.
-  [[nodiscard]] std::vector<std::size_t> flat_parts() const {
-    constexpr double kLeastRatio = 0.1, kMaxRatio = 10;
-    std::vector<std::size_t> flat;
-    if (body_.order() == 1) return flat;
-    for (std::size_t k = 0; k < result_.elements.size(); ++k) {
-      const SubElement& part = result_.elements[k];
-      const double straight = part.barycentric.determinant() *
-                              mesh::jacobian(mesh::corners_of(body_, part.parent)).determinant();
-      const double ratio = determinant_between(result_.points, part.corners) / straight;
-      if (!(ratio > kLeastRatio && ratio < kMaxRatio)) flat.push_back(k);
-    }
-    return flat;
+  enum class Flatness { kNone, kThin, kFolded };
+
+  // A part is folded if its corners span a tenth or less, or ten times, of what they would in a straight element, or so
+  // little that mesh::check_mesh() takes it for no volume, with a margin of two. It is thin if they span a hundred
+  // times that.
+  [[nodiscard]] Flatness flatness_of(const SubElement& part) const {
+    constexpr double kLeastRatio = 0.1, kMaxRatio = 10, kNoVolume = 2e-9, kThinVolume = 1e-7;
+    mesh::Corners corners;
+    for (int c = 0; c < 4; ++c) corners.row(c) = result_.points.row(part.corners[c]);
+    const double spanned = mesh::jacobian(corners).determinant();
+    const double whole = mesh::jacobian(mesh::corners_of(body_, part.parent)).determinant();
+    const double ratio = spanned / (part.barycentric.determinant() * whole);
+    double longest = 0;
+    for (const auto& [a, b] : mesh::kTetEdges) longest = std::max(longest, (corners.row(a) - corners.row(b)).norm());
+    const double share = spanned / (longest * longest * longest);
+    const bool is_bent = body_.order() > 1 && !(ratio > kLeastRatio && ratio < kMaxRatio);
+    if (is_bent || !(share > kNoVolume)) return Flatness::kFolded;
+    return share < kThinVolume ? Flatness::kThin : Flatness::kNone;
   }
 
-  // Raises the least shares of the edges that flat parts divide; returns edges to be halved where that is no help.
-  std::vector<Simplex> raise_shares(const std::vector<std::size_t>& flat, const Refinement& base) {
+  // Raises the least shares of the edges that flat parts divide, and lists the edges to be halved where that is no help
+  // against folding. Thin elements are left whole in the end, and nothing else can be done about them. Returns false if
+  // there is nothing to do.
+  bool raise_shares(const Refinement& base, std::vector<Simplex>& halved) {
     constexpr double kStep = 0.1;
     std::map<Simplex, double> raised;
-    std::vector<Simplex> halved;
-    for (const std::size_t part : flat) {
+    for (std::size_t k = 0; k < result_.elements.size(); ++k) {
+      const Flatness flatness = flatness_of(result_.elements[k]);
+      if (flatness == Flatness::kNone) continue;
       bool is_raised = false;
-      for (const std::int32_t corner : result_.elements[part].corners) {
+      for (const std::int32_t corner : result_.elements[k].corners) {
         const Simplex& origin = origins_[static_cast<std::size_t>(corner)];
         for (std::size_t a = 0; a < 4 && origin[1] > 0 && origin[a] >= 0; ++a) {
           for (std::size_t b = a + 1; b < 4 && origin[b] >= 0; ++b) {
@@ -357,11 +370,12 @@ class Cutter {
           }
         }
       }
-      const auto whole = static_cast<std::size_t>(base_of_part_[part]);
-      if (!is_raised) halved.push_back(longest_edge(base, base.elements()[whole]));
+      if (is_raised || flatness == Flatness::kThin) continue;
+      halved.push_back(longest_edge(base, base.elements()[static_cast<std::size_t>(base_of_part_[k])]));
     }
     for (const auto& [edge, share] : raised) least_shares_[edge] = share;
-    return unique(std::move(halved));
+    halved = unique(std::move(halved));
+    return !raised.empty() || !halved.empty();
   }
 
   const mesh::TetMesh& body_;
@@ -379,8 +393,8 @@ class Cutter {
 
 Result<void> check(const mesh::Points& seeds, double diagonal_m) {
   if (seeds.rows() == 0 || seeds.rows() > kMaxSeeds) {
-    return fail(ErrorKind::bad_input, "a body is cut by 1 to " + std::to_string(kMaxSeeds) + " seeds, not " +
-                                          std::to_string(seeds.rows()));
+    return fail(ErrorKind::bad_input,
+                "a body is cut by 1 to " + std::to_string(kMaxSeeds) + " seeds, not " + std::to_string(seeds.rows()));
   }
   if (!seeds.allFinite()) return fail(ErrorKind::bad_input, "a coordinate of a seed is not a finite number");
   constexpr double kApart = 1e-6;
@@ -403,7 +417,7 @@ Result<CutBody> cut_body(const mesh::TetMesh& body, const mesh::Points& seeds) {
   cutter.refine();
   if (!cutter.cut()) {
     return fail(ErrorKind::refused,
-                "elements are too curved to be cut without folding; give a finer mesh, or other seeds");
+                "elements are too flat or too curved to be cut without folding; give a finer mesh, or other seeds");
   }
   return cutter.finish();
 }

@@ -52,6 +52,7 @@ std::vector<std::int32_t> main_labels(const PartGraph& graph, const Parts& parts
   std::vector<std::map<std::int32_t, double>> shares(static_cast<std::size_t>(count_of(parts)));
   for (std::size_t bit = 0; bit < parts.size(); ++bit) shares[parts[bit]][labels[bit]] += graph.volumes_m3[bit];
   std::vector<std::int32_t> main;
+  main.reserve(shares.size());
   for (const auto& share : shares) {
     main.push_back(std::max_element(share.begin(), share.end(), [](const auto& a, const auto& b) {
                      return a.second < b.second;
@@ -90,7 +91,8 @@ Parts joined_small(const PartGraph& graph, const Parts& parts, const std::vector
   for (;;) {
     std::int32_t small = -1;
     for (std::size_t part = 0; part < count; ++part) {
-      if (is_small[part] && (small < 0 || volumes_m3[part] < volumes_m3[small])) small = static_cast<std::int32_t>(part);
+      if (is_small[part] && (small < 0 || volumes_m3[part] < volumes_m3[small]))
+        small = static_cast<std::int32_t>(part);
     }
     if (small < 0) break;
     const auto better = [&](const auto& a, const auto& b) {
@@ -137,14 +139,29 @@ class Neck {
     for (const std::int32_t bit : bits) volume_m3_ += graph.volumes_m3[bit];
   }
 
-  // Returns the bits on one side of the neck; none if there is no neck.
+  // Returns the bits on one side of the neck; none if there is no neck. A fifth of the volume finds the narrowest place
+  // in the middle, a twentieth finds small ends.
   std::vector<std::int32_t> find(std::int32_t any) {
     const std::vector<std::int32_t> from_any = by_distance(any);
     const std::vector<std::int32_t> forth = by_distance(from_any.back()), back = by_distance(forth.back());
+    const std::vector<std::vector<Arc>> arcs = arcs_;
+    for (const double share : {0.2, 0.05}) {
+      arcs_ = arcs;
+      if (std::vector<std::int32_t> side = find_between(forth, back, share); !side.empty()) return side;
+    }
+    return {};
+  }
+
+ private:
+  enum End : std::int8_t { kBetween, kSource, kSink };
+
+  std::vector<std::int32_t> find_between(const std::vector<std::int32_t>& forth, const std::vector<std::int32_t>& back,
+                                         double share) {
     ends_.assign(graph_.volumes_m3.size(), kBetween);
-    mark(forth, kSource);
-    if (!mark(back, kSink)) return {};
-    const std::optional<double> area_m2 = flow(volume_m3_);
+    sources_.clear();
+    mark(forth, share, kSource);
+    if (!mark(back, share, kSink)) return {};
+    const std::optional<double> area_m2 = flow();
     if (!area_m2) return {};
     std::vector<std::int32_t> side;
     double side_m3 = 0;
@@ -154,9 +171,6 @@ class Neck {
     if (*area_m2 >= limit_m2(std::min(side_m3, volume_m3_ - side_m3))) return {};
     return side;
   }
-
- private:
-  enum End : std::int8_t { kBetween, kSource, kSink };
 
   static double limit_m2(double volume_m3) { return kNarrow * std::cbrt(volume_m3 * volume_m3); }
 
@@ -181,29 +195,28 @@ class Neck {
     return order;
   }
 
-  // Marks bits up to a fifth of the volume, and always the first. Returns false if they meet the other end.
-  bool mark(const std::vector<std::int32_t>& order, End end) {
-    constexpr double kShare = 0.2;
+  // Marks bits up to a share of the volume, and always the first. Returns false if they meet the other end.
+  bool mark(const std::vector<std::int32_t>& order, double share, End end) {
     double marked_m3 = 0;
     for (const std::int32_t bit : order) {
-      if (marked_m3 > 0 && marked_m3 + graph_.volumes_m3[bit] > kShare * volume_m3_) break;
+      if (marked_m3 > 0 && marked_m3 + graph_.volumes_m3[bit] > share * volume_m3_) break;
       if (ends_[bit] != kBetween) return false;
       ends_[bit] = end;
-      (end == kSource ? sources_ : sinks_).push_back(bit);
+      if (end == kSource) sources_.push_back(bit);
       marked_m3 += graph_.volumes_m3[bit];
     }
     return true;
   }
 
   // Returns the maximum flow; none as soon as it is more than any neck of the part can carry.
-  std::optional<double> flow(double volume_m3) {
+  std::optional<double> flow() {
     double flow_m2 = 0;
     while (find_layers()) {
       next_.assign(arcs_.size(), 0);
       for (const std::int32_t source : sources_) {
         for (double more = 1; more > 0;) flow_m2 += more = push(source, std::numeric_limits<double>::max());
       }
-      if (flow_m2 > limit_m2(0.5 * volume_m3)) return std::nullopt;
+      if (flow_m2 > limit_m2(0.5 * volume_m3_)) return std::nullopt;
     }
     return flow_m2;
   }
@@ -245,7 +258,7 @@ class Neck {
   std::vector<std::vector<Arc>> arcs_;
   double volume_m3_ = 0;
   std::vector<End> ends_;
-  std::vector<std::int32_t> sources_, sinks_, layer_;
+  std::vector<std::int32_t> sources_, layer_;
   std::vector<std::size_t> next_;
 };
 

@@ -77,6 +77,7 @@ std::vector<std::int32_t> part_points(std::vector<SubElement>& elements, Groups&
     elements[k / 4].corners[k % 4] = static_cast<std::int32_t>(found - numbered.begin());
   }
   std::vector<std::int32_t> points;
+  points.reserve(numbered.size());
   for (const auto& [point, root] : numbered) points.push_back(point);
   return points;
 }
@@ -85,7 +86,9 @@ std::vector<std::int32_t> part_points(std::vector<SubElement>& elements, Groups&
 std::vector<Insertion> pinched_edges(const std::vector<SubElement>& elements, Groups& fans) {
   std::vector<Insertion> found;
   const std::vector<Slot> edges = sorted_slots(elements, 2);
-  const auto fan = [&](const Slot& slot) { return fans.root(16 * slot.element + static_cast<std::size_t>(slot.subset)); };
+  const auto fan = [&](const Slot& slot) {
+    return fans.root(16 * slot.element + static_cast<std::size_t>(slot.subset));
+  };
   for (std::size_t k = 1; k < edges.size(); ++k) {
     const Slot &a = edges[k - 1], &b = edges[k];
     if (a.simplex != b.simplex || fan(a) == fan(b)) continue;

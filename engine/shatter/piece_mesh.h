@@ -20,7 +20,7 @@ struct PieceMesh {
 // Makes a mesh of some parts of the body, numbers in CutBody::elements, which should be joined by faces. Neighbours in
 // the piece share all nodes of their face. Where parts touch in a point or an edge only, each side gets nodes of its
 // own, because the crack goes through there (an edge is divided for this in all parts around it). The mesh fills
-// exactly the space of the parts. `body` is the mesh that was cut. O(n) for n nodes, 1 us each.
+// exactly the space of the parts. `body` is the mesh that was cut. O(n log n) for n nodes, 1 us each.
 PieceMesh piece_mesh(const CutBody& cut, const mesh::TetMesh& body, const std::vector<std::int64_t>& elements);
 
 // Restricts fields on the body, 3N x m with the component i of node k in row 3 k + i, to the piece's nodes, 3n x m. The

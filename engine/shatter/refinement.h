@@ -26,10 +26,10 @@ struct SubElement {
 // The corners of an edge, a face or a tetrahedron, ascending; -1 fills the places that are not used, at the end.
 using Simplex = std::array<std::int32_t, 4>;
 
-Simplex simplex_of(std::array<std::int32_t, 4> corners, int count);
+Simplex simplex_of(std::array<std::int32_t, 4> corners, int count);  // of the first `count` corners
 
 struct Insertion {
-  Simplex simplex;
+  Simplex simplex{};
   std::array<double, 4> weights{};  // of its corners, in their order; > 0, sum 1
   std::int32_t point = 0;           // the number of the new point
 };
@@ -49,7 +49,7 @@ class Refinement {
   [[nodiscard]] Eigen::Index point_count() const { return static_cast<Eigen::Index>(points_.size()); }
   [[nodiscard]] const Eigen::Vector3d& point(Eigen::Index number) const { return points_[number]; }
 
-  // Returns all simplices of `count` corners for which `wanted(simplex)` holds, each once, ascending.
+  // Returns all simplices of `count` corners for which `wanted(simplex)` holds, each once, ascending. O(E).
   template <class Wanted>
   [[nodiscard]] std::vector<Simplex> find(int count, const Wanted& wanted) const;
 
@@ -62,9 +62,13 @@ class Refinement {
   std::vector<Eigen::Vector3d> points_;
 };
 
-// The subsets of `count` of the four corners, as bits.
+// Returns the subsets of `count` of the four corners: bit c of a subset is set if corner c is in it.
 std::vector<int> corner_subsets(int count);
+
+// Returns the simplex between the corners of a subset.
 Simplex simplex_of(const SubElement& element, int subset);
+
+// Returns each simplex once, ascending.
 std::vector<Simplex> unique(std::vector<Simplex> simplices);
 
 template <class Wanted>

@@ -1,17 +1,21 @@
 // The pieces fill the body exactly, whatever the body and the seeds, and fields of the body are fields of theirs.
 #include "engine/shatter/cut.h"
 
+#include "engine/mesh/boundary.h"
 #include "engine/shatter/pattern.h"
 #include "engine/shatter/piece_mesh.h"
 #include "engine/shatter/pieces.h"
 #include "tests/shatter/bodies.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
 #include <set>
 #include <vector>
@@ -77,6 +81,11 @@ std::vector<Body> bodies() {
   return {{"plate", plate(8)},
           {"block of six elements", box_mesh({1, 1, 1}, {0.1, 0.1, 0.1})},
           {"shaken slab", shaken(box_mesh({5, 5, 1}, {0.1, 0.1, 0.01}), 0.002)},
+          {"slab with a thin layer", moved(box_mesh({6, 6, 2}, {1, 1, 0.1}),
+                                           [](const Eigen::Vector3d& at) {
+                                             return Eigen::Vector3d(at[0], at[1],
+                                                                    std::abs(at[2] - 0.05) < 0.01 ? 0.1 - 3e-8 : at[2]);
+                                           })},
           {"tube, straight", tube(1, 20, 6)},
           {"tube, order 2", tube(2, 16, 5)},
           {"tube, order 3", tube(3, 12, 4)},
@@ -116,7 +125,8 @@ TEST(ShatterCut, PiecesAreSoundMeshesThatFillTheBody) {
     const double volume = volume_of(body.mesh);
     for (unsigned seed = 1; seed <= 2; ++seed) {
       for (const int count : {1, 5, 30}) {
-        const Broken all = broken(body.mesh, count, seed == 1 ? shatter::Pattern::kImpact : shatter::Pattern::kUniform, seed);
+        const Broken all =
+            broken(body.mesh, count, seed == 1 ? shatter::Pattern::kImpact : shatter::Pattern::kUniform, seed);
         double sum = 0, stated = 0;
         for (const PieceMesh& piece : all.pieces) {
           sum += volume_of(piece.mesh);
@@ -143,7 +153,8 @@ TEST(ShatterCut, MomentsOfThePiecesSumToTheBodys) {
   for (const Body& body : {Body{"plate", plate(6)}, {"tube", tube(2, 12, 4)}, {"bowl", bowl(3, 4)}}) {
     const Moments whole = moments_of(body.mesh);
     Moments sum;
-    for (const PieceMesh& piece : broken(body.mesh, 8, shatter::Pattern::kUniform, 3).pieces) sum += moments_of(piece.mesh);
+    for (const PieceMesh& piece : broken(body.mesh, 8, shatter::Pattern::kUniform, 3).pieces)
+      sum += moments_of(piece.mesh);
     const Eigen::Vector3d center = whole.first / whole.volume;
     const auto central = [&](const Moments& m) {
       const Eigen::Matrix3d mixed = m.first * center.transpose();
@@ -213,6 +224,29 @@ TEST(ShatterCut, AnyFieldOfACurvedBodyIsAFieldOfItsPieces) {
   }
 }
 
+// A face that belongs to one part only lies on the body's skin.
+TEST(ShatterCut, NeighboursShareFacesAcrossCells) {
+  for (const mesh::TetMesh& body : {plate(8), tube(1, 16, 5), shaken(box_mesh({4, 4, 4}, {1, 1, 1}), 0.04)}) {
+    const CutBody cut = broken(body, 25, shatter::Pattern::kUniform, 1).cut;
+    mesh::TetMesh all{cut.points, mesh::Indices(std::ssize(cut.elements), 4)};
+    for (std::size_t e = 0; e < cut.elements.size(); ++e) {
+      for (int c = 0; c < 4; ++c) all.elements(static_cast<Eigen::Index>(e), c) = cut.elements[e].corners[c];
+    }
+    const auto checked = mesh::check_mesh(all, "all parts");
+    ASSERT_TRUE(checked) << checked.error().message;
+    const auto skin_area = [](const mesh::TetMesh& mesh) {
+      double area = 0;
+      for (const mesh::OuterFace& face : mesh::outer_faces(mesh.elements)) {
+        const Eigen::RowVector3d a = mesh.nodes.row(face.corners[0]), u = mesh.nodes.row(face.corners[1]) - a,
+                                 v = mesh.nodes.row(face.corners[2]) - a;
+        area += 0.5 * u.cross(v).norm();
+      }
+      return area;
+    };
+    EXPECT_NEAR(skin_area(all) / skin_area(body), 1, 1e-12);
+  }
+}
+
 TEST(ShatterCut, CellsAreNearestToTheirSeedsButForBentBorders) {
   const mesh::TetMesh body = plate(10);
   const auto seeds = shatter::make_seeds(body, {.pieces = {20}, .impact_m = {0.1, 0.1, 0}}).value();
@@ -268,7 +302,7 @@ TEST(ShatterCut, TheSameSeedsGiveTheSameCut) {
   EXPECT_EQ(one.levels[0].piece_of_element, two.levels[0].piece_of_element);
   ASSERT_EQ(one.pieces.size(), two.pieces.size());
   for (std::size_t k = 0; k < one.pieces.size(); ++k) EXPECT_EQ(one.pieces[k].mesh.nodes, two.pieces[k].mesh.nodes);
-  EXPECT_NE(one.cut.points, broken(body, 12, shatter::Pattern::kImpact, 2).cut.points);
+  EXPECT_NE(one.cut.cell, broken(body, 12, shatter::Pattern::kImpact, 2).cut.cell);
 }
 
 TEST(ShatterCut, MorePiecesThanElementsDivideTheElements) {

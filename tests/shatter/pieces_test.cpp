@@ -16,8 +16,10 @@ namespace {
 
 using shatter::cut_body;
 using shatter::CutBody;
+using shatter::elements_of;
 using shatter::Level;
 using shatter::levels_of;
+using shatter::make_seeds;
 using shatter::piece_mesh;
 
 std::vector<std::int32_t> each_its_own(int cells) {
@@ -31,7 +33,8 @@ template <class Kept>
 mesh::TetMesh part_of(mesh::TetMesh mesh, const Kept& kept) {
   Eigen::Index count = 0;
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-    if (kept(Eigen::RowVector3d(corners_of(mesh, e).colwise().mean()))) mesh.elements.row(count++) = mesh.elements.row(e).eval();
+    if (kept(Eigen::RowVector3d(corners_of(mesh, e).colwise().mean())))
+      mesh.elements.row(count++) = mesh.elements.row(e).eval();
   }
   mesh.elements.conservativeResize(count, Eigen::NoChange);
   mesh::drop_unused_nodes(mesh.nodes, mesh.elements);
@@ -119,26 +122,27 @@ TEST(ShatterPieces, CrackAreaAndDistanceOfOnePlaneAreKnown) {
   EXPECT_EQ(levels_of(cut, body, {{0, 0}}, {}).front().crack_area_m2, 0);
 }
 
-// Two squares of wall, 10 thicknesses wide, joined by a bridge of a quarter of a thickness, or of six.
+// A square of wall, 10 thicknesses wide, joined by a bridge to another one, or to a strip.
 TEST(ShatterPieces, ANarrowNeckParts) {
-  mesh::Points seed(1, 3);
-  seed << 1, 5, 0.5;
-  for (const bool is_narrow : {true, false}) {
-    const mesh::TetMesh bars = box_mesh({22, 21, 1}, {22, 21, 1});
-    mesh::TetMesh body = part_of(bars, [&](const Eigen::RowVector3d& at) {
-      return at[0] < 10 || at[0] > 12 || std::abs(at[1] - 10.5) < 0.5;
+  struct Case {
+    double bridge, strip;  // widths, in wall thicknesses
+    bool is_neck;
+  };
+  for (const auto& [bridge, strip, is_neck] : {Case{0.25, 10, true}, {0.15, 2, true}, {6, 10, false}, {3, 2, false}}) {
+    mesh::TetMesh body = part_of(box_mesh({22, 21, 1}, {22, 21, 1}), [&](const Eigen::RowVector3d& at) {
+      return at[0] < 10 || (at[0] > 12 && at[0] < 12 + strip) || (at[0] < 12 && std::abs(at[1] - 10.5) < 0.5);
     });
     for (auto node : body.nodes.rowwise()) {  // the middle row of elements becomes as wide as the bridge
-      const double width = is_narrow ? 0.25 : 6, from_middle = node[1] - 10.5, rows = std::abs(from_middle) - 0.5;
-      node[1] = std::copysign(0.5 * width + rows / 10 * (5 - 0.5 * width), from_middle);
+      const double from_middle = node[1] - 10.5, rows = std::abs(from_middle) - 0.5;
+      node[1] = std::copysign(0.5 * bridge + rows / 10 * (5 - 0.5 * bridge), from_middle);
     }
-    body = checked(body).mesh;
-    const CutBody cut = cut_body(body, seed).value();
-    const Level level = levels_of(cut, body, {{0}}, {}).front();
-    ASSERT_EQ(level.pieces.size(), is_narrow ? 2u : 1u);
-    if (!is_narrow) continue;
-    EXPECT_NEAR(level.crack_area_m2, 0.25, 0.01);
-    EXPECT_NEAR(level.pieces[0].volume_m3, level.pieces[1].volume_m3, 1);
+    const CutBody cut = cut_body(checked(body).mesh, mesh::Points::Zero(1, 3)).value();
+    const Level level = levels_of(cut, checked(body).mesh, {{0}}, {}).front();
+    ASSERT_EQ(level.pieces.size(), is_neck ? 2u : 1u) << bridge << " " << strip;
+    if (!is_neck) continue;
+    EXPECT_NEAR(level.crack_area_m2, bridge, 0.02);
+    EXPECT_NEAR(level.pieces[0].volume_m3, 100, 0.5);
+    EXPECT_NEAR(level.pieces[1].volume_m3, 10 * strip, 0.5);
   }
 }
 
@@ -151,7 +155,8 @@ TEST(ShatterPieces, PartsThatTouchAlongAnEdgeAreNotJoinedThere) {
     for (std::size_t e = 0; e < cut.elements.size(); ++e) {
       Eigen::RowVector3d at = Eigen::RowVector3d::Zero();
       for (const std::int32_t c : cut.elements[e].corners) at += cut.points.row(c) / 4;
-      if ((at[2] > 1 && (at[0] > 1 || at[1] < 1)) || (at[0] > 1) == (at[1] > 1)) kept.push_back(static_cast<std::int64_t>(e));
+      if ((at[2] > 1 && (at[0] > 1 || at[1] < 1)) || (at[0] > 1) == (at[1] > 1))
+        kept.push_back(static_cast<std::int64_t>(e));
       if ((at[0] > 1) == (at[1] > 1) && (at[0] > 1) == (at[2] > 1)) corner.push_back(static_cast<std::int64_t>(e));
     }
     const shatter::PieceMesh piece = piece_mesh(cut, body, kept);
