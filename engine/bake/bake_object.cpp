@@ -305,6 +305,9 @@ class Baker {
     for (Vec3& place : how.places_m) place = recipe_.scale * place;
     Result<modal::Fracture> fracture = shatter_body(object_.baked, how, recipe_.options, progress());
     if (!fracture) return fail(fracture.error());
+    for (modal::BreakPattern& pattern : fracture->patterns) {
+      for (modal::PieceBank& piece : pattern.pieces) piece.bank.gain = std::pow(10.0, recipe_.gain_db / 20);
+    }
     object_.baked.bank.fracture = std::make_shared<const modal::Fracture>(std::move(*fracture));
     return {};
   }

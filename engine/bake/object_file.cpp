@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <regex>
 #include <vector>
 
@@ -63,6 +64,10 @@ std::optional<Shatter> read_shatter(TomlTable& file) {
     table->complain("at", "at must be three numbers for each place of a blow, in metres, of at most 16 places");
   for (std::size_t i = 0; i + 2 < places.size(); i += 3)
     shatter.places_m.push_back({places[i], places[i + 1], places[i + 2]});
+  const int all = std::reduce(shatter.pieces.begin(), shatter.pieces.end());
+  if (all * std::max<std::size_t>(shatter.places_m.size(), 1) > modal::kMaxPieces)
+    table->complain("pieces", "the pieces of all levels and places must be " + std::to_string(modal::kMaxPieces) +
+                                  " at most");
   double seed = static_cast<double>(shatter.seed);
   table->number("seed", seed, kSeed);
   shatter.seed = static_cast<std::uint64_t>(seed);

@@ -76,7 +76,12 @@ void spread_points(Bank& bank, double factor) {
   Fracture fracture = *bank.fracture;
   for (BreakPattern& pattern : fracture.patterns) {
     pattern.at_m = factor * pattern.at_m;
-    for (PieceBank& piece : pattern.pieces) spread_points(piece.bank, factor);
+    pattern.crack_area_m2 *= factor * factor;
+    for (PieceBank& piece : pattern.pieces) {
+      spread_points(piece.bank, factor);
+      piece.near_m *= factor;
+      piece.far_m *= factor;
+    }
   }
   bank.fracture = std::make_shared<const Fracture>(std::move(fracture));
 }

@@ -62,6 +62,11 @@ std::vector<double> modal_impulse(const modal::StrikeMap& map, const modal::Mate
   return impulses;
 }
 
+bool is_solid(const std::optional<modal::MassProperties>& mass) {
+  const Vec3 inertia = mass ? mass->inertia_kg_m2 : Vec3();
+  return mass && mass->mass_kg > 0 && inertia.x > 0 && inertia.y > 0 && inertia.z > 0;
+}
+
 tl::unexpected<Error> refuse(const std::string& sentence) { return fail(ErrorKind::refused, sentence); }
 
 tl::unexpected<Error> cannot_break(const std::string& name) {
@@ -77,7 +82,7 @@ Result<std::size_t> Breakage::arm(const ObjectRef& ref, std::optional<std::size_
   if (!found) return fail(found.error());
   const ObjectState& object = **found;
   const modal::Bank& bank = object.map->bank();
-  if (!bank.fracture || !bank.mass) return cannot_break(object.name);
+  if (!bank.fracture || !is_solid(bank.mass)) return cannot_break(object.name);
   const modal::Bank body = object.material == modal::MaterialScale() ? bank : modal::scaled(bank, object.material);
   if (body.mode_count() < bank.mode_count())
     return refuse("\"" + object.name + "\" cannot break in this material, in which some of its modes do not ring");
@@ -153,7 +158,7 @@ Result<void> Breakage::check(const protocol::BreakObject& request) const {
   const auto found = rack_.find(request.object);
   if (!found) return fail(found.error());
   const ObjectState& object = **found;
-  if (!object.map->bank().fracture || !object.map->bank().mass) return cannot_break(object.name);
+  if (!object.map->bank().fracture || !is_solid(object.map->bank().mass)) return cannot_break(object.name);
   if (auto whole = check_whole(object.number); !whole) return whole;
   return check_point(request.point_m, object);
 }

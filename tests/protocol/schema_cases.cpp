@@ -322,6 +322,30 @@ Cases impart_cases() {
            {a, {0, 1, 2e3f}, "phase"}}};
 }
 
+Cases arm_cases() {
+  Cases cases = object_only_cases<ArmObject>("arm");
+  const std::string a = "/object/bell/arm";
+  cases.good.push_back({a, {2}, claim<ArmObject>([](const ArmObject& arm) { return arm.pattern == 2; })});
+  cases.bad.push_back({a, {-1}, "pattern"});
+  return cases;
+}
+
+Cases break_cases() {
+  const std::string a = "/object/bell/break";
+  return {{{a, {1, 2, 3, 0, 0, -1}, claim<BreakObject>([](const BreakObject& b) {
+              return b.object == named("bell") && b.point_m == Vec3{1, 2, 3} && b.impulse_ns == Vec3{0, 0, -1} &&
+                     b.contact_time_s == synth::kDefaultContactTime_s && b.pattern == -1;
+            })},
+           {a, {0, 0, 0, 0, 0, 0, 0, 3}, claim<BreakObject>([](const BreakObject& b) {
+              return b.contact_time_s == 0 && b.pattern == 3;
+            })}},
+          {{"/object/b%/break", {0, 0, 0, 0, 0, 0}, "object"},
+           {a, {0, 0, 0, 0, 0}, "jz"},
+           {a, {0, 0, kNan, 0, 0, 0}, "z"},
+           {a, {0, 0, 0, 0, 0, 0, -1}, "contact_time"},
+           {a, {0, 0, 0, 0, 0, 0, 0, -2}, "pattern"}}};
+}
+
 template <class Struct>
 Cases switch_cases(const std::string& address) {
   const auto on = [](bool value) { return claim<Struct>([value](const Struct& s) { return s.on == value; }); };
@@ -460,6 +484,10 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/excite", excite_cases()},
       {"/object/{object}/material", material_cases()},
       {"/object/{object}/clear", clear_cases()},
+      {"/object/{object}/arm", arm_cases()},
+      {"/object/{object}/break", break_cases()},
+      {"/object/{object}/mend", object_only_cases<MendObject>("mend")},
+      {"/object/{object}/pieces", object_only_cases<DescribePieces>("pieces")},
       {"/object/{object}/choke", choke_cases()},
       {"/object/{object}/impart", impart_cases()},
       {"/object/{object}/hold", hold_cases()},

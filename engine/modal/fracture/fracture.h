@@ -25,8 +25,8 @@ inline constexpr std::size_t kMaxPatterns = 64;
 struct PieceBank {
   Bank bank;                    // with its mass; no mode: it does not ring
   std::vector<float> handover;  // BasicHandover::values
-  double near_m = 0;            // distances of its nearest and its farthest crack from the place of the blow: the crack
-  double far_m = 0;             // opens from one to the other
+  double near_m = 0;            // distances of its nearest and its farthest point from the place of the blow: the
+  double far_m = 0;             // crack around it opens from one to the other
   std::size_t model = 0;        // its number in the file that it was read from
 };
 

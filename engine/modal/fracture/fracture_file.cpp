@@ -28,7 +28,12 @@ Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers
     return readers.model(*model);
   }();
   if (!bank) return fail(bank.error());
-  if (!bank->mass) return field.wrong("a piece whose model has massProperties");
+  const auto is_solid = [](const MassProperties& mass) {
+    const Vec3& inertia = mass.inertia_kg_m2;
+    return mass.mass_kg > 0 && inertia.x > 0 && inertia.y > 0 && inertia.z > 0;
+  };
+  if (!bank->mass || !is_solid(*bank->mass))
+    return field.wrong("a piece whose massProperties have a mass and three moments above 0");
   const JsonPlace opens = field["opens"];
   const auto near_m = read_size(opens[0], kMaxLength_m), far_m = read_size(opens[1], kMaxLength_m);
   if (!near_m) return fail(near_m.error());
