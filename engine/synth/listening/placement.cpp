@@ -205,6 +205,7 @@ bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) RI
 // Back to being heard without a place.
 void Placement::go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
   const bool later = heard_until_ != chunk.begin;  // it has been silent since
+  anew_ = false;                                   // a request to begin anew holds for one chunk
   if (!leaves_ && !later) {
     glide_end_ = chunk.begin + kGlide;
     voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.gains.aim_at_one(static_cast<double>(kGlide)); });
