@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 struct dxBody;
 struct dxJoint;
@@ -23,24 +24,11 @@ struct JointDeleter {
   void operator()(dxJoint* joint) const;
 };
 
-// What Islands (islands.h) stores about a body, and about the island of which the body is the root.
-struct Collider;
-struct IslandState {
-  Collider* parent = nullptr;  // null: the body is in no island; the body itself: it is the root of one
-  double before_j = 0;         // kinetic energy before the part of the step
-  Vec3 velocity_m_s;           // velocity before the part of the step
-  bool exempt = false;         // whether the body is exempt from the energy check
-  bool has_others = false;     // whether the body touches a movable body
-  bool held = false;           // whether the body touches something immovable
-  bool solved = false;         // whether the body's contacts have been solved without ODE
-  // Members for the whole island, kept at its root:
-  bool any_moves = false;
-  std::size_t contacts = 0;
-  // Computed by Islands::weigh():
-  bool any_exempt = false, any_held = false;
-  double total_before_j = 0, total_j = 0, gained_j = 0, bounced_j = 0;
-  double mass_kg = 0;
-  Vec3 momentum_ns;
+// A body's place in Islands (islands.h), which alone changes it.
+class IslandMember {
+  friend class Islands;
+  std::optional<std::size_t> number_;  // index in Islands::members(); none: the body is in no island
+  double elasticity_ = 1;              // share of its contacts' restitution that acts in this part of the step
 };
 
 // The first three components of an ODE vector.
@@ -60,9 +48,8 @@ struct Collider {
   bool kept_moving = false;              // whether a drive asks for a speed; such a body does not sleep
   bool driven = false;                   // whether the body follows a prescribed motion, unaffected by contacts
   Motion told;                           // prescribed motion of a driven body in this part of the step
-  double elasticity = 1;                 // share of its contacts' restitution that acts in this part of the step
   bool was_awake = false;                // whether the body was awake before the step
-  IslandState island;
+  IslandMember island;
   Stillness stillness;
   double lifted_j = 0;                        // energy still to be taken from the body because overlap.h lifted it
   std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first

@@ -51,8 +51,7 @@ struct ContactJoints::Contact {
   double impact_share = 1;      // Landing::share
   double may_approach_m_s = 0;  // because the bodies do not touch yet
   bool bounces = false;         // between bodies of which none is a sphere
-
-  [[nodiscard]] bool solved() const { return body->island.solved; }  // by solve_lone_body()
+  bool solved = false;          // by solve_lone_body(); set by hand_over()
 };
 
 struct ContactJoints::Further {
@@ -128,7 +127,7 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
   };
   motions_.push_back({body.motion(), other.motion()});
   Touching pair{body, other, motions_.back(), combine(body.surface, other.surface)};
-  pair.surface.restitution *= std::min(body.elasticity, other.elasticity);
+  pair.surface.restitution *= std::min(Islands::elasticity(body), Islands::elasticity(other));
   const std::size_t before = points_.size();
   for (const dContactGeom& geom : points) add(pair, into_body(geom), islands);
   if (points_.size() == before && found.move.empty()) return motions_.pop_back();  // no point refers to them
@@ -199,21 +198,20 @@ void ContactJoints::hand_over(bool exact, const Islands& islands) {
   dJointGroupEmpty(joints_.get());
   solver_pushes_ = !exact;
   lone_.clear();
-  for (Collider* body : islands.members()) body->island.solved = false;
   for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    if (exact && Islands::is_alone(*made_[k].body)) lone_.push_back(k);
+    made_[k].solved = false;
+    if (exact && islands.is_alone(*made_[k].body)) lone_.push_back(k);
   }
   const auto body_of = [this](std::size_t point) { return points_[point].body; };
   if (!std::ranges::is_sorted(lone_, {}, body_of)) std::ranges::stable_sort(lone_, {}, body_of);
   for (auto begin = lone_.begin(); begin != lone_.end();) {
     const auto end = std::find_if(begin, lone_.end(), [&](std::size_t k) { return body_of(k) != body_of(*begin); });
-    Collider& body = *made_[*begin].body;
-    body.island.solved = solve_lone_body(body, {begin, end});
-    begin = end;
+    const bool solved = solve_lone_body(*made_[*begin].body, {begin, end});
+    for (; begin != end; ++begin) made_[*begin].solved = solved;
   }
-  std::erase_if(lone_, [this](std::size_t k) { return !made_[k].solved(); });
+  std::erase_if(lone_, [this](std::size_t k) { return !made_[k].solved; });
   for (Collider* body : islands.members()) {
-    if (body->movable()) body->let_sleep(body->island.solved);
+    body->let_sleep(std::ranges::binary_search(lone_, body->id, {}, body_of));
   }
   free_friction();
 }
@@ -293,7 +291,7 @@ double ContactJoints::bound_friction() {
   dJointGroupEmpty(joints_.get());
   for (std::size_t k = 0; k < count; ++k) {
     const ContactPoint& point = points_[part_begin_ + k];
-    if (made_[part_begin_ + k].solved()) continue;
+    if (made_[part_begin_ + k].solved) continue;
     const double asked = made_[part_begin_ + k].friction * std::max(dot(point.impulse_ns, point.normal), 0.0) / part_s_;
     largest = std::max(largest, asked);
     change = std::max(change, bounds_[k].meet(asked));
@@ -306,7 +304,7 @@ void ContactJoints::free_friction() {
   dJointGroupEmpty(joints_.get());
   lands_aslant_ = false;
   for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    if (made_[k].solved()) continue;
+    if (made_[k].solved) continue;
     join(k, std::nullopt);
     lands_aslant_ |= made_[k].bounces && made_[k].friction > 0;
   }
@@ -314,11 +312,11 @@ void ContactJoints::free_friction() {
 
 void ContactJoints::read_impulses() {
   for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    if (!made_[k].solved()) points_[k].impulse_ns = part_s_ * to_vec3(room_->joints[k].f1);
+    if (!made_[k].solved) points_[k].impulse_ns = part_s_ * to_vec3(room_->joints[k].f1);
   }
 }
 
-void ContactJoints::move_bodies_apart() {
+void ContactJoints::move_bodies_apart(const Islands& islands) {
   if (!solver_pushes_) {
     overlaps_.clear();
     const auto ask = [this](Collider& body, Collider& other, const ContactPoint& point) {
@@ -331,7 +329,7 @@ void ContactJoints::move_bodies_apart() {
       if (!pushed_by_ode(*made.body, *made.other)) ask(*made.body, *made.other, points_[k]);
     }
     partings_.limit(overlaps_, part_s_);
-    move_apart(overlaps_, {kContactLayer_m, dWorldGetERP(world_)}, gravity_m_s2_);
+    move_apart(overlaps_, {kContactLayer_m, dWorldGetERP(world_)}, islands, gravity_m_s2_);
   }
   further_.clear();
 }

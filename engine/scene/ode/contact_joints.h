@@ -79,7 +79,7 @@ class ContactJoints {
   void free_friction();
 
   // Moves overlapping bodies of the part apart (overlap.h), unless the solver has done so already.
-  void move_bodies_apart();
+  void move_bodies_apart(const Islands& islands);
 
   void forget(BodyId id) { pairs_.forget(id); }  // must be called when a body goes or changes its shape
 

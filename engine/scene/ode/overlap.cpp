@@ -95,26 +95,27 @@ Side side_of(const Collider& collider, Shift& shift, const Motion& motion, Vec3 
 
 }  // namespace
 
-void move_apart(std::span<const Overlap> overlaps, const Correction& correction, Vec3 gravity_m_s2) {
+void move_apart(std::span<const Overlap> overlaps, const Correction& correction, const Islands& islands,
+                Vec3 gravity_m_s2) {
   Carried of_body, of_other;
-  std::vector<Collider*> islands;  // in which some point asks for a way
+  std::vector<const Collider*> asking;  // islands in which some point asks for a way
   const auto wanted_at = [&](const Overlap& overlap) {
     const ContactPoint& point = *overlap.point;
     of_body.set(*overlap.body, point.motions->of_body);
     of_other.set(*overlap.other, point.motions->of_other);
     return wanted_m(overlap, of_body.point_m(point.point_m) - of_other.point_m(point.point_m), correction);
   };
-  const auto islands_of = [](const Overlap& overlap) {
-    return std::array{overlap.body->movable() ? &island_of(*overlap.body) : nullptr,
-                      overlap.other->movable() ? &island_of(*overlap.other) : nullptr};
+  const auto islands_of = [&](const Overlap& overlap) {
+    return std::array{overlap.body->movable() ? &islands.island_of(*overlap.body) : nullptr,
+                      overlap.other->movable() ? &islands.island_of(*overlap.other) : nullptr};
   };
   for (const Overlap& overlap : overlaps) {
     if (wanted_at(overlap) <= kMin_m) continue;
-    for (Collider* island : islands_of(overlap)) islands.push_back(island);
+    for (const Collider* island : islands_of(overlap)) asking.push_back(island);
   }
-  if (islands.empty()) return;
-  std::ranges::sort(islands);
-  const auto asks = [&](Collider* island) { return island && std::ranges::binary_search(islands, island); };
+  if (asking.empty()) return;
+  std::ranges::sort(asking);
+  const auto asks = [&](const Collider* island) { return island && std::ranges::binary_search(asking, island); };
   std::map<Collider*, Shift> shifts;
   std::vector<Row> rows;
   for (const Overlap& overlap : overlaps) {

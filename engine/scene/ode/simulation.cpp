@@ -176,9 +176,8 @@ void Simulation::State::do_part(double found_s, double length_s) {
     contacts.undo_part();
     find_and_solve();
   }
-  islands.take_gains(contacts.part_points(), part_s, gravity_m_s2, kGain);
-  for (Collider* member : islands.members()) member->elasticity = 1;
-  contacts.move_bodies_apart();
+  islands.end_part(contacts.part_points(), part_s, gravity_m_s2, kGain);
+  contacts.move_bodies_apart(islands);
   pay_for_lifts();
   ++parts;
   contacts.end_part();
@@ -188,7 +187,7 @@ void Simulation::State::do_part(double found_s, double length_s) {
 void Simulation::State::pay_for_lifts() {
   for (Collider* member : islands.members()) {
     if (member->lifted_j == 0) continue;
-    if (island_of(*member).island.contacts == 0) member->lifted_j = 0;
+    if (islands.contacts_of(*member) == 0) member->lifted_j = 0;
     member->pay_for_lifts();
   }
 }
@@ -346,17 +345,18 @@ void Simulation::State::let_still_bodies_sleep() {
   if (shaken) return;
   const auto for_each_awake = [this](const auto& call) {
     for (Collider* collider : in_order) {
-      if (collider->was_awake && collider->awake() && collider->movable()) call(*collider, island_of(*collider).island);
+      if (collider->was_awake && collider->awake()) call(*collider, &islands.island_of(*collider));
     }
   };
-  for_each_awake([](Collider&, IslandState& island) { island.any_moves = false; });
-  for_each_awake([this](Collider& collider, IslandState& island) {
+  std::vector<const Collider*> moving;  // islands, in order
+  for_each_awake([&](Collider& collider, const Collider* island) {
     const Motion motion = collider.motion();
     collider.stillness.step({motion.position_m, motion.rotation}, collider.outer_radius_m, step_s);
-    if (collider.kept_moving || collider.stillness.still_s() < kSleepWhenStill_s) island.any_moves = true;
+    if (collider.kept_moving || collider.stillness.still_s() < kSleepWhenStill_s) moving.push_back(island);
   });
-  for_each_awake([](Collider& collider, IslandState& island) {
-    if (!island.any_moves && island.contacts > 0) collider.fall_asleep();
+  std::ranges::sort(moving);
+  for_each_awake([&](Collider& collider, const Collider* island) {
+    if (!std::ranges::binary_search(moving, island) && islands.contacts_of(collider) > 0) collider.fall_asleep();
   });
 }
 
