@@ -273,9 +273,10 @@ void Simulation::State::solve() {
 // the last solution, until they agree with the solution's own impulses. If they do not converge, at a very high
 // friction, ODE's first solution is used.
 void Simulation::State::correct_friction() {
+  std::vector<FrictionBound> bounds;
   for (int round = 0; round < kMaxFrictionRounds; ++round) {
     contacts.read_impulses();
-    const double change = contacts.bound_friction();
+    const double change = contacts.bound_friction(bounds);
     if (change < kFrictionAgrees) return;
     restore();
     contacts.push_lone_bodies();
