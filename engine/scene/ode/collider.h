@@ -13,6 +13,7 @@
 
 struct dxBody;
 struct dxJoint;
+struct dxWorld;
 
 namespace ringdown::scene {
 
@@ -35,42 +36,60 @@ class IslandMember {
 inline Vec3 to_vec3(const double* v) { return {v[0], v[1], v[2]}; }
 
 // A body with its shape, or a static, which is a shape alone. The user data of an ODE geometry points to its Collider.
-struct Collider {
-  BodyId id = 0;
-  FrictionSurface surface;
-  double mass_kg = 0;                    // mass and the two inertias: of bodies only
-  Matrix3 inertia{}, inverse_inertia{};  // in the body's frame [kg m^2]
-  double half_thickness_m = 0;           // see half_thickness(); infinite for a plane
-  double outer_radius_m = 0;             // see outer_radius(); unused for statics
-  double gravity_factor = 1;             // multiplies the scene's gravity; bodies only
-  bool round = false;                    // a sphere
-  bool joined = false;                   // whether a joint of the scene holds the body
-  bool kept_moving = false;              // whether a drive asks for a speed; such a body does not sleep
-  bool driven = false;                   // whether the body follows a prescribed motion, unaffected by contacts
-  Motion told;                           // prescribed motion of a driven body in this part of the step
-  bool was_awake = false;                // whether the body was awake before the step
-  IslandMember island;
-  Stillness stillness;
-  double lifted_j = 0;                        // energy still to be taken from the body because overlap.h lifted it
-  std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
+// Public members are constant, except for `island`, and a ghost that `shape` may get (shape.h).
+class Collider {
+ public:
+  Collider(BodyId id, const StaticDescription& description, dxSpace* space);
+  // A fixed body ignores velocity, gravity and contacts. `gravity_factor` multiplies the scene's gravity.
+  Collider(BodyId id, const Solid& solid, const FrictionSurface& surface, bool fixed, double gravity_factor,
+           dxWorld* world, dxSpace* space);
+  Collider(const Collider&) = delete;
+  Collider& operator=(const Collider&) = delete;
+
+  const BodyId id;
+  const FrictionSurface surface;
+  const double half_thickness_m;    // see half_thickness(); infinite for a plane
+  const double outer_radius_m = 0;  // see outer_radius(); this and the next five: of bodies only
+  const double gravity_factor = 1;
+  const bool round = false;  // a sphere
+  const double mass_kg = 0;
+  const Matrix3 inertia{}, inverse_inertia{};       // in the body's frame [kg m^2]
+  const std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
   OdeShape shape;
-  std::unique_ptr<dxJoint, JointDeleter> support;  // a joint without effect; see let_sleep()
-  bool supported = false;
+  IslandMember island;
 
   [[nodiscard]] bool movable() const;
   [[nodiscard]] bool awake() const;
   [[nodiscard]] Motion motion() const;  // for a static: rest at the origin
   void move(const Motion& motion);      // wakes the body
-  void drive(const Motion& motion);     // sets the motion of a driven body
-  void set_mass(const RigidMass& mass);
-  void add_torque(Vec3 torque_nm);           // for the next part of a step; world axes
-  void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
 
+  // Prescribes the body's motion in the next step, at a constant velocity, unaffected by contacts.
+  void drive(const Motion& motion);
+  [[nodiscard]] bool driven() const { return told_.has_value(); }
+  [[nodiscard]] bool driven_about() const;  // whether the prescribed motion is not rest
+  // Places a driven body where it is after `done_s` of the step.
+  void follow(double done_s);
+
+  // Call when a joint of the scene holds the body. If `keeps_moving`, a drive asks for a speed, and the body never
+  // sleeps.
+  void join(bool keeps_moving);
+  [[nodiscard]] bool joined() const { return joined_; }
+  [[nodiscard]] bool kept_moving() const { return kept_moving_; }
+
+  void begin_step() { was_awake_ = awake(); }
+  // Returns whether the body was awake at the last begin_step().
+  [[nodiscard]] bool was_awake() const { return was_awake_; }
+  // Call after a step. Returns for how long the body has stayed in place since the last stir(), fall_asleep() or
+  // move().
+  double stays_for(double step_s);
+  void stir() { stillness_.reset(); }
   void fall_asleep();  // the body rests until something touches it
-
   // Allows the body to fall asleep without contacts that ODE knows of. ODE keeps bodies without joints awake, so that
   // none sleeps in the air.
   void let_sleep(bool allowed);
+
+  void add_torque(Vec3 torque_nm);           // for the next part of a step; world axes
+  void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
 
   // Returns the body's motion at the end of the next part from gravity and the forces and torques added, without
   // contacts.
@@ -83,15 +102,15 @@ struct Collider {
   // spin from the solver.
   void turn(const Rotation& from, double part_s);
 
-  // Moves and turns the body. The spin turns with it, so that kinetic energy stays the same.
-  void shift(Vec3 way_m, Vec3 turn_rad);
+  // Moves and turns the body. The spin turns with it, so that kinetic energy stays the same. The body owes the
+  // potential energy that it gains.
+  void lift(Vec3 way_m, Vec3 turn_rad, Vec3 gravity_m_s2);
+  // Takes kinetic energy from the body for what it owes, at most nine tenths of what it has: velocity and spin shrink
+  // in proportion. A body that does not touch anything has left what lifted it and owes nothing more.
+  void pay_for_lifts(bool touches);
 
   // Scales down the spin and the velocity relative to `mean_m_s` to this share.
   void slow(double share, Vec3 mean_m_s);
-
-  // Takes kinetic energy from the body to pay for `lifted_j`, at most nine tenths of what the body has: velocity and
-  // spin shrink in proportion.
-  void pay_for_lifts();
 
   // All variables of a body that a step changes.
   struct State {
@@ -101,6 +120,17 @@ struct Collider {
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);
+
+ private:
+  void place(const Motion& motion);
+
+  std::optional<Motion> told_;  // prescribed motion of a driven body
+  bool joined_ = false, kept_moving_ = false;
+  bool was_awake_ = false;
+  Stillness stillness_;
+  double owed_j_ = 0;                               // for lift()
+  std::unique_ptr<dxJoint, JointDeleter> support_;  // a joint without effect; see let_sleep()
+  bool supported_ = false;
 };
 
 // Returns half of a shape's thickness: the radius of the largest ball about the centre of mass that is known to fit in

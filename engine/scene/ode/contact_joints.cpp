@@ -16,7 +16,7 @@ namespace {
 
 // ODE pushes the bodies of a joint apart, because it also corrects the joint: correcting positions alone would pull the
 // joint's two ends apart.
-bool pushed_by_ode(const Collider& body, const Collider& other) { return body.joined || other.joined; }
+bool pushed_by_ode(const Collider& body, const Collider& other) { return body.joined() || other.joined(); }
 
 // Maximum speed at which a hull is moved out of an overlap. All its contacts have similar normals, and a hull that lies
 // on an edge of another one slips into it again and again until it lies flat.
@@ -150,7 +150,7 @@ double ContactJoints::push_speed(double depth_m) const {
 Landing ContactJoints::land(const Collider& body, const Collider& other, double restitution, double approach_m_s,
                             const dContactGeom& geom) const {
   const bool lands = approach_m_s > bounce_threshold_m_s_ && geom.depth <= approach_m_s * part_.length_s;
-  if (other.movable() || other.driven || !lands) return {restitution, approach_m_s};
+  if (other.movable() || other.driven() || !lands) return {restitution, approach_m_s};
   return corrected_landing({.restitution = restitution,
                             .approach_m_s = approach_m_s,
                             .fall_m_s2 = -dot(gravity_m_s2_, to_vec3(geom.normal)),

@@ -79,7 +79,7 @@ void Islands::unite(Collider& body, Collider& other, double pushed_m_s, bool bou
   links_.push_back({number, pushed_m_s, bounces});
   if (other.movable()) merge(number, enter(other));
   nodes_[number].held |= !other.movable();
-  if (other.driven) nodes_[number].exempt = true;
+  if (other.driven()) nodes_[number].exempt = true;
   ++nodes_[root_of(number)].contacts;
 }
 

@@ -22,10 +22,6 @@ constexpr int kSweeps = 10;
 // Smaller ways are rounding errors of the solver.
 constexpr double kMin_m = 1e-9;
 
-// Maximum height for which a body owes energy. Trembling lifts bodies by hundredths of a millimetre; a body moved out
-// of a deep overlap should fall freely soon.
-constexpr double kMaxOwed_m = 2e-4;
-
 struct Shift {
   Vec3 way_m, turn_rad;
 };
@@ -138,11 +134,7 @@ void move_apart(std::span<const Overlap> overlaps, const Correction& correction,
     }
   }
   for (auto& [collider, shift] : shifts) {
-    if (!collider->movable()) continue;
-    collider->shift(shift.way_m, shift.turn_rad);
-    const double weight_n = collider->mass_kg * std::abs(collider->gravity_factor) * length(gravity_m_s2);
-    const double gained_j = -collider->mass_kg * collider->gravity_factor * dot(gravity_m_s2, shift.way_m);
-    collider->lifted_j = std::clamp(collider->lifted_j + gained_j, 0.0, kMaxOwed_m * weight_n);
+    if (collider->movable()) collider->lift(shift.way_m, shift.turn_rad, gravity_m_s2);
   }
 }
 

@@ -86,7 +86,6 @@ struct Simulation::State {
   explicit State(const SceneDescription& scene);
 
   void do_part(double found_s, double part_s);
-  void pay_for_lifts();
   void find_and_solve();
   void find_contacts();
   void collide(dxGeom* one, dxGeom* two);
@@ -97,7 +96,8 @@ struct Simulation::State {
   void move_driven(double done_s);
   [[nodiscard]] double free_flight(double rest_s);
 
-  Collider& add(BodyId id);
+  template <class... Of>
+  Collider& add(BodyId id, const Of&... of);
   void remove(BodyId gone);
   void let_still_bodies_sleep();
   void note_moved();
@@ -106,9 +106,8 @@ struct Simulation::State {
 
   double step_s, spring_n_m, damper_ns_m;
   Vec3 gravity_m_s2;
-  double part_s = 0;        // length of the part being done
-  bool has_driven = false;  // whether a body moves as it is told
-  double driven_s = 0;      // of the step, at the part's beginning
+  double part_s = 0;    // length of the part being done
+  double driven_s = 0;  // of the step, at the part's beginning
   unsigned long seed, parts = 0;
   std::size_t max_exact;
   std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
@@ -178,18 +177,9 @@ void Simulation::State::do_part(double found_s, double length_s) {
   }
   islands.end_part(contacts.part_points(), part_s, gravity_m_s2, kGain);
   contacts.move_bodies_apart(islands);
-  pay_for_lifts();
+  for (Collider* member : islands.members()) member->pay_for_lifts(islands.contacts_of(*member) > 0);
   ++parts;
   contacts.end_part();
-}
-
-// Takes the energy that bodies owe for having been lifted. One that has left what lifted it owes nothing more.
-void Simulation::State::pay_for_lifts() {
-  for (Collider* member : islands.members()) {
-    if (member->lifted_j == 0) continue;
-    if (islands.contacts_of(*member) == 0) member->lifted_j = 0;
-    member->pay_for_lifts();
-  }
 }
 
 void Simulation::State::find_and_solve() {
@@ -299,16 +289,7 @@ void Simulation::State::restore() {
 // which there may be several, moves them too.
 void Simulation::State::move_driven(double done_s) {
   driven_s = done_s;
-  if (!has_driven) return;
-  for (Collider* collider : in_order) {
-    if (!collider->driven) continue;
-    Motion now = collider->told;
-    now.position_m = now.position_m + done_s * now.velocity_m_s;
-    now.rotation = normalized(from_rotation_vector(done_s * now.spin_rad_s) * now.rotation);
-    const Motion told = collider->told;
-    collider->drive(now);
-    collider->told = told;
-  }
+  for (Collider* collider : in_order) collider->follow(done_s);
 }
 
 void Simulation::State::join(const BodyJoint& joint) {
@@ -316,12 +297,7 @@ void Simulation::State::join(const BodyJoint& joint) {
   dxBody* const other = joined[1] ? joined[1]->body.get() : nullptr;
   if (other && !joint.description.collides) filter.part(joint.body, *joint.other);
   joints.push_back({joint, OdeJoint(world.get(), joined[0]->body.get(), other, joint.description)});
-  for (Collider* collider : std::span(joined, other ? 2 : 1)) {
-    collider->joined = true;
-    if (!joints.back().joint.keeps_moving()) continue;
-    collider->kept_moving = true;
-    dBodySetAutoDisableFlag(collider->body.get(), 0);
-  }
+  for (Collider* collider : std::span(joined, other ? 2 : 1)) collider->join(joints.back().joint.keeps_moving());
 }
 
 // The joints of a body, described as they are now, so that they can be made again.
@@ -337,23 +313,19 @@ std::vector<BodyJoint> Simulation::State::joints_of(BodyId id) const {
 // sleep together, because a moving one would wake the others. None sleeps while a driven body moves, which may shake
 // them.
 void Simulation::State::let_still_bodies_sleep() {
-  const bool shaken = std::ranges::any_of(in_order, [](const Collider* collider) {
-    return collider->driven && (collider->told.velocity_m_s != Vec3{} || collider->told.spin_rad_s != Vec3{});
-  });
+  const bool shaken = std::ranges::any_of(in_order, &Collider::driven_about);
   for (Collider* collider : in_order) {
-    if (shaken || !collider->was_awake || !collider->awake()) collider->stillness.reset();
+    if (shaken || !collider->was_awake() || !collider->awake()) collider->stir();
   }
   if (shaken) return;
   const auto for_each_awake = [this](const auto& call) {
     for (Collider* collider : in_order) {
-      if (collider->was_awake && collider->awake()) call(*collider, &islands.island_of(*collider));
+      if (collider->was_awake() && collider->awake()) call(*collider, &islands.island_of(*collider));
     }
   };
   std::vector<const Collider*> moving;  // islands, in order
   for_each_awake([&](Collider& collider, const Collider* island) {
-    const Motion motion = collider.motion();
-    collider.stillness.step({motion.position_m, motion.rotation}, collider.outer_radius_m, step_s);
-    if (collider.kept_moving || collider.stillness.still_s() < kSleepWhenStill_s) moving.push_back(island);
+    if (collider.stays_for(step_s) < kSleepWhenStill_s || collider.kept_moving()) moving.push_back(island);
   });
   std::ranges::sort(moving);
   for_each_awake([&](Collider& collider, const Collider* island) {
@@ -365,14 +337,14 @@ void Simulation::State::note_moved() {
   moved.clear();
   asleep = true;
   for (const Collider* collider : in_order) {
-    if (collider->was_awake || collider->driven) moved.push_back({collider->id, collider->motion()});
+    if (collider->was_awake() || collider->driven()) moved.push_back({collider->id, collider->motion()});
     if (collider->awake()) asleep = false;
   }
 }
 
-Collider& Simulation::State::add(BodyId id) {
-  Collider& collider = colliders[id];
-  collider.id = id;
+template <class... Of>
+Collider& Simulation::State::add(BodyId id, const Of&... of) {
+  Collider& collider = colliders.try_emplace(id, id, of...).first->second;
   in_order.insert(std::ranges::lower_bound(in_order, id, {}, &Collider::id), &collider);
   return collider;
 }
@@ -408,11 +380,7 @@ Simulation::~Simulation() {
 
 void Simulation::add_static(BodyId id, const StaticDescription& description) {
   const OdeLock lock;
-  Collider& collider = state_->add(id);
-  collider.surface = description.surface;
-  collider.half_thickness_m = half_thickness(description);
-  collider.shape = make_static(state_->space.get(), description);
-  dGeomSetData(collider.shape.geom.get(), &collider);
+  state_->add(id, description, state_->space.get());
 }
 
 void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, const FrictionSurface& surface,
@@ -420,24 +388,8 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   const OdeLock lock;
   const std::vector<BodyJoint> kept = state_->joints_of(id);
   state_->remove(id);
-  Collider& collider = state_->add(id);
-  collider.surface = surface;
-  collider.half_thickness_m = half_thickness(solid.shape);
-  collider.outer_radius_m = outer_radius(solid.shape);
-  collider.gravity_factor = gravity_factor;
-  collider.round = solid.shape.type == ShapeType::sphere;
-  collider.body.reset(dBodyCreate(state_->world.get()));
-  collider.shape = make_shape(state_->space.get(), solid.shape);
-  collider.set_mass(solid.mass);
-  if (fixed) dBodySetKinematic(collider.body.get());
-  dGeomSetData(collider.shape.geom.get(), &collider);
-  dGeomSetBody(collider.shape.geom.get(), collider.body.get());
-  const Vec3 center = solid.shape.center_m;
-  dGeomSetOffsetPosition(collider.shape.geom.get(), center.x, center.y, center.z);
-  dBodySetFiniteRotationMode(collider.body.get(), 1);  // exact for a constant spin, however fast: spheres
-  dBodySetGyroscopicMode(collider.body.get(), 0);      // Collider::turn() does better
-  collider.move(motion);
-  collider.stillness.reset();
+  const State& state = *state_;
+  state_->add(id, solid, surface, fixed, gravity_factor, state.world.get(), state.space.get()).move(motion);
   for (const BodyJoint& joint : kept) state_->join(joint);
   state_->asleep = false;
 }
@@ -457,14 +409,12 @@ void Simulation::add_joint(BodyId body, std::optional<BodyId> other, const Joint
 void Simulation::set_motion(BodyId id, const Motion& motion) {
   const OdeLock lock;
   state_->colliders.at(id).move(motion);
-  state_->colliders.at(id).stillness.reset();
   state_->asleep = false;
 }
 
 void Simulation::drive(BodyId id, const Motion& motion) {
   const OdeLock lock;
   state_->colliders.at(id).drive(motion);
-  state_->has_driven = true;
   if (motion.velocity_m_s == Vec3{} && motion.spin_rad_s == Vec3{}) return;
   state_->asleep = false;
   for (Collider* collider : state_->in_order) {
@@ -478,7 +428,7 @@ std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up)
   state.given_up = given_up;
   state.contacts.begin_step();
   state.driven_s = 0;
-  for (Collider* collider : state.in_order) collider->was_awake = collider->awake();
+  for (Collider* collider : state.in_order) collider->begin_step();
   double done_s = 0;
   for (int k = 1; done_s < state.step_s; ++k) {
     const double rest_s = state.step_s - done_s;
