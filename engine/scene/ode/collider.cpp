@@ -123,7 +123,7 @@ void Collider::join(bool keeps_moving) {
 double Collider::stays_for(double step_s) {
   const Motion now = motion();
   stillness_.step({now.position_m, now.rotation}, outer_radius_m, step_s);
-  return stillness_.still_s();
+  return kept_moving_ ? 0 : stillness_.still_s();
 }
 
 void Collider::add_torque(Vec3 torque_nm) { dBodyAddTorque(body.get(), torque_nm.x, torque_nm.y, torque_nm.z); }

@@ -74,13 +74,12 @@ class Collider {
   // sleeps.
   void join(bool keeps_moving);
   [[nodiscard]] bool joined() const { return joined_; }
-  [[nodiscard]] bool kept_moving() const { return kept_moving_; }
 
   void begin_step() { was_awake_ = awake(); }
   // Returns whether the body was awake at the last begin_step().
   [[nodiscard]] bool was_awake() const { return was_awake_; }
   // Call after a step. Returns for how long the body has stayed in place since the last stir(), fall_asleep() or
-  // move().
+  // move(); always 0 if a drive asks for a speed.
   double stays_for(double step_s);
   void stir() { stillness_.reset(); }
   void fall_asleep();  // the body rests until something touches it

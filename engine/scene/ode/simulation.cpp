@@ -80,51 +80,57 @@ struct Joint {
   OdeJoint joint;
 };
 
+// A part of a step.
+struct Part {
+  double begin_s, length_s;                                        // in the step
+  const std::atomic<int>* given_up;                                // see Simulation::step()
+  std::vector<std::pair<Collider*, Collider::State>> before = {};  // its bodies' state at its beginning
+};
+
 }  // namespace
 
 struct Simulation::State {
   explicit State(const SceneDescription& scene);
 
-  void do_part(double found_s, double part_s);
-  void find_and_solve();
-  void find_contacts();
-  void collide(dxGeom* one, dxGeom* two);
+  void do_part(Part part);
+  // Both return whether the part was solved exactly.
+  bool find_and_solve(Part& part);
+  bool solve(const Part& part);
+  void find_contacts(const Part& part);
+  void collide(dxGeom* one, dxGeom* two, const Part& part);
   void add_gravity();
-  void solve();
-  void correct_friction();
-  void restore();
+  void correct_friction(const Part& part);
+  void restore(const Part& part);
   void move_driven(double done_s);
   [[nodiscard]] double free_flight(double rest_s);
 
   template <class... Of>
   Collider& add(BodyId id, const Of&... of);
   void remove(BodyId gone);
+  void wake_all();
   void let_still_bodies_sleep();
   void note_moved();
   void join(const BodyJoint& joint);
   [[nodiscard]] std::vector<BodyJoint> joints_of(BodyId id) const;
 
-  double step_s, spring_n_m, damper_ns_m;
-  Vec3 gravity_m_s2;
-  double part_s = 0;    // length of the part being done
-  double driven_s = 0;  // of the step, at the part's beginning
-  unsigned long seed, parts = 0;
-  std::size_t max_exact;
-  std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
-  std::unique_ptr<dxSpace, SpaceDeleter> space{dSimpleSpaceCreate(nullptr)};
-  ContactJoints contacts;
+  const double step_s, spring_n_m, damper_ns_m;
+  const Vec3 gravity_m_s2;
+  const std::size_t max_exact;
+  const std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
+  const std::unique_ptr<dxSpace, SpaceDeleter> space{dSimpleSpaceCreate(nullptr)};
+  const FlightProbe probe;
+  // Bodies and joints, which add(), join() and remove() change:
   std::map<BodyId, Collider> colliders;
   std::vector<Collider*> in_order;  // of their numbers, so that the same scene is solved in the same order
   std::vector<Joint> joints;        // declared after the bodies, which must be destroyed last
   PairFilter filter;
+  // Used in a step:
+  ContactJoints contacts;
   NearPairs near;
-  FlightProbe probe;
   Islands islands;
-  std::vector<std::pair<Collider*, Collider::State>> before;  // the bodies' state at the beginning of the part
-  bool exact = false;                                         // whether the part was solved exactly
+  unsigned long seed;  // of the part; set by do_part()
   std::vector<MovedBody> moved;
   bool asleep = false;
-  const std::atomic<int>* given_up = nullptr;  // Simulation::step()
 };
 
 Simulation::State::State(const SceneDescription& scene)
@@ -132,9 +138,9 @@ Simulation::State::State(const SceneDescription& scene)
       spring_n_m(scene.contact.spring_n_m),
       damper_ns_m(scene.contact.damper_ns_m),
       gravity_m_s2(scene.gravity_m_s2),
-      seed(static_cast<unsigned long>(scene.seed)),
       max_exact(max_exact_contacts(scene.step_s)),
-      contacts(world.get(), scene) {
+      contacts(world.get(), scene),
+      seed(static_cast<unsigned long>(scene.seed)) {
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
   dWorldSetContactMaxCorrectingVel(world.get(), kMaxCorrection_m_s);
   dWorldSetContactSurfaceLayer(world.get(), kContactLayer_m);
@@ -157,75 +163,78 @@ double Simulation::State::free_flight(double rest_s) {
   return free_s;
 }
 
-void Simulation::State::do_part(double found_s, double length_s) {
-  part_s = length_s;
+void Simulation::State::do_part(Part part) {
+  const double part_s = part.length_s;
   const SoftConstraint soft = soft_constraint(spring_n_m, damper_ns_m, part_s);
   dWorldSetERP(world.get(), soft.erp);
   dWorldSetCFM(world.get(), soft.cfm);
-  contacts.begin_part(found_s, part_s);
+  contacts.begin_part(part.begin_s, part_s);
   add_gravity();
   for (Joint& joint : joints) joint.joint.drive(part_s);
-  find_and_solve();
+  bool exact = find_and_solve(part);
   for (int round = 1; round <= kMaxRounds && !contacts.part_points().empty(); ++round) {
     const double tolerance = exact ? kGain : kGainByIteration;
     if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, {tolerance, !exact, round == kMaxRounds}))
       break;
-    restore();
-    for (const auto& [collider, state] : before) dBodySetTorque(collider->body.get(), 0, 0, 0);  // rolling resistance
+    restore(part);
+    for (const auto& [collider, state] : part.before)
+      dBodySetTorque(collider->body.get(), 0, 0, 0);  // rolling resistance
     contacts.undo_part();
-    find_and_solve();
+    exact = find_and_solve(part);
   }
   islands.end_part(contacts.part_points(), part_s, gravity_m_s2, kGain);
   contacts.move_bodies_apart(islands);
   for (Collider* member : islands.members()) member->pay_for_lifts(islands.contacts_of(*member) > 0);
-  ++parts;
+  ++seed;
   contacts.end_part();
 }
 
-void Simulation::State::find_and_solve() {
+bool Simulation::State::find_and_solve(Part& part) {
   islands.open(in_order);
-  find_contacts();
+  find_contacts(part);
   for (const auto& [between, joint] : joints) {
     islands.join(colliders.at(between.body), between.other ? &colliders.at(*between.other) : nullptr);
   }
-  before.clear();
-  for (Collider* member : islands.members()) before.emplace_back(member, member->state());
-  solve();
-  for (const auto& [collider, state] : before) {
-    if (collider->awake() && !collider->round) collider->turn(state.motion.rotation, part_s);
+  part.before.clear();
+  for (Collider* member : islands.members()) part.before.emplace_back(member, member->state());
+  const bool exact = solve(part);
+  for (const auto& [collider, state] : part.before) {
+    if (collider->awake() && !collider->round) collider->turn(state.motion.rotation, part.length_s);
   }
   contacts.read_impulses();
+  return exact;
 }
 
 // If few bodies are awake, each of them searches for its contacts by itself: that is cheaper than sorting all bodies.
-void Simulation::State::find_contacts() {
+void Simulation::State::find_contacts(const Part& part) {
   const auto awake = std::ranges::count_if(in_order, &Collider::awake);
   if (static_cast<std::size_t>(awake) * kFewAwake >= in_order.size()) {
     for (const auto& [one, two] : near.find(in_order)) {
-      collide(one->shape.geom.get(), two->shape.geom.get());
+      collide(one->shape.geom.get(), two->shape.geom.get(), part);
     }
     return;
   }
   struct Look {
     State* state;
-    Collider* from;
+    const Collider* from;
+    const Part* part;
   };
   for (Collider* collider : in_order) {
     if (!collider->awake()) continue;
-    Look look{this, collider};
+    Look look{this, collider, &part};
     dSpaceCollide2(collider->shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &look,
                    [](void* data, dxGeom* one, dxGeom* two) {
                      const Look& l = *static_cast<Look*>(data);
                      const Collider* a = static_cast<const Collider*>(dGeomGetData(one));
                      const Collider* met = a == l.from ? static_cast<const Collider*>(dGeomGetData(two)) : a;
                      const bool done = met->awake() && met->id < l.from->id;  // `met` found this pair already
-                     if (!done) l.state->collide(one, two);
+                     if (!done) l.state->collide(one, two, *l.part);
                    });
   }
 }
 
-void Simulation::State::collide(dxGeom* one, dxGeom* two) {
-  if (given_up && *given_up > 0) return;
+void Simulation::State::collide(dxGeom* one, dxGeom* two, const Part& part) {
+  if (part.given_up && *part.given_up > 0) return;
   const BodyId a = static_cast<const Collider*>(dGeomGetData(one))->id;
   const BodyId b = static_cast<const Collider*>(dGeomGetData(two))->id;
   if (filter.may_touch(a, b)) contacts.collide(one, two, islands);
@@ -239,56 +248,55 @@ void Simulation::State::add_gravity() {
   }
 }
 
-void Simulation::State::solve() {
-  exact = islands.max_contacts() <= max_exact;
-  contacts.hand_over(exact, islands);
-  if (exact) {
+bool Simulation::State::solve(const Part& part) {
+  const bool may_be_exact = islands.max_contacts() <= max_exact;
+  contacts.hand_over(may_be_exact, islands);
+  if (may_be_exact) {
     contacts.push_lone_bodies();
     OdeLock::warnings() = 0;
-    dWorldStep(world.get(), part_s);
-    if (OdeLock::warnings() == 0 && contacts.lands_aslant()) correct_friction();
-    if (OdeLock::warnings() == 0) return;
-    restore();
-    exact = false;
-    contacts.hand_over(exact, islands);
+    dWorldStep(world.get(), part.length_s);
+    if (OdeLock::warnings() == 0 && contacts.lands_aslant()) correct_friction(part);
+    if (OdeLock::warnings() == 0) return true;
+    restore(part);
+    contacts.hand_over(false, islands);
   }
   // The iterative solver visits contacts in random order, drawn from one generator for the whole process.
-  dRandSetSeed(seed + parts);
+  dRandSetSeed(seed);
   dWorldSetQuickStepNumIterations(world.get(), iterations(contacts.part_points().size()));
-  dWorldQuickStep(world.get(), part_s);
+  dWorldQuickStep(world.get(), part.length_s);
+  return false;
 }
 
 // ODE bounds friction by the normal impulse that would occur without friction. If a body lands on an edge, friction
 // turns the body and so changes that impulse: by 18 % in the worst case seen. The part is solved again with bounds from
 // the last solution, until they agree with the solution's own impulses. If they do not converge, at a very high
 // friction, ODE's first solution is used.
-void Simulation::State::correct_friction() {
+void Simulation::State::correct_friction(const Part& part) {
   std::vector<FrictionBound> bounds;
   for (int round = 0; round < kMaxFrictionRounds; ++round) {
     contacts.read_impulses();
     const double change = contacts.bound_friction(bounds);
     if (change < kFrictionAgrees) return;
-    restore();
+    restore(part);
     contacts.push_lone_bodies();
-    dWorldStep(world.get(), part_s);
+    dWorldStep(world.get(), part.length_s);
     if (OdeLock::warnings() > 0) break;
   }
   OdeLock::warnings() = 0;
   contacts.free_friction();
-  restore();
+  restore(part);
   contacts.push_lone_bodies();
-  dWorldStep(world.get(), part_s);
+  dWorldStep(world.get(), part.length_s);
 }
 
-void Simulation::State::restore() {
-  for (const auto& [collider, state] : before) collider->restore(state);
-  move_driven(driven_s);
+void Simulation::State::restore(const Part& part) {
+  for (const auto& [collider, state] : part.before) collider->restore(state);
+  move_driven(part.begin_s);
 }
 
 // Places driven bodies at their poses after `done_s` of the step. This is needed because each of ODE's solutions, of
 // which there may be several, moves them too.
 void Simulation::State::move_driven(double done_s) {
-  driven_s = done_s;
   for (Collider* collider : in_order) collider->follow(done_s);
 }
 
@@ -325,7 +333,7 @@ void Simulation::State::let_still_bodies_sleep() {
   };
   std::vector<const Collider*> moving;  // islands, in order
   for_each_awake([&](Collider& collider, const Collider* island) {
-    if (collider.stays_for(step_s) < kSleepWhenStill_s || collider.kept_moving()) moving.push_back(island);
+    if (collider.stays_for(step_s) < kSleepWhenStill_s) moving.push_back(island);
   });
   std::ranges::sort(moving);
   for_each_awake([&](Collider& collider, const Collider* island) {
@@ -362,6 +370,10 @@ void Simulation::State::remove(BodyId gone) {
   std::erase(in_order, &colliders.at(gone));
   colliders.erase(gone);
   contacts.forget(gone);
+  wake_all();
+}
+
+void Simulation::State::wake_all() {
   asleep = false;
   for (Collider* collider : in_order) {
     if (collider->movable()) dBodyEnable(collider->body.get());
@@ -414,26 +426,21 @@ void Simulation::set_motion(BodyId id, const Motion& motion) {
 
 void Simulation::drive(BodyId id, const Motion& motion) {
   const OdeLock lock;
-  state_->colliders.at(id).drive(motion);
-  if (motion.velocity_m_s == Vec3{} && motion.spin_rad_s == Vec3{}) return;
-  state_->asleep = false;
-  for (Collider* collider : state_->in_order) {
-    if (collider->movable()) dBodyEnable(collider->body.get());
-  }
+  Collider& collider = state_->colliders.at(id);
+  collider.drive(motion);
+  if (collider.driven_about()) state_->wake_all();
 }
 
 std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up) {
   const OdeLock lock;
   State& state = *state_;
-  state.given_up = given_up;
   state.contacts.begin_step();
-  state.driven_s = 0;
   for (Collider* collider : state.in_order) collider->begin_step();
   double done_s = 0;
   for (int k = 1; done_s < state.step_s; ++k) {
     const double rest_s = state.step_s - done_s;
     const double part_s = k < kMaxParts ? state.free_flight(rest_s) : rest_s;
-    state.do_part(done_s, part_s);
+    state.do_part({done_s, part_s, given_up});
     done_s = part_s == rest_s ? state.step_s : done_s + part_s;
     state.move_driven(done_s);
   }
