@@ -27,6 +27,34 @@ void set_velocity(dxBody* body, Vec3 velocity_m_s, Vec3 spin_rad_s) {
   dBodySetAngularVel(body, spin_rad_s.x, spin_rad_s.y, spin_rad_s.z);
 }
 
+double thinnest(Vec3 size_m) { return std::min({size_m.x, size_m.y, size_m.z}); }
+
+// Returns half of a shape's thickness: the radius of the largest ball about the centre of mass that is known to fit in
+// (for a trimesh or a hull: up to the plane of the nearest face), or the ratio of volume to surface if that is larger,
+// as for a bowl.
+double half_thickness(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return shape.radius_m;
+  if (shape.type == ShapeType::box) return 0.5 * thinnest(shape.size_m);
+  double radius = dInfinity, surface = 0, volume = 0;
+  for (const auto& [a, b, c] : shape.triangles) {
+    const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
+    if (!(length(area) > 0)) continue;
+    radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
+    surface += length(area) / 2;
+    volume += dot(area, shape.points[a]) / 6;
+  }
+  return surface > 0 ? std::max(radius, std::abs(volume) / surface) : 0;
+}
+
+// Returns the radius of the smallest ball about the centre of mass that holds the shape.
+double outer_radius(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return length(shape.center_m) + shape.radius_m;
+  if (shape.type == ShapeType::box) return length(shape.center_m) + 0.5 * length(shape.size_m);
+  double radius = 0;
+  for (const Vec3& point : shape.points) radius = std::max(radius, length(point));
+  return radius;
+}
+
 }  // namespace
 
 void BodyDeleter::operator()(dxBody* body) const { dBodyDestroy(body); }
@@ -36,7 +64,7 @@ void JointDeleter::operator()(dxJoint* joint) const { dJointDestroy(joint); }
 Collider::Collider(BodyId own_id, const StaticDescription& description, dxSpace* space)
     : id(own_id),
       surface(description.surface),
-      half_thickness_m(half_thickness(description)),
+      half_thickness_m(description.type == StaticType::plane ? dInfinity : 0.5 * thinnest(description.size_m)),
       shape(make_static(space, description)) {
   dGeomSetData(shape.geom.get(), this);
 }
@@ -217,9 +245,7 @@ void Collider::lift(Vec3 way_m, Vec3 turn_rad, Vec3 gravity_m_s2) {
 void Collider::pay_for_lifts(bool touches) {
   if (!touches) owed_j_ = 0;
   if (owed_j_ <= 0) return;
-  const Motion now = motion();
-  const Vec3 spin = transpose(to_matrix(now.rotation)) * now.spin_rad_s;
-  const double kinetic_j = 0.5 * (mass_kg * dot(now.velocity_m_s, now.velocity_m_s) + dot(spin, inertia * spin));
+  const double kinetic_j = kinetic_energy(*this, motion());
   const double paid_j = std::min(owed_j_, kMaxPaid * kinetic_j);
   if (!(paid_j > 0)) return;
   owed_j_ -= paid_j;
@@ -242,31 +268,11 @@ void Collider::restore(const State& state) {
   if (!state.awake) dBodyDisable(body.get());
 }
 
-double half_thickness(const CollisionShape& shape) {
-  if (shape.type == ShapeType::sphere) return shape.radius_m;
-  if (shape.type == ShapeType::box) return 0.5 * std::min({shape.size_m.x, shape.size_m.y, shape.size_m.z});
-  double radius = dInfinity, surface = 0, volume = 0;
-  for (const auto& [a, b, c] : shape.triangles) {
-    const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
-    if (!(length(area) > 0)) continue;
-    radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
-    surface += length(area) / 2;
-    volume += dot(area, shape.points[a]) / 6;
-  }
-  return surface > 0 ? std::max(radius, std::abs(volume) / surface) : 0;
-}
+Collider& collider_of(dxGeom* geom) { return *static_cast<Collider*>(dGeomGetData(geom)); }
 
-double outer_radius(const CollisionShape& shape) {
-  if (shape.type == ShapeType::sphere) return length(shape.center_m) + shape.radius_m;
-  if (shape.type == ShapeType::box) return length(shape.center_m) + 0.5 * length(shape.size_m);
-  double radius = 0;
-  for (const Vec3& point : shape.points) radius = std::max(radius, length(point));
-  return radius;
-}
-
-double half_thickness(const StaticDescription& description) {
-  const Vec3 size = description.size_m;
-  return description.type == StaticType::plane ? dInfinity : 0.5 * std::min({size.x, size.y, size.z});
+double kinetic_energy(const Collider& collider, const Motion& motion) {
+  const Vec3 spin = transpose(to_matrix(motion.rotation)) * motion.spin_rad_s;
+  return 0.5 * (collider.mass_kg * dot(motion.velocity_m_s, motion.velocity_m_s) + dot(spin, collider.inertia * spin));
 }
 
 }  // namespace ringdown::scene

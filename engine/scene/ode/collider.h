@@ -34,22 +34,21 @@ class IslandMember {
 
 // The first three components of an ODE vector.
 inline Vec3 to_vec3(const double* v) { return {v[0], v[1], v[2]}; }
+inline void copy(Vec3 from, double* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
 
-// A body with its shape, or a static, which is a shape alone. The user data of an ODE geometry points to its Collider.
-// Public members are constant, except for `island`, and a ghost that `shape` may get (shape.h).
+// A body with its shape, or a static, which is a shape alone. Public members are constant, except for `island`, and a
+// ghost that `shape` may get (shape.h).
 class Collider {
  public:
   Collider(BodyId id, const StaticDescription& description, dxSpace* space);
   // A fixed body ignores velocity, gravity and contacts. `gravity_factor` multiplies the scene's gravity.
   Collider(BodyId id, const Solid& solid, const FrictionSurface& surface, bool fixed, double gravity_factor,
            dxWorld* world, dxSpace* space);
-  Collider(const Collider&) = delete;
-  Collider& operator=(const Collider&) = delete;
 
   const BodyId id;
   const FrictionSurface surface;
-  const double half_thickness_m;    // see half_thickness(); infinite for a plane
-  const double outer_radius_m = 0;  // see outer_radius(); this and the next five: of bodies only
+  const double half_thickness_m;    // of the thinnest part; infinite for a plane
+  const double outer_radius_m = 0;  // about the centre of mass; this and the next five: of bodies only
   const double gravity_factor = 1;
   const bool round = false;  // a sphere
   const double mass_kg = 0;
@@ -70,14 +69,12 @@ class Collider {
   // Places a driven body where it is after `done_s` of the step.
   void follow(double done_s);
 
-  // Call when a joint of the scene holds the body. If `keeps_moving`, a drive asks for a speed, and the body never
-  // sleeps.
+  // Call when a joint of the scene holds the body. A body that a drive `keeps_moving` never sleeps.
   void join(bool keeps_moving);
   [[nodiscard]] bool joined() const { return joined_; }
 
   void begin_step() { was_awake_ = awake(); }
-  // Returns whether the body was awake at the last begin_step().
-  [[nodiscard]] bool was_awake() const { return was_awake_; }
+  [[nodiscard]] bool was_awake() const { return was_awake_; }  // at the last begin_step()
   // Call after a step. Returns for how long the body has stayed in place since the last stir(), fall_asleep() or
   // move(); always 0 if a drive asks for a speed.
   double stays_for(double step_s);
@@ -132,13 +129,9 @@ class Collider {
   bool supported_ = false;
 };
 
-// Returns half of a shape's thickness: the radius of the largest ball about the centre of mass that is known to fit in
-// (for a trimesh or a hull: up to the plane of the nearest face), or the ratio of volume to surface if that is larger,
-// as for a bowl.
-double half_thickness(const CollisionShape& shape);
-double half_thickness(const StaticDescription& description);
+// Returns the body or static that a geometry belongs to.
+Collider& collider_of(dxGeom* geom);
 
-// Returns the radius of the smallest ball about the centre of mass that holds the shape.
-double outer_radius(const CollisionShape& shape);
+double kinetic_energy(const Collider& collider, const Motion& motion);  // [J]
 
 }  // namespace ringdown::scene

@@ -39,8 +39,6 @@ Vec3 friction_direction(Vec3 normal, const Motion& of_body, const Motion& of_oth
   return speed < kMinSlip_m_s ? any_across(normal) : (1 / speed) * along;
 }
 
-void copy(Vec3 from, double* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
-
 }  // namespace
 
 struct ContactJoints::Contact {
@@ -99,19 +97,18 @@ void ContactJoints::begin_part(double found_s, double part_s) {
   undo_part();
 }
 
-void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
-  Collider* a = static_cast<Collider*>(dGeomGetData(first));
-  Collider* b = static_cast<Collider*>(dGeomGetData(second));
-  if (!a->awake() && !b->awake()) return;
+void ContactJoints::collide(Collider& one, Collider& two, Islands& islands) {
+  if (!one.awake() && !two.awake()) return;
   // A thousand meshes in one place have half a million pairs.
   if (points_.size() == kMaxContactsPerStep || motions_.size() == kMaxContactsPerStep) {
     ++dropped_;
     return;
   }
-  const FoundContacts found = find_contacts(first, second, pairs_, room_->found, part_.length_s);
+  const FoundContacts found =
+      find_contacts(one.shape.geom.get(), two.shape.geom.get(), pairs_, room_->found, part_.length_s);
   const std::span<dContactGeom> points = found.carry;
-  const bool swap = !a->movable();  // the first body of a joint must be one that moves
-  Collider &body = swap ? *b : *a, &other = swap ? *a : *b;
+  const bool swap = !one.movable();  // the first body of a joint must be one that moves
+  Collider &body = swap ? two : one, &other = swap ? one : two;
   if (points.empty() && found.move.empty()) return;
   const auto into_body = [swap](dContactGeom geom) {
     if (!swap) return geom;
@@ -133,7 +130,7 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
     further_.push_back({&body, &other, point});
   }
   // Several contact points of bodies with edges resist rolling by themselves.
-  if (points_.size() == before || (points.size() > 1 && !a->round && !b->round)) return;
+  if (points_.size() == before || (points.size() > 1 && !one.round && !two.round)) return;
   const double limit_nm = pair.surface.rolling_m * loads_.of_n(body.id, other.id);
   if (limit_nm == 0) return;
   const ContactPoint& last = points_.back();

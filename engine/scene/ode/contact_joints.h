@@ -3,7 +3,7 @@
 //
 //   joints.begin_step();
 //   joints.begin_part(found_s, part_s);      // a step may be done in several parts
-//   joints.collide(first, second, islands);  // for every pair of geometries that may touch
+//   joints.collide(one, two, islands);       // for every pair of bodies that may touch
 //   joints.hand_over(exact, islands);        // joints are made
 //   ... the solver runs ...
 //   joints.read_impulses();
@@ -25,7 +25,6 @@
 #include <vector>
 
 struct dContactGeom;
-struct dxGeom;
 struct dxJointGroup;
 struct dxWorld;
 
@@ -51,9 +50,9 @@ class ContactJoints {
   // `found_s` is the time from the beginning of the step to this part, `part_s` the part's length.
   void begin_part(double found_s, double part_s);
 
-  // Finds the contact points of two geometries and unites the bodies' islands. Adds rolling resistance if the contact
+  // Finds the contact points of two bodies and unites their islands. Adds rolling resistance if the contact
   // has a single point or one of the bodies is a sphere.
-  void collide(dxGeom* first, dxGeom* second, Islands& islands);
+  void collide(Collider& one, Collider& two, Islands& islands);
 
   // Hands the contact points of the part to the exact or to the iterative solver, as joints. The iterative solver
   // pushes overlapping bodies apart itself, because the part of a tower's weight that it fails to carry in one part is
@@ -115,11 +114,10 @@ class ContactJoints {
   const Vec3 gravity_m_s2_;
   const std::unique_ptr<dxJointGroup, JointGroupDeleter> joints_;
   const std::unique_ptr<Room> room_;
-  // The part, and the sizes of the lists below before it. Set by begin_part().
   struct Part {
     double found_s = 0, length_s = 0;
-    std::size_t first_point = 0, motions = 0, dropped = 0;
-  } part_;
+    std::size_t first_point = 0, motions = 0, dropped = 0;  // sizes of the lists below before the part
+  } part_;                                                  // set by begin_part()
   // Contacts of the step, which collide() adds and undo_part() takes back:
   std::vector<ContactPoint> points_;
   std::vector<MotionPair> motions_;  // motions of the touching pairs

@@ -9,15 +9,13 @@
 namespace ringdown::scene {
 namespace {
 
+// Energy that an island may gain in one part, as a share of its kinetic energy: the error of the solvers.
+constexpr double kGain = 1e-9, kGainByIteration = 1e-2;
+
 // A smaller gain is a rounding error.
 constexpr double kMinGain_j = 1e-9;
 
 constexpr double kMargin = 1.2;
-
-double kinetic_energy(const Collider& collider, const Motion& motion) {
-  const Vec3 spin = transpose(to_matrix(motion.rotation)) * motion.spin_rad_s;
-  return 0.5 * (collider.mass_kg * dot(motion.velocity_m_s, motion.velocity_m_s) + dot(spin, collider.inertia * spin));
-}
 
 }  // namespace
 
@@ -45,13 +43,13 @@ bool Islands::is_alone(const Collider& member) const {
 }
 
 std::size_t Islands::enter(Collider& body) {
-  std::optional<std::size_t>& number = body.island.number_;
-  if (number) return *number;
-  number = members_.size();
+  if (body.island.number_) return *body.island.number_;
+  const std::size_t number = members_.size();
   const Motion motion = body.motion();
   members_.push_back(&body);
-  nodes_.push_back({.parent = *number, .before_j = kinetic_energy(body, motion), .velocity_m_s = motion.velocity_m_s});
-  return *number;
+  nodes_.push_back({number, kinetic_energy(body, motion), motion.velocity_m_s});
+  body.island.number_ = number;
+  return number;
 }
 
 void Islands::merge(std::size_t body, std::size_t other) {
@@ -68,8 +66,8 @@ void Islands::open(std::span<Collider* const> colliders) {
   members_.clear();
   nodes_.clear();
   links_.clear();
-  for (Collider* collider : colliders) collider->island.number_.reset();
   for (Collider* collider : colliders) {
+    collider->island.number_.reset();
     if (collider->awake()) enter(*collider);
   }
 }
@@ -84,11 +82,10 @@ void Islands::unite(Collider& body, Collider& other, double pushed_m_s, bool bou
 }
 
 void Islands::join(Collider& body, Collider* other) {
-  const auto is_member = [](const Collider* one) { return one && one->island.number_; };
-  if (!is_member(&body) && !is_member(other)) return;
+  if (!body.island.number_ && !(other && other->island.number_)) return;
   if (other && body.movable() && other->movable()) merge(enter(body), enter(*other));
   for (const Collider* one : {&body, other}) {
-    if (is_member(one)) nodes_[*one->island.number_].exempt = true;
+    if (one && one->island.number_) nodes_[*one->island.number_].exempt = true;
   }
 }
 
@@ -127,18 +124,18 @@ std::vector<Islands::Sum> Islands::weigh(std::span<const ContactPoint> points, d
 // and keeps the energy M v^2 e^2 / 2, which changes by M v^2 e per unit of e: at e = 1 that is J v / 2. So e is lowered
 // by the gain over the sum of J v / 2, and by kMargin more, because contacts act on each other. If this was not enough,
 // the next solution shows it. If nothing bounces, nothing can be removed.
-bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2,
-                            const Check& check) {
+bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, bool exact,
+                            bool last) {
   if (std::ranges::none_of(links_, &Link::bounces)) return false;
   std::vector<Sum> sums = weigh(points, part_s, gravity_m_s2);
-  for (std::size_t k = 0; k < links_.size() && check.pushed; ++k) {
+  for (std::size_t k = 0; k < links_.size() && !exact; ++k) {
     sums[root_of(links_[k].body)].gained_j -= links_[k].pushed_m_s * length(points[k].impulse_ns);
   }
   bool any = false;
   for (std::size_t k = 0; k < members_.size(); ++k) {
     const Sum& sum = sums[root_of(k)];
-    if (!sum.gains(check.tolerance)) continue;
-    members_[k]->island.elasticity_ *= check.last ? 0 : std::max(1 - kMargin * sum.gained_j / sum.bounced_j, 0.0);
+    if (!sum.gains(exact ? kGain : kGainByIteration)) continue;
+    members_[k]->island.elasticity_ *= last ? 0 : std::max(1 - kMargin * sum.gained_j / sum.bounced_j, 0.0);
     any = true;
   }
   return any;
@@ -146,13 +143,13 @@ bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s,
 
 // Scales down all velocities of the island, relative to its mean velocity unless something holds it. The island keeps
 // its momentum, and contacts that separate continue to separate.
-void Islands::end_part(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance) {
+void Islands::end_part(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2) {
   for (Collider* body : members_) body->island.elasticity_ = 1;
   if (std::ranges::none_of(links_, &Link::bounces)) return;
   const std::vector<Sum> sums = weigh(points, part_s, gravity_m_s2);
   for (std::size_t k = 0; k < members_.size(); ++k) {
     const Sum& sum = sums[root_of(k)];
-    if (!sum.gains(tolerance)) continue;
+    if (!sum.gains(kGain)) continue;
     const Vec3 mean_m_s = sum.held ? Vec3{} : (1 / sum.mass_kg) * sum.momentum_ns;
     const double inner_j = sum.now_j - 0.5 * sum.mass_kg * dot(mean_m_s, mean_m_s);
     members_[k]->slow(std::sqrt(std::max(1 - sum.gained_j / inner_j, 0.0)), mean_m_s);

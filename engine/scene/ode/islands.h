@@ -6,8 +6,8 @@
 //   islands.open(colliders);                  // before contacts are found
 //   islands.unite(body, other, pushed_m_s, bounces);   // for each contact point, in order
 //   ... ODE moves the bodies ...
-//   if (islands.gained_energy(points, part_s, gravity, tolerance)) ...  // repeat the part: some are less elastic now
-//   islands.end_part(points, part_s, gravity, tolerance);
+//   if (islands.gained_energy(points, part_s, gravity, exact, last)) ...  // repeat the part: some are less elastic now
+//   islands.end_part(points, part_s, gravity);
 #pragma once
 
 #include "engine/scene/ode/collider.h"
@@ -50,20 +50,14 @@ class Islands {
   // Returns the share of its contacts' restitution that acts on any body in this part of the step.
   [[nodiscard]] static double elasticity(const Collider& body) { return body.island.elasticity_; }
 
-  struct Check {
-    double tolerance = 0;  // share of its kinetic energy that an island may gain
-    bool pushed = false;   // whether the solver has pushed overlapping bodies apart
-    bool last = false;     // whether the part can be repeated only once more
-  };
-
-  // Returns whether an island that bounces has gained energy, beyond the work of gravity and of pushes. Lowers the
-  // elasticity of the bodies of such islands: by the amount that should remove the gain, or to 0 if `last` is set.
-  // `points` are those passed to unite(), in that order.
-  bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, const Check& check);
+  // Returns whether an island that bounces has gained energy, beyond the work of gravity and of the pushes of a solver
+  // that is not exact. Lowers the elasticity of the bodies of such islands: by the amount that should remove the gain,
+  // or to 0 if `last` is set. `points` are those passed to unite(), in that order.
+  bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, bool exact, bool last);
 
   // Removes the energy that bouncing islands have gained nevertheless, the work of pushes included, by lowering their
   // velocities. All bodies become fully elastic again.
-  void end_part(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance);
+  void end_part(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2);
 
  private:
   struct Node {
@@ -73,8 +67,7 @@ class Islands {
     bool exempt = false;      // whether the body is exempt from the energy check
     bool has_others = false;  // whether the body touches a movable body
     bool held = false;        // whether the body touches something immovable
-    // Of a root: number of bodies and contact points of its island.
-    std::size_t size = 1, contacts = 0;
+    std::size_t size = 1, contacts = 0;  // of a root: numbers of bodies and of contact points of its island
   };
   struct Link {
     std::size_t body;

@@ -51,9 +51,6 @@ constexpr int kSleepSamples = 10;
 // left nine trembling for more than a second; 0.3 s leaves two to four.
 constexpr double kSleepWhenStill_s = 0.3;
 
-// Energy that an island may gain in one part, as a share of its kinetic energy: the error of the solvers.
-constexpr double kGain = 1e-9, kGainByIteration = 1e-2;
-
 // Maximum number of times that a part is solved again with less restitution, the last time with none, until it gains no
 // energy.
 constexpr int kMaxRounds = 6;
@@ -97,19 +94,15 @@ struct Simulation::State {
   bool find_and_solve(Part& part);
   bool solve(const Part& part);
   void find_contacts(const Part& part);
-  void collide(dxGeom* one, dxGeom* two, const Part& part);
-  void add_gravity();
   void correct_friction(const Part& part);
   void restore(const Part& part);
   void move_driven(double done_s);
-  [[nodiscard]] double free_flight(double rest_s);
 
   template <class... Of>
   Collider& add(BodyId id, const Of&... of);
   void remove(BodyId gone);
   void wake_all();
   void let_still_bodies_sleep();
-  void note_moved();
   void join(const BodyJoint& joint);
   [[nodiscard]] std::vector<BodyJoint> joints_of(BodyId id) const;
 
@@ -154,35 +147,27 @@ Simulation::State::State(const SceneDescription& scene)
   dSpaceSetCleanup(space.get(), 0);
 }
 
-// The time until the first of the awake bodies may have reached an obstacle.
-double Simulation::State::free_flight(double rest_s) {
-  double free_s = rest_s;
-  for (Collider* collider : in_order) {
-    if (collider->awake()) free_s = std::min(free_s, probe.free_flight(*collider, rest_s, space.get()));
-  }
-  return free_s;
-}
-
 void Simulation::State::do_part(Part part) {
   const double part_s = part.length_s;
   const SoftConstraint soft = soft_constraint(spring_n_m, damper_ns_m, part_s);
   dWorldSetERP(world.get(), soft.erp);
   dWorldSetCFM(world.get(), soft.cfm);
   contacts.begin_part(part.begin_s, part_s);
-  add_gravity();
+  for (Collider* collider : in_order) {  // ODE does not know of gravity factors
+    if (collider->gravity_factor == 1 || !collider->awake()) continue;
+    collider->add_force((collider->gravity_factor - 1) * collider->mass_kg * gravity_m_s2, {});
+  }
   for (Joint& joint : joints) joint.joint.drive(part_s);
   bool exact = find_and_solve(part);
   for (int round = 1; round <= kMaxRounds && !contacts.part_points().empty(); ++round) {
-    const double tolerance = exact ? kGain : kGainByIteration;
-    if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, {tolerance, !exact, round == kMaxRounds}))
-      break;
+    if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, exact, round == kMaxRounds)) break;
     restore(part);
     for (const auto& [collider, state] : part.before)
       dBodySetTorque(collider->body.get(), 0, 0, 0);  // rolling resistance
     contacts.undo_part();
     exact = find_and_solve(part);
   }
-  islands.end_part(contacts.part_points(), part_s, gravity_m_s2, kGain);
+  islands.end_part(contacts.part_points(), part_s, gravity_m_s2);
   contacts.move_bodies_apart(islands);
   for (Collider* member : islands.members()) member->pay_for_lifts(islands.contacts_of(*member) > 0);
   ++seed;
@@ -207,44 +192,26 @@ bool Simulation::State::find_and_solve(Part& part) {
 
 // If few bodies are awake, each of them searches for its contacts by itself: that is cheaper than sorting all bodies.
 void Simulation::State::find_contacts(const Part& part) {
+  const auto collide = [&](Collider& one, Collider& two) {
+    const bool given_up = part.given_up && *part.given_up > 0;
+    if (!given_up && filter.may_touch(one.id, two.id)) contacts.collide(one, two, islands);
+  };
   const auto awake = std::ranges::count_if(in_order, &Collider::awake);
   if (static_cast<std::size_t>(awake) * kFewAwake >= in_order.size()) {
-    for (const auto& [one, two] : near.find(in_order)) {
-      collide(one->shape.geom.get(), two->shape.geom.get(), part);
-    }
+    for (const auto& [one, two] : near.find(in_order)) collide(*one, *two);
     return;
   }
-  struct Look {
-    State* state;
-    const Collider* from;
-    const Part* part;
-  };
-  for (Collider* collider : in_order) {
-    if (!collider->awake()) continue;
-    Look look{this, collider, &part};
-    dSpaceCollide2(collider->shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &look,
+  for (const Collider* from : in_order) {
+    if (!from->awake()) continue;
+    auto meet = [&](Collider& one, Collider& two) {
+      const Collider& met = &one == from ? two : one;
+      const bool done = met.awake() && met.id < from->id;  // `met` found this pair already
+      if (!done) collide(one, two);
+    };
+    dSpaceCollide2(from->shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &meet,
                    [](void* data, dxGeom* one, dxGeom* two) {
-                     const Look& l = *static_cast<Look*>(data);
-                     const Collider* a = static_cast<const Collider*>(dGeomGetData(one));
-                     const Collider* met = a == l.from ? static_cast<const Collider*>(dGeomGetData(two)) : a;
-                     const bool done = met->awake() && met->id < l.from->id;  // `met` found this pair already
-                     if (!done) l.state->collide(one, two, *l.part);
+                     (*static_cast<decltype(meet)*>(data))(collider_of(one), collider_of(two));
                    });
-  }
-}
-
-void Simulation::State::collide(dxGeom* one, dxGeom* two, const Part& part) {
-  if (part.given_up && *part.given_up > 0) return;
-  const BodyId a = static_cast<const Collider*>(dGeomGetData(one))->id;
-  const BodyId b = static_cast<const Collider*>(dGeomGetData(two))->id;
-  if (filter.may_touch(a, b)) contacts.collide(one, two, islands);
-}
-
-// Adds the force that makes up for a body's gravity factor, which ODE does not know.
-void Simulation::State::add_gravity() {
-  for (Collider* collider : in_order) {
-    if (collider->gravity_factor == 1 || !collider->awake()) continue;
-    collider->add_force((collider->gravity_factor - 1) * collider->mass_kg * gravity_m_s2, {});
   }
 }
 
@@ -272,21 +239,21 @@ bool Simulation::State::solve(const Part& part) {
 // the last solution, until they agree with the solution's own impulses. If they do not converge, at a very high
 // friction, ODE's first solution is used.
 void Simulation::State::correct_friction(const Part& part) {
-  std::vector<FrictionBound> bounds;
-  for (int round = 0; round < kMaxFrictionRounds; ++round) {
-    contacts.read_impulses();
-    const double change = contacts.bound_friction(bounds);
-    if (change < kFrictionAgrees) return;
+  const auto solve_again = [&] {
     restore(part);
     contacts.push_lone_bodies();
     dWorldStep(world.get(), part.length_s);
+  };
+  std::vector<FrictionBound> bounds;
+  for (int round = 0; round < kMaxFrictionRounds; ++round) {
+    contacts.read_impulses();
+    if (contacts.bound_friction(bounds) < kFrictionAgrees) return;
+    solve_again();
     if (OdeLock::warnings() > 0) break;
   }
   OdeLock::warnings() = 0;
   contacts.free_friction();
-  restore(part);
-  contacts.push_lone_bodies();
-  dWorldStep(world.get(), part.length_s);
+  solve_again();
 }
 
 void Simulation::State::restore(const Part& part) {
@@ -339,15 +306,6 @@ void Simulation::State::let_still_bodies_sleep() {
   for_each_awake([&](Collider& collider, const Collider* island) {
     if (!std::ranges::binary_search(moving, island) && islands.contacts_of(collider) > 0) collider.fall_asleep();
   });
-}
-
-void Simulation::State::note_moved() {
-  moved.clear();
-  asleep = true;
-  for (const Collider* collider : in_order) {
-    if (collider->was_awake() || collider->driven()) moved.push_back({collider->id, collider->motion()});
-    if (collider->awake()) asleep = false;
-  }
 }
 
 template <class... Of>
@@ -439,13 +397,21 @@ std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up)
   double done_s = 0;
   for (int k = 1; done_s < state.step_s; ++k) {
     const double rest_s = state.step_s - done_s;
-    const double part_s = k < kMaxParts ? state.free_flight(rest_s) : rest_s;
+    double part_s = rest_s;
+    for (Collider* collider : state.in_order) {
+      if (k < kMaxParts && collider->awake())
+        part_s = std::min(part_s, state.probe.free_flight(*collider, rest_s, state.space.get()));
+    }
     state.do_part({done_s, part_s, given_up});
     done_s = part_s == rest_s ? state.step_s : done_s + part_s;
     state.move_driven(done_s);
   }
   state.let_still_bodies_sleep();
-  state.note_moved();
+  state.moved.clear();
+  for (const Collider* collider : state.in_order) {
+    if (collider->was_awake() || collider->driven()) state.moved.push_back({collider->id, collider->motion()});
+  }
+  state.asleep = std::ranges::none_of(state.in_order, &Collider::awake);
   return state.contacts.points();
 }
 
