@@ -7,7 +7,6 @@
 
 namespace ringdown::library {
 
-// A gain or pan goes to the mixer alone: Rack::push would lock to write it into the object's description.
 ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::MixerRequest blank,
                      std::span<const double> numbers, ringdown_error* error) {
   return guarded(error, [&]() -> Result<void> {
@@ -21,10 +20,7 @@ ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::MixerR
     const auto made = session::append_events(blank, mixer->rack, frame, mixer->events);
     if (!made) return made;
     for (const synth::Event& event : mixer->events) {
-      const bool taken = synth::effect_of(event) == synth::Effect::sets
-                             ? mixer->rack.mixer().push(synth::Producer::control, event)
-                             : mixer->rack.push(synth::Producer::control, event);
-      if (taken) continue;
+      if (mixer->rack.push(synth::Producer::control, event)) continue;
       ++mixer->dropped;
       return fail(ErrorKind::refused, "dropped, because " + std::to_string(synth::kQueueCapacity) +
                                           " events are waiting already; send fewer between two blocks");

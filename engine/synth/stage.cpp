@@ -292,8 +292,9 @@ bool Stage::starts_pulse(const Strike& strike, const DueEvent& due, const Chunk&
 // Whether a silent object may share its states from the beginning of the chunk on: what it is heard by is found first.
 bool Stage::settles(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
   if (!object.placement.heard(chunk)) return true;
-  if (object.active || !object.placement.begin_chunk(chunk, object.voices, object.strip)) return false;
-  return object.placement.may_share(chunk, *object.voices.current());
+  if (object.active) return false;
+  object.placement.begin_chunk(chunk, object.voices, object.strip);
+  return object.placement.begun(chunk) && object.placement.may_share(chunk, *object.voices.current());
 }
 
 // Members of groups that are heard differently now ring alone again, unless they have fallen by 60 dB since they were
@@ -434,10 +435,9 @@ void Stage::render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REA
     const auto begin = static_cast<std::size_t>(std::max<Frame>(one.begin - chunk.begin, 0));
     one.click.fill(chunk.frames - begin, workspace.mono.data() + begin);
     Object& struck = *objects_.find(one.object);
-    if (struck.placement.heard(chunk) && !struck.placement.begun(chunk) && !struck.member.shares_states) {
-      if (struck.placement.begin_chunk(chunk, struck.voices, struck.strip)) {
-        struck.placement.end_chunk(chunk, struck.voices);
-      }
+    if (!struck.placement.begun(chunk) && !struck.member.shares_states) {
+      struck.placement.begin_chunk(chunk, struck.voices, struck.strip);
+      struck.placement.end_chunk(chunk, struck.voices);
     }
     if (are_sane({workspace.mono.data() + begin, chunk.frames - begin})) {
       struck.strip.add_samples(workspace.mono.data(), begin, chunk.frames, chunk, workspace.sums);

@@ -10,6 +10,7 @@
 #include "engine/modal/strike_map.h"
 #include "engine/synth/events/event.h"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -19,7 +20,18 @@
 
 namespace ringdown::session {
 
-// Immutable once published (object_table.h): a change replaces it whole.
+// A number of an object that any thread may set, without a lock or an allocation. Copies share it.
+class LiveNumber {
+ public:
+  LiveNumber(double value) : value_(std::make_shared<std::atomic<double>>(value)) {}  // NOLINT: reads as a number
+  operator double() const { return *value_; }                                         // NOLINT
+  void set(double value) const { *value_ = value; }
+
+ private:
+  std::shared_ptr<std::atomic<double>> value_;
+};
+
+// Immutable once published (object_table.h), except for live numbers: a change replaces it whole.
 struct ObjectState {
   std::string name;
   synth::ObjectNumber number = 0;
@@ -34,13 +46,14 @@ struct ObjectState {
   modal::Dampers dampers;  // dampers that touch the object
   modal::ModeRange modes;  // the modes of the bank that ring
   std::string group;       // empty: the object is in no group
-  double gain = 1;         // the value that was set last, even if its frame is still to come
-  double pan = 0;          // -1 left ... +1 right; the value that was set last, as for gain
+  LiveNumber gain = 1;     // the value that was set last, even if its frame is still to come
+  LiveNumber pan = 0;      // -1 left ... +1 right; the value that was set last, as for gain
   bool mute = false;       // silent, whatever is soloed
   bool solo = false;       // while any object is soloed, only soloed ones are heard
 };
 
-// An object at one moment. It stays valid for whoever holds it, and so does its bank, whatever is loaded later.
+// An object at one moment, with its latest gain and pan. It stays valid for whoever holds it, and so does its bank,
+// whatever is loaded later.
 using ObjectSnapshot = std::shared_ptr<const ObjectState>;
 
 // Refuses a point [m, object frame] whose distance from the object's bounding box exceeds the size of the box: such a

@@ -31,11 +31,11 @@ Result<ObjectSnapshot> Rack::find(const ObjectRef& ref) const {
 
 bool Rack::push(synth::Producer producer, const Event& event) {
   if (!mixer_.push(producer, event)) return false;
-  if (const auto* set = event.verb.get_if<synth::verb::Gain>()) {
-    objects_.replace(event.object, [&](ObjectState& o) { o.gain = set->gain; });
-  }
-  if (const auto* set = event.verb.get_if<synth::verb::Pan>()) {
-    objects_.replace(event.object, [&](ObjectState& o) { o.pan = set->pan; });
+  const auto* const gain = event.verb.get_if<synth::verb::Gain>();
+  const auto* const pan = event.verb.get_if<synth::verb::Pan>();
+  if (const ObjectSnapshot object = gain || pan ? objects_.find(event.object) : nullptr) {
+    if (gain) object->gain.set(gain->gain);
+    if (pan) object->pan.set(pan->pan);
   }
   listener_.keep(event);
   observers_.keep(producer, event);
@@ -60,6 +60,8 @@ Result<synth::ObjectNumber> Rack::add(const std::string& name, const std::filesy
   if (old) {
     object.number = old->number;
     object.group = old->group;
+    object.gain = old->gain;
+    object.pan = old->pan;
     object.mute = old->mute;
     object.solo = old->solo;
   } else {
@@ -73,11 +75,7 @@ Result<synth::ObjectNumber> Rack::add(const std::string& name, const std::filesy
   if (const auto assigned = assign(object); !assigned) return fail(assigned.error());
   last_bank_version_ = object.bank_version;
   if (old) {
-    change(*old, [&](ObjectState& present) {
-      object.gain = present.gain;
-      object.pan = present.pan;
-      present = object;
-    });
+    change(*old, [&](ObjectState& present) { present = object; });
   } else {
     observers_.report_change(nullptr, objects_.add(object).get(), 0);
   }

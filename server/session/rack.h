@@ -7,8 +7,7 @@
 //   rack.collect();                                               // worker, several times a second
 //
 // Threads. One worker thread loads, retunes, frees and collects. Any other thread but audio may look objects up and
-// push events. Lookups and events do not wait for the worker, except that gains and pans are written to the object
-// (object_table.h). All changes are reported to observers().
+// push events. Lookups and events do not wait for the worker. All changes are reported to observers().
 #pragma once
 
 #include "engine/base/result.h"
@@ -65,7 +64,7 @@ class Rack {
   }
 
   // Hands an event to the mixer. Returns false, and does nothing, if the mixer's queue is full. A gain or pan is stored
-  // in the object, and a listener is remembered; all other events lock nothing, unless Observers::keep() does. [the
+  // in the object, and a listener is remembered. Neither locks nor allocates, unless Observers::keep() does. [the
   // producer's thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
 

@@ -98,5 +98,17 @@ TEST(HeardInstances, AMoveOfTheListenerEndsWhatWasSharedWithoutALoss) {
   EXPECT_EQ(both.shared.mixer.counters().not_finite, 0u);
 }
 
+TEST(HeardInstances, ObjectsStruckWhileNobodyListensGlideToTheListenerWhoReturns) {
+  Both both(coin(3));
+  both.play(0);
+  both.push({.frame = 24576, .verb = verb::ListenerOff{}});
+  for (ObjectNumber o = 0; o < kObjects; ++o) both.push(vertex_strike_at(24600, o, o % 7, {0.02, 0.01, 0.03}));
+  both.shared.render(2432), both.alone.render(2432);
+  const std::size_t returns = both.shared.left.size();
+  both.push({.frame = static_cast<Frame>(returns), .verb = verb::Listener{{{0, -2, 0}, {}}}});
+  both.shared.render(1024), both.alone.render(1024);
+  EXPECT_LT(relative_error_db(both.shared.left_from(returns), both.alone.left_from(returns)), -60);
+}
+
 }  // namespace
 }  // namespace ringdown::synth::test::instances

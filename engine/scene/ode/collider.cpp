@@ -13,11 +13,87 @@ namespace {
 // The largest share of its kinetic energy that a body pays at a time.
 constexpr double kMaxPaid = 0.9;
 
+// Maximum height for which a body owes energy. Trembling lifts bodies by hundredths of a millimetre; a body moved out
+// of a deep overlap should fall freely soon.
+constexpr double kMaxOwed_m = 2e-4;
+
+void set_rotation(dxBody* body, const Rotation& r) {
+  const dQuaternion q = {r.w, r.x, r.y, r.z};
+  dBodySetQuaternion(body, q);
+}
+
+void set_velocity(dxBody* body, Vec3 velocity_m_s, Vec3 spin_rad_s) {
+  dBodySetLinearVel(body, velocity_m_s.x, velocity_m_s.y, velocity_m_s.z);
+  dBodySetAngularVel(body, spin_rad_s.x, spin_rad_s.y, spin_rad_s.z);
+}
+
+double thinnest(Vec3 size_m) { return std::min({size_m.x, size_m.y, size_m.z}); }
+
+// Returns half of a shape's thickness: the radius of the largest ball about the centre of mass that is known to fit in
+// (for a trimesh or a hull: up to the plane of the nearest face), or the ratio of volume to surface if that is larger,
+// as for a bowl.
+double half_thickness(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return shape.radius_m;
+  if (shape.type == ShapeType::box) return 0.5 * thinnest(shape.size_m);
+  double radius = dInfinity, surface = 0, volume = 0;
+  for (const auto& [a, b, c] : shape.triangles) {
+    const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
+    if (!(length(area) > 0)) continue;
+    radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
+    surface += length(area) / 2;
+    volume += dot(area, shape.points[a]) / 6;
+  }
+  return surface > 0 ? std::max(radius, std::abs(volume) / surface) : 0;
+}
+
+// Returns the radius of the smallest ball about the centre of mass that holds the shape.
+double outer_radius(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return length(shape.center_m) + shape.radius_m;
+  if (shape.type == ShapeType::box) return length(shape.center_m) + 0.5 * length(shape.size_m);
+  double radius = 0;
+  for (const Vec3& point : shape.points) radius = std::max(radius, length(point));
+  return radius;
+}
+
 }  // namespace
 
 void BodyDeleter::operator()(dxBody* body) const { dBodyDestroy(body); }
 
 void JointDeleter::operator()(dxJoint* joint) const { dJointDestroy(joint); }
+
+Collider::Collider(BodyId own_id, const StaticDescription& description, dxSpace* space)
+    : id(own_id),
+      surface(description.surface),
+      half_thickness_m(description.type == StaticType::plane ? dInfinity : 0.5 * thinnest(description.size_m)),
+      shape(make_static(space, description)) {
+  dGeomSetData(shape.geom.get(), this);
+}
+
+Collider::Collider(BodyId own_id, const Solid& solid, const FrictionSurface& own_surface, bool fixed, double factor,
+                   dxWorld* world, dxSpace* space)
+    : id(own_id),
+      surface(own_surface),
+      half_thickness_m(half_thickness(solid.shape)),
+      outer_radius_m(outer_radius(solid.shape)),
+      gravity_factor(factor),
+      round(solid.shape.type == ShapeType::sphere),
+      mass_kg(solid.mass.mass_kg),
+      inertia(solid.mass.inertia_kg_m2),
+      inverse_inertia(inverse(inertia)),
+      body(dBodyCreate(world)),
+      shape(make_shape(space, solid.shape)) {
+  const Matrix3& i = inertia;
+  dMass mass;
+  dMassSetParameters(&mass, mass_kg, 0, 0, 0, i[0][0], i[1][1], i[2][2], i[0][1], i[0][2], i[1][2]);
+  dBodySetMass(body.get(), &mass);
+  if (fixed) dBodySetKinematic(body.get());
+  dGeomSetData(shape.geom.get(), this);
+  dGeomSetBody(shape.geom.get(), body.get());
+  const Vec3 center = solid.shape.center_m;
+  dGeomSetOffsetPosition(shape.geom.get(), center.x, center.y, center.z);
+  dBodySetFiniteRotationMode(body.get(), 1);  // exact for a constant spin, however fast: spheres
+  dBodySetGyroscopicMode(body.get(), 0);      // turn() does better
+}
 
 bool Collider::movable() const { return body && !dBodyIsKinematic(body.get()); }
 
@@ -30,35 +106,52 @@ Motion Collider::motion() const {
           to_vec3(dBodyGetLinearVel(body.get())), to_vec3(dBodyGetAngularVel(body.get()))};
 }
 
-void Collider::move(const Motion& motion) {
-  lifted_j = 0;
-  const Rotation r = normalized(motion.rotation);
-  const dQuaternion q = {r.w, r.x, r.y, r.z};
+// Sets pose and velocity, and wakes the body. What is fixed keeps its velocity.
+void Collider::place(const Motion& motion) {
+  owed_j_ = 0;
   dBodySetPosition(body.get(), motion.position_m.x, motion.position_m.y, motion.position_m.z);
-  dBodySetQuaternion(body.get(), q);
+  set_rotation(body.get(), normalized(motion.rotation));
   if (!movable()) return;
-  dBodySetLinearVel(body.get(), motion.velocity_m_s.x, motion.velocity_m_s.y, motion.velocity_m_s.z);
-  dBodySetAngularVel(body.get(), motion.spin_rad_s.x, motion.spin_rad_s.y, motion.spin_rad_s.z);
+  set_velocity(body.get(), motion.velocity_m_s, motion.spin_rad_s);
   dBodyEnable(body.get());
 }
 
-void Collider::drive(const Motion& motion) {
-  if (!driven) dBodySetAutoDisableFlag(body.get(), 0);
-  driven = true;
-  told = motion;
-  move(motion);
-  dBodySetLinearVel(body.get(), motion.velocity_m_s.x, motion.velocity_m_s.y, motion.velocity_m_s.z);
-  dBodySetAngularVel(body.get(), motion.spin_rad_s.x, motion.spin_rad_s.y, motion.spin_rad_s.z);
+void Collider::move(const Motion& motion) {
+  place(motion);
+  stir();
 }
 
-void Collider::set_mass(const RigidMass& rigid) {
-  const Matrix3& i = rigid.inertia_kg_m2;
-  dMass mass;
-  dMassSetParameters(&mass, rigid.mass_kg, 0, 0, 0, i[0][0], i[1][1], i[2][2], i[0][1], i[0][2], i[1][2]);
-  dBodySetMass(body.get(), &mass);
-  mass_kg = rigid.mass_kg;
-  inertia = i;
-  inverse_inertia = inverse(i);
+void Collider::drive(const Motion& motion) {
+  if (!driven()) dBodySetAutoDisableFlag(body.get(), 0);
+  told_ = motion;
+  place(motion);
+  set_velocity(body.get(), motion.velocity_m_s, motion.spin_rad_s);
+}
+
+bool Collider::driven_about() const {
+  return driven() && (told_->velocity_m_s != Vec3{} || told_->spin_rad_s != Vec3{});
+}
+
+void Collider::follow(double done_s) {
+  if (!driven()) return;
+  Motion now = *told_;
+  now.position_m = now.position_m + done_s * now.velocity_m_s;
+  now.rotation = normalized(from_rotation_vector(done_s * now.spin_rad_s) * now.rotation);
+  place(now);
+  set_velocity(body.get(), now.velocity_m_s, now.spin_rad_s);
+}
+
+void Collider::join(bool keeps_moving) {
+  joined_ = true;
+  if (!keeps_moving) return;
+  kept_moving_ = true;
+  dBodySetAutoDisableFlag(body.get(), 0);
+}
+
+double Collider::stays_for(double step_s) {
+  const Motion now = motion();
+  stillness_.step({now.position_m, now.rotation}, outer_radius_m, step_s);
+  return kept_moving_ ? 0 : stillness_.still_s();
 }
 
 void Collider::add_torque(Vec3 torque_nm) { dBodyAddTorque(body.get(), torque_nm.x, torque_nm.y, torque_nm.z); }
@@ -69,17 +162,16 @@ void Collider::add_force(Vec3 force_n, Vec3 arm_m) {
 }
 
 void Collider::fall_asleep() {
-  dBodySetLinearVel(body.get(), 0, 0, 0);
-  dBodySetAngularVel(body.get(), 0, 0, 0);
+  set_velocity(body.get(), {}, {});
   dBodyDisable(body.get());
-  stillness.reset();
+  stir();
 }
 
 void Collider::let_sleep(bool allowed) {
-  if (allowed == supported) return;
-  supported = allowed;
-  if (!support) support.reset(dJointCreateNull(dBodyGetWorld(body.get()), nullptr));
-  dJointAttach(support.get(), allowed ? body.get() : nullptr, nullptr);
+  if (allowed == supported_) return;
+  supported_ = allowed;
+  if (!support_) support_.reset(dJointCreateNull(dBodyGetWorld(body.get()), nullptr));
+  dJointAttach(support_.get(), allowed ? body.get() : nullptr, nullptr);
 }
 
 FreeBody Collider::without_contacts(Vec3 gravity_m_s2, double part_s) const {
@@ -131,41 +223,38 @@ void Collider::turn(const Rotation& from, double part_s) {
   Motion start = motion();
   start.rotation = from;
   const Motion end = after(start, part_s);
-  const Rotation& r = end.rotation;
-  const dQuaternion q = {r.w, r.x, r.y, r.z};
-  dBodySetQuaternion(body.get(), q);
+  set_rotation(body.get(), end.rotation);
   dBodySetAngularVel(body.get(), end.spin_rad_s.x, end.spin_rad_s.y, end.spin_rad_s.z);
 }
 
-void Collider::shift(Vec3 way_m, Vec3 turn_rad) {
+void Collider::lift(Vec3 way_m, Vec3 turn_rad, Vec3 gravity_m_s2) {
   const Motion now = motion();
   const Vec3 at = now.position_m + way_m;
   dBodySetPosition(body.get(), at.x, at.y, at.z);
-  const double angle_rad = length(turn_rad);
-  if (!(angle_rad > 0)) return;
-  const Rotation turn = about(turn_rad, angle_rad), r = normalized(turn * now.rotation);
-  const Vec3 spin = to_matrix(turn) * now.spin_rad_s;
-  const dQuaternion q = {r.w, r.x, r.y, r.z};
-  dBodySetQuaternion(body.get(), q);
-  dBodySetAngularVel(body.get(), spin.x, spin.y, spin.z);
+  if (const double angle_rad = length(turn_rad); angle_rad > 0) {
+    const Rotation turn = about(turn_rad, angle_rad);
+    const Vec3 spin = to_matrix(turn) * now.spin_rad_s;
+    set_rotation(body.get(), normalized(turn * now.rotation));
+    dBodySetAngularVel(body.get(), spin.x, spin.y, spin.z);
+  }
+  const double weight_n = mass_kg * std::abs(gravity_factor) * length(gravity_m_s2);
+  const double gained_j = -mass_kg * gravity_factor * dot(gravity_m_s2, way_m);
+  owed_j_ = std::clamp(owed_j_ + gained_j, 0.0, kMaxOwed_m * weight_n);
 }
 
-void Collider::pay_for_lifts() {
-  if (lifted_j <= 0) return;
-  const Motion now = motion();
-  const Vec3 spin = transpose(to_matrix(now.rotation)) * now.spin_rad_s;
-  const double kinetic_j = 0.5 * (mass_kg * dot(now.velocity_m_s, now.velocity_m_s) + dot(spin, inertia * spin));
-  const double paid_j = std::min(lifted_j, kMaxPaid * kinetic_j);
+void Collider::pay_for_lifts(bool touches) {
+  if (!touches) owed_j_ = 0;
+  if (owed_j_ <= 0) return;
+  const double kinetic_j = kinetic_energy(*this, motion());
+  const double paid_j = std::min(owed_j_, kMaxPaid * kinetic_j);
   if (!(paid_j > 0)) return;
-  lifted_j -= paid_j;
+  owed_j_ -= paid_j;
   slow(std::sqrt(1 - paid_j / kinetic_j), {});
 }
 
 void Collider::slow(double share, Vec3 mean_m_s) {
   const Motion now = motion();
-  const Vec3 v = mean_m_s + share * (now.velocity_m_s - mean_m_s), w = share * now.spin_rad_s;
-  dBodySetLinearVel(body.get(), v.x, v.y, v.z);
-  dBodySetAngularVel(body.get(), w.x, w.y, w.z);
+  set_velocity(body.get(), mean_m_s + share * (now.velocity_m_s - mean_m_s), share * now.spin_rad_s);
 }
 
 Collider::State Collider::state() const {
@@ -173,37 +262,17 @@ Collider::State Collider::state() const {
 }
 
 void Collider::restore(const State& state) {
-  move(state.motion);
+  place(state.motion);
   dBodySetForce(body.get(), state.force_n.x, state.force_n.y, state.force_n.z);
   dBodySetTorque(body.get(), state.torque_nm.x, state.torque_nm.y, state.torque_nm.z);
   if (!state.awake) dBodyDisable(body.get());
 }
 
-double half_thickness(const CollisionShape& shape) {
-  if (shape.type == ShapeType::sphere) return shape.radius_m;
-  if (shape.type == ShapeType::box) return 0.5 * std::min({shape.size_m.x, shape.size_m.y, shape.size_m.z});
-  double radius = dInfinity, surface = 0, volume = 0;
-  for (const auto& [a, b, c] : shape.triangles) {
-    const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
-    if (!(length(area) > 0)) continue;
-    radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
-    surface += length(area) / 2;
-    volume += dot(area, shape.points[a]) / 6;
-  }
-  return surface > 0 ? std::max(radius, std::abs(volume) / surface) : 0;
-}
+Collider& collider_of(dxGeom* geom) { return *static_cast<Collider*>(dGeomGetData(geom)); }
 
-double outer_radius(const CollisionShape& shape) {
-  if (shape.type == ShapeType::sphere) return length(shape.center_m) + shape.radius_m;
-  if (shape.type == ShapeType::box) return length(shape.center_m) + 0.5 * length(shape.size_m);
-  double radius = 0;
-  for (const Vec3& point : shape.points) radius = std::max(radius, length(point));
-  return radius;
-}
-
-double half_thickness(const StaticDescription& description) {
-  const Vec3 size = description.size_m;
-  return description.type == StaticType::plane ? dInfinity : 0.5 * std::min({size.x, size.y, size.z});
+double kinetic_energy(const Collider& collider, const Motion& motion) {
+  const Vec3 spin = transpose(to_matrix(motion.rotation)) * motion.spin_rad_s;
+  return 0.5 * (collider.mass_kg * dot(motion.velocity_m_s, motion.velocity_m_s) + dot(spin, collider.inertia * spin));
 }
 
 }  // namespace ringdown::scene

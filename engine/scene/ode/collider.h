@@ -9,9 +9,11 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 struct dxBody;
 struct dxJoint;
+struct dxWorld;
 
 namespace ringdown::scene {
 
@@ -23,67 +25,67 @@ struct JointDeleter {
   void operator()(dxJoint* joint) const;
 };
 
-// What Islands (islands.h) stores about a body, and about the island of which the body is the root.
-struct Collider;
-struct IslandState {
-  Collider* parent = nullptr;  // null: the body is in no island; the body itself: it is the root of one
-  double before_j = 0;         // kinetic energy before the part of the step
-  Vec3 velocity_m_s;           // velocity before the part of the step
-  bool exempt = false;         // whether the body is exempt from the energy check
-  bool has_others = false;     // whether the body touches a movable body
-  bool held = false;           // whether the body touches something immovable
-  bool solved = false;         // whether the body's contacts have been solved without ODE
-  // Members for the whole island, kept at its root:
-  bool any_moves = false;
-  std::size_t contacts = 0;
-  // Computed by Islands::weigh():
-  bool any_exempt = false, any_held = false;
-  double total_before_j = 0, total_j = 0, gained_j = 0, bounced_j = 0;
-  double mass_kg = 0;
-  Vec3 momentum_ns;
+// A body's place in Islands (islands.h), which alone changes it.
+class IslandMember {
+  friend class Islands;
+  std::optional<std::size_t> number_;  // index in Islands::members(); none: the body is in no island
+  double elasticity_ = 1;              // share of its contacts' restitution that acts in this part of the step
 };
 
 // The first three components of an ODE vector.
 inline Vec3 to_vec3(const double* v) { return {v[0], v[1], v[2]}; }
+inline void copy(Vec3 from, double* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
 
-// A body with its shape, or a static, which is a shape alone. The user data of an ODE geometry points to its Collider.
-struct Collider {
-  BodyId id = 0;
-  FrictionSurface surface;
-  double mass_kg = 0;                    // mass and the two inertias: of bodies only
-  Matrix3 inertia{}, inverse_inertia{};  // in the body's frame [kg m^2]
-  double half_thickness_m = 0;           // see half_thickness(); infinite for a plane
-  double outer_radius_m = 0;             // see outer_radius(); unused for statics
-  double gravity_factor = 1;             // multiplies the scene's gravity; bodies only
-  bool round = false;                    // a sphere
-  bool joined = false;                   // whether a joint of the scene holds the body
-  bool kept_moving = false;              // whether a drive asks for a speed; such a body does not sleep
-  bool driven = false;                   // whether the body follows a prescribed motion, unaffected by contacts
-  Motion told;                           // prescribed motion of a driven body in this part of the step
-  double elasticity = 1;                 // share of its contacts' restitution that acts in this part of the step
-  bool was_awake = false;                // whether the body was awake before the step
-  IslandState island;
-  Stillness stillness;
-  double lifted_j = 0;                        // energy still to be taken from the body because overlap.h lifted it
-  std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
+// A body with its shape, or a static, which is a shape alone. Public members are constant, except for `island`, and a
+// ghost that `shape` may get (shape.h).
+class Collider {
+ public:
+  Collider(BodyId id, const StaticDescription& description, dxSpace* space);
+  // A fixed body ignores velocity, gravity and contacts. `gravity_factor` multiplies the scene's gravity.
+  Collider(BodyId id, const Solid& solid, const FrictionSurface& surface, bool fixed, double gravity_factor,
+           dxWorld* world, dxSpace* space);
+
+  const BodyId id;
+  const FrictionSurface surface;
+  const double half_thickness_m;    // of the thinnest part; infinite for a plane
+  const double outer_radius_m = 0;  // about the centre of mass; this and the next five: of bodies only
+  const double gravity_factor = 1;
+  const bool round = false;  // a sphere
+  const double mass_kg = 0;
+  const Matrix3 inertia{}, inverse_inertia{};       // in the body's frame [kg m^2]
+  const std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
   OdeShape shape;
-  std::unique_ptr<dxJoint, JointDeleter> support;  // a joint without effect; see let_sleep()
-  bool supported = false;
+  IslandMember island;
 
   [[nodiscard]] bool movable() const;
   [[nodiscard]] bool awake() const;
   [[nodiscard]] Motion motion() const;  // for a static: rest at the origin
   void move(const Motion& motion);      // wakes the body
-  void drive(const Motion& motion);     // sets the motion of a driven body
-  void set_mass(const RigidMass& mass);
-  void add_torque(Vec3 torque_nm);           // for the next part of a step; world axes
-  void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
 
+  // Prescribes the body's motion in the next step, at a constant velocity, unaffected by contacts.
+  void drive(const Motion& motion);
+  [[nodiscard]] bool driven() const { return told_.has_value(); }
+  [[nodiscard]] bool driven_about() const;  // whether the prescribed motion is not rest
+  // Places a driven body where it is after `done_s` of the step.
+  void follow(double done_s);
+
+  // Call when a joint of the scene holds the body. A body that a drive `keeps_moving` never sleeps.
+  void join(bool keeps_moving);
+  [[nodiscard]] bool joined() const { return joined_; }
+
+  void begin_step() { was_awake_ = awake(); }
+  [[nodiscard]] bool was_awake() const { return was_awake_; }  // at the last begin_step()
+  // Call after a step. Returns for how long the body has stayed in place since the last stir(), fall_asleep() or
+  // move(); always 0 if a drive asks for a speed.
+  double stays_for(double step_s);
+  void stir() { stillness_.reset(); }
   void fall_asleep();  // the body rests until something touches it
-
   // Allows the body to fall asleep without contacts that ODE knows of. ODE keeps bodies without joints awake, so that
   // none sleeps in the air.
   void let_sleep(bool allowed);
+
+  void add_torque(Vec3 torque_nm);           // for the next part of a step; world axes
+  void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
 
   // Returns the body's motion at the end of the next part from gravity and the forces and torques added, without
   // contacts.
@@ -96,15 +98,15 @@ struct Collider {
   // spin from the solver.
   void turn(const Rotation& from, double part_s);
 
-  // Moves and turns the body. The spin turns with it, so that kinetic energy stays the same.
-  void shift(Vec3 way_m, Vec3 turn_rad);
+  // Moves and turns the body. The spin turns with it, so that kinetic energy stays the same. The body owes the
+  // potential energy that it gains.
+  void lift(Vec3 way_m, Vec3 turn_rad, Vec3 gravity_m_s2);
+  // Takes kinetic energy from the body for what it owes, at most nine tenths of what it has: velocity and spin shrink
+  // in proportion. A body that does not touch anything has left what lifted it and owes nothing more.
+  void pay_for_lifts(bool touches);
 
   // Scales down the spin and the velocity relative to `mean_m_s` to this share.
   void slow(double share, Vec3 mean_m_s);
-
-  // Takes kinetic energy from the body to pay for `lifted_j`, at most nine tenths of what the body has: velocity and
-  // spin shrink in proportion.
-  void pay_for_lifts();
 
   // All variables of a body that a step changes.
   struct State {
@@ -114,15 +116,22 @@ struct Collider {
   };
   [[nodiscard]] State state() const;
   void restore(const State& state);
+
+ private:
+  void place(const Motion& motion);
+
+  std::optional<Motion> told_;  // prescribed motion of a driven body
+  bool joined_ = false, kept_moving_ = false;
+  bool was_awake_ = false;
+  Stillness stillness_;
+  double owed_j_ = 0;                               // for lift()
+  std::unique_ptr<dxJoint, JointDeleter> support_;  // a joint without effect; see let_sleep()
+  bool supported_ = false;
 };
 
-// Returns half of a shape's thickness: the radius of the largest ball about the centre of mass that is known to fit in
-// (for a trimesh or a hull: up to the plane of the nearest face), or the ratio of volume to surface if that is larger,
-// as for a bowl.
-double half_thickness(const CollisionShape& shape);
-double half_thickness(const StaticDescription& description);
+// Returns the body or static that a geometry belongs to.
+Collider& collider_of(dxGeom* geom);
 
-// Returns the radius of the smallest ball about the centre of mass that holds the shape.
-double outer_radius(const CollisionShape& shape);
+double kinetic_energy(const Collider& collider, const Motion& motion);  // [J]
 
 }  // namespace ringdown::scene

@@ -16,7 +16,7 @@ namespace {
 
 // ODE pushes the bodies of a joint apart, because it also corrects the joint: correcting positions alone would pull the
 // joint's two ends apart.
-bool pushed_by_ode(const Collider& body, const Collider& other) { return body.joined || other.joined; }
+bool pushed_by_ode(const Collider& body, const Collider& other) { return body.joined() || other.joined(); }
 
 // Maximum speed at which a hull is moved out of an overlap. All its contacts have similar normals, and a hull that lies
 // on an edge of another one slips into it again and again until it lies flat.
@@ -39,8 +39,6 @@ Vec3 friction_direction(Vec3 normal, const Motion& of_body, const Motion& of_oth
   return speed < kMinSlip_m_s ? any_across(normal) : (1 / speed) * along;
 }
 
-void copy(Vec3 from, double* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
-
 }  // namespace
 
 struct ContactJoints::Contact {
@@ -51,8 +49,7 @@ struct ContactJoints::Contact {
   double impact_share = 1;      // Landing::share
   double may_approach_m_s = 0;  // because the bodies do not touch yet
   bool bounces = false;         // between bodies of which none is a sphere
-
-  [[nodiscard]] bool solved() const { return body->island.solved; }  // by solve_lone_body()
+  bool solved = false;          // by solve_lone_body(); set by hand_over()
 };
 
 struct ContactJoints::Further {
@@ -96,29 +93,22 @@ void ContactJoints::begin_step() {
 }
 
 void ContactJoints::begin_part(double found_s, double part_s) {
-  found_s_ = found_s;
-  part_s_ = part_s;
-  part_begin_ = points_.size();
-  motions_begin_ = motions_.size();
-  bounds_.clear();
-  lands_aslant_ = false;
-  solver_pushes_ = false;
-  dropped_before_ = dropped_;
+  part_ = {found_s, part_s, points_.size(), motions_.size(), dropped_};
+  undo_part();
 }
 
-void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
-  Collider* a = static_cast<Collider*>(dGeomGetData(first));
-  Collider* b = static_cast<Collider*>(dGeomGetData(second));
-  if (!a->awake() && !b->awake()) return;
+void ContactJoints::collide(Collider& one, Collider& two, Islands& islands) {
+  if (!one.awake() && !two.awake()) return;
   // A thousand meshes in one place have half a million pairs.
   if (points_.size() == kMaxContactsPerStep || motions_.size() == kMaxContactsPerStep) {
     ++dropped_;
     return;
   }
-  const FoundContacts found = find_contacts(first, second, pairs_, room_->found, part_s_);
+  const FoundContacts found =
+      find_contacts(one.shape.geom.get(), two.shape.geom.get(), pairs_, room_->found, part_.length_s);
   const std::span<dContactGeom> points = found.carry;
-  const bool swap = !a->movable();  // the first body of a joint must be one that moves
-  Collider &body = swap ? *b : *a, &other = swap ? *a : *b;
+  const bool swap = !one.movable();  // the first body of a joint must be one that moves
+  Collider &body = swap ? two : one, &other = swap ? one : two;
   if (points.empty() && found.move.empty()) return;
   const auto into_body = [swap](dContactGeom geom) {
     if (!swap) return geom;
@@ -128,7 +118,7 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
   };
   motions_.push_back({body.motion(), other.motion()});
   Touching pair{body, other, motions_.back(), combine(body.surface, other.surface)};
-  pair.surface.restitution *= std::min(body.elasticity, other.elasticity);
+  pair.surface.restitution *= std::min(Islands::elasticity(body), Islands::elasticity(other));
   const std::size_t before = points_.size();
   for (const dContactGeom& geom : points) add(pair, into_body(geom), islands);
   if (points_.size() == before && found.move.empty()) return motions_.pop_back();  // no point refers to them
@@ -140,29 +130,29 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
     further_.push_back({&body, &other, point});
   }
   // Several contact points of bodies with edges resist rolling by themselves.
-  if (points_.size() == before || (points.size() > 1 && !a->round && !b->round)) return;
+  if (points_.size() == before || (points.size() > 1 && !one.round && !two.round)) return;
   const double limit_nm = pair.surface.rolling_m * loads_.of_n(body.id, other.id);
   if (limit_nm == 0) return;
   const ContactPoint& last = points_.back();
-  resist_rolling(body, other, last.point_m, last.normal, limit_nm, gravity_m_s2_, part_s_);
+  resist_rolling(body, other, last.point_m, last.normal, limit_nm, gravity_m_s2_, part_.length_s);
 }
 
 // The speed at which ODE pushes two bodies apart that overlap by `depth_m`.
 double ContactJoints::push_speed(double depth_m) const {
-  const double out_m_s = dWorldGetERP(world_) * std::max(depth_m - kContactLayer_m, 0.0) / part_s_;
+  const double out_m_s = dWorldGetERP(world_) * std::max(depth_m - kContactLayer_m, 0.0) / part_.length_s;
   return std::min(out_m_s, kMaxCorrection_m_s);
 }
 
 // Corrects the bounce of a body that has reached a fixed surface within this part.
 Landing ContactJoints::land(const Collider& body, const Collider& other, double restitution, double approach_m_s,
                             const dContactGeom& geom) const {
-  const bool lands = approach_m_s > bounce_threshold_m_s_ && geom.depth <= approach_m_s * part_s_;
-  if (other.movable() || other.driven || !lands) return {restitution, approach_m_s};
+  const bool lands = approach_m_s > bounce_threshold_m_s_ && geom.depth <= approach_m_s * part_.length_s;
+  if (other.movable() || other.driven() || !lands) return {restitution, approach_m_s};
   return corrected_landing({.restitution = restitution,
                             .approach_m_s = approach_m_s,
                             .fall_m_s2 = -dot(gravity_m_s2_, to_vec3(geom.normal)),
                             .depth_m = geom.depth,
-                            .part_s = part_s_,
+                            .part_s = part_.length_s,
                             .threshold_m_s = bounce_threshold_m_s_,
                             .pushed_m_s = pushed_by_ode(body, other) ? push_speed(geom.depth) : 0});
 }
@@ -187,33 +177,32 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
                    .friction = slides ? surface.sliding_friction : surface.friction,
                    .bounce = landing.bounce,
                    .impact_share = landing.share,
-                   .may_approach_m_s = std::max(-geom.depth, 0.0) / part_s_,
+                   .may_approach_m_s = std::max(-geom.depth, 0.0) / part_.length_s,
                    .bounces = approach_m_s > bounce_threshold_m_s_ && !body.round && !other.round});
   const double pushed_m_s = push_speed(geom.depth);
   const double leaves_m_s = approach_m_s > bounce_threshold_m_s_ ? landing.bounce * approach_m_s : 0;
   islands.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0, leaves_m_s > 0);
-  points_.push_back({body.id, other.id, point, normal, geom.depth, {}, landing.approach_m_s, found_s_, &motions});
+  points_.push_back({body.id, other.id, point, normal, geom.depth, {}, landing.approach_m_s, part_.found_s, &motions});
 }
 
 void ContactJoints::hand_over(bool exact, const Islands& islands) {
   dJointGroupEmpty(joints_.get());
   solver_pushes_ = !exact;
   lone_.clear();
-  for (Collider* body : islands.members()) body->island.solved = false;
-  for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    if (exact && Islands::is_alone(*made_[k].body)) lone_.push_back(k);
+  for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
+    made_[k].solved = false;
+    if (exact && islands.is_alone(*made_[k].body)) lone_.push_back(k);
   }
   const auto body_of = [this](std::size_t point) { return points_[point].body; };
   if (!std::ranges::is_sorted(lone_, {}, body_of)) std::ranges::stable_sort(lone_, {}, body_of);
   for (auto begin = lone_.begin(); begin != lone_.end();) {
     const auto end = std::find_if(begin, lone_.end(), [&](std::size_t k) { return body_of(k) != body_of(*begin); });
-    Collider& body = *made_[*begin].body;
-    body.island.solved = solve_lone_body(body, {begin, end});
-    begin = end;
+    const bool solved = solve_lone_body(*made_[*begin].body, {begin, end});
+    for (; begin != end; ++begin) made_[*begin].solved = solved;
   }
-  std::erase_if(lone_, [this](std::size_t k) { return !made_[k].solved(); });
+  std::erase_if(lone_, [this](std::size_t k) { return !made_[k].solved; });
   for (Collider* body : islands.members()) {
-    if (body->movable()) body->let_sleep(body->island.solved);
+    body->let_sleep(std::ranges::binary_search(lone_, body->id, {}, body_of));
   }
   free_friction();
 }
@@ -236,8 +225,8 @@ bool ContactJoints::solve_lone_body(Collider& body, std::span<const std::size_t>
     if (approach_m_s > bounce_threshold_m_s_) contacts[k].wanted_m_s = made.bounce * approach_m_s;
     lands |= made.bounces;
   }
-  const auto without = body.without_contacts(gravity_m_s2_, part_s_);
-  const double softness = dWorldGetCFM(world_) / part_s_;
+  const auto without = body.without_contacts(gravity_m_s2_, part_.length_s);
+  const double softness = dWorldGetCFM(world_) / part_.length_s;
   if (!solve_fixed_contacts(without, contacts, softness, lands, impulses_ns)) {
     return false;
   }
@@ -248,7 +237,8 @@ bool ContactJoints::solve_lone_body(Collider& body, std::span<const std::size_t>
 void ContactJoints::push_lone_bodies() {
   for (const std::size_t k : lone_) {
     const ContactPoint& point = points_[k];
-    made_[k].body->add_force((1 / part_s_) * point.impulse_ns, point.point_m - point.motions->of_body.position_m);
+    made_[k].body->add_force((1 / part_.length_s) * point.impulse_ns,
+                             point.point_m - point.motions->of_body.position_m);
   }
 }
 
@@ -285,75 +275,72 @@ void ContactJoints::join(std::size_t point, std::optional<double> bound_n) {
   dJointSetFeedback(joint, &room_->joints[point]);
 }
 
-double ContactJoints::bound_friction() {
-  const std::size_t count = points_.size() - part_begin_;
-  const bool first = bounds_.size() != count;
-  if (first) bounds_.assign(count, {});
+double ContactJoints::bound_friction(std::vector<FrictionBound>& bounds) {
+  const bool first = bounds.empty();
+  bounds.resize(part_points().size());
   double largest = 0, change = 0;
   dJointGroupEmpty(joints_.get());
-  for (std::size_t k = 0; k < count; ++k) {
-    const ContactPoint& point = points_[part_begin_ + k];
-    if (made_[part_begin_ + k].solved()) continue;
-    const double asked = made_[part_begin_ + k].friction * std::max(dot(point.impulse_ns, point.normal), 0.0) / part_s_;
+  for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
+    if (made_[k].solved) continue;
+    const double normal_ns = dot(points_[k].impulse_ns, points_[k].normal);
+    const double asked = made_[k].friction * std::max(normal_ns, 0.0) / part_.length_s;
+    FrictionBound& bound = bounds[k - part_.first_point];
     largest = std::max(largest, asked);
-    change = std::max(change, bounds_[k].meet(asked));
-    join(part_begin_ + k, bounds_[k].value());
+    change = std::max(change, bound.meet(asked));
+    join(k, bound.value());
   }
   return first ? 1 : change / std::max(largest, 1e-30);
 }
 
 void ContactJoints::free_friction() {
   dJointGroupEmpty(joints_.get());
-  lands_aslant_ = false;
-  for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    if (made_[k].solved()) continue;
-    join(k, std::nullopt);
-    lands_aslant_ |= made_[k].bounces && made_[k].friction > 0;
+  for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
+    if (!made_[k].solved) join(k, std::nullopt);
   }
+}
+
+bool ContactJoints::lands_aslant() const {
+  return std::any_of(made_.begin() + static_cast<std::ptrdiff_t>(part_.first_point), made_.end(),
+                     [](const Contact& made) { return !made.solved && made.bounces && made.friction > 0; });
 }
 
 void ContactJoints::read_impulses() {
-  for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    if (!made_[k].solved()) points_[k].impulse_ns = part_s_ * to_vec3(room_->joints[k].f1);
+  for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
+    if (!made_[k].solved) points_[k].impulse_ns = part_.length_s * to_vec3(room_->joints[k].f1);
   }
 }
 
-void ContactJoints::move_bodies_apart() {
-  if (!solver_pushes_) {
-    overlaps_.clear();
-    const auto ask = [this](Collider& body, Collider& other, const ContactPoint& point) {
-      const double max_m_s = is_hull(body) || is_hull(other) ? kMaxWayOut_m_s : kMaxCorrection_m_s;
-      overlaps_.push_back({&body, &other, &point, max_m_s * part_s_});
-    };
-    for (const Further& further : further_) ask(*further.body, *further.other, further.point);
-    for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-      const Contact& made = made_[k];
-      if (!pushed_by_ode(*made.body, *made.other)) ask(*made.body, *made.other, points_[k]);
-    }
-    partings_.limit(overlaps_, part_s_);
-    move_apart(overlaps_, {kContactLayer_m, dWorldGetERP(world_)}, gravity_m_s2_);
+void ContactJoints::move_bodies_apart(const Islands& islands) {
+  if (solver_pushes_) return;
+  std::vector<Overlap> overlaps;
+  const auto ask = [&](Collider& body, Collider& other, const ContactPoint& point) {
+    const double max_m_s = is_hull(body) || is_hull(other) ? kMaxWayOut_m_s : kMaxCorrection_m_s;
+    overlaps.push_back({&body, &other, &point, max_m_s * part_.length_s});
+  };
+  for (const Further& further : further_) ask(*further.body, *further.other, further.point);
+  for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
+    const Contact& made = made_[k];
+    if (!pushed_by_ode(*made.body, *made.other)) ask(*made.body, *made.other, points_[k]);
   }
-  further_.clear();
+  partings_.limit(overlaps, part_.length_s);
+  move_apart(overlaps, {kContactLayer_m, dWorldGetERP(world_)}, islands, gravity_m_s2_);
 }
 
 void ContactJoints::undo_part() {
   dJointGroupEmpty(joints_.get());
-  bounds_.clear();
-  lands_aslant_ = false;
-  solver_pushes_ = false;
   further_.clear();
-  points_.resize(part_begin_);
-  made_.resize(part_begin_);
-  motions_.resize(motions_begin_);
-  dropped_ = dropped_before_;
+  points_.resize(part_.first_point);
+  made_.resize(part_.first_point);
+  motions_.resize(part_.motions);
+  dropped_ = part_.dropped;
 }
 
 // Reduces each impulse to its impact's, and keeps the loads for the rolling resistance of the next part.
 void ContactJoints::end_part() {
-  for (std::size_t k = part_begin_; k < points_.size(); ++k) {
+  for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
     points_[k].impulse_ns = made_[k].impact_share * points_[k].impulse_ns;
   }
-  loads_.set(part_points(), part_s_);
+  loads_.set(part_points(), part_.length_s);
   pairs_.end_part();
   dJointGroupEmpty(joints_.get());
 }

@@ -3,7 +3,7 @@
 //
 //   joints.begin_step();
 //   joints.begin_part(found_s, part_s);      // a step may be done in several parts
-//   joints.collide(first, second, islands);  // for every pair of geometries that may touch
+//   joints.collide(one, two, islands);       // for every pair of bodies that may touch
 //   joints.hand_over(exact, islands);        // joints are made
 //   ... the solver runs ...
 //   joints.read_impulses();
@@ -25,7 +25,6 @@
 #include <vector>
 
 struct dContactGeom;
-struct dxGeom;
 struct dxJointGroup;
 struct dxWorld;
 
@@ -51,9 +50,9 @@ class ContactJoints {
   // `found_s` is the time from the beginning of the step to this part, `part_s` the part's length.
   void begin_part(double found_s, double part_s);
 
-  // Finds the contact points of two geometries and unites the bodies' islands. Adds rolling resistance if the contact
+  // Finds the contact points of two bodies and unites their islands. Adds rolling resistance if the contact
   // has a single point or one of the bodies is a sphere.
-  void collide(dxGeom* first, dxGeom* second, Islands& islands);
+  void collide(Collider& one, Collider& two, Islands& islands);
 
   // Hands the contact points of the part to the exact or to the iterative solver, as joints. The iterative solver
   // pushes overlapping bodies apart itself, because the part of a tower's weight that it fails to carry in one part is
@@ -69,25 +68,28 @@ class ContactJoints {
 
   // Returns true if a body other than a sphere lands in this part in such a way that friction may change the normal
   // impulse.
-  [[nodiscard]] bool lands_aslant() const { return lands_aslant_; }
+  [[nodiscard]] bool lands_aslant() const;
 
   // Remakes all joints of the part, with friction bounded by the coefficient times the normal impulse of the last
-  // solution. Returns the largest change of a bound as a share of the largest bound.
-  double bound_friction();
+  // solution. `bounds` [N] are those of the last call for the part's contact points, or empty. Returns the largest
+  // change of a bound as a share of the largest bound.
+  double bound_friction(std::vector<FrictionBound>& bounds);
 
   // Remakes all joints of the part as hand_over() made them.
   void free_friction();
 
   // Moves overlapping bodies of the part apart (overlap.h), unless the solver has done so already.
-  void move_bodies_apart();
+  void move_bodies_apart(const Islands& islands);
 
   void forget(BodyId id) { pairs_.forget(id); }  // must be called when a body goes or changes its shape
 
-  void undo_part();
+  void undo_part();  // forgets all contacts of the part
   void end_part();
 
   [[nodiscard]] std::span<const ContactPoint> points() const { return points_; }  // all points of the step so far
-  [[nodiscard]] std::span<const ContactPoint> part_points() const { return std::span(points_).subspan(part_begin_); }
+  [[nodiscard]] std::span<const ContactPoint> part_points() const {
+    return std::span(points_).subspan(part_.first_point);
+  }
 
   // Number of points and whole pairs beyond kMaxContactsPerStep in the step.
   [[nodiscard]] std::size_t dropped() const { return dropped_; }
@@ -107,21 +109,24 @@ class ContactJoints {
                              const dContactGeom& geom) const;
   [[nodiscard]] double push_speed(double depth_m) const;
 
-  dxWorld* world_;
-  double bounce_threshold_m_s_;
-  Vec3 gravity_m_s2_;
-  double found_s_ = 0, part_s_ = 0;
-  std::unique_ptr<dxJointGroup, JointGroupDeleter> joints_;
-  std::unique_ptr<Room> room_;
+  dxWorld* const world_;
+  const double bounce_threshold_m_s_;
+  const Vec3 gravity_m_s2_;
+  const std::unique_ptr<dxJointGroup, JointGroupDeleter> joints_;
+  const std::unique_ptr<Room> room_;
+  struct Part {
+    double found_s = 0, length_s = 0;
+    std::size_t first_point = 0, motions = 0, dropped = 0;  // sizes of the lists below before the part
+  } part_;                                                  // set by begin_part()
+  // Contacts of the step, which collide() adds and undo_part() takes back:
   std::vector<ContactPoint> points_;
-  std::vector<MotionPair> motions_;  // motions of the touching pairs of the step
+  std::vector<MotionPair> motions_;  // motions of the touching pairs
+  std::vector<Contact> made_;        // one for each contact point
   std::vector<Further> further_;     // contacts of the part that only move bodies apart
-  std::vector<Overlap> overlaps_;
-  std::vector<Contact> made_;          // one for each contact point
-  std::vector<std::size_t> lone_;      // contact points of the part whose bodies touch only immovable things
-  std::vector<FrictionBound> bounds_;  // friction bounds of the part [N], set by bound_friction()
-  bool lands_aslant_ = false, solver_pushes_ = false;
-  std::size_t part_begin_ = 0, motions_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
+  std::size_t dropped_ = 0;
+  // Set by hand_over():
+  std::vector<std::size_t> lone_;  // contact points of the part that have been solved without ODE
+  bool solver_pushes_ = false;
   SurfacePairs pairs_;
   Partings partings_;
   ContactLoads loads_;  // loads of the previous part

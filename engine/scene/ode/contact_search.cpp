@@ -74,7 +74,7 @@ int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
     if (depth < 0) continue;
     dContactGeom& contact = found[count++];
     contact = {};
-    for (int axis = 0; const double part : {point.x, point.y, point.z}) contact.pos[axis++] = part;
+    copy(point, contact.pos);
     std::copy_n(half_space, 3, contact.normal);
     contact.depth = depth;
     contact.g1 = box;
@@ -86,7 +86,7 @@ int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
 PosedFaces posed_faces(dxGeom* geom) {
   const dReal* r = dGeomGetRotation(geom);
   const Matrix3 turn{{{r[0], r[1], r[2]}, {r[4], r[5], r[6]}, {r[8], r[9], r[10]}}};
-  return {static_cast<const Collider*>(dGeomGetData(geom))->shape.faces, turn, to_vec3(dGeomGetPosition(geom))};
+  return {collider_of(geom).shape.faces, turn, to_vec3(dGeomGetPosition(geom))};
 }
 
 // ODE finds one contact point of two hulls. If faces of the hulls lie on each other, replaces the point by the corners
@@ -99,10 +99,8 @@ int spread(std::span<dContactGeom> found) {
     const auto& [point, depth] = shared.points[k];
     found[k] = one;
     found[k].depth = depth;
-    for (int axis = 0; const double part : {point.x, point.y, point.z}) found[k].pos[axis++] = part;
-    for (int axis = 0; const double part : {shared.normal.x, shared.normal.y, shared.normal.z}) {
-      found[k].normal[axis++] = part;
-    }
+    copy(point, found[k].pos);
+    copy(shared.normal, found[k].normal);
   }
   return std::max(static_cast<int>(count), 1);
 }
@@ -180,8 +178,8 @@ bool agree(std::span<const dContactGeom> found) {
 // hulls that share no face ODE finds a single point. Meshes within each other, such as nested bowls, touch in many
 // directions, some of which corners and edges miss.
 int find_best(dxGeom* first, dxGeom* second, SurfacePairs& pairs, std::span<dContactGeom> room, double part_s) {
-  const Collider& one = *static_cast<const Collider*>(dGeomGetData(first));
-  const Collider& two = *static_cast<const Collider*>(dGeomGetData(second));
+  const Collider& one = collider_of(first);
+  const Collider& two = collider_of(second);
   if (!SurfacePairs::covers(one, two)) return find_all(first, second, room, part_s);
   if (are_hulls(dGeomGetClass(first), dGeomGetClass(second))) {
     const int on_faces = find_all(first, second, room, part_s);

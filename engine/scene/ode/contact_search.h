@@ -29,7 +29,7 @@ struct FoundContacts {
 
 // Finds the contacts of two geometries: the deepest, and those that differ most from each other. Normals point into the
 // first body. `room` holds kMaxContactsFound entries; the results are parts of `room`. `part_s` is the time that the
-// bodies have moved since the last search. The user data of both geometries is their Collider.
+// bodies have moved since the last search.
 FoundContacts find_contacts(dxGeom* first, dxGeom* second, SurfacePairs& pairs, std::span<dContactGeom> room,
                             double part_s);
 

@@ -36,7 +36,7 @@ struct Search {
 
 // The obstacle that one of ODE's two geometries belongs to; null where the body cannot pass it in its way.
 Collider* obstacle_of(const Search& search, dxGeom* one, dxGeom* two) {
-  Collider* met = static_cast<Collider*>(dGeomGetData(one == search.box ? two : one));
+  Collider* met = &collider_of(one == search.box ? two : one);
   const bool passes = search.way_m >= search.radius_m + std::min(met->half_thickness_m, search.radius_m);
   return met == search.from || !passes ? nullptr : met;
 }

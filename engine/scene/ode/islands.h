@@ -6,7 +6,8 @@
 //   islands.open(colliders);                  // before contacts are found
 //   islands.unite(body, other, pushed_m_s, bounces);   // for each contact point, in order
 //   ... ODE moves the bodies ...
-//   if (islands.gained_energy(points, part_s, gravity, tolerance)) ...  // repeat the part: some are less elastic now
+//   if (islands.gained_energy(points, part_s, gravity, exact, last)) ...  // repeat the part: some are less elastic now
+//   islands.end_part(points, part_s, gravity);
 #pragma once
 
 #include "engine/scene/ode/collider.h"
@@ -15,9 +16,6 @@
 #include <vector>
 
 namespace ringdown::scene {
-
-// Returns the body that stands for the island of a body: the body itself if it is in no island.
-Collider& island_of(Collider& body);
 
 class Islands {
  public:
@@ -36,39 +34,54 @@ class Islands {
   // Returns the largest number of contact points of any island.
   [[nodiscard]] std::size_t max_contacts() const;
 
-  // Returns true if the body touches only immovable things and has no joints.
-  [[nodiscard]] static bool is_alone(const Collider& body) { return !body.island.has_others && !body.island.exempt; }
-
-  // All awake bodies, and those they touch.
+  // All awake bodies, and the movable ones that they touch.
   [[nodiscard]] std::span<Collider* const> members() const { return members_; }
 
-  struct Check {
-    double tolerance = 0;  // share of its kinetic energy that an island may gain
-    bool pushed = false;   // whether the solver has pushed overlapping bodies apart
-    bool last = false;     // whether the part can be repeated only once more
-  };
+  // Returns the body that stands for the island of a body: the body itself if it is in no island.
+  [[nodiscard]] const Collider& island_of(const Collider& body) const {
+    return body.island.number_ ? *members_[root_of(*body.island.number_)] : body;
+  }
+  // Returns the number of contact points of the body's island.
+  [[nodiscard]] std::size_t contacts_of(const Collider& body) const {
+    return body.island.number_ ? nodes_[root_of(*body.island.number_)].contacts : 0;
+  }
+  // Returns true if a member touches only immovable things and has no joints.
+  [[nodiscard]] bool is_alone(const Collider& member) const;
+  // Returns the share of its contacts' restitution that acts on any body in this part of the step.
+  [[nodiscard]] static double elasticity(const Collider& body) { return body.island.elasticity_; }
 
-  // Returns whether an island that bounces has gained energy, beyond the work of gravity and of pushes. Lowers the
-  // elasticity of the bodies of such islands: by the amount that should remove the gain, or to 0 if `last` is set.
-  // `points` are those passed to unite(), in that order.
-  bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, const Check& check);
+  // Returns whether an island that bounces has gained energy, beyond the work of gravity and of the pushes of a solver
+  // that is not exact. Lowers the elasticity of the bodies of such islands: by the amount that should remove the gain,
+  // or to 0 if `last` is set. `points` are those passed to unite(), in that order.
+  bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, bool exact, bool last);
 
   // Removes the energy that bouncing islands have gained nevertheless, the work of pushes included, by lowering their
-  // velocities.
-  void take_gains(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance);
+  // velocities. All bodies become fully elastic again.
+  void end_part(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2);
 
  private:
+  struct Node {
+    std::size_t parent;       // number of a member of the island; the node's own number: it is the island's root
+    double before_j = 0;      // kinetic energy before the part of the step
+    Vec3 velocity_m_s;        // velocity before the part of the step
+    bool exempt = false;      // whether the body is exempt from the energy check
+    bool has_others = false;  // whether the body touches a movable body
+    bool held = false;        // whether the body touches something immovable
+    std::size_t size = 1, contacts = 0;  // of a root: numbers of bodies and of contact points of its island
+  };
   struct Link {
-    Collider* body;
+    std::size_t body;
     double pushed_m_s;
     bool bounces;
   };
-  void weigh(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2);
-  [[nodiscard]] static bool gains(const IslandState& island, double tolerance);
-  void enter(Collider& body);
-  void merge(Collider& body, Collider& other);
+  struct Sum;  // of an island's members
+  [[nodiscard]] std::vector<Sum> weigh(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2) const;
+  [[nodiscard]] std::size_t root_of(std::size_t number) const;
+  std::size_t enter(Collider& body);
+  void merge(std::size_t body, std::size_t other);
 
   std::vector<Collider*> members_;
+  std::vector<Node> nodes_;  // one for each member
   std::vector<Link> links_;  // one for each contact point
 };
 

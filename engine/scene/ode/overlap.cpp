@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <vector>
 
@@ -21,10 +20,6 @@ constexpr int kSweeps = 10;
 
 // Smaller ways are rounding errors of the solver.
 constexpr double kMin_m = 1e-9;
-
-// Maximum height for which a body owes energy. Trembling lifts bodies by hundredths of a millimetre; a body moved out
-// of a deep overlap should fall freely soon.
-constexpr double kMaxOwed_m = 2e-4;
 
 struct Shift {
   Vec3 way_m, turn_rad;
@@ -95,26 +90,27 @@ Side side_of(const Collider& collider, Shift& shift, const Motion& motion, Vec3 
 
 }  // namespace
 
-void move_apart(std::span<const Overlap> overlaps, const Correction& correction, Vec3 gravity_m_s2) {
+void move_apart(std::span<const Overlap> overlaps, const Correction& correction, const Islands& islands,
+                Vec3 gravity_m_s2) {
   Carried of_body, of_other;
-  std::vector<Collider*> islands;  // in which some point asks for a way
+  std::vector<const Collider*> asking;  // islands in which some point asks for a way
   const auto wanted_at = [&](const Overlap& overlap) {
     const ContactPoint& point = *overlap.point;
     of_body.set(*overlap.body, point.motions->of_body);
     of_other.set(*overlap.other, point.motions->of_other);
     return wanted_m(overlap, of_body.point_m(point.point_m) - of_other.point_m(point.point_m), correction);
   };
-  const auto islands_of = [](const Overlap& overlap) {
-    return std::array{overlap.body->movable() ? &island_of(*overlap.body) : nullptr,
-                      overlap.other->movable() ? &island_of(*overlap.other) : nullptr};
+  const auto islands_of = [&](const Overlap& overlap) {
+    return std::array{overlap.body->movable() ? &islands.island_of(*overlap.body) : nullptr,
+                      overlap.other->movable() ? &islands.island_of(*overlap.other) : nullptr};
   };
   for (const Overlap& overlap : overlaps) {
     if (wanted_at(overlap) <= kMin_m) continue;
-    for (Collider* island : islands_of(overlap)) islands.push_back(island);
+    for (const Collider* island : islands_of(overlap)) asking.push_back(island);
   }
-  if (islands.empty()) return;
-  std::ranges::sort(islands);
-  const auto asks = [&](Collider* island) { return island && std::ranges::binary_search(islands, island); };
+  if (asking.empty()) return;
+  std::ranges::sort(asking);
+  const auto asks = [&](const Collider* island) { return island && std::ranges::binary_search(asking, island); };
   std::map<Collider*, Shift> shifts;
   std::vector<Row> rows;
   for (const Overlap& overlap : overlaps) {
@@ -137,11 +133,7 @@ void move_apart(std::span<const Overlap> overlaps, const Correction& correction,
     }
   }
   for (auto& [collider, shift] : shifts) {
-    if (!collider->movable()) continue;
-    collider->shift(shift.way_m, shift.turn_rad);
-    const double weight_n = collider->mass_kg * std::abs(collider->gravity_factor) * length(gravity_m_s2);
-    const double gained_j = -collider->mass_kg * collider->gravity_factor * dot(gravity_m_s2, shift.way_m);
-    collider->lifted_j = std::clamp(collider->lifted_j + gained_j, 0.0, kMaxOwed_m * weight_n);
+    if (collider->movable()) collider->lift(shift.way_m, shift.turn_rad, gravity_m_s2);
   }
 }
 

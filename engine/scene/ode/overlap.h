@@ -16,6 +16,8 @@ struct Overlap {
   double max_m;               // maximum distance that the point may be moved apart in this part of the step
 };
 
+class Islands;
+
 struct Correction {
   double allowed_m = 0;  // overlap that is left as it is
   double share = 0;      // share of the excess overlap that should be gone after this part
@@ -23,6 +25,7 @@ struct Correction {
 
 // Moves and turns the bodies so that at each point they move apart by the wanted share, the motion of the part
 // included. Immovable bodies stay. Islands without such points do not change.
-void move_apart(std::span<const Overlap> overlaps, const Correction& correction, Vec3 gravity_m_s2);
+void move_apart(std::span<const Overlap> overlaps, const Correction& correction, const Islands& islands,
+                Vec3 gravity_m_s2);
 
 }  // namespace ringdown::scene

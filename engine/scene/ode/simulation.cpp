@@ -51,9 +51,6 @@ constexpr int kSleepSamples = 10;
 // left nine trembling for more than a second; 0.3 s leaves two to four.
 constexpr double kSleepWhenStill_s = 0.3;
 
-// Energy that an island may gain in one part, as a share of its kinetic energy: the error of the solvers.
-constexpr double kGain = 1e-9, kGainByIteration = 1e-2;
-
 // Maximum number of times that a part is solved again with less restitution, the last time with none, until it gains no
 // energy.
 constexpr int kMaxRounds = 6;
@@ -80,52 +77,53 @@ struct Joint {
   OdeJoint joint;
 };
 
+// A part of a step.
+struct Part {
+  double begin_s, length_s;                                        // in the step
+  const std::atomic<int>* given_up;                                // see Simulation::step()
+  std::vector<std::pair<Collider*, Collider::State>> before = {};  // its bodies' state at its beginning
+};
+
 }  // namespace
 
 struct Simulation::State {
   explicit State(const SceneDescription& scene);
 
-  void do_part(double found_s, double part_s);
-  void pay_for_lifts();
-  void find_and_solve();
-  void find_contacts();
-  void collide(dxGeom* one, dxGeom* two);
-  void add_gravity();
-  void solve();
-  void correct_friction();
-  void restore();
+  void do_part(Part part);
+  // Both return whether the part was solved exactly.
+  bool find_and_solve(Part& part);
+  bool solve(const Part& part);
+  void find_contacts(const Part& part);
+  void correct_friction(const Part& part);
+  void restore(const Part& part);
   void move_driven(double done_s);
-  [[nodiscard]] double free_flight(double rest_s);
 
-  Collider& add(BodyId id);
+  template <class... Of>
+  Collider& add(BodyId id, const Of&... of);
   void remove(BodyId gone);
+  void wake_all();
   void let_still_bodies_sleep();
-  void note_moved();
   void join(const BodyJoint& joint);
   [[nodiscard]] std::vector<BodyJoint> joints_of(BodyId id) const;
 
-  double step_s, spring_n_m, damper_ns_m;
-  Vec3 gravity_m_s2;
-  double part_s = 0;        // length of the part being done
-  bool has_driven = false;  // whether a body moves as it is told
-  double driven_s = 0;      // of the step, at the part's beginning
-  unsigned long seed, parts = 0;
-  std::size_t max_exact;
-  std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
-  std::unique_ptr<dxSpace, SpaceDeleter> space{dSimpleSpaceCreate(nullptr)};
-  ContactJoints contacts;
+  const double step_s, spring_n_m, damper_ns_m;
+  const Vec3 gravity_m_s2;
+  const std::size_t max_exact;
+  const std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
+  const std::unique_ptr<dxSpace, SpaceDeleter> space{dSimpleSpaceCreate(nullptr)};
+  const FlightProbe probe;
+  // Bodies and joints, which add(), join() and remove() change:
   std::map<BodyId, Collider> colliders;
   std::vector<Collider*> in_order;  // of their numbers, so that the same scene is solved in the same order
   std::vector<Joint> joints;        // declared after the bodies, which must be destroyed last
   PairFilter filter;
+  // Used in a step:
+  ContactJoints contacts;
   NearPairs near;
-  FlightProbe probe;
   Islands islands;
-  std::vector<std::pair<Collider*, Collider::State>> before;  // the bodies' state at the beginning of the part
-  bool exact = false;                                         // whether the part was solved exactly
+  unsigned long seed;  // of the part; set by do_part()
   std::vector<MovedBody> moved;
   bool asleep = false;
-  const std::atomic<int>* given_up = nullptr;  // Simulation::step()
 };
 
 Simulation::State::State(const SceneDescription& scene)
@@ -133,9 +131,9 @@ Simulation::State::State(const SceneDescription& scene)
       spring_n_m(scene.contact.spring_n_m),
       damper_ns_m(scene.contact.damper_ns_m),
       gravity_m_s2(scene.gravity_m_s2),
-      seed(static_cast<unsigned long>(scene.seed)),
       max_exact(max_exact_contacts(scene.step_s)),
-      contacts(world.get(), scene) {
+      contacts(world.get(), scene),
+      seed(static_cast<unsigned long>(scene.seed)) {
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
   dWorldSetContactMaxCorrectingVel(world.get(), kMaxCorrection_m_s);
   dWorldSetContactSurfaceLayer(world.get(), kContactLayer_m);
@@ -149,166 +147,124 @@ Simulation::State::State(const SceneDescription& scene)
   dSpaceSetCleanup(space.get(), 0);
 }
 
-// The time until the first of the awake bodies may have reached an obstacle.
-double Simulation::State::free_flight(double rest_s) {
-  double free_s = rest_s;
-  for (Collider* collider : in_order) {
-    if (collider->awake()) free_s = std::min(free_s, probe.free_flight(*collider, rest_s, space.get()));
-  }
-  return free_s;
-}
-
-void Simulation::State::do_part(double found_s, double length_s) {
-  part_s = length_s;
+void Simulation::State::do_part(Part part) {
+  const double part_s = part.length_s;
   const SoftConstraint soft = soft_constraint(spring_n_m, damper_ns_m, part_s);
   dWorldSetERP(world.get(), soft.erp);
   dWorldSetCFM(world.get(), soft.cfm);
-  contacts.begin_part(found_s, part_s);
-  add_gravity();
-  for (Joint& joint : joints) joint.joint.drive(part_s);
-  find_and_solve();
-  for (int round = 1; round <= kMaxRounds && !contacts.part_points().empty(); ++round) {
-    const double tolerance = exact ? kGain : kGainByIteration;
-    if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, {tolerance, !exact, round == kMaxRounds}))
-      break;
-    restore();
-    for (const auto& [collider, state] : before) dBodySetTorque(collider->body.get(), 0, 0, 0);  // rolling resistance
-    contacts.undo_part();
-    find_and_solve();
+  contacts.begin_part(part.begin_s, part_s);
+  for (Collider* collider : in_order) {  // ODE does not know of gravity factors
+    if (collider->gravity_factor == 1 || !collider->awake()) continue;
+    collider->add_force((collider->gravity_factor - 1) * collider->mass_kg * gravity_m_s2, {});
   }
-  islands.take_gains(contacts.part_points(), part_s, gravity_m_s2, kGain);
-  for (Collider* member : islands.members()) member->elasticity = 1;
-  contacts.move_bodies_apart();
-  pay_for_lifts();
-  ++parts;
+  for (Joint& joint : joints) joint.joint.drive(part_s);
+  bool exact = find_and_solve(part);
+  for (int round = 1; round <= kMaxRounds && !contacts.part_points().empty(); ++round) {
+    if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, exact, round == kMaxRounds)) break;
+    restore(part);
+    for (const auto& [collider, state] : part.before)
+      dBodySetTorque(collider->body.get(), 0, 0, 0);  // rolling resistance
+    contacts.undo_part();
+    exact = find_and_solve(part);
+  }
+  islands.end_part(contacts.part_points(), part_s, gravity_m_s2);
+  contacts.move_bodies_apart(islands);
+  for (Collider* member : islands.members()) member->pay_for_lifts(islands.contacts_of(*member) > 0);
+  ++seed;
   contacts.end_part();
 }
 
-// Takes the energy that bodies owe for having been lifted. One that has left what lifted it owes nothing more.
-void Simulation::State::pay_for_lifts() {
-  for (Collider* member : islands.members()) {
-    if (member->lifted_j == 0) continue;
-    if (island_of(*member).island.contacts == 0) member->lifted_j = 0;
-    member->pay_for_lifts();
-  }
-}
-
-void Simulation::State::find_and_solve() {
+bool Simulation::State::find_and_solve(Part& part) {
   islands.open(in_order);
-  find_contacts();
+  find_contacts(part);
   for (const auto& [between, joint] : joints) {
     islands.join(colliders.at(between.body), between.other ? &colliders.at(*between.other) : nullptr);
   }
-  before.clear();
-  for (Collider* member : islands.members()) before.emplace_back(member, member->state());
-  solve();
-  for (const auto& [collider, state] : before) {
-    if (collider->awake() && !collider->round) collider->turn(state.motion.rotation, part_s);
+  part.before.clear();
+  for (Collider* member : islands.members()) part.before.emplace_back(member, member->state());
+  const bool exact = solve(part);
+  for (const auto& [collider, state] : part.before) {
+    if (collider->awake() && !collider->round) collider->turn(state.motion.rotation, part.length_s);
   }
   contacts.read_impulses();
+  return exact;
 }
 
 // If few bodies are awake, each of them searches for its contacts by itself: that is cheaper than sorting all bodies.
-void Simulation::State::find_contacts() {
+void Simulation::State::find_contacts(const Part& part) {
+  const auto collide = [&](Collider& one, Collider& two) {
+    const bool given_up = part.given_up && *part.given_up > 0;
+    if (!given_up && filter.may_touch(one.id, two.id)) contacts.collide(one, two, islands);
+  };
   const auto awake = std::ranges::count_if(in_order, &Collider::awake);
   if (static_cast<std::size_t>(awake) * kFewAwake >= in_order.size()) {
-    for (const auto& [one, two] : near.find(in_order)) {
-      collide(one->shape.geom.get(), two->shape.geom.get());
-    }
+    for (const auto& [one, two] : near.find(in_order)) collide(*one, *two);
     return;
   }
-  struct Look {
-    State* state;
-    Collider* from;
-  };
-  for (Collider* collider : in_order) {
-    if (!collider->awake()) continue;
-    Look look{this, collider};
-    dSpaceCollide2(collider->shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &look,
+  for (const Collider* from : in_order) {
+    if (!from->awake()) continue;
+    auto meet = [&](Collider& one, Collider& two) {
+      const Collider& met = &one == from ? two : one;
+      const bool done = met.awake() && met.id < from->id;  // `met` found this pair already
+      if (!done) collide(one, two);
+    };
+    dSpaceCollide2(from->shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &meet,
                    [](void* data, dxGeom* one, dxGeom* two) {
-                     const Look& l = *static_cast<Look*>(data);
-                     const Collider* a = static_cast<const Collider*>(dGeomGetData(one));
-                     const Collider* met = a == l.from ? static_cast<const Collider*>(dGeomGetData(two)) : a;
-                     const bool done = met->awake() && met->id < l.from->id;  // `met` found this pair already
-                     if (!done) l.state->collide(one, two);
+                     (*static_cast<decltype(meet)*>(data))(collider_of(one), collider_of(two));
                    });
   }
 }
 
-void Simulation::State::collide(dxGeom* one, dxGeom* two) {
-  if (given_up && *given_up > 0) return;
-  const BodyId a = static_cast<const Collider*>(dGeomGetData(one))->id;
-  const BodyId b = static_cast<const Collider*>(dGeomGetData(two))->id;
-  if (filter.may_touch(a, b)) contacts.collide(one, two, islands);
-}
-
-// Adds the force that makes up for a body's gravity factor, which ODE does not know.
-void Simulation::State::add_gravity() {
-  for (Collider* collider : in_order) {
-    if (collider->gravity_factor == 1 || !collider->awake()) continue;
-    collider->add_force((collider->gravity_factor - 1) * collider->mass_kg * gravity_m_s2, {});
-  }
-}
-
-void Simulation::State::solve() {
-  exact = islands.max_contacts() <= max_exact;
-  contacts.hand_over(exact, islands);
-  if (exact) {
+bool Simulation::State::solve(const Part& part) {
+  const bool may_be_exact = islands.max_contacts() <= max_exact;
+  contacts.hand_over(may_be_exact, islands);
+  if (may_be_exact) {
     contacts.push_lone_bodies();
     OdeLock::warnings() = 0;
-    dWorldStep(world.get(), part_s);
-    if (OdeLock::warnings() == 0 && contacts.lands_aslant()) correct_friction();
-    if (OdeLock::warnings() == 0) return;
-    restore();
-    exact = false;
-    contacts.hand_over(exact, islands);
+    dWorldStep(world.get(), part.length_s);
+    if (OdeLock::warnings() == 0 && contacts.lands_aslant()) correct_friction(part);
+    if (OdeLock::warnings() == 0) return true;
+    restore(part);
+    contacts.hand_over(false, islands);
   }
   // The iterative solver visits contacts in random order, drawn from one generator for the whole process.
-  dRandSetSeed(seed + parts);
+  dRandSetSeed(seed);
   dWorldSetQuickStepNumIterations(world.get(), iterations(contacts.part_points().size()));
-  dWorldQuickStep(world.get(), part_s);
+  dWorldQuickStep(world.get(), part.length_s);
+  return false;
 }
 
 // ODE bounds friction by the normal impulse that would occur without friction. If a body lands on an edge, friction
 // turns the body and so changes that impulse: by 18 % in the worst case seen. The part is solved again with bounds from
 // the last solution, until they agree with the solution's own impulses. If they do not converge, at a very high
 // friction, ODE's first solution is used.
-void Simulation::State::correct_friction() {
+void Simulation::State::correct_friction(const Part& part) {
+  const auto solve_again = [&] {
+    restore(part);
+    contacts.push_lone_bodies();
+    dWorldStep(world.get(), part.length_s);
+  };
+  std::vector<FrictionBound> bounds;
   for (int round = 0; round < kMaxFrictionRounds; ++round) {
     contacts.read_impulses();
-    const double change = contacts.bound_friction();
-    if (change < kFrictionAgrees) return;
-    restore();
-    contacts.push_lone_bodies();
-    dWorldStep(world.get(), part_s);
+    if (contacts.bound_friction(bounds) < kFrictionAgrees) return;
+    solve_again();
     if (OdeLock::warnings() > 0) break;
   }
   OdeLock::warnings() = 0;
   contacts.free_friction();
-  restore();
-  contacts.push_lone_bodies();
-  dWorldStep(world.get(), part_s);
+  solve_again();
 }
 
-void Simulation::State::restore() {
-  for (const auto& [collider, state] : before) collider->restore(state);
-  move_driven(driven_s);
+void Simulation::State::restore(const Part& part) {
+  for (const auto& [collider, state] : part.before) collider->restore(state);
+  move_driven(part.begin_s);
 }
 
 // Places driven bodies at their poses after `done_s` of the step. This is needed because each of ODE's solutions, of
 // which there may be several, moves them too.
 void Simulation::State::move_driven(double done_s) {
-  driven_s = done_s;
-  if (!has_driven) return;
-  for (Collider* collider : in_order) {
-    if (!collider->driven) continue;
-    Motion now = collider->told;
-    now.position_m = now.position_m + done_s * now.velocity_m_s;
-    now.rotation = normalized(from_rotation_vector(done_s * now.spin_rad_s) * now.rotation);
-    const Motion told = collider->told;
-    collider->drive(now);
-    collider->told = told;
-  }
+  for (Collider* collider : in_order) collider->follow(done_s);
 }
 
 void Simulation::State::join(const BodyJoint& joint) {
@@ -316,12 +272,7 @@ void Simulation::State::join(const BodyJoint& joint) {
   dxBody* const other = joined[1] ? joined[1]->body.get() : nullptr;
   if (other && !joint.description.collides) filter.part(joint.body, *joint.other);
   joints.push_back({joint, OdeJoint(world.get(), joined[0]->body.get(), other, joint.description)});
-  for (Collider* collider : std::span(joined, other ? 2 : 1)) {
-    collider->joined = true;
-    if (!joints.back().joint.keeps_moving()) continue;
-    collider->kept_moving = true;
-    dBodySetAutoDisableFlag(collider->body.get(), 0);
-  }
+  for (Collider* collider : std::span(joined, other ? 2 : 1)) collider->join(joints.back().joint.keeps_moving());
 }
 
 // The joints of a body, described as they are now, so that they can be made again.
@@ -337,41 +288,29 @@ std::vector<BodyJoint> Simulation::State::joints_of(BodyId id) const {
 // sleep together, because a moving one would wake the others. None sleeps while a driven body moves, which may shake
 // them.
 void Simulation::State::let_still_bodies_sleep() {
-  const bool shaken = std::ranges::any_of(in_order, [](const Collider* collider) {
-    return collider->driven && (collider->told.velocity_m_s != Vec3{} || collider->told.spin_rad_s != Vec3{});
-  });
+  const bool shaken = std::ranges::any_of(in_order, &Collider::driven_about);
   for (Collider* collider : in_order) {
-    if (shaken || !collider->was_awake || !collider->awake()) collider->stillness.reset();
+    if (shaken || !collider->was_awake() || !collider->awake()) collider->stir();
   }
   if (shaken) return;
   const auto for_each_awake = [this](const auto& call) {
     for (Collider* collider : in_order) {
-      if (collider->was_awake && collider->awake() && collider->movable()) call(*collider, island_of(*collider).island);
+      if (collider->was_awake() && collider->awake()) call(*collider, &islands.island_of(*collider));
     }
   };
-  for_each_awake([](Collider&, IslandState& island) { island.any_moves = false; });
-  for_each_awake([this](Collider& collider, IslandState& island) {
-    const Motion motion = collider.motion();
-    collider.stillness.step({motion.position_m, motion.rotation}, collider.outer_radius_m, step_s);
-    if (collider.kept_moving || collider.stillness.still_s() < kSleepWhenStill_s) island.any_moves = true;
+  std::vector<const Collider*> moving;  // islands, in order
+  for_each_awake([&](Collider& collider, const Collider* island) {
+    if (collider.stays_for(step_s) < kSleepWhenStill_s) moving.push_back(island);
   });
-  for_each_awake([](Collider& collider, IslandState& island) {
-    if (!island.any_moves && island.contacts > 0) collider.fall_asleep();
+  std::ranges::sort(moving);
+  for_each_awake([&](Collider& collider, const Collider* island) {
+    if (!std::ranges::binary_search(moving, island) && islands.contacts_of(collider) > 0) collider.fall_asleep();
   });
 }
 
-void Simulation::State::note_moved() {
-  moved.clear();
-  asleep = true;
-  for (const Collider* collider : in_order) {
-    if (collider->was_awake || collider->driven) moved.push_back({collider->id, collider->motion()});
-    if (collider->awake()) asleep = false;
-  }
-}
-
-Collider& Simulation::State::add(BodyId id) {
-  Collider& collider = colliders[id];
-  collider.id = id;
+template <class... Of>
+Collider& Simulation::State::add(BodyId id, const Of&... of) {
+  Collider& collider = colliders.try_emplace(id, id, of...).first->second;
   in_order.insert(std::ranges::lower_bound(in_order, id, {}, &Collider::id), &collider);
   return collider;
 }
@@ -389,6 +328,10 @@ void Simulation::State::remove(BodyId gone) {
   std::erase(in_order, &colliders.at(gone));
   colliders.erase(gone);
   contacts.forget(gone);
+  wake_all();
+}
+
+void Simulation::State::wake_all() {
   asleep = false;
   for (Collider* collider : in_order) {
     if (collider->movable()) dBodyEnable(collider->body.get());
@@ -407,11 +350,7 @@ Simulation::~Simulation() {
 
 void Simulation::add_static(BodyId id, const StaticDescription& description) {
   const OdeLock lock;
-  Collider& collider = state_->add(id);
-  collider.surface = description.surface;
-  collider.half_thickness_m = half_thickness(description);
-  collider.shape = make_static(state_->space.get(), description);
-  dGeomSetData(collider.shape.geom.get(), &collider);
+  state_->add(id, description, state_->space.get());
 }
 
 void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, const FrictionSurface& surface,
@@ -419,24 +358,8 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   const OdeLock lock;
   const std::vector<BodyJoint> kept = state_->joints_of(id);
   state_->remove(id);
-  Collider& collider = state_->add(id);
-  collider.surface = surface;
-  collider.half_thickness_m = half_thickness(solid.shape);
-  collider.outer_radius_m = outer_radius(solid.shape);
-  collider.gravity_factor = gravity_factor;
-  collider.round = solid.shape.type == ShapeType::sphere;
-  collider.body.reset(dBodyCreate(state_->world.get()));
-  collider.shape = make_shape(state_->space.get(), solid.shape);
-  collider.set_mass(solid.mass);
-  if (fixed) dBodySetKinematic(collider.body.get());
-  dGeomSetData(collider.shape.geom.get(), &collider);
-  dGeomSetBody(collider.shape.geom.get(), collider.body.get());
-  const Vec3 center = solid.shape.center_m;
-  dGeomSetOffsetPosition(collider.shape.geom.get(), center.x, center.y, center.z);
-  dBodySetFiniteRotationMode(collider.body.get(), 1);  // exact for a constant spin, however fast: spheres
-  dBodySetGyroscopicMode(collider.body.get(), 0);      // Collider::turn() does better
-  collider.move(motion);
-  collider.stillness.reset();
+  const State& state = *state_;
+  state_->add(id, solid, surface, fixed, gravity_factor, state.world.get(), state.space.get()).move(motion);
   for (const BodyJoint& joint : kept) state_->join(joint);
   state_->asleep = false;
 }
@@ -456,38 +379,39 @@ void Simulation::add_joint(BodyId body, std::optional<BodyId> other, const Joint
 void Simulation::set_motion(BodyId id, const Motion& motion) {
   const OdeLock lock;
   state_->colliders.at(id).move(motion);
-  state_->colliders.at(id).stillness.reset();
   state_->asleep = false;
 }
 
 void Simulation::drive(BodyId id, const Motion& motion) {
   const OdeLock lock;
-  state_->colliders.at(id).drive(motion);
-  state_->has_driven = true;
-  if (motion.velocity_m_s == Vec3{} && motion.spin_rad_s == Vec3{}) return;
-  state_->asleep = false;
-  for (Collider* collider : state_->in_order) {
-    if (collider->movable()) dBodyEnable(collider->body.get());
-  }
+  Collider& collider = state_->colliders.at(id);
+  collider.drive(motion);
+  if (collider.driven_about()) state_->wake_all();
 }
 
 std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up) {
   const OdeLock lock;
   State& state = *state_;
-  state.given_up = given_up;
   state.contacts.begin_step();
-  state.driven_s = 0;
-  for (Collider* collider : state.in_order) collider->was_awake = collider->awake();
+  for (Collider* collider : state.in_order) collider->begin_step();
   double done_s = 0;
   for (int k = 1; done_s < state.step_s; ++k) {
     const double rest_s = state.step_s - done_s;
-    const double part_s = k < kMaxParts ? state.free_flight(rest_s) : rest_s;
-    state.do_part(done_s, part_s);
+    double part_s = rest_s;
+    for (Collider* collider : state.in_order) {
+      if (k < kMaxParts && collider->awake())
+        part_s = std::min(part_s, state.probe.free_flight(*collider, rest_s, state.space.get()));
+    }
+    state.do_part({done_s, part_s, given_up});
     done_s = part_s == rest_s ? state.step_s : done_s + part_s;
     state.move_driven(done_s);
   }
   state.let_still_bodies_sleep();
-  state.note_moved();
+  state.moved.clear();
+  for (const Collider* collider : state.in_order) {
+    if (collider->was_awake() || collider->driven()) state.moved.push_back({collider->id, collider->motion()});
+  }
+  state.asleep = std::ranges::none_of(state.in_order, &Collider::awake);
   return state.contacts.points();
 }
 

@@ -82,11 +82,10 @@ int SurfacePairs::find(const Collider& first, const Collider& second, double par
     if (count == static_cast<int>(room.size())) break;
     const Vec3 on_first = contact.point - contact.depth_m * contact.normal;
     const Vec3 now = pose.position + pose.rotation * (back * (on_first - kept.pose.position));
-    const Vec3 point = base.position + base.rotation * contact.point, normal = base.rotation * contact.normal;
     dContactGeom& geom = room[count++];
     geom = {};
-    for (int axis = 0; const double part : {point.x, point.y, point.z}) geom.pos[axis++] = part;
-    for (int axis = 0; const double part : {normal.x, normal.y, normal.z}) geom.normal[axis++] = part;
+    copy(base.position + base.rotation * contact.point, geom.pos);
+    copy(base.rotation * contact.normal, geom.normal);
     geom.depth = contact.depth_m - dot(contact.normal, now - on_first);
     geom.g1 = first.shape.geom.get();
     geom.g2 = second.shape.geom.get();

@@ -68,11 +68,10 @@ class Listening {
   [[nodiscard]] Sighting sight(const Motion& source, const Vec3& origin_m,
                                const Motion& listener) const RINGDOWN_REALTIME;
   [[nodiscard]] bool still() const RINGDOWN_REALTIME { return track_.still(); }
-  [[nodiscard]] std::uint32_t jumps() const RINGDOWN_REALTIME { return track_.jumps(); }
+  // Increases when the listener jumps, and when the air changes.
+  [[nodiscard]] std::uint32_t jumps() const RINGDOWN_REALTIME { return track_.jumps() + airs_; }
   [[nodiscard]] const modal::AirAbsorption& absorption() const RINGDOWN_REALTIME { return absorption_; }
   [[nodiscard]] double sound_speed_m_s() const RINGDOWN_REALTIME { return sound_speed_m_s_; }
-  // Increases when the air changes.
-  [[nodiscard]] std::uint32_t airs() const RINGDOWN_REALTIME { return airs_; }
 
  private:
   PoseTrack track_;

@@ -15,6 +15,7 @@
 namespace ringdown::synth {
 namespace {
 
+constexpr auto kCell = static_cast<double>(kChunkFrames);
 constexpr double kMaxTurn = 0.1;  // phase by which a mode's gain moves through its lobes [rad]
 constexpr double kMaxCellsAhead = 8;
 constexpr double kMaxAhead_s = 0.3;  // limit under pressure
@@ -41,94 +42,105 @@ void LookPressure::update(double terms, double modes, const Chunk& chunk) RINGDO
   pressure_ = std::clamp(mean_ / budget, 1.0, kMaxPressure);
 }
 
-bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
-  look_terms_ = 0;
-  if (!heard(chunk)) return false;
-  const Listening& listening = *chunk.listening;
-  if (!(listening.on() && track.known())) {
-    go_off(chunk, voices, strip);
-    return on_;
+double Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
+  if (!heard(chunk)) return 0;
+  double terms = 0;
+  if (!chunk.listening->on() || !track.known()) {
+    leave(chunk, voices, strip);
+    if (state_ == State::absent) return 0;
+  } else {
+    bool rings = false;
+    voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME { rings = rings || voice.ringing(); });
+    track.advance(chunk.cell_begin(), chunk.sample_rate_hz);
+    const Entry entry = enter(chunk, rings);
+    const State next = sight(chunk, entry, voices);
+    const bool fresh = entry == Entry::afresh, within = entry == Entry::same_cell;
+    const ChannelStrip::Span span{fresh ? chunk.cell_begin() : chunk.begin, chunk.cell_end()};
+    if (!within || !strip.placed_until(span.end)) {
+      const auto left = static_cast<double>(glide_end_ - span.begin), n = static_cast<double>(span.end - span.begin);
+      const double share = fresh ? 2 : left > 0 ? std::min(1.0, n / left) : 1;
+      strip.place({first_.toward_source, level_at(first_.distance_m)},
+                  {last_.toward_source, level_at(last_.distance_m)}, span, share);
+    }
+    aim(chunk, entry, voices);
+    state_ = next;
+    if (!within && next != State::still) terms = look_rate_ * kCell;
   }
-  bool rings = false, looked_up = true;
+  heard_until_ = chunk.end();
+  hear(0, chunk.frames, chunk, voices);
+  return terms;
+}
+
+Placement::Entry Placement::enter(const Chunk& chunk, bool rings) RINGDOWN_REALTIME {
+  const bool follows = heard_until_ == chunk.begin;
+  const std::uint32_t now = track.jumps() + chunk.listening->jumps();
+  const bool jumped = std::exchange(jumps_, now) != now;
+  if (state_ == State::renewed || (!rings && (state_ == State::absent || !follows))) {
+    glide_end_ = chunk.cell_begin();
+    return Entry::afresh;
+  }
+  if (state_ == State::absent || state_ == State::leaving || jumped) {
+    glide_end_ = chunk.cell_begin() + kGlide;
+    return Entry::gliding;
+  }
+  if (!follows) return Entry::resumed;
+  return chunk.begin > chunk.cell_begin() ? Entry::same_cell : Entry::next_cell;
+}
+
+// Finds how the object is seen at both ends of the cell, and returns the state for the cell. An earlier chunk of the
+// cell may have done so; then a voice that has no gains yet needs the direction of an object that turns.
+Placement::State Placement::sight(const Chunk& chunk, Entry entry, const VoiceStack& voices) RINGDOWN_REALTIME {
+  bool looked_up = true;
   const Voice* source = nullptr;
   voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
-    rings = rings || voice.ringing();
     looked_up = looked_up && voice.gains.on();
     source = source ? source : &voice;
   });
+  const bool within = entry == Entry::same_cell, follows = within || entry == Entry::next_cell;
+  if (within && (looked_up || state_ != State::turning)) return state_;
+  const Listening& listening = *chunk.listening;
   const double rate_hz = chunk.sample_rate_hz;
-  track.advance(chunk.cell_begin(), rate_hz);
-  const std::uint32_t jumps = track.jumps() + listening.jumps();
-  const bool fresh = std::exchange(anew_, false) || (on_ ? heard_until_ != chunk.begin && !rings : !rings);
-  const bool jumped = jumps != jumps_ || airs_ != listening.airs();
-  const bool follows = on_ && !leaves_ && !fresh && !jumped && heard_until_ == chunk.begin;
-  const bool within = follows && chunk.begin > chunk.cell_begin();  // the cell's first chunk was heard from it, too
-  if (fresh) {
-    glide_end_ = chunk.cell_begin();
-  } else if (!on_ || leaves_ || jumped) {
-    glide_end_ = chunk.cell_begin() + kGlide;
-    next_look_ = chunk.cell_begin();
-  }
-  jumps_ = jumps;
-  airs_ = listening.airs();
-  const bool stands = track.still() && listening.still();
-  const bool new_voice = !looked_up && unseen_;
-  if (!within || new_voice) {
-    origin_m_ = source ? source->table().origin_m() : Vec3{};
-    // A body that only rotates about its origin keeps distance and pan. Only its direction changes, which matters at
-    // the next look-up.
-    const bool only_turns = !stands && follows && looked_up && glide_end_ <= chunk.cell_begin() &&
-                            chunk.cell_begin() < next_look_ && listening.still() && track.stays_in_place() &&
-                            origin_m_ == Vec3{} && last_.rate == 1;
-    const bool sees_begin = !follows || (unseen_ && !only_turns);
-    first_ =
-        sees_begin ? listening.sight(track.at(chunk.cell_begin(), rate_hz), origin_m_, listening.at_begin()) : last_;
-    last_ = stands || only_turns ? first_
-                                 : listening.sight(track.at(chunk.cell_end(), rate_hz), origin_m_, listening.at_end());
-    unseen_ = only_turns;
-  }
-  const ChannelStrip::Span span{fresh ? chunk.cell_begin() : chunk.begin, chunk.cell_end()};
-  if (!within || !strip.placed_until(span.end)) {
-    const auto left = static_cast<double>(glide_end_ - span.begin), n = static_cast<double>(span.end - span.begin);
-    const double share = left > 0 ? std::min(1.0, n / left) : 1.0;
-    strip.place({first_.toward_source, level_at(first_.distance_m)}, {last_.toward_source, level_at(last_.distance_m)},
-                span, fresh ? 2 : share);
-  }
-  aim(chunk, fresh, within, stands, voices);
-  look_terms_ = stands || within ? 0 : look_rate_ * static_cast<double>(kChunkFrames);
-  on_ = true;
-  leaves_ = false;
-  heard_until_ = chunk.end();
-  return true;
+  origin_m_ = source ? source->table().origin_m() : Vec3{};
+  // A body that only rotates about its origin keeps distance and pan. Only its direction changes, which matters at
+  // the next look-up.
+  const bool still = track.still() && listening.still();
+  const bool turns = !still && follows && looked_up && glide_end_ <= chunk.cell_begin() &&
+                     chunk.cell_begin() < next_look_ && listening.still() && track.stays_in_place() &&
+                     origin_m_ == Vec3{} && last_.rate == 1;
+  const bool known = follows && (turns || state_ != State::turning);
+  first_ = known ? last_ : listening.sight(track.at(chunk.cell_begin(), rate_hz), origin_m_, listening.at_begin());
+  last_ = still || turns ? first_ : listening.sight(track.at(chunk.cell_end(), rate_hz), origin_m_, listening.at_end());
+  return turns ? State::turning : still && !within ? State::still : State::moving;
 }
 
 // Looks gains up where it is time to.
-void Placement::aim(const Chunk& chunk, bool fresh, bool within, bool stands, VoiceStack& voices) RINGDOWN_REALTIME {
+void Placement::aim(const Chunk& chunk, Entry entry, VoiceStack& voices) RINGDOWN_REALTIME {
   const Listening& listening = *chunk.listening;
-  constexpr auto kCell = static_cast<double>(kChunkFrames);
   const Frame cell = chunk.cell_begin();
+  const bool fresh = entry == Entry::afresh, within = entry == Entry::same_cell,
+             still = track.still() && listening.still();
+  const bool look = fresh || entry == Entry::gliding || (!within && cell >= next_look_);
+  const bool stops = still && !within && state_ != State::still;
   const double turn = length(last_.toward_listener - first_.toward_listener);
   const double glide = std::max(static_cast<double>(glide_end_ - cell), 0.0), least = std::max(kCell, glide);
-  const auto clipped = [](double d) RINGDOWN_REALTIME { return std::max(d, kReferenceDistance_m); };
   const auto passed = static_cast<double>(chunk.begin - cell);  // of what is counted from the cell's beginning
-  const bool look = !within && cell >= next_look_;
+  const auto go_to = [&](ModeGains& gains, const Sighting& at, double frames) RINGDOWN_REALTIME {
+    gains.aim(at.toward_listener, std::max(at.distance_m, kReferenceDistance_m), listening.absorption(), frames);
+  };
   double ahead = least;
-  if (look || fresh) look_rate_ = 0;
+  if (look) look_rate_ = 0;
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
     ModeGains& gains = voice.gains;
     const bool first = !gains.on(), begins = fresh || (first && glide == 0);
-    if (begins) gains.aim(first_.toward_listener, clipped(first_.distance_m), listening.absorption(), 0);
-    if (stands) {
-      if (within && !first) return;
-      const bool there = gains.on() && gains.left() == 0;
-      if (there && glide == 0) {  // exactly, where a line has brought it but for rounding
-        if (gains.moves()) gains.aim(first_.toward_listener, clipped(first_.distance_m), listening.absorption(), 0);
-      } else if (look || !stood_ || gains.left() <= 0) {
-        gains.aim(first_.toward_listener, clipped(first_.distance_m), listening.absorption(), least - passed, true);
-      }
+    if (begins) go_to(gains, first_, 0);
+    if (still) {
+      // Gains whose line has ended differ from its goal by rounding errors; these are removed once.
+      const bool there = glide == 0 && gains.on() && gains.left() == 0;
+      const bool goes = there ? gains.moves() : look || stops || gains.left() <= 0;
+      if (goes && (first || !within)) go_to(gains, first_, there ? 0 : least - passed);
       return;
     }
-    if (!look && !first && !fresh) return;
+    if (!look && !first) return;
     const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
     const double most = std::max(kMaxCellsAhead * kCell, least);
     const double wanted = turn > 0 ? kCell * std::floor(kMaxTurn / (turn * sharpness)) : most;
@@ -139,16 +151,12 @@ void Placement::aim(const Chunk& chunk, bool fresh, bool within, bool stands, Vo
       ahead = std::clamp(ahead * chunk.look_pressure * (0.75 + 0.5 * spread_), kCell, longest);
     }
     const Frame then = cell + static_cast<Frame>(ahead);
-    const Sighting there =
-        listening.sight(track.at(then, chunk.sample_rate_hz), origin_m_, listening.at(then, chunk.sample_rate_hz));
-    gains.aim(there.toward_listener, clipped(there.distance_m), listening.absorption(), ahead - (begins ? 0 : passed),
-              true);
+    const Motion source = track.at(then, chunk.sample_rate_hz), listener = listening.at(then, chunk.sample_rate_hz);
+    go_to(gains, listening.sight(source, origin_m_, listener), ahead - (begins ? 0 : passed));
     if (begins) gains.advance(static_cast<std::size_t>(chunk.begin - cell));
   });
-  if (look || fresh || (stands && !stood_ && !within)) next_look_ = cell + static_cast<Frame>(ahead);
-  if (look || fresh) spread_ = std::fmod(spread_ + 0.61803398874989485, 1.0);
-  if (!within) stood_ = stands;
-  hear(0, chunk.frames, chunk, voices);
+  if (look || stops) next_look_ = cell + static_cast<Frame>(ahead);
+  if (look) spread_ = std::fmod(spread_ + 0.61803398874989485, 1.0);
 }
 
 // The source time that passes in a cell follows from the change of distance, up to terms of second order. Its deviation
@@ -157,8 +165,7 @@ void Placement::aim(const Chunk& chunk, bool fresh, bool within, bool stands, Vo
 void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
                      VoiceStack& voices) const RINGDOWN_REALTIME {
   ModeStates::HeardTime time{.offset = offset};
-  if (first_.rate != 1 || last_.rate != 1) {
-    constexpr auto kCell = static_cast<double>(kChunkFrames);
+  if (state_ != State::leaving && (first_.rate != 1 || last_.rate != 1)) {
     const double way_m = last_.distance_m - first_.distance_m;
     const double way_frames = way_m / chunk.listening->sound_speed_m_s() * chunk.sample_rate_hz;
     const double rate = std::clamp(1 - way_frames / kCell + 0.5 * (first_.excess + last_.excess), 0.5, 2.0);
@@ -173,12 +180,13 @@ void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
 }
 
 void Placement::end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALTIME {
+  if (!begun(chunk)) return;
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.gains.advance(chunk.frames); });
 }
 
 bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME {
   if (!heard(chunk)) return true;
-  if (!on_ || leaves_ || unseen_ || glide_end_ > chunk.end() || heard_until_ != chunk.end()) return false;
+  if ((state_ != State::still && state_ != State::moving) || glide_end_ > chunk.end() || !begun(chunk)) return false;
   const Motion source = track.at(chunk.end(), chunk.sample_rate_hz), &listener = chunk.listening->at_end();
   const double speed = length(source.velocity_m_s - listener.velocity_m_s), ring_s = voice.table().ring_s();
   const double turn = ring_s * (length(source.spin_rad_s) + speed / std::max(last_.distance_m, kNear_m));
@@ -191,7 +199,7 @@ bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN
 bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) RINGDOWN_REALTIME {
   if (!heard(chunk)) return false;
   const Listening& listening = *chunk.listening;
-  if (!listening.on() || track.jumps() + listening.jumps() != jumps_ || listening.airs() != airs_) return true;
+  if (!listening.on() || track.jumps() + listening.jumps() != jumps_) return true;
   track.advance(chunk.cell_begin(), chunk.sample_rate_hz);
   const Sighting now = listening.sight(track.at(chunk.cell_begin(), chunk.sample_rate_hz), voice.table().origin_m(),
                                        listening.at_begin());
@@ -202,26 +210,21 @@ bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) RI
          length(now.toward_source - last_.toward_source) > most || std::abs(level - before) > most * before;
 }
 
-// Back to being heard without a place.
-void Placement::go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
-  const bool later = heard_until_ != chunk.begin;  // it has been silent since
-  if (!leaves_ && !later) {
+// Glides back to being heard without a place. The glide ends at once if nothing was heard in the last chunk.
+void Placement::leave(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
+  if (heard_until_ != chunk.begin || (state_ == State::leaving && glide_end_ <= chunk.begin)) {
+    voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.hear(nullptr); });
+    strip.unplace();
+    state_ = State::absent;
+    return;
+  }
+  if (state_ != State::leaving) {
     glide_end_ = chunk.begin + kGlide;
     voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.gains.aim_at_one(static_cast<double>(kGlide)); });
-    first_ = last_ = {};
+    state_ = State::leaving;
   }
-  if (later || (leaves_ && glide_end_ <= chunk.begin)) return stop(voices, strip);
-  leaves_ = true;
   const auto n = static_cast<double>(chunk.frames), left = static_cast<double>(glide_end_ - chunk.begin);
   strip.place_nowhere({chunk.begin, chunk.end()}, std::min(1.0, n / left));
-  heard_until_ = chunk.end();
-  hear(0, chunk.frames, chunk, voices);
-}
-
-void Placement::stop(VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
-  voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.hear(nullptr); });
-  strip.unplace();
-  on_ = leaves_ = false;
 }
 
 }  // namespace ringdown::synth

@@ -42,15 +42,18 @@ class Placement {
 
   // Returns whether the object should be heard from its place in this chunk.
   [[nodiscard]] bool heard(const Chunk& chunk) const RINGDOWN_REALTIME {
-    return chunk.listening != nullptr && (on_ || (chunk.listening->on() && track.known()));
+    return chunk.listening != nullptr && (state_ != State::absent || (chunk.listening->on() && track.known()));
   }
-  // Sets strip and voices for the chunk. Returns false if the object is not, or no longer, heard from its place.
-  [[nodiscard]] bool begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
+  // Sets strip and voices for the chunk if the object is heard from its place. Returns the cost of its gain lines in
+  // the chunk, in terms of maps, if they were looked up as often as exactness requires.
+  double begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
   // Call in the chunk before its frames `offset` ... `end` - 1 are rendered.
   void hear(std::size_t offset, std::size_t end, const Chunk& chunk, VoiceStack& voices) const RINGDOWN_REALTIME;
   void end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALTIME;
-  // Returns whether begin_chunk() has been called for this chunk.
-  [[nodiscard]] bool begun(const Chunk& chunk) const RINGDOWN_REALTIME { return heard_until_ == chunk.end(); }
+  // Returns whether begin_chunk() found that the object is heard from its place in this chunk.
+  [[nodiscard]] bool begun(const Chunk& chunk) const RINGDOWN_REALTIME {
+    return state_ != State::absent && heard_until_ == chunk.end();
+  }
 
   // Returns whether the object may share its states after this chunk, with its gains at the chunk's end: it is not
   // heard from a place, or its level stays within a decibel while it rings. The latter holds if, in the time in which
@@ -63,14 +66,8 @@ class Placement {
   // these limits.
   [[nodiscard]] bool drifted(const Chunk& chunk, const Voice& voice, double share) RINGDOWN_REALTIME;
   // Makes the next chunk begin with the gains of the present place, instead of gliding there from the last one.
-  void begin_anew() RINGDOWN_REALTIME { anew_ = true; }
+  void begin_anew() RINGDOWN_REALTIME { state_ = State::renewed; }
 
-  // Returns the cost of the object's gain lines in the chunk, in terms of maps, if they were looked up as often as
-  // exactness requires.
-  [[nodiscard]] double look_terms() const RINGDOWN_REALTIME { return look_terms_; }
-
-  // Stops hearing the object from its place, at once.
-  void stop(VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
   void forget() RINGDOWN_REALTIME {
     const double spread = spread_;
     *this = {};
@@ -80,22 +77,30 @@ class Placement {
   void spread_looks(std::size_t number) { spread_ = std::fmod(0.61803398874989485 * static_cast<double>(number), 1.0); }
 
  private:
-  // `within`: the cell's first chunk was also heard from the place; `stands`: nothing moves.
-  void aim(const Chunk& chunk, bool fresh, bool within, bool stands, VoiceStack& voices) RINGDOWN_REALTIME;
-  void go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
+  // How the object is heard: not from its place (`absent`); from its place in the next chunk, without a glide
+  // (`renewed`); from its place while nothing moves in the cell (`still`), while it turns about its place, so that
+  // last_ has its distance but not its direction (`turning`), and in any other motion (`moving`); or on its way back to
+  // being heard without a place (`leaving`).
+  enum class State : std::uint8_t { absent, renewed, still, turning, moving, leaving };
+  // How a chunk continues what was heard before: it begins in the present place (`afresh`), glides there from another
+  // place or from none (`gliding`), begins after chunks that an instance group rendered (`resumed`), or follows the
+  // last chunk of a cell (`next_cell`) or an earlier chunk of its own cell (`same_cell`).
+  enum class Entry : std::uint8_t { afresh, gliding, resumed, next_cell, same_cell };
+  Entry enter(const Chunk& chunk, bool rings) RINGDOWN_REALTIME;
+  State sight(const Chunk& chunk, Entry entry, const VoiceStack& voices) RINGDOWN_REALTIME;
+  void aim(const Chunk& chunk, Entry entry, VoiceStack& voices) RINGDOWN_REALTIME;
+  void leave(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
 
-  bool on_ = false, leaves_ = false, anew_ = false;
-  Frame heard_until_ = -1;  // end of the last chunk in which the object was heard
-  Frame next_look_ = 0;     // when gains are looked up again
-  Frame glide_end_ = 0;
-  Sighting first_, last_;  // at the beginning and end of the last chunk's cell
+  State state_ = State::absent;
+  Frame heard_until_ = -1;   // end of the last chunk in which the object was heard
+  Frame glide_end_ = 0;      // set by enter() and leave(), where glides begin
+  std::uint32_t jumps_ = 0;  // set by enter()
+  Sighting first_, last_;    // at the beginning and end of the last chunk's cell; set by sight(), with origin_m_
   Vec3 origin_m_;
-  double look_terms_ = 0;
+  // The plan of look-ups, set by aim():
+  Frame next_look_ = 0;   // when gains are looked up again
   double look_rate_ = 0;  // terms per frame
   double spread_ = 0;     // 0 to 1, different for every look, so that objects do not look in one chunk
-  bool stood_ = false;
-  bool unseen_ = false;  // last_ still has the object's place, but no longer its orientation
-  std::uint32_t jumps_ = 0, airs_ = 0;
 };
 
 }  // namespace ringdown::synth

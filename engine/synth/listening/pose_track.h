@@ -35,7 +35,6 @@ class PoseTrack {
   static constexpr std::size_t kMaxPending = 96;  // poses waiting for their frames: 500 a second in a block of 8,192
 
   [[nodiscard]] bool known() const RINGDOWN_REALTIME { return known_; }
-  void forget() RINGDOWN_REALTIME { *this = {}; }
 
   // Adds a sane pose for frame `at`, at frame `now`. The track starts at the first pose. If the track has not been read
   // for a while, poses in the past make room. If kMaxPending poses wait already, the new one replaces the last.

@@ -54,9 +54,8 @@ void ModeGains::go(double frames) RINGDOWN_REALTIME {
   }
 }
 
-void ModeGains::aim(const Vec3& toward, double distance_m, const modal::AirAbsorption& absorption, double frames,
-                    bool from_one) RINGDOWN_REALTIME {
-  if (!on_ && !from_one) frames = 0;
+void ModeGains::aim(const Vec3& toward, double distance_m, const modal::AirAbsorption& absorption,
+                    double frames) RINGDOWN_REALTIME {
   begin();
   if (!(std::abs(distance_m - air_distance_m_) <= kSameDistance * distance_m) || !(absorption == air_)) {
     find_absorption(absorption, distance_m, table_.frequencies_hz(), columns_, row(air));

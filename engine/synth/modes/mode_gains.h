@@ -23,10 +23,8 @@ class ModeGains {
   void switch_off() RINGDOWN_REALTIME { on_ = moving_ = false; }
 
   // From the present frame on, gains move in straight lines and reach within `frames` what they are towards the unit
-  // vector `toward`, in the object's frame, at a distance. 0 frames: at once. What is off begins at once, too, unless
-  // `from_one`: then it begins with gains of 1.
-  void aim(const Vec3& toward, double distance_m, const modal::AirAbsorption& air, double frames,
-           bool from_one = false) RINGDOWN_REALTIME;
+  // vector `toward`, in the object's frame, at a distance; with 0 frames, at once. Gains that are off begin at 1.
+  void aim(const Vec3& toward, double distance_m, const modal::AirAbsorption& air, double frames) RINGDOWN_REALTIME;
   // The same, back to gains of 1.
   void aim_at_one(double frames) RINGDOWN_REALTIME;
 

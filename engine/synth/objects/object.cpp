@@ -40,20 +40,20 @@ bool keep_sane(std::span<const double> samples, const VoiceStack& voices, const 
 }  // namespace
 
 void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
-  placed_ = placement.heard(chunk) && placement.begin_chunk(chunk, voices, strip);
-  if (placed_) workspace.counts.look_terms += placement.look_terms();
+  workspace.counts.look_terms += placement.begin_chunk(chunk, voices, strip);
   apply_threshold(chunk, workspace);
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
     if (voice.coupling.possible())
       voice.coupling.affordable = chunk.shedding->may_couple(voice.coupling, chunk, workspace);
   });
-  const bool by_moments = placed_ ? !is_cleared() : (chunk.moments || !strip.heard(chunk.wanted)) && only_struck(chunk);
+  const bool by_moments =
+      placement.begun(chunk) ? !is_cleared() : (chunk.moments || !strip.heard(chunk.wanted)) && only_struck(chunk);
   if (by_moments) {
     render_by_moments(chunk, workspace);
   } else {
     render_by_tables(chunk, workspace);
   }
-  if (placed_) placement.end_chunk(chunk, voices);
+  placement.end_chunk(chunk, voices);
   voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
     if (!voice.ringing()) return;
     const ModeStates::Counts counts = voice.counts();
@@ -245,8 +245,7 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
 }
 
 void Object::begin_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
-  placed_ = placement.heard(chunk) && placement.begin_chunk(chunk, voices, strip);
-  if (placed_) workspace.counts.look_terms += placement.look_terms();
+  workspace.counts.look_terms += placement.begin_chunk(chunk, voices, strip);
 }
 
 void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace,
@@ -268,7 +267,7 @@ void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chu
 }
 
 void Object::end_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
-  if (placed_) placement.end_chunk(chunk, voices);
+  placement.end_chunk(chunk, voices);
   voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
     if (!voice.ringing()) return;
     ++workspace.counts.voices;

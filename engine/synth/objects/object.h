@@ -71,7 +71,7 @@ class Object final : public Source {
   void render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   [[nodiscard]] bool is_cleared() const RINGDOWN_REALTIME;
   void hear(std::size_t begin, std::size_t end, const Chunk& chunk) RINGDOWN_REALTIME {
-    if (placed_ && begin < end) placement.hear(begin, end, chunk, voices);
+    if (placement.begun(chunk) && begin < end) placement.hear(begin, end, chunk, voices);
   }
   void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   void render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
@@ -82,8 +82,6 @@ class Object final : public Source {
   void render_touched(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace,
                       const TouchForces& touch) RINGDOWN_REALTIME;
   void end_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-
-  bool placed_ = false;  // in this chunk it is heard from its place
 };
 
 }  // namespace ringdown::synth
