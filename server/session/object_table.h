@@ -1,4 +1,5 @@
-// The objects of a rack, by name and by number: immutable snapshots that any thread reads without waiting.
+// The objects of a rack, by name and by number: snapshots that any thread reads without waiting, immutable except for
+// gain and pan.
 //
 // Readers follow atomic pointers: for each number one to the object's snapshot, and one to the index of names. A writer
 // prepares the next snapshot aside, stores the pointer, and retires the previous snapshot.

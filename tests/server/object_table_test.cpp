@@ -41,6 +41,17 @@ TEST(ObjectTable, AChangeReplacesTheSnapshotAndLeavesTheOldOneAsItWas) {
   EXPECT_FALSE(table.replace(2, [](ObjectState&) { FAIL(); }).after);
 }
 
+TEST(ObjectTable, AGainThatIsSetShowsInAllSnapshotsOfTheObject) {
+  ObjectTable table;
+  const ObjectSnapshot old = table.add({.name = "bell", .number = 1});
+  const ObjectSnapshot next = table.replace(1, [](ObjectState& object) { object.group = "bells"; }).after;
+  const ObjectSnapshot other = table.add({.name = "anvil", .number = 2});
+  old->gain.set(0.25);
+  EXPECT_EQ(next->gain, 0.25);
+  EXPECT_EQ(table.find("bell")->gain, 0.25);
+  EXPECT_EQ(other->gain, 1);
+}
+
 TEST(ObjectTable, CollectFreesWhatNobodyHoldsAndNothingElse) {
   ObjectTable table;
   std::weak_ptr<const ObjectState> first = table.add({.name = "bell", .number = 1});
