@@ -78,7 +78,7 @@ Result<modal::PieceBank> bake_piece(const Cut& cut, const shatter::PieceMesh& me
   modal::PieceBank piece{.bank = std::move(baked->bank)};
   baked->bank.mass = piece.bank.mass;
   piece.handover = handover(cut, mesh, *baked);
-  const auto distances = (mesh.mesh.nodes.rowwise() - vector_of(place_m).transpose()).rowwise().norm();
+  const Eigen::VectorXd distances = (mesh.mesh.nodes.rowwise() - vector_of(place_m).transpose()).rowwise().norm();
   piece.near_m = distances.minCoeff();
   piece.far_m = distances.maxCoeff();
   return piece;
