@@ -2,6 +2,7 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/base/rotation.h"
+#include "engine/fem/blas_threads.h"
 #include "engine/mesh/boundary.h"
 #include "engine/shatter/cut.h"
 #include "engine/shatter/pieces.h"
@@ -164,6 +165,7 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
   std::vector<Vec3> places_m = shatter.places_m;
   if (places_m.empty()) places_m.push_back(middle_of_surface(body, mass));
   if (progress && !progress("pieces", 0)) return fail_cancelled();
+  const fem::BlasThreads one(1);  // or a bake that ends would set it for those that go on
   modal::Fracture fracture;
   Work work{.progress = progress, .mutex = {}};
   for (const int pieces : shatter.pieces) work.count += places_m.size() * static_cast<std::size_t>(pieces);

@@ -404,6 +404,7 @@ TEST(ShatterBody, TheSameBodyBreaksTheSameWayOnAnyNumberOfThreads) {
   const char* const before = std::getenv("RINGDOWN_THREADS");
   const std::optional<std::string> kept = before == nullptr ? std::nullopt : std::optional<std::string>(before);
   for (const char* threads : {"1", "3"}) {
+    SCOPED_TRACE(threads);
     ::setenv("RINGDOWN_THREADS", threads, 1);
     const auto again = bake::shatter_body(body.whole, body.shatter, body.options);
     ASSERT_TRUE(again) << again.error().message;
