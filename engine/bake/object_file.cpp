@@ -31,7 +31,8 @@ void read_pitch(TomlTable& file, ObjectRecipe& recipe) {
     file.complain("pitch", "pitch must be a note such as \"A4\" or \"F#3\", or a frequency of 1 to 100000 Hz");
 }
 
-constexpr Range kSeed{0, 1e9}, kPieceMass_kg{0, 1e3}, kBlow_m{-1e6, 1e6}, kBand_hz{0, 1e6};
+constexpr std::uint64_t kMaxSeed = 1'000'000'000;
+constexpr Range kPieceMass_kg{0, 1e3}, kBlow_m{-1e6, 1e6}, kBand_hz{0, 1e6};
 constexpr std::size_t kMaxPlaces = 16, kMaxLevels = 4;
 constexpr double kMaxPieces = 500;  // of a level
 
@@ -68,9 +69,7 @@ std::optional<Shatter> read_shatter(TomlTable& file) {
   if (all * std::max<std::size_t>(shatter.places_m.size(), 1) > modal::kMaxPieces)
     table->complain("pieces", "the pieces of all levels and places must be " + std::to_string(modal::kMaxPieces) +
                                   " at most");
-  double seed = static_cast<double>(shatter.seed);
-  table->number("seed", seed, kSeed);
-  shatter.seed = static_cast<std::uint64_t>(seed);
+  table->whole("seed", shatter.seed, 0, kMaxSeed);
   table->number("min_mass_kg", shatter.min_mass_kg, kPieceMass_kg);
   table->numbers("band_hz", band);
   if (band.size() != 2 || !kBand_hz.holds(band[0]) || !kBand_hz.holds(band[1]) || !(band[1] > band[0])) {

@@ -2,6 +2,7 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/base/rotation.h"
+#include "engine/fem/blas_threads.h"
 #include "engine/mesh/boundary.h"
 #include "engine/shatter/cut.h"
 #include "engine/shatter/pieces.h"
@@ -78,7 +79,7 @@ Result<modal::PieceBank> bake_piece(const Cut& cut, const shatter::PieceMesh& me
   modal::PieceBank piece{.bank = std::move(baked->bank)};
   baked->bank.mass = piece.bank.mass;
   piece.handover = handover(cut, mesh, *baked);
-  const auto distances = (mesh.mesh.nodes.rowwise() - vector_of(place_m).transpose()).rowwise().norm();
+  const Eigen::VectorXd distances = (mesh.mesh.nodes.rowwise() - vector_of(place_m).transpose()).rowwise().norm();
   piece.near_m = distances.minCoeff();
   piece.far_m = distances.maxCoeff();
   return piece;
@@ -145,6 +146,13 @@ Vec3 middle_of_surface(const SolvedBody& body, const modal::MassProperties& mass
   return {nearest[0], nearest[1], nearest[2]};
 }
 
+// More pieces than a bank's file may have (fracture.h) are refused before they are baked.
+Result<void> check_count(std::size_t pieces, const std::string& name) {
+  if (pieces <= modal::kMaxPieces) return {};
+  return fail(ErrorKind::too_large, name + " breaks into more than the " + std::to_string(modal::kMaxPieces) +
+                                        " pieces that a bank may have, over all places and levels; ask for fewer");
+}
+
 }  // namespace
 
 Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter, const BakeOptions& options,
@@ -157,9 +165,12 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
   std::vector<Vec3> places_m = shatter.places_m;
   if (places_m.empty()) places_m.push_back(middle_of_surface(body, mass));
   if (progress && !progress("pieces", 0)) return fail_cancelled();
+  const fem::BlasThreads one(1);  // or a bake that ends would set it for those that go on
   modal::Fracture fracture;
   Work work{.progress = progress, .mutex = {}};
   for (const int pieces : shatter.pieces) work.count += places_m.size() * static_cast<std::size_t>(pieces);
+  if (auto fits = check_count(work.count, whole.bank.name); !fits) return fail(fits.error());
+  std::size_t count = 0;
   for (const Vec3& place_m : places_m) {
     const auto seeds = shatter::make_seeds(
         body.mesh,
@@ -172,6 +183,8 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
                                                  {.least_volume_share = least_share, .impact_m = place_m})) {
       if (level.pieces.size() < 2)
         return fail(ErrorKind::bad_input, whole.bank.name + " breaks into one piece only; ask for more `pieces`");
+      count += level.pieces.size();
+      if (auto fits = check_count(count, whole.bank.name); !fits) return fail(fits.error());
       Result<modal::BreakPattern> pattern =
           bake_level(cut, level, whole.bank, options_of_piece(options, shatter), place_m, work);
       if (!pattern) return fail(pattern.error());

@@ -281,7 +281,7 @@ Result<void> read_pieces(const Glb& glb, const JsonPlace& fracture, Bank& bank) 
                                return read_model(glb, models[number], "");
                              },
                              .silent = [&](const JsonPlace& piece) { return read_silent_piece(glb, piece, bank); }};
-  auto read = read_fracture(glb, fracture, bank.mode_count(), readers);
+  auto read = read_fracture(glb, fracture, bank, readers);
   if (!read) return fail(read.error());
   bank.fracture = std::make_shared<const Fracture>(std::move(*read));
   return {};

@@ -58,7 +58,15 @@ Result<void> scale_size(Bank& bank, double size, const std::string& name) {
   const auto all_finite = [](const std::vector<Vec3f>& vectors) {
     return std::ranges::all_of(vectors, [](const Vec3f& v) { return std::isfinite(v[0] + v[1] + v[2]); });
   };
-  if (!all_finite(bank.positions) || !all_finite(bank.shapes) ||
+  const auto pieces_finite = [&] {
+    if (!bank.fracture) return true;
+    return std::ranges::all_of(bank.fracture->patterns, [&](const BreakPattern& pattern) {
+      return std::ranges::all_of(pattern.pieces, [&](const PieceBank& piece) {
+        return all_finite(piece.bank.positions) && all_finite(piece.bank.shapes);
+      });
+    });
+  };
+  if (!all_finite(bank.positions) || !all_finite(bank.shapes) || !pieces_finite() ||
       (bank.nonlinear && !(finite(bank.nonlinear->bending) && finite(bank.nonlinear->curving)))) {
     return fail(ErrorKind::bad_input, name + " its positions, shapes or nonlinear terms overflow");
   }

@@ -12,6 +12,7 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <mutex>
 #include <numeric>
 #include <utility>
 
@@ -49,6 +50,10 @@ std::vector<int> nested_dissection(Graph& graph) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
+  // METIS draws from the C library's rand(), which the whole process shares: two orderings at once would take numbers
+  // from each other, and their results would change from run to run.
+  static std::mutex one_at_a_time;
+  const std::scoped_lock lock(one_at_a_time);
   METIS_NodeND(&count, graph.first.data(), graph.neighbors.data(), nullptr, options, old_of.data(), new_of.data());
   return {old_of.begin(), old_of.end()};
 }

@@ -32,6 +32,7 @@ std::string refusal(const mesh::CheckedMesh& mesh, const modal::Material& materi
 
 TEST(Bake, ABakeFillsEverythingABankHolds) {
   const auto [bank, body, report] = baked();
+  EXPECT_FALSE(body) << "it was not asked for";
   EXPECT_EQ(bank.name, "bar");
   EXPECT_GE(bank.mode_count(), 10u);
   EXPECT_EQ(bank.decay_per_s.size(), bank.mode_count());

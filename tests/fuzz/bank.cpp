@@ -1,10 +1,13 @@
 #include "engine/modal/bank_file.h"
+#include "engine/modal/fracture/fracture.h"
+#include "engine/modal/material_scale.h"
 #include "engine/synth/mixer.h"
 #include "tests/fuzz/targets.h"
 
 #include <array>
 #include <bit>
 #include <cmath>
+#include <complex>
 #include <cstring>
 #include <vector>
 
@@ -57,6 +60,31 @@ bool ring(const modal::Bank& bank) {
   return true;
 }
 
+std::vector<modal::DampedMode> modes_of(const modal::Bank& bank) {
+  std::vector<modal::DampedMode> modes;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) modes.push_back(modal::rescale(bank, m, {}));
+  return modes;
+}
+
+// Breaks a body that was accepted: its numbers fit, or an assertion fails.
+void break_up(const modal::Bank& bank, const modal::BreakPattern& pattern) {
+  std::vector<modal::Piece> pieces;
+  std::size_t numbers = 0;
+  for (const modal::PieceBank& piece : pattern.pieces) {
+    const std::size_t rows = modal::kRigidMotions + piece.bank.mode_count(), columns = piece.handover.size() / rows;
+    pieces.push_back({.mass = *piece.bank.mass,
+                      .modes = modes_of(piece.bank),
+                      .handover = {.rows = rows, .columns = columns, .values = piece.handover},
+                      .delay_s = piece.near_m / 1500});
+    numbers += piece.handover.size();
+  }
+  if (numbers > 100'000) return;
+  modal::ModalState state = modal::at_rest(modes_of(bank), *bank.mass);
+  for (std::complex<double>& amplitude : state.amplitudes) amplitude = 1e-6;
+  const modal::Broken broken = modal::Breaking(state.modes, state.mass, pieces, 5e-5)(state, 0);
+  expect(broken.pieces.size() == pattern.pieces.size(), "every piece has a motion");
+}
+
 }  // namespace
 
 void bank(Bytes file) {
@@ -65,6 +93,8 @@ void bank(Bytes file) {
   expect(bank->mode_count() <= modal::kMaxModes && bank->point_count() <= modal::kMaxPoints, "a bank within limits");
   if (bank->mode_count() * bank->point_count() < 100'000)
     expect(ring(*bank), "a bank that was accepted rings in numbers");
+  if (!bank->fracture) return;
+  for (const modal::BreakPattern& pattern : bank->fracture->patterns) break_up(*bank, pattern);
 }
 
 }  // namespace ringdown::fuzz

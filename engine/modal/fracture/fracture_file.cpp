@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,6 +12,21 @@ namespace {
 constexpr std::size_t kMaxHandover = std::size_t{1} << 26;  // numbers in one pattern
 constexpr float kMaxEntry = 1.001F;  // of a handover: at most 1 but for rounding, as both bases are orthonormal
 constexpr double kMaxLength_m = 1e6;
+constexpr std::size_t kMaxNumbers = std::size_t{1} << 27;  // of all pieces together: 512 MiB
+constexpr const char* kSolid = "one with massProperties, a mass and three moments of inertia above 0";
+
+// A body without mass or inertia in a direction has no rigid motion to hand over.
+bool is_solid(const std::optional<MassProperties>& mass) {
+  return mass && mass->mass_kg > 0 && std::min({mass->inertia_kg_m2.x, mass->inertia_kg_m2.y, mass->inertia_kg_m2.z}) > 0;
+}
+
+// The size of a piece in memory. Pieces may name one array many times, so a file says less than all pieces have.
+std::size_t numbers_of(const Bank& bank) {
+  std::size_t count = 3 * (bank.positions.size() + bank.shapes.size() + bank.triangles.size());
+  if (!bank.radiation) return count;
+  for (const FarField& field : bank.radiation->maps.modes) count += 3 * (field.terms.size() + field.levels.size());
+  return count;
+}
 
 Result<double> read_size(const JsonPlace& field, double max) {
   const auto number = field.number();
@@ -28,12 +44,7 @@ Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers
     return readers.model(*model);
   }();
   if (!bank) return fail(bank.error());
-  const auto is_solid = [](const MassProperties& mass) {
-    const Vec3& inertia = mass.inertia_kg_m2;
-    return mass.mass_kg > 0 && inertia.x > 0 && inertia.y > 0 && inertia.z > 0;
-  };
-  if (!bank->mass || !is_solid(*bank->mass))
-    return field.wrong("a piece whose massProperties have a mass and three moments above 0");
+  if (!is_solid(bank->mass)) return field.wrong(kSolid);
   const JsonPlace opens = field["opens"];
   const auto near_m = read_size(opens[0], kMaxLength_m), far_m = read_size(opens[1], kMaxLength_m);
   if (!near_m) return fail(near_m.error());
@@ -68,13 +79,13 @@ Result<void> read_handovers(const Glb& glb, const JsonPlace& field, std::size_t 
 
 }  // namespace
 
-Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, std::size_t modes,
-                               const PieceReaders& readers) {
+Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const Bank& body, const PieceReaders& readers) {
   Fracture out;
+  if (!is_solid(body.mass)) return fracture.wrong(std::string("absent, or its model ") + kSolid);
   const JsonPlace patterns = fracture["patterns"];
   if (patterns.size() == 0 || patterns.size() > kMaxPatterns)
     return fracture.wrong("a list `patterns` of 1 to " + std::to_string(kMaxPatterns));
-  std::size_t count = 0;
+  std::size_t count = 0, numbers = 0;
   for (std::size_t p = 0; p < patterns.size(); ++p) {
     const JsonPlace field = patterns[p], pieces = field["pieces"];
     BreakPattern& pattern = out.patterns.emplace_back();
@@ -94,9 +105,13 @@ Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, std::s
       auto piece = read_piece(pieces[i], readers);
       if (!piece) return fail(piece.error());
       pattern.pieces.push_back(std::move(*piece));
+      numbers += numbers_of(pattern.pieces.back().bank);
+      if (numbers > kMaxNumbers) return pieces.wrong("pieces of at most " + std::to_string(kMaxNumbers) + " numbers");
     }
-    if (auto read = read_handovers(glb, field["handover"], kRigidMotions + modes, pattern); !read)
+    if (auto read = read_handovers(glb, field["handover"], kRigidMotions + body.mode_count(), pattern); !read)
       return fail(read.error());
+    for (const PieceBank& piece : pattern.pieces) numbers += piece.handover.size();
+    if (numbers > kMaxNumbers) return pieces.wrong("pieces of at most " + std::to_string(kMaxNumbers) + " numbers");
   }
   return out;
 }
