@@ -92,6 +92,7 @@ std::vector<std::vector<int>> children_of(const std::vector<int>& parent) {
 std::vector<int> postorder(const std::vector<int>& parent) {
   const auto children = children_of(parent);
   std::vector<int> order, stack, visited(parent.size(), 0);
+  order.reserve(parent.size());
   for (int root = 0; root < static_cast<int>(parent.size()); ++root) {
     if (parent[root] >= 0) continue;
     stack.push_back(root);
