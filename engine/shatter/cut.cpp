@@ -211,8 +211,8 @@ class Cutter {
     const double share = crossing(edge, first, second);
     const std::int32_t between = nearest((1 - share) * at(edge[0]) + share * at(edge[1]));
     if (between == first || between == second) return false;
-    const double apart_m = std::min((seeds_.row(between) - seeds_.row(first)).norm(),
-                                    (seeds_.row(between) - seeds_.row(second)).norm());
+    const double apart_m =
+        std::min((seeds_.row(between) - seeds_.row(first)).norm(), (seeds_.row(between) - seeds_.row(second)).norm());
     const double passage = crossing(edge, between, second) - crossing(edge, first, between);
     return passage > 2 * kLeastShare && passage * (at(edge[0]) - at(edge[1])).norm() > kHidden * apart_m;
   }
@@ -283,8 +283,8 @@ class Cutter {
     for (int c = 0; c < count; ++c) {
       equations(0, c) = 1;
       for (int row = 1; row < count; ++row) {
-        equations(row, c) = farness(cells_[simplex[row]][0], at(simplex[c])) -
-                            farness(cells_[simplex[0]][0], at(simplex[c]));
+        equations(row, c) =
+            farness(cells_[simplex[row]][0], at(simplex[c])) - farness(cells_[simplex[0]][0], at(simplex[c]));
       }
     }
     Eigen::Vector4d weights = equations.partialPivLu().solve(Eigen::Vector4d::UnitX());
@@ -331,8 +331,8 @@ class Cutter {
     if (body_.order() == 1) return flat;
     for (std::size_t k = 0; k < result_.elements.size(); ++k) {
       const SubElement& part = result_.elements[k];
-      const double straight = part.barycentric.determinant() *
-                              mesh::jacobian(mesh::corners_of(body_, part.parent)).determinant();
+      const double straight =
+          part.barycentric.determinant() * mesh::jacobian(mesh::corners_of(body_, part.parent)).determinant();
       const double ratio = determinant_between(result_.points, part.corners) / straight;
       if (!(ratio > kLeastRatio && ratio < kMaxRatio)) flat.push_back(k);
     }
@@ -379,8 +379,8 @@ class Cutter {
 
 Result<void> check(const mesh::Points& seeds, double diagonal_m) {
   if (seeds.rows() == 0 || seeds.rows() > kMaxSeeds) {
-    return fail(ErrorKind::bad_input, "a body is cut by 1 to " + std::to_string(kMaxSeeds) + " seeds, not " +
-                                          std::to_string(seeds.rows()));
+    return fail(ErrorKind::bad_input,
+                "a body is cut by 1 to " + std::to_string(kMaxSeeds) + " seeds, not " + std::to_string(seeds.rows()));
   }
   if (!seeds.allFinite()) return fail(ErrorKind::bad_input, "a coordinate of a seed is not a finite number");
   constexpr double kApart = 1e-6;

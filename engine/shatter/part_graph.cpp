@@ -90,7 +90,8 @@ Parts joined_small(const PartGraph& graph, const Parts& parts, const std::vector
   for (;;) {
     std::int32_t small = -1;
     for (std::size_t part = 0; part < count; ++part) {
-      if (is_small[part] && (small < 0 || volumes_m3[part] < volumes_m3[small])) small = static_cast<std::int32_t>(part);
+      if (is_small[part] && (small < 0 || volumes_m3[part] < volumes_m3[small]))
+        small = static_cast<std::int32_t>(part);
     }
     if (small < 0) break;
     const auto better = [&](const auto& a, const auto& b) {

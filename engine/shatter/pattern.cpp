@@ -152,8 +152,8 @@ class Planter {
     for (int ring = 0; ring < rings; ++ring) {
       const double turn = 0.3 * dice_.uniform();
       for (int ray = 0; ray < rays; ++ray) {
-        const double log_radius = std::log(0.8 * farthest) - (rings - 1 - ring) * ring_step +
-                                  std::log1p(0.25 * dice_.around_zero() * 0.5);
+        const double log_radius =
+            std::log(0.8 * farthest) - (rings - 1 - ring) * ring_step + std::log1p(0.25 * dice_.around_zero() * 0.5);
         const double angle = (ray + turn + 0.3 * dice_.around_zero()) * ray_step;
         double nearest = 0.5;
         int taken = -1;
@@ -234,7 +234,8 @@ Result<Seeds> make_seeds(const mesh::TetMesh& body, const PatternOptions& option
   if (options.pattern == Pattern::kRadial) planter.shuffle();
 
   Seeds seeds{mesh::Points(static_cast<Eigen::Index>(count), 3), nested_groups(planter.seeds(), options.pieces)};
-  for (std::size_t k = 0; k < count; ++k) seeds.points.row(static_cast<Eigen::Index>(k)) = planter.seeds()[k].transpose();
+  for (std::size_t k = 0; k < count; ++k)
+    seeds.points.row(static_cast<Eigen::Index>(k)) = planter.seeds()[k].transpose();
   return seeds;
 }
 

@@ -1,6 +1,7 @@
 // Where a body breaks: seeds in its wall, whose Voronoi cells become the pieces. [worker]
 //
-//   Result<Seeds> seeds = make_seeds(body, {.pattern = Pattern::kImpact, .pieces = {4, 14, 48}, .impact_m = {0.1, 0, 0}});
+//   Result<Seeds> seeds = make_seeds(body, {.pattern = Pattern::kImpact, .pieces = {4, 14, 48}, .impact_m = {0.1, 0,
+//   0}});
 //
 // Real fragments are far more uneven than the Voronoi cells of evenly spread seeds; the fine seeds of an impact pattern
 // crowd around the blow, as fragments do. Seeds lie in the wall itself, so that the planes between them cut a thin wall
@@ -36,8 +37,8 @@ struct PatternOptions {
 
 struct Seeds {
   mesh::Points points;  // n x 3 [m], inside the straight elements; n is the last of PatternOptions::pieces
-  // For each level, coarsest first, n numbers: the group that each fine cell belongs to. Groups are 0 ... pieces - 1 and
-  // none is empty; each group is a union of groups of the next level, and in the last level each cell is a group.
+  // For each level, coarsest first, n numbers: the group that each fine cell belongs to. Groups are 0 ... pieces - 1
+  // and none is empty; each group is a union of groups of the next level, and in the last level each cell is a group.
   std::vector<std::vector<std::int32_t>> group_of_cell;
 };
 

@@ -85,7 +85,9 @@ std::vector<std::int32_t> part_points(std::vector<SubElement>& elements, Groups&
 std::vector<Insertion> pinched_edges(const std::vector<SubElement>& elements, Groups& fans) {
   std::vector<Insertion> found;
   const std::vector<Slot> edges = sorted_slots(elements, 2);
-  const auto fan = [&](const Slot& slot) { return fans.root(16 * slot.element + static_cast<std::size_t>(slot.subset)); };
+  const auto fan = [&](const Slot& slot) {
+    return fans.root(16 * slot.element + static_cast<std::size_t>(slot.subset));
+  };
   for (std::size_t k = 1; k < edges.size(); ++k) {
     const Slot &a = edges[k - 1], &b = edges[k];
     if (a.simplex != b.simplex || fan(a) == fan(b)) continue;

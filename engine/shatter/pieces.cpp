@@ -46,7 +46,8 @@ PartGraph graph_of(const CutBody& cut, const mesh::TetMesh& body) {
     if (faces[k - 1].first != faces[k].first) continue;
     const Simplex& face = faces[k].first;
     const Eigen::Vector3d from = cut.points.row(face[0]);
-    const Eigen::Vector3d u = cut.points.row(face[1]).transpose() - from, v = cut.points.row(face[2]).transpose() - from;
+    const Eigen::Vector3d u = cut.points.row(face[1]).transpose() - from,
+                          v = cut.points.row(face[2]).transpose() - from;
     graph.joints.push_back({faces[k - 1].second, faces[k].second, 0.5 * u.cross(v).norm()});
   }
   return graph;
@@ -60,7 +61,8 @@ double crack_area_m2(const PartGraph& graph, const Parts& parts) {
 
 Level level_of(const CutBody& cut, const PartGraph& graph, Parts parts, const Eigen::Vector3d& impact) {
   Level level;
-  for (const double volume_m3 : volumes_of(graph, parts)) level.pieces.push_back({.volume_m3 = volume_m3, .coarser = -1});
+  for (const double volume_m3 : volumes_of(graph, parts))
+    level.pieces.push_back({.volume_m3 = volume_m3, .coarser = -1});
   for (std::size_t e = 0; e < parts.size(); ++e) {
     double& farthest_m = level.pieces[parts[e]].farthest_m;
     for (const std::int32_t corner : cut.elements[e].corners) {

@@ -35,8 +35,8 @@ struct PieceOptions {
 // one side of a narrow neck (parted_at_necks). In the others, pieces are the connected sets of finer pieces of one
 // group, so levels are nested. Pieces below the least share, smallest first, join the neighbour with the largest common
 // area, if possible one of their group in the next coarser level. The number of pieces may therefore differ from the
-// number of seeds either way. Each row of `group_of_cell` must have a number for each cell. About O(E^1.5) in a piece of
-// E elements, for the necks; 50 ms for 48 pieces of 15,000 elements.
+// number of seeds either way. Each row of `group_of_cell` must have a number for each cell. About O(E^1.5) in a piece
+// of E elements, for the necks; 50 ms for 48 pieces of 15,000 elements.
 std::vector<Level> levels_of(const CutBody& cut, const mesh::TetMesh& body,
                              const std::vector<std::vector<std::int32_t>>& group_of_cell, const PieceOptions& options);
 

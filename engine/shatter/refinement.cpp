@@ -116,8 +116,8 @@ void Refinement::insert(std::vector<Insertion>& insertions, int count) {
       std::array<int, 4> places{};
       Eigen::RowVector4d at = Eigen::RowVector4d::Zero();
       for (int k = 0; k < count; ++k) {
-        places[k] = static_cast<int>(
-            std::find(element.corners.begin(), element.corners.end(), insertion.simplex[k]) - element.corners.begin());
+        places[k] = static_cast<int>(std::find(element.corners.begin(), element.corners.end(), insertion.simplex[k]) -
+                                     element.corners.begin());
         at += insertion.weights[k] * element.barycentric.row(places[k]);
       }
       for (int k = 0; k < count; ++k) {

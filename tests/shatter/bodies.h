@@ -39,21 +39,23 @@ inline mesh::TetMesh plate(int cells) { return box_mesh({cells, cells, 1}, {0.26
 inline mesh::TetMesh tube(int order, int around, int up) {
   const double length = 2 * std::numbers::pi;
   const mesh::TetMesh flat = mesh::to_order(box_mesh({around, up, 1}, {length, 0.1, 0.002}), order);
-  return checked(welded(moved(flat, [](const Eigen::Vector3d& at) {
-                   const double radius = 0.035 - at[2];
-                   return Eigen::Vector3d(radius * std::cos(at[0]), radius * std::sin(at[0]), at[1]);
-                 })))
+  return checked(welded(moved(flat,
+                              [](const Eigen::Vector3d& at) {
+                                const double radius = 0.035 - at[2];
+                                return Eigen::Vector3d(radius * std::cos(at[0]), radius * std::sin(at[0]), at[1]);
+                              })))
       .mesh;
 }
 
 // A bowl: a part of a spherical shell of radius 10 cm, 3 mm thick, with a square outline of 60 degrees to each side.
 inline mesh::TetMesh bowl(int order, int cells) {
   const mesh::TetMesh flat = mesh::to_order(box_mesh({cells, cells, 1}, {2, 2, 0.003}), order);
-  return checked(moved(flat, [](const Eigen::Vector3d& at) {
-           const Eigen::Vector3d direction(std::tan(std::numbers::pi / 3 * (at[0] - 1)),
-                                           std::tan(std::numbers::pi / 3 * (at[1] - 1)), -1);
-           return Eigen::Vector3d((0.1 - at[2]) * direction.normalized());
-         }))
+  return checked(moved(flat,
+                       [](const Eigen::Vector3d& at) {
+                         const Eigen::Vector3d direction(std::tan(std::numbers::pi / 3 * (at[0] - 1)),
+                                                         std::tan(std::numbers::pi / 3 * (at[1] - 1)), -1);
+                         return Eigen::Vector3d((0.1 - at[2]) * direction.normalized());
+                       }))
       .mesh;
 }
 

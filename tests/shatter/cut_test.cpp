@@ -116,7 +116,8 @@ TEST(ShatterCut, PiecesAreSoundMeshesThatFillTheBody) {
     const double volume = volume_of(body.mesh);
     for (unsigned seed = 1; seed <= 2; ++seed) {
       for (const int count : {1, 5, 30}) {
-        const Broken all = broken(body.mesh, count, seed == 1 ? shatter::Pattern::kImpact : shatter::Pattern::kUniform, seed);
+        const Broken all =
+            broken(body.mesh, count, seed == 1 ? shatter::Pattern::kImpact : shatter::Pattern::kUniform, seed);
         double sum = 0, stated = 0;
         for (const PieceMesh& piece : all.pieces) {
           sum += volume_of(piece.mesh);
@@ -143,7 +144,8 @@ TEST(ShatterCut, MomentsOfThePiecesSumToTheBodys) {
   for (const Body& body : {Body{"plate", plate(6)}, {"tube", tube(2, 12, 4)}, {"bowl", bowl(3, 4)}}) {
     const Moments whole = moments_of(body.mesh);
     Moments sum;
-    for (const PieceMesh& piece : broken(body.mesh, 8, shatter::Pattern::kUniform, 3).pieces) sum += moments_of(piece.mesh);
+    for (const PieceMesh& piece : broken(body.mesh, 8, shatter::Pattern::kUniform, 3).pieces)
+      sum += moments_of(piece.mesh);
     const Eigen::Vector3d center = whole.first / whole.volume;
     const auto central = [&](const Moments& m) {
       const Eigen::Matrix3d mixed = m.first * center.transpose();

@@ -132,7 +132,8 @@ TEST(ShatterPattern, ImpactPatternsAreAsUnevenAsFragments) {
 
 TEST(ShatterPattern, RaysSurroundTheImpact) {
   const Eigen::RowVector3d impact(0.13, 0.13, 0.0045);
-  const auto seeds = make_seeds(plate(20), {.pattern = Pattern::kRadial, .pieces = {60}, .impact_m = {0.13, 0.13, 0.0045}});
+  const auto seeds =
+      make_seeds(plate(20), {.pattern = Pattern::kRadial, .pieces = {60}, .impact_m = {0.13, 0.13, 0.0045}});
   std::array<int, 8> sectors{};
   std::vector<double> radii;
   for (const auto& seed : seeds->points.rowwise()) {
@@ -148,9 +149,13 @@ TEST(ShatterPattern, RaysSurroundTheImpact) {
 TEST(ShatterPattern, WrongOptionsAreRefusedInASentence) {
   const mesh::TetMesh body = plate(4);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const PatternOptions& options :
-       {PatternOptions{.pieces = {}}, {.pieces = {0}}, {.pieces = {5, 5}}, {.pieces = {9, 3}}, {.pieces = {5000}},
-        {.impact_m = {nan, 0, 0}}, {.impact_m = {3, 0, 0}}}) {
+  for (const PatternOptions& options : {PatternOptions{.pieces = {}},
+                                        {.pieces = {0}},
+                                        {.pieces = {5, 5}},
+                                        {.pieces = {9, 3}},
+                                        {.pieces = {5000}},
+                                        {.impact_m = {nan, 0, 0}},
+                                        {.impact_m = {3, 0, 0}}}) {
     const auto seeds = make_seeds(body, options);
     ASSERT_FALSE(seeds);
     EXPECT_EQ(seeds.error().kind, ErrorKind::bad_input);

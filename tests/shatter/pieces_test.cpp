@@ -31,7 +31,8 @@ template <class Kept>
 mesh::TetMesh part_of(mesh::TetMesh mesh, const Kept& kept) {
   Eigen::Index count = 0;
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-    if (kept(Eigen::RowVector3d(corners_of(mesh, e).colwise().mean()))) mesh.elements.row(count++) = mesh.elements.row(e).eval();
+    if (kept(Eigen::RowVector3d(corners_of(mesh, e).colwise().mean())))
+      mesh.elements.row(count++) = mesh.elements.row(e).eval();
   }
   mesh.elements.conservativeResize(count, Eigen::NoChange);
   mesh::drop_unused_nodes(mesh.nodes, mesh.elements);
@@ -125,9 +126,8 @@ TEST(ShatterPieces, ANarrowNeckParts) {
   seed << 1, 5, 0.5;
   for (const bool is_narrow : {true, false}) {
     const mesh::TetMesh bars = box_mesh({22, 21, 1}, {22, 21, 1});
-    mesh::TetMesh body = part_of(bars, [&](const Eigen::RowVector3d& at) {
-      return at[0] < 10 || at[0] > 12 || std::abs(at[1] - 10.5) < 0.5;
-    });
+    mesh::TetMesh body = part_of(
+        bars, [&](const Eigen::RowVector3d& at) { return at[0] < 10 || at[0] > 12 || std::abs(at[1] - 10.5) < 0.5; });
     for (auto node : body.nodes.rowwise()) {  // the middle row of elements becomes as wide as the bridge
       const double width = is_narrow ? 0.25 : 6, from_middle = node[1] - 10.5, rows = std::abs(from_middle) - 0.5;
       node[1] = std::copysign(0.5 * width + rows / 10 * (5 - 0.5 * width), from_middle);
@@ -151,7 +151,8 @@ TEST(ShatterPieces, PartsThatTouchAlongAnEdgeAreNotJoinedThere) {
     for (std::size_t e = 0; e < cut.elements.size(); ++e) {
       Eigen::RowVector3d at = Eigen::RowVector3d::Zero();
       for (const std::int32_t c : cut.elements[e].corners) at += cut.points.row(c) / 4;
-      if ((at[2] > 1 && (at[0] > 1 || at[1] < 1)) || (at[0] > 1) == (at[1] > 1)) kept.push_back(static_cast<std::int64_t>(e));
+      if ((at[2] > 1 && (at[0] > 1 || at[1] < 1)) || (at[0] > 1) == (at[1] > 1))
+        kept.push_back(static_cast<std::int64_t>(e));
       if ((at[0] > 1) == (at[1] > 1) && (at[0] > 1) == (at[2] > 1)) corner.push_back(static_cast<std::int64_t>(e));
     }
     const shatter::PieceMesh piece = piece_mesh(cut, body, kept);

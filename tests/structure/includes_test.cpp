@@ -161,7 +161,7 @@ const std::vector<LibraryRule> kLibraryRules = {
 };
 
 // Within these folders a file is a header with its .cpp, and files include each other in one direction only.
-const std::vector<std::string> kLayeredFolders = {"engine/base/",    "engine/modal/", "engine/mesh/", "engine/fem/",
+const std::vector<std::string> kLayeredFolders = {"engine/base/",    "engine/modal/",   "engine/mesh/", "engine/fem/",
                                                   "engine/radiate/", "engine/shatter/", "engine/bake/", "engine/fit/"};
 
 struct Include {
