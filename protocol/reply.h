@@ -181,9 +181,10 @@ struct NotifyModes {  // /notify.modes
 
 inline constexpr std::int32_t kFrameModulus = 1 << 30;
 
-using Replies = Types<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply, BankReply, PiecesReply, PieceReply, SceneReply, SceneBody,
-                      SceneStatic, BrowseReply, BrowseFile, NotifyObject, NotifyGroup, NotifyContact, NotifyPeak,
-                      NotifyObjectPeak, NotifyLoad, NotifyBody, NotifyScene, NotifySound, NotifyModes>;
+using Replies =
+    Types<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply, BankReply, PiecesReply, PieceReply, SceneReply,
+          SceneBody, SceneStatic, BrowseReply, BrowseFile, NotifyObject, NotifyGroup, NotifyContact, NotifyPeak,
+          NotifyObjectPeak, NotifyLoad, NotifyBody, NotifyScene, NotifySound, NotifyModes>;
 using Reply = OneOf<Replies>;
 
 }  // namespace ringdown::protocol

@@ -133,8 +133,7 @@ Row row(PieceReply& s) {
   return reply(
       s = {0, "plate.0", 12, 0.02, {0.05, 0, 0.01}, {1e-6, 2e-6, 3e-6}, 0, 0, 0, 1, {0, 0, -0.5}, {1, 0, 0}},
       "/pieces.piece", "A piece, in the frame of the object that it is from.",
-      {integer(&s.number, "piece", kCount, "Its number, from 0, and its name."),
-       any_text(&s.name, "name", "The same."),
+      {integer(&s.number, "piece", kCount, "Its number, from 0, and its name."), any_text(&s.name, "name", "The same."),
        integer(&s.object, "object", kPattern, "The number of the object that it is; -1: it does not ring and is none."),
        number(&s.mass_kg, "mass", kPieceMass, "Its mass."),
        vector(&s.center_m, "centre", {"x", "y", "z"}, kAnyPosition, "Its centre of mass."),

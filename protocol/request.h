@@ -229,9 +229,10 @@ using VerbRequests = decltype(detail::requests_of(synth::PublicVerbs()));
 using Requests =
     Joined<VerbRequests,
            Types<StrikeMany, PoseMany, ClearAll, SetMaterial, Hold, SetGroup, SetMute, SetSolo, SelectModes,
-                 WatchObject, DescribeObject, ReadBank, Excite, ArmObject, BreakObject, MendObject, DescribePieces, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox,
-                 SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState,
-                 SaveScene, RecordStart, RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
+                 WatchObject, DescribeObject, ReadBank, Excite, ArmObject, BreakObject, MendObject, DescribePieces,
+                 FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush,
+                 SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart, RecordStop,
+                 CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
 using Request = OneOf<Requests>;
 
 // The request that would make this event of `object`.

@@ -162,14 +162,14 @@ Row row(RingModes& s) {
 }
 
 Row row(OnObject<synth::verb::Impart>& s) {
-  return silent(s = {kBell, {0, 0.001}}, "/object/{object}/impart",
-                "Sets one mode going by a motion that is known: from a computation of your own, or from a body that "
-                "breaks.",
-                {object(&s.object), integer(&s.verb.mode, "mode", kIndex, "Which; 0 has the lowest frequency."),
-                 number(&s.verb.velocity, "velocity", kModalVelocity,
-                        "Its greatest velocity, in a shape whose mass is 1 kg."),
-                 optional(number(&s.verb.phase_rad, "phase", kPhase,
-                                 "0 starts it as a blow does, pi/2 from rest at its greatest displacement."))});
+  return silent(
+      s = {kBell, {0, 0.001}}, "/object/{object}/impart",
+      "Sets one mode going by a motion that is known: from a computation of your own, or from a body that "
+      "breaks.",
+      {object(&s.object), integer(&s.verb.mode, "mode", kIndex, "Which; 0 has the lowest frequency."),
+       number(&s.verb.velocity, "velocity", kModalVelocity, "Its greatest velocity, in a shape whose mass is 1 kg."),
+       optional(number(&s.verb.phase_rad, "phase", kPhase,
+                       "0 starts it as a blow does, pi/2 from rest at its greatest displacement."))});
 }
 
 Row row(SelectModes& s) {

@@ -38,10 +38,10 @@ struct BakeOptions {
   std::string family;           // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
   Makeup makeup;                // grain, parts and supports
   solve::Method solver = solve::Method::kAutomatic;
-  int processes = 2;    // of solve::Method::kSlepc
+  int processes = 2;           // of solve::Method::kSlepc
   bool may_be_silent = false;  // a body without a mode in its band gets a bank of no modes; else it fails
   bool interior = false;       // returns the modes at every node, too, and solves even if the cache has them
-  bool verify = false;  // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
+  bool verify = false;         // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
 };
 
 struct BakeReport {

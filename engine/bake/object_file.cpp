@@ -67,8 +67,8 @@ std::optional<Shatter> read_shatter(TomlTable& file) {
     shatter.places_m.push_back({places[i], places[i + 1], places[i + 2]});
   const int all = std::reduce(shatter.pieces.begin(), shatter.pieces.end());
   if (all * std::max<std::size_t>(shatter.places_m.size(), 1) > modal::kMaxPieces)
-    table->complain("pieces", "the pieces of all levels and places must be " + std::to_string(modal::kMaxPieces) +
-                                  " at most");
+    table->complain("pieces",
+                    "the pieces of all levels and places must be " + std::to_string(modal::kMaxPieces) + " at most");
   table->whole("seed", shatter.seed, 0, kMaxSeed);
   table->number("min_mass_kg", shatter.min_mass_kg, kPieceMass_kg);
   table->numbers("band_hz", band);

@@ -19,9 +19,9 @@
 
 // The pieces of a body
 //
-// The body's own elements are cut, so the body's motions are polynomials in every element of a piece, and of its degree.
-// A motion of the body is therefore a field of the piece's finite elements, exactly, and its projection on the piece's
-// motions is a product of matrices:
+// The body's own elements are cut, so the body's motions are polynomials in every element of a piece, and of its
+// degree. A motion of the body is therefore a field of the piece's finite elements, exactly, and its projection on the
+// piece's motions is a product of matrices:
 //
 //   P = [R_s Psi]^T M_s [R_b Phi]
 //
@@ -173,8 +173,7 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
   std::size_t count = 0;
   for (const Vec3& place_m : places_m) {
     const auto seeds = shatter::make_seeds(
-        body.mesh,
-        {.pattern = shatter.pattern, .pieces = shatter.pieces, .impact_m = place_m, .seed = shatter.seed});
+        body.mesh, {.pattern = shatter.pattern, .pieces = shatter.pieces, .impact_m = place_m, .seed = shatter.seed});
     if (!seeds) return fail(seeds.error().kind, whole.bank.name + ": " + seeds.error().message);
     Result<shatter::CutBody> parts = shatter::cut_body(body.mesh, seeds->points);
     if (!parts) return fail(parts.error().kind, whole.bank.name + ": " + parts.error().message);

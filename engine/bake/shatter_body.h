@@ -19,14 +19,14 @@ struct Shatter {
   shatter::Pattern pattern = shatter::Pattern::kImpact;
   std::vector<Vec3> places_m;  // of blows; empty: one, the point of the surface that is nearest to the centre of mass
   std::uint64_t seed = 1;
-  double min_mass_kg = 0;  // lighter pieces join a neighbour; 0: 0.2 % of the body's mass
+  double min_mass_kg = 0;                         // lighter pieces join a neighbour; 0: 0.2 % of the body's mass
   double band_low_hz = 20, band_high_hz = 20000;  // of the pieces
 };
 
 // The pattern for each place and each level. `whole` was baked from a free body of one material with options.interior,
-// and `options` are its options: the pieces have its element, its surface points' error and its solver, and all modes in
-// their own band. Pieces radiate as their bank's reader estimates it, because maps of some dozen pieces would take hours.
-// Progress stage: "pieces". Fails as bake() does, and when a body breaks into one piece only.
+// and `options` are its options: the pieces have its element, its surface points' error and its solver, and all modes
+// in their own band. Pieces radiate as their bank's reader estimates it, because maps of some dozen pieces would take
+// hours. Progress stage: "pieces". Fails as bake() does, and when a body breaks into one piece only.
 Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter, const BakeOptions& options,
                                      const Progress& progress = {});
 

@@ -310,7 +310,8 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
     return fail(pieces.error());
   if (chosen.scale != 1) spread_points(bank, chosen.scale);
   if (instance->scale != 1) {
-    if (const auto scaled = scale_size(bank, instance->scale, name + ": at the node's scale of " + Json(instance->scale).dump());
+    if (const auto scaled =
+            scale_size(bank, instance->scale, name + ": at the node's scale of " + Json(instance->scale).dump());
         !scaled)
       return fail(scaled.error());
   }

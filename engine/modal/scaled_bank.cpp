@@ -48,8 +48,8 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
 Result<void> scale_size(Bank& bank, double size, const std::string& name) {
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     if (rescale(bank, m, {.size = size}).frequency_hz > 0) continue;
-    return fail(ErrorKind::bad_input, name + " mode " + std::to_string(m) +
-                                          " is over-damped and has no pitch; bake the object at that size");
+    return fail(ErrorKind::bad_input,
+                name + " mode " + std::to_string(m) + " is over-damped and has no pitch; bake the object at that size");
   }
   bank = scaled(bank, {.size = size});
   const auto finite = [](const std::vector<float>& numbers) {

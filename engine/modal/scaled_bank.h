@@ -10,8 +10,8 @@
 namespace ringdown::modal {
 
 // Scales frequencies, the stated pitch, decays, shapes, points, mass, the material and its grain, nonlinear terms and
-// radiation and pieces, each exactly (material_scale.h), except that radiation under another stiffness or density follows its
-// levels. Modes that become over-damped are left out; the order of the remaining modes stays.
+// radiation and pieces, each exactly (material_scale.h), except that radiation under another stiffness or density
+// follows its levels. Modes that become over-damped are left out; the order of the remaining modes stays.
 Bank scaled(const Bank& bank, const MaterialScale& scale);
 
 // Makes the object `size` times as large. Fails if a mode would no longer ring or a number would overflow; errors begin

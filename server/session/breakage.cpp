@@ -125,11 +125,11 @@ Result<std::size_t> Breakage::arm(const ObjectRef& ref, std::optional<std::size_
       modal::Bank own = whole.pieces[i].bank;
       own.gain = bank.gain;
       const modal::BankPath path{modal::split_bank_path(object.bank).file, {whole.pieces[i].model}};
-      auto number = rack_.add(piece.name, modal::bank_path(path),
-                              {.map = std::make_shared<const modal::StrikeMap>(
-                                   std::make_shared<const modal::Bank>(std::move(own))),
-                               .bytes = object.bank_bytes,
-                               .content = object.bank_content});
+      auto number = rack_.add(
+          piece.name, modal::bank_path(path),
+          {.map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(own))),
+           .bytes = object.bank_bytes,
+           .content = object.bank_content});
       if (!number) return number;
       piece.number = *number;
       for (const auto& done : {rack_.set_material({.number = *number}, object.material),
@@ -182,7 +182,9 @@ Result<std::size_t> Breakage::break_object(const protocol::BreakObject& request,
     const std::scoped_lock lock(mutex_);
     Armed& armed = armed_.at(number);
     const double half_s = 0.5 * request.contact_time_s;
-    const modal::Blow blow{.modal_impulse = {}, .point_m = request.point_m, .impulse_ns = request.impulse_ns,
+    const modal::Blow blow{.modal_impulse = {},
+                           .point_m = request.point_m,
+                           .impulse_ns = request.impulse_ns,
                            .contact_time_s = request.contact_time_s};
     advance_to(armed, frame);
     armed.state.velocity_m_s = armed.state.spin_rad_s = {};
@@ -226,8 +228,7 @@ std::vector<Event> Breakage::pieces_events(const Armed& armed, const modal::Brok
     const modal::StrikeMap& map = *(*piece)->map;
     const double after_s = pattern.pieces[i].near_m * armed.material.size / kCrackSpeed_m_s;
     const Frame begin = frame + static_cast<Frame>(std::ceil(after_s * rate_hz));
-    modal::ModalState state =
-        modal::at_rest(modes_of(modal::scaled(map.bank(), armed.material)), armed.pieces[i].mass);
+    modal::ModalState state = modal::at_rest(modes_of(modal::scaled(map.bank(), armed.material)), armed.pieces[i].mass);
     if (state.modes.size() != map.bank().mode_count()) continue;
     if (static_cast<std::ptrdiff_t>(i) == under) {
       const std::vector<double> impulse = modal_impulse(map, armed.material, request.point_m, request.impulse_ns);

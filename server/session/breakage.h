@@ -5,8 +5,8 @@
 //   breakage.mend({.name = "glass"});                 // the pieces go, and the glass can be struck again
 //
 // While an object is armed, its modal state is followed: every event that the mixer has taken changes it as it changes
-// what is heard (modal/fracture/modal_state.h). Blows, rings and chokes count; bows, contacts and inputs do not, so what
-// they excite is missing in the pieces.
+// what is heard (modal/fracture/modal_state.h). Blows, rings and chokes count; bows, contacts and inputs do not, so
+// what they excite is missing in the pieces.
 #pragma once
 
 #include "engine/base/result.h"
@@ -96,8 +96,7 @@ class Breakage final : public Observer {
   }
   void advance_to(Armed& armed, synth::Frame frame) const;
   [[nodiscard]] std::vector<synth::Event> pieces_events(const Armed& armed, const modal::Broken& broken,
-                                                        const protocol::BreakObject& request,
-                                                        synth::Frame frame) const;
+                                                        const protocol::BreakObject& request, synth::Frame frame) const;
   void free_pieces(const Armed& armed);
 
   Rack& rack_;

@@ -25,11 +25,12 @@ Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame 
 Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (auto good = check_frame(frame); !good) return good;
   return visit(Overloaded{[&](const protocol::Hold& set) -> Result<void> {
-                 const auto object = rack_.find(set.object);
-                 if (!object) return fail(object.error());
-                 if (!(set.damper.damping_ns_m > 0)) return {};  // removes the damper; its point does not matter
-                 return check_point(set.damper.point_m, **object);
-               },
+                            const auto object = rack_.find(set.object);
+                            if (!object) return fail(object.error());
+                            if (!(set.damper.damping_ns_m > 0))
+                              return {};  // removes the damper; its point does not matter
+                            return check_point(set.damper.point_m, **object);
+                          },
                           [&](const protocol::BreakObject& blow) { return breakage_.check(blow); }},
                request);
 }
@@ -114,11 +115,12 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
 
 Answer Session::perform(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (const auto good = check(request, frame); !good) return fail(good.error());
-  return visit(Overloaded{[&](const protocol::Hold& set) {
-                 return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
-               },
-                          [&](const protocol::BreakObject& blow) { return number(breakage_.break_object(blow, frame)); }},
-               request);
+  return visit(
+      Overloaded{[&](const protocol::Hold& set) {
+                   return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
+                 },
+                 [&](const protocol::BreakObject& blow) { return number(breakage_.break_object(blow, frame)); }},
+      request);
 }
 
 Result<synth::ObjectNumber> Session::load_object(const protocol::LoadObject& load) {

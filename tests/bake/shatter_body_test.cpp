@@ -34,9 +34,9 @@ const modal::Material kGlass{"glass", 70e9, 0.22, 2500, {0.5, 2e-9}};
 // A pane of 120 x 80 x 4 mm, turned and shifted, so that its axes are not those of the frame.
 mesh::TetMesh pane(int order = 2) {
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-  return test::moved(mesh::to_order(test::box_mesh({6, 4, 1}, {0.12, 0.08, 0.004}), order), [&](const Eigen::Vector3d& at) {
-    return Eigen::Vector3d(turn * at + Eigen::Vector3d(0.01, -0.05, 0.2));
-  });
+  return test::moved(
+      mesh::to_order(test::box_mesh({6, 4, 1}, {0.12, 0.08, 0.004}), order),
+      [&](const Eigen::Vector3d& at) { return Eigen::Vector3d(turn * at + Eigen::Vector3d(0.01, -0.05, 0.2)); });
 }
 
 // A body, what breaks it, and the pieces.
@@ -60,7 +60,8 @@ Case broken(const std::string& name, const mesh::TetMesh& mesh, const Shatter& s
 }
 
 const Case& pane_case() {
-  static const Case pane_in_eight = broken("pane", pane(), {.pieces = {8}, .pattern = shatter::Pattern::kUniform, .band_high_hz = 40e3});
+  static const Case pane_in_eight =
+      broken("pane", pane(), {.pieces = {8}, .pattern = shatter::Pattern::kUniform, .band_high_hz = 40e3});
   return pane_in_eight;
 }
 const Case& bowl_case() {
@@ -74,11 +75,13 @@ std::vector<shatter::PieceMesh> meshes_of_pieces(const Case& body) {
   const mesh::TetMesh& mesh = body.whole.body->mesh;
   const Vec3 at_m = body.fracture.patterns.front().at_m;
   const auto seeds = shatter::make_seeds(
-      mesh, {.pattern = body.shatter.pattern, .pieces = body.shatter.pieces, .impact_m = at_m, .seed = body.shatter.seed});
+      mesh,
+      {.pattern = body.shatter.pattern, .pieces = body.shatter.pieces, .impact_m = at_m, .seed = body.shatter.seed});
   const shatter::CutBody cut = shatter::cut_body(mesh, seeds->points).value();
   const shatter::Level level = levels_of(cut, mesh, seeds->group_of_cell, {.impact_m = at_m}).front();
   std::vector<shatter::PieceMesh> meshes;
-  for (std::int32_t k = 0; k < std::ssize(level.pieces); ++k) meshes.push_back(piece_mesh(cut, mesh, elements_of(level, k)));
+  for (std::int32_t k = 0; k < std::ssize(level.pieces); ++k)
+    meshes.push_back(piece_mesh(cut, mesh, elements_of(level, k)));
   return meshes;
 }
 
@@ -124,24 +127,11 @@ TEST(ShatterBody, MassCentreAndInertiaOfThePiecesAreThoseOfTheBody) {
   }
 }
 
-TEST(ShatterBody, AllEnergyOfTheBodysRigidMotionIsInThePiecesRigidMotions) {
-  for (const Case* body : cases()) {
-    Eigen::RowVectorXd sums = Eigen::RowVectorXd::Zero(kRigid);
-    for (const PieceBank& piece : body->pieces()) {
-      const Eigen::MatrixXd p = handover_of(*body, piece);
-      sums += p.topLeftCorner(kRigid, kRigid).colwise().squaredNorm();
-      const Eigen::MatrixXd elastic = p.bottomLeftCorner(p.rows() - kRigid, kRigid);
-      if (elastic.size() > 0) {
-        EXPECT_LT(elastic.cwiseAbs().maxCoeff(), 1e-5) << body->name;
-      }
-    }
-    for (int j = 0; j < kRigid; ++j) EXPECT_NEAR(sums[j], 1, 1e-5) << body->name << " " << j;
-  }
-}
-
 // A translation moves a piece along, and a turn about the body's centre moves the piece's centre and turns the piece.
+// No mode of a piece takes part, and all of the energy arrives.
 TEST(ShatterBody, TheHandoverOfRigidMotionIsTheClosedForm) {
   for (const Case* body : cases()) {
+    Eigen::RowVectorXd sums = Eigen::RowVectorXd::Zero(kRigid);
     const Eigen::Matrix3d axes = axes_of(body->mass());
     const Eigen::Vector3d inertia = vector_of(body->mass().inertia_kg_m2);
     for (const PieceBank& piece : body->pieces()) {
@@ -155,9 +145,12 @@ TEST(ShatterBody, TheHandoverOfRigidMotionIsTheClosedForm) {
         for (int i = 0; i < 3; ++i)
           expected(3 + i, 3 + j) = std::sqrt(own[i] / inertia[j]) * axes_of(mass).col(i).dot(axes.col(j));
       }
-      const Eigen::MatrixXd p = handover_of(*body, piece).topLeftCorner(kRigid, kRigid);
-      EXPECT_LT((p - expected).cwiseAbs().maxCoeff(), 1e-6) << body->name;
+      const Eigen::MatrixXd p = handover_of(*body, piece).leftCols(kRigid);
+      EXPECT_LT((p.topRows(kRigid) - expected).cwiseAbs().maxCoeff(), 1e-6) << body->name;
+      EXPECT_LT(p.bottomRows(p.rows() - kRigid).norm(), 1e-5) << body->name;
+      sums += p.colwise().squaredNorm();
     }
+    for (int j = 0; j < kRigid; ++j) EXPECT_NEAR(sums[j], 1, 1e-5) << body->name << " " << j;
   }
 }
 
@@ -165,7 +158,8 @@ TEST(ShatterBody, TheHandoverOfRigidMotionIsTheClosedForm) {
 std::vector<double> shares(const Case& body) {
   const Eigen::Index modes = static_cast<Eigen::Index>(body.whole.bank.mode_count());
   Eigen::RowVectorXd sums = Eigen::RowVectorXd::Zero(modes);
-  for (const PieceBank& piece : body.pieces()) sums += handover_of(body, piece).rightCols(modes).colwise().squaredNorm();
+  for (const PieceBank& piece : body.pieces())
+    sums += handover_of(body, piece).rightCols(modes).colwise().squaredNorm();
   std::vector<std::size_t> order(static_cast<std::size_t>(modes));
   std::iota(order.begin(), order.end(), 0);
   std::ranges::sort(order, {}, [&](std::size_t m) { return body.whole.bank.frequency_hz[m]; });
@@ -184,7 +178,8 @@ TEST(ShatterBody, PiecesTakeNoMoreThanTheBodysModeHas) {
 TEST(ShatterBody, PiecesOfAHighBandTakeNearlyAllOfTheBodysLowModes) {
   std::vector<double> before(4, 0);
   for (const double top_hz : {20e3, 60e3, 200e3}) {
-    const Case high = broken("pane", pane(), {.pieces = {6}, .pattern = shatter::Pattern::kUniform, .band_high_hz = top_hz});
+    const Case high =
+        broken("pane", pane(), {.pieces = {6}, .pattern = shatter::Pattern::kUniform, .band_high_hz = top_hz});
     const std::vector<double> now = shares(high);
     for (std::size_t m = 0; m < before.size(); ++m) {
       EXPECT_LE(now[m], 1 + 1e-5);
@@ -255,7 +250,8 @@ TEST(ShatterBody, TheHandoverOfModesIsTheIntegralOverThePiece) {
         const Eigen::Vector3d at =
             mesh.nodes.row(mesh.elements(e, 0)).transpose() + edges * point.barycentric.tail<3>();
         const double mass_kg = kGlass.density_kg_m3 * point.weight * edges.determinant() / 6;
-        integral += mass_kg * quadratic_field(again.body->mesh, again.body->shapes, {e, point.barycentric}).transpose() *
+        integral += mass_kg *
+                    quadratic_field(again.body->mesh, again.body->shapes, {e, point.barycentric}).transpose() *
                     quadratic_field(whole.mesh, whole.shapes, located(whole.mesh, at));
       }
     }
@@ -293,8 +289,8 @@ TEST(ShatterBody, MassAndStiffnessOfAnyFieldAreTheSumOverThePieces) {
     add(whole, mesh, x);
     const Energies pieces = energies_of_pieces(*body, x);
     EXPECT_NEAR(pieces.mass / whole.mass, 1, 1e-9) << body->name;
-    // Gradients in curved elements are rational functions, which no quadrature integrates exactly: the bowl's sums differ
-    // by 1.0e-8.
+    // Gradients in curved elements are rational functions, which no quadrature integrates exactly: the bowl's sums
+    // differ by 1.0e-8.
     const bool is_straight = body == &pane_case();
     EXPECT_NEAR(pieces.stiffness / whole.stiffness, 1, is_straight ? 1e-9 : 2e-8) << body->name;
   }
@@ -324,7 +320,8 @@ std::vector<double> lowest(std::vector<double> frequencies, std::size_t count) {
 
 TEST(ShatterBody, FrequenciesOfAPieceAreThoseOfAFinerMesh) {
   for (const Case& body : {broken("pane", pane(3), {.pieces = {4}, .pattern = shatter::Pattern::kUniform}, 3e3),
-                           broken("bowl", test::bowl(3, 8), {.pieces = {4}, .pattern = shatter::Pattern::kUniform, .band_high_hz = 4e3}, 1e3)}) {
+                           broken("bowl", test::bowl(3, 8),
+                                  {.pieces = {4}, .pattern = shatter::Pattern::kUniform, .band_high_hz = 4e3}, 1e3)}) {
     const auto mass_of = [](const PieceBank& piece) { return piece.bank.mass->mass_kg; };
     const auto largest = std::ranges::max_element(body.pieces(), {}, mass_of);
     const auto number = static_cast<std::size_t>(largest - body.pieces().begin());
@@ -357,7 +354,7 @@ TEST(ShatterBody, APieceWithoutAModeInItsBandHasASurfaceAndAMass) {
   EXPECT_GE(silent, 1u);
 }
 
-// The nearest and the farthest point of each piece, from the place of the blow.
+// The distances are those of nodes. A point of an edge may be nearer than both of its ends, here by less than 0.1 mm.
 TEST(ShatterBody, TheCrackOpensFromThePiecesNearestPointToItsFarthest) {
   for (const Case* body : cases()) {
     const BreakPattern& pattern = body->fracture.patterns.front();
@@ -368,12 +365,13 @@ TEST(ShatterBody, TheCrackOpensFromThePiecesNearestPointToItsFarthest) {
       farthest_m = std::max(farthest_m, piece.far_m);
       for (const modal::Vec3f& p : piece.bank.positions) {
         const double distance_m = length(Vec3{p[0], p[1], p[2]} - pattern.at_m);
-        EXPECT_GE(distance_m, piece.near_m - 1e-6) << body->name;
-        EXPECT_LE(distance_m, piece.far_m + 1e-6) << body->name;
+        EXPECT_GE(distance_m, piece.near_m - 1e-4) << body->name;
+        EXPECT_LE(distance_m, piece.far_m + 1e-4) << body->name;
       }
     }
     EXPECT_LT(nearest_m, 1e-9) << "without a place, the blow is on the surface";
-    const Eigen::VectorXd distances = (body->mesh.nodes.rowwise() - vector_of(pattern.at_m).transpose()).rowwise().norm();
+    const Eigen::VectorXd distances =
+        (body->mesh.nodes.rowwise() - vector_of(pattern.at_m).transpose()).rowwise().norm();
     EXPECT_NEAR(farthest_m, distances.maxCoeff(), 1e-9);
   }
 }
@@ -418,8 +416,8 @@ TEST(ShatterBody, EveryPlaceAndEveryLevelHasAPattern) {
   const Eigen::RowVector3d a = body.mesh.nodes.row(0), b = body.mesh.nodes.row(7);
   const std::vector<Vec3> places_m = {{a[0], a[1], a[2]}, {b[0], b[1], b[2]}};
   double last = 0;
-  const auto fracture = bake::shatter_body(body.whole, {.pieces = {2, 5}, .places_m = places_m, .band_high_hz = 5e3}, body.options,
-                                           [&](std::string_view stage, double fraction) {
+  const auto fracture = bake::shatter_body(body.whole, {.pieces = {2, 5}, .places_m = places_m, .band_high_hz = 5e3},
+                                           body.options, [&](std::string_view stage, double fraction) {
                                              EXPECT_EQ(stage, "pieces");
                                              EXPECT_GE(fraction, last);
                                              last = fraction;
@@ -441,10 +439,13 @@ TEST(ShatterBody, WhatCannotBreakIsRefusedWithOneSentence) {
     return fracture ? "accepted" : fracture.error().message;
   };
   const double mass_kg = body.mass().mass_kg;
-  EXPECT_EQ(refusal({.pieces = {4}, .min_mass_kg = 2 * mass_kg}), "pane: a piece's least mass is above the mass of the body");
-  EXPECT_EQ(refusal({.pieces = {4}, .min_mass_kg = 0.9 * mass_kg}), "pane breaks into one piece only; ask for more `pieces`");
+  EXPECT_EQ(refusal({.pieces = {4}, .min_mass_kg = 2 * mass_kg}),
+            "pane: a piece's least mass is above the mass of the body");
+  EXPECT_EQ(refusal({.pieces = {4}, .min_mass_kg = 0.9 * mass_kg}),
+            "pane breaks into one piece only; ask for more `pieces`");
   EXPECT_EQ(refusal({.pieces = {4}, .places_m = {{9, 9, 9}}}).find("pane: "), 0u);
-  EXPECT_NE(refusal({.pieces = {500}, .places_m = std::vector<Vec3>(16, body.fracture.patterns.front().at_m)}).find("1024 pieces"),
+  EXPECT_NE(refusal({.pieces = {500}, .places_m = std::vector<Vec3>(16, body.fracture.patterns.front().at_m)})
+                .find("1024 pieces"),
             std::string::npos);
   for (const int stop_after : {0, 2}) {
     int calls = 0;

@@ -30,7 +30,8 @@ TEST(ShatterRecipe, ABodyThatIsHeldOrMadeOfSeveralMaterialsIsNotBroken) {
   EXPECT_EQ(refusal({.grain = bake::Grain{}}, 0), held);
   EXPECT_EQ(refusal({.masses = {{.mass_kg = 0.1}}}, 0), held);
   EXPECT_EQ(refusal({}, 3), "pane: a body with nonlinear modes" + end);
-  const std::string free = refusal({.supports = {{.kind = bake::SupportKind::kPoints, .points_m = {{0, 0, 0}}, .point_damping_ns_m = 1}}}, 0);
+  const std::string free = refusal(
+      {.supports = {{.kind = bake::SupportKind::kPoints, .points_m = {{0, 0, 0}}, .point_damping_ns_m = 1}}}, 0);
   EXPECT_NE(free.find("nowhere.msh"), std::string::npos) << "what only damps holds nothing: " << free;
 }
 
@@ -44,8 +45,9 @@ TEST(ShatterRecipe, AnObjectFileSaysHowItBreaks) {
   EXPECT_EQ(plain.pieces, std::vector{30});
   EXPECT_TRUE(plain.places_m.empty());
   EXPECT_EQ(plain.pattern, shatter::Pattern::kImpact);
-  const Shatter whole = parsed("[shatter]\npieces = [4, 14, 500]\npattern = \"radial\"\nat = [0.1, 0, 0, 0, -0.2, 0.3]\n"
-                               "seed = 7\nmin_mass_kg = 0.001\nband_hz = [100, 16000]\n")
+  const Shatter whole = parsed(
+                            "[shatter]\npieces = [4, 14, 500]\npattern = \"radial\"\nat = [0.1, 0, 0, 0, -0.2, 0.3]\n"
+                            "seed = 7\nmin_mass_kg = 0.001\nband_hz = [100, 16000]\n")
                             .value()
                             .shatter.value();
   EXPECT_EQ(whole.pieces, (std::vector{4, 14, 500}));
@@ -62,14 +64,14 @@ TEST(ShatterRecipe, AWrongValueIsRefusedWithASentenceThatNamesItsKey) {
   std::string many = "0";
   for (int i = 1; i < 51; ++i) many += ", 0";
   const std::vector<std::pair<std::string, std::string>> wrong = {
-      {"pieces", "[1]"},         {"pieces", "[]"},          {"pieces", "[3, 2]"},   {"pieces", "[2, 2]"},
-      {"pieces", "[2.5]"},       {"pieces", "[501]"},       {"pieces", "[-4]"},     {"pieces", "[2, 3, 4, 5, 6]"},
-      {"pieces", "\"many\""},    {"pieces", "[nan]"},       {"pieces", "[1e300]"},  {"pattern", "\"star\""},
-      {"pattern", "3"},          {"at", "[0.1, 0.2]"},      {"at", "[2e6, 0, 0]"},  {"at", "[" + many + "]"},
-      {"at", "[inf, 0, 0]"},     {"at", "0.1"},             {"seed", "-1"},         {"seed", "1.5"},
-      {"seed", "2000000000"},    {"seed", "\"one\""},       {"min_mass_kg", "-1"},  {"min_mass_kg", "1e4"},
-      {"min_mass_kg", "true"},   {"band_hz", "[20]"},       {"band_hz", "[200, 20]"}, {"band_hz", "[-1, 20]"},
-      {"band_hz", "[0, 2e6]"},   {"band_hz", "[20, 20]"},   {"band_hz", "20000"},   {"strength", "3"},
+      {"pieces", "[1]"},       {"pieces", "[]"},        {"pieces", "[3, 2]"},     {"pieces", "[2, 2]"},
+      {"pieces", "[2.5]"},     {"pieces", "[501]"},     {"pieces", "[-4]"},       {"pieces", "[2, 3, 4, 5, 6]"},
+      {"pieces", "\"many\""},  {"pieces", "[nan]"},     {"pieces", "[1e300]"},    {"pattern", "\"star\""},
+      {"pattern", "3"},        {"at", "[0.1, 0.2]"},    {"at", "[2e6, 0, 0]"},    {"at", "[" + many + "]"},
+      {"at", "[inf, 0, 0]"},   {"at", "0.1"},           {"seed", "-1"},           {"seed", "1.5"},
+      {"seed", "2000000000"},  {"seed", "\"one\""},     {"min_mass_kg", "-1"},    {"min_mass_kg", "1e4"},
+      {"min_mass_kg", "true"}, {"band_hz", "[20]"},     {"band_hz", "[200, 20]"}, {"band_hz", "[-1, 20]"},
+      {"band_hz", "[0, 2e6]"}, {"band_hz", "[20, 20]"}, {"band_hz", "20000"},     {"strength", "3"},
       {"band_hz", "[20, nan]"}};
   for (const auto& [key, value] : wrong) {
     const auto recipe = parsed("[shatter]\n" + key + " = " + value + "\n");

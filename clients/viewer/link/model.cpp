@@ -47,31 +47,24 @@ void Model::restart() {
 // Each kind of reply goes to the part that it concerns. A kind that is missing here does not compile.
 void Model::apply(const protocol::Reply& reply, double now_s) {
   has_daemon_ = true;
-  visit(Overloaded{[&](const protocol::Done& r) { on(r, now_s); },
-                   [&](const protocol::Fail& r) { on(r, now_s); },
-                   [&](const protocol::VersionReply&) {},
-                   [&](const protocol::Synced&) {},
-                   [&](const protocol::StatusReply& r) { status_ = r; },
-                   [&](const protocol::ObjectReply& r) { objects_.on(r); },
-                   [&](const protocol::BankReply& r) { banks_.take(r); },
-                   [&](const protocol::BrowseReply& r) { files_.on(r); },
-                   [&](const protocol::BrowseFile& r) { files_.on(r); },
-                   [&](const protocol::SceneReply& r) { scene_.on(r); },
-                   [&](const protocol::SceneBody& r) { scene_.on(r); },
-                   [&](const protocol::SceneStatic& r) { scene_.on(r); },
-                   [&](const protocol::NotifyScene& r) { scene_.on(r, now_s); },
-                   [&](const protocol::NotifyBody& r) { scene_.on(r); },
-                   [&](const protocol::NotifyObject& r) { on(r); },
-                   [&](const protocol::NotifyGroup& r) { objects_.on(r); },
-                   [&](const protocol::NotifyContact& r) { on(r, now_s); },
-                   [&](const protocol::NotifyPeak& r) { on(r, now_s); },
-                   [&](const protocol::NotifyObjectPeak& r) { objects_.on(r, now_s); },
-                   [&](const protocol::NotifyLoad& r) { load_ = r; },
-                   [&](const protocol::NotifySound& r) { on(r, now_s); },
-                   [&](const protocol::NotifyModes& r) { objects_.on(r, now_s); },
-                   // The window does not ask for pieces: they are objects like any other.
-                   [](const protocol::PiecesReply&) {}, [](const protocol::PieceReply&) {}},
-        reply);
+  visit(
+      Overloaded{
+          [&](const protocol::Done& r) { on(r, now_s); }, [&](const protocol::Fail& r) { on(r, now_s); },
+          [&](const protocol::VersionReply&) {}, [&](const protocol::Synced&) {},
+          [&](const protocol::StatusReply& r) { status_ = r; }, [&](const protocol::ObjectReply& r) { objects_.on(r); },
+          [&](const protocol::BankReply& r) { banks_.take(r); }, [&](const protocol::BrowseReply& r) { files_.on(r); },
+          [&](const protocol::BrowseFile& r) { files_.on(r); }, [&](const protocol::SceneReply& r) { scene_.on(r); },
+          [&](const protocol::SceneBody& r) { scene_.on(r); }, [&](const protocol::SceneStatic& r) { scene_.on(r); },
+          [&](const protocol::NotifyScene& r) { scene_.on(r, now_s); },
+          [&](const protocol::NotifyBody& r) { scene_.on(r); }, [&](const protocol::NotifyObject& r) { on(r); },
+          [&](const protocol::NotifyGroup& r) { objects_.on(r); },
+          [&](const protocol::NotifyContact& r) { on(r, now_s); }, [&](const protocol::NotifyPeak& r) { on(r, now_s); },
+          [&](const protocol::NotifyObjectPeak& r) { objects_.on(r, now_s); },
+          [&](const protocol::NotifyLoad& r) { load_ = r; }, [&](const protocol::NotifySound& r) { on(r, now_s); },
+          [&](const protocol::NotifyModes& r) { objects_.on(r, now_s); },
+          // The window does not ask for pieces: they are objects like any other.
+          [](const protocol::PiecesReply&) {}, [](const protocol::PieceReply&) {}},
+      reply);
 }
 
 Requests Model::wants(double now_s) {

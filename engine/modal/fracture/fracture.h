@@ -1,8 +1,8 @@
 // How a body breaks: the patterns of pieces that its bank holds. [worker]
 //
-// Plain data, checked when it is read (fracture_file.h). A body has one or more patterns, for the places where it may be
-// struck and for numbers of pieces. Every piece has a bank of its own, which may have no modes: such a piece clicks and
-// never rings. All pieces are in the body's frame, so at the moment of the break a piece's pose is the body's.
+// Plain data, checked when it is read (fracture_file.h). A body has one or more patterns, for the places where it may
+// be struck and for numbers of pieces. Every piece has a bank of its own, which may have no modes: such a piece clicks
+// and never rings. All pieces are in the body's frame, so at the moment of the break a piece's pose is the body's.
 //
 // At the break each piece takes over the motion that it has as a part of the body (breaking.h), by a matrix of the
 // body's motions and its own.
@@ -31,7 +31,7 @@ struct PieceBank {
 };
 
 struct BreakPattern {
-  Vec3 at_m;                // the place of the blow
+  Vec3 at_m;                 // the place of the blow
   double crack_area_m2 = 0;  // of all cracks, one face counted
   std::vector<PieceBank> pieces;
 };

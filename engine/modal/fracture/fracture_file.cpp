@@ -17,7 +17,8 @@ constexpr const char* kSolid = "one with massProperties, a mass and three moment
 
 // A body without mass or inertia in a direction has no rigid motion to hand over.
 bool is_solid(const std::optional<MassProperties>& mass) {
-  return mass && mass->mass_kg > 0 && std::min({mass->inertia_kg_m2.x, mass->inertia_kg_m2.y, mass->inertia_kg_m2.z}) > 0;
+  return mass && mass->mass_kg > 0 &&
+         std::min({mass->inertia_kg_m2.x, mass->inertia_kg_m2.y, mass->inertia_kg_m2.z}) > 0;
 }
 
 // The size of a piece in memory. Pieces may name one array many times, so a file says less than all pieces have.
@@ -50,11 +51,8 @@ Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers
   if (!near_m) return fail(near_m.error());
   if (!far_m) return fail(far_m.error());
   if (*far_m < *near_m) return opens.wrong("two distances, the nearer one first");
-  return PieceBank{.bank = *bank,
-                   .handover = {},
-                   .near_m = *near_m,
-                   .far_m = *far_m,
-                   .model = field["model"].index().value_or(0)};
+  return PieceBank{
+      .bank = *bank, .handover = {}, .near_m = *near_m, .far_m = *far_m, .model = field["model"].index().value_or(0)};
 }
 
 Result<void> read_handovers(const Glb& glb, const JsonPlace& field, std::size_t columns, BreakPattern& pattern) {
@@ -79,7 +77,8 @@ Result<void> read_handovers(const Glb& glb, const JsonPlace& field, std::size_t 
 
 }  // namespace
 
-Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const Bank& body, const PieceReaders& readers) {
+Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const Bank& body,
+                               const PieceReaders& readers) {
   Fracture out;
   if (!is_solid(body.mass)) return fracture.wrong(std::string("absent, or its model ") + kSolid);
   const JsonPlace patterns = fracture["patterns"];

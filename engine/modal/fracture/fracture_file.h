@@ -20,13 +20,14 @@ struct PieceReaders {
   std::function<Result<Bank>(const JsonPlace& piece)> silent;
 };
 
-// Reads the field `fracture` of a body's bank, which is otherwise read. Fails with a sentence when a count, an index or a
-// number is out of range, when an entry of a handover is above 1, which no body's is, when body or piece have no mass or
-// no inertia, or when all pieces together take more than 512 MiB.
-Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const Bank& body, const PieceReaders& readers);
+// Reads the field `fracture` of a body's bank, which is otherwise read. Fails with a sentence when a count, an index or
+// a number is out of range, when an entry of a handover is above 1, which no body's is, when body or piece have no mass
+// or no inertia, or when all pieces together take more than 512 MiB.
+Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const Bank& body,
+                               const PieceReaders& readers);
 
-// Returns the JSON of the field and adds its arrays to the document. `describe` adds a piece to the document and returns
-// the JSON that names it there.
+// Returns the JSON of the field and adds its arrays to the document. `describe` adds a piece to the document and
+// returns the JSON that names it there.
 Json fracture_json(const Fracture& fracture, GlbWriter& writer, const std::function<Json(const PieceBank&)>& describe);
 
 }  // namespace ringdown::modal

@@ -102,8 +102,7 @@ void ModeStates::hear(const HeardTime* time) RINGDOWN_REALTIME {
 
 void ModeStates::add(BlowAmplitudes blow, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
   if (selective()) {
-    return add_to_groups([&](std::uint32_t group)
-                             RINGDOWN_REALTIME { states_.add_strike(blow, gain, group, each); });
+    return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add_strike(blow, gain, group, each); });
   }
   states_.add_strike(blow, gain, each);
   wake();

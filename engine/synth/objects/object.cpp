@@ -25,7 +25,7 @@ namespace {
 constexpr double kMinGainRamp_s = 0.005;  // a step in gain or pan would click
 constexpr double kMaxGainRamp_s = 3600;
 constexpr double kMaxSharedGain = 100;
-constexpr double kMinChoke_s = 0.00025;   // as fast as a body breaks; 10 frames
+constexpr double kMinChoke_s = 0.00025;                  // as fast as a body breaks; 10 frames
 constexpr double kChokeNepers = 3 * std::numbers::ln10;  // 60 dB
 
 // Returns whether the samples of a segment may be added to the outputs. Absurd ones (sane_samples.h) silence the

@@ -1,4 +1,5 @@
-// The pieces of a body in its bank's file: written, read, scaled; and broken files, each refused by the name of a field.
+// The pieces of a body in its bank's file: written, read, scaled; and broken files, each refused by the name of a
+// field.
 #include "engine/modal/fracture/fracture.h"
 #include "engine/modal/mode_choice.h"
 #include "engine/modal/scaled_bank.h"
@@ -37,7 +38,8 @@ PieceBank piece_of(std::uint32_t seed, std::size_t modes) {
                                    .center_of_mass_m = {0.1, 0.01 * seed, 0.3},
                                    .inertia_kg_m2 = {1e-4, 2e-4, 2.5e-4},
                                    .orientation = {0.5, -0.5, 0.5, 0.5}};
-  for (std::size_t i = 0; i < (kRigidMotions + modes) * (kRigidMotions + kModes); ++i) piece.handover.push_back(entry(random));
+  for (std::size_t i = 0; i < (kRigidMotions + modes) * (kRigidMotions + kModes); ++i)
+    piece.handover.push_back(entry(random));
   return piece;
 }
 
@@ -49,7 +51,8 @@ Bank breakable_bank() {
   bank.mass = ringdown::test::bar_bank(1).mass;
   // As the file holds them, so that what is read can be compared for equality.
   Fracture fracture;
-  fracture.patterns.push_back({.at_m = {0.1, -0.2, 0.3}, .crack_area_m2 = 0.125, .pieces = {piece_of(1, 5), piece_of(2, 0)}});
+  fracture.patterns.push_back(
+      {.at_m = {0.1, -0.2, 0.3}, .crack_area_m2 = 0.125, .pieces = {piece_of(1, 5), piece_of(2, 0)}});
   fracture.patterns.push_back(
       {.at_m = {-1, 0, 1e-3}, .crack_area_m2 = 0.5, .pieces = {piece_of(3, 4), piece_of(4, 0), piece_of(5, 7)}});
   bank.fracture = std::make_shared<const Fracture>(std::move(fracture));
@@ -152,7 +155,8 @@ TEST(FractureFile, TheFirstModelNodeAndSceneAreTheWholeBody) {
   std::vector<int> models;
   for (const Json& node : json["nodes"]) {
     EXPECT_LT(node["mesh"].get<std::size_t>(), json["meshes"].size());
-    if (node.contains("extensions")) models.push_back(node["extensions"]["KHR_audio_rigid_bodies"]["modalModel"].get<int>());
+    if (node.contains("extensions"))
+      models.push_back(node["extensions"]["KHR_audio_rigid_bodies"]["modalModel"].get<int>());
   }
   EXPECT_EQ(models, (std::vector{0, 1, 2, 3})) << "two pieces are silent";
   EXPECT_EQ(parts.extension()["modalModels"].size(), 4u);
@@ -175,7 +179,8 @@ TEST(FractureFile, APieceIsReadAloneByItsModelsNumber) {
   const PieceBank& last = bank.fracture->patterns[1].pieces[2];
   const auto piece = read_bank((folder / "body.glb").string() + "#3");
   ASSERT_TRUE(piece) << piece.error().message;
-  expect_same_piece(last, {.bank = *piece, .handover = last.handover, .near_m = last.near_m, .far_m = last.far_m}, true);
+  expect_same_piece(last, {.bank = *piece, .handover = last.handover, .near_m = last.near_m, .far_m = last.far_m},
+                    true);
   EXPECT_FALSE(piece->fracture);
   const std::string bytes = written(bank);
   const auto chosen = parse_bank(std::as_bytes(std::span(bytes)), "x.glb", {.number = 3});
@@ -318,7 +323,8 @@ void set_entry(GlbParts& parts, float value) {
 
 const std::vector<Damage>& damages() {
   static const std::vector<Damage> all = {
-      {"HandoverTooShort", [](GlbParts& p) { handover_in(p)["count"] = handover_in(p)["count"].get<int>() - 1; }, "handover"},
+      {"HandoverTooShort", [](GlbParts& p) { handover_in(p)["count"] = handover_in(p)["count"].get<int>() - 1; },
+       "handover"},
       {"HandoverOfTheOtherPattern",
        [](GlbParts& p) { pattern_in(p)["handover"] = fracture_in(p)["patterns"][1]["handover"]; }, "handover"},
       {"HandoverCountHuge", [](GlbParts& p) { handover_in(p)["count"] = 1e12; }, "count"},
@@ -359,21 +365,38 @@ const std::vector<Damage>& damages() {
       {"ModelNegative", [](GlbParts& p) { piece_in(p)["model"] = -1; }, "model"},
       {"ModelText", [](GlbParts& p) { piece_in(p)["model"] = "one"; }, "model"},
       {"ModelWithMoreModes", [](GlbParts& p) { piece_in(p)["model"] = 3; }, "handover"},
-      {"ModelWithoutFrequencies", [](GlbParts& p) { p.extension()["modalModels"][1].erase("frequencies"); }, "frequencies"},
-      {"ModelOfALaterVersion", [](GlbParts& p) { p.extension()["modalModels"][1]["extras"]["ringdown"]["version"] = 9; },
-       "version 9"},
-      {"OpensReversed", [](GlbParts& p) { piece_in(p)["opens"] = {0.02, 0.01}; }, "opens"},
-      {"OpensNegative", [](GlbParts& p) { piece_in(p)["opens"] = {-0.02, 0.01}; }, "opens"},
-      {"OpensHuge", [](GlbParts& p) { piece_in(p)["opens"] = {0, 1e300}; }, "opens"},
+      {"ModelWithoutFrequencies", [](GlbParts& p) { p.extension()["modalModels"][1].erase("frequencies"); },
+       "frequencies"},
+      {"ModelOfALaterVersion",
+       [](GlbParts& p) { p.extension()["modalModels"][1]["extras"]["ringdown"]["version"] = 9; }, "version 9"},
+      {"OpensReversed",
+       [](GlbParts& p) {
+         piece_in(p)["opens"] = {0.02, 0.01};
+       },
+       "opens"},
+      {"OpensNegative",
+       [](GlbParts& p) {
+         piece_in(p)["opens"] = {-0.02, 0.01};
+       },
+       "opens"},
+      {"OpensHuge",
+       [](GlbParts& p) {
+         piece_in(p)["opens"] = {0, 1e300};
+       },
+       "opens"},
       {"OpensOnce", [](GlbParts& p) { piece_in(p)["opens"] = Json::array({0.01}); }, "opens"},
       {"OpensMissing", [](GlbParts& p) { piece_in(p).erase("opens"); }, "opens"},
-      {"OpensText", [](GlbParts& p) { piece_in(p)["opens"] = {"near", "far"}; }, "opens"},
+      {"OpensText",
+       [](GlbParts& p) {
+         piece_in(p)["opens"] = {"near", "far"};
+       },
+       "opens"},
       {"MassMissing", [](GlbParts& p) { p.extension()["modalModels"][1].erase("massProperties"); }, "massProperties"},
       {"MassOfASilentPieceMissing", [](GlbParts& p) { piece_in(p, 1).erase("massProperties"); }, "massProperties"},
       {"MassOfASilentPieceZero", [](GlbParts& p) { piece_in(p, 1)["massProperties"]["mass"] = 0; }, "mass"},
       {"MassOfTheBodyMissing", [](GlbParts& p) { p.model().erase("massProperties"); }, "massProperties"},
-      {"InertiaMissing", [](GlbParts& p) { p.extension()["modalModels"][1]["massProperties"].erase("inertiaDiagonal"); },
-       "inertia"},
+      {"InertiaMissing",
+       [](GlbParts& p) { p.extension()["modalModels"][1]["massProperties"].erase("inertiaDiagonal"); }, "inertia"},
       {"InertiaOfASilentPieceZero",
        [](GlbParts& p) {
          piece_in(p, 1)["massProperties"]["inertiaDiagonal"] = {1e-4, 0, 1e-4};
@@ -385,14 +408,22 @@ const std::vector<Damage>& damages() {
        },
        "inertia"},
       {"PositionsOfASilentPieceMissing", [](GlbParts& p) { piece_in(p, 1).erase("positions"); }, "positions"},
-      {"CornerOfASilentPieceTooHigh", [](GlbParts& p) { piece_in(p, 1)["indices"] = fracture_in(p)["patterns"][1]["handover"]; },
-       "indices"},
+      {"CornerOfASilentPieceTooHigh",
+       [](GlbParts& p) { piece_in(p, 1)["indices"] = fracture_in(p)["patterns"][1]["handover"]; }, "indices"},
       {"AreaNegative", [](GlbParts& p) { pattern_in(p)["crackArea"] = -0.1; }, "crackArea"},
       {"AreaHuge", [](GlbParts& p) { pattern_in(p)["crackArea"] = 1e300; }, "crackArea"},
       {"AreaMissing", [](GlbParts& p) { pattern_in(p).erase("crackArea"); }, "crackArea"},
       {"AreaText", [](GlbParts& p) { pattern_in(p)["crackArea"] = "large"; }, "crackArea"},
-      {"PlaceOfTwoNumbers", [](GlbParts& p) { pattern_in(p)["at"] = {1, 2}; }, "at"},
-      {"PlaceFarAway", [](GlbParts& p) { pattern_in(p)["at"] = {1, 1e9, 2}; }, "at is an array, expected a place"},
+      {"PlaceOfTwoNumbers",
+       [](GlbParts& p) {
+         pattern_in(p)["at"] = {1, 2};
+       },
+       "at"},
+      {"PlaceFarAway",
+       [](GlbParts& p) {
+         pattern_in(p)["at"] = {1, 1e9, 2};
+       },
+       "at is an array, expected a place"},
       {"PlaceMissing", [](GlbParts& p) { pattern_in(p).erase("at"); }, "at"},
   };
   return all;
