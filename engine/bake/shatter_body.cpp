@@ -133,6 +133,8 @@ BakeOptions options_of_piece(const BakeOptions& of_body, const Shatter& shatter)
           .band_low_hz = shatter.band_low_hz,
           .band_high_hz = shatter.band_high_hz,
           .shape_error = of_body.shape_error,
+          .air = of_body.air,
+          .radiation_error = of_body.radiation_error,
           .solver = of_body.solver == solve::Method::kSlepc ? solve::Method::kAutomatic : of_body.solver,
           .may_be_silent = true,
           .interior = true};

@@ -24,9 +24,9 @@ struct Shatter {
 };
 
 // The pattern for each place and each level. `whole` was baked from a free body of one material with options.interior,
-// and `options` are its options: the pieces have its element, its surface points' error and its solver, and all modes
-// in their own band. Pieces radiate as their bank's reader estimates it, because maps of some dozen pieces would take
-// hours. Progress stage: "pieces". Fails as bake() does, and when a body breaks into one piece only.
+// and `options` are its options: the pieces have its element, its surface points' error, its solver and its air, and
+// all modes in their own band. Progress stage: "pieces". Fails as bake() does, and when a body breaks into one piece
+// only.
 Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter, const BakeOptions& options,
                                      const Progress& progress = {});
 
