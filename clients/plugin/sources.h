@@ -14,7 +14,7 @@ namespace ringdown::plugin {
 inline constexpr std::size_t kOwnFiles = 8;
 inline constexpr std::size_t kFirstPreset = kOwnFiles + 1;
 // Their order is stored in people's sessions: new ones are added at the end.
-inline constexpr std::array<std::string_view, 44> kPresets = {"vibraphone-key",
+inline constexpr std::array<std::string_view, 45> kPresets = {"vibraphone-key",
                                                               "anvil",
                                                               "block",
                                                               "bottle",
@@ -57,7 +57,8 @@ inline constexpr std::array<std::string_view, 44> kPresets = {"vibraphone-key",
                                                               "thunder-sheet",
                                                               "opera-gong",
                                                               "crash-cymbal",
-                                                              "tam-tam"};
+                                                              "tam-tam",
+                                                              "window-pane"};
 inline constexpr std::array<std::string_view, 3> kNoteMapPresets = {"vibraphone", "music-box-comb", "kalimba"};
 inline constexpr std::size_t kChoices = kFirstPreset + kPresets.size();
 

@@ -1,7 +1,7 @@
 // Finds the modes of a meshed body, or takes them from the cache. [worker]
 #pragma once
 
-#include "engine/bake/bake.h"
+#include "engine/bake/bake_options.h"
 #include "engine/bake/body_modes.h"
 #include "engine/bake/fitted_makeup.h"
 #include "engine/base/progress.h"

@@ -261,8 +261,8 @@ Result<Bank> read_model(const Glb& glb, const JsonPlace& model, const std::strin
 }
 
 // Reads a piece without modes, which is of the body's material.
-Result<Bank> read_silent_piece(const Glb& glb, const JsonPlace& piece, const Bank& body) {
-  Bank bank{.name = piece["name"].text_or(""), .material = body.material};
+Result<Bank> read_silent_piece(const Glb& glb, const JsonPlace& piece, const std::optional<Material>& material) {
+  Bank bank{.name = piece["name"].text_or(""), .material = material};
   const auto positions = read_floats(glb, piece["positions"], 3, kMaxPoints);
   if (!positions) return fail(positions.error());
   bank.positions = as_vectors(*positions);
@@ -276,11 +276,12 @@ Result<Bank> read_silent_piece(const Glb& glb, const JsonPlace& piece, const Ban
 Result<void> read_pieces(const Glb& glb, const JsonPlace& fracture, Bank& bank) {
   if (!fracture.present()) return {};
   const JsonPlace models = glb.root()["extensions"][kExtension]["modalModels"];
-  const PieceReaders readers{.model = [&](std::size_t number) -> Result<Bank> {
-                               if (!models[number].present()) return models.wrong("a model " + std::to_string(number));
-                               return read_model(glb, models[number], "");
-                             },
-                             .silent = [&](const JsonPlace& piece) { return read_silent_piece(glb, piece, bank); }};
+  const PieceReaders readers{
+      .model = [&](std::size_t number) -> Result<Bank> {
+        if (!models[number].present()) return models.wrong("a model " + std::to_string(number));
+        return read_model(glb, models[number], "");
+      },
+      .silent = [&](const JsonPlace& piece) { return read_silent_piece(glb, piece, bank.material); }};
   auto read = read_fracture(glb, fracture, bank, readers);
   if (!read) return fail(read.error());
   bank.fracture = std::make_shared<const Fracture>(std::move(*read));
@@ -359,28 +360,35 @@ Result<Bank> read_bank(const std::filesystem::path& path) {
 
 namespace {
 
-std::size_t add_positions(GlbWriter& writer, const Bank& bank, bool packed) {
-  const auto add = packed ? &GlbWriter::add_packed_floats : &GlbWriter::add_floats;
-  return (writer.*add)(as_floats(bank.positions), 3, GlbWriter::Use::vertices);
-}
+// Adds the surface of a bank to a document.
+struct SurfaceWriter {
+  GlbWriter& writer;
+  bool packed = false;
 
-// Adds the bank's triangles, if it has any, and names them in `owner`, the JSON of a model or a piece. Returns the mesh
-// primitive of the bank's surface.
-Json add_triangles(GlbWriter& writer, const Bank& bank, bool packed, Json& owner) {
-  Json primitive = {{"attributes", {{"POSITION", owner["positions"]}}}, {"mode", 0}};
-  if (bank.triangles.empty()) return primitive;
-  const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());
-  owner["indices"] = primitive["indices"] = packed ? writer.add_packed_indices(corners) : writer.add_indices(corners);
-  primitive["mode"] = 4;
-  return primitive;
-}
+  std::size_t add_positions(const Bank& bank) const {
+    const auto add = packed ? &GlbWriter::add_packed_floats : &GlbWriter::add_floats;
+    return (writer.*add)(as_floats(bank.positions), 3, GlbWriter::Use::vertices);
+  }
+
+  // Adds the bank's triangles, if it has any, and names them in `owner`, the JSON of a model or a piece. Returns the
+  // mesh primitive of the bank's surface.
+  Json add_triangles(const Bank& bank, Json& owner) const {
+    Json primitive = {{"attributes", {{"POSITION", owner["positions"]}}}, {"mode", 0}};
+    if (bank.triangles.empty()) return primitive;
+    const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());
+    owner["indices"] = primitive["indices"] = packed ? writer.add_packed_indices(corners) : writer.add_indices(corners);
+    primitive["mode"] = 4;
+    return primitive;
+  }
+};
 
 }  // namespace
 
 WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {
   const std::vector<float> frequencies(bank.frequency_hz.begin(), bank.frequency_hz.end());
   const std::vector<float> decays(bank.decay_per_s.begin(), bank.decay_per_s.end());
-  const std::size_t positions = add_positions(writer, bank, packed);
+  const SurfaceWriter surface{writer, packed};
+  const std::size_t positions = surface.add_positions(bank);
   WrittenModel written;
   written.model = {{"name", bank.name},
                    {"positions", positions},
@@ -388,7 +396,7 @@ WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {
                    {"decayRates", writer.add_floats(decays, 1)},
                    {"shapes", packed ? add_rounded_shapes(writer, bank) : writer.add_floats(as_floats(bank.shapes), 3)},
                    {"extras", {{"ringdown", extras_json(bank, writer)}}}};
-  written.primitive = add_triangles(writer, bank, packed, written.model);
+  written.primitive = surface.add_triangles(bank, written.model);
   if (bank.material) written.material = material_json(bank);
   if (bank.mass) written.model["massProperties"] = mass_json(*bank.mass);
   return written;
@@ -431,10 +439,11 @@ struct Document {
       add_bank(piece.bank);
       return {{"model", models.size() - 1}};
     }
+    const SurfaceWriter surface{writer, packed};
     Json json = {{"name", piece.bank.name},
-                 {"positions", add_positions(writer, piece.bank, packed)},
+                 {"positions", surface.add_positions(piece.bank)},
                  {"massProperties", mass_json(*piece.bank.mass)}};
-    add_node(piece.bank.name, add_triangles(writer, piece.bank, packed, json));
+    add_node(piece.bank.name, surface.add_triangles(piece.bank, json));
     return json;
   }
 };

@@ -3,6 +3,7 @@
 
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
+#include "engine/modal/fracture/fracture.h"
 #include "engine/modal/material_scale.h"
 
 #include <string>
@@ -13,6 +14,10 @@ namespace ringdown::modal {
 // radiation and pieces, each exactly (material_scale.h), except that radiation under another stiffness or density
 // follows its levels. Modes that become over-damped are left out; the order of the remaining modes stays.
 Bank scaled(const Bank& bank, const MaterialScale& scale);
+
+// Returns the patterns of a body of another size, stiffness or density. Modes of pieces that would no longer ring are
+// left out.
+Fracture scaled(const Fracture& fracture, const MaterialScale& scale);
 
 // Makes the object `size` times as large. Fails if a mode would no longer ring or a number would overflow; errors begin
 // with `name`.

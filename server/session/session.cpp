@@ -88,7 +88,10 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
   using namespace protocol;
   return visit(Overloaded{
                    [&](const LoadObject& load) { return number(load_object(load)); },
-                   [&](const FreeObject& object) { return none(free_object(object)); },
+                   [&](const FreeObject& request) {
+                     if (const auto object = rack_.find(request.object)) scene_.object_freed((*object)->number);
+                     return none(rack_.free(request.object));
+                   },
                    [&](const SetMaterial& set) { return none(rack_.set_material(set.object, set.scale)); },
                    [&](const SelectModes& select) { return none(rack_.select_modes(select.object, select.range)); },
                    [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
@@ -131,12 +134,6 @@ Result<synth::ObjectNumber> Session::load_object(const protocol::LoadObject& loa
                 "the object has its new bank, but the scene goes on with the old one: " + followed.error().message);
   }
   return number;
-}
-
-Result<void> Session::free_object(const protocol::FreeObject& request) {
-  const auto object = rack_.find(request.object);
-  if (object) scene_.object_freed((*object)->number);
-  return rack_.free(request.object);
 }
 
 }  // namespace ringdown::session

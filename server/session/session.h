@@ -83,7 +83,6 @@ class Session {
   [[nodiscard]] Result<void> check_frame(synth::Frame frame) const;
   [[nodiscard]] std::size_t push(const synth::Event& event);
   Result<synth::ObjectNumber> load_object(const protocol::LoadObject& load);
-  Result<void> free_object(const protocol::FreeObject& request);
 
   FileRoots roots_;
   BankReader banks_;

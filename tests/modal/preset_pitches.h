@@ -52,6 +52,7 @@ inline const std::vector<PresetPitch>& preset_pitches() {
       {"steel-plate", {}},
       {"table-top", {}},
       {"dinner-plate", {}},
+      {"window-pane", {}},
       {"frying-pan", {}},
       {"thunder-sheet", {}},
       {"anvil", {}},

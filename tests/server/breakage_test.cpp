@@ -1,14 +1,13 @@
 // Objects that break: a body whose first piece has all of its modes, and takes all of its motion, must sound on.
 #include "engine/modal/bank_file.h"
-#include "engine/modal/fracture/fracture.h"
 #include "server/session/session.h"
+#include "tests/support/breaking_bar.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,45 +22,13 @@ constexpr double kSampleRate = 48000;
 constexpr synth::Frame kBreak = 4003;
 const Vec3 kPoint{0.02, 0, 0};
 
-// A bar with little damping, which the pulse of a blow on the mixer leaves out while the pulse lasts.
-modal::Bank bar_bank(std::size_t modes) {
-  modal::Bank bar = test::bar_bank(modes);
-  for (double& decay : bar.decay_per_s) decay *= 0.01;
-  return bar;
-}
-
-// The first `shared` modes go on in the first piece; the second piece has none.
-modal::Bank breaking_bar(std::size_t shared) {
-  modal::Bank bar = bar_bank(6);
-  modal::MassProperties half = *bar.mass;
-  half.mass_kg /= 2;
-  half.inertia_kg_m2 = 0.5 * half.inertia_kg_m2;
-  modal::Fracture fracture;
-  fracture.patterns.push_back({.at_m = {}, .crack_area_m2 = 1e-4, .pieces = {}});
-  for (const std::size_t modes : {shared, std::size_t{0}}) {
-    modal::PieceBank piece{.bank = bar_bank(modes == 0 ? 1 : modes)};
-    piece.bank.mass = half;
-    const std::size_t columns = modal::kRigidMotions + bar.mode_count();
-    if (modes == 0) {
-      modal::Bank silent{.name = "silent", .positions = piece.bank.positions, .material = bar.material, .mass = half};
-      piece.bank = silent;
-    }
-    piece.handover.assign((modal::kRigidMotions + modes) * columns, 0);
-    for (std::size_t m = 0; m < modes; ++m)
-      piece.handover[(modal::kRigidMotions + m) * columns + modal::kRigidMotions + m] = 1;
-    fracture.patterns[0].pieces.push_back(std::move(piece));
-  }
-  bar.fracture = std::make_shared<const modal::Fracture>(std::move(fracture));
-  return bar;
-}
-
 class Breaking : public testing::Test {
  protected:
   explicit Breaking() : session(kSampleRate) { load(session, 6); }
 
   void load(Session& into, std::size_t shared) {
     const auto path = folder / ("bar" + std::to_string(shared) + ".glb");
-    ASSERT_TRUE(modal::write_bank(breaking_bar(shared), path));
+    ASSERT_TRUE(modal::write_bank(test::breaking_bar(shared), path));
     const auto loaded = into.perform(protocol::LoadObject{"bar", path.string()}, 0);
     ASSERT_TRUE(loaded) << loaded.error().message;
   }

@@ -3,6 +3,7 @@
 #include "server/browse.h"
 #include "server/answers.h"
 #include "tests/server/osc_server_fixture.h"
+#include "tests/support/breaking_bar.h"
 #include "tests/support/scarcity.h"
 
 #include <algorithm>
@@ -111,6 +112,32 @@ TEST_F(DescribeTest, AnObjectIsDescribedAsItWasSet) {
   EXPECT_GT(bell()->version, version);
   EXPECT_EQ(bell()->bank_content, told->bank_content) << "the same file";
   EXPECT_NE(refusal({"/object/bowl/describe", {}}).find("bowl"), std::string::npos);
+}
+
+TEST_F(DescribeTest, AnObjectTellsWhatItBreaksInto) {
+  ASSERT_TRUE(modal::write_bank(test::breaking_bar(6), folder_ / "bar.glb"));
+  ASSERT_TRUE(session_.rack().load("bar", folder_ / "bar.glb"));
+  load("bell");
+  serve();
+  const auto pieces = [&] {
+    return all<protocol::PiecesReply>({"/object/bar/pieces", {}}, [](const auto& head) { return head.pieces; });
+  };
+  auto told = pieces();
+  ASSERT_EQ(told.size(), 1u) << "it is not armed";
+  EXPECT_FALSE(told[0].get<protocol::PiecesReply>().broken);
+  EXPECT_EQ(ask<protocol::Done>({"/object/bar/break", {0.02f, 0.f, 0.f, 0.f, 0.f, 0.5f}})->number, 2);
+  told = pieces();
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_TRUE(told[0].get<protocol::PiecesReply>().broken);
+  const auto &first = told[1].get<protocol::PieceReply>(), &second = told[2].get<protocol::PieceReply>();
+  EXPECT_EQ(first.name, "bar.0");
+  EXPECT_EQ(first.object, static_cast<std::int32_t>((*session_.rack().find({.name = "bar.0"}))->number));
+  EXPECT_EQ(second.object, -1) << "it has no mode";
+  EXPECT_NEAR(first.mass_kg * first.velocity_m_s.z + second.mass_kg * second.velocity_m_s.z, 0.25, 1e-6);
+  EXPECT_NE(refusal({"/object/bar/strike", {0.f, 0.f, 0.f, 0.f, 0.f, 1.f}}).find("broken"), std::string::npos);
+  EXPECT_NE(refusal({"/object/bell/break", {1.f, 1.f, 1.f, 0.f, 0.f, 1.f}}).find("[shatter]"), std::string::npos);
+  ASSERT_TRUE(ask<protocol::Done>({"/object/bar/mend", {}}));
+  EXPECT_EQ(pieces().size(), 1u);
 }
 
 TEST_F(DescribeTest, ABankComesInPiecesThatMakeItsFile) {

@@ -11,7 +11,6 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/bank.h"
 #include "engine/modal/fracture/breaking.h"
-#include "engine/modal/material_scale.h"
 
 #include <cstddef>
 #include <memory>
@@ -39,10 +38,6 @@ struct BreakPattern {
 struct Fracture {
   std::vector<BreakPattern> patterns;  // of one place: by ascending number of pieces
 };
-
-// Returns the patterns of a body of another size, stiffness or density. Modes of pieces that would no longer ring are
-// left out.
-Fracture scaled(const Fracture& fracture, const MaterialScale& scale);
 
 // Keeps the columns of the body's modes in `kept`, in that order; the body had `modes` modes.
 void take_modes(Fracture& fracture, std::size_t modes, const std::vector<std::size_t>& kept);

@@ -97,7 +97,7 @@ Collider::Collider(BodyId own_id, const Solid& solid, const FrictionSurface& own
 
 bool Collider::movable() const { return body && !dBodyIsKinematic(body.get()); }
 
-bool Collider::awake() const { return movable() && dBodyIsEnabled(body.get()); }
+bool Sleep::awake() const { return body_ && !dBodyIsKinematic(body_) && dBodyIsEnabled(body_); }
 
 Motion Collider::motion() const {
   if (!body) return {};
@@ -118,7 +118,7 @@ void Collider::place(const Motion& motion) {
 
 void Collider::move(const Motion& motion) {
   place(motion);
-  stir();
+  sleep.stir();
 }
 
 void Collider::drive(const Motion& motion) {
@@ -141,15 +141,14 @@ void Collider::follow(double done_s) {
   set_velocity(body.get(), now.velocity_m_s, now.spin_rad_s);
 }
 
-void Collider::join(bool keeps_moving) {
+void Sleep::join(bool keeps_moving) {
   joined_ = true;
   if (!keeps_moving) return;
   kept_moving_ = true;
-  dBodySetAutoDisableFlag(body.get(), 0);
+  dBodySetAutoDisableFlag(body_, 0);
 }
 
-double Collider::stays_for(double step_s) {
-  const Motion now = motion();
+double Sleep::stays_for(const Motion& now, double outer_radius_m, double step_s) {
   stillness_.step({now.position_m, now.rotation}, outer_radius_m, step_s);
   return kept_moving_ ? 0 : stillness_.still_s();
 }
@@ -161,17 +160,17 @@ void Collider::add_force(Vec3 force_n, Vec3 arm_m) {
   add_torque(cross(arm_m, force_n));
 }
 
-void Collider::fall_asleep() {
-  set_velocity(body.get(), {}, {});
-  dBodyDisable(body.get());
+void Sleep::fall() {
+  set_velocity(body_, {}, {});
+  dBodyDisable(body_);
   stir();
 }
 
-void Collider::let_sleep(bool allowed) {
+void Sleep::allow(bool allowed) {
   if (allowed == supported_) return;
   supported_ = allowed;
-  if (!support_) support_.reset(dJointCreateNull(dBodyGetWorld(body.get()), nullptr));
-  dJointAttach(support_.get(), allowed ? body.get() : nullptr, nullptr);
+  if (!support_) support_.reset(dJointCreateNull(dBodyGetWorld(body_), nullptr));
+  dJointAttach(support_.get(), allowed ? body_ : nullptr, nullptr);
 }
 
 FreeBody Collider::without_contacts(Vec3 gravity_m_s2, double part_s) const {

@@ -32,12 +32,44 @@ class IslandMember {
   double elasticity_ = 1;              // share of its contacts' restitution that acts in this part of the step
 };
 
+// Whether a body may fall asleep, and for how long it has stayed in place.
+class Sleep {
+ public:
+  explicit Sleep(dxBody* body) : body_(body) {}  // null for a static, which never wakes
+
+  [[nodiscard]] bool awake() const;
+  void begin_step() { was_awake_ = awake(); }
+  [[nodiscard]] bool was_awake() const { return was_awake_; }  // at the last begin_step()
+  void fall();                                                 // the body rests until something touches it
+
+  // Call when a joint of the scene holds the body. A body that a drive `keeps_moving` never sleeps.
+  void join(bool keeps_moving);
+  [[nodiscard]] bool joined() const { return joined_; }
+
+  // Call after a step with the body's motion at its end. Returns for how long the body has stayed in place since the
+  // last stir() or fall(); always 0 if a drive asks for a speed.
+  double stays_for(const Motion& now, double outer_radius_m, double step_s);
+  void stir() { stillness_.reset(); }
+
+  // Allows the body to fall asleep without contacts that ODE knows of. ODE keeps bodies without joints awake, so that
+  // none sleeps in the air.
+  void allow(bool allowed);
+
+ private:
+  dxBody* const body_;
+  bool joined_ = false, kept_moving_ = false;
+  bool was_awake_ = false;
+  Stillness stillness_;
+  std::unique_ptr<dxJoint, JointDeleter> support_;  // a joint without effect; see allow()
+  bool supported_ = false;
+};
+
 // The first three components of an ODE vector.
 inline Vec3 to_vec3(const double* v) { return {v[0], v[1], v[2]}; }
 inline void copy(Vec3 from, double* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
 
-// A body with its shape, or a static, which is a shape alone. Public members are constant, except for `island`, and a
-// ghost that `shape` may get (shape.h).
+// A body with its shape, or a static, which is a shape alone. Public members are constant, except for `island`, `sleep`
+// and a ghost that `shape` may get (shape.h).
 class Collider {
  public:
   Collider(BodyId id, const StaticDescription& description, dxSpace* space);
@@ -56,9 +88,10 @@ class Collider {
   const std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
   OdeShape shape;
   IslandMember island;
+  Sleep sleep{body.get()};
 
   [[nodiscard]] bool movable() const;
-  [[nodiscard]] bool awake() const;
+  [[nodiscard]] bool awake() const { return sleep.awake(); }
   [[nodiscard]] Motion motion() const;  // for a static: rest at the origin
   void move(const Motion& motion);      // wakes the body
 
@@ -68,21 +101,6 @@ class Collider {
   [[nodiscard]] bool driven_about() const;  // whether the prescribed motion is not rest
   // Places a driven body where it is after `done_s` of the step.
   void follow(double done_s);
-
-  // Call when a joint of the scene holds the body. A body that a drive `keeps_moving` never sleeps.
-  void join(bool keeps_moving);
-  [[nodiscard]] bool joined() const { return joined_; }
-
-  void begin_step() { was_awake_ = awake(); }
-  [[nodiscard]] bool was_awake() const { return was_awake_; }  // at the last begin_step()
-  // Call after a step. Returns for how long the body has stayed in place since the last stir(), fall_asleep() or
-  // move(); always 0 if a drive asks for a speed.
-  double stays_for(double step_s);
-  void stir() { stillness_.reset(); }
-  void fall_asleep();  // the body rests until something touches it
-  // Allows the body to fall asleep without contacts that ODE knows of. ODE keeps bodies without joints awake, so that
-  // none sleeps in the air.
-  void let_sleep(bool allowed);
 
   void add_torque(Vec3 torque_nm);           // for the next part of a step; world axes
   void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
@@ -121,12 +139,7 @@ class Collider {
   void place(const Motion& motion);
 
   std::optional<Motion> told_;  // prescribed motion of a driven body
-  bool joined_ = false, kept_moving_ = false;
-  bool was_awake_ = false;
-  Stillness stillness_;
-  double owed_j_ = 0;                               // for lift()
-  std::unique_ptr<dxJoint, JointDeleter> support_;  // a joint without effect; see let_sleep()
-  bool supported_ = false;
+  double owed_j_ = 0;           // for lift()
 };
 
 // Returns the body or static that a geometry belongs to.

@@ -16,7 +16,7 @@ namespace {
 
 // ODE pushes the bodies of a joint apart, because it also corrects the joint: correcting positions alone would pull the
 // joint's two ends apart.
-bool pushed_by_ode(const Collider& body, const Collider& other) { return body.joined() || other.joined(); }
+bool pushed_by_ode(const Collider& body, const Collider& other) { return body.sleep.joined() || other.sleep.joined(); }
 
 // Maximum speed at which a hull is moved out of an overlap. All its contacts have similar normals, and a hull that lies
 // on an edge of another one slips into it again and again until it lies flat.
@@ -202,7 +202,7 @@ void ContactJoints::hand_over(bool exact, const Islands& islands) {
   }
   std::erase_if(lone_, [this](std::size_t k) { return !made_[k].solved; });
   for (Collider* body : islands.members()) {
-    body->let_sleep(std::ranges::binary_search(lone_, body->id, {}, body_of));
+    body->sleep.allow(std::ranges::binary_search(lone_, body->id, {}, body_of));
   }
   free_friction();
 }

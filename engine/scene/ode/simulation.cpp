@@ -272,7 +272,7 @@ void Simulation::State::join(const BodyJoint& joint) {
   dxBody* const other = joined[1] ? joined[1]->body.get() : nullptr;
   if (other && !joint.description.collides) filter.part(joint.body, *joint.other);
   joints.push_back({joint, OdeJoint(world.get(), joined[0]->body.get(), other, joint.description)});
-  for (Collider* collider : std::span(joined, other ? 2 : 1)) collider->join(joints.back().joint.keeps_moving());
+  for (Collider* collider : std::span(joined, other ? 2 : 1)) collider->sleep.join(joints.back().joint.keeps_moving());
 }
 
 // The joints of a body, described as they are now, so that they can be made again.
@@ -290,21 +290,22 @@ std::vector<BodyJoint> Simulation::State::joints_of(BodyId id) const {
 void Simulation::State::let_still_bodies_sleep() {
   const bool shaken = std::ranges::any_of(in_order, &Collider::driven_about);
   for (Collider* collider : in_order) {
-    if (shaken || !collider->was_awake() || !collider->awake()) collider->stir();
+    if (shaken || !collider->sleep.was_awake() || !collider->awake()) collider->sleep.stir();
   }
   if (shaken) return;
   const auto for_each_awake = [this](const auto& call) {
     for (Collider* collider : in_order) {
-      if (collider->was_awake() && collider->awake()) call(*collider, &islands.island_of(*collider));
+      if (collider->sleep.was_awake() && collider->awake()) call(*collider, &islands.island_of(*collider));
     }
   };
   std::vector<const Collider*> moving;  // islands, in order
   for_each_awake([&](Collider& collider, const Collider* island) {
-    if (collider.stays_for(step_s) < kSleepWhenStill_s) moving.push_back(island);
+    if (collider.sleep.stays_for(collider.motion(), collider.outer_radius_m, step_s) < kSleepWhenStill_s)
+      moving.push_back(island);
   });
   std::ranges::sort(moving);
   for_each_awake([&](Collider& collider, const Collider* island) {
-    if (!std::ranges::binary_search(moving, island) && islands.contacts_of(collider) > 0) collider.fall_asleep();
+    if (!std::ranges::binary_search(moving, island) && islands.contacts_of(collider) > 0) collider.sleep.fall();
   });
 }
 
@@ -393,7 +394,7 @@ std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up)
   const OdeLock lock;
   State& state = *state_;
   state.contacts.begin_step();
-  for (Collider* collider : state.in_order) collider->begin_step();
+  for (Collider* collider : state.in_order) collider->sleep.begin_step();
   double done_s = 0;
   for (int k = 1; done_s < state.step_s; ++k) {
     const double rest_s = state.step_s - done_s;
@@ -409,7 +410,7 @@ std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up)
   state.let_still_bodies_sleep();
   state.moved.clear();
   for (const Collider* collider : state.in_order) {
-    if (collider->was_awake() || collider->driven()) state.moved.push_back({collider->id, collider->motion()});
+    if (collider->sleep.was_awake() || collider->driven()) state.moved.push_back({collider->id, collider->motion()});
   }
   state.asleep = std::ranges::none_of(state.in_order, &Collider::awake);
   return state.contacts.points();

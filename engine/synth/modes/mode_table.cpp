@@ -185,13 +185,6 @@ std::optional<std::size_t> ModeTable::column_of(std::size_t mode) const RINGDOWN
   return static_cast<std::size_t>(column);
 }
 
-std::optional<std::size_t> ModeTable::at_column(std::size_t column) const RINGDOWN_REALTIME {
-  if (column < slow_modes_) return column;
-  const std::size_t first_fast = kModePadding * slow_groups_;
-  if (column < first_fast || column - first_fast >= playable_modes() - slow_modes_) return std::nullopt;
-  return slow_modes_ + column - first_fast;
-}
-
 std::optional<double> ModeTable::strike(const verb::Ring& ring, std::span<double> /*scratch*/,
                                         double* amplitudes) const RINGDOWN_REALTIME {
   const modal::ModeRange range{ring.first, ring.count};
@@ -209,13 +202,12 @@ std::optional<double> ModeTable::strike(const verb::Impart& impart, std::span<do
   std::fill_n(amplitudes, 2 * columns_, 0.0);
   if (impart.mode >= bank().mode_count()) return std::nullopt;
   // A mode that is not playable at this rate or in this material takes the motion and is not heard.
-  const std::optional<std::size_t> at = column_of(map_->by_frequency()[impart.mode]);
-  if (!at) return 0;
-  const double weight = weight_.data()[at_column(*at).value_or(0)];
-  const double shape = modal::shape_factor(material_);
-  const double amplitude = weight / shape * impart.velocity;
-  amplitudes[*at] = amplitude * std::cos(impart.phase_rad);
-  amplitudes[columns_ + *at] = amplitude * std::sin(impart.phase_rad);
+  const auto at = std::find(mode_of_.begin(), mode_of_.end(), map_->by_frequency()[impart.mode]);
+  if (at == mode_of_.end()) return 0;
+  const auto i = static_cast<std::size_t>(at - mode_of_.begin());
+  const double amplitude = weight_.data()[i] / modal::shape_factor(material_) * impart.velocity;
+  amplitudes[column(i)] = amplitude * std::cos(impart.phase_rad);
+  amplitudes[columns_ + column(i)] = amplitude * std::sin(impart.phase_rad);
   return amplitude * amplitude;
 }
 

@@ -72,9 +72,6 @@ class ModeTable {
   // The least decay among the modes of a group [nepers per frame].
   [[nodiscard]] double slowest_decay(std::size_t group) const RINGDOWN_REALTIME { return slowest_decay_.data()[group]; }
 
-  // Which playable mode has this column; nullopt for padding.
-  [[nodiscard]] std::optional<std::size_t> at_column(std::size_t column) const RINGDOWN_REALTIME;
-
   // Finds the output amplitude that a strike gives the mode of each column, and returns the sum of their squares;
   // nullopt when the vertex does not exist. Points are in the frame of the object in its size. `scratch` has one
   // element per mode of the bank, `amplitudes` one per column; padding columns stay as they were. [audio]
