@@ -132,9 +132,11 @@ Result<std::size_t> Breakage::arm(const ObjectRef& ref, std::optional<std::size_
            .content = object.bank_content});
       if (!number) return number;
       piece.number = *number;
-      for (const auto& done : {rack_.set_material({.number = *number}, object.material),
-                               rack_.set_group({.number = *number}, object.group)}) {
-        if (!done) return fail(done.error());
+      if (object.material != modal::MaterialScale()) {
+        if (auto set = rack_.set_material({.number = *number}, object.material); !set) return fail(set.error());
+      }
+      if (!object.group.empty()) {
+        if (auto set = rack_.set_group({.number = *number}, object.group); !set) return fail(set.error());
       }
       return number;
     }();

@@ -7,7 +7,10 @@
 #include "tests/support/whole_recording.h"
 
 #include <cmath>
+#include <fstream>
 #include <iostream>
+#include <iterator>
+#include <regex>
 
 namespace ringdown::test {
 namespace {
@@ -32,8 +35,22 @@ std::optional<Samples> freewheel(const JackServer& server, const std::string& sc
   return in_time ? std::optional(left) : std::nullopt;
 }
 
+// The demo scene with a gain that its file may not change: modes rest at a level below full scale, so how far two
+// renders of a scene agree, relative to its sound, depends on how loud it is.
+std::string demo_scene(const std::filesystem::path& folder) {
+  const std::string presets = std::string(RINGDOWN_SOURCE_DIR) + "/presets";
+  std::ifstream file(presets + "/scenes/demo.toml");
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  text = std::regex_replace(text, std::regex("\ngain = [0-9.]+"), "\ngain = 0.16",
+                            std::regex_constants::format_first_only);
+  text = std::regex_replace(text, std::regex("\"\\.\\./banks"), "\"" + presets + "/banks");
+  const std::filesystem::path scene = folder / "demo.toml";
+  std::ofstream(scene) << text;
+  return scene.string();
+}
+
 TEST_F(JackTest, FreewheelRendersWhatRenderDoes) {
-  const std::string scene = std::string(RINGDOWN_SOURCE_DIR) + "/presets/scenes/demo.toml";
+  const std::string scene = demo_scene(folder_.path());
   const auto frames = static_cast<std::size_t>(12 * kServerRate);
   const auto recording = whole_recording([&] { return freewheel(server_, scene, frames); });
   ASSERT_TRUE(recording) << "freewheel never began before the scene sounded";

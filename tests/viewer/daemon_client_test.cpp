@@ -159,7 +159,7 @@ void expect_demo(const Model& model) {
     ASSERT_TRUE(object.bank) << name << ": " << object.bank_fault;
     EXPECT_EQ(object.bank->bank.mode_count(), static_cast<std::size_t>(object.modes)) << name;
   }
-  EXPECT_NEAR(model.object("bell")->gain, 1.6, 1e-6);
+  EXPECT_NEAR(model.object("bell")->gain, 1.1, 1e-6);
   EXPECT_NEAR(model.object("plate")->pan, -0.6, 1e-6);
 }
 
