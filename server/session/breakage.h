@@ -5,8 +5,8 @@
 //   breakage.mend({.name = "glass"});                 // the pieces go, and the glass can be struck again
 //
 // While an object is armed, its modal state is followed: every event that the mixer has taken changes it as it changes
-// what is heard (modal/fracture/modal_state.h). Blows, rings and chokes count; bows, contacts and inputs do not, so
-// what they excite is missing in the pieces.
+// what is heard (modal/fracture/modal_state.h). Blows, imparted motions, chokes and clears count. Rings, bows,
+// contacts and inputs do not, so what they excite is missing in the pieces.
 #pragma once
 
 #include "engine/base/result.h"
@@ -35,8 +35,8 @@ class Breakage final : public Observer {
   Breakage(const Breakage&) = delete;
   Breakage& operator=(const Breakage&) = delete;
 
-  // Loads the pieces of a pattern, NAME.0, NAME.1 ..., those that ring, with material, group, gain and pan of the
-  // object. Returns the number of the pattern's pieces. Without a pattern, the one whose place is nearest to the
+  // Loads the pieces of a pattern, NAME.0, NAME.1 ..., those that ring, with material and group of the object.
+  // Returns the number of the pattern's pieces. Without a pattern, the one whose place is nearest to the
   // point. Nothing changes if the pieces are there already; those of another pattern are freed. Refused if the object
   // has no pieces, if one of the names is taken, or if there is no room.
   Result<std::size_t> arm(const protocol::ObjectRef& object, std::optional<std::size_t> pattern = {},
