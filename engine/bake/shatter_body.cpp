@@ -31,8 +31,6 @@
 namespace ringdown::bake {
 namespace {
 
-constexpr double kLeastShare = 0.002;  // of the body's mass, of pieces on their own
-
 Eigen::Vector3d vector_of(Vec3 v) { return {v.x, v.y, v.z}; }
 
 // Rigid motions at the nodes, 3N x 6, orthonormal in the mass of the body that has `mass` (fracture.h).
@@ -161,7 +159,7 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
                                      const Progress& progress) {
   const SolvedBody& body = *whole.body;
   const modal::MassProperties& mass = *whole.bank.mass;
-  const double least_share = shatter.min_mass_kg > 0 ? shatter.min_mass_kg / mass.mass_kg : kLeastShare;
+  const double least_share = shatter.min_mass_kg > 0 ? shatter.min_mass_kg / mass.mass_kg : shatter::kLeastVolumeShare;
   if (!(least_share < 1))
     return fail(ErrorKind::bad_input, whole.bank.name + ": a piece's least mass is above the mass of the body");
   std::vector<Vec3> places_m = shatter.places_m;
@@ -180,8 +178,7 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
     Result<shatter::CutBody> parts = shatter::cut_body(body.mesh, seeds->points);
     if (!parts) return fail(parts.error().kind, whole.bank.name + ": " + parts.error().message);
     const Cut cut{body, mass, std::move(*parts)};
-    for (const shatter::Level& level : levels_of(cut.parts, body.mesh, seeds->group_of_cell,
-                                                 {.least_volume_share = least_share, .impact_m = place_m})) {
+    for (const shatter::Level& level : levels_of(cut.parts, body.mesh, seeds->group_of_cell, least_share)) {
       if (level.pieces.size() < 2)
         return fail(ErrorKind::bad_input, whole.bank.name + " breaks into one piece only; ask for more `pieces`");
       count += level.pieces.size();

@@ -10,7 +10,8 @@ double lambda_of(const Bank& bank, std::size_t m) {
   return undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
 }
 
-// What flows as heat in the scaled body. Where the bank does not say how it relaxes, its loss factor stays.
+// Returns the loss to heat in the scaled body [1/s]. If the bank does not say how a mode relaxes, its loss factor
+// stays.
 double rescaled_heat_loss(const Bank& bank, std::size_t m, double heat_per_s, const MaterialScale& scale) {
   const double root = std::sqrt(lambda_factor(scale));
   if (bank.heat.empty()) return scale.heat * root * heat_per_s;

@@ -118,7 +118,8 @@ class Cutter {
     return best;
   }
 
-  // Where on an edge two seeds are equally near: 0 at its first end, 1 at its second; beyond if not between them.
+  // Returns the place on an edge at which two seeds are equally near: 0 is its first end and 1 its second. Other
+  // numbers lie beyond the ends.
   [[nodiscard]] double crossing(const Simplex& edge, std::int32_t first, std::int32_t second) const {
     const double at_begin = farness(first, at(edge[0])) - farness(second, at(edge[0]));
     const double at_end = farness(first, at(edge[1])) - farness(second, at(edge[1]));
@@ -206,7 +207,7 @@ class Cutter {
     return !edges.empty();
   }
 
-  // Whether an edge between two cells passes through a third one far enough to matter.
+  // Returns true if an edge between two cells passes through a third one far enough to matter.
   [[nodiscard]] bool has_hidden_cell(const Simplex& edge) const {
     const std::int32_t first = cells_[edge[0]][0], second = cells_[edge[1]][0];
     const double share = crossing(edge, first, second);
@@ -282,7 +283,7 @@ class Cutter {
     if (!insertions.empty()) refinement_.insert(insertions, count);
   }
 
-  // Where in a simplex the first cells of its corners are equally near, kept off its sides.
+  // Returns the point of a simplex at which the first cells of its corners are equally near, kept off its sides.
   [[nodiscard]] std::array<double, 4> meeting_point(const Simplex& simplex, int count) const {
     Eigen::Matrix4d equations = Eigen::Matrix4d::Identity();
     for (int c = 0; c < count; ++c) {
@@ -301,7 +302,8 @@ class Cutter {
     return shares;
   }
 
-  // Where an edge is cut. If an end lies on a border, the cell that is nearest to the edge's middle counts.
+  // Returns the point at which an edge is cut. If an end lies on a border, the cell that is nearest to the edge's
+  // middle counts.
   [[nodiscard]] std::array<double, 4> cut_of(const Simplex& edge) const {
     const Eigen::Vector3d middle = 0.5 * (at(edge[0]) + at(edge[1]));
     const auto nearer = [&](std::int32_t a, std::int32_t b) { return farness(a, middle) < farness(b, middle); };
@@ -384,7 +386,7 @@ class Cutter {
   Eigen::Vector3d center_;
   std::vector<Cells> cells_;  // of each point
 
-  // Of one trial:
+  // These two belong to one trial:
   std::vector<Simplex> origins_;            // of each point, the simplex it was inserted into; all 0: none
   std::vector<std::int32_t> base_of_part_;  // the element after step 1 that the part lies in
   CutBody result_;

@@ -20,7 +20,7 @@ struct PartGraph {
   std::vector<Joint> joints;
 };
 
-// For each bit, its part; parts are numbered from 0 in the order of their first bits.
+// Holds the part of each bit. Parts are numbered from 0 in the order of their first bits.
 using Parts = std::vector<std::int32_t>;
 std::int32_t count_of(const Parts& parts);  // the number of parts
 

@@ -37,7 +37,7 @@ struct PatternOptions {
 
 struct Seeds {
   mesh::Points points;  // n x 3 [m], inside the straight elements; n is the last of PatternOptions::pieces
-  // For each level, coarsest first, n numbers: the group that each fine cell belongs to. Groups are 0 ... pieces - 1
+  // Each level, coarsest first, has n numbers: the group that each fine cell belongs to. Groups are 0 ... pieces - 1
   // and none is empty; each group is a union of groups of the next level, and in the last level each cell is a group.
   std::vector<std::vector<std::int32_t>> group_of_cell;
 };

@@ -59,16 +59,10 @@ double crack_area_m2(const PartGraph& graph, const Parts& parts) {
   return sum_m2;
 }
 
-Level level_of(const CutBody& cut, const PartGraph& graph, Parts parts, const Eigen::Vector3d& impact) {
+Level level_of(const PartGraph& graph, Parts parts) {
   Level level;
   for (const double volume_m3 : volumes_of(graph, parts))
     level.pieces.push_back({.volume_m3 = volume_m3, .coarser = -1});
-  for (std::size_t e = 0; e < parts.size(); ++e) {
-    double& farthest_m = level.pieces[parts[e]].farthest_m;
-    for (const std::int32_t corner : cut.elements[e].corners) {
-      farthest_m = std::max(farthest_m, (cut.points.row(corner).transpose() - impact).norm());
-    }
-  }
   level.crack_area_m2 = crack_area_m2(graph, parts);
   level.piece_of_element = std::move(parts);
   return level;
@@ -76,15 +70,14 @@ Level level_of(const CutBody& cut, const PartGraph& graph, Parts parts, const Ei
 
 }  // namespace
 
-// From the finest level to the coarsest. The bits of the finest level are elements; those of each other level are the
-// pieces of the finer one, each labelled with the group that most of its volume belongs to.
+// Levels are found from the finest to the coarsest. The bits of the finest level are elements; those of each other
+// level are the pieces of the finer one, each labelled with the group that most of its volume belongs to.
 std::vector<Level> levels_of(const CutBody& cut, const mesh::TetMesh& body,
-                             const std::vector<std::vector<std::int32_t>>& group_of_cell, const PieceOptions& options) {
+                             const std::vector<std::vector<std::int32_t>>& group_of_cell, double least_volume_share) {
   assert(!group_of_cell.empty());
   const PartGraph elements = graph_of(cut, body);
   double body_m3 = 0;
   for (const double volume_m3 : elements.volumes_m3) body_m3 += volume_m3;
-  const Eigen::Vector3d impact(options.impact_m.x, options.impact_m.y, options.impact_m.z);
 
   std::vector<Level> levels(group_of_cell.size());
   PartGraph graph = elements;
@@ -98,10 +91,10 @@ std::vector<Level> levels_of(const CutBody& cut, const mesh::TetMesh& body,
       families.push_back(level > 0 ? group_of_cell[level - 1][cell] : 0);
     }
     const Parts whole = parted_at_necks(graph, connected_parts(graph, labels));
-    const Parts parts = joined_small(graph, whole, families, options.least_volume_share * body_m3);
+    const Parts parts = joined_small(graph, whole, families, least_volume_share * body_m3);
     Parts part_of_element;
     for (const std::int32_t bit : bit_of_element) part_of_element.push_back(parts[bit]);
-    levels[level] = level_of(cut, elements, part_of_element, impact);
+    levels[level] = level_of(elements, part_of_element);
     if (level + 1 < levels.size()) {
       for (std::size_t bit = 0; bit < parts.size(); ++bit) levels[level + 1].pieces[bit].coarser = parts[bit];
     }

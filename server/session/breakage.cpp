@@ -302,16 +302,18 @@ Result<void> Breakage::check_whole(synth::ObjectNumber object) const {
 }
 
 void Breakage::advance_to(Armed& armed, Frame frame) const {
+  if (frame <= armed.present) return;
   advance(armed.state, seconds(frame - armed.present));
   armed.present = frame;
 }
 
-// Adds an event to the state of an armed object.
+// Adds an event to a state of an armed object.
 struct Breakage::Excited {
   Armed& armed;
+  modal::ModalState& state;
 
   void add(const std::vector<double>& impulse, double contact_time_s) const {
-    add_blow(armed.state, {.modal_impulse = impulse, .contact_time_s = contact_time_s});
+    add_blow(state, {.modal_impulse = impulse, .contact_time_s = contact_time_s});
   }
   void operator()(const synth::verb::Strike& strike) const {
     add(modal_impulse(*armed.map, armed.material, strike.point_m, strike.impulse_ns), strike.contact_time_s);
@@ -327,8 +329,8 @@ struct Breakage::Excited {
     const auto& by_frequency = armed.map->by_frequency();
     if (impart.mode >= by_frequency.size()) return;
     const std::size_t m = by_frequency[impart.mode];
-    const double omega = modal::hz_to_rad_per_s(armed.state.modes[m].frequency_hz);
-    armed.state.amplitudes[m] += std::polar(impart.velocity / omega, impart.phase_rad - 0.5 * std::numbers::pi);
+    const double omega = modal::hz_to_rad_per_s(state.modes[m].frequency_hz);
+    state.amplitudes[m] += std::polar(impart.velocity / omega, impart.phase_rad - 0.5 * std::numbers::pi);
   }
   void operator()(const synth::verb::Pose& pose) const { armed.pose = pose; }
   void operator()(const synth::verb::Choke&) const { end(); }
@@ -336,15 +338,24 @@ struct Breakage::Excited {
   void operator()(const auto&) const {}
 
  private:
-  void end() const { std::ranges::fill(armed.state.amplitudes, 0.0); }
+  void end() const { std::ranges::fill(state.amplitudes, 0.0); }
 };
 
 void Breakage::played(const Event& event) {
   const std::scoped_lock lock(mutex_);
   const auto known = armed_.find(event.object);
   if (known == armed_.end() || known->second.broken || is_of_listener(event)) return;
-  advance_to(known->second, event.frame);
-  visit(Excited{known->second}, event.verb);
+  Armed& armed = known->second;
+  if (event.frame >= armed.present) {
+    advance_to(armed, event.frame);
+    return visit(Excited{armed, armed.state}, event.verb);
+  }
+  // An event that another one of a later frame has overtaken is moved on, because a state that is moved back grows
+  // without bound where modes decay fast.
+  modal::ModalState late = modal::at_rest(armed.state.modes, armed.state.mass);
+  visit(Excited{armed, late}, event.verb);
+  advance(late, seconds(armed.present - event.frame));
+  for (std::size_t m = 0; m < late.amplitudes.size(); ++m) armed.state.amplitudes[m] += late.amplitudes[m];
 }
 
 // An object with another bank, material or name is armed anew when it breaks.

@@ -94,6 +94,7 @@ class Breakage final : public Observer {
   [[nodiscard]] double seconds(synth::Frame frames) const {
     return static_cast<double>(frames) / rack_.mixer().sample_rate_hz();
   }
+  // Moves the state on to a frame; an earlier one leaves it as it is.
   void advance_to(Armed& armed, synth::Frame frame) const;
   [[nodiscard]] std::vector<synth::Event> pieces_events(const Armed& armed, const modal::Broken& broken,
                                                         const protocol::BreakObject& request, synth::Frame frame) const;

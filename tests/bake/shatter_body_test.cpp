@@ -78,7 +78,7 @@ std::vector<shatter::PieceMesh> meshes_of_pieces(const Case& body) {
       mesh,
       {.pattern = body.shatter.pattern, .pieces = body.shatter.pieces, .impact_m = at_m, .seed = body.shatter.seed});
   const shatter::CutBody cut = shatter::cut_body(mesh, seeds->points).value();
-  const shatter::Level level = levels_of(cut, mesh, seeds->group_of_cell, {.impact_m = at_m}).front();
+  const shatter::Level level = levels_of(cut, mesh, seeds->group_of_cell).front();
   std::vector<shatter::PieceMesh> meshes;
   for (std::int32_t k = 0; k < std::ssize(level.pieces); ++k)
     meshes.push_back(piece_mesh(cut, mesh, elements_of(level, k)));

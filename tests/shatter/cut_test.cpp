@@ -70,7 +70,7 @@ Broken broken(const mesh::TetMesh& body, int count, shatter::Pattern pattern, un
   const auto seeds =
       shatter::make_seeds(body, {.pattern = pattern, .pieces = {count}, .impact_m = impact, .seed = seed}).value();
   Broken broken{cut_body(body, seeds.points).value(), {}, {}};
-  broken.levels = levels_of(broken.cut, body, seeds.group_of_cell, {.impact_m = impact});
+  broken.levels = levels_of(broken.cut, body, seeds.group_of_cell);
   for (std::int32_t k = 0; k < std::ssize(broken.levels[0].pieces); ++k) {
     broken.pieces.push_back(piece_mesh(broken.cut, body, elements_of(broken.levels[0], k)));
   }

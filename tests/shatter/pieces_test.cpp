@@ -56,7 +56,7 @@ TEST(ShatterPieces, PiecesOfAConvexPlateAreItsCells) {
   for (const auto pattern : {shatter::Pattern::kUniform, shatter::Pattern::kRadial}) {
     const auto seeds = make_seeds(body, {.pattern = pattern, .pieces = {24}, .impact_m = {0.1, 0.1, 0}}).value();
     const CutBody cut = cut_body(body, seeds.points).value();
-    const Level level = levels_of(cut, body, seeds.group_of_cell, {.least_volume_share = 0}).front();
+    const Level level = levels_of(cut, body, seeds.group_of_cell, 0).front();
     EXPECT_EQ(level.pieces.size(), 24u) << "nothing taken for a neck";
   }
 }
@@ -68,7 +68,7 @@ TEST(ShatterPieces, LevelsAreNested) {
     for (const auto pattern : {shatter::Pattern::kUniform, shatter::Pattern::kImpact, shatter::Pattern::kRadial}) {
       const auto seeds = make_seeds(body.mesh, {.pattern = pattern, .pieces = {3, 10, 40}, .impact_m = impact}).value();
       const CutBody cut = cut_body(body.mesh, seeds.points).value();
-      const auto levels = levels_of(cut, body.mesh, seeds.group_of_cell, {.impact_m = impact});
+      const auto levels = levels_of(cut, body.mesh, seeds.group_of_cell);
       ASSERT_EQ(levels.size(), 3u);
       for (const shatter::Piece& piece : levels[0].pieces) EXPECT_EQ(piece.coarser, -1);
       for (std::size_t level = 1; level < 3; ++level) {
@@ -100,7 +100,7 @@ TEST(ShatterPieces, NoPieceIsBelowTheLeastShare) {
   const CutBody cut = cut_body(body, seeds.points).value();
   std::size_t before = 1000;
   for (const double share : {0.0, 0.005, 0.02, 0.1}) {
-    const auto levels = levels_of(cut, body, seeds.group_of_cell, {.least_volume_share = share});
+    const auto levels = levels_of(cut, body, seeds.group_of_cell, share);
     for (const Level& level : levels) {
       for (const shatter::Piece& piece : level.pieces) EXPECT_GE(piece.volume_m3, share * 0.26 * 0.26 * 0.0045);
     }
@@ -109,17 +109,15 @@ TEST(ShatterPieces, NoPieceIsBelowTheLeastShare) {
   }
 }
 
-TEST(ShatterPieces, CrackAreaAndDistanceOfOnePlaneAreKnown) {
+TEST(ShatterPieces, TheCrackAreaOfOnePlaneIsKnown) {
   const mesh::TetMesh body = plate(8);
   mesh::Points seeds(2, 3);
   seeds << 0.065, 0.13, 0.002, 0.195, 0.13, 0.002;
   const CutBody cut = cut_body(body, seeds).value();
-  const Level level = levels_of(cut, body, {each_its_own(2)}, {.impact_m = {0, 0, 0}}).front();
+  const Level level = levels_of(cut, body, {each_its_own(2)}).front();
   EXPECT_NEAR(level.crack_area_m2, 0.26 * 0.0045, 1e-12);
   ASSERT_EQ(level.pieces.size(), 2u);
-  EXPECT_NEAR(level.pieces[0].farthest_m, std::hypot(0.13, 0.26, 0.0045), 1e-12);
-  EXPECT_NEAR(level.pieces[1].farthest_m, std::hypot(0.26, 0.26, 0.0045), 1e-12);
-  EXPECT_EQ(levels_of(cut, body, {{0, 0}}, {}).front().crack_area_m2, 0);
+  EXPECT_EQ(levels_of(cut, body, {{0, 0}}).front().crack_area_m2, 0);
 }
 
 // A square of wall, 10 thicknesses wide, joined by a bridge to another one, or to a strip.
@@ -137,7 +135,7 @@ TEST(ShatterPieces, ANarrowNeckParts) {
       node[1] = std::copysign(0.5 * bridge + rows / 10 * (5 - 0.5 * bridge), from_middle);
     }
     const CutBody cut = cut_body(checked(body).mesh, mesh::Points::Zero(1, 3)).value();
-    const Level level = levels_of(cut, checked(body).mesh, {{0}}, {}).front();
+    const Level level = levels_of(cut, checked(body).mesh, {{0}}).front();
     ASSERT_EQ(level.pieces.size(), is_neck ? 2u : 1u) << bridge << " " << strip;
     if (!is_neck) continue;
     EXPECT_NEAR(level.crack_area_m2, bridge, 0.02);

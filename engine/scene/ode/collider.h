@@ -32,7 +32,7 @@ class IslandMember {
   double elasticity_ = 1;              // share of its contacts' restitution that acts in this part of the step
 };
 
-// Whether a body may fall asleep, and for how long it has stayed in place.
+// Knows whether a body may fall asleep, and for how long it has stayed in place.
 class Sleep {
  public:
   explicit Sleep(dxBody* body) : body_(body) {}  // null for a static, which never wakes

@@ -90,7 +90,7 @@ struct Simulation::State {
   explicit State(const SceneDescription& scene);
 
   void do_part(Part part);
-  // Both return whether the part was solved exactly.
+  // find_and_solve() and solve() return true if the part was solved exactly.
   bool find_and_solve(Part& part);
   bool solve(const Part& part);
   void find_contacts(const Part& part);

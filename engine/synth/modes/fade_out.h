@@ -26,7 +26,7 @@ class FadeOut {
   explicit FadeOut(const ModeTable& table);  // [worker]
 
   // Takes what `from` holds, leaves zeros there, and lets it fade, within at least kMinFrames if by a straight line.
-  // What is left of a fade that runs already joins the new one at its present level.
+  // The rest of a fade that runs already joins the new one at its present level.
   void begin(StateArray& from, const Fading& fade) RINGDOWN_REALTIME;
 
   // Goes on with a fade of another table of the same bank (StateArray::move_from). True when some of it is left there.
