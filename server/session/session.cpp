@@ -88,9 +88,9 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
   using namespace protocol;
   return visit(Overloaded{
                    [&](const LoadObject& load) { return number(load_object(load)); },
-                   [&](const FreeObject& request) {
-                     if (const auto object = rack_.find(request.object)) scene_.object_freed((*object)->number);
-                     return none(rack_.free(request.object));
+                   [&](const FreeObject& removed) {
+                     if (const auto object = rack_.find(removed.object)) scene_.object_freed((*object)->number);
+                     return none(rack_.free(removed.object));
                    },
                    [&](const SetMaterial& set) { return none(rack_.set_material(set.object, set.scale)); },
                    [&](const SelectModes& select) { return none(rack_.select_modes(select.object, select.range)); },
