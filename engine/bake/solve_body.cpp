@@ -148,7 +148,9 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
     report.from_cache = true;
     return std::move(*kept);
   }
-  request.expected_lambda = cache.expected(question, task.options.family);
+  // A plan by what earlier bakes found changes the last bits of modes, which the cache would then keep. A body that is
+  // solved at each bake is planned without, so that its bank repeats.
+  if (!task.options.interior) request.expected_lambda = cache.expected(question, task.options.family);
   Result<BodyModes> modes = solve_body(task, request, report, progress);
   if (!modes) return modes;
   const Result<void> stored = cache.store(question, *modes);
