@@ -48,6 +48,7 @@ inline constexpr Quantity kIndex{"", 0, kMaxNumber};
 inline constexpr Quantity kCount{"", 0, std::numeric_limits<std::int32_t>::max()};
 inline constexpr Quantity kId{"", std::numeric_limits<std::int32_t>::min(), kCount.most};
 inline constexpr Quantity kLoad{"", 0, 1e6};
+inline constexpr Quantity kSignedRatio{"", -1e6, 1e6};
 inline constexpr Quantity kRate{"Hz", 0, 1e7};
 inline constexpr Quantity kNoticeRate{"Hz", 0.1, 200};
 inline constexpr Quantity kUnit{"", -1.001, 1.001};  // rounding to float may pass 1

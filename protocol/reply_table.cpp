@@ -54,7 +54,7 @@ Row row(StatusReply& s) {
            &s.limited, "limited", kCount,
            "Strikes made weaker, because they would have bent a thin object by more than three times its thickness."),
        integer(&s.coupled_objects, "coupled", kCount, "Objects whose modes exchange energy just now."),
-       number(&s.psi, "psi", kLoad,
+       number(&s.psi, "psi", kSignedRatio,
               "How true their energy is: an auxiliary variable over what it stands for, of the object where it is "
               "farthest from 1."),
        optional(any_text(&s.capture, "capture", "The sound file that is being written."))});

@@ -82,7 +82,13 @@ std::vector<std::byte> encode_score(std::span<const ScoreEvent> events) {
     const double time_s = events[first].time_s;
     assert(time_s >= 0 && time_s <= kMaxScore);
     std::vector<Message> messages;
-    for (; last < events.size() && events[last].time_s == time_s; ++last) messages.push_back(events[last].message);
+    // What does not fit into one packet goes on in another bundle of the same time.
+    constexpr std::size_t kBundleHead = 16, kLength = 4;
+    for (std::size_t size = kBundleHead; last < events.size() && events[last].time_s == time_s; ++last) {
+      size += kLength + encode(events[last].message).size();
+      if (last > first && size > kMaxPacketBytes) break;
+      messages.push_back(events[last].message);
+    }
     const std::vector<std::byte> bundle = encode_bundle(to_time_tag(time_s), messages);
     append_size(bytes, bundle.size());
     bytes.insert(bytes.end(), bundle.begin(), bundle.end());

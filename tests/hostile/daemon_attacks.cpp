@@ -69,7 +69,8 @@ class DaemonAttack : public Attack {
     std::ifstream file("score.osc", std::ios::binary);
     const std::string score{std::istreambuf_iterator<char>(file), {}};
     const auto events = wire::parse_score(std::as_bytes(std::span(score)), "score.osc");
-    fuzz::expect(events && !events->empty(), "the recorded score is whole");
+    fuzz::expect(events.has_value(), events ? "" : events.error().message.c_str());
+    fuzz::expect(!events->empty(), "the recorded score is whole");
   }
 
  protected:

@@ -63,6 +63,20 @@ TEST(OscScore, AWrittenScoreHasTheBytesThatScsynthReads) {
                                            framed(osc_bundle(3 * kSecond, {message_to("/c")}))));
 }
 
+TEST(OscScore, AMomentOfMoreThanAPacketIsWrittenInSeveralBundles) {
+  std::vector<ScoreEvent> events;
+  for (int i = 0; i < 3000; ++i) events.push_back({0.25, {"/object/plate.12/impart", {i, 0.5f, -1.0f}}});
+  const std::vector<std::byte> bytes = encode_score(events);
+  ASSERT_GT(bytes.size(), 2 * kMaxPacketBytes);
+  const auto again = parse_score(bytes, "a.osc");
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_EQ(again->size(), events.size());
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(again->at(i).time_s, 0.25);
+    EXPECT_EQ(again->at(i).message, events[i].message);
+  }
+}
+
 TEST(OscScore, AnEmptyFileIsAnEmptyScore) { EXPECT_EQ(order(""), ""); }
 
 TEST(OscScore, BrokenScoresAreRefusedWithFileAndBundle) {
