@@ -176,7 +176,7 @@ TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
         Reply(Done{"/quit", std::nullopt}),
         Reply(Fail{"/load", "why"}),
         Reply(status),
-        Reply(StatusReply{.psi = -0.25}),
+        Reply(StatusReply{.full_scale_pa = 20, .psi = -0.25}),
         Reply(VersionReply{"ringdownd", "0.1.0", 1}),
         Reply(Synced{-5}),
         Reply(Fail{"", "two\nlines"}),
