@@ -11,9 +11,12 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/bank.h"
 #include "engine/modal/fracture/breaking.h"
+#include "engine/modal/fracture/peak_stress.h"
+#include "engine/modal/fracture/strength.h"
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace ringdown::modal {
@@ -37,6 +40,10 @@ struct BreakPattern {
 
 struct Fracture {
   std::vector<BreakPattern> patterns;  // of one place: by ascending number of pieces
+  StressTable stress;                  // of the body's modes; without points: unknown
+  double skin_m2 = 0;                  // the area of the body's skin, which `strength` is drawn for
+  std::optional<Strength> strength;    // of the body's material; nothing: unknown
+  double crack_energy_j_m2 = 0;        // G_c of the body's material; 0: unknown, and cracks cost nothing
 };
 
 // Keeps the columns of the body's modes in `kept`, in that order; the body had `modes` modes.
