@@ -130,7 +130,7 @@ std::string_view time_text(Lane lane) {
   return "";
 }
 
-// How a request is answered, where the page's head does not say it already.
+// Returns how a request is answered, or nothing if the page's head says it already.
 std::string answer_text(const AddressSpec& spec) {
   const std::string_view usual = time_text(*spec.lane) == "Timed" ? "" : "/done";
   if (spec.reply == usual && spec.reply_number.empty()) return "";

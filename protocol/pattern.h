@@ -16,8 +16,8 @@ namespace ringdown::protocol {
 
 [[nodiscard]] inline bool is_pattern(std::string_view address) { return address.find_first_of("?*[{") != address.npos; }
 
-// Whether one part of an address stands for `text` of up to 127 characters. A pattern whose [ or { is not closed, or
-// whose set is empty, matches nothing. Takes |pattern| |text| steps at most, whatever the pattern.
+// Returns true if one part of an address, a pattern, matches `text` of up to 127 characters. A pattern whose [ or { is
+// not closed, or whose set is empty, matches nothing. Takes |pattern| |text| steps at most, whatever the pattern.
 [[nodiscard]] bool matches(std::string_view pattern, std::string_view text);
 
 // The addresses that a pattern stands for when there are objects of these names; at least one, or a sentence that says

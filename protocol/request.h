@@ -30,7 +30,7 @@ struct ObjectRef {
 };
 
 // A verb of the mixer (engine/synth/events/verbs.h) that happens to an object, and one that happens to the listener.
-// Where a verb concerns a second object, as Couple does, the client names it as `other`.
+// If a verb concerns a second object, as Couple does, the client names it as `other`.
 template <class Verb>
 struct OnObject {
   ObjectRef object;
@@ -98,7 +98,7 @@ struct SelectModes {  // /object/{object}/modes
   ObjectRef object;
   modal::ModeRange range;
 };
-// Whether the subscriber is sent the amplitudes of the object's modes.
+// Starts or stops sending the amplitudes of the object's modes to the subscriber.
 struct WatchObject {  // /object/{object}/watch
   ObjectRef object;
   bool on = true;
@@ -182,7 +182,7 @@ struct Notify {  // /notify
   bool on = true;
   double rate_hz = 20;
 };
-// Whether the subscriber is sent the samples of the mix.
+// Starts or stops sending the samples of the mix to the subscriber.
 struct WatchSound {  // /watch/sound
   bool on = true;
 };

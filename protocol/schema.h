@@ -98,7 +98,7 @@ std::optional<OutOfRange> find_out_of_range(Request& request);
 // find_out_of_range(), returns the first number that is wrong, and allocates nothing if there is none.
 std::optional<OutOfRange> fill(MixerRequest& request, std::span<const double> numbers);
 
-// What an argument is called where it is a member or a parameter with its unit: "contact_time_s". The arguments of a
+// Returns the name of an argument as a member or a parameter, with its unit: "contact_time_s". The arguments of a
 // vector are one member: "impulse_ns".
 std::string member_name(const ArgumentSpec& argument);
 

@@ -18,8 +18,8 @@ using protocol::ExitCode;
 
 constexpr std::chrono::milliseconds kPoll{50};
 
-// Whether a thread that does not block the signals has taken one: OpenBLAS starts its threads before main(). The kernel
-// prefers such threads to a main thread that is between two calls of sigtimedwait().
+// True once a thread that does not block the signals has taken one: OpenBLAS starts its threads before main(). The
+// kernel prefers such threads to a main thread that is between two calls of sigtimedwait().
 std::atomic<bool> taken_elsewhere = false;
 
 bool signal_arrived(const sigset_t& signals) {

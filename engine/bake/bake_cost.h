@@ -25,8 +25,8 @@ struct BakeCost {
 // slender and these are more.
 double expected_modes(const BodyShape& shape, const modal::Material& material, double frequency_hz);
 
-// Of elements of that kind between the corners of `mesh`, which may be of another order. Counts nodes, and times a
-// product of two matrices to know the processor (some 30 ms).
+// Estimates the cost of a bake with elements of this kind between the corners of `mesh`, whose own order does not
+// matter. Counts nodes, and times a product of two matrices to measure the processor (some 30 ms).
 BakeCost expected_cost(const mesh::TetMesh& mesh, fem::Element element, const modal::Material& material,
                        double band_high_hz);
 

@@ -47,7 +47,7 @@ struct BakedObject {
 inline constexpr double kMaxChosenUnknowns = 150'000;  // that a chosen mesh size makes
 inline constexpr int kMaxRounds = 6;
 
-// How an object would be baked: meshed, but not solved.
+// A plan of a bake: the object is meshed, but not solved.
 struct Forecast {
   std::optional<MeshChoice> choice;
   mesh::CheckedMesh mesh;

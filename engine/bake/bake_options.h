@@ -1,4 +1,4 @@
-// How a body is baked, and what was found on the way (bake.h).
+// Options and results of a bake (bake.h).
 #pragma once
 
 #include "engine/bake/body_radiation.h"

@@ -1,5 +1,5 @@
-// How the heat of a body's modes relaxes: the ratios of its parts for the finite elements, and what becomes of the
-// pairs that these find (fem/heat_flow.h) in the body's own size and material. [worker]
+// Thermoelastic loss of a body's modes: prepares the ratios of its parts for the finite elements (fem/heat_flow.h), and
+// converts their results to the body's own size and material. [worker]
 #pragma once
 
 #include "engine/bake/body_modes.h"

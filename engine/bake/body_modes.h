@@ -33,7 +33,7 @@ struct BodyUnits {
   [[nodiscard]] modal::MassProperties mass(const modal::MassProperties& body) const;
 };
 
-// How a mode's energy is spread over what loses it differently (fitted_makeup.h); empty for a free body of one
+// Each mode's energy, divided among the parts and supports that damp it (fitted_makeup.h). Empty for a free body of one
 // material.
 struct ModeShares {
   Eigen::MatrixXd strain, motion;  // parts x m: phi^T K phi, weighed by the part's losses, and phi^T M phi
@@ -103,9 +103,9 @@ class ModeCache {
   // Replaces the entry of the same key: call it when find() had none.
   Result<void> store(const BodyQuestion& question, const BodyModes& modes) const;
 
-  // Where the modes of a near relative were: lambdas free of units, ascending, rigid motions left out; empty when there
-  // is none. For planning only: a relative has another Poisson's ratio, element or mesh size. Relatives share a
-  // `family`, a name for the shape; when that is empty, the mesh's node numbers are the family.
+  // Returns the eigenvalues of a similar body that was solved before: free of units, ascending, without rigid motions;
+  // empty if there is none. They serve planning only, because the similar body has another Poisson's ratio, element or
+  // mesh size. Similar bodies share a `family`, a name for the shape; if that is empty, the mesh's node numbers decide.
   [[nodiscard]] Eigen::VectorXd expected(const BodyQuestion& question, const std::string& family) const;
   Result<void> expect(const BodyQuestion& question, const std::string& family, const Eigen::VectorXd& lambda) const;
 

@@ -1,4 +1,4 @@
-// How large and how thin a body is, how fine a mesh it therefore needs, and whether its size can be meant. [any thread]
+// Size and thinness of a body, the mesh size that it needs, and a check for the wrong unit of length. [any thread]
 //
 // The highest note of the band sets the shortest wave that the mesh must follow: a shear wave, c_t / f, or where the
 // body is thin, a bending wave of a plate of its thickness, 2 pi (D / (rho h))^(1/4) / sqrt(omega) with
@@ -60,10 +60,10 @@ double guessed_lowest_hz(const BodyShape& shape, const modal::Material& material
 // Plates and shells have more.
 double debye_count(double volume_m3, const modal::Material& material, double lambda);
 
-// Whether a body can be as large as its file says, when a bank of it should go up to `band_high_hz` and hold at most
-// `max_modes`. Nothing where the size may be meant. Else one sentence that says how large the body is, what would be
-// wrong with its sound, and with which unit it would be right: "cup.stl is 95 m long, ...; if its unit is the
-// millimetre (--unit mm), it is 95 mm long and its lowest note about 1200 Hz".
+// Doubts the size of a body whose bank should go up to `band_high_hz` and hold at most `max_modes`. Returns an empty
+// string if the size is plausible. Otherwise returns a sentence with the body's length, the consequence for its sound,
+// and the unit that would be plausible: "cup.stl is 95 m long, ...; if its unit is the millimetre (--unit mm), it is
+// 95 mm long and its lowest note about 1200 Hz".
 std::string question_size(const BodyShape& shape, const modal::Material& material, double band_high_hz, int max_modes,
                           const std::filesystem::path& path, double unit_m);
 

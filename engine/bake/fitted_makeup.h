@@ -42,7 +42,7 @@ struct FittedMakeup {
   [[nodiscard]] modal::ModeLoss loss(const ModeShares& shares, const BodyUnits& units, Eigen::Index m, double lambda,
                                      double air_per_s) const;
 
-  // How any mode may be damped at most: for the top of a band.
+  // Returns the largest eigenvalue whose damped frequency may lie below the top of the band.
   [[nodiscard]] double highest_lambda(double band_high_hz) const;
 };
 

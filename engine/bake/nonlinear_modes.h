@@ -1,4 +1,4 @@
-// How a body's modes bend each other's pitch: its geometric nonlinearity, from finite elements. [worker]
+// Geometric nonlinearity from finite elements: modes of large amplitude change each other's pitch. [worker]
 //
 // With q the modal displacements of M modes, Green's strain is eps(q) + E2(q, q) (fem/quadratic_strain.h). All other
 // motions u follow at once and take what strain they can, so that the energy becomes
@@ -43,7 +43,7 @@ struct NonlinearModes {
 
 inline constexpr int kMaxNonlinearModes = 300;  // modal::kMaxNonlinearModes
 
-// How many fields B_k there are for M modes.
+// Returns the number of fields B_k for M modes.
 int nonlinear_functions(int modes);
 
 // For the first M elastic modes: `shapes` (3N x (rigid + m), M-orthonormal, m >= M) begin with the rigid motions.
@@ -54,8 +54,8 @@ Result<NonlinearModes> find_nonlinear(const mesh::TetMesh& unit_mesh, const fem:
                                       const Eigen::MatrixXd& shapes, int rigid, int modes,
                                       const Progress& progress = {});
 
-// How strongly each mode bends its own pitch, as a number that does not depend on the basis inside a family of equal
-// frequencies: the mean over the family's unit sphere of (sum over k of t_k^2) / lambda^2. M numbers.
+// Returns M numbers: how strongly each mode changes its own pitch. They do not depend on the basis inside a family of
+// equal frequencies: each is the mean of (sum over k of t_k^2) / lambda^2 over the family's unit sphere.
 Eigen::VectorXd own_hardening(const NonlinearModes& modes, const Eigen::VectorXd& lambda);
 
 }  // namespace ringdown::bake

@@ -13,7 +13,7 @@
 
 namespace ringdown::bake {
 
-// How a body breaks, as [shatter] of an object file says it.
+// The contents of [shatter] in an object file.
 struct Shatter {
   std::vector<int> pieces = {30};  // for each level, coarsest first
   shatter::Pattern pattern = shatter::Pattern::kImpact;

@@ -1,4 +1,4 @@
-// How heat relaxes in a vibrating body: the part of a mode's loss that its shape decides. [worker]
+// Thermoelastic loss: heat that flows in a vibrating body while it is bent. [worker]
 //
 // A mode of small amplitude u presses and stretches the body, and warms it by -T0 E alpha / (1 - 2 nu) div u / (rho c).
 // The temperature theta obeys (k K + i omega rho c C) theta = -i omega T0 B u, with natural (insulated) surfaces, and
@@ -29,7 +29,8 @@ namespace ringdown::fem {
 
 inline constexpr int kHeatPairs = 4;
 
-// How a part of the body warms, as ratios to one reference material. Conductivity and capacity (per volume) > 0.
+// Thermal constants of a part of the body, as ratios to one reference material. Conductivity and capacity (per
+// volume) > 0.
 struct HeatRatios {
   double expansion = 1, conductivity = 1, capacity = 1;
 };

@@ -67,7 +67,8 @@ struct Pass {
   }
 };
 
-// Whether the mode decays, differs from a steady tone, rings for more than a cycle, and lasts for much of the pass.
+// Returns true if the mode decays, differs from a steady tone, rings for more than a cycle, and lasts for much of the
+// pass.
 bool is_mode_of(const Pass& pass, const Mode& mode) {
   return mode.decay_per_s > kMinDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kMaxDecayOfPass &&
          mode.decay_per_s > pass.slowest_per_s && mode.frequency_hz > kMinCycles * mode.decay_per_s &&

@@ -1,4 +1,4 @@
-// How much of an object's sound a mode is: the order of the modes in a bank. [any thread]
+// Importance of a mode: its share of the object's sound, by which the modes in a bank are ordered. [any thread]
 #pragma once
 
 #include "engine/modal/damping.h"

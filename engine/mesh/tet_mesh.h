@@ -56,7 +56,7 @@ struct TetQuality {
   double shortest_edge_m = 0, longest_edge_m = 0;
 };
 
-// How well-shaped the straight elements between the corners are. O(E).
+// Measures the shape of the straight elements between the corners. O(E).
 TetQuality quality_of(const TetMesh& mesh);
 
 }  // namespace ringdown::mesh

@@ -49,7 +49,7 @@ std::filesystem::path bank_path(const BankPath& path);
 Result<Bank> parse_bank(std::span<const std::byte> gltf, const std::string& name, const ModelChoice& model = {},
                         const ReadBeside& read_beside = {});
 
-// How arrays are stored in the file. `meshopt` (EXT_meshopt_compression) takes about a third of the bytes, and a reader
+// The coding of arrays in the file. `meshopt` (EXT_meshopt_compression) takes about a third of the bytes, and a reader
 // must know the extension. Compression rounds shapes: each mode's numbers become whole multiples of a power of two
 // between 1/128 and 1/64 of their rms, an rms error of 0.2 to 0.5 %. All other numbers are exact, and compressing a
 // bank again changes nothing.

@@ -129,7 +129,7 @@ Result<ExtendedGltf> add_models(std::string_view file, const std::string& name, 
     const JsonPlace root(&json, name + ": ");
     const bool inside =
         pieces.is_glb && !root["buffers"][0]["uri"].present() && (root["buffers"].size() == 0 || pieces.has_binary);
-    // Where the first new accessor, view and byte will be.
+    // The numbers of the first new accessor and view, and the place of the first new byte.
     const std::size_t accessors = root["accessors"].size(), views = root["bufferViews"].size();
     const std::size_t buffer = inside ? 0 : root["buffers"].size();
     std::string binary(pieces.binary);

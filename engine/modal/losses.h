@@ -69,7 +69,7 @@ double highest_lambda(double band_high_hz, const MaterialDamping& damping);
 inline constexpr double kRoomTemperature_k = 293.15;
 inline constexpr int kRelaxations = 4;  // for each mode
 
-// How a material warms; each figure is > 0.
+// Thermal constants of a material; each is > 0.
 struct Thermal {
   double expansion_per_k = 0;      // of a length
   double conductivity_w_mk = 0;    // [W / (m K)]

@@ -32,7 +32,7 @@ class StrikeMap {
   [[nodiscard]] const std::vector<std::uint32_t>& by_frequency() const RINGDOWN_REALTIME { return by_frequency_; }
   [[nodiscard]] std::uint32_t rank(std::size_t mode) const RINGDOWN_REALTIME { return rank_.data()[mode]; }
 
-  // How loud the bank's modes are.
+  // The loudness of the bank's modes.
   [[nodiscard]] const Loudness& loudness() const { return loudness_; }
 
   // The directional gains of the modes; empty when the bank has no radiation maps.

@@ -163,7 +163,7 @@ class Tiling {
     }
     return found;
   }
-  // Whether the triangle has the side from a to b in this direction.
+  // Returns true if the triangle has the side from a to b in this direction.
   [[nodiscard]] bool runs(int triangle, int a, int b) const {
     const Triangle& t = triangles_[triangle];
     return (t[0] == a && t[1] == b) || (t[1] == a && t[2] == b) || (t[2] == a && t[0] == b);
@@ -205,7 +205,7 @@ class Tiling {
     return middle;
   }
 
-  // Whether the sharp lines through `gone` allow it to be collapsed onto `kept`.
+  // Returns true if the sharp lines through `gone` allow it to be collapsed onto `kept`.
   [[nodiscard]] bool keeps_sharp_lines(int gone, int kept) const {
     const std::vector<int>& lines = sharp_[gone];
     if (lines.empty()) return true;

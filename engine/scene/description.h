@@ -89,8 +89,8 @@ inline constexpr Range kHumidity_percent{0, 100};
 
 using ringdown::Rotation;
 
-// How the values of two surfaces in contact are combined. If the two surfaces name different ways, the one earlier in
-// this list applies; the geometric mean is the default.
+// A rule for combining the values of two surfaces in contact. If the two surfaces name different rules, the one earlier
+// in this list applies; the geometric mean is the default.
 enum class Combine { average, minimum, maximum, multiply, geometric_mean };
 
 // Contact properties of a body's surface.

@@ -57,7 +57,7 @@ struct Ldlt::Front {
   Front(int nodes, int threads) : copies(threads), row_of(nodes) {}
   void open(const Supernode& node);
 
-  // Whether a member fills this column of the front: columns are dealt in turn, 24 at a time.
+  // Returns true if the member fills this column of the front: columns are dealt in turn, 24 at a time.
   static bool owns(const Member& member, int column) { return member.has(column / 24); }
 };
 

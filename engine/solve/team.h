@@ -20,7 +20,7 @@ class Member {
   [[nodiscard]] int count() const { return count_; }
   [[nodiscard]] bool first() const { return number_ == 0; }
 
-  // Whether item `i` belongs to this member when items are dealt in turn.
+  // Returns true if item `i` belongs to this member when items are dealt in turn.
   [[nodiscard]] bool has(int i) const { return i % count_ == number_; }
 
   // The beginning and the end of this member's even share of `items`.

@@ -46,8 +46,8 @@ struct MixerSettings {
   // Modes whose amplitude, at the gain of their object, lies so far below full scale rest until the next strike.
   double floor_db = 120;
 
-  // Whether a strike's contact pulse drives the modes sample by sample from the strike's frame on. Otherwise each mode
-  // gets at that frame what the spectrum of the pulse holds for it. The two differ while the contact lasts, and
+  // If true, a strike's contact pulse drives the modes sample by sample from the strike's frame on. Otherwise each mode
+  // receives at that frame the pulse's spectrum at its frequency. The two differ while the contact lasts, and
   // afterwards only in phase. Driving costs more while the contact lasts, and serves kMaxDrives strikes at a time.
   bool exact_contacts = false;
 
@@ -58,14 +58,14 @@ struct MixerSettings {
   // has a voice.
   std::optional<std::size_t> ambisonic_order = {};
 
-  // Whether what happens to an object in its place is heard at the listener when its sound has travelled there.
+  // If true, an object in a place is heard when its sound has travelled to the listener.
   bool travel_time = false;
 
   // The head that the mix is rendered for: left and right are then its ears (binaural.h). Null: stereo.
   HeadLoader head = {};
 
-  // How many modes of a voice may exchange energy, where its bank wants as many: the 64 lowest by default, 300 where
-  // there is no hurry (coupled_modes.h). Fixed once an object has a voice.
+  // The number of a voice's lowest modes that may exchange energy, if its bank has as many: 64 by default, 300 offline
+  // (coupled_modes.h). Fixed once an object has a voice.
   std::size_t max_coupled = 64;
 
   // Threads that render big scenes, the audio thread among them. With more than one, rounding depends on which thread
@@ -146,7 +146,7 @@ class Mixer {
   // True while `object` has a voice that is playing, ringing out or not yet collected. [worker]
   [[nodiscard]] bool in_use(ObjectNumber object) const { return voices_.in_use(object); }
 
-  // Whether blocks are due at a certain time, as they are by default; without, the budget does not count. [audio]
+  // Says whether blocks are due at a certain time, as by default; otherwise the time budget is not kept. [audio]
   void keep_deadlines(bool on) RINGDOWN_REALTIME { deadlines_ = on; }
 
   // Writes the next frames; any number of frames. [audio]

@@ -289,7 +289,8 @@ bool Stage::starts_pulse(const Strike& strike, const DueEvent& due, const Chunk&
   return true;
 }
 
-// Whether a silent object may share its states from the beginning of the chunk on: what it is heard by is found first.
+// Returns true if a silent object may share its states from the beginning of the chunk on. First updates the gains by
+// which it is heard.
 bool Stage::settles(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
   if (!object.placement.heard(chunk)) return true;
   if (object.active) return false;

@@ -68,14 +68,14 @@ class Stage {
     listening_.begin_cell(chunk.cell_begin(), chunk.cell_end(), chunk.sample_rate_hz);
     return &listening_;
   }
-  // Whether there has ever been a listener.
+  // Returns true if there has ever been a listener.
   [[nodiscard]] bool has_listened() const RINGDOWN_REALTIME { return listening_.used(); }
 
   // Finds which inputs are not silent in the chunk's first frames, and activates what they excite. Returns how many of
   // `rest` frames were looked at: kChunkFrames at most when an input is connected.
   [[nodiscard]] std::size_t listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REALTIME;
 
-  // Whether nothing sounds or is about to.
+  // Returns true if nothing sounds or is about to.
   [[nodiscard]] bool idle() const RINGDOWN_REALTIME {
     return active_objects_.size() + active_groups_.size() + clicks_.size() == 0;
   }
@@ -90,10 +90,11 @@ class Stage {
   // After the chunk: takes what has fallen silent off the lists, hands silent voices back, lets objects share states,
   // and returns events that had to wait to the queue.
   void finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME;
-  // Whether events of the chunk had to wait for want of time.
+  // Returns true if events of the chunk were postponed because time was short.
   [[nodiscard]] bool events_waited() const RINGDOWN_REALTIME { return events_waited_; }
 
-  // Everything rings alone, and clicks end: before the sample rate changes. [worker, while nothing is rendered]
+  // Parts all objects that share states, and ends clicks, before the sample rate changes. [worker, while nothing is
+  // rendered]
   void part_all(Frame now);
   // Changes the length of a frame; `renew(voice)` frees a voice and returns the one in its place. [worker, while
   // nothing is rendered, after part_all()]
@@ -115,7 +116,7 @@ class Stage {
   [[nodiscard]] std::size_t object_limit() const RINGDOWN_REALTIME { return object_limit_; }
 
  private:
-  // What acts on objects while time goes by.
+  // The forces that act on objects for some time.
   struct Forces {
     explicit Forces(MixerCounters& counters) : exciters(counters) {}
     Exciters exciters;

@@ -82,7 +82,7 @@ std::vector<std::byte> encode_score(std::span<const ScoreEvent> events) {
     const double time_s = events[first].time_s;
     assert(time_s >= 0 && time_s <= kMaxScore);
     std::vector<Message> messages;
-    // What does not fit into one packet goes on in another bundle of the same time.
+    // Messages that do not fit into one packet go into further bundles of the same time.
     constexpr std::size_t kBundleHead = 16, kLength = 4;
     for (std::size_t size = kBundleHead; last < events.size() && events[last].time_s == time_s; ++last) {
       size += kLength + encode(events[last].message).size();

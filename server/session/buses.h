@@ -32,7 +32,7 @@ class Buses {
   // The labels of the buses that are in use, by number.
   [[nodiscard]] std::map<std::size_t, std::string> names() const;
 
-  // How often an object found no free bus.
+  // Returns how many objects found no free bus.
   [[nodiscard]] std::size_t overflow() const;
 
  private:

@@ -49,7 +49,7 @@ tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reas
   return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + reason);
 }
 
-// Whether the regular file at `path` is empty or has the kind's mark.
+// Returns true if the regular file at `path` is empty or has the kind's mark.
 bool is_of_kind(const fs::path& path, const WrittenKind& kind) {
   std::ifstream file(path, std::ios::binary);
   std::string begin(kind.mark_at + kind.mark.size(), '\0');

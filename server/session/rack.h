@@ -68,7 +68,7 @@ class Rack {
   // producer's thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
 
-  // Where somebody listens from, and whether. [any but audio]
+  // The listener's last pose and air, if there is a listener. [any but audio]
   [[nodiscard]] const ListenerMemory& listener() const { return listener_; }
 
   // Returns the object as it is now. Neither locks nor allocates, unless there is none. [any but audio]

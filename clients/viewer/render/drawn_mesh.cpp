@@ -11,10 +11,10 @@
 #include <numeric>
 #include <utility>
 
-// How a bank's surface becomes a mesh that can be shaded. First every point of the surface is split into one corner for
-// each smooth patch of triangles around it; two neighbouring triangles belong to one patch when their normals differ by
-// less than kCreaseAngle (creased). Then each flat triangle is replaced by a curved one (Curver), so that a coarse
-// surface looks round. Normals are means over the triangles at a corner, weighted by angle.
+// A bank's surface is turned into a mesh that can be shaded. First every point of the surface is split into one corner
+// for each smooth patch of triangles around it; two neighbouring triangles belong to one patch when their normals
+// differ by less than kCreaseAngle (creased). Then each flat triangle is replaced by a curved one (Curver), so that a
+// coarse surface looks round. Normals are means over the triangles at a corner, weighted by angle.
 namespace ringdown::viewer {
 namespace {
 

@@ -105,7 +105,7 @@ glm::mat4 light_matrix(Sphere interest, glm::vec3 to_light) {
 glm::vec3 material_colour(std::string_view name) {
   std::string lower(name);
   std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  // Where several families match, the one with the longest part decides: it is the most specific.
+  // If several families match, the one with the longest part decides: it is the most specific.
   const Family* best = nullptr;
   for (const Family& family : kFamilies) {
     if (lower.find(family.part) != std::string::npos && (!best || family.part.size() > best->part.size()))

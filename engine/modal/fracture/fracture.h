@@ -1,4 +1,4 @@
-// How a body breaks: the patterns of pieces that its bank holds. [worker]
+// The patterns of pieces into which a body breaks, as its bank holds them. [worker]
 //
 // Plain data, checked when it is read (fracture_file.h). A body has one or more patterns, for the places where it may
 // be struck and for numbers of pieces. Every piece has a bank of its own, which may have no modes: such a piece clicks

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-// How a half sine excites a mode
+// The response of a mode to a half sine
 //
 // An impulse at time u leaves the amplitude -i b / omega, which then moves by p = -d + i omega. A force of the shape
 // s(u) = (W/2) sin(W u), W = pi / tau, of integral 1 over its duration tau, has therefore at time t made the amplitude

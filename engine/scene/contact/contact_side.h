@@ -1,4 +1,4 @@
-// What each of two bodies in contact contributes to the contact's sound. [any thread]
+// One of two bodies in contact, with all that the contact's sound depends on. [any thread]
 #pragma once
 
 #include "engine/modal/bank.h"

@@ -65,8 +65,8 @@ double inverse_mass_of(const ContactSide& body, const ContactSide& other, const 
          inverse_mass(other, point.motions->of_other, point.point_m, point.normal);
 }
 
-// How long the two sides touch in an impact: as given by their surfaces, or by Hertz's law (hertz.h) from the mass that
-// each side opposes to the impact, their curvatures and their elasticities.
+// Returns the duration of an impact: the one that the surfaces state, or that of Hertz's law (hertz.h) for the mass
+// that each side opposes to the impact, their curvatures and their elasticities.
 double contact_time_s(const ContactSide& body, const ContactSide& other, const ContactPoint& point) {
   if (const auto given = combine(body.surface, other.surface).contact_time_s) return *given;
   const double both = inverse_mass_of(body, other, point);
@@ -167,7 +167,8 @@ void ContactSounds::process_pair(BodyPair pair, std::span<const ContactPoint* co
   resting_.add(*contact, points);
 }
 
-// How long faces that meet touch (bearing.h): where a surface has a waviness, and the points span a patch.
+// Returns how long two faces touch when they meet (bearing.h). Returns nothing unless a surface has a waviness and the
+// points span a patch.
 std::optional<double> ContactSounds::face_time_s(std::span<const ContactPoint* const> points) const {
   constexpr double kMin_m2 = 1e-10;
   const ContactPoint& last = *points.back();

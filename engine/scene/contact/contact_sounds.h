@@ -17,7 +17,7 @@
 
 namespace ringdown::scene {
 
-// Where scene time lies in frames.
+// Converts scene time to frames.
 struct FrameClock {
   synth::Frame start = 0;
   double sample_rate_hz = 48000;
@@ -43,10 +43,10 @@ class ContactSounds {
 
   [[nodiscard]] std::size_t dropped() const { return events_.dropped; }  // events of that step beyond kMaxEventsPerStep
 
-  // Whether a step without contact points would have nothing to report.
+  // Returns true if a step without contact points would have nothing to report.
   [[nodiscard]] bool quiet() const { return lives_.size() == 0 && !resting_.pending(); }
 
-  // Whether the end of a lasting contact is still to be reported, or an object's dampers are.
+  // Returns true if the end of a lasting contact or a change of an object's dampers has not been reported yet.
   [[nodiscard]] bool has_lasting() const { return !lasting_.empty() || resting_.has_unchecked(); }
 
  private:

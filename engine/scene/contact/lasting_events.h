@@ -36,7 +36,7 @@ class LastingEvents {
   // ends a contact has force zero.
   void add(const ContactReport& report, const ContactSides& sides, synth::Frame frame, StepEvents& events);
 
-  // Whether no contact waits for its end to be reported.
+  // Returns true if the ends of all contacts have been reported.
   [[nodiscard]] bool empty() const { return numbers_.size() == 0; }
 
  private:

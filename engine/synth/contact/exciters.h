@@ -4,8 +4,8 @@
 // An exciter is a force in time at one point of one object. There is a fixed number of them; the audio thread takes one
 // for a strike and gives it back at the end of the chunk in which the pulse is over.
 //
-// Where chunks end depends on the block size, but what sounds must not. So the place of a force is free again exactly
-// kChunkFrames after the force is over: then it has been given back, however the time was cut. [audio, after
+// The ends of chunks depend on the block size, but the sound must not. So the place of a force is free again exactly
+// kChunkFrames after the force is over: by then it has been given back, however time was cut into chunks. [audio, after
 // construction]
 #pragma once
 
@@ -81,7 +81,7 @@ class ExciterSlots {
  public:
   [[nodiscard]] std::span<Exciter* const> all() const RINGDOWN_REALTIME { return {slots_.data(), count_}; }
   [[nodiscard]] bool full() const RINGDOWN_REALTIME { return count_ == kMaxForces; }
-  // Whether a force that begins at this frame finds no place.
+  // Returns true if there is no place for a force that begins at this frame.
   [[nodiscard]] bool full_at(Frame frame) const RINGDOWN_REALTIME {
     const auto kept = std::ranges::count_if(kept_until_, [=](Frame until) RINGDOWN_REALTIME { return until > frame; });
     return count_ + static_cast<std::size_t>(kept) >= kMaxForces;
@@ -98,11 +98,11 @@ class ExciterSlots {
 
   // The contact of this number that is not over at a frame; null: none.
   [[nodiscard]] Exciter* find_contact(std::uint32_t number, Frame frame) const RINGDOWN_REALTIME;
-  // Whether a pulse or a contact acts: anything but an input.
+  // Returns true if a pulse or a contact acts: anything but an input.
   [[nodiscard]] bool has_pulse() const RINGDOWN_REALTIME {
     return std::ranges::any_of(all(), [](const Exciter* exciter) RINGDOWN_REALTIME { return !exciter->input; });
   }
-  // Whether a force acts in a chunk in which these inputs are not silent.
+  // Returns true if a force acts in a chunk in which these inputs are not silent.
   [[nodiscard]] bool act(const std::array<bool, kMaxInputs>& input_sounds) const RINGDOWN_REALTIME {
     return std::ranges::any_of(all(), [&](const Exciter* exciter) RINGDOWN_REALTIME {
       return !exciter->input || input_sounds[*exciter->input];

@@ -6,7 +6,7 @@
 // the sound follows the speed, and its level the load. What rolls touches a larger patch and feels only the waves
 // kRollingRatio times as long. A contact that stands still makes no force.
 //
-// Where a surface's own heights are known (engine/modal/surface_relief.h), they are felt instead, each surface's at the
+// If a surface's own heights are known (engine/modal/surface_relief.h), they are felt instead, each surface's at the
 // speed at which the contact travels over it, and smoothed over the width of the region that bears. Its mesoscale
 // relief is felt besides.
 //

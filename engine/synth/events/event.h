@@ -39,20 +39,20 @@ inline constexpr auto kEffects = effects_of(Verbs());
 constexpr Effect effect_of(std::size_t index) RINGDOWN_REALTIME { return detail::kEffects[index]; }
 inline Effect effect_of(const Event& event) RINGDOWN_REALTIME { return effect_of(event.verb.index()); }
 
-// Whether the event does nothing but add to the states of modes.
+// Returns true if the event only adds to the states of modes.
 inline bool excites(const Event& event) RINGDOWN_REALTIME { return effect_of(event) == Effect::excites; }
 
-// Whether the verb is heard, rather than sets something.
+// Returns true if a verb of this effect is heard, false if it only sets something.
 constexpr bool is_sound(Effect effect) RINGDOWN_REALTIME {
   return effect == Effect::excites || effect == Effect::begins || effect == Effect::damps;
 }
 
-// Whether the verb takes effect as soon as it is known.
+// Returns true if a verb of this effect acts as soon as it is received, before its frame.
 constexpr bool is_placing(Effect effect) RINGDOWN_REALTIME {
   return effect == Effect::places || effect == Effect::listens;
 }
 
-// Whether the event happens to the listener, and to no object.
+// Returns true if the event concerns the listener and no object.
 inline bool is_of_listener(const Event& event) RINGDOWN_REALTIME { return effect_of(event) == Effect::listens; }
 
 }  // namespace ringdown::synth

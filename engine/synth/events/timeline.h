@@ -64,7 +64,7 @@ class Timeline {
     return impulse;
   }
 
-  // How many of the next `rest` frames can be rendered in one go, after all due commands have been carried out: up to
+  // Returns how many of the next `rest` frames can be rendered at once, after all due commands have been applied: up to
   // the next command, and to kChunkFrames unless nothing sounds (`idle`) and nothing happens; with `in_cells` up to the
   // next multiple of kChunkFrames. [audio]
   [[nodiscard]] std::size_t chunk_frames(Frame now, std::size_t rest, bool idle,

@@ -195,13 +195,13 @@ struct Choke {
   double within_s = 0.2;
 };
 
-// Where the object's frame lies in the scene at this frame.
+// The pose of the object's frame in the scene at this frame.
 struct Pose {
   static constexpr Effect kEffect = Effect::places;
   ringdown::Pose pose;
 };
 
-// Where the listener's frame lies: x to the front, y to the left, z up.
+// The pose of the listener's frame: x to the front, y to the left, z up.
 struct Listener {
   static constexpr Effect kEffect = Effect::listens;
   ringdown::Pose pose;
@@ -265,7 +265,7 @@ using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pa
 using Verbs = Joined<PublicVerbs, Types<verb::Collision, verb::Rub>>;
 using Verb = OneOf<Verbs>;
 
-// Whether a verb ends every contact of its object.
+// True for verbs that end every contact of their object.
 template <class One>
 inline constexpr bool kEndsContacts = requires {
   One::kEndsContacts;

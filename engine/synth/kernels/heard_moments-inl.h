@@ -21,7 +21,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
-// How the modes' hearing changes during the call.
+// Says whether the gains by which modes are heard stand still, move or are shifted in frequency during the call.
 enum class Way { still, moving, shifted };
 
 // The sums of one band: for the parts of the sound that are constant, proportional to t, and proportional to t^2.

@@ -27,8 +27,9 @@ inline constexpr std::size_t kModePadding = 8;
 // Number of frames computed from one anchor.
 inline constexpr std::size_t kRun = 16;
 
-// How modes are heard in one call: z sounds as z (gain + step j) in frame j of the call, complex, and frequencies may
-// be Doppler-shifted. The states' own evolution is separate. Arrays have one number for each mode, 64-byte aligned.
+// Gains by which modes are heard in one call: z sounds as z (gain + step j) in frame j of the call, complex, and
+// frequencies may be Doppler-shifted. The states' own evolution is separate. Arrays have one number for each mode,
+// 64-byte aligned.
 struct Hearing {
   const float* gain_re = nullptr;  // null: 1
   const float* gain_im = nullptr;

@@ -13,7 +13,7 @@
 
 namespace ringdown::synth {
 
-// How a source is heard at one moment.
+// Direction and distance between a source and the listener at one moment.
 struct Sighting {
   Vec3 toward_listener;  // unit, in the source's frame
   Vec3 toward_source;    // in the listener's frame; length 1, or less if nearer than kNear_m

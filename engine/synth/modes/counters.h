@@ -1,4 +1,4 @@
-// What the mixer has counted so far.
+// Counters of the mixer, from its start on.
 #pragma once
 
 #include "engine/base/realtime.h"

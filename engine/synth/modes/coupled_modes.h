@@ -57,7 +57,7 @@ class CoupledModes {
   // From here on: [audio]
   [[nodiscard]] bool running() const RINGDOWN_REALTIME { return running_; }
 
-  // How far its modes detune each other, relative, by the mixer's states and its own.
+  // Returns the relative detuning of its modes by each other, from the mixer's states and its own.
   [[nodiscard]] double strength(const double* re, const double* im) const RINGDOWN_REALTIME;
 
   // Takes what rings in its modes' states, which become zero.
@@ -113,7 +113,7 @@ class Coupling {
   [[nodiscard]] double units(std::size_t frames) const RINGDOWN_REALTIME {
     return modes_ ? modes_->units_per_frame() * static_cast<double>(frames) : 0.0;
   }
-  // Whether there is time for it: it ends, or does not begin, where there is none.
+  // False if there is no time for it: then it ends, or does not begin.
   bool affordable = true;
 
   // Takes over what rings in the states while that is loud enough and `allowed`, and adds its sound to `out`; else

@@ -11,8 +11,8 @@
 
 namespace ringdown::synth {
 
-// How long a fade takes, and its shape: the gain falls in a straight line, or exponentially by so many nepers, and then
-// in a straight line within the last FadeOut::kMinFrames. An exponential fade shorter than that is a straight line, and
+// Duration and shape of a fade: the gain falls in a straight line, or exponentially by `nepers` and then in a straight
+// line within the last FadeOut::kMinFrames. An exponential fade shorter than that is a straight line, and
 // clicks.
 struct Fading {
   std::size_t frames = 0;

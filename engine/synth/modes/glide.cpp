@@ -23,7 +23,7 @@ constexpr float kMinShare = 0.1F;                   // of what pitches may move,
 constexpr float kMaxCalls = 8, kMaxCalmCalls = 64;  // from look to look
 constexpr double kMinX = -0.5, kMaxX = 3;           // pitches from 0.7 to 2 times their own
 
-// How far the surface moves where it moves most, for a displacement of 1 of a mode [kg^-1/2].
+// Returns the largest displacement of the surface for a coordinate of 1 of a mode [kg^-1/2].
 double largest_shape(const modal::Bank& bank, std::size_t mode) {
   double most = 0;
   for (std::size_t p = 0; p < bank.point_count(); ++p) {

@@ -39,7 +39,7 @@ struct GlidingMode {
   std::size_t mode, playable;  // its number in the bank and in the table
 };
 
-// How much each gliding mode detunes each mode, by a table's columns.
+// The detuning of each mode by each gliding mode, by a table's columns.
 struct GlideMatrix {
   std::vector<std::uint32_t> columns;  // of the n gliding modes
   std::vector<float> reach;            // n: the most that a state z_l of 1 detunes any mode [relative]

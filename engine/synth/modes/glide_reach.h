@@ -1,4 +1,4 @@
-// How far a gliding mode detunes others: what the pitches of a chunk and the limit of a blow are found from. [audio]
+// The detuning of modes by a gliding mode, for the pitches of a chunk and for the limit of a blow. [audio]
 #pragma once
 
 #include "engine/base/realtime.h"

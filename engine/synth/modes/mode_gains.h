@@ -1,5 +1,5 @@
-// How loud each mode of a table is heard, and how that changes: by its radiation map towards the listener, and by what
-// the air takes of it on the way. States stay as they are; the kernels multiply (Hearing). [audio, after construction]
+// Gains by which the modes of a table are heard: their radiation towards the listener, and what the air absorbs on the
+// way. States stay as they are; the kernels multiply (Hearing). [audio, after construction]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -18,7 +18,7 @@ class ModeGains {
  public:
   explicit ModeGains(const ModeTable& table);  // [worker]
 
-  // Whether modes are heard by gains of their own; if not, each by 1.
+  // Returns true if each mode has a gain of its own; otherwise all gains are 1.
   [[nodiscard]] bool on() const RINGDOWN_REALTIME { return on_; }
   void switch_off() RINGDOWN_REALTIME { on_ = moving_ = false; }
 

@@ -41,7 +41,8 @@ class ModeStates {
   // Adds a strike's amplitudes (ModeTable::strike), times `gain`, at the current frame; they sound from the next
   // rendered frame on. With `each`, every mode is multiplied by a gain of its own as well.
   void add(BlowAmplitudes blow, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
-  // How much of a strike's amplitudes is to be added (blow_limit.h); 1 for all but thin objects struck very hard.
+  // Returns the share of a strike's amplitudes that may be added (blow_limit.h); 1 for all but thin objects struck very
+  // hard.
   [[nodiscard]] double blow_limit(const double* amplitudes) const RINGDOWN_REALTIME;
   // Adds what rings in `other`, of the same table, times `gain` and `each`. What fades out is left alone.
   void add(ModeStates& other, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;

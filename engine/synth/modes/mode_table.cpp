@@ -81,7 +81,7 @@ std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const m
   return playable;
 }
 
-// Of each playable mode: its number in the bank, its column, weight and frequency.
+// For each playable mode: its number in the bank, its column, weight and frequency.
 struct Playable {
   std::span<const std::uint32_t> mode, column;
   std::span<const double> weight, frequency_hz;

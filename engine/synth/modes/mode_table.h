@@ -96,9 +96,9 @@ class ModeTable {
   [[nodiscard]] std::pair<const double*, const double*> exponents() const RINGDOWN_REALTIME {
     return {row(exponent_re), row(exponent_im)};
   }
-  // How long its longest mode takes to fall by 20 dB [s].
+  // The time in which its longest mode falls by 20 dB [s].
   [[nodiscard]] double ring_s() const RINGDOWN_REALTIME { return ring_s_; }
-  // Where sound comes from, in the frame of the object in its size.
+  // The place that the sound comes from, in the frame of the object in its size.
   [[nodiscard]] const Vec3& origin_m() const RINGDOWN_REALTIME { return origin_m_; }
 
   // The arrays that a kernel needs to render chunks of `frames`, with states of columns() numbers each.
@@ -107,10 +107,10 @@ class ModeTable {
     return {band_.data(), moment_weights_.get(), line_weights_.get()};
   }
 
-  // Of the object as a whole; nothing when the bank does not say its mass, or it is too large to click.
+  // The click of the object as a whole; nothing if the bank does not state its mass, or if it is too large to click.
   [[nodiscard]] const std::optional<ClickShape>& click() const RINGDOWN_REALTIME { return click_; }
 
-  // How its modes detune each other, and which of them may exchange energy; null where the bank does not say.
+  // The detuning of its modes by each other, and the modes that may exchange energy; null if the bank has no such data.
   std::shared_ptr<const GlideMatrix> glide;
   std::shared_ptr<const CoupledTable> coupled;
 

@@ -70,7 +70,7 @@ class Muting {
   // Gives a muted group up: it has died away. The caller takes it off the list.
   void forget(StateArray& states, std::uint32_t group) RINGDOWN_REALTIME;
 
-  // Whether groups leave or enter in the next rendered frames.
+  // Returns true if groups leave or enter in the next rendered frames.
   [[nodiscard]] bool changing() const RINGDOWN_REALTIME { return leaving.size() + entering.size() > 0; }
   // Adds the sound of the groups that leave and enter: as samples, by tables, or as moments. Their states move on by
   // `frames`. False when a state is absurd.

@@ -53,7 +53,7 @@ class Voice : public ModeStates {
     const std::optional<double> energy = find_amplitudes(blow);
     return energy && *energy <= kAbsurdEnergy;
   }
-  // What find_amplitudes() found last. [audio]
+  // The last result of find_amplitudes(). [audio]
   [[nodiscard]] BlowAmplitudes amplitudes() const RINGDOWN_REALTIME {
     return {amplitudes_.get(), displaced_ ? amplitudes_.get() + table_->columns() : nullptr};
   }

@@ -67,7 +67,7 @@ void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME 
   });
 }
 
-// Whether something of it is to end in this chunk, which moments cannot cut.
+// Returns true if an event ends some of its sound in this chunk; moments cannot be cut at an event.
 bool Object::is_cleared() const RINGDOWN_REALTIME {
   for (const DueEvent* event = due.first; event; event = event->next) {
     if (effect_of(event->event) == Effect::damps) return true;
@@ -75,7 +75,7 @@ bool Object::is_cleared() const RINGDOWN_REALTIME {
   return false;
 }
 
-// Whether nothing but strikes happens to it in the chunk, and no gain or pan is moving.
+// Returns true if only strikes happen to it in the chunk, and no gain or pan is moving.
 bool Object::only_struck(const Chunk& chunk) const RINGDOWN_REALTIME {
   for (const DueEvent* event = due.first; event; event = event->next) {
     if (!excites(event->event)) return false;

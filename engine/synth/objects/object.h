@@ -34,9 +34,10 @@ class Object final : public Source {
   void count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME override;
   [[nodiscard]] ModeStates::Counts counts() const RINGDOWN_REALTIME override;
 
-  // Whether it may share its states from frame `now` on: it has one voice, no force acts, and its gains stand still.
+  // Returns true if it may share its states from frame `now` on: it has one voice, no force acts, and its gains stand
+  // still.
   [[nodiscard]] bool can_share(Frame now) const RINGDOWN_REALTIME;
-  // Whether something of it is still to be rendered.
+  // Returns true if some of it still has to be rendered.
   [[nodiscard]] bool ringing() const RINGDOWN_REALTIME;
 
   // Work (work_cost.h) of an event on the object, whose verb has this place in Verbs, and of beginning or ending to

@@ -19,7 +19,7 @@ constexpr double kMalletLeaves_s = 0.003;  // it has left when it needs so long 
 constexpr double kMaxMallet_s = 2;         // and at the latest after that time
 constexpr double kRubFade_s = 0.005;       // in which the load goes when no event of a rub has come for long
 
-// Where a pair of freedoms stands in the triangle of all pairs.
+// Returns the index of a pair of freedoms in the triangle of all pairs.
 std::size_t pair_of(std::size_t i, std::size_t j) RINGDOWN_REALTIME {
   const std::size_t low = std::min(i, j), high = std::max(i, j);
   return high * (high + 1) / 2 + low;
@@ -153,8 +153,8 @@ void TouchGroup::play_touch(const Touch& how, Frame frame, const Object& object,
   touch.rigid.speed_m_s = how.kind == Touch::Kind::mallet ? -how.speed_m_s : 0;
 }
 
-// How the freedoms change in a segment if nothing pushes, in some of their directions. Those along the surface come
-// alone after the normal ones, or with them.
+// Moves the contact's coordinates through a segment without contact forces. `which` selects normal or tangential ones,
+// or both; tangential ones may follow later, only if something touches.
 void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk,
                              Directions which) RINGDOWN_REALTIME {
   const bool along = which == Directions::along;
@@ -223,7 +223,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
   }
 }
 
-// Whether nothing touches in a segment; it is then done.
+// Returns true if nothing touches in a segment, which is then complete.
 bool TouchGroup::stays_apart(std::size_t steps) RINGDOWN_REALTIME {
   for (const TouchSlot* touch : touches()) {
     if (!touch->open) continue;

@@ -36,7 +36,7 @@ inline constexpr std::size_t kMaxSubsteps = 4;         // of a sample, for short
 inline constexpr std::size_t kFreedomsOfTouch = 3;
 inline constexpr std::size_t kTapRow = kMaxTouchSteps + 8;
 
-// How one place of one object moves in one direction.
+// The motion of one place of an object in one direction.
 struct TouchPort {
   AlignedArray<double> weight = aligned_zeros<double>(kMaxTouchColumns);   // displacement [m] per Re z
   AlignedArray<double> kick_re = aligned_zeros<double>(kMaxTouchColumns);  // what 1 N adds to z in a step

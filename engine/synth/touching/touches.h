@@ -26,7 +26,7 @@ class Touches {
   // After the events of a chunk have been accepted: ends contacts whose objects are gone, and sorts the others into
   // groups that share no object. Objects in a group are marked as touched.
   void regroup() RINGDOWN_REALTIME;
-  // Whether there is any contact.
+  // Returns true if there is any contact.
   [[nodiscard]] bool any() const RINGDOWN_REALTIME { return any_; }
   // The groups to render in this chunk.
   [[nodiscard]] std::span<TouchGroup* const> groups() RINGDOWN_REALTIME { return {active_.data(), active_count_}; }
