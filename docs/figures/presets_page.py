@@ -23,8 +23,8 @@ The presets are the objects of `presets/objects`. Their banks, of 17 to 1,880 kB
     ringdown strike it --vertex 0 --impulse 0,0,-0.01
 
 Each picture shows the shape of the most important mode, coloured by how far each place moves (dark: at rest, yellow: moves most). Beside it is the
-spectrum, in dB over Hz, of a blow at the point where the object responds most. The first T60 is that of the mode at the pitch, if there is one there,
-the second that of the most important mode, which is the loudest in most blows. A [pitch](materials.md#pitch) in bold is stated; the others are
+spectrum, in dB over Hz, of a blow at the point where the object responds most. The first T60 belongs to the mode at the pitch, if there is one; the
+second belongs to the most important mode, which is the loudest in most blows. A [pitch](materials.md#pitch) in bold is stated; the others are
 estimated. [Pictures of a bank](previews.md) show more modes. `./run presets` bakes the presets that have changed.
 
 | | object | material | pitch in Hz (note, cents) | T60 of the pitch [s] | T60 of the loudest [s] |

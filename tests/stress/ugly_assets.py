@@ -292,7 +292,7 @@ def mug_with_handle():
 
 @asset
 def thin_mug_with_handle():
-    return Asset("the same with a wall of 3 mm", together(*mug(0.003)), mug_truth(0.003))
+    return Asset("mug_with_handle with a wall of 3 mm", together(*mug(0.003)), mug_truth(0.003))
 
 
 @asset
