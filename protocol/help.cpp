@@ -13,37 +13,37 @@ constexpr std::string_view kHead = R"(# The protocol
 
 <!-- Written by `ringdown protocol --markdown` from the table in protocol/table.cpp. Change it there. -->
 
-The daemon listens for OSC 1.0 and 1.1 by UDP, on port {port} of this computer by default, by IPv4 and IPv6. With `--tcp PORT`
-it also takes OSC over TCP, in SLIP frames (OSC 1.1) or with each packet's length before it (OSC 1.0), and answers in the same
-way. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery). By liblo's `oscsend`:
+The daemon listens for OSC 1.0 and 1.1 over UDP (IPv4 and IPv6), on port {port} of this computer by default. With `--tcp PORT`
+it also accepts OSC over TCP, in SLIP frames (OSC 1.1) or with a length before each packet (OSC 1.0), and answers in the same
+framing. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery). With liblo's `oscsend`:
 
     oscsend osc.udp://127.0.0.1:{port} /load ss bell presets/banks/bronze-bell.glb
     oscsend osc.udp://127.0.0.1:{port} /object/bell/strike ffffff 0.05 0 0.02 -0.02 0 0
 
-- **Units** are SI. Points, impulses and forces are in the object's own frame, that of its mesh.
-- **Arguments** come in the order listed; those with a default may be left out, from the right. Numbers may be of type `i`, `h`,
-  `f` or `d`; 3.0 counts as a whole number. A limit that an `f` cannot hold, such as 0.1, is met by the nearest `f`. Switches
-  (0 or 1 below) may also be `T` or `F`. Text is type `s` or `S`, 1 to 4096 bytes without control characters; blobs are type `b`.
-  `N` in place of an argument with a default leaves it out, and a single `I` stands for no arguments. Brackets of arrays are
-  ignored. No request takes `c`, `m`, `r` or `t`. A message without arguments may lack its type tags.
-- **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number. Both serve in an address:
+- **Units** are SI. Points, impulses and forces are in the object's own frame, which is that of its mesh.
+- **Arguments** come in the order listed; those with a default may be omitted, from the right. Numbers may be of type `i`, `h`,
+  `f` or `d`; 3.0 counts as a whole number. If an `f` cannot hold a limit exactly, such as 0.1, the nearest `f` is accepted.
+  Switches (0 or 1 below) may also be `T` or `F`. Text is type `s` or `S`, 1 to 4096 bytes without control characters; blobs are
+  type `b`. An `N` omits an argument that has a default. A single `I` stands for no arguments. Brackets of arrays are ignored. No
+  request takes `c`, `m`, `r` or `t`. A message without arguments may lack its type tags.
+- **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number. Addresses take either:
   `/object/bell/strike`, `/object/0/strike`. Groups are named in the same way.
-- **Paths** start where the daemon was started, unless they are absolute.
-- **An impulse** is mass times change of velocity. **Contact time** is the length of a half-sine pulse, which is weak above its
-  inverse; 0 s excites all modes alike. By Hertz's law (K. L. Johnson, Contact Mechanics, equation 11.24) a ball that hits
-  steel at 1 m/s touches it for 0.07 ms (steel, radius 10 mm), 0.1 ms (hardwood, 15 mm), 0.2 ms (hard plastic) or 0.7 ms (hard
-  rubber).
+- **Paths** are absolute, or relative to the folder in which the daemon was started.
+- **An impulse** is mass times change of velocity. **Contact time** is the length of a half-sine pulse, which excites little
+  above the inverse of this time; 0 s excites all modes alike. By Hertz's law (K. L. Johnson, Contact Mechanics, equation 11.24)
+  a ball that hits steel at 1 m/s touches it for 0.07 ms (steel, radius 10 mm), 0.1 ms (hardwood, 15 mm), 0.2 ms (hard plastic)
+  or 0.7 ms (hard rubber).
 - **Time.** A message outside a bundle sounds at a fixed short latency (`--latency`) after its arrival. A bundle sounds at its
-  time tag, to the sample. A tag may lie up to an hour ahead; one in the past is played at once and counted. Bundles nest up to
-  4 deep, an inner one never earlier than its outer. Below, *timed* requests obey the tag; those *in order* follow everything
-  sent before, and *immediate* ones are handled on arrival.
-- **Answers** go to the sender's port. A refusal is `/fail`. Unless another answer is named, success is silence for timed
-  requests and `/done` for others. `/sync` tells when everything before it has arrived.
+  time tag, to the sample. A tag may lie up to an hour ahead; a bundle with a tag in the past is played at once and counted.
+  Bundles may be nested 4 deep; a message has the latest tag of the bundles around it. Below, *timed* requests obey the tag,
+  requests *in order* follow everything sent before, and *immediate* requests are handled on arrival.
+- **Answers** go to the sender's port. A refusal is `/fail`. Unless another answer is named, a successful timed request has no
+  answer, and any other has `/done`. `/sync` is answered when everything before it has been handled.
 - **Patterns** of OSC 1.0 match object names, and what follows them: `/object/glass*/gain`, `/object/{bell,bowl}/[!f]*`. `?` is
-  one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. A pattern that matches nothing is a `/fail`.
-- **Limits**: 64 arguments, an address of 256 characters, and [others](../use/limits.md). A datagram with a fault is refused
-  whole. Once 64 strikes arrive within `--merge` (1 ms by default), further ones on one point become one with their summed
-  impulse.
+  one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. A pattern that matches nothing is refused.
+- **Limits**: 64 arguments, an address of 256 characters, and [others](../use/limits.md). A faulty datagram is refused as a
+  whole. If 64 strikes arrive within `--merge` (1 ms by default), further strikes on one point are merged into one with the sum
+  of their impulses.
 
 )";
 
@@ -178,9 +178,9 @@ std::string markdown() {
   std::string text(kHead);
   for (auto at = text.find("{port}"); at != text.npos; at = text.find("{port}", at))
     text.replace(at, 6, std::to_string(kDefaultPort));
-  text += "## What you can send\n\n";
+  text += "## Requests\n\n";
   for (const AddressSpec& spec : addresses()) text += section(spec);
-  text += "## What is answered\n\nAnswers use the OSC types `i`, `f`, `s` and, for bytes and samples, `b`.\n\n";
+  text += "## Answers\n\nAnswers use the OSC types `i`, `f`, `s` and, for bytes and samples, `b`.\n\n";
   for (const AddressSpec& spec : reply_addresses()) text += section(spec);
   text.pop_back();
   return text;

@@ -12,7 +12,7 @@ Result<ObjectRef> parse_object(std::string_view text) {
   if (!text.empty() && error == std::errc() && stop == end && number <= kMaxNumber) {
     return ObjectRef{"", number};
   }
-  return fail(ErrorKind::bad_input, quote(text) + " is no object: give its number, up to " +
+  return fail(ErrorKind::bad_input, quote(text) + " is not an object: give its number, up to " +
                                         std::to_string(kMaxNumber) +
                                         ", or a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits");
 }

@@ -123,7 +123,7 @@ Result<std::vector<std::string>> expand(std::string_view pattern, std::span<cons
     if (matches(action, known)) actions.emplace_back(known);
   }
   if (actions.empty())
-    return fail(ErrorKind::bad_input, shown + " matches no address: " + quote(action) + " is nothing an object can do");
+    return fail(ErrorKind::bad_input, shown + " matches no address: " + quote(action) + " is not a verb of an object");
   for (const std::string& name : names) {
     if (name != object && !matches(object, name)) continue;
     for (const std::string& known : actions) addresses.push_back(std::string(kObjectPrefix) + name + "/" + known);

@@ -84,13 +84,13 @@ struct Index {
 Result<std::size_t> find_row(const std::vector<Row>& rows, const Index& index, std::string_view address) {
   constexpr std::size_t kMaxAddress = 256;
   if (address.size() > kMaxAddress)
-    return fail(ErrorKind::bad_input, quote(address) + " is no address: it is too long");
+    return fail(ErrorKind::bad_input, quote(address) + " is not an address: it is too long");
   if (const auto row = index.find(address)) return *row;
   const std::string skeleton = skeleton_of(address);
   const auto distance = [&](const Row& row) { return edit_distance(skeleton, row.spec.address); };
   const Row& nearest = *std::ranges::min_element(rows, {}, distance);
   return fail(ErrorKind::bad_input,
-              quote(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
+              quote(address) + " is not an address; the nearest is " + std::string(nearest.spec.address));
 }
 
 // "x y z [contact_time]"

@@ -186,24 +186,24 @@ public sealed class Mixer : IDisposable {
   public void Pan(uint body, double pan, long frame = 0) {
     eventFailure_.Check(Native.ringdown_pan(handle_, frame, body, pan, eventFailure_.Room));
   }
-  // Starts these modes without a strike, each as a sine from 0.
+  // Starts modes without a strike, each as a sine from 0.
   public void Ring(uint body, uint first, uint count = 1, double amplitude = 0.1, long frame = 0) {
     eventFailure_.Check(Native.ringdown_ring(handle_, frame, body, first, count, amplitude, eventFailure_.Room));
   }
-  // Sets one mode going by a motion that is known: from a computation of your own, or from a body that breaks.
+  // Starts one mode with a known motion, such as one of your own computation, or of a body that breaks.
   public void Impart(uint body, uint mode, double velocity, double phase = 0, long frame = 0) {
     eventFailure_.Check(Native.ringdown_impart(handle_, frame, body, mode, velocity, phase, eventFailure_.Room));
   }
-  // Fades what rings in the object.
+  // Fades everything that rings in the object, and ends its contacts.
   public void Clear(uint body, double ramp = 0, long frame = 0) {
     eventFailure_.Check(Native.ringdown_clear(handle_, frame, body, ramp, eventFailure_.Room));
   }
-  // Lets what rings in the object die away, as a hand on a cymbal does. Bows and other contacts go on, and what is
-  // struck afterwards rings.
+  // Damps everything that rings in the object, like a hand on a cymbal. Bows and other contacts continue, and later
+  // strikes ring.
   public void Choke(uint body, double within = 0.2, long frame = 0) {
     eventFailure_.Check(Native.ringdown_choke(handle_, frame, body, within, eventFailure_.Room));
   }
-  // Something slides or rolls on the object. Values are interpolated between messages: send 50 to 250 a second. A
+  // Lets something slide or roll on the object. Values are interpolated between messages: send 50 to 250 a second. A
   // force of 0 0 0, or 0.1 s without a message, ends the contact.
   public void Contact(uint body, Vector point, Vector force, double slip, double roll = 0, uint number = 0,
                       double roughness = 2e-6, double correlation = 5e-5, double slope = -2.4, long frame = 0) {
@@ -219,8 +219,9 @@ public sealed class Mixer : IDisposable {
     args.Slope = slope;
     eventFailure_.Check(Native.ringdown_contact(handle_, frame, body, ref args, eventFailure_.Room));
   }
-  // Bows the object: the hair sticks to the surface, slips, and feels how it moves. Send it again to change speed or
-  // force, which then move there in the time since the last message, 2 to 50 ms. A force of 0 lifts the bow.
+  // Bows the object: the hair sticks and slips, and reacts to the surface's motion. Send the message again to change
+  // speed or force, which glide to their new values within the time since the last message, 2 to 50 ms. A force of 0
+  // lifts the bow.
   public void Bow(uint body, Vector point, Vector direction, double speed, double force, double width = 0,
                   double rosin = 0.8, uint number = 0, long frame = 0) {
     var args = new Native.BowArgs();
@@ -234,8 +235,8 @@ public sealed class Mixer : IDisposable {
     args.Number = number;
     eventFailure_.Check(Native.ringdown_bow(handle_, frame, body, ref args, eventFailure_.Room));
   }
-  // A mallet flies at the object and feels it: how long the blow lasts, and how often it hits, follows from mass,
-  // head and speed, and from what the object does.
+  // Throws a mallet at the object. Mass, head, speed and the object's own motion decide how long the blow lasts and
+  // how often the mallet hits.
   public void Mallet(uint body, Vector point, Vector velocity, double mass = 0.02, double head = 10000000,
                      double bounce = 0.9, long frame = 0) {
     var args = new Native.MalletArgs();
@@ -247,8 +248,8 @@ public sealed class Mixer : IDisposable {
     args.Bounce = bounce;
     eventFailure_.Check(Native.ringdown_mallet(handle_, frame, body, ref args, eventFailure_.Room));
   }
-  // Lets another object touch this one at a point of each, so that both rattle, buzz and ring together. The axes of
-  // the two are taken as parallel. A stiffness of 0 parts them.
+  // Lets another object touch this one at a point of each, so that both rattle, buzz and ring together. The frames of
+  // the two are assumed to be parallel. A stiffness of 0 separates them.
   public void Couple(uint body, Vector point, uint other, Vector otherPoint, Vector direction, double weight = 0,
                      double gap = 0, double stiffness = 100000000, double friction = 0.3, double bounce = 0.6,
                      double mass = 0, uint number = 0, long frame = 0) {
@@ -267,27 +268,27 @@ public sealed class Mixer : IDisposable {
     args.Number = number;
     eventFailure_.Check(Native.ringdown_couple(handle_, frame, body, ref args, eventFailure_.Room));
   }
-  // The click of a free object that a blow sets in motion as a whole, which strikes do not include. Send it once for
-  // all points struck at one time.
+  // Plays the click of a free object that a blow sets in motion as a whole. Strikes do not include it. Send one click
+  // for all points that are struck at the same time.
   public void Click(uint body, Vector impulse, double contactTime = 0.0002, long frame = 0) {
     eventFailure_.Check(Native.ringdown_click(handle_, frame, body, ref impulse, contactTime, eventFailure_.Room));
   }
-  // Says where the object is, for a listener (/listener), who then hears it from there. Send 30 to 250 a second of
-  // what moves; motion between poses is smooth. A pose sent one interval ahead of its time is reached exactly then,
-  // any other one interval after it comes.
+  // Sets the object's pose, from which a listener (/listener) hears it. Send 30 to 250 poses a second for a moving
+  // object; the motion between poses is smooth. A pose sent one interval ahead of its time is reached exactly then,
+  // any other pose one interval after it arrives.
   public void Pose(uint body, Vector position, Turn turn, long frame = 0) {
     eventFailure_.Check(Native.ringdown_pose(handle_, frame, body, ref position, ref turn, eventFailure_.Room));
   }
-  // Says where somebody listens. Objects with a pose are then heard from their places: by what each mode sends that
-  // way, by distance, and higher or lower as they come and go. Objects without a pose sound as before.
+  // Sets the listener's pose. Objects with a pose are then heard from their places, with direction, distance and
+  // Doppler shift. Objects without a pose sound as before.
   public void Listener(Vector position, Turn turn, long frame = 0) {
     eventFailure_.Check(Native.ringdown_listener(handle_, frame, ref position, ref turn, eventFailure_.Room));
   }
-  // Ends that: everything sounds as without a listener.
+  // Removes the listener.
   public void ListenerOff(long frame = 0) {
     eventFailure_.Check(Native.ringdown_listener_off(handle_, frame, eventFailure_.Room));
   }
-  // Sets the air between objects and listener, which takes more of high pitches the longer the way.
+  // Sets the air between objects and listener, which absorbs high frequencies more strongly over longer distances.
   public void ListenerAir(double temperature, double humidity = 50, long frame = 0) {
     eventFailure_.Check(Native.ringdown_listener_air(handle_, frame, temperature, humidity, eventFailure_.Room));
   }

@@ -118,7 +118,7 @@ ringdown_result ringdown_bank_far_field(const ringdown_bank* bank, size_t mode, 
     const modal::Bank& known = bank->file.map->bank();
     if (!known.radiation) {
       return fail(ErrorKind::refused,
-                  bank->path + " has no maps of what it radiates; bake it again with `ringdown bake --radiation`");
+                  bank->path + " has no radiation maps; bake it again with `ringdown bake --radiation`");
     }
     if (mode >= known.mode_count()) {
       return fail(ErrorKind::bad_input, "mode is " + std::to_string(mode) + "; the bank has " +

@@ -24,7 +24,7 @@
  * kg cm/s as well).
  *
  * TIME is counted in sample frames, 64 bits, from 0, the first frame a mixer renders; ringdown_now() is the frame that
- * the next block begins with. An event happens at its own frame, whatever the block size, up to an hour ahead. One
+ * the next block begins with. An event happens at its own frame, whatever the block size, up to an hour ahead. An event
  * whose frame has passed happens at once and is counted as late. So "as soon as possible" is frame 0, and "at offset k
  * of the next block" is ringdown_now() + k.
  *
@@ -38,25 +38,24 @@
  * The three may be one thread or three, and none waits for another. Functions of different mixers never meet. While
  * ringdown_mixer_destroy() or ringdown_set_sample_rate() runs, no other function of that mixer may.
  *
- * RANGES. A number outside of its range is refused, with a sentence that names the parameter. Where nothing else is
- * said, each coordinate of a point or position lies within 1e4 m of 0, of an impulse within 1e4 N s, of a force within
- * 1e6 N, of a direction within 1e3. A point at which something acts on an object must not be farther from the object
- * than the object is large; it is taken to be in other units or coordinates otherwise.
+ * RANGES. A number outside of its range is refused, with a sentence that names the parameter. Unless stated otherwise,
+ * each coordinate of a point or position lies within 1e4 m of 0, of an impulse within 1e4 N s, of a force within 1e6 N,
+ * of a direction within 1e3. A point at which something acts on an object must not be farther from the object than the
+ * object is large; otherwise the point is refused, because its units or coordinates must be wrong.
  *
  * OWNERSHIP. Whoever opens a bank releases it; mixers hold on to the banks of their objects by themselves, so a bank
  * may be released as soon as it has been added. Arrays that the library returns belong to it, and say how long they
  * live. Strings are UTF-8 and end with 0.
  *
- * ERRORS. A function that can fail returns 0 (RINGDOWN_OK) or what kind of failure it was, and writes one sentence for
- * people into `error` unless that is NULL: what, where, what to do. After a failure nothing has changed. Functions
- * without a result take NULL for their handle and do nothing then. Numbers that
- * are not finite, and null pointers where something is needed, are refused and never crash. No exception leaves the
- * library.
+ * ERRORS. A function that can fail returns 0 (RINGDOWN_OK) or the kind of failure, and writes one sentence for people
+ * into `error` unless that is NULL: what, where, what to do. After a failure nothing has changed. Functions without a
+ * result accept a NULL handle and then do nothing. Numbers that are not finite, and null pointers where something is
+ * needed, are refused and never crash. No exception leaves the library.
  *
- * VERSIONS. A struct begins with its `size`: set it to sizeof the struct, as its _init function does. Later versions
- * add members at the end and functions, and change or remove none while the library's number (libringdown.so.0) stays,
- * so that a program runs with every later library of that number. What a caller's struct is too short for keeps its
- * default. Members that a library is too old for are refused when they are not 0.
+ * VERSIONS. A struct begins with its `size`: set it to sizeof the struct, as its _init function does. Later versions of
+ * libringdown.so.0 add functions, and members at the end of structs; they change and remove none, so a program runs
+ * with every later library of this number. Members beyond the end of a caller's shorter struct keep their defaults.
+ * Members that an older library does not know are refused if they are not 0.
  *
  * The library is under the MIT licence and links nothing under the GPL (docs/how/dependencies.md lists what it links). */
 #ifndef RINGDOWN_H
@@ -80,7 +79,7 @@ extern "C" {
 typedef enum ringdown_result {
   RINGDOWN_OK = 0,
   RINGDOWN_BAD_INPUT = 1,    /* a file cannot be opened or is not what it should be; an argument is NULL, out of range, or
-                                the number of no object */
+                                not the number of an object */
   RINGDOWN_TOO_LARGE = 2,    /* it exceeds a limit: bytes, modes, objects */
   RINGDOWN_REFUSED = 3,      /* a good request, but impossible now: a queue is full, the body is fixed */
   RINGDOWN_NO_MEMORY = 4,    /* the computer has not enough memory */
@@ -104,12 +103,12 @@ typedef struct ringdown_bank ringdown_bank;
 /* Reads a bank, a .glb of `ringdown bake` or of another program (KHR_audio_rigid_bodies). */
 RINGDOWN_API ringdown_result ringdown_bank_open(const char* path, ringdown_bank** bank, ringdown_error* error);
 
-/* Reads a bank from `bytes` bytes of memory, which are not needed afterwards. `name` stands in sentences where the path
- * would; NULL: "bank". */
+/* Reads a bank from `bytes` bytes of memory, which are not needed afterwards. Error sentences contain `name` in place
+ * of the path; NULL: "bank". */
 RINGDOWN_API ringdown_result ringdown_bank_parse(const void* glb, size_t bytes, const char* name, ringdown_bank** bank,
                                                  ringdown_error* error);
 
-/* Gives the bank back; objects that play it go on. NULL is allowed. */
+/* Releases the bank; objects that play it continue. NULL is allowed. */
 RINGDOWN_API void ringdown_bank_release(ringdown_bank* bank);
 
 /* M modes, in order of decreasing importance to the ear; P points on the surface at which shapes are known; T triangles
@@ -122,16 +121,16 @@ typedef struct ringdown_bank_info {
   double youngs_modulus_pa, poisson_ratio, density_kg_m3; /* 0 without a material */
   double mass_kg;                                         /* 0: not known */
   double center_of_mass_m[3];
-  int has_radiation; /* 1: modes have maps of what they radiate in which direction */
+  int has_radiation; /* 1: modes have radiation maps */
 } ringdown_bank_info;
 
 /* Fills as many members as info->size has room for. Set info->size before. */
 RINGDOWN_API ringdown_result ringdown_bank_describe(const ringdown_bank* bank, ringdown_bank_info* info);
 
 typedef enum ringdown_pitch {
-  RINGDOWN_PITCH_NONE = 0,      /* it has no definite pitch, as most plates */
-  RINGDOWN_PITCH_ESTIMATED = 1, /* by its modes */
-  RINGDOWN_PITCH_STATED = 2     /* by its maker, in the bank */
+  RINGDOWN_PITCH_NONE = 0,      /* no definite pitch, like most plates */
+  RINGDOWN_PITCH_ESTIMATED = 1, /* estimated from its modes */
+  RINGDOWN_PITCH_STATED = 2     /* stated in the bank */
 } ringdown_pitch;
 
 /* The pitch of the object in its own size and material [Hz]. Without a definite pitch, the frequency that comes closest
@@ -168,13 +167,13 @@ typedef struct ringdown_settings {
                             that each has 1/sqrt(2) of it, -3.01 dB: full_scale_pa becomes 0.707 on either side. */
   double limiter_db;     /* ceiling of left and right, -60 ... 0 dB of full scale, or 1: no limiter; default -1. The limiter
                             delays left and right by ringdown_latency() frames. */
-  double floor_db;       /* modes so far below full scale rest until the next strike; 20 ... 300, default 120 */
+  double floor_db;       /* modes this many dB below full scale rest until the next strike; 20 ... 300, default 120 */
   int exact_contacts;    /* 1: a strike's pulse drives the modes sample by sample while it lasts; default 0 */
   int ambisonic_order;   /* 1 ... 3: ringdown_render_all() writes (order + 1)^2 channels; default 0: none */
-  int threads;           /* that render large scenes, the audio thread among them, 1 ... 64; default 1 */
-  const char* head;      /* binaural left and right: a SOFA file, or "" for the head that libmysofa brings; default NULL:
+  int threads;           /* threads that render large scenes, including the audio thread, 1 ... 64; default 1 */
+  const char* head;      /* binaural left and right: a SOFA file, or "" for libmysofa's own head; default NULL:
                             stereo */
-  int travel_time;       /* 1: a listener hears what happens when its sound has travelled there; default 0: at once */
+  int travel_time;       /* 1: each event is delayed by the travel time of its sound to the listener; default 0 */
 } ringdown_settings;
 
 /* Fills in the defaults: ringdown_settings settings; ringdown_settings_init(&settings, sizeof settings); [any] */
@@ -183,10 +182,10 @@ RINGDOWN_API void ringdown_settings_init(ringdown_settings* settings, size_t siz
 /* Makes a mixer; settings NULL: the defaults. [any] */
 RINGDOWN_API ringdown_result ringdown_mixer_create(const ringdown_settings* settings, ringdown_mixer** mixer,
                                                    ringdown_error* error);
-/* Ends what rings. NULL is allowed. [any, while no other function of this mixer runs] */
+/* Destroys the mixer and its sound. NULL is allowed. [any, while no other function of this mixer runs] */
 RINGDOWN_API void ringdown_mixer_destroy(ringdown_mixer* mixer);
 
-/* Goes on at another sample rate; what rings keeps its pitch. [any, while no other function of this mixer runs] */
+/* Changes the sample rate; ringing sounds keep their pitch. [any, while no other function of this mixer runs] */
 RINGDOWN_API ringdown_result ringdown_set_sample_rate(ringdown_mixer* mixer, double sample_rate_hz,
                                                       ringdown_error* error);
 
@@ -194,20 +193,21 @@ RINGDOWN_API ringdown_result ringdown_set_sample_rate(ringdown_mixer* mixer, dou
 
 enum { RINGDOWN_MAX_OBJECTS = 1024, RINGDOWN_MAX_DAMPERS = 8, RINGDOWN_MAX_INPUTS = 4 };
 
-/* Adds an object that plays the bank and writes its number to `object`: the number is what all other functions take.
- * An object of that name gets the new bank and keeps its number, and what rings goes on with the old one. A name has 1
+/* Adds an object that plays the bank and writes its number, which all other functions take, to `object`. An existing
+ * object of this name gets the new bank and keeps its number; ringing sounds continue with the old bank. A name has 1
  * to 64 letters, digits, '_', '-' or '.', not all of them digits; NULL: "object" and a number that makes it unused.
  * RINGDOWN_TOO_LARGE beyond RINGDOWN_MAX_OBJECTS, which counts removed objects until they have faded out. */
 RINGDOWN_API ringdown_result ringdown_add(ringdown_mixer* mixer, const char* name, const ringdown_bank* bank,
                                           uint32_t* object, ringdown_error* error);
 
-/* Takes the object away: what rings fades out within some milliseconds. */
+/* Removes the object; its sound fades out within some milliseconds. */
 RINGDOWN_API ringdown_result ringdown_remove(ringdown_mixer* mixer, uint32_t object, ringdown_error* error);
 
-/* Factors on the bank's own material and size; all 1 is the bank as baked. What rings is retuned. Exact, without a new
- * bake: stiffness is Young's modulus, size is a length. alpha, beta, heat and air scale what modes lose to supports, to
- * the material, to heat that flows in the body, and to the air. Points of later calls lie on the object in its new size.
- * Stiffness and density are 0.001 ... 1000, size 0.01 ... 100, alpha and beta 0 ... 1000, heat and air as well. */
+/* Factors on the bank's own material and size; all 1 is the bank as baked. Ringing sounds are retuned. The result is
+ * exact, without a new bake. stiffness scales Young's modulus, size all lengths; alpha, beta, heat and air scale the
+ * losses to supports, to the material, to heat that flows in the body, and to the air. Points of later calls lie on the
+ * object in its new size. Stiffness and density are 0.001 ... 1000, size 0.01 ... 100, alpha and beta 0 ... 1000, heat
+ * and air as well. */
 typedef struct ringdown_material {
   size_t size_of_struct; /* sizeof(ringdown_material) */
   double stiffness, density, size, alpha, beta;
@@ -218,19 +218,19 @@ RINGDOWN_API ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32
                                                    const ringdown_material* material, ringdown_error* error);
 
 /* Lays a hand or a table on the object: damper `number` < RINGDOWN_MAX_DAMPERS at the point of the surface nearest to
- * point_m resists motion along `direction` (0 0 0: any motion) with damping_ns_m newtons per m/s, 0 ... 1e6, from
- * frame `frame` on. Damping 0 takes the damper away. A light touch of a finger is about 0.1, a hand 10. */
+ * point_m resists motion along `direction` (0 0 0: any motion) with damping_ns_m newtons per m/s, 0 ... 1e6, from frame
+ * `frame` on. Damping 0 removes the damper. A light touch of a finger is about 0.1, a hand 10. */
 RINGDOWN_API ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t number,
                                            const double point_m[3], const double direction[3], double damping_ns_m,
                                            ringdown_error* error);
 
-/* While any object is soloed, only soloed ones are heard; a muted one never is. Fades within 20 ms. */
+/* While any object is soloed, only soloed objects are heard; a muted object is never heard. Fades within 20 ms. */
 RINGDOWN_API ringdown_result ringdown_mute(ringdown_mixer* mixer, uint32_t object, int on, ringdown_error* error);
 RINGDOWN_API ringdown_result ringdown_solo(ringdown_mixer* mixer, uint32_t object, int on, ringdown_error* error);
 
 /* From the next block on, input `input` < RINGDOWN_MAX_INPUTS of ringdown_render_all() pushes the object: a sample of 1
- * is force_n newtons at the point of its surface nearest to point_m. An input pushes one object at a time. A force of
- * 0 0 0 ends that, at whatever point. RINGDOWN_TOO_LARGE for an object of more than 4096 modes. */
+ * is force_n newtons at the point of its surface nearest to point_m. An input pushes one object at a time. A force of 0
+ * 0 0 disconnects the input, whatever the point. RINGDOWN_TOO_LARGE for an object of more than 4096 modes. */
 RINGDOWN_API ringdown_result ringdown_excite(ringdown_mixer* mixer, uint32_t input, uint32_t object,
                                              const double point_m[3], const double force_n[3], ringdown_error* error);
 
@@ -243,26 +243,28 @@ RINGDOWN_API void ringdown_collect(ringdown_mixer* mixer);
  * in 128 frames: those beyond happen in the 128 frames that follow, in order, and are not counted as late. So a flood
  * of 4096 events for one frame takes 1024 frames. */
 
-/* Bows, mallets and couplings feel how the surface moves under them, sample by sample; at most 16 such contacts act at a
- * time. Where there is no room a mallet becomes a strike, and a bow or a coupling is counted in `refused` of the status.
+/* Bows, mallets and couplings feel how the surface moves under them, sample by sample; at most 16 such contacts act at
+ * a time. Beyond this limit a mallet becomes a strike, and a bow or a coupling is refused and counted in `refused` of
+ * the status.
  *
  * Functions with many parameters take a struct, whose _init function fills in the defaults. */
 
 /* <verbs> What follows is written by ringdown_write_verbs. */
-/* Strikes the object at the surface point nearest to x y z. point_m: Where it is struck. impulse_ns: The impulse it
- * receives. contact_time_s: How long the blow lasts; longer is duller. 0 ... 0.1, default 0.0002. */
+/* Strikes the object at the surface point nearest to x y z. point_m: The struck point. impulse_ns: The impulse on the
+ * object. contact_time_s: The duration of the blow; a longer blow is duller. 0 ... 0.1, default 0.0002. */
 RINGDOWN_API ringdown_result ringdown_strike(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                              const double point_m[3], const double impulse_ns[3],
                                              double contact_time_s, ringdown_error* error);
 
 /* Strikes the object at a sample point of its bank. vertex: The point's number, from 0. 0 ... 16777215. impulse_ns:
- * The impulse it receives. contact_time_s: How long the blow lasts; longer is duller. 0 ... 0.1, default 0.0002. */
+ * The impulse on the object. contact_time_s: The duration of the blow; a longer blow is duller. 0 ... 0.1, default
+ * 0.0002. */
 RINGDOWN_API ringdown_result ringdown_strike_vertex(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                                     uint32_t vertex, const double impulse_ns[3],
                                                     double contact_time_s, ringdown_error* error);
 
-/* Sets the object's loudness. gain: The factor on its signal; 1 is as computed. 0 ... 100. ramp_s: How long the
- * change takes. 0 ... 60, default 0. */
+/* Sets the object's loudness. gain: The factor on the object's signal; 1 is the computed level. 0 ... 100. ramp_s:
+ * The duration of the change. 0 ... 60, default 0. */
 RINGDOWN_API ringdown_result ringdown_gain(ringdown_mixer* mixer, int64_t frame, uint32_t object, double gain,
                                            double ramp_s, ringdown_error* error);
 
@@ -270,153 +272,157 @@ RINGDOWN_API ringdown_result ringdown_gain(ringdown_mixer* mixer, int64_t frame,
 RINGDOWN_API ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double pan,
                                           ringdown_error* error);
 
-/* Starts these modes without a strike, each as a sine from 0. first: The lowest one; 0 has the lowest frequency. 0
- * ... 16777215. count: How many, counted upwards. 0 ... 2147483647, default 1. amplitude: Of each, at gain 1, before
- * the pan; 1 is full scale. 0 ... 1, default 0.1. */
+/* Starts modes without a strike, each as a sine from 0. first: The lowest of these modes; mode 0 has the lowest
+ * frequency. 0 ... 16777215. count: The number of modes, counted upwards. 0 ... 2147483647, default 1. amplitude: The
+ * amplitude of each mode, at gain 1, before the pan; 1 is full scale. 0 ... 1, default 0.1. */
 RINGDOWN_API ringdown_result ringdown_ring(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t first,
                                            uint32_t count, double amplitude, ringdown_error* error);
 
-/* Sets one mode going by a motion that is known: from a computation of your own, or from a body that breaks. mode:
- * Which; 0 has the lowest frequency. 0 ... 16777215. velocity: Its greatest velocity, in a shape whose mass is 1 kg.
- * -1000000 ... 1000000. phase_rad: 0 starts it as a blow does, pi/2 from rest at its greatest displacement. -1000 ...
- * 1000, default 0. */
+/* Starts one mode with a known motion, such as one of your own computation, or of a body that breaks. mode: The
+ * mode's number; mode 0 has the lowest frequency. 0 ... 16777215. velocity: The mode's largest velocity, for a shape
+ * whose modal mass is 1 kg. -1000000 ... 1000000. phase_rad: 0 starts the mode as a blow does, pi/2 from rest at its
+ * largest displacement. -1000 ... 1000, default 0. */
 RINGDOWN_API ringdown_result ringdown_impart(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t mode,
                                              double velocity, double phase_rad, ringdown_error* error);
 
-/* Fades what rings in the object. ramp_s: How long that takes; at least some 10 ms. 0 ... 60, default 0. */
+/* Fades everything that rings in the object, and ends its contacts. ramp_s: The duration of the fade, at least about
+ * 10 ms. 0 ... 60, default 0. */
 RINGDOWN_API ringdown_result ringdown_clear(ringdown_mixer* mixer, int64_t frame, uint32_t object, double ramp_s,
                                             ringdown_error* error);
 
-/* Lets what rings in the object die away, as a hand on a cymbal does. Bows and other contacts go on, and what is
- * struck afterwards rings. within_s: In which it falls by 60 dB. Less than 5 ms clicks. 0 ... 60, default 0.2. */
+/* Damps everything that rings in the object, like a hand on a cymbal. Bows and other contacts continue, and later
+ * strikes ring. within_s: The time in which the amplitude falls by 60 dB. Less than 5 ms causes a click. 0 ... 60,
+ * default 0.2. */
 RINGDOWN_API ringdown_result ringdown_choke(ringdown_mixer* mixer, int64_t frame, uint32_t object, double within_s,
                                             ringdown_error* error);
 
-/* Something slides or rolls on the object. Values are interpolated between messages: send 50 to 250 a second. A force
- * of 0 0 0, or 0.1 s without a message, ends the contact. */
+/* Lets something slide or roll on the object. Values are interpolated between messages: send 50 to 250 a second. A
+ * force of 0 0 0, or 0.1 s without a message, ends the contact. */
 typedef struct ringdown_contact_args {
   size_t size; /* sizeof the struct, as _init sets it */
-  /* Where it touches. */
+  /* The point of contact. */
   double point_m[3];
   /* The force on the object, friction included. */
   double force_n[3];
-  /* Speed at which the surfaces slide past each other. 0 ... 1000. */
+  /* The speed at which the surfaces slide past each other. 0 ... 1000. */
   double slip_m_s;
-  /* Speed at which the point of contact travels. 0 ... 1000, default 0. */
+  /* The speed at which the point of contact travels. 0 ... 1000, default 0. */
   double roll_m_s;
-  /* Which contact; an object can have four at once. 0 ... 16777215, default 0. */
+  /* The contact's number; an object can have four contacts at once. 0 ... 16777215, default 0. */
   uint32_t number;
-  /* Of both surfaces together, root mean square. 0 ... 0.1, default 2e-6. */
+  /* The root mean square of the heights of both surfaces together. 0 ... 0.1, default 2e-6. */
   double roughness_m;
   /* The longest wavelength of the roughness. 1e-7 ... 10, default 5e-5. */
   double correlation_m;
-  /* The power of the heights over spatial frequency f goes as f^slope. -10 ... 0, default -2.4. */
+  /* The exponent of the power spectrum of the heights over spatial frequency. -10 ... 0, default -2.4. */
   double slope;
 } ringdown_contact_args;
 RINGDOWN_API void ringdown_contact_args_init(ringdown_contact_args* args, size_t size); /* [any] */
 RINGDOWN_API ringdown_result ringdown_contact(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                               const ringdown_contact_args* args, ringdown_error* error);
 
-/* Bows the object: the hair sticks to the surface, slips, and feels how it moves. Send it again to change speed or
- * force, which then move there in the time since the last message, 2 to 50 ms. A force of 0 lifts the bow. */
+/* Bows the object: the hair sticks and slips, and reacts to the surface's motion. Send the message again to change
+ * speed or force, which glide to their new values within the time since the last message, 2 to 50 ms. A force of 0
+ * lifts the bow. */
 typedef struct ringdown_bow_args {
   size_t size; /* sizeof the struct, as _init sets it */
-  /* Where the bow lies. */
+  /* The point on which the bow lies. */
   double point_m[3];
-  /* The way the hair moves, along the surface; any length but 0. */
+  /* The direction in which the hair moves along the surface; any length but 0. */
   double direction[3];
-  /* The hair's speed; negative for the way back. -100 ... 100. */
+  /* The hair's speed; a negative speed reverses the direction. -100 ... 100. */
   double speed_m_s;
-  /* How hard the bow is pressed. 0 ... 100000. */
+  /* The force that presses the bow on the surface. 0 ... 100000. */
   double force_n;
-  /* Of the hair: modes whose waves are shorter feel less of it. 0 ... 1, default 0. */
+  /* The width of the hair; modes with shorter wavelengths feel less of the bow. 0 ... 1, default 0. */
   double width_m;
-  /* Coefficient of static friction; sliding has three eighths of it. 0 ... 5, default 0.8. */
+  /* The coefficient of static friction; that of sliding is three eighths of it. 0 ... 5, default 0.8. */
   double rosin;
-  /* Which of the object's bows. 0 ... 16777215, default 0. */
+  /* The bow's number on this object. 0 ... 16777215, default 0. */
   uint32_t number;
 } ringdown_bow_args;
 RINGDOWN_API void ringdown_bow_args_init(ringdown_bow_args* args, size_t size); /* [any] */
 RINGDOWN_API ringdown_result ringdown_bow(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                           const ringdown_bow_args* args, ringdown_error* error);
 
-/* A mallet flies at the object and feels it: how long the blow lasts, and how often it hits, follows from mass, head
- * and speed, and from what the object does. */
+/* Throws a mallet at the object. Mass, head, speed and the object's own motion decide how long the blow lasts and how
+ * often the mallet hits. */
 typedef struct ringdown_mallet_args {
   size_t size; /* sizeof the struct, as _init sets it */
-  /* Where the mallet lands. */
+  /* The point that the mallet hits. */
   double point_m[3];
-  /* Its velocity; not 0. */
+  /* The mallet's velocity; not 0. */
   double velocity_m_s[3];
-  /* Its mass, shaft and hand included. 1e-5 ... 100, default 0.02. */
+  /* The mallet's mass, shaft and hand included. 1e-5 ... 100, default 0.02. */
   double mass_kg;
-  /* How hard the head is: some 1e5 for yarn, 1e7 for rubber, 1e9 for wood, 1e10 for steel. 1 ... 1e14, default
+  /* The stiffness of the head: about 1e5 for yarn, 1e7 for rubber, 1e9 for wood, 1e10 for steel. 1 ... 1e14, default
    * 10000000. */
   double head;
-  /* Its speed after a blow on a wall, over that before. 0.01 ... 1, default 0.9. */
+  /* The mallet's speed after a blow on a rigid wall, divided by its speed before. 0.01 ... 1, default 0.9. */
   double bounce;
 } ringdown_mallet_args;
 RINGDOWN_API void ringdown_mallet_args_init(ringdown_mallet_args* args, size_t size); /* [any] */
 RINGDOWN_API ringdown_result ringdown_mallet(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                              const ringdown_mallet_args* args, ringdown_error* error);
 
-/* Lets another object touch this one at a point of each, so that both rattle, buzz and ring together. The axes of the
- * two are taken as parallel. A stiffness of 0 parts them. */
+/* Lets another object touch this one at a point of each, so that both rattle, buzz and ring together. The frames of
+ * the two are assumed to be parallel. A stiffness of 0 separates them. */
 typedef struct ringdown_couple_args {
   size_t size; /* sizeof the struct, as _init sets it */
-  /* Where this object is touched. */
+  /* The touched point of this object. */
   double point_m[3];
   /* The other object. */
   uint32_t other;
-  /* Where the other is touched, in its own frame. */
+  /* The touched point of the other object, in its own frame. */
   double other_point_m[3];
-  /* The way in which the other pushes this object; any length but 0. */
+  /* The direction in which the other object pushes this one; any length but 0. */
   double direction[3];
-  /* With which the other rests on this object; 0: both are held where they are. 0 ... 100000, default 0. */
+  /* The weight with which the other object rests on this one; 0: both are held in place. 0 ... 100000, default 0. */
   double weight_n;
-  /* Between the two at rest; negative: pressed together so deep. -0.01 ... 0.1, default 0. */
+  /* The distance between the two at rest; a negative gap presses them together. -0.01 ... 0.1, default 0. */
   double gap_m;
-  /* Of the contact, by Hertz's law. 0 ... 1e14, default 100000000. */
+  /* The stiffness of the contact, by Hertz's law. 0 ... 1e14, default 100000000. */
   double stiffness;
   /* Coefficient of static friction. 0 ... 5, default 0.3. */
   double friction;
-  /* Speed after an impact over that before. 0.01 ... 1, default 0.6. */
+  /* The speed after an impact, divided by the speed before. 0.01 ... 1, default 0.6. */
   double bounce;
-  /* Of the other, where it rests by its weight; 0 follows from the weight. 0 ... 100000, default 0. */
+  /* The other object's mass, if it rests by its weight; 0 derives the mass from the weight. 0 ... 100000, default 0. */
   double mass_kg;
-  /* Which of this object's couplings. 0 ... 16777215, default 0. */
+  /* The coupling's number on this object. 0 ... 16777215, default 0. */
   uint32_t number;
 } ringdown_couple_args;
 RINGDOWN_API void ringdown_couple_args_init(ringdown_couple_args* args, size_t size); /* [any] */
 RINGDOWN_API ringdown_result ringdown_couple(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                              const ringdown_couple_args* args, ringdown_error* error);
 
-/* The click of a free object that a blow sets in motion as a whole, which strikes do not include. Send it once for
- * all points struck at one time. impulse_ns: The impulse it receives. contact_time_s: How long the blow lasts; longer
- * is duller. 0 ... 0.1, default 0.0002. */
+/* Plays the click of a free object that a blow sets in motion as a whole. Strikes do not include it. Send one click
+ * for all points that are struck at the same time. impulse_ns: The impulse on the object. contact_time_s: The
+ * duration of the blow; a longer blow is duller. 0 ... 0.1, default 0.0002. */
 RINGDOWN_API ringdown_result ringdown_click(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                             const double impulse_ns[3], double contact_time_s, ringdown_error* error);
 
-/* Says where the object is, for a listener (/listener), who then hears it from there. Send 30 to 250 a second of what
- * moves; motion between poses is smooth. A pose sent one interval ahead of its time is reached exactly then, any
- * other one interval after it comes. position_m: Where the object's origin lies in the scene. rotation_wxyz: How it
- * is turned, as a unit quaternion. */
+/* Sets the object's pose, from which a listener (/listener) hears it. Send 30 to 250 poses a second for a moving
+ * object; the motion between poses is smooth. A pose sent one interval ahead of its time is reached exactly then, any
+ * other pose one interval after it arrives. position_m: The position of the object's origin in the scene.
+ * rotation_wxyz: How it is turned, as a unit quaternion. */
 RINGDOWN_API ringdown_result ringdown_pose(ringdown_mixer* mixer, int64_t frame, uint32_t object,
                                            const double position_m[3], const double rotation_wxyz[4],
                                            ringdown_error* error);
 
-/* Says where somebody listens. Objects with a pose are then heard from their places: by what each mode sends that
- * way, by distance, and higher or lower as they come and go. Objects without a pose sound as before. position_m:
- * Where the listener's head is in the scene. Not turned, it faces along x with its left ear to y. rotation_wxyz: How
- * it is turned, as a unit quaternion. */
+/* Sets the listener's pose. Objects with a pose are then heard from their places, with direction, distance and
+ * Doppler shift. Objects without a pose sound as before. position_m: The position of the listener's head in the
+ * scene. Without a rotation it faces along x, with the left ear towards y. rotation_wxyz: How it is turned, as a unit
+ * quaternion. */
 RINGDOWN_API ringdown_result ringdown_listener(ringdown_mixer* mixer, int64_t frame, const double position_m[3],
                                                const double rotation_wxyz[4], ringdown_error* error);
 
-/* Ends that: everything sounds as without a listener. */
+/* Removes the listener. */
 RINGDOWN_API ringdown_result ringdown_listener_off(ringdown_mixer* mixer, int64_t frame, ringdown_error* error);
 
-/* Sets the air between objects and listener, which takes more of high pitches the longer the way. temperature_c: Of
- * the air. -50 ... 60. humidity_percent: Relative humidity. 0 ... 100, default 50. */
+/* Sets the air between objects and listener, which absorbs high frequencies more strongly over longer distances.
+ * temperature_c: The temperature of the air. -50 ... 60. humidity_percent: The relative humidity of the air. 0 ...
+ * 100, default 50. */
 RINGDOWN_API ringdown_result ringdown_listener_air(ringdown_mixer* mixer, int64_t frame, double temperature_c,
                                                    double humidity_percent, ringdown_error* error);
 
@@ -427,8 +433,8 @@ RINGDOWN_API ringdown_result ringdown_listener_air(ringdown_mixer* mixer, int64_
 /* Writes the next `frames` frames of left and right, any number, which need not be the same each time. */
 RINGDOWN_API void ringdown_render(ringdown_mixer* mixer, float* left, float* right, size_t frames);
 
-/* The same with ambisonic channels and inputs. A NULL pointer is a channel to which nobody listens, which costs
- * nothing, or an input that is silent. */
+/* Renders the next frames with ambisonic channels and inputs. A NULL pointer is a channel that is not needed, which
+ * costs nothing, or an input that is silent. */
 typedef struct ringdown_block {
   size_t size;                              /* sizeof the struct; smaller blocks render nothing */
   size_t frames;
@@ -446,11 +452,11 @@ RINGDOWN_API size_t ringdown_latency(const ringdown_mixer* mixer);   /* frames b
 typedef struct ringdown_status {
   size_t size;
   uint64_t strikes;        /* played so far */
-  uint64_t late;           /* events that came after their frame */
+  uint64_t late;           /* events that arrived after their frame */
   uint64_t dropped;        /* events refused because too many waited */
   uint64_t refused;        /* events whose object had been removed when their frame came, and contacts without room */
   uint64_t not_finite;     /* voices silenced because a state was not a sensible number */
-  uint32_t objects;        /* that exist */
+  uint32_t objects;        /* existing objects */
   uint32_t sounding;       /* voices that rang in the last block */
   uint32_t ringing_modes;  /* modes that rang in the last block */
   float peak;              /* largest |sample| of the last block */

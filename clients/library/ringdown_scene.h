@@ -31,7 +31,7 @@ typedef struct ringdown_scene ringdown_scene;
  * destroyed. [worker] */
 RINGDOWN_API ringdown_result ringdown_scene_load(ringdown_mixer* mixer, const char* path, int64_t frame,
                                                  ringdown_scene** scene, ringdown_error* error);
-/* Ends the scene; what rings goes on ringing, and its objects stay. NULL is allowed. [worker, while no other function of
+/* Ends the scene; sounds ring on, and the scene's objects stay. NULL is allowed. [worker, while no other function of
  * this scene runs] */
 RINGDOWN_API void ringdown_scene_destroy(ringdown_scene* scene);
 
@@ -40,13 +40,13 @@ RINGDOWN_API void ringdown_scene_destroy(ringdown_scene* scene);
  * are lost. [worker] */
 RINGDOWN_API void ringdown_scene_advance(ringdown_scene* scene, int64_t frame);
 
-/* Stops the bodies (1) or lets them go on (0); what rings goes on ringing. [worker] */
+/* Pauses (1) or continues (0) the bodies; sounds ring on. [worker] */
 RINGDOWN_API ringdown_result ringdown_scene_pause(ringdown_scene* scene, int paused, ringdown_error* error);
 /* An impulse [N s] in the scene's axes at the body's centre of mass. RINGDOWN_REFUSED for a body that is fixed or has not
  * yet entered the scene. [worker] */
 RINGDOWN_API ringdown_result ringdown_scene_push(ringdown_scene* scene, uint32_t body, const double impulse_ns[3],
                                                  ringdown_error* error);
-/* Removes all bodies, and nothing enters the scene any more. [worker] */
+/* Removes all bodies; no further body enters the scene. [worker] */
 RINGDOWN_API ringdown_result ringdown_scene_clear(ringdown_scene* scene, ringdown_error* error);
 
 RINGDOWN_API double ringdown_scene_duration_s(const ringdown_scene* scene); /* as its file says; 0: for ever. [any] */

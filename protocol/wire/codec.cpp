@@ -90,7 +90,7 @@ Result<OscUrl> parse_url(std::string_view url) {
   constexpr std::string_view kScheme = "osc.udp://";
   const auto refuse = [&] {
     return fail(ErrorKind::bad_input,
-                "'" + std::string(url) + "' is no address of a daemon; write it like osc.udp://127.0.0.1:7770");
+                "'" + std::string(url) + "' is not a daemon's address; write it like osc.udp://127.0.0.1:7770");
   };
   if (!url.starts_with(kScheme)) return refuse();
   std::string_view rest = url.substr(kScheme.size());

@@ -176,7 +176,7 @@ Result<void> split_bundle(std::span<const std::byte> bundle, TimeTag time, int d
 Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, std::vector<TimedMessage>& messages) {
   if (element.empty()) return refuse("it is empty");
   if (element.size() % 4 != 0) {
-    return refuse("its length, " + std::to_string(element.size()) + " bytes, is no multiple of 4");
+    return refuse("its length, " + std::to_string(element.size()) + " bytes, is not a multiple of 4");
   }
   if (as_text(element).starts_with(kBundleMark)) return split_bundle(element, time, depth + 1, messages);
   Result<Message> message = read_message(element);

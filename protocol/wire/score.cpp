@@ -33,7 +33,7 @@ bool is_bundle(std::span<const std::byte> bytes) {
 
 // Appends the messages of the bundle to `events`, or says what is wrong with it.
 Result<void> read_bundle(std::span<const std::byte> bundle, std::vector<ScoreEvent>& events) {
-  if (!is_bundle(bundle)) return fail(ErrorKind::bad_input, "it is no bundle, so it has no time");
+  if (!is_bundle(bundle)) return fail(ErrorKind::bad_input, "it is not a bundle, so it has no time");
   Result<std::vector<TimedMessage>> messages = decode_packet(bundle);
   if (!messages) return fail(messages.error());
   for (TimedMessage& timed : *messages) {

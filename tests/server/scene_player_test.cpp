@@ -117,9 +117,10 @@ TEST_F(ScenePlayerTest, AGltfSceneHasAnObjectForEachNodeAndNamesWhatItLeavesOut)
   });
   const auto loaded = session.scene().load(folder_ / "room.gltf", 0);
   ASSERT_TRUE(loaded) << loaded.error().message;
-  EXPECT_EQ(warnings,
-            std::vector<std::string>{
-                "scene: triggers have no effect: nothing collides with them, and what enters them is not reported"});
+  EXPECT_EQ(
+      warnings,
+      std::vector<std::string>{
+          "scene: triggers have no effect: nothing collides with them, and bodies that enter them are not reported"});
   const auto small = session.rack().find({.name = "bell"}), large = session.rack().find({.name = "bell-2"});
   ASSERT_TRUE(small && large);
   // Under a scale the points lie farther out, and the model rings as it does in the file.

@@ -1,4 +1,4 @@
-"""Banks from meshes and materials, by the program ringdown-bake, which stays a process of its own."""
+"""Bakes meshes and materials to banks by the program ringdown-bake, in a separate process."""
 
 import os
 import re
@@ -34,11 +34,11 @@ def bake(
 
     mesh: a surface (.stl .obj .ply .glb), a geometry (.geo .step .brep), a mesh (.msh .vtk ...) or an object file (.toml),
     which names its material. material: the name of one, "steel" for example. out: where to keep the bank (.glb).
-    progress: called with the fraction done and what is being done; what it raises ends the work, as Ctrl-C does.
+    progress: called with the fraction done and the stage; an exception that it raises ends the bake, as Ctrl-C does.
     program: the program, default: $RINGDOWN_BAKE, or ringdown-bake in $PATH.
 
     options: the program's own, with _ for -: mesh_size=0.004, band=(20, 10000), preview=True,
-    set={"length": 250}. Error has its sentence when it fails, and what it warns of comes as a warning.
+    set={"length": 250}. If the program fails, Error has its sentence. Its warnings become Python warnings.
     """
     with tempfile.TemporaryDirectory(prefix="ringdown-") as folder:
         bank = Path(out) if out is not None else Path(folder) / "bank.glb"

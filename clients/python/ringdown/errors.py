@@ -2,9 +2,9 @@
 
 
 class Error(Exception):
-    """What Ringdown refused. The text is one sentence: what, where, what to do; nothing has changed.
+    """A call that failed. The text is one sentence: what is wrong, where, and what to do. Nothing has changed.
 
-    `kind` says what kind of failure it was: "bad_input" (then it is an InputError), "too_large" (a limit is exceeded),
+    `kind` is the kind of failure: "bad_input" (then it is an InputError), "too_large" (a limit is exceeded),
     "refused" (impossible now), "no_memory", "input_output", "cancelled" or "failed".
     """
 
@@ -14,7 +14,7 @@ class Error(Exception):
 
 
 class InputError(Error, ValueError):
-    """A value that is not what it should be: a number out of range, an array of the wrong shape, a file without a bank.
+    """A wrong value: a number out of range, an array of the wrong shape, a file without a bank.
 
     An argument of the wrong type is a TypeError, as everywhere in Python.
     """

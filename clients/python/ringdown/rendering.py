@@ -1,4 +1,4 @@
-"""Whole pieces as arrays: what `ringdown render` writes to a file, sample for sample."""
+"""Renders scores and scenes to arrays, sample for sample as `ringdown render` does."""
 
 import math
 import operator
@@ -41,7 +41,7 @@ def _timed(event: Event, numbers: Mapping[str, int], rate_hz: float) -> _Timed:
         arguments = dict(zip(names, event))
     do = arguments.pop("do", "strike")
     if do not in TIMED and do not in CHANGES:
-        raise InputError(f"'{do}' is no event; there are {', '.join(TIMED + CHANGES)}")
+        raise InputError(f"'{do}' is not an event; there are {', '.join(TIMED + CHANGES)}")
     if ("time_s" in arguments) == ("frame" in arguments):
         raise InputError(f"an event has either a time_s or a frame: {event!r}")
     if "frame" in arguments:
@@ -59,7 +59,7 @@ def _timed(event: Event, numbers: Mapping[str, int], rate_hz: float) -> _Timed:
 
 
 def _real(value: Any, name: str) -> float:
-    """A number as a float; not what float() makes of a text."""
+    """A number as a float; text is refused."""
     if isinstance(value, (str, bytes, bytearray)):
         raise TypeError(f"{name} must be a number, not {value!r}")
     return float(value)

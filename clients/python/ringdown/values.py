@@ -13,10 +13,10 @@ class Material(NamedTuple):
 
 
 class Status(NamedTuple):
-    """What a mixer did, and what it did in the last block."""
+    """The state of a mixer: counts since its start, and values of the last block."""
 
     strikes: int  # played so far
-    late: int  # events that came after their frame
+    late: int  # events that arrived after their frame
     dropped: int  # events refused because too many waited
     refused: int  # strikes on what does not exist any more
     not_finite: int  # voices silenced because a state was not a sensible number

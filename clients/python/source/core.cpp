@@ -100,7 +100,7 @@ void add_bank(py::module_& module) {
                    " Arrays are views without copies: they cannot be written to, and keep the bank alive.")
       .def_static("open", &open, py::arg("path"), "Reads a bank, a .glb file of ringdown-bake or another program.")
       .def_static("parse", &parse, py::arg("glb"), py::arg("name") = "bank",
-                  "Reads a bank from the bytes of such a file; `name` stands in sentences where the path would.")
+                  "Reads a bank from the bytes of a bank file; error sentences contain `name` in place of the path.")
       .def_property_readonly(
           "name", [](const Bank& bank) { return bank.info().name; }, "The object's name, '' without one.")
       .def_property_readonly(
@@ -138,21 +138,21 @@ void add_bank(py::module_& module) {
             return view(self, ringdown_bank_triangles(bank.get()), {triangles(bank), 3});
           },
           "T x 3 numbers of points.")
-      .def_property_readonly("material", &material_of, "A ringdown.Material, or None where the bank names none.")
+      .def_property_readonly("material", &material_of, "A ringdown.Material, or None if the bank names none.")
       .def_property_readonly(
           "mass_kg",
           [](const Bank& bank) -> py::object {
             if (!(bank.info().mass_kg > 0)) return py::none();
             return py::float_(bank.info().mass_kg);
           },
-          "The mass, or None where it is not known.")
+          "The mass [kg], or None if it is not known.")
       .def_property_readonly(
           "center_of_mass_m",
           [](const py::object& self) { return view(self, bank_of(self).info().center_of_mass_m, {3}); },
           "The centre of mass, 3 coordinates [m].")
       .def_property_readonly(
           "has_radiation", [](const Bank& bank) { return bank.info().has_radiation != 0; },
-          "Whether the modes have maps of what they radiate in which direction: far_field() needs them.")
+          "True if the modes have radiation maps, which far_field() needs.")
       .def("levels_pa", &levels_of,
            "M levels: the sound pressure at 1 m per modal velocity, rms over directions [Pa / (kg^1/2 m/s)].")
       .def("far_field", &far_field_of, py::arg("mode"), py::arg("directions"),

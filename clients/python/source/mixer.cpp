@@ -140,8 +140,8 @@ void add_sound(Class& mixer) {
             return render(self, frames, inputs, false);
           },
           py::arg("frames"), py::arg("inputs") = py::none(),
-          "The next frames of sound, frames x 2 numbers of type float32. While it computes, other threads go on.\n\n"
-          "`inputs`, frames x at most 4 numbers, push the objects that excite() names.")
+          "The next frames of sound, frames x 2 numbers of type float32. While it computes, other threads "
+          "run.\n\n`inputs`, frames x at most 4 numbers, push the objects that excite() names.")
       .def(
           "render_into",
           [](Mixer& self, const py::array& array, const std::optional<py::array>& ambisonics, const Inputs& inputs) {
@@ -159,7 +159,7 @@ void add_sound(Class& mixer) {
           "The next frames as (ambisonic_order + 1)^2 channels: AmbiX, channels in ACN order, SN3D.")
       .def_property_readonly(
           "now", [](const Mixer& self) { return ringdown_now(self.handle); },
-          "Frames rendered so far: the frame that the next block begins with.")
+          "Frames rendered so far: the first frame of the next block.")
       .def_property_readonly(
           "latency_frames", [](const Mixer& self) { return ringdown_latency(self.handle); },
           "Frames by which the limiter delays left and right.")
@@ -170,8 +170,8 @@ void add_sound(Class& mixer) {
             call(ringdown_set_sample_rate, self.handle, sample_rate_hz);
             self.sample_rate_hz = sample_rate_hz;
           },
-          "The sample rate; what rings keeps its pitch when it is changed.")
-      .def_property_readonly("status", &status_of, "A ringdown.Status: what was played, what rings.");
+          "The sample rate; ringing sounds keep their pitch when it changes.")
+      .def_property_readonly("status", &status_of, "The mixer's state, as a ringdown.Status.");
 }
 
 void add_objects(Class& mixer) {
@@ -187,7 +187,7 @@ void add_objects(Class& mixer) {
           "Adds an object that plays a bank and returns its number, which all other methods take.")
       .def(
           "remove", [](Mixer& self, Object object) { call(ringdown_remove, self.handle, object); }, py::arg("object"),
-          "Takes an object away: what rings fades out within some milliseconds.")
+          "Removes an object; its sound fades out within some milliseconds.")
       .def(
           "material",
           [](Mixer& self, Object object, double stiffness, double density, double size, double alpha, double beta,
@@ -197,8 +197,8 @@ void add_objects(Class& mixer) {
           },
           py::arg("object"), py::kw_only(), py::arg("stiffness") = 1.0, py::arg("density") = 1.0, py::arg("size") = 1.0,
           py::arg("alpha") = 1.0, py::arg("beta") = 1.0, py::arg("heat") = 1.0, py::arg("air") = 1.0,
-          "Factors on the bank's own Young's modulus, density and lengths, and on what modes lose to supports (alpha),"
-          " to the material (beta), to heat that flows in the body and to the air. What rings is retuned.")
+          "Factors on the bank's own Young's modulus, density and lengths, and on the losses to supports (alpha), to "
+          "the material (beta), to heat that flows in the body and to the air. Ringing sounds are retuned.")
       .def(
           "hold",
           [](Mixer& self, Object object, const Vector& point_m, double damping_ns_m, const Vector& direction,
@@ -209,8 +209,7 @@ void add_objects(Class& mixer) {
           py::arg("object"), py::arg("point_m"), py::arg("damping_ns_m") = 10.0, py::kw_only(),
           py::arg("direction") = Vector{}, py::arg("number") = 0, py::arg("frame") = py::none(),
           "Lays a damper, such as a hand or a table, on the object: damper `number`, 0 to 7, resists motion along "
-          "`direction` (0 0 0: any) with so"
-          " many newtons per m/s. A finger is about 0.1, a hand 10; 0 takes the damper away.")
+          "`direction` (0 0 0: any) with a damping in N s/m. A finger is about 0.1, a hand 10; 0 removes the damper.")
       .def(
           "mute", [](Mixer& self, Object object, bool on) { call(ringdown_mute, self.handle, object, on ? 1 : 0); },
           py::arg("object"), py::arg("on") = true, "A muted object is not heard.")
@@ -232,13 +231,11 @@ void add_objects(Class& mixer) {
 }  // namespace
 
 void add_mixer(py::module_& module) {
-  Class mixer(
-      module, "Mixer",
-      "What rings: objects that play banks, events with frames, and blocks of sound.\n\n"
-      "Units are SI. Points and impulses are in the object's own frame. Time is counted in sample frames from"
-      " the first frame that the mixer renders; an event without a frame happens at the beginning of the next"
-      " block. At most 4096 events may come between two blocks, and at most 512 happen in 128 frames. Failures raise"
-      " ringdown.Error.");
+  Class mixer(module, "Mixer",
+              "Plays banks: objects, events with frames, and blocks of sound.\n\nUnits are SI. Points and impulses are "
+              "in the object's own frame. Time is counted in sample frames from the first frame that the mixer "
+              "renders; an event without a frame happens at the beginning of the next block. At most 4096 events may "
+              "come between two blocks, and at most 512 happen in 128 frames. Failures raise ringdown.Error.");
   mixer.def(
       py::init(&make), py::arg("sample_rate_hz") = 48000.0, py::kw_only(), py::arg("full_scale_pa") = 20.0,
       py::arg("limiter_db") = -1.0, py::arg("floor_db") = 120.0, py::arg("exact_contacts") = false,

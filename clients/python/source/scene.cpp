@@ -69,7 +69,7 @@ PYBIND11_MODULE(_scene, module) {
           " between two blocks, so advance 10 to 50 ms at a time.")
       .def(
           "pause", [](Scene& self, bool paused) { call(ringdown_scene_pause, self.get(), paused ? 1 : 0); },
-          py::arg("paused") = true, "Stops the bodies, or lets them go on.")
+          py::arg("paused") = true, "Pauses the bodies, or lets them continue.")
       .def(
           "push",
           [](Scene& self, Whole<std::uint32_t> body, const Vector& impulse_ns) {
@@ -95,10 +95,10 @@ PYBIND11_MODULE(_scene, module) {
           },
           py::arg("name"), "The number of a body, as push() and poses() have it, by its name in the file.")
       .def("poses", &poses_of,
-           "Where the bodies are: their N numbers, N x 3 positions [m] and N x 4 quaternions w x y z.")
+           "The poses of the bodies: their N numbers, N x 3 positions [m] and N x 4 quaternions w x y z.")
       .def_property_readonly(
           "duration_s", [](const Scene& self) { return ringdown_scene_duration_s(self.get()); },
-          "How long the scene lasts as its file says; 0: for ever.");
+          "The scene's duration in its file [s]; 0: no end.");
 }
 
 }  // namespace ringdown::python
