@@ -30,11 +30,10 @@ struct Arguments {
 // The sections of the man page.
 std::vector<manual::Section> sections() {
   std::vector<manual::Section> all = {
-      {"FILES",
-       {{"$XDG_CONFIG_HOME/ringdown/viewer.toml", "Size, panes, theme, scale and test force, as they were last."}}},
+      {"FILES", {{"$XDG_CONFIG_HOME/ringdown/viewer.toml", "The last size, panes, theme, scale and test force."}}},
       {"EXAMPLES",
        {{"ringdown-viewer", "The daemon on this computer."},
-        {"ringdown-viewer --to osc.udp://studio:7770", "One on another, started with --address."},
+        {"ringdown-viewer --to osc.udp://studio:7770", "A daemon on another computer, started with --address."},
         {"xvfb-run -a ringdown-viewer --scene demo.toml --at 2.5 --screenshot demo.png",
          "A picture, without a screen."}}}};
   for (const Pane pane : viewer::kPanesWithKeys) {
@@ -49,30 +48,29 @@ std::vector<manual::Section> sections() {
 }
 
 void add_options(manual::App& app, Arguments& arguments) {
-  app.add_option("--to", arguments.to,
-                 "The daemon, as osc.udp://HOST:PORT; default: the last one, first this computer's.")
+  app.add_option("--to", arguments.to, "The daemon, as osc.udp://HOST:PORT; default: the last one, or this computer's.")
       ->type_name("URL");
   auto* scene =
-      app.add_option("--scene", arguments.scene, "A scene that the daemon is to load, where the daemon finds it.")
+      app.add_option("--scene", arguments.scene, "The scene that the daemon loads; a path on the daemon's computer.")
           ->type_name("FILE");
   app.add_option("--only", arguments.only, "Shows one pane alone.")
       ->check(manual::one_of({"scene", "sound"}))
       ->type_name("scene|sound");
-  app.add_option("--theme", arguments.theme, "Dark or light; default: as last time.")
+  app.add_option("--theme", arguments.theme, "Dark or light; default: the last one.")
       ->check(manual::one_of({"dark", "light"}))
       ->type_name("dark|light");
-  app.add_option("--scale", arguments.scale, "Of text and controls; default: as last time, first the display's.")
+  app.add_option("--scale", arguments.scale, "Scale of text and controls; default: the last one, or the display's.")
       ->check(manual::between(0.5, 8.0));
-  app.add_option("--size", arguments.size, "Of the window in pixels; default: as last time.")
+  app.add_option("--size", arguments.size, "Size of the window in pixels; default: the last one.")
       ->type_name("WIDTH HEIGHT")
       ->expected(2)
       ->check(manual::between(240, 8192));
   auto* screenshot = app.add_option("--screenshot", arguments.screenshot,
-                                    "Plays --scene until --at, writes a picture and ends. Without --to by a daemon of "
-                                    "its own, which makes no sound.")
+                                    "Plays --scene until --at, writes a picture and ends. Without --to, a silent "
+                                    "daemon of its own plays the scene.")
                          ->type_name("FILE.png")
                          ->needs(scene);
-  app.add_option("--at", arguments.at_s, "When the picture is taken, in seconds of the scene.")
+  app.add_option("--at", arguments.at_s, "Time of the picture, in seconds of the scene.")
       ->check(manual::between(0.0, 3600.0))
       ->capture_default_str();
   app.add_flag("--keys", arguments.keys, "Prints the keys as Markdown.")->excludes(screenshot);
@@ -106,7 +104,7 @@ ExitCode screenshot(const Arguments& arguments, Pane only) {
 ExitCode show(const Arguments& arguments, Pane only) {
   const auto file = viewer::settings_file();
   auto read = file ? viewer::read_settings(*file) : Result<viewer::Settings>(viewer::Settings{});
-  if (!read) complain(read.error().message + "; going on with the defaults", ExitCode::bad_input);
+  if (!read) complain(read.error().message + "; the defaults are used", ExitCode::bad_input);
   const bool keep = file && read;  // a file that is wrong is the user's to mend
   viewer::Settings settings = read ? *read : viewer::Settings{};
   take_over(arguments, settings);

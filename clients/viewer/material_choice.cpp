@@ -47,7 +47,7 @@ std::string change_of(double relative) {
 MaterialChoice choice_of(const Material& bank, const Material& wanted) {
   MaterialChoice choice;
   if (!(bank.youngs_modulus_pa > 0 && bank.density_kg_m3 > 0)) {
-    choice.obstacle = "The bank does not say how stiff and dense it is.";
+    choice.obstacle = "The bank does not state its stiffness and density.";
     return choice;
   }
   MaterialScale& scale = choice.scale;
@@ -67,7 +67,7 @@ MaterialChoice choice_of(const Material& bank, const Material& wanted) {
   choice.twist_error = std::sqrt((1 + nu) / (1 + wanted_nu)) - 1;
   if (!kFactor.holds(scale.stiffness) || !kFactor.holds(scale.density) || !kDampingFactor.holds(scale.alpha) ||
       !kDampingFactor.holds(scale.beta) || !kDampingFactor.holds(scale.heat)) {
-    choice.obstacle = "A bank's stiffness, density and damping can be scaled a thousandfold at most.";
+    choice.obstacle = "A bank's stiffness, density and damping can be scaled by a factor of at most 1000.";
   }
   const bool lacks_alpha = !by_parts && bank.damping.alpha_per_s <= 0 && wanted.damping.alpha_per_s > 0;
   const bool lacks_beta = !by_parts && bank.damping.beta_s <= 0 && wanted.damping.beta_s > 0;
@@ -76,7 +76,7 @@ MaterialChoice choice_of(const Material& bank, const Material& wanted) {
                          (lacks_alpha && lacks_beta ? "its own"
                           : lacks_alpha             ? "low modes (alpha)"
                                                     : "high modes (beta)") +
-                         " that could be scaled, so that stays as it is.";
+                         " that could be scaled, so this damping does not change.";
   }
   return choice;
 }

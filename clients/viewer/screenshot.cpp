@@ -124,10 +124,11 @@ Result<void> play_until_then(App& app, const ScreenshotRequest& request, const s
   app.commands().load_scene(scene.string());
   app.client().send(protocol::ScenePause{true});
   const auto paused = [&] { return is_complete(app.model()) && app.model().scene().paused(); };
-  if (auto good = draw_until(app, request, kPatience_s, "the scene did not come", paused); !good) return good;
+  if (auto good = draw_until(app, request, kPatience_s, "the scene was not loaded in time", paused); !good) return good;
   app.client().send(protocol::ScenePause{false});
   const auto arrived = [&] { return app.model().scene().reported_time_s() >= request.at_s; };
-  return draw_until(app, request, request.at_s + kPatience_s, "the scene did not get that far", arrived);
+  return draw_until(app, request, request.at_s + kPatience_s, "the scene did not reach the time of the picture",
+                    arrived);
 }
 
 }  // namespace
@@ -161,7 +162,7 @@ Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& s
     app.draw();
     complete = connected(app) && is_complete(app.model());
   }
-  if (!complete) return fail(ErrorKind::refused, "no picture was written: the daemon ceased to answer meanwhile");
+  if (!complete) return fail(ErrorKind::refused, "no picture was written: the daemon stopped answering");
   return write_png(app.window().read_pixels(), request.output);
 }
 

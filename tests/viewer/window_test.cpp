@@ -283,7 +283,7 @@ TEST(Window, AFrameSurroundsTheFocusedPane) {
 TEST(Window, TheClockStopsAtTheScenesEnd) {
   EXPECT_EQ(scene_note("demo", 3.21, 12, false), "demo   3.2 s of 12 s");
   EXPECT_EQ(scene_note("chimes", 11.36, 11.4, true), "chimes   11.4 s of 11.4 s   paused (F5)");
-  EXPECT_EQ(scene_note("demo", 50, 12, false), "demo   12.0 s of 12 s   ended (F6: again)");
+  EXPECT_EQ(scene_note("demo", 50, 12, false), "demo   12.0 s of 12 s   ended (F6: restart)");
   EXPECT_EQ(scene_note("endless", 50, 0, false), "endless   50.0 s");
 }
 

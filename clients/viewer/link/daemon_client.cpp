@@ -134,7 +134,7 @@ void DaemonClient::Connection::look_for(const std::string& url) {
   if (parsed) {
     parsed_ = *parsed;
   } else {
-    say(Kind::away, "This is no address of a daemon: " + parsed.error().message);
+    say(Kind::away, "This is not a daemon's address: " + parsed.error().message);
   }
 }
 

@@ -17,7 +17,7 @@ void MaterialPicker::draw(const KnownObject& object, Commands& commands) {
   if (!object.bank) return;
   if (!object.bank->bank.material) {
     ImGui::TextDisabled("material unknown");
-    hint("The bank does not say what it is made of, so no other material can be chosen; the sliders work.");
+    hint("The bank does not name its material, so no other can be chosen; the sliders work.");
     return;
   }
   const modal::Material& bank = *object.bank->bank.material;
@@ -28,8 +28,8 @@ void MaterialPicker::draw(const KnownObject& object, Commands& commands) {
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   const bool open = ImGui::BeginCombo("##material", present.c_str(), ImGuiComboFlags_HeightLarge);
   if (!open) {
-    return hint("The object's material. Baked in " + bank.name + "; stiffness, density and damping follow a choice,\n" +
-                "Poisson's ratio needs a new bake.");
+    return hint("The object's material. Baked in " + bank.name + "; a choice sets stiffness, density and damping.\n" +
+                "Another Poisson's ratio needs a new bake.");
   }
   const auto choose = [&](modal::MaterialScale wanted) {
     wanted.size = scale.size;

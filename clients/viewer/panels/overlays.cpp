@@ -42,7 +42,7 @@ std::string scene_note(const std::string& name, double time_s, double duration_s
   } else {
     std::snprintf(clock.data(), clock.size(), "%.1f s", time_s);
   }
-  return name + "   " + clock.data() + (ended ? "   ended (F6: again)" : "") + (paused ? "   paused (F5)" : "");
+  return name + "   " + clock.data() + (ended ? "   ended (F6: restart)" : "") + (paused ? "   paused (F5)" : "");
 }
 
 void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene,
@@ -105,8 +105,8 @@ bool draw_help(const Skin& skin) {
   if (ImGui::Begin("Keys", &open, kFlags)) {
     ImGui::TextWrapped(
         "Mouse in the scene: drag to look, wheel to come closer, click a surface to strike it there (held longer, "
-        "harder), shift and drag to push a body, ctrl and click or drag to choose a support. Letters that two panes "
-        "share are the focused pane's.");
+        "harder), shift and drag to push a body, ctrl and click or drag to choose a support. If a letter has two "
+        "meanings, the focused pane decides.");
     ImGui::Separator();
     if (ImGui::BeginTable("keys", 3, ImGuiTableFlags_SizingStretchSame)) {
       const auto is_sign = [](const Binding& binding) { return binding.key.size() == 1; };

@@ -209,7 +209,7 @@ Picked draw_bars(const Skin& skin, ImVec2 size, std::span<const BarGroup> groups
       if (away < distance) distance = away, nearest = {static_cast<int>(g), static_cast<int>(b)};
     }
   }
-  area.title(skin, {{"modes that ring", skin.faint}});
+  area.title(skin, {{"ringing modes", skin.faint}});
   if (!area.hovered() || nearest.group < 0) return {};
   const BarGroup& group = groups[static_cast<std::size_t>(nearest.group)];
   const Bar& bar = group.bars[static_cast<std::size_t>(nearest.bar)];

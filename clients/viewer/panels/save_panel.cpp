@@ -48,7 +48,7 @@ void SavePanel::draw_capture(const Skin& skin, const Model& model, Commands& com
     }
   }
   if (captures) ImGui::PopStyleColor();
-  hint(captures ? "Completes the WAV file" : "Writes what is heard from now on as a WAV file (32-bit float, stereo)");
+  hint(captures ? "Completes the WAV file" : "Writes the mix from now on to a WAV file (32-bit float, stereo)");
   if (ImGui::BeginPopup("record sound")) {
     if (draw_name(sound_, "Record")) commands.capture_to(sound_.data());
     ImGui::EndPopup();
@@ -64,8 +64,8 @@ void SavePanel::draw_scene(const Model& model, Commands& commands) {
     ImGui::OpenPopup("save scene");
   }
   hint(
-      "Writes the present state as a scene file: objects with their materials, sizes, levels and\n"
-      "places, and what was dropped. Mutes and solos are not in it.");
+      "Writes the present state as a scene file: objects with their materials, sizes, levels and\nplaces, and the "
+      "dropped bodies. Mutes and solos are not saved.");
   if (!ImGui::BeginPopup("save scene")) return;
   ImGui::Checkbox("Replace a scene that was saved under this name", &replace_);
   hint("Only scenes that were saved here are replaced, never one that was written by hand");

@@ -63,7 +63,7 @@ std::string SideView::draw_daemon(const Skin& skin, const ConnectionState& state
   using Kind = ConnectionState::Kind;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   const bool entered = ImGui::InputText("##daemon", url_.data(), url_.size(), ImGuiInputTextFlags_EnterReturnsTrue);
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("The daemon to talk to; Enter connects");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("The daemon's address; Enter connects");
   const bool connected = state.kind == Kind::connected;
   ImGui::PushStyleColor(ImGuiCol_Text, connected ? skin.good : state.kind == Kind::away ? skin.bad : skin.warning);
   if (connected) {
@@ -116,32 +116,31 @@ void SideView::draw_sliders(const KnownObject& object, Commands& commands) {
     if (slider(label, tip, factor, range, "\xC3\x97 %.3g"))
       commands.edits().change(object, protocol::SetMaterial{ref, a.scale}, label);
   };
-  material("Stiffness",
-           "The factor on the Lam\xC3\xA9 constants (M and , keys). Stiffer is higher: four times, an octave up",
+  material("Stiffness", "Factor on the Lam\xC3\xA9 constants (M and , keys). Four times as stiff is an octave higher",
            a.scale.stiffness, {0.05, 20});
-  material("Density", "The factor on the mass density (B and N keys). Denser is lower: four times, an octave down",
+  material("Density", "Factor on the mass density (B and N keys). Four times as dense is an octave lower",
            a.scale.density, {0.1, 10});
   material("Material loss",
-           "The factor on what the material takes (C and V keys): shortens all modes by the same share", a.scale.beta,
-           {0.05, 20});
-  material("Heat loss", "The factor on the heat that flows through bent walls: shortens the low modes of thin metal",
+           "Factor on the loss to the material (C and V keys). More loss shortens all modes by the same share",
+           a.scale.beta, {0.05, 20});
+  material("Heat loss",
+           "Factor on the loss by heat that flows through bent walls. More loss shortens the low modes of thin metal",
            a.scale.heat, {0.05, 20});
-  material("Air loss", "The factor on what the air takes: shortens the modes that sound loudest, above all high ones",
+  material("Air loss",
+           "Factor on the loss to the air. More loss shortens the modes that sound loudest, mostly high ones",
            a.scale.air, {0.05, 20});
-  material("Support loss",
-           "The factor on what cords, felt or a hand take (Z and X keys). An object that nothing holds loses nothing\n"
-           "to them",
+  material("Support loss", "Factor on the loss to cords, felt or a hand (Z and X keys). A free object has no such loss",
            a.scale.alpha, {0.05, 20});
-  material("Size", "The factor on all lengths. Twice the size is an octave down, and eight times the mass",
-           a.scale.size, {0.25, 4});
+  material("Size", "Factor on all lengths. Twice the size is an octave lower, with eight times the mass", a.scale.size,
+           {0.25, 4});
   double level_db = 20 * std::log10(std::max(a.gain, 1e-3));
-  if (slider("Level", "How loud the object is. 0 dB is the gain 1, +20 dB the gain 10", level_db, {-60, 40, false},
+  if (slider("Level", "The object's gain. 0 dB is a factor of 1, +20 dB a factor of 10", level_db, {-60, 40, false},
              "%.1f dB"))
     commands.edits().change(object, protocol::SetGain{ref, {std::pow(10, level_db / 20), 0.02}}, "level");
   if (slider("Pan", "-1 is left, 1 is right", a.pan, {-1, 1, false}, "%.2f"))
     commands.edits().change(object, protocol::SetPan{ref, {a.pan}}, "pan");
   if (ImGui::SmallButton("As baked")) commands.edits().change(object, protocol::SetMaterial{ref, {}}, "as baked");
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Material and size of the bank's file");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Restores the material and size of the bank's file");
 }
 
 void SideView::draw_strike(Commands& commands, Settings& settings) {
@@ -153,7 +152,7 @@ void SideView::draw_strike(Commands& commands, Settings& settings) {
              "%.3g ms")) {
     commands.choice().contact_time_s = ms / 1e3;
   }
-  ImGui::Checkbox("Held longer, harder", &settings.strength_by_time);
+  ImGui::Checkbox("Hold longer to strike harder", &settings.strength_by_time);
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("A click that is held for 1/4 s strikes as strongly as the slider says");
 }

@@ -38,10 +38,10 @@ struct Column {
   const char* tip;
 };
 constexpr std::array kColumns = {
-    Column{"mode", 0.7f, "By ascending frequency. A click leaves the object this mode alone and rings it"},
-    Column{"frequency", 1.2f, "In the present material and size"},
+    Column{"mode", 0.7f, "Modes by ascending frequency. Click to hear one mode alone"},
+    Column{"frequency", 1.2f, "Frequency in the present material and size"},
     Column{"decay", 1.0f, "T60: how long the mode takes to fall by 60 dB"},
-    Column{"level", 1.1f, "At which a blow of 1 N s at the excited node starts the mode [dB of full scale]"},
+    Column{"level", 1.1f, "Initial level of the mode after a blow of 1 N s at the excited node [dB of full scale]"},
 };
 
 // The bars of an object: one for each mode, as high as the mode is loud.

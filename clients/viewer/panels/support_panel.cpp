@@ -57,9 +57,9 @@ void draw_support(const Skin& skin, ImVec2 origin, ImVec2 size, SupportChoice& c
   }
   ImGui::TextWrapped("%s", choice.text().c_str());
   if (ImGui::Button("Copy")) copy_support(choice);
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("For an object file: to the clipboard, and to standard output");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Copies text for an object file to the clipboard, and prints it");
   ImGui::SameLine();
-  if (ImGui::Button("Give up")) choice.clear();
+  if (ImGui::Button("Discard")) choice.clear();
   ImGui::End();
 }
 
