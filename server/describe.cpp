@@ -65,7 +65,7 @@ Answer read(const protocol::ReadBank& question, const session::Session& session)
   if (!piece) return fail(piece.error());
   if (piece->total != object.bank_bytes) {
     return fail(ErrorKind::refused,
-                file + " is not the file any more that \"" + object.name + "\" was loaded from; /load it again");
+                file + " is no longer the file from which \"" + object.name + "\" was loaded; /load it again");
   }
   return std::vector<protocol::Reply>{protocol::BankReply{object.name, object.bank_version, whole(question.offset),
                                                           whole(piece->total), std::move(piece->bytes)}};

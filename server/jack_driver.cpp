@@ -98,7 +98,7 @@ class JackDriver final : public Driver {
       if (!client_) {
         meet_server();
       } else if (client_->lost()) {
-        log_warning("the JACK server went away; what rings goes on in silence until it is back");
+        log_warning("the JACK server has stopped; the daemon plays on in silence until a server returns");
         leave_server();
       } else {
         leave_if_silent();
@@ -115,7 +115,7 @@ class JackDriver final : public Driver {
   void go_on_alone() {
     auto stand_in = open_null(sample_rate_hz_, block_frames_);
     if (const auto started = (*stand_in)->start(*program_); !started) {
-      log_warning("time stands still until a JACK server is there: " + started.error().message);
+      log_warning("the daemon stands still until a JACK server answers: " + started.error().message);
       return;
     }
     const std::scoped_lock lock(mutex_);
@@ -132,9 +132,9 @@ class JackDriver final : public Driver {
     const double block_s = static_cast<double>(client_->block_frames()) / sample_rate_hz_;
     if (silence < kPatience || silence_s < kPatientBlocks * block_s) return;
     if (pause_ == Clock::duration::zero()) {
-      log_warning("JACK has not called for " + fixed(silence_s, 1) +
-                  " s, though its server is there; the daemon leaves it and connects again, and "
-                  "what rings goes on in silence until then");
+      log_warning(
+          "JACK has not called for " + fixed(silence_s, 1) +
+          " s, although its server runs; the daemon leaves it and connects again, and plays on in silence until then");
     }
     leave_server();
     meter_->note_stall(silence_s);
@@ -176,7 +176,7 @@ class JackDriver final : public Driver {
     watch_ = {};
     if (!started) return leave_server();
     if (pause_ != Clock::duration::zero()) return;
-    log_info("a JACK server is there: " + fixed(sample_rate_hz_, 0) + " Hz, blocks of " +
+    log_info("connected to a JACK server: " + fixed(sample_rate_hz_, 0) + " Hz, blocks of " +
              std::to_string(block_frames_));
   }
 
@@ -222,11 +222,13 @@ class JackDriver final : public Driver {
     }
     const Load load = meter_->read();
     if (load.xruns > load.own_xruns && !std::exchange(reported_foreign_, true)) {
-      log_info("JACK reports an xrun that is not ours: another client or the server was late; /status counts them");
+      log_info(
+          "JACK reports an xrun that Ringdown did not cause: another client or the server was late; /status counts "
+          "such xruns");
     }
     const auto late = load.own_xruns - reported_own_;
     if (late == 0 || Clock::now() - reported_at_ < 10s) return;
-    log_warning((late == 1 ? "an xrun" : std::to_string(late) + " xruns") + " of our making, " +
+    log_warning((late == 1 ? "an xrun" : std::to_string(late) + " xruns") + " caused by Ringdown, " +
                 fixed(load.skipped_s, 2) + " s of sound skipped so far; the callback's load is " + fixed(load.mean, 2) +
                 ", its 99th percentile " + fixed(load.p99, 2) + ", its peak " + fixed(load.peak, 2));
     reported_own_ = load.own_xruns;
@@ -294,10 +296,9 @@ Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
   const auto midi = std::make_shared<session::MidiPlayer>();
   auto client = JackClient::open(options.client_name, meter, midi, [bell] { bell->release(); });
   if (!client && !options.wait) {
-    return fail(
-        ErrorKind::no_sound_server,
-        "no JACK server answers, or it has no port left for us; start one (jackd or PipeWire), wait for one with "
-        "--wait, or run with --driver null or --driver wav");
+    return fail(ErrorKind::no_sound_server,
+                "no JACK server answers, or it has no free port; start one (jackd or PipeWire), wait for one with "
+                "--wait, or run with --driver null or --driver wav");
   }
   if (!client) log_info("no JACK server answers yet; waiting for one");
   return std::make_unique<JackDriver>(options, bell, meter, midi, std::move(client));

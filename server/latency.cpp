@@ -19,7 +19,7 @@ Result<Latency> parse_latency(const std::string& text) {
     return Latency{.frames = static_cast<synth::Frame>(value)};
   }
   return fail(ErrorKind::bad_input,
-              "'" + text + "' is no latency; write frames, like 256, or milliseconds up to 1000, like 5ms");
+              "'" + text + "' is not a latency; write frames, like 256, or milliseconds up to 1000, like 5ms");
 }
 
 synth::Frame latency_frames(const Driver& driver, const Latency& wanted) {

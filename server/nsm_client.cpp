@@ -36,7 +36,7 @@ Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, s
                 "NSM_URL: the session manager must run on this computer: " + socket.error().message);
   if (!manager->is_loopback()) {
     log_warning("listening on " + to_text(socket->endpoint()) +
-                " for the session manager: anyone who can reach this address can speak for it");
+                " for the session manager: anyone who can reach this address can send its messages");
   }
   std::unique_ptr<NsmClient> client(new NsmClient(std::move(*socket), *manager));
   client->send({"/nsm/server/announce", {"Ringdown", "", "ringdownd", kVersionMajor, kVersionMinor, ::getpid()}});

@@ -21,7 +21,8 @@ std::optional<NsmRequest> parse_nsm(std::span<const std::byte> datagram) {
   const wire::Message& message = messages->front().message;
   if (message.address == "/nsm/client/save") return NsmRequest{Kind::save};
   if (message.address == "/error" && text_at(message, 0) == "/nsm/server/announce") {
-    return NsmRequest{Kind::refuse, fail(ErrorKind::refused, "the session manager refused us: " + text_at(message, 2))};
+    return NsmRequest{Kind::refuse,
+                      fail(ErrorKind::refused, "the session manager refused the daemon: " + text_at(message, 2))};
   }
   if (message.address != "/nsm/client/open") return std::nullopt;
   NsmSession session{text_at(message, 0), text_at(message, 2)};

@@ -76,12 +76,13 @@ void add_what_to_play(manual::App& app, DaemonOptions& options) {
       ->type_name("NAME=BANK");
   app.add_option("--state", options.state, "Objects, inputs and scene as /state/save wrote them")->type_name("FILE");
   app.add_option("--root", options.roots,
-                 "Folder that messages may open files in, may be given more than once; default: the current one. The "
-                 "presets and the folders of --object, --scene and --state are always among them")
+                 "Folder in which messages may open files; may be given more than once; default: the current folder. "
+                 "The presets and the folders of --object, --scene and --state are always included")
       ->type_name("FOLDER");
   app.add_option("--scene-to", options.scene_to, "Send the scene's strikes to another daemon instead of playing them")
       ->type_name("osc.udp://HOST:PORT");
-  app.add_option("--record", options.record, "Write all that is played as an OSC score, for `ringdown render --events`")
+  app.add_option("--record", options.record,
+                 "Write everything that is played as an OSC score, for `ringdown render --events`")
       ->type_name("FILE");
 }
 
@@ -92,7 +93,7 @@ void add_driver(manual::App& app, DaemonOptions& options) {
   const std::map<std::string, session::PortMode> ports = {
       {"mix", session::PortMode::mix}, {"objects", session::PortMode::objects}, {"groups", session::PortMode::groups}};
   app.add_choice("--driver", options.driver, drivers,
-                 "jack; wav: render the scene to a file at full speed; null: no sound")
+                 "jack: play through JACK; wav: render the scene to a file at full speed; null: make no sound")
       ->type_name("jack|wav|null");
   app.add_option("--name", options.jack_name, "Name of the JACK client")->capture_default_str();
   app.add_flag("--connect", options.connect, "Connect to the speakers (JACK)");
@@ -107,14 +108,13 @@ void add_driver(manual::App& app, DaemonOptions& options) {
       ->type_name("FILE");
   const auto take_inputs = [&options](const std::vector<std::string>& texts) {
     if (texts.size() > protocol::kMaxInputs) {
-      throw manual::WrongValue{"--input", "there are " + std::to_string(protocol::kMaxInputs) + " inputs at most"};
+      throw manual::WrongValue{"--input", "at most " + std::to_string(protocol::kMaxInputs) + " inputs can be given"};
     }
     for (const std::string& text : texts) options.inputs.push_back(parse_input(text));
   };
   app.add_option_function<std::vector<std::string>>("--input", take_inputs,
-                                                    "Object that a JACK input (in_1, in_2 ...) excites, where [m], and "
-                                                    "the force that a sample of 1 is [N]; may be "
-                                                    "given up to four times")
+                                                    "Object that a JACK input (in_1, in_2 ...) excites, the point [m], "
+                                                    "and the force of a sample of 1 [N]; may be given up to four times")
       ->type_name("OBJECT[:X,Y,Z[:FX,FY,FZ]]");
   app.add_option("--rate", options.sample_rate_hz, "Sample rate in Hz (wav, null)")
       ->check(manual::between(8000.0, 768000.0))
@@ -133,35 +133,38 @@ void add_driver(manual::App& app, DaemonOptions& options) {
 void add_osc(manual::App& app, DaemonOptions& options) {
   const manual::Check port = manual::between(0, 65535);
   app.add_option("--port", options.port, "UDP port for OSC; 0 takes any free one")->check(port)->capture_default_str();
-  app.add_option("--address", options.address, "Address to listen on; others than this machine's own let strangers in")
+  app.add_option("--address", options.address,
+                 "Address to listen on; any but 127.x.x.x and ::1 lets other computers in")
       ->capture_default_str();
   app.add_option("--tcp", options.tcp_port,
-                 "Receive OSC by TCP too, in SLIP frames or after lengths, on this port; 0 takes any free one")
+                 "Also accept OSC over TCP on this port, in SLIP frames or with length prefixes; 0 takes any free one")
       ->check(port)
       ->type_name("PORT");
   app.add_option("--query", options.query_port,
-                 "Describe the namespace by OSCQuery: JSON over HTTP, read-only, on this port; 0 takes any free one")
+                 "Describe the namespace by OSCQuery (JSON over HTTP, read-only) on this port; 0 takes any free one")
       ->check(port)
       ->type_name("PORT");
   app.add_flag("--zeroconf", options.zeroconf, "Announce the OSC ports on the network by Zeroconf (Avahi)");
   app.add_option_function<std::string>(
          "--latency", [&options](const std::string& text) { options.latency = parse_latency_option(text); },
-         "From an untimed message to its sound, always the same: frames, or with ms; default one block and a 16th")
+         "Constant delay from an untimed message to its sound, in frames, or in ms as 5ms; default: one block and a "
+         "sixteenth")
       ->type_name("FRAMES|MSms");
   app.add_option_function<double>(
          "--merge", [&options](double merge_ms) { options.merge_s = 1e-3 * merge_ms; },
-         "In a flood, strikes on one point so many ms apart become one; 0 merges none, and loses some; default 1")
+         "In a flood, merge strikes on one point within this many ms; 0 merges none, so some may be lost; default: 1")
       ->check(manual::between(0.0, 100.0))
       ->type_name("MS");
 }
 
 void add_mixer(manual::App& app, DaemonOptions& options) {
-  app.add_option("--threads", options.mixer.threads, "Threads that mix big scenes, JACK's among them; the others spin")
+  app.add_option("--threads", options.mixer.threads, "Threads that mix large scenes, including JACK's; the others spin")
       ->check(manual::between(1, 64))
       ->capture_default_str();
   app.add_option_function<double>(
          "--budget", [&options](double percent) { options.mixer.budget = 0.01 * percent; },
-         "jack: of a block's time, what may be used before what is heard least is left out; 0: all; 80 unless given")
+         "jack: share of a block's time that the mixer may use before it mutes the least audible modes; 0: no limit; "
+         "default: 80")
       ->check(manual::between(0.0, 100.0))
       ->type_name("PERCENT");
   add_sound_options(app, options.mixer);

@@ -82,7 +82,7 @@ struct WriteFile {
     const auto count = recorder->stop(now(), std::move(other));
     if (!count && recorder->records()) {
       return fail(count.error().kind,
-                  count.error().message + "; the recording goes on: name another file with /record/stop");
+                  count.error().message + "; the recording continues: name another file with /record/stop");
     }
     if (!count) return fail(count.error());
     return static_cast<std::int32_t>(*count);

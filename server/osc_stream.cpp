@@ -175,7 +175,7 @@ void OscStream::Impl::accept_one(int listener) {
 
 // A client that waits to be accepted makes poll() return at once, again and again.
 void OscStream::Impl::turn_one_away(int listener) {
-  log_warning("a TCP client of OSC was turned away: " + std::string(std::strerror(errno)) +
+  log_warning("an OSC client over TCP was refused: " + std::string(std::strerror(errno)) +
               "; raise the limit (ulimit -n)");
   spare = wire::Descriptor();
   wire::Descriptor(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC));

@@ -29,22 +29,24 @@ using protocol::ExitCode;
 const std::vector<manual::Section> kSections = {
     {"FILES",
      {{"$XDG_CONFIG_HOME/ringdown/ringdownd.toml",
-       "The settings, where --settings names no other file; ~/.config stands in for XDG_CONFIG_HOME. Every option may "
-       "stand there under its long name, as rate = 44100, connect = true, object = [\"bell=bell.glb\"]; the command "
-       "line wins."}}},
+       "The settings, unless --settings names another file; ~/.config if XDG_CONFIG_HOME is not set. The file may have "
+       "any option under its long name, such as rate = 44100, connect = true, object = [\"bell=bell.glb\"]; the "
+       "command line takes precedence."}}},
     {"SIGNALS",
      {{"SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU",
-       "End it cleanly, with exit code 0: what is being recorded or captured is written first. A signal other than "
+       "End the daemon cleanly, with exit code 0; recordings and captures are written first. A signal other than "
        "SIGINT and SIGTERM that was ignored when the daemon started, as nohup does with SIGHUP, stays ignored."},
-      {"SIGXFSZ", "Is ignored: a file that reaches the limit of its size is treated like a full disk."}}},
+      {"SIGXFSZ", "Ignored: a file that reaches its size limit is treated like a full disk."}}},
     {"ENVIRONMENT",
-     {{"JACK_DEFAULT_SERVER, JACK_NO_START_SERVER", "Which JACK server, and not to start one: see jackd(1)."},
-      {"NOTIFY_SOCKET, WATCHDOG_USEC", "Set by systemd, which is told when sound runs and that it still does."}}},
+     {{"JACK_DEFAULT_SERVER, JACK_NO_START_SERVER", "The JACK server to use, and whether to start one: see jackd(1)."},
+      {"NOTIFY_SOCKET, WATCHDOG_USEC",
+       "Set by systemd; the daemon reports that sound runs, and then that it still runs."}}},
     {"EXAMPLES",
-     {{"ringdownd --object bell=bell.glb --connect", "One object, to the speakers."},
-      {"ringdownd --scene demo.toml --driver wav -o demo.wav", "A scene to a file, as fast as it goes."},
-      {"systemctl --user enable --now ringdownd", "As a service, from now on."}}},
-    {"SEE ALSO", {{"ringdown(1), ringdown-bake(1), jackd(1)", "Its clients, what makes banks, and the sound server."}}},
+     {{"ringdownd --object bell=bell.glb --connect", "Plays one object through the speakers."},
+      {"ringdownd --scene demo.toml --driver wav -o demo.wav", "Renders a scene to a file at full speed."},
+      {"systemctl --user enable --now ringdownd", "Runs the daemon as a service, from now on."}}},
+    {"SEE ALSO",
+     {{"ringdown(1), ringdown-bake(1), jackd(1)", "The clients, the program that makes banks, and the sound server."}}},
 };
 
 // Waits for one of ending_signals() and returns true if one has come. The signals are blocked in every thread; the main
@@ -122,7 +124,7 @@ int run_program(int argc, char** argv) {
   manual::App app("Rings solid objects: a JACK client, struck by OSC messages.", "ringdownd");
   add_options(app, options);
   app.add_option("--settings", settings,
-                 "TOML file of options by their long names; none reads none (ringdown/ringdownd.toml in "
+                 "TOML file of options by their long names; none: read no file (ringdown/ringdownd.toml in "
                  "$XDG_CONFIG_HOME, if there is one)")
       ->type_name("FILE")
       ->not_in_settings();

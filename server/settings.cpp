@@ -50,7 +50,7 @@ Result<void> read_settings(manual::App& app, const fs::path& path) {
     const std::vector<std::string> words = words_of(*file, key);
     if (words.empty() || key.given) continue;
     if (const std::string wrong = app.set(key.name, words); !wrong.empty()) {
-      file->complain(key.name, wrong + "; ringdownd --help says what may stand here");
+      file->complain(key.name, wrong + "; ringdownd --help lists the options");
     }
   }
   return file->finish();

@@ -23,21 +23,20 @@ void add_sound_options(manual::App& app, synth::MixerSettings& settings) {
   app.add_option("--floor", settings.floor_db, "Modes this many dB below full scale rest until they are struck")
       ->check(manual::between(20.0, 300.0))
       ->capture_default_str();
-  app.add_flag_function(
-         "--masking",
-         [] {
-           std::fputs(
-               "--masking does nothing any more and will be refused by the next release: it left sound out "
-               "and saved no time; --budget leaves out what there is no time for\n",
-               stderr);
-         })
+  app.add_flag_function("--masking",
+                        [] {
+                          std::fputs(
+                              "--masking has no effect and will be refused by the next release: it saved no time; use "
+                              "--budget instead\n",
+                              stderr);
+                        })
       ->hidden();
   app.add_choice("--contacts", settings.exact_contacts, contacts,
-                 "How a blow acts: by its spectrum, or exact, sample by sample as long as it lasts")
+                 "How a blow acts: by its spectrum, or exactly, sample by sample while it lasts")
       ->type_name("spectrum|exact")
       ->default_str("spectrum");
   app.add_option("--full-scale", settings.full_scale_pa,
-                 "The sound pressure in pascals, 1 m from an object, that is full scale")
+                 "Sound pressure in pascals, 1 m from an object, that is full scale")
       ->check(manual::between(1e-6, 1e6))
       ->type_name("PA")
       ->capture_default_str();
@@ -51,9 +50,9 @@ void add_sound_options(manual::App& app, synth::MixerSettings& settings) {
   const auto check_limiter = [](const std::string& text) {
     return text == "off" ? std::string() : manual::wrong_number(text, -60, 0, " from -60 to 0");
   };
-  app.add_option_function<std::string>("--limiter", take_limiter,
-                                       "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later; off: "
-                                       "let it pass full scale")
+  app.add_option_function<std::string>(
+         "--limiter", take_limiter,
+         "Keep the mix below a ceiling in dB (default: -1), with 2 ms of delay; off: the mix may exceed full scale")
       ->expected(0, 1)
       ->default_str("-1")
       ->check(manual::Check(check_limiter, "from -60 to 0, or off"))
@@ -63,7 +62,7 @@ void add_sound_options(manual::App& app, synth::MixerSettings& settings) {
       ->check(manual::between(0, static_cast<int>(synth::kMaxAmbisonicOrder)))
       ->type_name("N");
   app.add_flag("--travel-time", settings.travel_time,
-               "Let a listener hear what happens when its sound has travelled the way; without, at once");
+               "Delay each event by the travel time of its sound to the listener");
   const auto take_head = [&settings](const std::string& sofa) {
     auto head = session::read_head(sofa);
     if (!head) throw manual::WrongValue{"--binaural", head.error().message};
@@ -71,8 +70,7 @@ void add_sound_options(manual::App& app, synth::MixerSettings& settings) {
   };
   app.add_option_function<std::string>(
          "--binaural", take_head,
-         "Make left and right the ears of a head, for headphones: that of a SOFA file, or "
-         "an artificial head's")
+         "Render left and right as the ears of a head, for headphones: that of a SOFA file, or an artificial head")
       ->expected(0, 1)
       ->type_name("FILE");
 }

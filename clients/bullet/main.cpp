@@ -136,19 +136,20 @@ ExitCode run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  manual::App app("Plays a scene in the physics engine Bullet, and a daemon with it.", "ringdown-bullet");
+  manual::App app("Simulates a scene in the physics engine Bullet, and sends its contacts to a daemon.",
+                  "ringdown-bullet");
   app.add_option("scene", options.scene, "Scene file (docs/use/scenes.md)")->type_name("FILE")->required();
   app.add_option("--to", options.to, "The daemon")->type_name("URL")->capture_default_str();
   app.add_option("--events", options.events, "Send nothing: write an OSC score, for `ringdown render --events`")
       ->type_name("FILE");
-  app.add_option("--seconds", options.seconds, "How long; default: what the scene says")
+  app.add_option("--seconds", options.seconds, "Duration in seconds; default: the scene's")
       ->type_name("SECONDS")
       ->check(manual::between(0.0, wire::kMaxScore / 2));
-  app.add_option("--lead", options.lead_s, "How long before its time an event is sent, at least")
+  app.add_option("--lead", options.lead_s, "Minimum time in seconds by which an event is sent ahead")
       ->type_name("SECONDS")
       ->check(manual::between(0.0, 10.0))
       ->capture_default_str();
-  app.add_flag("--no-load", options.no_load, "The daemon has the scene's objects already");
+  app.add_flag("--no-load", options.no_load, "Do not load the scene's objects, because the daemon has them already");
   if (const auto ended = manual::parse(app, argc, argv)) return static_cast<int>(*ended);
   return protocol::exit_status([&] { return run(options); });
 }

@@ -40,8 +40,8 @@ void print(const protocol::Reply& reply) {
 }
 
 void add_daemon_options(manual::App& verb, DaemonOptions& options) {
-  verb.add_option("--to", options.url, "The daemon.")->capture_default_str()->type_name("URL");
-  verb.add_option("--timeout", options.timeout_s, "How long to wait for its answer.")
+  verb.add_option("--to", options.url, "The daemon's address.")->capture_default_str()->type_name("URL");
+  verb.add_option("--timeout", options.timeout_s, "Time to wait for the daemon's answer.")
       ->capture_default_str()
       ->type_name("SECONDS")
       ->check(manual::between(0.001, 3600.0));

@@ -68,8 +68,9 @@ void add_export_verb(manual::App& app, ExitCode& outcome) {
       ->type_name("FILE")
       ->required();
   verb->add_option("-o,--output", options.folder, "The folder to make.")->type_name("FOLDER")->required();
-  verb->add_option("--keys", arguments->keys,
-                   "Lowest and highest MIDI key, each key by the object in another size; default: only its own size.")
+  verb->add_option(
+          "--keys", arguments->keys,
+          "Lowest and highest MIDI key; each key plays the object in another size. Default: only its own size.")
       ->expected(2)
       ->check(manual::between(0, session::kKeys - 1))
       ->type_name("LOW HIGH");
@@ -77,19 +78,18 @@ void add_export_verb(manual::App& app, ExitCode& outcome) {
       ->check(manual::between(1, 24))
       ->capture_default_str();
   verb->add_option("--pitch", options.pitch,
-                   "The MIDI key that it sounds in its own size; default: by its pitch, which `ringdown info` prints.")
+                   "MIDI key of the object in its own size; default: by its pitch, which `ringdown info` prints.")
       ->check(manual::between(0, session::kKeys - 1))
       ->type_name("KEY");
   verb->add_option("--velocities", options.velocities, "Velocity layers; softer blows have longer contacts.")
       ->check(manual::between(1, 32))
       ->capture_default_str();
-  verb->add_option("--strikes", options.strikes, "Strikes at points nearby that take turns when a key is repeated.")
+  verb->add_option("--strikes", options.strikes, "Strikes at nearby points, which take turns when a key is repeated.")
       ->check(manual::between(1, 16))
       ->capture_default_str();
   verb->add_option(
           "--at", arguments->places,
-          "Where it is struck, X,Y,Z in metres; given more than once, keys from 0 up choose. Default: where it "
-          "is loudest.")
+          "Struck point X,Y,Z in metres; if there are several, keys from 0 up choose. Default: the loudest point.")
       ->check(manual::any_vector())
       ->type_name("X,Y,Z");
   verb->add_option("--scatter", options.scatter, "Distance of points that take turns, relative to the object's size.")
@@ -99,7 +99,7 @@ void add_export_verb(manual::App& app, ExitCode& outcome) {
                    "Contact time of the hardest blow in seconds, at the object's own size; it scales with the size.")
       ->check(manual::between(0.0, 0.1))
       ->capture_default_str();
-  verb->add_option("--seconds", options.max_s, "The longest sample; shorter ones end when they are silent.")
+  verb->add_option("--seconds", options.max_s, "Longest sample in seconds; samples end earlier when they are silent.")
       ->check(manual::between(0.1, 600.0))
       ->capture_default_str();
   verb->add_option("--release", options.release_s,

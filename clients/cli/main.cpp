@@ -25,10 +25,9 @@ ExitCode become(const std::string& name, std::vector<std::string> arguments) {
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
   ::execv(program.c_str(), words.data());
-  return complain({ErrorKind::refused, "cannot run " + program + ": " + std::strerror(errno) +
-                                           "; it is a program of its own: ./run build " +
-                                           name.substr(name.find('-') + 1) +
-                                           " builds it, and there are packages (docs/use/start.md)"});
+  return complain({ErrorKind::refused,
+                   "cannot run " + program + ": " + std::strerror(errno) + "; it is a separate program: ./run build " +
+                       name.substr(name.find('-') + 1) + " builds it, and there are packages (docs/use/start.md)"});
 }
 
 // A verb that is a program of its own, ringdown-NAME, because it links what this program should not.
@@ -41,7 +40,7 @@ void add_program_verb(manual::App& app, ExitCode& outcome, const std::string& na
 void add_protocol_verb(manual::App& app, ExitCode& outcome) {
   auto as_markdown = std::make_shared<bool>(false);
   manual::App* verb = app.add_subcommand("protocol", "Lists every OSC address with its arguments.");
-  verb->add_flag("--markdown", *as_markdown, "The whole manual, as in docs/reference/protocol.md.");
+  verb->add_flag("--markdown", *as_markdown, "Prints the whole manual, as in docs/reference/protocol.md.");
   verb->callback([as_markdown, &outcome] {
     const std::string text = *as_markdown ? protocol::markdown() : protocol::overview();
     const bool written = std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
@@ -53,12 +52,12 @@ void add_protocol_verb(manual::App& app, ExitCode& outcome) {
 const std::vector<manual::Section> kSections = {
     {"ENVIRONMENT", {{"RINGDOWN_PRESETS", "Folder of the presets, if it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
-     {{"ringdown info bell.glb", "The modes of a bank."},
-      {"ringdown strike bell --at 0.1,0,0.05 --impulse -0.2,0,0", "A blow of 0.2 N s, played by the daemon."},
-      {"ringdown render --scene demo.toml -o demo.wav", "A scene as a sound file; no daemon is needed."}}},
+     {{"ringdown info bell.glb", "Prints the modes of a bank."},
+      {"ringdown strike bell --at 0.1,0,0.05 --impulse -0.2,0,0", "Lets the daemon play a blow of 0.2 N s."},
+      {"ringdown render --scene demo.toml -o demo.wav", "Renders a scene to a sound file, without a daemon."}}},
     {"SEE ALSO",
      {{"ringdownd(1), ringdown-bake(1), ringdown-fit(1), ringdown-compare(1), ringdown-picture(1)",
-       "The daemon, and what `ringdown bake`, `fit`, `compare` and `picture` run."}}},
+       "The daemon, and the programs that `ringdown bake`, `fit`, `compare` and `picture` start."}}},
 };
 
 }  // namespace
@@ -68,7 +67,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   ExitCode outcome = ExitCode::ok;
   add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");
-  add_program_verb(app, outcome, "check", "Says what is wrong with a mesh, and how it would be meshed.");
+  add_program_verb(app, outcome, "check", "Lists the faults of a mesh, and says how it would be meshed.");
   add_program_verb(app, outcome, "compare", "Compares recordings of an object with its baked bank.");
   add_program_verb(app, outcome, "fit", "Finds the modes of a struck object in a recording, as a bank.");
   add_program_verb(app, outcome, "picture", "Draws a bank, as a picture or as a page.");

@@ -101,7 +101,7 @@ std::string lowest_mode_of(const modal::Bank& bar) {
 
 void print_heading() {
   std::printf("%-17s %7s %6s %7s  %-22s %9s %7s %7s  %s\n", "material", "E GPa", "nu", "kg/m3", "bar 200 x 30 x 8 mm",
-              "T60 of it", "1 kHz", "4 kHz", "2 s of it");
+              "its T60", "1 kHz", "4 kHz", "2 s of it");
 }
 
 void print_row(const bake::MaterialEntry& entry) {
@@ -143,7 +143,8 @@ void print_material(const bake::MaterialEntry& entry) {
   print_figure("rho", m.density_kg_m3, "kg/m3", from.at("density_kg_m3"));
   for (const modal::LossFactor& point : m.loss_factors)
     std::printf("  loss factor at %7.5g Hz: %.3g\n", point.frequency_hz, point.eta);
-  if (entry.uncertainty > 0) std::printf("  of an alloy or a piece within a factor of %.3g\n", entry.uncertainty);
+  if (entry.uncertainty > 0)
+    std::printf("  loss factors of an alloy or a piece may differ by a factor of %.3g\n", entry.uncertainty);
   print_figure("alpha", m.damping.alpha_per_s, "1/s", from.at("alpha_per_s"));
   const bool same = from.at("beta_s") == from.at("alpha_per_s");
   print_figure("beta", m.damping.beta_s, "s", same ? "as alpha" : from.at("beta_s"));
@@ -161,7 +162,7 @@ void print_material(const bake::MaterialEntry& entry) {
     std::printf("  %9.1f Hz  %-11s T60 %.2g s\n", bar.frequency_hz[i], note_name(bar.frequency_hz[i]).c_str(),
                 modal::t60_s(bar.decay_per_s[i]));
   }
-  if (bar.mode_count() == 0) return void(std::printf("  no mode of it rings\n"));
+  if (bar.mode_count() == 0) return void(std::printf("  the bar has no mode that rings\n"));
   std::printf("  T60 at 1 kHz %.2g s, at 4 kHz %.2g s\n", t60_at(m, 1000), t60_at(m, 4000));
   print_curve(bar);
 }

@@ -64,7 +64,8 @@ ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
   std::printf("%s: %.2f s at %.0f Hz, peak %.1f dB\n", arguments.output.c_str(), rendering->seconds,
               arguments.options.sample_rate_hz, 20 * std::log10(static_cast<double>(rendering->peak) + 1e-12));
   if (rendering->peak > 1)
-    complain("it exceeds full scale: lower the objects' gain, or keep the float file", ExitCode::ok);
+    complain("the sound exceeds full scale: lower the objects' gain, or write a .wav file, which holds floats",
+             ExitCode::ok);
   const bool asked_for_sound = arguments.options.scene || arguments.score;
   if (rendering->peak == 0 && asked_for_sound)
     return complain(arguments.output + " is digital silence: nothing that sounds was struck", ExitCode::silence);
@@ -76,7 +77,7 @@ ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
 void add_render_verb(manual::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<RenderArguments>();
   session::OfflineOptions& options = arguments->options;
-  manual::App* verb = app.add_subcommand("render", "Renders a scene or an OSC score to a sound file, without a clock.");
+  manual::App* verb = app.add_subcommand("render", "Renders a scene or an OSC score to a sound file, at full speed.");
   verb->add_option("--scene", options.scene, "Scene: a file (docs/use/scenes.md), or the name of a preset like demo.")
       ->type_name("FILE");
   verb->add_option("--events", arguments->score, "OSC score, the format of scsynth's non-real-time mode.")
@@ -89,7 +90,7 @@ void add_render_verb(manual::App& app, ExitCode& outcome) {
       ->type_name("FILE")
       ->required();
   verb->add_option("--seconds", options.seconds,
-                   "Length; default: the scene's own, or the score's plus 5 to 60 s, until it has fallen by 60 dB.")
+                   "Length; default: the scene's, or the score's plus 5 to 60 s, until the sound has fallen by 60 dB.")
       ->check(manual::between(0.0, session::kMaxRender_s));
   verb->add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")
       ->check(manual::between(8000.0, 768000.0))

@@ -115,7 +115,8 @@ Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t
                                 static_cast<off_t>(offset + filled));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return fail(ErrorKind::input_output, "cannot read " + path.string() + ": " + std::strerror(errno));
-    if (got == 0) return fail(ErrorKind::input_output, "cannot read " + path.string() + ": it shrank while read");
+    if (got == 0)
+      return fail(ErrorKind::input_output, "cannot read " + path.string() + ": it shrank while it was read");
     filled += static_cast<std::size_t>(got);
   }
   return piece;
@@ -179,7 +180,7 @@ Result<fs::path> FileRoots::writable(const fs::path& path, const WrittenKind& ki
     return cannot_write(path, "a file of that name is there already; choose another name");
   }
   if (fs::exists(there) && !is_of_kind(target, kind)) {
-    return cannot_write(path, "another kind of file stands there; remove it, or choose another name");
+    return cannot_write(path, "another kind of file has this name; remove it, or choose another name");
   }
   return target;
 }
@@ -188,7 +189,7 @@ tl::unexpected<Error> FileRoots::outside(const fs::path& path) const {
   std::string folders;
   for (const Root& root : roots_) folders += (folders.empty() ? "" : ", ") + root.given.string();
   return fail(ErrorKind::bad_input, "cannot open " + path.string() +
-                                        ": it is outside the folders that files may be opened in (" + folders +
+                                        ": it is outside the folders in which files may be opened (" + folders +
                                         "); name another with --root when the daemon is started");
 }
 

@@ -93,8 +93,8 @@ std::string cure_of_silence(const FileRoots& roots, const std::filesystem::path&
   const auto glb = modal::parse_gltf(std::as_bytes(std::span(*text)), path.string(), beside(roots, path));
   const auto silent = glb ? scene::find_silent_bodies(*glb) : fail(glb.error());
   if (silent && !silent->bodies.empty()) return bake + " gives them banks";
-  return "say in the file what they are made of, by acoustic surfaces with a material (KHR_audio_rigid_bodies), and " +
-         bake + " gives them banks";
+  return "give them acoustic surfaces with a material (KHR_audio_rigid_bodies) in the file, and " + bake +
+         " gives them banks";
 }
 
 // Warns of bodies that will not be heard.

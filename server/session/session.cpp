@@ -131,7 +131,7 @@ Result<synth::ObjectNumber> Session::load_object(const protocol::LoadObject& loa
   if (!number) return number;
   if (const auto followed = scene_.object_changed(**rack_.find({.name = load.name})); !followed) {
     return fail(followed.error().kind,
-                "the object has its new bank, but the scene goes on with the old one: " + followed.error().message);
+                "the object has its new bank, but the scene continues with the old one: " + followed.error().message);
   }
   return number;
 }

@@ -145,7 +145,7 @@ void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& obj
   if (bank.fracture) print_fracture(*bank.fracture);
   print_body(object);
   std::fflush(stdout);
-  if (!object.question.empty()) protocol::complain("is this size meant? " + object.question, protocol::ExitCode::ok);
+  if (!object.question.empty()) protocol::complain("is this size right? " + object.question, protocol::ExitCode::ok);
 }
 
 }  // namespace ringdown::cli

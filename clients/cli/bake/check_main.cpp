@@ -31,8 +31,8 @@ const std::vector<manual::Section> kSections = {
       {"RINGDOWN_MESH_MIB", "Memory for reading or meshing a file (default: half of the computer's, at most 16384)."},
       {"RINGDOWN_PRESETS", "Folder of the presets, if it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
-     {{"ringdown-check mesh cup.stl --unit mm", "Faults, repairs, and the mesh it would get."},
-      {"ringdown-check mesh scan.ply -o repaired.ply", "The repaired surface as a file."}}},
+     {{"ringdown-check mesh cup.stl --unit mm", "Lists faults and repairs, and describes the mesh that would result."},
+      {"ringdown-check mesh scan.ply -o repaired.ply", "Writes the repaired surface to a file."}}},
     {"SEE ALSO", {{"ringdown(1), ringdown-bake(1)", "The other programs."}}},
 };
 
@@ -69,9 +69,8 @@ void print_surface(const mesh::PreparedSurface& surface) {
   }
   if (!mesh::hopeless(surface, "").empty()) return;
   std::printf("  meshed: %s\n",
-              surface.left.sound()
-                  ? "filled by gmsh"
-                  : "stuffed, because it is not sound after repair; gmsh fills the skin of the lattice");
+              surface.left.sound() ? "filled by gmsh"
+                                   : "stuffed, because faults remain after repair; gmsh fills the skin of the lattice");
 }
 
 void print_forecast(const bake::Forecast& forecast, const bake::BodyShape& shape, const modal::Material& material) {
@@ -141,7 +140,7 @@ Result<void> check_mesh(const CheckRequest& request, const Progress& progress) {
   const bake::BakeOptions usual;
   const std::string question =
       bake::question_size(shape, material->material, usual.band_high_hz, usual.max_modes, request.file, unit_m);
-  if (!question.empty()) std::printf("  is this size meant? %s\n", question.c_str());
+  if (!question.empty()) std::printf("  is this size right? %s\n", question.c_str());
   std::fflush(stdout);
   return {};
 }
@@ -152,7 +151,7 @@ ExitCode run(int argc, char** argv) {
   CheckRequest request;
   std::optional<std::string> unit;
   manual::App* verb =
-      app.add_subcommand("mesh", "Faults of a surface, of tetrahedra or of a geometry, and what they lead to.");
+      app.add_subcommand("mesh", "Lists faults of a surface, of tetrahedra or of a geometry, and their consequences.");
   verb->add_option("file", request.file,
                    "a surface (" + example_endings({FileKind::surface, FileKind::gltf}) + "), a geometry or a mesh")
       ->type_name("FILE")

@@ -140,7 +140,9 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (recipe.preview) recipe.error = 0;
   if (recipe.pitch_hz) *recipe.pitch_hz *= scale / recipe.scale;
   if (recipe.options.coupled > recipe.options.nonlinear)
-    return fail(ErrorKind::bad_input, "--coupled modes are the lowest of the --nonlinear ones: at most as many");
+    return fail(
+        ErrorKind::bad_input,
+        "--coupled must not exceed --nonlinear, because the coupled modes are the lowest of the nonlinear ones");
   return recipe;
 }
 

@@ -17,7 +17,7 @@ std::optional<std::pair<std::string, std::string>> range_in(const std::string& t
 }
 
 Result<bake::TuneVariable> variable_in(const std::string& text) {
-  const std::string wanted = "--vary wants NAME:LOW..HIGH with LOW below HIGH, not '" + text + "'";
+  const std::string wanted = "--vary takes NAME:LOW..HIGH with LOW below HIGH, not '" + text + "'";
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos || colon == 0) return fail(ErrorKind::bad_input, wanted);
   const auto ends = range_in(text.substr(colon + 1));
@@ -29,8 +29,8 @@ Result<bake::TuneVariable> variable_in(const std::string& text) {
 
 Result<AskedTarget> target_in(const std::string& text) {
   const std::string wanted =
-      "--target wants [FAMILY:]MODE=VALUE, a value in Hz, a note such as A4, or a multiple of the "
-      "first such as 4x, not '" +
+      "--target takes [FAMILY:]MODE=VALUE, where the value is in Hz, a note such as A4, or a multiple of the first "
+      "target such as 4x, not '" +
       text + "'";
   AskedTarget target;
   const std::size_t colon = text.find(':'), equals = text.find('=');
@@ -70,7 +70,7 @@ Result<void> read_scale(const std::string& text, TuneArguments& arguments) {
   const auto low = ends ? note_number(ends->first) : std::nullopt,
              high = ends ? note_number(ends->second) : std::nullopt;
   if (!low || !high || *low > *high)
-    return fail(ErrorKind::bad_input, "--scale wants two notes, the lower first, such as F3..F6, not '" + text + "'");
+    return fail(ErrorKind::bad_input, "--scale takes two notes, the lower first, such as F3..F6, not '" + text + "'");
   arguments.is_scale = true;
   arguments.lowest_note = *low;
   arguments.highest_note = *high;
@@ -131,7 +131,8 @@ Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
       return fail(ErrorKind::bad_input, "the value 'note' needs a scale; name it with --scale");
     }
     if (target->kind == AskedTarget::Kind::kMultiple && arguments.targets.empty()) {
-      return fail(ErrorKind::bad_input, "the first --target cannot be a multiple of the first");
+      return fail(ErrorKind::bad_input,
+                  "the first --target must be a frequency or a note, because multiples refer to it");
     }
     arguments.targets.push_back(*target);
   }

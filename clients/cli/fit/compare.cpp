@@ -38,14 +38,14 @@ struct CompareArguments {
 };
 
 void add_compare_options(manual::App& app, CompareArguments& arguments) {
-  app.add_option(
-         "folder", arguments.folder,
-         "Recordings of one blow each, and the thing's shape: one object file (.toml), or one mesh and --material.")
+  app.add_option("folder", arguments.folder,
+                 "A folder with recordings of one blow each, and with the object's shape: one object file (.toml), or "
+                 "one mesh and --material.")
       ->type_name("FOLDER")
       ->required();
   app.add_option("-o,--output", arguments.output, "The page to write (.html); default: compare.html in the folder.")
       ->type_name("FILE");
-  app.add_option("--bank", arguments.bank, "Write the bank with the fitted E, nu and damping, too.")->type_name("FILE");
+  app.add_option("--bank", arguments.bank, "Also write the bank with the fitted E, nu and damping.")->type_name("FILE");
   app.add_option("-m,--material", arguments.material, "The material to begin with; default: the object file's.")
       ->type_name("NAME");
   app.add_option("--materials", arguments.materials, "Folder of the materials; default: the presets'.")
@@ -57,8 +57,7 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
                  "Largest error of a matching mode in cents, after the common tuning is removed.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
-  app.add_flag("--keep-nu", arguments.keep_nu,
-               "Leave Poisson's ratio as the material says: one bake in place of eleven.");
+  app.add_flag("--keep-nu", arguments.keep_nu, "Keep the material's Poisson's ratio: one bake instead of eleven.");
 }
 
 struct Inputs {
@@ -150,13 +149,13 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
     Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
     if (!found) return fail(found.error().kind, path.string() + ": " + found.error().message);
     if (found->modes.empty()) {
-      std::fprintf(stderr, "ringdown-compare: %s has no mode that stands out of its noise; it is left out\n",
-                   path.c_str());
+      std::fprintf(stderr, "ringdown-compare: %s has no mode above its noise and is left out\n", path.c_str());
       continue;
     }
     sounds.push_back({path.filename().string(), std::move(*sound), std::move(*found), {}, 0});
   }
-  if (sounds.empty()) return fail(ErrorKind::bad_input, "no recording in " + arguments.folder.string() + " has a mode");
+  if (sounds.empty())
+    return fail(ErrorKind::bad_input, "no recording in " + arguments.folder.string() + " has a mode above its noise");
   return sounds;
 }
 
@@ -270,7 +269,8 @@ const std::vector<manual::Section> kCompareSections = {
     {"EXAMPLES",
      {{"ringdown compare my-bowl",
        "A folder with bowl.toml, or with bowl.obj and --material porcelain, and with blows as WAV files."}}},
-    {"SEE ALSO", {{"ringdown-fit(1), ringdown-bake(1)", "What it runs on each recording, and on the shape."}}},
+    {"SEE ALSO",
+     {{"ringdown-fit(1), ringdown-bake(1)", "The programs that analyse each recording and bake the shape."}}},
 };
 
 ExitCode run_compare(int argc, char** argv) {

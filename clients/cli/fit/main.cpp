@@ -52,9 +52,9 @@ void add_options(manual::App& app, Arguments& arguments) {
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
   app.add_option("--channel", arguments.channel,
-                 "The channel, counted from 1; default: the mean of all, or the loudest if they cancel.")
+                 "The channel, counted from 1; default: the mean of all channels, or the loudest one if they cancel.")
       ->check(manual::between(1, 1024));
-  app.add_option("--from", arguments.options.from_s, "Where the blow is, in seconds; default: where the sound begins.")
+  app.add_option("--from", arguments.options.from_s, "Time of the blow in seconds; default: the begin of the sound.")
       ->check(manual::any_number());
   app.add_option("--band", arguments.band, "Lowest and highest frequency in Hz; default: 20 20000.")
       ->type_name("LOW HIGH")
@@ -63,7 +63,8 @@ void add_options(manual::App& app, Arguments& arguments) {
                  "Drop modes that begin more than this many dB below the loudest.")
       ->check(manual::between(1.0, 200.0))
       ->capture_default_str();
-  app.add_option("--max-modes", arguments.options.max_modes, "Keep this many modes, those of most energy.")
+  app.add_option("--max-modes", arguments.options.max_modes,
+                 "Keep at most this many modes, those with the most energy.")
       ->check(manual::between(std::size_t{1}, fit::kMaxModes))
       ->capture_default_str();
   app.add_option("--impulse", arguments.impulse,
@@ -145,9 +146,8 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   const bool is_of_recording = arguments.damping_of.empty();  // else it is a baked bank with other damping
   const fit::Kept kept = is_of_recording ? keep(*found, *sound, arguments) : fit::Kept{};
   if (found->modes.empty() && kept.noise.empty()) {
-    return complain(
-        {ErrorKind::bad_input,
-         arguments.input.string() + " has no mode that stands out of its noise; --from says where a blow is"});
+    return complain({ErrorKind::bad_input,
+                     arguments.input.string() + " has no mode above its noise; name the time of a blow by --from"});
   }
   cli::print_fit(arguments.input.string(), *found);
   if (is_of_recording) cli::print_kept(arguments.input.string(), *found, kept);

@@ -18,11 +18,10 @@ double cents_of(double relative) { return 1200 / std::log(2.0) * relative; }
 }  // namespace
 
 void print_fit(const std::string& name, const fit::Fit& fit) {
-  std::printf(
-      "%s: %zu modes explain %.2f %% of the energy from %.4f s to %.4f s; what they leave is %.1f dB below it\n",
-      name.c_str(), fit.modes.size(), 100 * fit.explained, fit.start_s, fit.end_s,
-      -10 * std::log10(std::max(1 - fit.explained, 1e-30)));
-  std::printf("onset      %.4f s; amplitudes are meant there\n", fit.onset_s);
+  std::printf("%s: %zu modes explain %.2f %% of the energy from %.4f s to %.4f s; the residual is %.1f dB below\n",
+              name.c_str(), fit.modes.size(), 100 * fit.explained, fit.start_s, fit.end_s,
+              -10 * std::log10(std::max(1 - fit.explained, 1e-30)));
+  std::printf("onset      %.4f s; amplitudes refer to this time\n", fit.onset_s);
   if (fit.clipped > 0) std::printf("clipped    %zu samples; the fit begins at the last of them\n", fit.clipped);
   std::printf("\n%5s %12s %10s %9s %8s %10s %8s  %s\n", "mode", "frequency Hz", "+- cents", "T60 s", "+- %",
               "level dBFS", "+- dB", "note");
@@ -51,9 +50,9 @@ void print_kept(const std::string& name, const fit::Fit& fit, const fit::Kept& k
                 burst.numbers(), shortest, longest, modes);
   }
   if (std::isfinite(kept.distance_db)) {
-    std::printf("distance   %.1f dB: what the bank plays, from the recording, in thirds of an octave by 10 ms",
+    std::printf("distance   %.1f dB from the bank's sound to the recording, in thirds of an octave by 10 ms",
                 kept.distance_db);
-    if (std::isfinite(kept.sure_db)) std::printf("; %.1f dB without lone cells", kept.sure_db);
+    if (std::isfinite(kept.sure_db)) std::printf("; %.1f dB without isolated cells", kept.sure_db);
     std::printf("\n");
   }
   if (fit.of_blow < kLittle) {
@@ -73,9 +72,10 @@ void print_calibration(const fit::Fit& fit, const modal::Bank& bank, const fit::
                 fit::fitted_loss(calibration, bank, match.baked, mode.frequency_hz).total_per_s(),
                 match.used ? "" : "left out");
   }
-  std::printf("\n%zu of the recording's %zu modes match one of the bank's %zu; %zu of them fit the loss factor\n",
-              calibration.matches.size(), fit.modes.size(), bank.mode_count(), calibration.used());
-  std::printf("tuning     %+.1f cents: the recording over the bank\n", calibration.tuning_cents);
+  std::printf(
+      "\n%zu of the recording's %zu modes match one of the bank's %zu; the loss factor is fitted to %zu of them\n",
+      calibration.matches.size(), fit.modes.size(), bank.mode_count(), calibration.used());
+  std::printf("tuning     %+.1f cents from the bank to the recording\n", calibration.tuning_cents);
   std::printf("loss       factor %s; the material's part of the decays lies within %.2g %% (standard deviation)\n",
               calibration.text().c_str(), 100 * calibration.spread);
 }
