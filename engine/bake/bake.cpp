@@ -239,7 +239,7 @@ Result<Sounding> find_modes(const Task& task, const Eigen::VectorXd& gaps_m, Bak
                             const Progress& progress) {
   const BakeOptions& options = task.options;
   if (!(task.makeup.highest_lambda(options.band_high_hz) > 0))
-    return fail(ErrorKind::bad_input, task.material.name + " is damped so strongly that nothing of it rings");
+    return fail(ErrorKind::bad_input, task.material.name + " is damped so strongly that no mode rings");
   Result<Sounding> found = modes_up_to(options.band_high_hz, task, gaps_m, report, progress);
   if (!found) return found;
   if (found->modes.nonlinear) {

@@ -230,7 +230,7 @@ std::string question_size(const BodyShape& shape, const modal::Material& materia
   if (sound == Sound::kSilent) {
     std::snprintf(trouble, sizeof trouble, "its lowest note would be near %.2g Hz", guessed_lowest_hz(shape, material));
   } else {
-    std::snprintf(trouble, sizeof trouble, "some %.2g modes would lie below %.0f Hz",
+    std::snprintf(trouble, sizeof trouble, "about %.2g modes would lie below %.0f Hz",
                   modes_below(shape, material, limits), band_high_hz);
   }
   std::string text = path.filename().string() + " is " + length_text(shape.length_m) + " long, so that " + trouble;

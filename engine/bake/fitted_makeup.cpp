@@ -62,7 +62,7 @@ Result<void> check_grain(const modal::Material& material, const Grain& grain) {
   if (grain.axis) return {};
   if (!grain.radial && !is_transversely_isotropic(*material.orthotropy)) {
     return fail(ErrorKind::bad_input,
-                "differs in the directions across its grain: say which way the radius of its growth rings points, "
+                "differs in the directions across its grain: give the direction of the radius of its growth rings, "
                 "radial = [x, y, z]");
   }
   if (grain.radial && !(to_eigen(*grain.radial).cross(along).norm() > 1e-6 * to_eigen(*grain.radial).norm()))
@@ -271,7 +271,7 @@ class Fitter {
       case SupportKind::kSlides:
         if (1 - extent.normal.norm() > kFlat) {
           return fail(ErrorKind::bad_input, "the surface that slides, " + place_text(support.place) +
-                                                ", is not flat; give each of its flat sides a support of its own");
+                                                ", is not flat; give each flat side its own support");
         }
         note("slides", extent.area);
         fitted_.holding.layers.push_back(

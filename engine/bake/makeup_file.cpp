@@ -53,7 +53,7 @@ void read_place(TomlTable& table, Place& place) {
   six("plane", place.plane, "a point in metres, and a normal");
   table.text("group", place.group);
   if (place.box_m.has_value() + place.plane.has_value() + !place.group.empty() != 1)
-    table.complain("box", "say where: give one of box, plane and group");
+    table.complain("box", "the place is missing: give one of box, plane and group");
   if (place.plane && !(length((*place.plane)[1]) > 0)) table.complain("plane", "the plane's normal must have a length");
 }
 
@@ -119,7 +119,7 @@ void read_makeup(TomlTable& file, Makeup& makeup) {
     table.text("group", part.group);
     table.text("surface", part.surface);
     if (part.group.empty() == part.surface.empty())
-      table.complain("group", "say what the part is: give one of group and surface");
+      table.complain("group", "the part's place is missing: give one of group and surface");
     table.text("material", part.material.name);
     part.grain = read_grain(table);
   }

@@ -105,7 +105,8 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   recipe.geometry = path.parent_path() / geometry;
   read_options(*file, recipe);
   if (recipe.options.coupled > recipe.options.nonlinear)
-    file->complain("coupled", "coupled modes are among the nonlinear ones: at most as many");
+    file->complain("coupled",
+                   "coupled must not exceed nonlinear, because the coupled modes are the lowest of the nonlinear ones");
   read_makeup(*file, recipe.options.makeup);
   read_part_surfaces(*file, path.parent_path(), recipe);
   read_pitch(*file, recipe);
@@ -237,10 +238,9 @@ Result<std::string> change_object(std::string_view text, const ObjectChanges& ch
   const Result<ObjectRecipe> after = parse_object(lines.text(), "the object");
   if (!after || after->geometry != wanted.geometry || after->meshing.parameters != wanted.meshing.parameters ||
       after->pitch_hz.has_value() != changes.pitch_hz.has_value()) {
-    return fail(
-        ErrorKind::bad_input,
-        "the object's file is written in a way that cannot be changed line by line; give each key a line of its "
-        "own, and its parameters a table [parameters]");
+    return fail(ErrorKind::bad_input,
+                "the object file cannot be changed line by line; put each key on its own line, and the parameters into "
+                "a table [parameters]");
   }
   return lines.text();
 }

@@ -316,7 +316,7 @@ Result<SamplePoints> choose_points(const mesh::TetMesh& mesh, const mesh::Bounda
     }
     return fail(ErrorKind::too_large, "the surface of " + std::to_string(surface.nodes.size()) +
                                           " points cannot be reduced to " + std::to_string(request.points) +
-                                          " but to " + std::to_string(left.point_count()) + "; allow more points");
+                                          ", only to " + std::to_string(left.point_count()) + "; allow more points");
   }
   Fit good = chooser.fit();
   double excess = good.excess(request.shape_error);

@@ -65,7 +65,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (!clamped.empty()) fem::remove_nodes(clamped, *system, left);
   const fem::System& moving = clamped.empty() ? *system : left;
   if (moving.unknowns() == 0)
-    return fail(ErrorKind::bad_input, "its supports clamp all of it: nothing is left to move");
+    return fail(ErrorKind::bad_input, "its supports clamp the whole body, so nothing can move");
   report.assemble_seconds = watch.lap();
 
   const double highest_lambda = request.highest_lambda * task.units.lambda();

@@ -102,7 +102,7 @@ Result<std::string> read_open_file(int descriptor, const std::string& name, std:
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) {
         outcome = fail(ErrorKind::input_output,
-                       "cannot read " + name + ": " + (got < 0 ? system_message() : "it shrank while read"));
+                       "cannot read " + name + ": " + (got < 0 ? system_message() : "it shrank while it was read"));
         break;
       }
       filled += static_cast<std::size_t>(got);

@@ -146,9 +146,10 @@ Result<TomlTable> TomlTable::read(const std::filesystem::path& path) {
 
 Result<TomlTable> TomlTable::parse(std::string_view text, const std::filesystem::path& path) {
   if (const std::uint32_t line = line_of_stray_character(text)) {
-    return fail(ErrorKind::bad_input, path.string() + ":" + std::to_string(line) +
-                                          ": not TOML: a character beyond ASCII stands outside quotes and comments, or "
-                                          "after a backslash that ends a line");
+    return fail(
+        ErrorKind::bad_input,
+        path.string() + ":" + std::to_string(line) +
+            ": not TOML: a non-ASCII character is outside quotes and comments, or after a backslash that ends a line");
   }
   auto parsed = within_memory("read " + path.string(), [&]() -> Result<std::shared_ptr<Document>> {
     toml::parse_result file = toml::parse(text);

@@ -245,7 +245,7 @@ Result<void> check(std::span<const double> samples, double rate, const Options& 
   if (static_cast<double>(samples.size()) < kMinLength_s * rate)
     return fail(ErrorKind::bad_input, "it is shorter than 50 ms");
   if (!std::ranges::all_of(samples, [](double x) { return std::isfinite(x); })) {
-    return fail(ErrorKind::bad_input, "it has a sample that is no number");
+    return fail(ErrorKind::bad_input, "it has a sample that is not a number");
   }
   if (!(options.low_hz >= 1 && options.high_hz > options.low_hz && options.low_hz < 0.49 * rate)) {
     return fail(ErrorKind::bad_input,
@@ -257,7 +257,7 @@ Result<void> check(std::span<const double> samples, double rate, const Options& 
   }
   if (options.from_s &&
       !(*options.from_s >= 0 && *options.from_s * rate + kMinLength_s * rate <= std::ssize(samples))) {
-    return fail(ErrorKind::bad_input, "less than 50 ms follow where it shall begin");
+    return fail(ErrorKind::bad_input, "less than 50 ms of sound follow the time at which the fit should begin");
   }
   return {};
 }

@@ -221,7 +221,7 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
     return fail(ErrorKind::bad_input, "only " + std::to_string(result.matches.size()) + " of the recording's " +
                                           std::to_string(recorded.size()) + " modes match one of the bank's, and " +
                                           std::to_string(kMinMatches) +
-                                          " are needed: is it the same object? --tolerance takes more");
+                                          " are needed: check that it is the same object, or raise --tolerance");
   }
   // Relative errors of the estimate, and of the law, which is accurate to about 5 % at best. Where the others take all
   // but a fifth of a decay or more than that, a fifth is the material's, to within itself.

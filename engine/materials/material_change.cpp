@@ -90,8 +90,7 @@ double changed_bound(double frequency_hz, const modal::Material& from, const mod
 
 Result<Changed> change(const modal::Bank& bank, const Change& change) {
   if (change.material && !(bank.material && bank.material->youngs_modulus_pa > 0 && bank.material->density_kg_m3 > 0))
-    return fail(ErrorKind::bad_input,
-                "the bank does not say what it is made of, so its material cannot be changed; change its size alone");
+    return fail(ErrorKind::bad_input, "the bank does not name its material, so only its size can be changed");
   const modal::Material from = bank.material.value_or(modal::Material{});
   modal::Material to = change.material.value_or(from);
   to.poisson_ratio = from.poisson_ratio;
@@ -117,7 +116,7 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
     if (modes[m].frequency_hz > 0) order.push_back(m);
   }
   changed.over_damped = bank.mode_count() - order.size();
-  if (order.empty()) return fail(ErrorKind::bad_input, "none of its modes still rings: all are over-damped");
+  if (order.empty()) return fail(ErrorKind::bad_input, "none of its modes would ring: all are over-damped");
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return weights[a] > weights[b]; });
 
   const auto shape = static_cast<float>(modal::shape_factor(scale));

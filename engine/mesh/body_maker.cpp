@@ -181,7 +181,7 @@ Result<Body> BodyMaker::make_of_parts(const PreparedSurface& surface, const Gmsh
   std::vector<NamedSurface> inner;
   for (const std::string& part : options.parts) {
     const std::filesystem::path file = path_.parent_path() / part;
-    if (!is_surface_file(file)) return refuse(part, "this is not a file of a surface");
+    if (!is_surface_file(file)) return refuse(part, "this is not a surface file");
     Result<TriangleMesh> read = read_surface(file);
     if (!read) return fail(read.error());
     read->nodes *= options.unit_m.value_or(1);

@@ -78,13 +78,13 @@ Error BodyReader::why(const HelperAnswer& answer) const {
                                         " MiB; choose a larger mesh size"};
     case HelperEnd::crashed:
       return {ErrorKind::bad_input, cannot + "its reader crashed (" + ::strsignal(answer.signal) +
-                                        "); the file is damaged, or not what its name's ending says"};
+                                        "); the file is damaged, or its name has the wrong ending"};
     case HelperEnd::answered:
     case HelperEnd::silent:
       break;
   }
   return {ErrorKind::bad_input,
-          cannot + "its reader ended without an answer; the file is damaged, or not what its name's ending says"};
+          cannot + "its reader ended without an answer; the file is damaged, or its name has the wrong ending"};
 }
 
 Result<std::string> BodyReader::ask(Question question, const GmshOptions& options, const Progress& progress) {
@@ -105,7 +105,7 @@ template <class Answer>
 Result<Answer> BodyReader::unpacked(const std::string& bytes) const {
   Answer answer;
   if (unpack(bytes, answer)) return answer;
-  return fail(ErrorKind::bad_input, "cannot read " + path_.string() + ": what its reader gave back is no mesh");
+  return fail(ErrorKind::bad_input, "cannot read " + path_.string() + ": its reader returned no valid mesh");
 }
 
 Result<const PreparedSurface*> BodyReader::surface(const GmshOptions& options, const Progress& progress) {

@@ -270,9 +270,9 @@ Result<void> check_parts(const CheckedMesh& mesh, const std::vector<double>& wan
   const std::vector<double> found = part_volumes(mesh);
   for (std::size_t p = 0; p < wanted.size(); ++p) {
     if (std::abs(found[p] - wanted[p]) <= slip * wanted[p]) continue;
-    if (wanted.size() == 1) return fail(ErrorKind::bad_input, "its volume comes out wrong");
-    const std::string what = p < mesh.groups.volumes.size() ? mesh.groups.volumes[p] : "what is around its parts";
-    return fail(ErrorKind::bad_input, "the volume of " + what + " comes out wrong");
+    if (wanted.size() == 1) return fail(ErrorKind::bad_input, "the mesh has the wrong volume");
+    const std::string what = p < mesh.groups.volumes.size() ? mesh.groups.volumes[p] : "the body around its parts";
+    return fail(ErrorKind::bad_input, "in the mesh, the volume of " + what + " is wrong");
   }
   return {};
 }
@@ -295,7 +295,7 @@ Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, const PartedSurfa
                             regions[static_cast<std::size_t>(filled[r])].part);
   Result<CheckedMesh> checked = check_mesh(std::move(*mesh), name);
   if (!checked) return checked;
-  if (checked->duplicates > 0) return fail(ErrorKind::bad_input, "gmsh made elements twice");
+  if (checked->duplicates > 0) return fail(ErrorKind::bad_input, "gmsh made duplicate elements");
   checked->groups = std::move(groups);
   if (auto good = check_parts(*checked, part_volumes(regions, parted.names.size()), 1e-3); !good)
     return fail(good.error());
@@ -328,10 +328,10 @@ Result<Filled> fill_parts(const PartedSurface& parted, const FillOptions& option
   }
   if (options.size_m > 0 &&
       static_cast<double>(parted.mesh.triangles.rows()) > max_own_triangles(parted, options.size_m))
-    return fail(ErrorKind::bad_input, why + ", and its own are far more than that size asks for");
+    return fail(ErrorKind::bad_input, why + ", and the surface has far more triangles than this mesh size needs");
   Result<CheckedMesh> mesh = fill_as_it_is(parted.mesh, parted, options.size_m, name);
   if (!mesh) return fail(mesh.error());
-  return Filled{std::move(*mesh), why.empty() ? "" : "filled with the triangles it has, because " + why};
+  return Filled{std::move(*mesh), why.empty() ? "" : "filled with its own triangles, because " + why};
 }
 
 Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {

@@ -79,7 +79,7 @@ Result<void> check_parameters(const std::filesystem::path& path, const std::map<
   for (const auto& [name, value] : parameters) {
     if (!assigns(*text, name)) {
       return fail(ErrorKind::bad_input,
-                  path.string() + " has no parameter '" + name + "'; the file's DefineConstant lists what it takes");
+                  path.string() + " has no parameter '" + name + "'; the file's DefineConstant lists its parameters");
     }
   }
   return {};

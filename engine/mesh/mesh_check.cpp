@@ -117,7 +117,7 @@ Result<void> check_overlap(const TetMesh& mesh, const std::string& name) {
     std::snprintf(place, sizeof place, "(%.6g, %.6g, %.6g) m", middle[0], middle[1], middle[2]);
     return fail(ErrorKind::bad_input,
                 name + ": elements overlap at " + place +
-                    "; a body given twice, or two that run through each other: delete or unite them, and mesh again");
+                    "; a body appears twice, or two bodies intersect: delete or unite them, and mesh again");
   }
   return {};
 }

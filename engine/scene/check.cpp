@@ -215,7 +215,7 @@ Result<void> check(const EmitterDescription& emitter) {
       .number("every_s", emitter.every_s, range::kEvery_s)
       .require(emitter.count >= 1 && emitter.count <= kMaxBodies,
                "its count is outside 1 ... " + std::to_string(kMaxBodies))
-      .require(!emitter.body.fixed, "what it lets in must be free to move")
+      .require(!emitter.body.fixed, "its bodies must be free to move")
       .result();
 }
 

@@ -111,8 +111,8 @@ Result<RigidMass> mass_of(const BodyDescription& body, const modal::Bank* bank, 
   if (body.mass) return bank_mass(*body.mass, 1);
   if (body.density_kg_m3 == 0 && bank && bank->held && !body.fixed) {
     return fail(ErrorKind::bad_input,
-                "its bank is held by supports, so it is no free body: give fixed = true, or the mass of the whole body "
-                "that moves with it");
+                "its bank is held by supports, so it is not a free body: give fixed = true, or the mass of the whole "
+                "body that moves with it");
   }
   if (body.density_kg_m3 == 0 && bank && bank->mass) return bank_mass(*bank->mass, density_scale);
   if (body.density_kg_m3 == 0 && body.fixed) return box_mass({0.1, 0.1, 0.1}, 1000, extent.center_m);

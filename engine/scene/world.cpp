@@ -234,12 +234,12 @@ void World::State::check_bodies() {
       notices.push_back(who + " left the scene and was removed");
       gone.push_back(id);
     } else if (body.resets++ < kMaxResets) {
-      notices.push_back(who + " moved beyond what is real and was put back to its start, at rest");
+      notices.push_back(who + " moved impossibly fast or far and was returned to its start, at rest");
       body.description.velocity_m_s = body.description.spin_rad_s = {};
       body.motion = body.start();
       simulation.set_motion(id, body.motion);
     } else {
-      notices.push_back(who + " kept moving beyond what is real and was removed");
+      notices.push_back(who + " kept moving impossibly fast or far and was removed");
       gone.push_back(id);
     }
   }

@@ -40,7 +40,7 @@ VectorXd eigen_decompose(MatrixXd& matrix) {
   std::vector<int> iwork(iwork_size);
   const int lwork = static_cast<int>(work.size());
   dsyevd_("V", "L", &n, matrix.data(), &n, values.data(), work.data(), &lwork, iwork.data(), &iwork_size, &info);
-  if (info != 0) throw std::runtime_error("LAPACK's dsyevd gave up");
+  if (info != 0) throw std::runtime_error("LAPACK's dsyevd did not converge");
   return values;
 }
 

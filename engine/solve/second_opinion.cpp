@@ -152,9 +152,9 @@ Result<void> Comparison::frequencies_of(const Family& family, Agreement& agreeme
     const double off = std::abs(std::sqrt(modes.lambda[mode] / their_lambda) - 1);
     agreement.frequency = std::max(agreement.frequency, off);
     if (off <= kSameFrequency) return {};
-    return disagree(
-        name_of(mode) + ", which " + other() + " finds at " +
-        in_words("%.10g Hz, %.2g of it away, where %.0g is allowed", request.hertz(their_lambda), off, kSameFrequency));
+    return disagree(name_of(mode) + ", which " + other() + " finds at " +
+                    in_words("%.10g Hz, a relative difference of %.2g, where %.0g is allowed",
+                             request.hertz(their_lambda), off, kSameFrequency));
   };
   for (const Index mode : family.ours) {
     if (auto same = match(mode, nearest(near.lambda, family.theirs, modes.lambda[mode])); !same) return same;

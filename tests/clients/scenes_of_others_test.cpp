@@ -122,7 +122,7 @@ TEST_F(ScenesOfOthers, AnimationsAloneStrikeNothing) {
 
 TEST_F(ScenesOfOthers, ASceneInWhichNothingIsFreeToMoveSaysSo) {
   std::string scene = bead_scene(3000);
-  expect_silence(render_text("still.toml", scene + "fixed = true\n"), {"none of its bodies is free to move"});
+  expect_silence(render_text("still.toml", scene + "fixed = true\n"), {"no body is free to move"});
   EXPECT_EQ(render_text("free.toml", scene).exit_code, 0);
 }
 

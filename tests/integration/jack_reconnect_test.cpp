@@ -55,7 +55,7 @@ class JackReconnect : public JackTest {
   testing::AssertionResult end_server(Daemon& daemon, int signal) {
     const std::size_t said = daemon.process().output().size();
     server_.stop(signal);
-    if (becomes_true([&] { return daemon.process().output().find("went away", said) != std::string::npos; })) {
+    if (becomes_true([&] { return daemon.process().output().find("server has stopped", said) != std::string::npos; })) {
       return testing::AssertionSuccess();
     }
     return testing::AssertionFailure() << "the daemon did not notice: " << daemon.process().output();
@@ -131,7 +131,7 @@ TEST_F(JackReconnect, WithoutAServerTimePassesAndMessagesAreServed) {
   Daemon daemon({"--object", "tone=" + bank_.string()}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   server_.stop(SIGKILL);
-  ASSERT_TRUE(becomes_true([&] { return daemon.process().output().find("went away") != std::string::npos; }));
+  ASSERT_TRUE(becomes_true([&] { return daemon.process().output().find("server has stopped") != std::string::npos; }));
   EXPECT_TRUE(becomes_true([&] { return daemon.send(strike("tone")), status(daemon)->sounding_objects == 1; }));
   EXPECT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 0; })) << "it dies away in silence";
   EXPECT_TRUE(daemon.ask({"/object/tone/free", {}})->holds<protocol::Done>());

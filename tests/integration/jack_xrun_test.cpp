@@ -86,7 +86,7 @@ TEST_F(JackXrun, AServerThatStopsCallingIsLeftAndMetAgain) {
   const bool noticed = daemon.process().wait_for_output("JACK has not called for", 60s);
   server_.send_signal(SIGCONT);
   ASSERT_TRUE(noticed) << daemon.process().output();
-  ASSERT_TRUE(daemon.process().wait_for_output("a JACK server is there")) << daemon.process().output();
+  ASSERT_TRUE(daemon.process().wait_for_output("connected to a JACK server")) << daemon.process().output();
   EXPECT_TRUE(becomes_true(connected)) << "with the connections of before";
   const auto after = JackTest::status(daemon);
   EXPECT_GT(after->xruns, before->xruns);

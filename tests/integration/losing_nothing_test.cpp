@@ -181,7 +181,7 @@ TEST_F(LosingNothing, ARecordingThatCannotBeWrittenGoesOnAndIsWrittenElsewhere) 
   fs::remove_all(folder_ / "gone");
   const auto refused = daemon.ask({"/record/stop", {}});
   ASSERT_TRUE(refused && refused->holds<Fail>());
-  EXPECT_NE(refused->get<Fail>().sentence.find("the recording goes on"), std::string::npos)
+  EXPECT_NE(refused->get<Fail>().sentence.find("the recording continues"), std::string::npos)
       << refused->get<Fail>().sentence;
   const auto outside = daemon.ask({"/record/stop", {"/tmp/ringdown-outside.osc"}});
   EXPECT_TRUE(outside && outside->holds<Fail>()) << "a path from a message stays in the roots";

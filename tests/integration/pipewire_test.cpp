@@ -55,7 +55,7 @@ TEST_F(PipeWire, TheDaemonPlaysUnderPipeWireAndOutlivesIt) {
 
   server_->send_signal(SIGKILL);
   server_->wait();
-  ASSERT_TRUE(becomes_true([&] { return daemon.process().output().find("went away") != std::string::npos; }));
+  ASSERT_TRUE(becomes_true([&] { return daemon.process().output().find("server has stopped") != std::string::npos; }));
   start();
   EXPECT_TRUE(becomes_true([&] { return has_ports(); })) << daemon.process().output();
   daemon.process().send_signal(SIGTERM);

@@ -81,7 +81,7 @@ TEST(HostileFiles, ASurfaceOfNoSizeBreaksNothingAndIsQuestioned) {
   const auto done = run_child({.command = {RINGDOWN_BIN_DIR "/ringdown-check", "mesh", path.string()},
                                .limit_s = 60,
                                .on_line = [&](std::string_view line) {
-                                 questioned = questioned || line.find("is this size meant?") != line.npos;
+                                 questioned = questioned || line.find("is this size right?") != line.npos;
                                }});
   ASSERT_TRUE(done);
   EXPECT_EQ(done->exit_code, 0) << done->errors;

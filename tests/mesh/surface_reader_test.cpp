@@ -104,12 +104,12 @@ TEST(SurfaceReader, EveryFormatOfSurfacesHasAReader) {
   std::size_t formats = 0;
   for (const FileFormat& format : file_formats()) {
     if (!mesh::is_surface_file("a" + std::string(format.ending))) continue;
-    EXPECT_FALSE(says(refusal(folder.write("empty" + std::string(format.ending), "")), "no file of a surface"))
+    EXPECT_FALSE(says(refusal(folder.write("empty" + std::string(format.ending), "")), "not a surface file"))
         << format.ending;
     ++formats;
   }
   EXPECT_GE(formats, 6u);
-  EXPECT_TRUE(says(refusal(folder.write("empty.veg", "")), "no file of a surface"));
+  EXPECT_TRUE(says(refusal(folder.write("empty.veg", "")), "not a surface file"));
 }
 
 TEST(SurfaceReader, TheReaderKnowsItsFilesByTheirEndings) {

@@ -28,7 +28,8 @@ TEST(GltfLeftOut, WhatIsNotPlayedIsNamedOnce) {
       "", R"(, "extensionsRequired": ["EXT_unheard_of"])"));
   ASSERT_EQ(read.notes.size(), 2);
   EXPECT_NE(read.notes[0].find("EXT_unheard_of"), std::string::npos);
-  EXPECT_EQ(read.notes[1], "triggers have no effect: nothing collides with them, and what enters them is not reported");
+  EXPECT_EQ(read.notes[1],
+            "triggers have no effect: nothing collides with them, and bodies that enter them are not reported");
 }
 
 // Each property in which two colliders of a body differ is named, because the body has those of the first.

@@ -166,7 +166,7 @@ const std::vector<Fault> kFaults = {
     {"the same body twice",
      "with nodes of its own",
      spoiled([](auto& m) { m = test::both(m, m); }),
-     {"elements overlap at", "given twice"}},
+     {"elements overlap at", "appears twice"}},
     {"bodies in each other",
      "two blocks, half a cell apart",
      spoiled([](auto& m) {
@@ -174,7 +174,7 @@ const std::vector<Fault> kFaults = {
        other.nodes.col(0).array() += 0.09;
        m = test::both(m, other);
      }),
-     {"elements overlap at", "run through each other"}},
+     {"elements overlap at", "bodies intersect"}},
     {"hinge at an edge",
      "two cubes share an edge",
      [] {

@@ -88,7 +88,7 @@ class GltfMeshReader {
       const std::string name = required[k].text_or("");
       if (is_read(name)) continue;
       return fail(ErrorKind::bad_input,
-                  glb_.name + " requires the extension " + quote(name) + ", which is not read; export it without");
+                  glb_.name + " requires the extension " + quote(name) + ", which is not supported; export it without");
     }
     return {};
   }
@@ -183,7 +183,7 @@ class GltfMeshReader {
   Result<void> add_meshes_of(const GltfNode& node) {
     if (node.field["extensions"]["EXT_mesh_gpu_instancing"].present())
       soup_.notes.push_back(
-          "a node has instances by EXT_mesh_gpu_instancing, which are not read: its mesh is there once");
+          "a node has instances by EXT_mesh_gpu_instancing, which is not supported: its mesh is read once");
     if (!node.field["mesh"].present()) return {};
     const auto number = node.field["mesh"].index();
     if (!number || *number >= meshes().size()) return node.field["mesh"].wrong("the number of a mesh of the file");

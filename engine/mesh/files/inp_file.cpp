@@ -195,7 +195,7 @@ class Reader {
   Result<void> enter(const Keyword& keyword) {
     const std::string& name = keyword.name;
     if (name == "PART") {
-      if (part_line_ > 0) return deck_.wrong(keyword.line, "a second *PART stands here; write each into its own file");
+      if (part_line_ > 0) return deck_.wrong(keyword.line, "this is a second *PART; write each part into its own file");
       part_line_ = keyword.line;
       part_ = keyword.parameter("NAME");
       within_ = Within::kPart;
@@ -211,7 +211,7 @@ class Reader {
 
   Result<void> enter_instance(const Keyword& keyword) {
     if (has_instance_) {
-      return deck_.wrong(keyword.line, "a second *INSTANCE stands here; write a file with one part and one instance");
+      return deck_.wrong(keyword.line, "this is a second *INSTANCE; write a file with one part and one instance");
     }
     if (part_line_ == 0 || keyword.parameter("PART") != part_) {
       return deck_.wrong(keyword.line, "*INSTANCE should name the one *PART before it");
@@ -258,7 +258,7 @@ class Reader {
     if (is_new) {
       places_.push_back(place);
     } else if (places_[node->second] != place) {
-      return deck_.wrong(deck_.number(), "node " + std::to_string(number) + " stands here a second time, elsewhere");
+      return deck_.wrong(deck_.number(), "node " + std::to_string(number) + " appears a second time, at another place");
     }
     return {};
   }
@@ -275,7 +275,7 @@ class Reader {
       return deck_.wrong(keyword.line, "elements are of type " + type + "; " + std::string(kOnlyTetrahedra));
     }
     if (within_ == Within::kAssembly) {
-      return deck_.wrong(keyword.line, "solid elements should stand in the part, not in the assembly");
+      return deck_.wrong(keyword.line, "solid elements should be in the part, not in the assembly");
     }
     if (keyword.parameters.contains("INPUT")) {
       return deck_.wrong(keyword.line, "INPUT= is not followed; write one file");
@@ -304,10 +304,10 @@ class Reader {
     }
     if (numbers.size() != wanted) {
       return deck_.wrong(line, "an element should have its number and " + std::to_string(per_element_) +
-                                   " nodes, with a comma where it goes on in the next line");
+                                   " nodes, with a comma where it continues in the next line");
     }
     if (!elements_.insert(numbers[0]).second) {
-      return deck_.wrong(line, "element " + std::to_string(numbers[0]) + " stands here a second time");
+      return deck_.wrong(line, "element " + std::to_string(numbers[0]) + " appears a second time");
     }
     element_lines_.push_back(line);
     element_nodes_.insert(element_nodes_.end(), numbers.begin() + 1, numbers.end());

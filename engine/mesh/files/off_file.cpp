@@ -10,9 +10,9 @@ Result<TriangleSoup> read_off(std::string_view content, const std::string& name)
   const std::string_view header = lines.word();
   std::size_t counts_at = 0;
   if (header.ends_with("OFF")) {
-    if (header.find_first_of("4n") != header.npos) return lines.wrong("points of four coordinates are not read");
+    if (header.find_first_of("4n") != header.npos) return lines.wrong("points of four coordinates are not supported");
     counts_at = 1;
-    if (lines.words().size() > 1 && lines.words()[1] == "BINARY") return lines.wrong("binary OFF is not read");
+    if (lines.words().size() > 1 && lines.words()[1] == "BINARY") return lines.wrong("binary OFF is not supported");
     if (lines.words().size() == 1) {
       lines.next();
       counts_at = 0;
@@ -20,7 +20,7 @@ Result<TriangleSoup> read_off(std::string_view content, const std::string& name)
   }
   std::int64_t points = 0, faces = 0;
   if (!lines.read(counts_at, points) || !lines.read(counts_at + 1, faces) || points < 0 || faces < 0)
-    return lines.wrong("the numbers of points and faces should stand here");
+    return lines.wrong("the numbers of points and faces are missing here");
   TriangleSoup soup;
   for (std::int64_t n = 0; n < points; ++n) {
     if (lines.next().empty()) return lines.wrong("the file ends before its last point");
@@ -35,7 +35,7 @@ Result<TriangleSoup> read_off(std::string_view content, const std::string& name)
     if (lines.next().empty()) return lines.wrong("the file ends before its last face");
     std::size_t count = 0;
     if (!lines.read(0, count) || count >= lines.words().size())
-      return lines.wrong("a face should have the number of its corners, and as many points");
+      return lines.wrong("a face should have the number of its corners, and one point for each");
     corners.assign(count, 0);
     for (std::size_t k = 0; k < count; ++k) {
       if (!lines.read(1 + k, corners[k]) || corners[k] < 0 || corners[k] >= points)

@@ -67,7 +67,7 @@ Result<PlyHeader> read_header(std::string_view content, const std::string& name)
   TextLines lines(content, name, TextLines::kBlanks);
   bool has_format = false;
   if (lines.next().empty() || lines.word() != "ply")
-    return fail(ErrorKind::bad_input, name + " is no PLY: it does not begin with the line \"ply\"");
+    return fail(ErrorKind::bad_input, name + " is not a PLY file: it does not begin with the line \"ply\"");
   while (!lines.next().empty()) {
     const std::string_view word = lines.word();
     const std::string_view second = lines.words().size() > 1 ? lines.words()[1] : "";
@@ -164,7 +164,8 @@ class PlyReader {
   Result<TriangleSoup> read() {
     for (const ElementKind& kind : header_.kinds) {
       if (kind.name == "tristrips")
-        return fail(ErrorKind::bad_input, name_ + ": its triangles are strips, which are not read; save it with faces");
+        return fail(ErrorKind::bad_input,
+                    name_ + ": its triangles are strips, which are not supported; save it with faces");
       if (kind.properties.empty()) continue;
       for (std::uint64_t n = 0; n < kind.count; ++n) {
         if (auto good = read_element(kind, n); !good) return fail(good.error());
@@ -197,12 +198,13 @@ class PlyReader {
     for (const PlyProperty& property : kind.properties) {
       double count = 1;
       if (property.count && !values_.read(*property.count, count)) return wrong(kind, n, "is not whole");
-      if (!(count >= 0)) return wrong(kind, n, "has a list of less than no numbers");
+      if (!(count >= 0)) return wrong(kind, n, "has a list with a negative length");
       const bool is_corners = property.count && (property.name == "vertex_indices" || property.name == "vertex_index");
       const std::size_t first = corners_.size();
       for (double k = 0; k < count; ++k) {
         double value = 0;
-        if (!values_.read(property.type, value)) return wrong(kind, n, "is not whole, or has what is no number");
+        if (!values_.read(property.type, value))
+          return wrong(kind, n, "is incomplete, or has something that is not a number");
         if (is_face && is_corners) corners_.push_back(whole(value));
         if (is_point && !property.count) set(at, property, value);
       }

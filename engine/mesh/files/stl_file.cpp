@@ -65,15 +65,16 @@ Result<TriangleSoup> read_text(std::string_view content, const std::string& name
 
 Result<TriangleSoup> read_binary(std::string_view content, const std::string& name) {
   if (content.size() < kHeaderBytes) {
-    return fail(ErrorKind::bad_input, name +
-                                          " is no STL: it neither begins as its text does (\"solid\"), nor has the " +
-                                          std::to_string(kHeaderBytes) + " bytes of its binary header");
+    return fail(ErrorKind::bad_input,
+                name + " is not an STL file: it neither begins with \"solid\", as text does, nor has the " +
+                    std::to_string(kHeaderBytes) + " bytes of its binary header");
   }
   const std::size_t said = announced(content), there = (content.size() - kHeaderBytes) / kTriangleBytes;
   const bool whole = (content.size() - kHeaderBytes) % kTriangleBytes == 0;
   if (!whole && (said == 0 || said > there)) {
-    return fail(ErrorKind::bad_input, name + " was cut off, or is no STL: its header says " + std::to_string(said) +
-                                          " triangles, and it ends within the one after " + std::to_string(there));
+    return fail(ErrorKind::bad_input, name + " was cut off, or is not an STL file: its header says " +
+                                          std::to_string(said) + " triangles, and it ends within the one after " +
+                                          std::to_string(there));
   }
   const std::size_t count = whole ? there : said;
   TriangleSoup soup;

@@ -28,7 +28,7 @@ Result<TriangleSoup> read_soup(const std::filesystem::path& path) {
   for (const SurfaceReader& reader : kSurfaceReaders) {
     if (has_ending(path, reader.ending)) return reader.read(*content, path.string());
   }
-  return fail(ErrorKind::bad_input, path.string() + " is no file of a surface");
+  return fail(ErrorKind::bad_input, path.string() + " is not a surface file");
 }
 
 TriangleMesh mesh_of(const TriangleSoup& soup) {

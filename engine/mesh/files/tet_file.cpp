@@ -37,7 +37,7 @@ Result<Counts> read_counts(TextLines& lines, const char* what) {
   Counts counts;
   lines.next();
   if (!lines.read(0, counts.rows) || !lines.read(1, counts.second)) {
-    return lines.wrong(std::string("the number of ") + what + " should stand here, and how many numbers each has");
+    return lines.wrong(std::string("the number of ") + what + " is missing here, and how many numbers each has");
   }
   if (counts.rows < 1) return lines.wrong(std::string("there are no ") + what);
   const auto width = static_cast<std::uint64_t>(std::clamp<std::int64_t>(counts.second, 1, 10)) + 1;
@@ -215,7 +215,7 @@ Result<TetMesh> read_vega(std::string_view text, const std::string& name) {
     const std::string word = lower(std::string(lines.word()));
     if (word == "*include") return lines.wrong("*INCLUDE is not followed; put the mesh into one file");
     if (word == "*vertices") {
-      if (mesh.nodes.rows() > 0) return lines.wrong("*VERTICES stands here a second time");
+      if (mesh.nodes.rows() > 0) return lines.wrong("*VERTICES appears a second time");
       const auto counts = read_counts(lines, "nodes");
       if (!counts) return fail(counts.error());
       if (counts->second != 3) return lines.wrong("nodes should have 3 coordinates");
@@ -224,7 +224,7 @@ Result<TetMesh> read_vega(std::string_view text, const std::string& name) {
       first = *read;
     } else if (word == "*elements") {
       if (mesh.nodes.rows() == 0) return lines.wrong("*ELEMENTS should come after *VERTICES");
-      if (mesh.elements.rows() > 0) return lines.wrong("*ELEMENTS stands here a second time");
+      if (mesh.elements.rows() > 0) return lines.wrong("*ELEMENTS appears a second time");
       const auto& kind = lines.next();
       if (kind.empty() || !lower(std::string(kind[0])).starts_with("tet"))
         return lines.wrong("elements should be of type TET");
@@ -297,7 +297,8 @@ Result<TetMesh> read_tet_file(const std::filesystem::path& path) {
   const auto file = contents(path);
   if (!file) return fail(file.error());
   const auto* const reader = std::ranges::find(kTetReaders, std::string_view(ending), &TetReader::ending);
-  if (reader == std::end(kTetReaders)) return fail(ErrorKind::bad_input, path.string() + " is no file of tetrahedra");
+  if (reader == std::end(kTetReaders))
+    return fail(ErrorKind::bad_input, path.string() + " is not a file of tetrahedra");
   return reader->read(*file, path.string());
 }
 

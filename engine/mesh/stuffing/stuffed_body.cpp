@@ -88,14 +88,13 @@ class StuffedBody {
     if (force_ && !vanish) return {};
     const double elements = kElementsPerCell * volume_m3_ / std::pow(cells.wanted_m, 3);
     char text[500];
-    std::snprintf(
-        text, sizeof text,
-        " has walls of %.3g mm, which cells of %.3g mm would follow: some %.1e elements, more than %.0e; the "
-        "finest that can be made, %.3g mm, would tear them. Mend the surface where `ringdown check mesh` says "
-        "that it is not sound, so that gmsh can fill it%s",
-        1000 * wall_m_, 1000 * cells.wanted_m, elements, max_elements, 1000 * cells.size_m,
-        vanish ? "; with --force-coarse nothing would be left of such walls"
-               : ", or take a wrong sound with --force-coarse");
+    std::snprintf(text, sizeof text,
+                  " has walls of %.3g mm, which cells of %.3g mm would follow: about %.1e elements, more than %.0e; "
+                  "the finest possible cells, %.3g mm, would tear them. Mend the faults that `ringdown check mesh` "
+                  "lists, so that gmsh can fill it%s",
+                  1000 * wall_m_, 1000 * cells.wanted_m, elements, max_elements, 1000 * cells.size_m,
+                  vanish ? "; with --force-coarse nothing would be left of such walls"
+                         : ", or take a wrong sound with --force-coarse");
     return fail(ErrorKind::too_large, name_ + text);
   }
 
@@ -132,11 +131,11 @@ class StuffedBody {
     const Cells cells = cells_for(largest_m, kMaxSkinElements);
     if (auto fine = check_walls(cells, kMaxSkinElements); !fine) return fail(fine.error());
     if (wall_m_ > 0 && cells.size_m > wall_m_)
-      return fail(ErrorKind::bad_input, "cells that can be made would tear its walls");
+      return fail(ErrorKind::bad_input, "the finest possible cells would tear its walls");
     Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
     if (!stuffed) return fail(stuffed.error().kind, name_ + " cannot be stuffed: " + stuffed.error().message);
     const TriangleMesh skin = skin_of(stuffed->mesh);
-    if (!diagnose(skin).sound()) return fail(ErrorKind::bad_input, "it is not sound");
+    if (!diagnose(skin).sound()) return fail(ErrorKind::bad_input, "it has faults");
     Result<Filled> filled = fill(skin, options_, name_);
     if (!filled) return fail(filled.error());
     // A note means that gmsh used the skin's own small triangles, which give too many elements.

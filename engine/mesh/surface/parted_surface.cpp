@@ -100,7 +100,7 @@ Result<PartedSurface> part(const TriangleMesh& body, const std::vector<NamedSurf
     const bool inside = shells.parent[s] >= 0 && regions[static_cast<std::size_t>(shells.parent[s])].filled;
     if (source[s] < 0 || inside) continue;
     return fail(ErrorKind::bad_input, "the surface of a part, " + surface_name(source[s], parted, name) +
-                                          ", lies outside of " + name + " or in a cavity of it; move it inside");
+                                          ", lies outside of " + name + " or in one of its cavities; move it inside");
   }
   for (Eigen::Index t = 0; t < parted.mesh.triangles.rows(); ++t) {
     const std::int32_t s = shells.shell[static_cast<std::size_t>(t)];

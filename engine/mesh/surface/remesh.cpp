@@ -268,7 +268,7 @@ Result<Remeshed> remesh(const TriangleMesh& surface, const EdgeLengths& lengths)
       mesh.point(v) = Point(on[0], on[1], on[2]);
     }
     Remeshed remeshed{.mesh = soup_of(mesh), .deviations_m = {}};
-    if (remeshed.mesh.triangles.rows() < 4) return fail(ErrorKind::bad_input, "nothing is left of it at that size");
+    if (remeshed.mesh.triangles.rows() < 4) return fail(ErrorKind::bad_input, "no triangle is left at this size");
     remeshed.deviations_m = deviations(remeshed.mesh, old);
     return remeshed;
   } catch (const std::exception& exception) {

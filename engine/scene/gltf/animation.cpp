@@ -128,7 +128,7 @@ std::shared_ptr<const MotionPath> GltfAnimations::path_of(std::size_t node) {
   if (!(count <= static_cast<double>(kMaxPathPoses)) || !(count * nodes <= static_cast<double>(kMaxPoses - poses_))) {
     document_.notes.add("the animations are longer than " + std::to_string(kMaxPathPoses / 240) + " s, or than " +
                         std::to_string(kMaxPoses / 240) +
-                        " s of all bodies and the nodes above them together; further bodies stand still");
+                        " s of all bodies and the nodes above them together; further bodies do not move");
     return nullptr;
   }
   poses_ += static_cast<std::size_t>(count * nodes);
@@ -140,7 +140,7 @@ std::shared_ptr<const MotionPath> GltfAnimations::path_of(std::size_t node) {
     world = upright(world);
     const Pose pose{world.shift_m, parts_of(world.linear).rotation};
     if (!ringdown::is_finite(pose.position_m) || !(length(pose.position_m) <= range::kPosition_m.high)) {
-      document_.notes.add("an animation leads out of the scene; its body stands still");
+      document_.notes.add("an animation leads out of the scene; its body does not move");
       return nullptr;
     }
     path->poses.push_back(pose);

@@ -295,7 +295,7 @@ class JointMaker {
       const auto body = std::ranges::find(scene_.bodies, name, &BodyDescription::name);
       if (name.empty() || body == scene_.bodies.end() || body->fixed) continue;
       if (!body->mass) {
-        document_.notes.add("a drive by acceleration of a body without a mass of its own acts as on 1 kg or 1 kg m2");
+        document_.notes.add("a drive by acceleration acts on a body without its own mass as on 1 kg or 1 kg m2");
         return 1;
       }
       const Matrix3 frame = to_matrix(body->rotation);

@@ -152,7 +152,7 @@ std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const JsonP
     const double texel_m = u_m / static_cast<double>(picture->width);
     auto track = modal::SurfaceTrack::make(heights_of(*picture, strength, texel_m), texel_m);
     if (track) return *std::move(track);
-    document.notes.add("a normal map of one texel, or of heights that are no finite numbers, is not felt");
+    document.notes.add("a normal map of one texel, or with heights that are not finite numbers, is ignored");
     return {};
   }
   return {};

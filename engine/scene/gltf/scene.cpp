@@ -113,7 +113,7 @@ class GltfSceneReader {
     for (const GltfNode& node : nodes()) {
       if (!node.in_scene) continue;
       if (physics_of(node)["trigger"].present())
-        note("triggers have no effect: nothing collides with them, and what enters them is not reported");
+        note("triggers have no effect: nothing collides with them, and bodies that enter them are not reported");
       if (node.field["extensions"]["EXT_mesh_gpu_instancing"].present())
         note("instances by EXT_mesh_gpu_instancing are not played");
     }
@@ -193,7 +193,7 @@ class GltfSceneReader {
     };
     surface.friction_combine = combine("frictionCombine");
     surface.restitution_combine = combine("restitutionCombine");
-    if (surface.restitution > 1) note("a restitution above 1 is 1");
+    if (surface.restitution > 1) note("a restitution above 1 is reduced to 1");
     surface.restitution = std::min(surface.restitution, 1.0);
   }
 
@@ -357,7 +357,8 @@ class GltfSceneReader {
     modal::MassProperties mass = mass_of(made.shape, kUsualDensity_kg_m3);
     if (motion["mass"].present()) {
       double wanted_kg = document_.number(motion["mass"], 1);
-      if (wanted_kg == 0) note("an infinite mass is " + std::to_string(static_cast<int>(range::kMass_kg.high)) + " kg");
+      if (wanted_kg == 0)
+        note("an infinite mass is replaced by " + std::to_string(static_cast<int>(range::kMass_kg.high)) + " kg");
       if (wanted_kg == 0) wanted_kg = range::kMass_kg.high;
       if (!range::kMass_kg.holds(wanted_kg)) return document_.refuse(motion["mass"].wrong("0, or 1e-7 to 1e7 kg"));
       mass.inertia_kg_m2 = (wanted_kg / mass.mass_kg) * mass.inertia_kg_m2;
@@ -382,7 +383,7 @@ class GltfSceneReader {
     double largest = std::max({moments.x, moments.y, moments.z});
     if (largest == 0) largest = std::max({usual.x, usual.y, usual.z});
     const auto or_infinite = [&](double moment) {
-      if (moment == 0) note("infinite moments of inertia are a million times the other ones");
+      if (moment == 0) note("infinite moments of inertia are replaced by a million times the others");
       return moment == 0 ? kInfinite * largest : moment;
     };
     mass.inertia_kg_m2 = {or_infinite(moments.x), or_infinite(moments.y), or_infinite(moments.z)};

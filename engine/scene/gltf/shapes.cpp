@@ -151,7 +151,7 @@ std::optional<GltfGeometry> made_of(GltfDocument& document, const ShapeMesh& tri
   if (!document.result()) return {};
   ShapeMesh mesh = welded(triangles);
   if (mesh.points_m.size() > kMaxMeshPoints) {
-    document.refuse(reference.wrong("what has meshes of at most " + std::to_string(kMaxMeshPoints) + " points"));
+    document.refuse(reference.wrong("a reference to meshes of at most " + std::to_string(kMaxMeshPoints) + " points"));
     return {};
   }
   if (mesh.triangles.empty()) {

@@ -202,8 +202,8 @@ TEST(InpFile, AnAssemblyOfSeveralOrMovedPartsIsRefused) {
   const std::string body = std::string(kNodes) + kElement, end = "*End Instance\n";
   const std::string instance = "*Instance, name=Part-1-1, part=Part-1\n";
   expect_refused(
-      {{"*PART, NAME=A\n" + body + "*END PART\n*PART, NAME=B\n" + body, "x.inp, line 10: a second *PART stands here"},
-       {part(body, instance + end, instance + end), "x.inp, line 13: a second *INSTANCE stands here"},
+      {{"*PART, NAME=A\n" + body + "*END PART\n*PART, NAME=B\n" + body, "x.inp, line 10: this is a second *PART"},
+       {part(body, instance + end, instance + end), "x.inp, line 13: this is a second *INSTANCE"},
        {part(body, instance + "0., 0., 2.\n" + end), "x.inp, line 12: this *INSTANCE is moved"},
        {part(body, "*Instance, name=b, part=Other\n" + end), "line 11: *INSTANCE should name the one *PART before it"},
        {part(body, ""), "x.inp, line 1: this *PART has no *INSTANCE"},
@@ -247,7 +247,7 @@ TEST(InpFile, AFaultOfADeckIsReportedWithItsLine) {
        {"*NODE\n1, 0 0 0\n", "line 2: a node should have up to three finite coordinates"},
        {"*NODE\n1, <x>, 0, 0\n", "line 2: a node should have up to three finite coordinates"},
        {"*NODE\n1, 0, 0, 0, 1, 2, 3, 4\n", "line 2: a node should have up to three finite coordinates"},
-       {nodes + "** again\n2, 1, 0, 0.5\n", "x.inp, line 7: node 2 stands here a second time, elsewhere"},
+       {nodes + "** again\n2, 1, 0, 0.5\n", "x.inp, line 7: node 2 appears a second time, at another place"},
        {solid + "1, 1, 2, 3\n", "x.inp, line 7: an element should have its number and 4 nodes"},
        {solid + "1, 1, 2,\n3\n2, 1, 2, 3, 4\n", "x.inp, line 7: an element should have its number and 4 nodes"},
        {solid + "1, 1, 2, 3, 4, 1\n", "x.inp, line 7: an element should have its number and 4 nodes"},
@@ -256,7 +256,7 @@ TEST(InpFile, AFaultOfADeckIsReportedWithItsLine) {
        {solid + "1, 1, 2, 3, -4\n", "x.inp, line 7: an element should have positive whole numbers"},
        {solid + "1, 1, 2, , 4\n", "x.inp, line 7: an element should have positive whole numbers"},
        {solid + "\n3, 1, 2, 3,\n5\n", "x.inp, line 8: there is no node 5"},
-       {solid + "1, 1, 2, 3, 4\n1, 2, 1, 3, 4\n", "x.inp, line 8: element 1 stands here a second time"},
+       {solid + "1, 1, 2, 3, 4\n1, 2, 1, 3, 4\n", "x.inp, line 8: element 1 appears a second time"},
        {nodes + kElement + "*ELEMENT, TYPE=C3D10\n", "x.inp, line 8: tetrahedra of 4 and of 10 nodes are mixed"}});
 }
 

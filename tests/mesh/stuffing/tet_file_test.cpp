@@ -133,13 +133,13 @@ TEST(TetFile, EveryFormatOfTetrahedraHasAReader) {
     if (format.kind != FileKind::tetrahedra) continue;
     const auto read = mesh::read_tet_file(folder.write("empty" + std::string(format.ending), ""));
     ASSERT_FALSE(read) << format.ending;
-    EXPECT_EQ(read.error().message.find("no file of tetrahedra"), std::string::npos) << read.error().message;
+    EXPECT_EQ(read.error().message.find("not a file of tetrahedra"), std::string::npos) << read.error().message;
     ++formats;
   }
   EXPECT_GE(formats, 5u);
   const auto other = mesh::read_tet_file(folder.write("empty.stl", ""));
   ASSERT_FALSE(other);
-  EXPECT_NE(other.error().message.find("no file of tetrahedra"), std::string::npos) << other.error().message;
+  EXPECT_NE(other.error().message.find("not a file of tetrahedra"), std::string::npos) << other.error().message;
 }
 
 struct WrongTetFile {
@@ -181,7 +181,7 @@ TEST(TetFile, AFaultOfAVegaFileIsReported) {
       {"", "x.veg: has no *VERTICES"},
       {nodes, "x.veg: has no *ELEMENTS"},
       {"*ELEMENTS\nTET\n1 4 0\n", "x.veg, line 1: *ELEMENTS should come after *VERTICES"},
-      {nodes + nodes, "x.veg, line 7: *VERTICES stands here a second time"},
+      {nodes + nodes, "x.veg, line 7: *VERTICES appears a second time"},
       {nodes + "*ELEMENTS\nCUBIC\n1 8 0\n", "x.veg, line 8: elements should be of type TET"},
       {nodes + "*ELEMENTS\nTET\n1 8 0\n0 1 2 3 4 5 6 7 8\n", "x.veg, line 9: elements should have 4 nodes"},
       {"*INCLUDE other.veg\n", "x.veg, line 1: *INCLUDE is not followed"}};
