@@ -210,7 +210,7 @@ Result<void> JackClient::start(const Driver::Program& program) {
     for (std::size_t acn = 0; acn < synth::ambisonic_channels(*order); ++acn) {
       if (add_port(synth::kFirstAmbisonic + acn, "ambisonic_" + std::to_string(acn))) continue;
       return fail(ErrorKind::no_sound_server,
-                  "the JACK server has no port left for ambisonic channel " + std::to_string(acn));
+                  "the JACK server has no free port for ambisonic channel " + std::to_string(acn));
     }
   }
   gate_.open();

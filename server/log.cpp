@@ -83,8 +83,8 @@ bool LineWriter::put(std::string_view text, milliseconds patience) {
 
 void LineWriter::report(milliseconds patience) {
   if (dropped_ == 0) return;
-  const std::string sentence =
-      std::to_string(dropped_) + (dropped_ == 1 ? " line was" : " lines were") + " left out: nobody read the log\n";
+  const std::string sentence = std::to_string(dropped_) + (dropped_ == 1 ? " line was" : " lines were") +
+                               " left out, because the log was not read\n";
   if (put(sentence, patience)) dropped_ = 0;
 }
 

@@ -55,7 +55,7 @@ bool signal_came(std::chrono::milliseconds wait) {
   static const sigset_t signals = ending_signals();
   const timespec time{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};
   const int signal = sigtimedwait(&signals, nullptr, &time);
-  if (signal > 0) log_info("SIG" + std::string(sigabbrev_np(signal)) + " came");
+  if (signal > 0) log_info("SIG" + std::string(sigabbrev_np(signal)) + " received");
   return signal > 0;
 }
 

@@ -113,8 +113,8 @@ std::string describe(const Material& bank, const Material& wanted) {
     sentences += "Poisson's ratio is the bank's: all frequencies are exact.";
   } else {
     sentences += text(
-        "Poisson's ratio stays the bank's %.2f until the object is baked anew. With %.2f, plates would\n"
-        "sound %s and twisting modes %s; bars that bend would not change.",
+        "Poisson's ratio stays the bank's %.2f until the object is baked again. With %.2f, plates would\nsound %s and "
+        "twisting modes %s; bars that bend would not change.",
         bank.poisson_ratio, wanted.poisson_ratio, change_of(choice.plate_error).c_str(),
         change_of(choice.twist_error).c_str());
   }

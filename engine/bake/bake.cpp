@@ -206,11 +206,9 @@ Error no_mode(const std::string& name, const BakeOptions& options, std::optional
 Result<void> check_request(const modal::Material& material, const BakeOptions& options, const std::string& name) {
   if (auto good = check_options(options); !good) return good;
   if (options.nonlinear > 0 && !options.makeup.moves_freely()) {
-    return fail(
-        ErrorKind::bad_input,
-        name +
-            ": nonlinear terms are found for bodies of one material without grain that nothing holds stiffly; leave "
-            "`nonlinear` out, or grain, parts, masses and supports with stiffness or mass");
+    return fail(ErrorKind::bad_input, name +
+                                          ": nonlinear terms need a body of one material without grain, glued masses, "
+                                          "or supports with stiffness or mass; leave out `nonlinear`, or these");
   }
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good) return failed(material.name, good.error());

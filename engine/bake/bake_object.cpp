@@ -345,8 +345,7 @@ class Baker {
 
   // Prepares the next round; true when it takes object_.mesh as it is.
   Result<bool> refine() {
-    if (object_.rounds.size() >= kMaxRounds)
-      return fail(ErrorKind::too_large, out_of_reach("that was the last of its rounds"));
+    if (object_.rounds.size() >= kMaxRounds) return fail(ErrorKind::too_large, out_of_reach("this was the last round"));
     return reader_.meshes() ? refine_geometry() : refine_mesh();
   }
 
@@ -383,7 +382,7 @@ class Baker {
       set_order(order + 1);
     } else {
       if (!object_.mesh.groups.empty() && !recipe_.options.makeup.plain())
-        return fail(ErrorKind::too_large, out_of_reach("a mesh with groups is not split"));
+        return fail(ErrorKind::too_large, out_of_reach("a mesh with groups cannot be split"));
       Result<mesh::CheckedMesh> fine = mesh::check_mesh(mesh::split(object_.mesh.mesh), recipe_.geometry.string());
       if (!fine) return fail(fine.error());
       object_.mesh = std::move(*fine);
@@ -456,8 +455,8 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
   for (const char* key : {"youngs_modulus_pa", "poisson_ratio"}) {
     if (!makeup.grain || !makeup.parts.empty() || !recipe.figures.contains(key)) continue;
     return fail(ErrorKind::bad_input, std::string(key) +
-                                          " changes nothing of a body with a grain; set the constants along and across "
-                                          "it, as youngs_modulus_1_pa");
+                                          " has no effect on a body with a grain; set the constants along and across "
+                                          "the grain, such as youngs_modulus_1_pa");
   }
   Result<BakedObject> object = bake_recipe(*whole, material->material, progress);
   if (!object) return object;

@@ -242,10 +242,10 @@ class Fitter {
       fem::HeldPoint point = fem::nearest_point(mesh_, outer_, to_eigen(point_m) / units_.length_m);
       if (point.distance > kNearPoint) {
         char text[160];
-        std::snprintf(text, sizeof text,
-                      "the point (%.4g, %.4g, %.4g) of a support lies %.3g m beside the body; give it in metres of the "
-                      "object",
-                      point_m.x, point_m.y, point_m.z, point.distance * units_.length_m);
+        std::snprintf(
+            text, sizeof text,
+            "the point (%.4g, %.4g, %.4g) of a support lies %.3g m away from the body; give it in metres of the object",
+            point_m.x, point_m.y, point_m.z, point.distance * units_.length_m);
         return fail(ErrorKind::bad_input, text);
       }
       point.mass_kg = support.point_mass_kg / unit_kg;

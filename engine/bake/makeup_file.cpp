@@ -34,7 +34,7 @@ std::optional<Grain> read_grain(TomlTable& file) {
   if (along.has_value() == grain.axis.has_value())
     table->complain("along", "a grain has either a direction, along = [x, y, z], or an axis = [x, y, z]");
   if (grain.axis && grain.radial)
-    table->complain("radial", "around an axis the radial direction is the one away from it; leave radial out");
+    table->complain("radial", "around an axis, the radial direction points away from the axis; leave radial out");
   if (!grain.axis && (table->has("through") || grain.winds))
     table->complain("axis", "through and winds belong to an axis = [x, y, z]");
   if (along) grain.along = *along;

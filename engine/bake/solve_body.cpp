@@ -30,8 +30,8 @@ Result<void> check_rigid(const Eigenmodes& modes, int free, double highest_lambd
   const double lowest = vibrates ? modes.lambda[modes.rigid] : highest_lambda;
   if (modes.rigid == free && lowest > kMinContrast * rounding_of(modes)) return {};
   return fail(ErrorKind::bad_input,
-              "its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
-              "distorted: mesh the object again");
+              "its lowest vibration cannot be told from rigid motions because of rounding; its elements are too flat "
+              "or too distorted: mesh the object again");
 }
 
 BodyModes on_surface(const Eigenmodes& modes, const Eigen::MatrixXd& shapes, const mesh::Boundary& surface) {

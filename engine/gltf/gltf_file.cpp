@@ -133,7 +133,7 @@ Result<std::string> read_uri(const std::string& uri, const std::string& path, st
     std::string letters = base64 ? uri.substr(comma + 1) : "";
     letters.resize((letters.size() + 3) / 4 * 4, '=');  // some writers leave out the padding
     auto bytes = base64 ? from_base64(letters) : std::nullopt;
-    if (!bytes) return fail(ErrorKind::bad_input, path + " is a data: URI without sound base64");
+    if (!bytes) return fail(ErrorKind::bad_input, path + " is a data: URI with invalid base64");
     return *std::move(bytes);
   }
   const std::string relative = from_percent(uri);
@@ -142,7 +142,8 @@ Result<std::string> read_uri(const std::string& uri, const std::string& path, st
     return fail(ErrorKind::bad_input, path + ": expected a relative path or a data: URI");
   }
   if (const auto plain = std::filesystem::path(relative).lexically_normal(); *plain.begin() == "..")
-    return fail(ErrorKind::bad_input, path + " leads out of the file's folder; put what it names beside the file");
+    return fail(ErrorKind::bad_input,
+                path + " leads out of the file's folder; put the file that it names beside this one");
   return read_beside(relative, limit);
 }
 

@@ -174,7 +174,7 @@ Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progre
 
 Result<Body> BodyMaker::make_of_parts(const PreparedSurface& surface, const GmshOptions& options) const {
   const auto refuse = [](const std::string& file, const std::string& why) {
-    return fail(ErrorKind::bad_input, file + ": " + why + "; a body with surfaces inside needs sound ones");
+    return fail(ErrorKind::bad_input, file + ": " + why + "; a body with inner surfaces needs surfaces without faults");
   };
   if (!surface.left.sound()) return refuse(path_.string(), describe(surface.left.findings.front()));
   Body body{.mesh = {}, .making = Making::kFilled, .notes = notes_of(surface)};
@@ -196,7 +196,7 @@ Result<Body> BodyMaker::make_of_parts(const PreparedSurface& surface, const Gmsh
       *parted, {options.mesh_size_m, options.order, wall_thickness(parted->mesh), options.quick}, path_.string());
   if (!filled)
     return fail(filled.error().kind, "cannot mesh " + path_.string() + " with its parts: " + filled.error().message +
-                                         "; name a smaller mesh size, or thicken what lies between the surfaces");
+                                         "; name a smaller mesh size, or thicken the layers between the surfaces");
   if (!filled->note.empty()) body.notes.push_back(filled->note);
   body.mesh = std::move(filled->mesh);
   body.mesh.gaps_m = surface_gaps(body.mesh.mesh, surface.rough.value_or(surface.mesh),

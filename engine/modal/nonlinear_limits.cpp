@@ -46,7 +46,7 @@ Result<void> check(const NonlinearTerms& terms, const Bank& bank, const std::str
   for (std::size_t i = 0; i < terms.mode_count(); ++i) {
     const double curving = norm([&](std::size_t k) { return terms.g(k, i); });
     if (!(curving <= kMaxCurving * omega(i))) {
-      return refuse("curving: mode " + mode(i) + " has more energy in the nonlinear terms than it has at all");
+      return refuse("curving: mode " + mode(i) + " has more energy in the nonlinear terms than in total");
     }
     for (std::size_t j = 0; j <= i; ++j) {
       const double bending = norm([&](std::size_t k) { return terms.h(k, i, j); });

@@ -174,7 +174,7 @@ Result<void> check(const BodyDescription& body) {
   };
   return Fields("body " + quote(body.name))
       .require(!body.mass || is_sound(*body.mass),
-               "its mass, its centre or its moments of inertia are those of no body")
+               "its mass, its centre or its moments of inertia are impossible for a body")
       .require(!body.path || body.fixed, "only a fixed body follows a path")
       .require(!body.path || is_sound(*body.path), "its path has poses or velocities that no body can have")
       .require(!mesh || mesh->points_m.size() <= kMaxMeshPoints,

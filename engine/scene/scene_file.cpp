@@ -65,12 +65,13 @@ void read_mesh(TomlTable& table, std::shared_ptr<const ShapeMesh>& target) {
   table.numbers("triangles", corners);
   if (points.empty()) return;
   if (points.size() % 3 != 0) return table.complain("points_m", "points_m must hold three numbers for each point");
-  if (corners.size() % 3 != 0) return table.complain("triangles", "triangles must hold three numbers for each one");
+  if (corners.size() % 3 != 0)
+    return table.complain("triangles", "triangles must hold three numbers for each triangle");
   ShapeMesh mesh;
   for (std::size_t k = 0; k < points.size(); k += 3) mesh.points_m.push_back(triple(points, k));
   for (std::size_t k = 0; k < corners.size(); ++k) {
     if (!(corners[k] >= 0 && corners[k] < static_cast<double>(points.size() / 3)))
-      return table.complain("triangles", "a triangle names a point that is not there");
+      return table.complain("triangles", "a triangle names a point that does not exist");
     if (k % 3 == 0) mesh.triangles.emplace_back();
     mesh.triangles.back()[k % 3] = static_cast<std::uint32_t>(corners[k]);
   }

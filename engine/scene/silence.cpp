@@ -64,8 +64,7 @@ std::optional<std::string> why_silent(const SceneDescription& scene, std::span<c
   const std::vector<const BodyDescription*> bodies = all_bodies(scene);
   if (bodies.empty() && !scene.objects.empty()) return {};  // objects for requests to play
   if (bodies.empty())
-    return "nothing in it can sound: it has no bodies, which are what strikes and sounds (in glTF files nodes with a "
-           "motion or a collider)";
+    return "nothing in it can sound: it has no bodies (in glTF files, nodes with a motion or a collider)";
   std::vector<const BodyDescription*> sounding;
   for (const BodyDescription* body : bodies) {
     if (!body->object.empty()) sounding.push_back(body);

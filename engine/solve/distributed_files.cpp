@@ -86,7 +86,7 @@ Result<ProblemFile> ProblemFile::open(const fs::path& path) {
                     file_bytes(path) == static_cast<std::int64_t>(sizeof header) +
                                             matrix_bytes(3 * header.nodes, header.stiffness_entries) +
                                             matrix_bytes(header.nodes, header.mass_entries);
-  if (!good) return fail(ErrorKind::bad_input, path.string() + " is not a whole problem file of this version");
+  if (!good) return fail(ErrorKind::bad_input, path.string() + " is not a complete problem file of this version");
   return problem;
 }
 
@@ -134,7 +134,7 @@ Result<void> write_modes(const fs::path& path, const ModesHeader& header, std::s
 }
 
 Result<ModesFile> read_modes(const fs::path& path, std::int64_t nodes) {
-  const auto broken = [&] { return fail(ErrorKind::bad_input, path.string() + " is not a whole file of modes"); };
+  const auto broken = [&] { return fail(ErrorKind::bad_input, path.string() + " is not a complete file of modes"); };
   std::ifstream file(path, std::ios::binary);
   ModesFile modes;
   ModesHeader& header = modes.header;

@@ -39,7 +39,7 @@ NoteMap::Entry read_entry(TomlTable& table) {
   optional(table, "bow_direction", entry.bow_direction, [&](Vec3& way) {
     table.vector("bow_direction", way, kDirection);
     if (length(way) == 0)
-      table.complain("bow_direction", "bow_direction must not be 0 0 0; it is the way in which the hair moves");
+      table.complain("bow_direction", "bow_direction must not be 0 0 0; it is the direction in which the hair moves");
   });
   if (entry.is_bowed() && (entry.impulse_ns || entry.contact_time_s))
     table.complain("note", "this note is struck and bowed; leave out either impulse_ns and contact_time_s or the bow");
@@ -58,7 +58,7 @@ Result<NoteMap> read_note_map(const std::filesystem::path& path) {
   std::set<std::size_t> seen;
   for (TomlTable& table : file->tables("note")) {
     map.notes.push_back(read_entry(table));
-    if (!seen.insert(map.notes.back().note).second) table.complain("note", "this note has a [[note]] above already");
+    if (!seen.insert(map.notes.back().note).second) table.complain("note", "this note already has a [[note]] above");
   }
   if (const auto good = file->finish(); !good) return fail(good.error());
   return map;

@@ -20,7 +20,7 @@ tl::unexpected<Error> no_such(const char* what, std::size_t number, std::size_t 
 
 Result<void> check_direction(const char* what, const Vec3& direction) {
   if (length(direction) > 0) return {};
-  return fail(ErrorKind::bad_input, "the " + std::string(what) + " must not be 0 0 0; any length but 0 will do");
+  return fail(ErrorKind::bad_input, "the " + std::string(what) + " must not be 0 0 0; any other length is allowed");
 }
 
 // Checks a verb against its object, beyond the ranges of single numbers. Most verbs have a point at which they act, or
@@ -79,7 +79,7 @@ struct AppendEvents {
     if (!object) return fail(object.error());
     if constexpr (requires { verb.other; }) {
       if (verb.other == (*object)->number) {
-        return fail(ErrorKind::bad_input, "an object does not touch itself; name another one");
+        return fail(ErrorKind::bad_input, "an object cannot touch itself; name another one");
       }
     }
     if (auto good = check(verb, **object); !good) return good;

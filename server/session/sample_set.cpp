@@ -230,7 +230,7 @@ class Maker {
     std::ostringstream text;
     text << "// " << (bank().name.empty() ? options_.bank.filename().string() : bank().name)
          << ", rendered from its vibration modes by Ringdown " << kVersion << "\n"
-         << "// " << (set_.no_pitch.empty() ? "Its own pitch is " : "It has no definite pitch; on its key lies ")
+         << "// " << (set_.no_pitch.empty() ? "Its own pitch is " : "It has no definite pitch; its key is chosen for ")
          << set_.pitch_hz << " Hz. A layer of velocities is a contact time; loudness is the\n"
          << "// player's (velocity / 127)^2; a repeated key strikes another "
             "point.\n\n<control>\ndefault_path=samples/\n\n"

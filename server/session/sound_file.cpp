@@ -76,7 +76,7 @@ Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz, 
   const std::filesystem::path path = target.named;
   const std::string ending = ending_of(path);
   if (ending != ".wav" && ending != ".flac" && !target.is_stream) {
-    return cannot_write(path, "its name must end in .wav or .flac, which says the format");
+    return cannot_write(path, "its name must end in .wav or .flac, which decides the format");
   }
   const int wav = sizeof(float) * format.channels * format.frames > kMaxWavBytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
   SF_INFO info{.samplerate = static_cast<int>(sample_rate_hz),

@@ -83,7 +83,7 @@ TEST(Makeup, ACordAtTheEndOfABarTakesWhatTheClosedFormSays) {
   options.makeup.supports[0].points_m = {{0, 0.01, 4}};  // millimetres
   const auto far = bake::bake(bar, steel(), options, "bar");
   ASSERT_FALSE(far);
-  EXPECT_NE(far.error().message.find("beside the body"), std::string::npos) << far.error().message;
+  EXPECT_NE(far.error().message.find("away from the body"), std::string::npos) << far.error().message;
 }
 
 TEST(Makeup, AMassAtAPointLowersThePitchAsAGluedOneDoes) {

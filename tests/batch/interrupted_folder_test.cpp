@@ -72,7 +72,7 @@ TEST_F(Interrupted, ControlCEndsABatchAndItsChildren) {
   EXPECT_TRUE(comes_true([&] { return !is_running(slow_); }));
   const std::string said = parent_->output();
   EXPECT_NE(said.find("2 baked, 0 unchanged, 0 failed, 1 not done; "), std::string::npos) << said;
-  EXPECT_NE(said.find("\nringdown-bake: cancelled; the same command goes on from here\n"), std::string::npos) << said;
+  EXPECT_NE(said.find("\nringdown-bake: cancelled; the same command continues from here\n"), std::string::npos) << said;
   expect_to_go_on();
 }
 

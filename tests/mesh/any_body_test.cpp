@@ -140,7 +140,7 @@ std::vector<Brought> all_brought() {
       {"several of these", "bowl", ".ply",
        test::with_copies(test::with_flipped(test::without(of("bowl"), {300, 700}), 13), 11), 0.02, Making::kFilled,
        "closed 2 holes"},
-      {"cuts itself", "bar", ".stl",
+      {"intersects itself", "bar", ".stl",
        test::united(test::box({0, 0, 0}, {0.12, 0.02, 0.01}), test::box({0.08, 0, 0}, {0.2, 0.02, 0.01})), 0.005,
        Making::kFilled, "intersections between shells"},
       {"two boxes that are an L", "L", ".obj",
@@ -148,7 +148,7 @@ std::vector<Brought> all_brought() {
        Making::kFilled, "intersections between shells"},
       {"a wall inside", "block", ".stl",
        test::united(test::box({0, 0, 0}, {0.05, 0.08, 0.06}), test::box({0.05, 0, 0}, {0.1, 0.08, 0.06})), 0.005,
-       Making::kFilled, "walls inside"},
+       Making::kFilled, "internal walls"},
       {"a wide hole in a curve", "ball", ".glb", test::without(of("ball"), patch), 0.05, Making::kFilled,
        "closed 1 hole"},
   };

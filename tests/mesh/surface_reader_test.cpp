@@ -96,7 +96,7 @@ TEST(SurfaceReader, TheReaderRefusesWithOneSentence) {
   box.nodes(3, 1) = std::nan("");
   EXPECT_TRUE(says(refusal(folder.write("nan.stl", test::file_of(box, ".stl"))), "not a finite number"));
   box.nodes.setZero();
-  EXPECT_TRUE(says(refusal(folder.write("dot.ply", test::file_of(box, ".ply"))), "all its points are one"));
+  EXPECT_TRUE(says(refusal(folder.write("dot.ply", test::file_of(box, ".ply"))), "all its points coincide"));
 }
 
 TEST(SurfaceReader, EveryFormatOfSurfacesHasAReader) {

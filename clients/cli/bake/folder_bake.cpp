@@ -209,7 +209,7 @@ ExitCode sum_up(const std::vector<Job>& jobs, const FolderContent& content, cons
     const std::string name = job.file.name + ": ";  // which many sentences begin with
     complain((job.why.starts_with(name) ? "" : name) + job.why, ExitCode::bad_input);
   }
-  if (cancelled) return complain("cancelled; the same command goes on from here", ExitCode::cancelled);
+  if (cancelled) return complain("cancelled; the same command continues from here", ExitCode::cancelled);
   if (count(State::failed) > 0) return ExitCode::bad_input;
   return over > 0 && request.check_budgets ? ExitCode::failure : ExitCode::ok;
 }

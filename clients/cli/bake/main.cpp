@@ -245,7 +245,7 @@ ExitCode run(int argc, char** argv) {
                                         " is one; with --material it is a surface");
   }
   if (arguments.output.empty() && arguments.folder.folder.empty() && !in_scene) {
-    return complain_of_usage(app, "say with --output where to write");
+    return complain_of_usage(app, "name the output with --output");
   }
   for (auto& [option, value] : arguments.given) {
     if (option->form != RecipeOption::Form::settings) continue;

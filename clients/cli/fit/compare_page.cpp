@@ -230,10 +230,9 @@ bool is_far_from_material(const Comparison& c) {
 std::string verdict(const Comparison& c) {
   const std::size_t matches = c.calibration.matches.size(), aside = matches - c.calibration.used();
   std::string text =
-      print(
-          "verdict      %s: the modes that match have %.0f %% of the energy heard, and are %.1f cents off on average\n",
-          judged(c), 100 * c.matched_part(), c.mean_cents()) +
-      print("%s: %zu of the %zu modes heard match one of the bank's %zu\n", c.name.c_str(), matches, c.heard.size(),
+      print("verdict      %s: matching modes have %.0f %% of the recorded energy, and are %.1f cents off on average\n",
+            judged(c), 100 * c.matched_part(), c.mean_cents()) +
+      print("%s: %zu of the %zu recorded modes match one of the bank's %zu\n", c.name.c_str(), matches, c.heard.size(),
             c.bank.mode_count()) +
       print("frequencies  %.1f cents off on average, %.1f at most, after E/rho and nu\n", c.mean_cents(),
             c.worst_cents()) +

@@ -54,7 +54,8 @@ void add_options(manual::App& app, Arguments& arguments) {
   app.add_option("--channel", arguments.channel,
                  "The channel, counted from 1; default: the mean of all channels, or the loudest one if they cancel.")
       ->check(manual::between(1, 1024));
-  app.add_option("--from", arguments.options.from_s, "Time of the blow in seconds; default: the begin of the sound.")
+  app.add_option("--from", arguments.options.from_s,
+                 "Time of the blow in seconds; default: the beginning of the sound.")
       ->check(manual::any_number());
   app.add_option("--band", arguments.band, "Lowest and highest frequency in Hz; default: 20 20000.")
       ->type_name("LOW HIGH")

@@ -194,7 +194,7 @@ Result<Sound> read_sound(const fs::path& path, std::optional<int> channel) {
                                                                          "to one first"
                                                                        : "there is no such file"));
   }
-  if (fs::file_size(path, error) == 0 && !error) return refuse(path, "is empty: it has no bytes; record it anew");
+  if (fs::file_size(path, error) == 0 && !error) return refuse(path, "is empty: it has no bytes; record it again");
   SF_INFO info{};
   std::optional<Tail> tail;  // outlives the sound file that reads it
   SoundHandle file(sf_open(path.c_str(), SFM_READ, &info), sf_close);
@@ -209,7 +209,7 @@ Result<Sound> read_sound(const fs::path& path, std::optional<int> channel) {
   }
   return within_memory("read " + path.string(), [&]() -> Result<Sound> {
     Channels channels = read_channels(file.get(), info, channel);
-    if (channels[0].empty()) return refuse(path, "is empty: it has a header and no samples; record it anew");
+    if (channels[0].empty()) return refuse(path, "is empty: it has a header and no samples; record it again");
     if (static_cast<double>(channels[0].size()) > kMaxSound_s * info.samplerate)
       return refuse(path, "is longer than ten minutes; cut out the one blow that matters");
     return sound_of(std::move(channels), info, channel, path);

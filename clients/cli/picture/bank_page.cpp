@@ -41,8 +41,8 @@ std::string table_of(const modal::Bank& bank, const Answer& answer) {
   double loudest = 1e-300;
   for (const double a : answer.amplitude) loudest = std::max(loudest, std::abs(a));
   std::string rows =
-      "<table><thead><tr><th>mode</th><th>frequency Hz</th><th>note</th><th>T60 s</th>"
-      "<th>decay 1/s</th><th>level there dB</th><th>error %</th></tr></thead>\n<tbody>\n";
+      "<table><thead><tr><th>mode</th><th>frequency Hz</th><th>note</th><th>T60 s</th><th>decay 1/s</th><th>level at "
+      "the point dB</th><th>error %</th></tr></thead>\n<tbody>\n";
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double decay = bank.decay_per_s[m];
     const std::string error = bank.frequency_error.empty() ? "" : format("%.2g", 100 * bank.frequency_error[m]);

@@ -178,7 +178,7 @@ void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   canvas.text({kMargin, 398}, struck_text(bank, answer) + (bank.triangles.empty() ? "" : ", along the normal"), 14,
               kInk, Align::left, true);
   draw_spectrum(canvas, {kMargin + 36, 428, width - 36, 190}, bank, answer, kSize, true);
-  canvas.text({kMargin, 684}, "How long each mode rings; larger dots are louder there", 14, kInk, Align::left, true);
+  canvas.text({kMargin, 684}, "T60 of each mode; larger dots are louder at this point", 14, kInk, Align::left, true);
   draw_decays(canvas, {kMargin + 36, 714, width - 36, 130}, bank, answer, kSize);
 }
 

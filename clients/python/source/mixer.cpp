@@ -41,7 +41,7 @@ struct Mixer {
 class Rendering {
  public:
   explicit Rendering(Mixer& mixer) : mixer_(mixer) {
-    if (mixer.is_rendering.exchange(true)) raise(RINGDOWN_REFUSED, "another thread renders with this mixer just now");
+    if (mixer.is_rendering.exchange(true)) raise(RINGDOWN_REFUSED, "another thread is rendering with this mixer");
   }
   ~Rendering() { mixer_.is_rendering = false; }
   Rendering(const Rendering&) = delete;
@@ -148,8 +148,8 @@ void add_sound(Class& mixer) {
             fill(self, array.ndim() > 0 ? array.shape(0) : 0, array, ambisonics, inputs);
           },
           py::arg("array"), py::arg("ambisonics") = py::none(), py::arg("inputs") = py::none(),
-          "Fills an array of frames x 2 numbers of type float32 with the next frames, without a copy if its columns are"
-          " contiguous (order='F'); and one of the ambisonic channels.")
+          "Fills an array of frames x 2 numbers of type float32 with the next frames, without a copy if its columns "
+          "are contiguous (order='F'); and `ambisonics`, if given, with the ambisonic channels.")
       .def(
           "render_ambisonics",
           [](Mixer& self, Whole<py::ssize_t> frames, const Inputs& inputs) {
@@ -222,8 +222,8 @@ void add_objects(Class& mixer) {
             call(ringdown_excite, self.handle, input, object, point_m.data(), force_n.data());
           },
           py::arg("input"), py::arg("object"), py::arg("point_m"), py::arg("force_n"),
-          "From the next block on, a sample of 1 of an input of render() is a force [N] on the object. A force of 0 0 0"
-          " ends that.");
+          "From the next block on, a sample of 1 of an input of render() is a force [N] on the object. A force of 0 0 "
+          "0 disconnects it.");
 }
 
 #include <verbs.inc>
@@ -236,17 +236,15 @@ void add_mixer(py::module_& module) {
               "in the object's own frame. Time is counted in sample frames from the first frame that the mixer "
               "renders; an event without a frame happens at the beginning of the next block. At most 4096 events may "
               "come between two blocks, and at most 512 happen in 128 frames. Failures raise ringdown.Error.");
-  mixer.def(
-      py::init(&make), py::arg("sample_rate_hz") = 48000.0, py::kw_only(), py::arg("full_scale_pa") = 20.0,
-      py::arg("limiter_db") = -1.0, py::arg("floor_db") = 120.0, py::arg("exact_contacts") = false,
-      py::arg("travel_time") = false, py::arg("ambisonic_order") = 0, py::arg("threads") = 1,
-      py::arg("head") = py::none(),
-      "full_scale_pa: the sound pressure at 1 m that becomes a sample of 1; of an object in the middle, 0.707 on either"
-      " side. limiter_db: ceiling of left and"
-      " right, -60 to 0 dB, or None. floor_db: modes so far below full scale rest. exact_contacts: a strike's"
-      " pulse drives the modes sample by sample. travel_time: a listener hears what happens when its sound has"
-      " travelled there, not at once. ambisonic_order: 1 to 3, for render_ambisonics(). head: a SOFA"
-      " file for binaural sound, or '' for the head that libmysofa brings.");
+  mixer.def(py::init(&make), py::arg("sample_rate_hz") = 48000.0, py::kw_only(), py::arg("full_scale_pa") = 20.0,
+            py::arg("limiter_db") = -1.0, py::arg("floor_db") = 120.0, py::arg("exact_contacts") = false,
+            py::arg("travel_time") = false, py::arg("ambisonic_order") = 0, py::arg("threads") = 1,
+            py::arg("head") = py::none(),
+            "full_scale_pa: the sound pressure at 1 m that becomes a sample of 1; of an object in the middle, 0.707 on "
+            "either side. limiter_db: ceiling of left and right, -60 to 0 dB, or None. floor_db: modes this many dB "
+            "below full scale rest. exact_contacts: a strike's pulse drives the modes sample by sample. travel_time: "
+            "delay each event by the travel time of its sound to the listener. ambisonic_order: 1 to 3, for "
+            "render_ambisonics(). head: a SOFA file for binaural sound, or '' for libmysofa's own head.");
   add_objects(mixer);
   add_verbs(mixer);
   add_sound(mixer);

@@ -52,7 +52,7 @@ void BankFetcher::begin_transfer(KnownObjects& objects, const std::string& chose
   if (!object) return;
   if (bytes_held(objects) + static_cast<std::size_t>(std::max(0, object->bank_bytes)) > max_bytes_) {
     object->bank_fault = "the bank of " + object->name +
-                         " is not fetched: with it, those of all objects would have more than " +
+                         " is not fetched, because the banks of all objects together would have more than " +
                          std::to_string(max_bytes_) + " bytes";
     object->bank_retry_at_s = now_s + kRetry_s;
     return;

@@ -247,7 +247,7 @@ void DaemonClient::Connection::judge() {
              heard_s_ > noticed_s_ + kForgotten_s / 2) {
     // The daemon answers but does not know of our subscription: it is a new process.
     subscribed_ = false;
-    say(Kind::connecting, "Another daemon is at " + url_ + "; asking it what there is.");
+    say(Kind::connecting, "Another daemon is at " + url_ + "; asking it for its objects.");
   }
 }
 

@@ -104,9 +104,9 @@ bool draw_help(const Skin& skin) {
   bool open = true;
   if (ImGui::Begin("Keys", &open, kFlags)) {
     ImGui::TextWrapped(
-        "Mouse in the scene: drag to look, wheel to come closer, click a surface to strike it there (held longer, "
-        "harder), shift and drag to push a body, ctrl and click or drag to choose a support. If a letter has two "
-        "meanings, the focused pane decides.");
+        "Mouse in the scene: drag to look, wheel to come closer, click a surface to strike it there (hold longer to "
+        "strike harder), shift and drag to push a body, ctrl and click or drag to choose a support. If a letter has "
+        "two meanings, the focused pane decides.");
     ImGui::Separator();
     if (ImGui::BeginTable("keys", 3, ImGuiTableFlags_SizingStretchSame)) {
       const auto is_sign = [](const Binding& binding) { return binding.key.size() == 1; };

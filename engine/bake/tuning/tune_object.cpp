@@ -135,12 +135,11 @@ class ObjectTuner {
 
   [[nodiscard]] std::string too_few(const TuneTarget& target, std::size_t there) const {
     char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "%s has %zu modes of the family '%s' between %.0f and %.0f Hz, and mode %d is asked for; begin nearer to "
-        "the targets",
-        recipe_.name.c_str(), there, std::string(family_name(target.family)).c_str(), recipe_.options.band_low_hz,
-        recipe_.options.band_high_hz, target.mode);
+    std::snprintf(text, sizeof text,
+                  "%s has %zu modes of the family '%s' between %.0f and %.0f Hz, but mode %d has a target; start "
+                  "nearer to the targets",
+                  recipe_.name.c_str(), there, std::string(family_name(target.family)).c_str(),
+                  recipe_.options.band_low_hz, recipe_.options.band_high_hz, target.mode);
     return text;
   }
 
@@ -161,7 +160,7 @@ class ObjectTuner {
 Result<TunedObject> tune_object(const TuneRequest& request, const std::filesystem::path& materials) {
   if (!(request.recipe.meshing.mesh_size_m > 0)) {
     return fail(ErrorKind::bad_input,
-                request.recipe.name + " names no mesh size; give it mesh_size_m, so that all bakes have one");
+                request.recipe.name + " states no mesh size; give it mesh_size_m, so that all bakes use the same");
   }
   const Result<MaterialEntry> material = find_material(materials, request.recipe.material);
   if (!material) return fail(material.error());

@@ -215,7 +215,7 @@ class Inspection {
     if (error || end != folder_.end()) {
       return refused(file, word,
                      "reads " + quote(word.quoted) + ", which is outside of " + folder_.string() +
-                         "; a geometry may read only what lies beside it or below");
+                         "; a geometry may read only files in its folder and below");
     }
     if (std::find(files_.begin(), files_.end(), named) == files_.end()) files_.push_back(named);
     if (files_.size() <= kMaxGeoFiles) return {};

@@ -220,9 +220,8 @@ class GltfMeshReader {
     if (!skin["inverseBindMatrices"].present()) {
       if (!std::ranges::all_of(joints, keeps_lengths)) {
         return skin["inverseBindMatrices"].wrong(
-            "given, because a joint of the skin is scaled: without them nothing says whether the mesh or the joint has "
-            "the "
-            "body's size; apply the armature's scale before the export");
+            "given, because a joint of the skin is scaled: without them the size of the body is unknown; apply the "
+            "armature's scale before the export");
       }
       return joints;
     }
@@ -268,7 +267,7 @@ class GltfMeshReader {
         *mode == kList ? corners.size() / 3 : corners.size() - std::min<std::size_t>(corners.size(), 2);
     if (soup_.points.size() + points->count() > max_points() || soup_.triangles.size() + triangles > max_triangles_) {
       return fail(ErrorKind::too_large, glb_.name + " has more than " + std::to_string(max_triangles_) +
-                                            " triangles; thin it out in a mesh tool first");
+                                            " triangles; simplify it in a mesh tool first");
     }
     add_triangles(put(*points, joints, place), corners, *mode, triangles);
     return {};

@@ -317,7 +317,7 @@ class Reader {
   // Abaqus's order of nodes is that of tet_element.h up to order 2.
   Result<TetMesh> assemble() const {
     if (part_line_ > 0 && !has_instance_) return deck_.wrong(part_line_, "this *PART has no *INSTANCE");
-    if (places_.empty()) return deck_.wrong("has no *NODE; of .inp only decks of Abaqus and CalculiX are read");
+    if (places_.empty()) return deck_.wrong("has no *NODE; only .inp decks of Abaqus and CalculiX are supported");
     if (element_lines_.empty()) {
       return deck_.wrong("has no tetrahedra" + (passed_over_.empty() ? "" : ", but elements of type " + passed_over_) +
                          "; " + std::string(kOnlyTetrahedra));

@@ -88,7 +88,7 @@ Result<PlyHeader> read_header(std::string_view content, const std::string& name)
       header.kinds.back().properties.push_back(std::move(*property));
     } else if (word == "end_header") {
       header.length = content.size() - lines.characters_left();
-      if (!has_format) return lines.wrong("the header does not say its format");
+      if (!has_format) return lines.wrong("the header does not state its format");
       return header;
     } else if (word != "comment" && word != "obj_info") {
       return lines.wrong("a line of the header should begin with element, property, comment or end_header");

@@ -74,7 +74,7 @@ Result<TriangleMesh> read_surface(const std::filesystem::path& path, std::vector
   if (soup->triangles.empty()) return fail(ErrorKind::bad_input, name + " has no triangles; a body needs a surface");
   if (soup->triangles.size() > kMaxTriangles) {
     return fail(ErrorKind::too_large, name + " has more than " + std::to_string(kMaxTriangles) +
-                                          " triangles; thin it out in a mesh tool first");
+                                          " triangles; simplify it in a mesh tool first");
   }
   const TriangleMesh mesh = mesh_of(*soup);
   for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
@@ -85,7 +85,7 @@ Result<TriangleMesh> read_surface(const std::filesystem::path& path, std::vector
     }
   }
   const double length = diagonal_of(mesh);
-  if (!(length > 0)) return fail(ErrorKind::bad_input, name + ": all its points are one; a body needs a surface");
+  if (!(length > 0)) return fail(ErrorKind::bad_input, name + ": all its points coincide; a body needs a surface");
   TriangleMesh welded = weld(mesh, kWeld * length);
   if (notes) {
     *notes = soup->notes;

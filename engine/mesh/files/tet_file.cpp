@@ -249,7 +249,7 @@ Result<TetMesh> read_isostuffer(std::span<const std::byte> file, const std::stri
     return fail(
         ErrorKind::bad_input,
         name + ": its length of " + std::to_string(file.size()) +
-            " bytes does not fit the numbers of nodes and elements in it; it is damaged, or no .tet of IsoStuffer");
+            " bytes does not fit the numbers of nodes and elements in it; it is damaged, or not a .tet of IsoStuffer");
   }
   std::int32_t elements = 0;
   for (std::size_t at = 0; at < header; at += 4) bytes.read(elements);

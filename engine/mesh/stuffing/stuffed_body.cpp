@@ -94,7 +94,7 @@ class StuffedBody {
                   "lists, so that gmsh can fill it%s",
                   1000 * wall_m_, 1000 * cells.wanted_m, elements, max_elements, 1000 * cells.size_m,
                   vanish ? "; with --force-coarse nothing would be left of such walls"
-                         : ", or take a wrong sound with --force-coarse");
+                         : ", or accept a wrong sound with --force-coarse");
     return fail(ErrorKind::too_large, name_ + text);
   }
 
@@ -148,8 +148,9 @@ class StuffedBody {
 
   void tell(Body& body, const char* made, const Cells& cells, int crumbs) const {
     char text[200];
-    std::snprintf(text, sizeof text, "%s with cells of %.3g mm%s", made, 1000 * cells.size_m,
-                  cells.size_m > cells.wanted_m ? ", coarser than its walls ask for; finer would be too much" : "");
+    std::snprintf(
+        text, sizeof text, "%s with cells of %.3g mm%s", made, 1000 * cells.size_m,
+        cells.size_m > cells.wanted_m ? ", coarser than its walls need, because finer cells would be too many" : "");
     body.notes.emplace_back(text);
     if (crumbs > 0) body.notes.push_back("left out: " + std::to_string(crumbs) + " crumbs");
     if (wall_m_ > 0 && cells.size_m > wall_m_) body.wall_elements = wall_m_ / cells.size_m;

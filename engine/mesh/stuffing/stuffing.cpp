@@ -350,11 +350,9 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   stuffed.crumbs = trimmed.crumbs;
   stuffed.hinges = trimmed.hinges;
   if (stuffed.mesh.elements.rows() == 0) {
-    return fail(
-        ErrorKind::bad_input,
-        text("nothing lies inside the surface that a mesh size of %.3g mm would see: it is open, or its walls are "
-             "thinner; close it, or choose a smaller mesh size",
-             size * 1e3, 0));
+    return fail(ErrorKind::bad_input, text("a mesh size of %.3g mm finds nothing inside the surface: it is open, or "
+                                           "its walls are thinner; close it, or choose a smaller mesh size",
+                                           size * 1e3, 0));
   }
   return stuffed;
 }

@@ -35,7 +35,7 @@ Result<void> check_apart(const PartedSurface& parted, const std::string& body) {
   return fail(ErrorKind::bad_input,
               "the surfaces " + surface_name(parted.source[static_cast<std::size_t>(a)], parted, body) + " and " +
                   surface_name(parted.source[static_cast<std::size_t>(b)], parted, body) + " cross or touch" + where +
-                  "; a part's surface must lie inside the body as a whole. Parts that reach its skin are groups of a "
+                  "; a part's surface must lie completely inside the body. Parts that reach its skin are groups of a "
                   "geometry or a mesh");
 }
 

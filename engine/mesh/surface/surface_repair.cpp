@@ -50,7 +50,7 @@ class SurfaceRepair {
     drop_rags();
     close_holes();
     flat_ += split_at_flats(mesh_, steps_);
-    say(flat_, "took out %d triangle%s without area");
+    say(flat_, "removed %d triangle%s without area");
     turn_outward();
     smooth_noise();
     unite_bodies();
@@ -98,7 +98,7 @@ class SurfaceRepair {
   }
 
   void drop_repeated() {
-    say(drop_walls(), "dropped %d triangle%s of walls inside");
+    say(drop_walls(), "dropped %d triangle%s of internal walls");
     say(drop(duplicates_in(mesh_)), "dropped %d duplicated triangle%s");
     std::vector<bool> narrow(static_cast<std::size_t>(mesh_.triangles.rows()));
     for (std::size_t t = 0; t < narrow.size(); ++t) {
@@ -317,7 +317,7 @@ class SurfaceRepair {
     }
     rough_ = std::exchange(mesh_, std::move(smooth.mesh));
     char text[80];
-    std::snprintf(text, sizeof text, "smoothed noise that folded it, of %.2g mm", 1000 * smooth.moved_m);
+    std::snprintf(text, sizeof text, "smoothed noise of %.2g mm that folded the surface", 1000 * smooth.moved_m);
     actions_.emplace_back(text);
   }
 
@@ -348,7 +348,7 @@ class SurfaceRepair {
     if (after < before) {
       actions_.push_back("united " + std::to_string(before) + " shells into " + std::to_string(after));
     } else {
-      actions_.emplace_back("united the surface where it cuts itself");
+      actions_.emplace_back("united the surface where it intersects itself");
     }
   }
 

@@ -276,8 +276,8 @@ std::string objection(const Choice& choice) {
   const Candidate& best = choice.best;
   if (best.score == 0) return "nothing below 5 kHz rings for long enough";
   if (best.clarity < kMinClarity || best.group < best.rivals) return "several partials compete within an octave";
-  if (best.audibility < kMinAudibility) return "its partials hide each other";
-  if (choice.next.score > kTie * best.score) return "two partials have equal claims";
+  if (best.audibility < kMinAudibility) return "its partials mask each other";
+  if (choice.next.score > kTie * best.score) return "two partials are equally strong";
   return "";
 }
 

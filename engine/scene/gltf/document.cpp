@@ -171,7 +171,7 @@ void GltfDocument::place_nodes() {
     open.pop_back();
     if (node.in_scene) return refuse(node.field["children"].wrong("each node once"));
     node.in_scene = true;
-    if (!is_finite(node.world)) return refuse(node.field.wrong("a node in a place that is finite"));
+    if (!is_finite(node.world)) return refuse(node.field.wrong("a node at a finite place"));
     for (const std::size_t child : node.children) {
       nodes_[child].world = node.world * nodes_[child].local;
       open.push_back(child);

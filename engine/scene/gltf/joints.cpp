@@ -179,7 +179,7 @@ class JointMaker {
     for (int k = 0; k < 3; ++k) {
       const Freedom& along = freedoms.along[static_cast<std::size_t>(k)];
       if (along.locked() && std::abs(part(way, k) - along.low) > kApart_m)
-        document_.notes.add("a joint whose ends begin apart holds them as they lie");
+        document_.notes.add("a joint whose ends begin apart holds them as they are");
     }
   }
 
@@ -199,7 +199,7 @@ class JointMaker {
       if (!turns && type != "linear") {
         document_.notes.add("drives that are neither linear nor angular have no effect");
       } else if ((turns ? freedoms.about : freedoms.along)[*number].locked()) {
-        document_.notes.add("drives along or about what a joint holds have no effect");
+        document_.notes.add("drives on an axis that a joint locks have no effect");
       } else {
         drives_.push_back({drive, turns, static_cast<int>(*number)});
       }
@@ -327,7 +327,7 @@ void add_joint(GltfDocument& document, const JsonPlace& joint, const JointEnd& f
     return std::ranges::any_of(scene.bodies, [&](const auto& body) { return body.name == name && !body.fixed; });
   };
   if (first.body == second.body || !(moves(first.body) || moves(second.body)))
-    return document.notes.add("a joint between nodes of one body, or of none that moves, has no effect");
+    return document.notes.add("a joint between nodes of one body, or without a body that moves, has no effect");
   const JsonPlace described =
       document.element(joint["joint"], document.root()["extensions"]["KHR_physics_rigid_bodies"]["physicsJoints"]);
   const bool collides = document.flag(joint["enableCollision"], false);

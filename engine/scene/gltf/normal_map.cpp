@@ -119,7 +119,7 @@ std::optional<Picture> picture_of(GltfDocument& document, const JsonPlace& info,
   }
   auto picture = unpack_png(std::as_bytes(std::span(bytes)));
   if (!picture)
-    document.notes.add("a normal map cannot be read, and is not felt: it must be a PNG of 16 million pixels at most, " +
+    document.notes.add("a normal map cannot be read, and is ignored: it must be a PNG of 16 million pixels at most, " +
                        std::to_string(kMaxMapSamples) + " in a row");
   return picture;
 }
@@ -134,17 +134,17 @@ std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const JsonP
     const JsonPlace info = own.present() ? own : material["normalTexture"];
     if (!info.present()) continue;
     if (!may_read) {
-      document.notes.add("more than " + std::to_string(kMaxMaps) + " normal maps are not felt");
+      document.notes.add("more than " + std::to_string(kMaxMaps) + " normal maps are ignored");
       return {};
     }
     if (info["extensions"]["KHR_texture_transform"].present())
-      document.notes.add("a normal map is felt without its KHR_texture_transform");
+      document.notes.add("a normal map is used without its KHR_texture_transform");
     const auto set = info["texCoord"].index_or(0).value_or(0);
     const JsonPlace coordinates = primitive["attributes"]["TEXCOORD_" + std::to_string(set)];
     const double strength = document.number(info["scale"], 1);
     const double u_m = coordinates.present() ? length_of_u(document, primitive, coordinates, map) : 0;
     if (!(u_m > 0)) {
-      document.notes.add("a normal map is not felt where its mesh has no texture coordinates as floats");
+      document.notes.add("a normal map is ignored if its mesh has no texture coordinates as floats");
       continue;
     }
     const auto picture = picture_of(document, info, read_beside);

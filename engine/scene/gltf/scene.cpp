@@ -261,9 +261,8 @@ class GltfSceneReader {
     if (shapes.empty()) {
       if (!is_plane && body.moves) note("a motion without a collider touches nothing, and is left out");
       if (!body.moves && body.model_node)
-        note(is_plane
-                 ? "a modal model of an infinite plane is not loaded"
-                 : "a modal model of a node without a motion or a collider has nothing to strike it; it is not loaded");
+        note(is_plane ? "a modal model of an infinite plane is not loaded"
+                      : "a modal model of a node without a motion or a collider cannot be struck; it is not loaded");
       return;
     }
     for (const PlacedCollider& other : body.colliders) {

@@ -70,7 +70,7 @@ Result<void> Reliefs::keep(SceneDescription& scene) {
       kept_.push_back(*relief);
     } else {
       return fail(ErrorKind::too_large, "more than " + std::to_string(kMost) +
-                                            " surfaces with profiles or normal maps were played; start anew");
+                                            " surfaces with profiles or normal maps were played; restart the program");
     }
   }
   return {};

@@ -229,7 +229,7 @@ TEST(InpFile, NodesAndElementsThatADeckDoesNotListAreRefused) {
 TEST(InpFile, AFaultOfADeckIsReportedWithItsLine) {
   const std::string nodes = kNodes, solid = nodes + "*ELEMENT, TYPE=C3D4\n";
   expect_refused(
-      {{"", "x.inp: has no *NODE; of .inp only decks of Abaqus and CalculiX are read"},
+      {{"", "x.inp: has no *NODE; only .inp decks of Abaqus and CalculiX are supported"},
        {"4 1 0 0 0\n1 0 0 0\n", "x.inp: has no *NODE"},
        {nodes, "x.inp: has no tetrahedra; only tetrahedra are understood"},
        {solid, "x.inp: has no tetrahedra"},

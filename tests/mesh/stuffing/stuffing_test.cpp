@@ -158,7 +158,7 @@ TEST(Stuffing, ASurfaceThatCannotBeStuffedIsRefusedWithAReason) {
       {box, 0, "a mesh size above zero"},
       {box, 0.001, "million points, above 30 million"},
       {Soup{}, 0.1, "has no triangles"},
-      {patch(1, 1, [](double s, double t) { return Vector3(s, t, 0); }), 0.1, "nothing lies inside the surface"}};
+      {patch(1, 1, [](double s, double t) { return Vector3(s, t, 0); }), 0.1, "finds nothing inside the surface"}};
   for (const auto& [soup, size_m, sentence] : cases) {
     const auto stuffed = mesh::stuff(soup, {.size_m = size_m});
     ASSERT_FALSE(stuffed) << sentence;
