@@ -105,7 +105,8 @@ TEST_F(LosingNothing, ALogThatNobodyReadsKeepsNobodyFromAnsweringOrEnding) {
   Process daemon(shell("", "--port " + port + " 2>" + path("log")));
   ASSERT_TRUE(answers(static_cast<std::uint16_t>(std::stoi(port))));
   std::string text = pipe.drain();
-  EXPECT_TRUE(becomes_true([&] { return (text += pipe.drain()).find("left out, because the log was not read") != text.npos; }));
+  EXPECT_TRUE(
+      becomes_true([&] { return (text += pipe.drain()).find("left out, because the log was not read") != text.npos; }));
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(daemon.wait(), 0);
   text += pipe.drain();

@@ -208,7 +208,7 @@ TEST(InpFile, AnAssemblyOfSeveralOrMovedPartsIsRefused) {
        {part(body, "*Instance, name=b, part=Other\n" + end), "line 11: *INSTANCE should name the one *PART before it"},
        {part(body, ""), "x.inp, line 1: this *PART has no *INSTANCE"},
        {part(body, instance + end, "*Node\n5,\n*Element, type=C3D4\n1, 1, 2, 3, 4\n"),
-        "x.inp, line 15: solid elements should stand in the part"}});
+        "x.inp, line 15: solid elements should be in the part"}});
 }
 
 TEST(InpFile, NodesAndElementsThatADeckDoesNotListAreRefused) {

@@ -150,7 +150,7 @@ TEST(TetFile, AFaultOfATetFileIsReportedWithItsLine) {
   const std::string nodes = "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n", elements = "1 4 0\n0 0 1 2 3\n";
   ASSERT_TRUE(mesh::read_tetgen(nodes, elements, "x"));
   const std::vector<WrongTetFile> wrongs = {
-      {"", elements, "x.node, line 0: the number of nodes should stand here"},
+      {"", elements, "x.node, line 0: the number of nodes is missing here"},
       {"2 2 0 0\n0 0 0\n1 0 0\n", elements, "x.node, line 1: nodes should have 3 coordinates"},
       {"0 3 0 0\n", elements, "x.node, line 1: there are no nodes"},
       {"-4 3\n", elements, "x.node, line 1: there are no nodes"},
