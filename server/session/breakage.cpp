@@ -1,157 +1,132 @@
 #include "server/session/breakage.h"
 
-#include "engine/modal/scaled_bank.h"
+#include "engine/modal/bank.h"
+#include "engine/synth/events/verbs.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <numeric>
 #include <utility>
 
 namespace ringdown::session {
 namespace {
 
+using breaking::Breakable;
+using breaking::PieceSet;
 using protocol::ObjectRef;
 using synth::Event;
 using synth::Frame;
 
-constexpr double kCrackSpeed_m_s = 1500;  // of fast cracks in glass, about half of the speed of Rayleigh waves
-
-std::vector<modal::DampedMode> modes_of(const modal::Bank& bank) {
-  std::vector<modal::DampedMode> modes(bank.mode_count());
-  for (std::size_t m = 0; m < modes.size(); ++m) modes[m] = {bank.frequency_hz[m], bank.decay_per_s[m]};
-  return modes;
-}
-
-std::shared_ptr<const modal::Breaking> breaking_of(const modal::Bank& body, const modal::BreakPattern& pattern) {
-  std::vector<modal::Piece> pieces;
-  double crack_m = 0;
-  for (const modal::PieceBank& piece : pattern.pieces) {
-    const std::size_t rows = modal::kRigidMotions + piece.bank.mode_count();
-    pieces.push_back({.mass = *piece.bank.mass,
-                      .modes = modes_of(piece.bank),
-                      .handover = {rows, piece.handover.size() / rows, piece.handover},
-                      .delay_s = piece.near_m / kCrackSpeed_m_s});
-    crack_m += (piece.far_m - piece.near_m) / static_cast<double>(pattern.pieces.size());
-  }
-  return std::make_shared<const modal::Breaking>(modes_of(body), *body.mass, pieces, crack_m / kCrackSpeed_m_s);
-}
-
-std::size_t nearest_pattern(const modal::Fracture& fracture, const Vec3& point_m) {
-  const auto distance = [&](const modal::BreakPattern& pattern) { return length(pattern.at_m - point_m); };
-  // Of patterns of one place, the last has most pieces.
-  std::size_t best = 0;
-  for (std::size_t p = 1; p < fracture.patterns.size(); ++p) {
-    if (distance(fracture.patterns[p]) <= distance(fracture.patterns[best])) best = p;
-  }
-  return best;
-}
-
-double distance_to(const modal::Bank& bank, const Vec3& point_m) {
-  double least = HUGE_VAL;
-  for (const modal::Vec3f& p : bank.positions) least = std::min(least, length(Vec3{p[0], p[1], p[2]} - point_m));
-  return least;
-}
-
-// Velocities [J^1/2] that an impulse gives the modes of an object's bank in its material.
-std::vector<double> modal_impulse(const modal::StrikeMap& map, const modal::MaterialScale& material,
-                                  const Vec3& point_m, const Vec3& impulse_ns) {
-  std::vector<double> impulses(map.bank().mode_count());
-  map.excite((1 / material.size) * point_m, impulse_ns, impulses);
-  for (double& impulse : impulses) impulse *= modal::shape_factor(material);
-  return impulses;
-}
-
-bool is_solid(const std::optional<modal::MassProperties>& mass) {
-  const Vec3 inertia = mass ? mass->inertia_kg_m2 : Vec3();
-  return mass && mass->mass_kg > 0 && inertia.x > 0 && inertia.y > 0 && inertia.z > 0;
-}
-
 tl::unexpected<Error> refuse(const std::string& sentence) { return fail(ErrorKind::refused, sentence); }
 
-tl::unexpected<Error> cannot_break(const std::string& name) {
-  return fail(ErrorKind::bad_input,
-              "\"" + name + "\" cannot break: its bank has no pieces; bake it with [shatter] in its object file");
+tl::unexpected<Error> cannot_break(const std::string& name, const Error& why) {
+  return fail(why.kind, "\"" + name + "\" cannot break: " + why.message);
+}
+
+tl::unexpected<Error> is_broken(const std::string& name) {
+  return refuse("\"" + name + "\" is broken; /object/" + name + "/mend it");
+}
+
+synth::verb::Strike blow_of(const protocol::BreakObject& request) {
+  return {request.point_m, request.impulse_ns, request.contact_time_s};
 }
 
 }  // namespace
 
-Result<std::size_t> Breakage::arm(const ObjectRef& ref, std::optional<std::size_t> pattern,
-                                  const std::optional<Vec3>& point_m) {
+Result<std::size_t> Breakage::arm(const ObjectRef& ref, std::optional<std::size_t> pattern) {
   const auto found = rack_.find(ref);
   if (!found) return fail(found.error());
   const ObjectState& object = **found;
-  const modal::Bank& bank = object.map->bank();
-  if (!bank.fracture || !is_solid(bank.mass)) return cannot_break(object.name);
-  const modal::Bank body = object.material == modal::MaterialScale() ? bank : modal::scaled(bank, object.material);
-  if (body.mode_count() < bank.mode_count())
-    return refuse("\"" + object.name + "\" cannot break in this material, in which some of its modes do not ring");
-  const std::size_t chosen =
-      pattern ? *pattern : nearest_pattern(*body.fracture, point_m.value_or(body.fracture->patterns[0].at_m));
-  if (chosen >= body.fracture->patterns.size()) {
-    return fail(ErrorKind::bad_input, "there is no pattern " + std::to_string(chosen) + ": \"" + object.name +
-                                          "\" has " + std::to_string(body.fracture->patterns.size()) +
-                                          ", which are numbered from 0");
-  }
-  std::optional<Armed> former;
-  {
+  if (auto followed = follow(object); !followed) return fail(followed.error());
+  if (pattern) return load_pieces(object, *pattern, true);
+  const modal::Fracture& fracture = *object.map->bank().fracture;
+  const std::size_t finest = [&] {
     const std::scoped_lock lock(mutex_);
-    const auto known = armed_.find(object.number);
-    if (known != armed_.end()) {
-      if (known->second.broken) return refuse("\"" + object.name + "\" is broken; /object/" + object.name + "/mend it");
-      if (known->second.pattern == chosen) return known->second.pieces.size();
-      former = std::move(known->second);
-      armed_.erase(known);
-    }
-  }
-  if (former) free_pieces(*former);
-
-  const modal::BreakPattern& whole = bank.fracture->patterns[chosen];
-  const modal::BreakPattern& scaled = body.fracture->patterns[chosen];
-  Armed armed{.name = object.name,
-              .map = object.map,
-              .material = object.material,
-              .pattern = chosen,
-              .breaking = breaking_of(body, scaled),
-              .state = modal::at_rest(modes_of(body), *body.mass),
-              .present = rack_.mixer().counters().frames.load(std::memory_order_relaxed)};
-  for (std::size_t i = 0; i < whole.pieces.size(); ++i) {
-    PieceReport& piece = armed.pieces.emplace_back();
-    piece.name = object.name + "." + std::to_string(i);
-    piece.mass = *scaled.pieces[i].bank.mass;
-    if (whole.pieces[i].bank.mode_count() == 0) continue;
-    const auto loaded = [&]() -> Result<synth::ObjectNumber> {
-      if (rack_.find({.name = piece.name})) return refuse("an object \"" + piece.name + "\" exists already");
-      modal::Bank own = whole.pieces[i].bank;
-      own.gain = bank.gain;
-      const modal::BankPath path{modal::split_bank_path(object.bank).file, {whole.pieces[i].model}};
-      auto number = rack_.add(
-          piece.name, modal::bank_path(path),
-          {.map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(own))),
-           .bytes = object.bank_bytes,
-           .content = object.bank_content});
-      if (!number) return number;
-      piece.number = *number;
-      if (object.material != modal::MaterialScale()) {
-        if (auto set = rack_.set_material({.number = *number}, object.material); !set) return fail(set.error());
-      }
-      if (!object.group.empty()) {
-        if (auto set = rack_.set_group({.number = *number}, object.group); !set) return fail(set.error());
-      }
-      return number;
-    }();
-    if (loaded) continue;
-    free_pieces(armed);
-    return fail(loaded.error().kind, "\"" + object.name + "\" cannot break: " + loaded.error().message);
-  }
-  const std::size_t count = armed.pieces.size();
-  const std::scoped_lock lock(mutex_);
-  armed_.insert_or_assign(object.number, std::move(armed));
-  return count;
+    return armed_.at(object.number).body.levels_at(object.material.size * fracture.patterns[0].at_m).back();
+  }();
+  return load_pieces(object, finest, false);
 }
 
-void Breakage::free_pieces(const Armed& armed) {
-  for (const PieceReport& piece : armed.pieces) {
+// Begins to follow an object's motion, unless it is followed already.
+Result<void> Breakage::follow(const ObjectState& object) {
+  const std::scoped_lock lock(mutex_);
+  if (const auto known = armed_.find(object.number); known != armed_.end())
+    return known->second.broken ? Result<void>(is_broken(object.name)) : Result<void>();
+  auto body = Breakable::make(object.map, object.material, rack_.mixer().sample_rate_hz(),
+                              rack_.mixer().counters().frames.load(std::memory_order_relaxed));
+  if (!body) return cannot_break(object.name, body.error());
+  armed_.emplace(object.number, Armed{.name = object.name, .body = *std::move(body)});
+  return {};
+}
+
+// Loads the pieces of a followed object, in place of those of another pattern. The object is no longer followed if that
+// fails. Returns the number of pieces.
+Result<std::size_t> Breakage::load_pieces(const ObjectState& object, std::size_t pattern, bool is_told) {
+  const auto give_up = [&] {
+    const std::scoped_lock lock(mutex_);
+    armed_.erase(object.number);
+  };
+  std::vector<PieceReport> former;
+  {
+    const std::scoped_lock lock(mutex_);
+    Armed& armed = armed_.at(object.number);
+    if (armed.set && armed.set->pattern() == pattern) {
+      armed.is_told = armed.is_told || is_told;
+      return armed.pieces.size();
+    }
+    armed.set.reset();
+    former = std::move(armed.pieces);
+    armed.pieces.clear();
+  }
+  free_pieces(former);
+  const std::size_t patterns = object.map->bank().fracture->patterns.size();
+  if (pattern >= patterns) {
+    give_up();
+    return fail(ErrorKind::bad_input, "there is no pattern " + std::to_string(pattern) + ": \"" + object.name +
+                                          "\" has " + std::to_string(patterns) + ", which are numbered from 0");
+  }
+  const auto set = std::make_shared<const PieceSet>(*object.map, object.material, pattern);
+  std::vector<PieceReport> pieces;
+  for (const breaking::BodyPiece& piece : set->pieces()) {
+    PieceReport& report = pieces.emplace_back();
+    report.name = object.name + "." + std::to_string(pieces.size() - 1);
+    report.mass = piece.mass;
+    if (!piece.map) continue;
+    const auto loaded = load_piece(object, piece, report.name);
+    if (!loaded) {
+      free_pieces(pieces);
+      give_up();
+      return cannot_break(object.name, loaded.error());
+    }
+    report.number = *loaded;
+  }
+  const std::scoped_lock lock(mutex_);
+  Armed& armed = armed_.at(object.number);
+  armed.set = set;
+  armed.pieces = std::move(pieces);
+  armed.is_told = is_told;
+  return armed.pieces.size();
+}
+
+Result<synth::ObjectNumber> Breakage::load_piece(const ObjectState& object, const breaking::BodyPiece& piece,
+                                                 const std::string& name) {
+  if (rack_.find({.name = name})) return refuse("an object \"" + name + "\" exists already");
+  const modal::BankPath path{modal::split_bank_path(object.bank).file, {piece.model}};
+  const auto number = rack_.add(name, modal::bank_path(path),
+                                {.map = piece.map, .bytes = object.bank_bytes, .content = object.bank_content});
+  if (!number) return number;
+  const auto finished = [&]() -> Result<void> {
+    if (object.material != modal::MaterialScale()) {
+      if (auto set = rack_.set_material({.number = *number}, object.material); !set) return set;
+    }
+    if (object.group.empty()) return {};
+    return rack_.set_group({.number = *number}, object.group);
+  }();
+  if (finished) return number;
+  static_cast<void>(rack_.free({.number = *number}));
+  return fail(finished.error());
+}
+
+void Breakage::free_pieces(const std::vector<PieceReport>& pieces) {
+  for (const PieceReport& piece : pieces) {
     if (piece.number) static_cast<void>(rack_.free({.number = *piece.number}));
   }
 }
@@ -160,50 +135,38 @@ Result<void> Breakage::check(const protocol::BreakObject& request) const {
   const auto found = rack_.find(request.object);
   if (!found) return fail(found.error());
   const ObjectState& object = **found;
-  if (!object.map->bank().fracture || !is_solid(object.map->bank().mass)) return cannot_break(object.name);
+  if (auto good = Breakable::check(object.map->bank()); !good) return cannot_break(object.name, good.error());
   if (auto whole = check_whole(object.number); !whole) return whole;
   return check_point(request.point_m, object);
 }
 
 Result<std::size_t> Breakage::break_object(const protocol::BreakObject& request, Frame frame) {
   if (auto good = check(request); !good) return fail(good.error());
-  const std::optional<std::size_t> pattern =
-      request.pattern < 0 ? std::nullopt : std::optional(static_cast<std::size_t>(request.pattern));
-  const synth::ObjectNumber number = (*rack_.find(request.object))->number;
-  const bool is_armed = [&] {
-    const std::scoped_lock lock(mutex_);
-    return armed_.contains(number) && !pattern;
-  }();
-  if (!is_armed) {
-    if (auto armed = arm({.number = number}, pattern, request.point_m); !armed) return armed;
-  }
+  const ObjectSnapshot object = *rack_.find(request.object);
+  if (auto followed = follow(*object); !followed) return fail(followed.error());
   rack_.observers().report_events();
+  bool is_told = request.pattern >= 0;
+  const std::size_t pattern = [&] {
+    if (is_told) return static_cast<std::size_t>(request.pattern);
+    const std::scoped_lock lock(mutex_);
+    Armed& armed = armed_.at(object->number);
+    if (armed.set && armed.is_told) {
+      is_told = true;
+      return armed.set->pattern();
+    }
+    const Breakable& body = armed.body;
+    const Vec3 place_m =
+        armed.set ? body.material().size * body.fracture().patterns[armed.set->pattern()].at_m : request.point_m;
+    const modal::ModalState state = armed.body.at_peak(blow_of(request), frame);
+    return body.affordable(body.levels_at(place_m), modal::modal_energy(state).total_j());
+  }();
+  const auto count = load_pieces(*object, pattern, is_told);
+  if (!count) return count;
   std::vector<Event> events;
-  std::size_t count = 0;
   {
     const std::scoped_lock lock(mutex_);
-    Armed& armed = armed_.at(number);
-    const double half_s = 0.5 * request.contact_time_s;
-    const modal::Blow blow{.modal_impulse = {},
-                           .point_m = request.point_m,
-                           .impulse_ns = request.impulse_ns,
-                           .contact_time_s = request.contact_time_s};
-    advance_to(armed, frame);
-    armed.state.velocity_m_s = armed.state.spin_rad_s = {};
-    const std::vector<double> impulse = modal_impulse(*armed.map, armed.material, blow.point_m, blow.impulse_ns);
-    modal::Blow on_body = blow;
-    on_body.modal_impulse = impulse;
-    add_begun_blow(armed.state, on_body, half_s);
-    const modal::Broken broken = (*armed.breaking)(armed.state, 0);
-    for (std::size_t i = 0; i < armed.pieces.size(); ++i) {
-      armed.pieces[i].velocity_m_s = broken.pieces[i].velocity_m_s;
-      armed.pieces[i].spin_rad_s = broken.pieces[i].spin_rad_s;
-    }
-    events = pieces_events(armed, broken, request, frame);
-    events.push_back({frame, number, synth::verb::Choke{armed.breaking->crack_time_s()}});
-    armed.broken = true;
+    events = shatter(armed_.at(object->number), *object, request, frame);
     ++broken_;
-    count = armed.pieces.size();
   }
   std::size_t lost = 0;
   for (const Event& event : events) lost += rack_.push(synth::Producer::worker, event) ? 0 : 1;
@@ -211,44 +174,33 @@ Result<std::size_t> Breakage::break_object(const protocol::BreakObject& request,
   return count;
 }
 
-// The events that set the pieces going: the motion from the body, the rest of the blow for the nearest piece, and how
-// the body was heard.
-std::vector<Event> Breakage::pieces_events(const Armed& armed, const modal::Broken& broken,
-                                           const protocol::BreakObject& request, Frame frame) const {
-  const modal::BreakPattern& pattern = armed.map->bank().fracture->patterns[armed.pattern];
-  const Vec3 point_m = (1 / armed.material.size) * request.point_m;
-  const auto distance = [&](const modal::PieceBank& piece) { return distance_to(piece.bank, point_m); };
-  const auto under = std::ranges::min_element(pattern.pieces, {}, distance) - pattern.pieces.begin();
-  const auto body = rack_.find({.name = armed.name});
-  const double rate_hz = rack_.mixer().sample_rate_hz(), half_s = 0.5 * request.contact_time_s;
+// Returns the events that set the pieces going as the body was heard, and notes how the pieces fly.
+std::vector<Event> Breakage::shatter(Armed& armed, const ObjectState& object, const protocol::BreakObject& request,
+                                     Frame frame) {
+  std::vector<std::optional<synth::ObjectNumber>> numbers;
   std::vector<Event> events;
   for (std::size_t i = 0; i < armed.pieces.size(); ++i) {
-    if (!armed.pieces[i].number) continue;
-    const auto piece = rack_.find({.number = armed.pieces[i].number});
-    if (!piece) continue;  // somebody freed it
-    const synth::ObjectNumber number = (*piece)->number;
-    const modal::StrikeMap& map = *(*piece)->map;
-    const double after_s = pattern.pieces[i].near_m * armed.material.size / kCrackSpeed_m_s;
-    const Frame begin = frame + static_cast<Frame>(std::ceil(after_s * rate_hz));
-    modal::ModalState state = modal::at_rest(modes_of(modal::scaled(map.bank(), armed.material)), armed.pieces[i].mass);
-    if (state.modes.size() != map.bank().mode_count()) continue;
-    if (static_cast<std::ptrdiff_t>(i) == under) {
-      const std::vector<double> impulse = modal_impulse(map, armed.material, request.point_m, request.impulse_ns);
-      add_rest_of_blow(state, {impulse, request.point_m, request.impulse_ns, request.contact_time_s}, half_s);
-      advance(state, after_s);
-    }
-    for (std::size_t m = 0; m < state.modes.size(); ++m) state.amplitudes[m] += broken.pieces[i].amplitudes[m];
-    advance(state, seconds(begin - frame) - after_s);
-    if (body && (*body)->gain != 1) events.push_back({begin, number, synth::verb::Gain{(*body)->gain}});
-    if (body && (*body)->pan != 0) events.push_back({begin, number, synth::verb::Pan{(*body)->pan}});
-    if (armed.pose) events.push_back({begin, number, *armed.pose});
-    for (std::uint32_t m = 0; m < state.modes.size(); ++m) {
-      const double omega = modal::hz_to_rad_per_s(state.modes[m].frequency_hz);
-      events.push_back({begin, number,
-                        synth::verb::Impart{map.rank(m), omega * std::abs(state.amplitudes[m]),
-                                            std::arg(state.amplitudes[m]) + 0.5 * std::numbers::pi}});
-    }
+    const auto piece = armed.pieces[i].number ? rack_.find({.number = armed.pieces[i].number})
+                                              : Result<ObjectSnapshot>(ObjectSnapshot());
+    // A piece that somebody has freed, or given another bank, is left alone.
+    const bool is_own = piece && *piece && (*piece)->map == armed.set->pieces()[i].map;
+    numbers.push_back(is_own ? armed.pieces[i].number : std::nullopt);
+    if (!is_own) continue;
+    if (object.gain != 1) events.push_back({frame, *numbers.back(), synth::verb::Gain{object.gain}});
+    if (object.pan != 0) events.push_back({frame, *numbers.back(), synth::verb::Pan{object.pan}});
   }
+  const breaking::Shattered shattered =
+      armed.body.shatter(*armed.set, {.blow = blow_of(request),
+                                      .frame = frame,
+                                      .crack_energy_j = armed.body.crack_cost_j(armed.set->pattern()),
+                                      .body = object.number,
+                                      .pieces = numbers});
+  for (std::size_t i = 0; i < armed.pieces.size(); ++i) {
+    armed.pieces[i].velocity_m_s = shattered.broken.pieces[i].velocity_m_s;
+    armed.pieces[i].spin_rad_s = shattered.broken.pieces[i].spin_rad_s;
+  }
+  armed.broken = true;
+  events.insert(events.end(), shattered.events.begin(), shattered.events.end());
   return events;
 }
 
@@ -265,19 +217,18 @@ Result<void> Breakage::mend(const ObjectRef& ref) {
     armed_.erase(known);
     if (armed->broken) --broken_;
   }
-  free_pieces(*armed);
+  free_pieces(armed->pieces);
   return {};
 }
 
 Result<Breakage::Report> Breakage::report(const ObjectRef& ref) const {
   const auto found = rack_.find(ref);
   if (!found) return fail(found.error());
-  const auto& fracture = (*found)->map->bank().fracture;
-  if (!fracture) return cannot_break((*found)->name);
-  Report report{.patterns = fracture->patterns.size()};
+  if (auto good = Breakable::check((*found)->map->bank()); !good) return cannot_break((*found)->name, good.error());
+  Report report{.patterns = (*found)->map->bank().fracture->patterns.size()};
   const std::scoped_lock lock(mutex_);
-  if (const auto known = armed_.find((*found)->number); known != armed_.end()) {
-    report.pattern = known->second.pattern;
+  if (const auto known = armed_.find((*found)->number); known != armed_.end() && known->second.set) {
+    report.pattern = known->second.set->pattern();
     report.broken = known->second.broken;
     report.pieces = known->second.pieces;
   }
@@ -301,61 +252,11 @@ Result<void> Breakage::check_whole(synth::ObjectNumber object) const {
                 "/mend it");
 }
 
-void Breakage::advance_to(Armed& armed, Frame frame) const {
-  if (frame <= armed.present) return;
-  advance(armed.state, seconds(frame - armed.present));
-  armed.present = frame;
-}
-
-// Adds an event to a state of an armed object.
-struct Breakage::Excited {
-  Armed& armed;
-  modal::ModalState& state;
-
-  void add(const std::vector<double>& impulse, double contact_time_s) const {
-    add_blow(state, {.modal_impulse = impulse, .contact_time_s = contact_time_s});
-  }
-  void operator()(const synth::verb::Strike& strike) const {
-    add(modal_impulse(*armed.map, armed.material, strike.point_m, strike.impulse_ns), strike.contact_time_s);
-  }
-  void operator()(const synth::verb::StrikeVertex& strike) const {
-    if (strike.vertex >= armed.map->bank().point_count()) return;
-    std::vector<double> impulse(armed.map->bank().mode_count());
-    armed.map->excite_vertex(strike.vertex, strike.impulse_ns, impulse);
-    for (double& one : impulse) one *= modal::shape_factor(armed.material);
-    add(impulse, strike.contact_time_s);
-  }
-  void operator()(const synth::verb::Impart& impart) const {
-    const auto& by_frequency = armed.map->by_frequency();
-    if (impart.mode >= by_frequency.size()) return;
-    const std::size_t m = by_frequency[impart.mode];
-    const double omega = modal::hz_to_rad_per_s(state.modes[m].frequency_hz);
-    state.amplitudes[m] += std::polar(impart.velocity / omega, impart.phase_rad - 0.5 * std::numbers::pi);
-  }
-  void operator()(const synth::verb::Pose& pose) const { armed.pose = pose; }
-  void operator()(const synth::verb::Choke&) const { end(); }
-  void operator()(const synth::verb::Clear&) const { end(); }
-  void operator()(const auto&) const {}
-
- private:
-  void end() const { std::ranges::fill(state.amplitudes, 0.0); }
-};
-
 void Breakage::played(const Event& event) {
+  if (is_of_listener(event)) return;
   const std::scoped_lock lock(mutex_);
   const auto known = armed_.find(event.object);
-  if (known == armed_.end() || known->second.broken || is_of_listener(event)) return;
-  Armed& armed = known->second;
-  if (event.frame >= armed.present) {
-    advance_to(armed, event.frame);
-    return visit(Excited{armed, armed.state}, event.verb);
-  }
-  // An event that another one of a later frame has overtaken is moved on, because a state that is moved back grows
-  // without bound where modes decay fast.
-  modal::ModalState late = modal::at_rest(armed.state.modes, armed.state.mass);
-  visit(Excited{armed, late}, event.verb);
-  advance(late, seconds(armed.present - event.frame));
-  for (std::size_t m = 0; m < late.amplitudes.size(); ++m) armed.state.amplitudes[m] += late.amplitudes[m];
+  if (known != armed_.end() && !known->second.broken) known->second.body.follow(event);
 }
 
 // An object with another bank, material or name is armed anew when it breaks.
@@ -366,13 +267,13 @@ void Breakage::changed(const ObjectState* before, const ObjectState* after, Fram
     const std::scoped_lock lock(mutex_);
     const auto known = armed_.find(before->number);
     if (known == armed_.end()) return;
-    if (after && after->map == known->second.map && after->material == known->second.material) return;
-    if (after && known->second.broken && after->map == known->second.map) return;
+    const Armed& armed = known->second;
+    if (after && after->map == armed.body.map() && (armed.broken || after->material == armed.body.material())) return;
     gone = std::move(known->second);
     armed_.erase(known);
     if (gone->broken) --broken_;
   }
-  free_pieces(*gone);
+  free_pieces(gone->pieces);
 }
 
 }  // namespace ringdown::session

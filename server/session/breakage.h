@@ -4,13 +4,14 @@
 //   breakage.break_object(request, frame);            // the glass stops, and its pieces go on with its motion
 //   breakage.mend({.name = "glass"});                 // the pieces go, and the glass can be struck again
 //
-// While an object is armed, its modal state is followed: every event that the mixer has taken changes it as it changes
-// what is heard (modal/fracture/modal_state.h). Blows, imparted motions, chokes and clears count. Rings, bows,
-// contacts and inputs do not, so what they excite is missing in the pieces.
+// While an object is armed, its motion is followed by the events that the mixer has taken (engine/breaking/breakable.h,
+// which also says what is left out).
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/modal/fracture/fracture.h"
+#include "engine/breaking/breakable.h"
+#include "engine/breaking/piece_set.h"
+#include "engine/modal/bank.h"
 #include "engine/synth/events/event.h"
 #include "protocol/request.h"
 #include "server/session/observers.h"
@@ -36,17 +37,17 @@ class Breakage final : public Observer {
   Breakage& operator=(const Breakage&) = delete;
 
   // Loads the pieces of a pattern, NAME.0, NAME.1 ..., those that ring, with material and group of the object.
-  // Returns the number of the pattern's pieces. Without a pattern, the one whose place is nearest to the
-  // point. Nothing changes if the pieces are there already; those of another pattern are freed. Refused if the object
-  // has no pieces, if one of the names is taken, or if there is no room.
-  Result<std::size_t> arm(const protocol::ObjectRef& object, std::optional<std::size_t> pattern = {},
-                          const std::optional<Vec3>& point_m = {});
+  // Returns the number of the pattern's pieces. Without a pattern, the finest of the first one's place. Nothing changes
+  // if the pieces are there already; those of another pattern are freed. Refused if the object has no pieces, if one of
+  // the names is taken, or if there is no room.
+  Result<std::size_t> arm(const protocol::ObjectRef& object, std::optional<std::size_t> pattern = {});
 
   // Fails if break_object() would, but for lack of room.
   [[nodiscard]] Result<void> check(const protocol::BreakObject& request) const;
 
-  // Breaks the object at `frame`, the peak of a blow, and arms it first if need be. The pieces take over
-  // the object's motion when the crack reaches them; the piece under the blow receives the second half of it. Returns
+  // Breaks the object at `frame`, the peak of a blow, and loads pieces first if need be. The pieces take over the
+  // object's motion when the crack reaches them; the piece under the blow receives the second half of it. If neither
+  // the request nor arm() names a pattern, it is the finest of its place whose crack the vibration can pay for. Returns
   // the number of pieces. Refused for an object that is broken already.
   Result<std::size_t> break_object(const protocol::BreakObject& request, synth::Frame frame);
 
@@ -79,26 +80,20 @@ class Breakage final : public Observer {
  private:
   struct Armed {
     std::string name;  // of the object
-    std::shared_ptr<const modal::StrikeMap> map;
-    modal::MaterialScale material;
-    std::size_t pattern = 0;
-    std::vector<PieceReport> pieces;
-    std::shared_ptr<const modal::Breaking> breaking;
-    modal::ModalState state;
-    synth::Frame present = 0;  // the frame of `state`
-    std::optional<synth::verb::Pose> pose;
+    breaking::Breakable body;
+    std::shared_ptr<const breaking::PieceSet> set;  // null until its pieces are loaded
+    std::vector<PieceReport> pieces;                // of the set
+    bool is_told = false;                           // the pattern was named, not chosen
     bool broken = false;
   };
-  struct Excited;
 
-  [[nodiscard]] double seconds(synth::Frame frames) const {
-    return static_cast<double>(frames) / rack_.mixer().sample_rate_hz();
-  }
-  // Moves the state on to a frame; an earlier one leaves it as it is.
-  void advance_to(Armed& armed, synth::Frame frame) const;
-  [[nodiscard]] std::vector<synth::Event> pieces_events(const Armed& armed, const modal::Broken& broken,
-                                                        const protocol::BreakObject& request, synth::Frame frame) const;
-  void free_pieces(const Armed& armed);
+  [[nodiscard]] Result<void> follow(const ObjectState& object);
+  [[nodiscard]] Result<std::size_t> load_pieces(const ObjectState& object, std::size_t pattern, bool is_told);
+  [[nodiscard]] Result<synth::ObjectNumber> load_piece(const ObjectState& object, const breaking::BodyPiece& piece,
+                                                       const std::string& name);
+  [[nodiscard]] std::vector<synth::Event> shatter(Armed& armed, const ObjectState& object,
+                                                  const protocol::BreakObject& request, synth::Frame frame);
+  void free_pieces(const std::vector<PieceReport>& pieces);
 
   Rack& rack_;
   std::atomic<int> broken_ = 0;  // how many objects are broken
