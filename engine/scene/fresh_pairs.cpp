@@ -45,6 +45,7 @@ bool are_apart(const PosedHull& one, const PosedHull& two, double gap_m, Vec3& d
 }
 
 void FreshPairs::add(std::span<const BodyId> siblings) {
+  for (const BodyId id : siblings) family_of_[id] = siblings.front();
   for (std::size_t i = 0; i < siblings.size(); ++i) {
     for (std::size_t j = i + 1; j < siblings.size(); ++j) pairs_.push_back({key_of(siblings[i], siblings[j]), {}});
   }
@@ -52,6 +53,7 @@ void FreshPairs::add(std::span<const BodyId> siblings) {
 }
 
 void FreshPairs::forget(BodyId id) {
+  if (family_of_.erase(id) == 0) return;
   std::erase_if(pairs_, [id](const Pair& pair) { return pair.key >> 32 == id || static_cast<BodyId>(pair.key) == id; });
 }
 

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 namespace ringdown::scene {
@@ -41,6 +42,13 @@ class FreshPairs {
     return !pairs_.empty() && std::ranges::binary_search(pairs_, key_of(a, b), {}, &Pair::key);
   }
 
+  // Returns true if both were added together, whether or not they may touch by now.
+  [[nodiscard]] bool are_siblings(BodyId a, BodyId b) const {
+    if (family_of_.empty()) return false;
+    const auto one = family_of_.find(a), two = family_of_.find(b);
+    return one != family_of_.end() && two != family_of_.end() && one->second == two->second;
+  }
+
   // Removes the pairs for which `parted(a, b, direction)` is true. The direction is kept for the next call; at first
   // it is zero.
   template <class Parted>
@@ -59,7 +67,8 @@ class FreshPairs {
     Vec3 direction = {};
   };
   static std::uint64_t key_of(BodyId a, BodyId b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
-  std::vector<Pair> pairs_;  // by key
+  std::vector<Pair> pairs_;                        // by key
+  std::unordered_map<BodyId, BodyId> family_of_;  // the first of the siblings
 };
 
 }  // namespace ringdown::scene

@@ -39,7 +39,7 @@ struct Search {
 Collider* obstacle_of(const Search& search, dxGeom* one, dxGeom* two) {
   Collider* met = &collider_of(one == search.box ? two : one);
   const bool passes = search.way_m >= search.radius_m + std::min(met->half_thickness_m, search.radius_m);
-  const bool is_met = met != search.from && passes && !search.fresh.contains(search.from->id, met->id);
+  const bool is_met = met != search.from && passes && !search.fresh.are_siblings(search.from->id, met->id);
   return is_met ? met : nullptr;
 }
 

@@ -15,8 +15,8 @@ class FlightProbe {
  public:
   FlightProbe();
 
-  // Returns the time for which the body may fly without a search for contacts, at most `rest_s` [s]. It flies through
-  // bodies with which it is a fresh pair.
+  // Returns the time for which the body may fly without a search for contacts, at most `rest_s` [s]. A piece
+  // of a broken body may pass through another one: thin pieces that fly past each other would make the step costly.
   [[nodiscard]] double free_flight(Collider& collider, double rest_s, dxSpace* space, const FreshPairs& fresh) const;
 
  private:
