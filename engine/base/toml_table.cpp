@@ -174,6 +174,11 @@ Result<TomlTable> TomlTable::parse(std::string_view text, const std::filesystem:
 
 bool TomlTable::has(std::string_view key) const { return open_->table->contains(key); }
 
+bool TomlTable::has_table(std::string_view key) const {
+  const toml::node* node = open_->table->get(key);
+  return node && node->is_table();
+}
+
 std::uint32_t TomlTable::line_of(std::string_view key) const {
   const toml::node* node = open_->table->get(key);
   return node && node->source().begin.line ? node->source().begin.line : line_of_table(*open_->table);

@@ -43,6 +43,7 @@ class TomlTable {
   static Result<TomlTable> parse(std::string_view text, const std::filesystem::path& path);
 
   [[nodiscard]] bool has(std::string_view key) const;
+  [[nodiscard]] bool has_table(std::string_view key) const;
   [[nodiscard]] std::uint32_t line_of(std::string_view key) const;  // the table's own line if there is no such key
 
   // The beginning of errors about this table: "" for the file's table, "[inner]", "body 'bell'" for the [[body]] of

@@ -56,6 +56,14 @@ Result<BodyId> BodyStore::add(BodyDescription description, bool spawned) {
   return id;
 }
 
+BodyId BodyStore::add_moving(const BodyDescription& description, const Solid& solid, const Motion& motion) {
+  const BodyId id = next_id_++;
+  Body body{description, {}, solid.mass, size_of(solid.shape), true, {}, motion};
+  if (const SoundingObject* object = find_object(description.object)) body.object = object->number;
+  bodies_.emplace(id, std::move(body));
+  return id;
+}
+
 void BodyStore::put_object(const SoundingObject& object) {
   std::erase_if(objects_, [&](const SoundingObject& known) { return known.name == object.name; });
   objects_.push_back(object);

@@ -11,12 +11,20 @@
 #include "engine/scene/solid.h"
 #include "engine/synth/events/event.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+namespace ringdown::modal {
+class StrikeMap;  // strike_map.h
+}
+namespace ringdown::breaking {
+class PieceSet;  // piece_set.h
+}
 
 namespace ringdown::scene {
 
@@ -25,6 +33,10 @@ struct SoundingObject {
   std::string name;
   synth::ObjectNumber number = 0;
   std::shared_ptr<const modal::Bank> bank;  // unscaled; the scene applies the description's density scale
+  // What a body that breaks needs, if it is there already: the bank's map, and the pieces of each pattern in the scaled
+  // material.
+  std::shared_ptr<const modal::StrikeMap> map = {};
+  std::vector<std::shared_ptr<const breaking::PieceSet>> pieces = {};
 };
 
 // Pseudo-random numbers that are the same on every machine (Steele, Lea, Flood 2014: SplitMix64).
@@ -63,6 +75,9 @@ class BodyStore {
   // Adds a body, which waits for its start. Fails if the scene is full, a value is out of range, the object is unknown,
   // or mass and shape cannot be made from its bank.
   Result<BodyId> add(BodyDescription description, bool spawned);
+  // Adds a body that is in the scene at once, in any number, and is gone with the spawned ones. It needs no checks: it
+  // is a piece of another one.
+  BodyId add_moving(const BodyDescription& description, const Solid& solid, const Motion& motion);
   void remove(BodyId id) { bodies_.erase(id); }
 
   // Adds an object, or replaces the object with that name.

@@ -50,6 +50,19 @@ class Fields {
     if (!holds) refuse(otherwise);
     return *this;
   }
+  Fields& breaks(const BodyDescription& body) {
+    if (!body.breaks) return *this;
+    const Breaks& breaks = *body.breaks;
+    return number("breaks.impulse_ns", breaks.impulse_ns.value_or(1), range::kBreakImpulse_ns)
+        .number("breaks.strength_pa", breaks.strength_pa.value_or(range::kStrength_pa.low), range::kStrength_pa)
+        .number("breaks.crack_energy_factor", breaks.crack_energy_factor, range::kCrackEnergyFactor)
+        .number("breaks.min_mass_kg", breaks.min_mass_kg, {0, range::kMass_kg.high})
+        .require(!body.object.empty(), "it breaks, so it needs an object whose bank has pieces")
+        .require(!body.fixed, "it is fixed, and a fixed body cannot break; remove fixed or breaks")
+        .require(!body.two_way, "it breaks, and the contacts of such a body cannot be two-way; remove contact or breaks")
+        .require(!body.mass && body.density_kg_m3 == 0,
+                 "it breaks, so its mass is that of its bank; remove mass or density_kg_m3");
+  }
   [[nodiscard]] Result<void> result() const { return result_; }
 
  private:
@@ -133,6 +146,34 @@ Result<void> check_object(const BodyDescription& body, const SceneDescription& s
   return fail(ErrorKind::bad_input, "body " + quote(body.name) + ": the scene has no object " + quote(body.object));
 }
 
+// A body that breaks is alone with its object, because the object falls silent, and has no joints.
+Result<void> check_breaking(const SceneDescription& scene) {
+  const auto players = [&](const std::string& object) {
+    std::uint64_t count = static_cast<std::uint64_t>(std::ranges::count(scene.bodies, object, &BodyDescription::object));
+    for (const EmitterDescription& emitter : scene.emitters) count += emitter.body.object == object ? emitter.count : 0;
+    return count;
+  };
+  const auto check_alone = [&](const BodyDescription& body) -> Result<void> {
+    if (!body.breaks || players(body.object) <= 1) return {};
+    return fail(ErrorKind::bad_input, "body " + quote(body.name) + ": it breaks, and other bodies play its object " +
+                                          quote(body.object) + ", too; give each body that breaks an object of its own");
+  };
+  for (const BodyDescription& body : scene.bodies) {
+    if (auto ok = check_alone(body); !ok) return ok;
+  }
+  for (const EmitterDescription& emitter : scene.emitters) {
+    if (auto ok = check_alone(emitter.body); !ok) return ok;
+  }
+  for (const JointDescription& joint : scene.joints) {
+    for (const BodyDescription& body : scene.bodies) {
+      if (!body.breaks || (body.name != joint.body && body.name != joint.other)) continue;
+      return fail(ErrorKind::bad_input, "joint " + quote(joint.name) + ": body " + quote(body.name) +
+                                            " breaks, and such a body cannot be joined; remove the joint or breaks");
+    }
+  }
+  return {};
+}
+
 Result<void> check_world(const SceneDescription& scene) {
   return Fields("scene")
       .vector("gravity_m_s2", scene.gravity_m_s2, range::kGravity_m_s2)
@@ -192,6 +233,7 @@ Result<void> check(const BodyDescription& body) {
       .number("start_s", body.start_s, range::kStart_s)
       .number("scatter_m", body.scatter_m, range::kScatter_m)
       .surface(body.surface)
+      .breaks(body)
       .result();
 }
 
@@ -272,6 +314,7 @@ Result<void> check(const SceneDescription& scene) {
   for (const JointDescription& joint : scene.joints) {
     if (auto ok = check(joint, scene.bodies); !ok) return ok;
   }
+  if (auto ok = check_breaking(scene); !ok) return ok;
   std::vector<CollisionFilter> filters;
   const auto note = [&filters](const auto& thing) {
     if (!std::ranges::count(filters, thing.filter) && filters.size() <= kMaxFilters) filters.push_back(thing.filter);

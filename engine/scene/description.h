@@ -9,6 +9,7 @@
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/bank.h"
+#include "engine/modal/fracture/strength.h"
 #include "engine/modal/material_scale.h"
 #include "engine/synth/events/event.h"
 
@@ -34,7 +35,7 @@ inline constexpr std::size_t kMaxStatics = 64;
 inline constexpr std::size_t kMaxJoints = 256;
 inline constexpr std::size_t kMaxJointParts = 32;  // limits of one free joint; also the maximum of its drives
 inline constexpr std::size_t kMaxEmitters = 64;
-inline constexpr std::size_t kMaxSceneObjects = 256;
+inline constexpr std::size_t kMaxSceneObjects = 1024;
 inline constexpr std::size_t kMaxMeshPoints = std::size_t{1} << 16;  // points of one body's own mesh
 inline constexpr std::size_t kMaxFilters = 64;                       // distinct collision filters in one scene
 
@@ -81,6 +82,9 @@ inline constexpr Range kDriveGain{0, 1e9};
 inline constexpr Range kDriveTarget{-1000, 1000};
 inline constexpr Range kDriveMost{0, 1e9};
 inline constexpr Range kAxesLimit{-1000, 1000};  // m or rad
+inline constexpr Range kBreakImpulse_ns{1e-9, 1e6};
+inline constexpr Range kStrength_pa{1e3, 1e13};
+inline constexpr Range kCrackEnergyFactor{0, 1e3};
 inline constexpr Range kEvery_s{0.001, 3600};
 inline constexpr Range kFieldOfView_degrees{1, 170};
 inline constexpr Range kTemperature_c{-50, 60};
@@ -151,6 +155,17 @@ struct ObjectDescription {
   modal::MaterialScale material;  // the mixer rescales the modes; a World scales mass and geometry
 };
 
+// When a body breaks into the pieces that its object's bank has (fracture/breaking_bodies.h): at the first blow that
+// reaches the impulse, or that strains the body's skin up to its strength.
+struct Breaks {
+  std::optional<double> impulse_ns;   // unset: no impulse by itself breaks the body
+  std::optional<double> strength_pa;  // unset: drawn from what the bank knows of its material, for each body of a scene
+  double crack_energy_factor = modal::kFractureEnergyFactor;  // energy of a crack over that of its material; 0: cracks
+                                                              // cost nothing
+  double min_mass_kg = 5e-5;  // lighter pieces are heard as they break off, and then are gone
+  friend bool operator==(const Breaks&, const Breaks&) = default;
+};
+
 struct BodyDescription {
   std::string name;
   std::string object;  // the object that sounds; empty: a silent body, which still strikes others
@@ -169,6 +184,7 @@ struct BodyDescription {
   double start_s = 0;    // time at which the body enters the scene, moving as described; until then it touches nothing
   double scatter_m = 0;  // maximum random shift of the start position along each axis, drawn from the scene's seed
   FrictionSurface surface;
+  std::optional<Breaks> breaks;  // absent: the body does not break
 };
 
 enum class StaticType { plane, box };

@@ -84,6 +84,25 @@ void read_filter(TomlTable& table, CollisionFilter& filter) {
   table.words("not_with", filter.not_with, true);
 }
 
+// `breaks = true`, or a table of when and how.
+void read_breaks(TomlTable& table, std::optional<Breaks>& target) {
+  if (!table.has_table("breaks")) {
+    bool breaks = false;
+    table.boolean("breaks", breaks);
+    if (breaks) target.emplace();
+    return;
+  }
+  TomlTable own = *table.table("breaks");
+  Breaks& breaks = target.emplace();
+  const auto read_optional = [&own](std::string_view key, std::optional<double>& value, const Range& range) {
+    if (own.has(key)) own.number(key, value.emplace(range.low), range);
+  };
+  read_optional("impulse_ns", breaks.impulse_ns, range::kBreakImpulse_ns);
+  read_optional("strength_pa", breaks.strength_pa, range::kStrength_pa);
+  own.number("crack_energy_factor", breaks.crack_energy_factor, range::kCrackEnergyFactor);
+  own.number("min_mass_kg", breaks.min_mass_kg, {0, range::kMass_kg.high});
+}
+
 void read_combine(TomlTable& table, std::string_view key, Combine& target) {
   if (!table.has(key)) return;
   const int way = table.choice(key, {"average", "minimum", "maximum", "multiply", "geometric_mean"});
@@ -310,6 +329,7 @@ class SceneReader {
     table.number("gravity_factor", body.gravity_factor, range::kGravityFactor);
     read_surface(table, body.surface);
     read_filter(table, body.filter);
+    read_breaks(table, body.breaks);
     const bool known = std::ranges::count(scene_.objects, body.object, &ObjectDescription::name) > 0;
     if (!body.object.empty() && !known) {
       table.complain("object", "the scene has no object " + quote(body.object));

@@ -243,6 +243,16 @@ class SceneWriter {
     unless("gravity_factor", body.gravity_factor, 1.0);
     write(body.surface);
     write(body.filter);
+    if (body.breaks) write(*body.breaks);
+  }
+
+  void write(const Breaks& breaks) {
+    if (breaks == Breaks{}) return line("breaks", true);
+    text_ += "breaks = { crack_energy_factor = " + text_of(breaks.crack_energy_factor) +
+             ", min_mass_kg = " + text_of(breaks.min_mass_kg);
+    if (breaks.impulse_ns) text_ += ", impulse_ns = " + text_of(*breaks.impulse_ns);
+    if (breaks.strength_pa) text_ += ", strength_pa = " + text_of(*breaks.strength_pa);
+    text_ += " }\n";
   }
 
   void write(const JointDescription& joint) {

@@ -3,11 +3,11 @@
 #include "engine/base/quote.h"
 #include "engine/scene/body_store.h"
 #include "engine/scene/check.h"
-#include "engine/scene/contact/contact_sounds.h"
 #include "engine/scene/contact/lasting_events.h"
+#include "engine/scene/fracture/breaking_bodies.h"
 #include "engine/scene/motion_path.h"
-#include "engine/scene/ode/simulation.h"
 #include "engine/scene/rotation.h"
+#include "engine/scene/scene_bodies.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,8 @@
 
 // A step of the world, downward: World::step does the step in equal parts of at most kMaxPart_s (State::do_part). A
 // part lets waiting bodies in, moves bodies and finds their contact points (Simulation::step), turns these into events
-// (ContactSounds::process), and resets or removes bodies whose motion has become unreal (check_bodies).
+// (ContactSounds::process), resets or removes bodies whose motion has become unreal (check_bodies), and replaces those that
+// have broken by their pieces (BreakingBodies::replace_broken).
 namespace ringdown::scene {
 namespace {
 
@@ -32,11 +33,6 @@ bool is_real(const Motion& m) {
 
 // The number of equal parts of a step. A rounding error does not add another part.
 int parts_of(double step_s) { return std::max(1, static_cast<int>(std::ceil(step_s / kMaxPart_s - 1e-9))); }
-
-SceneDescription with_step(SceneDescription scene, double step_s) {
-  scene.step_s = step_s;
-  return scene;
-}
 
 // A joint that is made when both of its bodies have entered the scene.
 struct WaitingJoint {
@@ -67,7 +63,6 @@ struct World::State {
   Result<void> add_all(const EmitterDescription& emitter);
   void add_statics(const SceneDescription& scene);
   void let_in();
-  void put(BodyId id, const Body& body, const Solid& solid);
   void make_joints();
   void remove(BodyId id);
   void do_part();
@@ -79,10 +74,12 @@ struct World::State {
   int parts;  // of each step
   double part_s;
   Vec3 gravity_m_s2;
-  BodyStore store;
-  Simulation simulation;
+  SceneBodies scene_bodies;
+  BodyStore& store = scene_bodies.store;
+  Simulation& simulation = scene_bodies.simulation;
+  ContactSounds& sounds = scene_bodies.sounds;
+  BreakingBodies breaking;
   const std::atomic<int>* given_up = nullptr;  // World::step()
-  ContactSounds sounds;
   FrameClock timeline;
   std::vector<WaitingJoint> joints;
   std::vector<BodyId> driven;  // bodies that follow a path
@@ -101,9 +98,8 @@ World::State::State(const SceneDescription& scene, double sample_rate_hz)
       parts(parts_of(scene.step_s)),
       part_s(scene.step_s / parts),
       gravity_m_s2(scene.gravity_m_s2),
-      store(scene),
-      simulation(with_step(scene, part_s)),
-      sounds(with_step(scene, part_s)),
+      scene_bodies(scene, part_s),
+      breaking(scene_bodies, scene.seed, sample_rate_hz),
       timeline{.sample_rate_hz = sample_rate_hz},
       joints(joints_of(scene)) {
   events.reserve(kMaxEventsPerStep);
@@ -113,6 +109,12 @@ Result<BodyId> World::State::add(BodyDescription description, bool spawned) {
   const bool has_path = description.path != nullptr;
   auto added = store.add(std::move(description), spawned);
   if (!added) return added;
+  if (store.bodies().at(*added).description.breaks) {
+    if (const auto ready = breaking.add(*added, store.bodies().at(*added)); !ready) {
+      store.remove(*added);
+      return fail(ready.error());
+    }
+  }
   if (has_path) driven.push_back(*added);
   next_start_s = 0;
   let_in();
@@ -155,21 +157,10 @@ void World::State::let_in() {
       const Vec3 gravity = body.description.gravity_factor * gravity_m_s2;
       body.motion.velocity_m_s = body.motion.velocity_m_s - (0.5 * part_s) * gravity;
     }
-    put(id, body, *body.waiting);
+    scene_bodies.put(id, body, *body.waiting);
     body.waiting.reset();
   }
   make_joints();
-}
-
-void World::State::put(BodyId id, const Body& body, const Solid& solid) {
-  const BodyDescription& description = body.description;
-  const SoundingObject* object = body.object ? store.find_object(description.object) : nullptr;
-  simulation.put_body(id, solid, body.motion, description.surface, description.fixed, description.gravity_factor);
-  simulation.set_filter(id, description.filter);
-  ContactSide side =
-      side_of(description, solid, object ? object->bank.get() : nullptr, store.scale_of(description.object));
-  side.object = body.object;
-  sounds.set_side(id, std::move(side));
 }
 
 // Makes the joints whose bodies have all entered the scene.
@@ -186,10 +177,9 @@ void World::State::make_joints() {
 }
 
 void World::State::remove(BodyId id) {
-  simulation.remove_body(id);
-  sounds.remove_side(id);
+  scene_bodies.remove(id);
+  breaking.remove(id);
   std::erase_if(joints, [id](const WaitingJoint& joint) { return joint.body == id || joint.other == id; });
-  store.remove(id);
 }
 
 // Moves the bodies that follow paths.
@@ -217,6 +207,7 @@ void World::State::do_part() {
   if (asleep) return;
   dropped_contacts += simulation.dropped_contacts();
   check_bodies();
+  breaking.replace_broken(points, events, notices);
 }
 
 // Stores the motion of bodies that moved. A body with an unreal motion goes back to its start, and is removed if that
@@ -273,7 +264,10 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
 
 void World::set_start_frame(synth::Frame frame) { state_->timeline.start = frame; }
 
-void World::set_sample_rate(double sample_rate_hz) { state_->timeline.sample_rate_hz = sample_rate_hz; }
+void World::set_sample_rate(double sample_rate_hz) {
+  state_->timeline.sample_rate_hz = sample_rate_hz;
+  state_->breaking.set_sample_rate(sample_rate_hz);
+}
 
 StepReport World::step(const std::atomic<int>* given_up) {
   State& state = *state_;
@@ -285,6 +279,8 @@ StepReport World::step(const std::atomic<int>* given_up) {
   for (state.part = 0; state.part < state.parts; ++state.part) state.do_part();
   state.part = 0;
   ++state.steps;
+  if (!std::ranges::is_sorted(state.events, {}, &synth::Event::frame))
+    std::ranges::stable_sort(state.events, {}, &synth::Event::frame);
   return {state.events, state.rest_dampings, state.notices, state.dropped_events, state.dropped_contacts};
 }
 
@@ -325,14 +321,16 @@ Result<void> World::set_object(const SoundingObject& object) {
   for (const auto& [id, solid] : *solids) {
     Body& body = state_->store.bodies().at(id);
     body.object = object.number;
+    state_->breaking.remove(id);  // its pieces are those of the bank before
     state_->store.reshape(body, solid);
-    if (!body.waiting) state_->put(id, body, solid);
+    if (!body.waiting) state_->scene_bodies.put(id, body, solid);
   }
   return {};
 }
 
 void World::remove_object(synth::ObjectNumber number) {
   state_->sounds.silence(number);
+  state_->breaking.silence(number);
   state_->store.remove_object(number);
 }
 

@@ -99,7 +99,7 @@ class World {
   // Adds a body, whose number is appended to its name and never used again. Fails when the scene is full, a value is
   // out of range, or the object is unknown.
   Result<BodyId> spawn(BodyDescription body);
-  void clear_spawned();  // removes only bodies that spawn() added
+  void clear_spawned();  // removes only bodies that spawn() added, and pieces of broken bodies
   void clear();          // removes every body; statics stay
 
   // Adds an object, or replaces the bank of the object with this name: its bodies take the new mass and shape in place.

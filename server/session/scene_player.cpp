@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <utility>
 
 namespace ringdown::session {
@@ -21,7 +22,13 @@ using synth::Event;
 using synth::Frame;
 
 scene::SoundingObject as_sounding(const ObjectState& object) {
-  return {object.name, object.number, {object.map, &object.map->bank()}};
+  return {object.name, object.number, {object.map, &object.map->bank()}, object.map};
+}
+
+bool breaks(const scene::SceneDescription& scene, const std::string& object) {
+  const auto does = [&](const scene::BodyDescription& body) { return body.breaks && body.object == object; };
+  return std::ranges::any_of(scene.bodies, does) ||
+         std::ranges::any_of(scene.emitters, [&](const auto& emitter) { return does(emitter.body); });
 }
 
 constexpr double kWarnEvery_s = 0.5;  // lost time between two warnings
@@ -120,27 +127,18 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     banks.push_back(std::move(bank->map));
   }
   synth::Mixer& mixer = rack_.mixer();
-  for (const auto& object : description->objects) {
-    const auto number = rack_.load(object.name, object.bank);
-    if (!number) return fail(number.error());
-    if (!object.group.empty()) {
-      if (const auto set = rack_.set_group({.name = object.name}, object.group); !set) return fail(set.error());
-    }
-    if (object.material != modal::MaterialScale{}) {
-      if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
-    }
-    const bool sent = rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
-                      rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
-    if (!sent)
-      return fail(ErrorKind::refused,
-                  path.string() + ": too many objects at once; wait for those before to be taken up");
+  auto objects = load_objects(*description, path, frame);
+  if (!objects) {
+    pieces_.forget_loaded();
+    return fail(objects.error());
   }
-  std::vector<scene::SoundingObject> objects;
-  for (const ObjectSnapshot& object : rack_.objects()) objects.push_back(as_sounding(*object));
-  auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
-  if (!world) return fail(world.error().kind, path.string() + ": " + world.error().message);
+  auto world = scene::World::create(*description, *objects, mixer.sample_rate_hz());
+  if (!world) {
+    pieces_.forget_loaded();
+    return fail(world.error().kind, path.string() + ": " + world.error().message);
+  }
   warn_of_silence(
-      *description, objects, [&] { return cure_of_silence(roots_, path); }, warn);
+      *description, *objects, [&] { return cure_of_silence(roots_, path); }, warn);
 
   for (const Event& event : listener_events(*description, sets_listener_, frame)) {
     if (!rack_.push(synth::Producer::worker, event)) {
@@ -166,8 +164,40 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     poses_.forget();
     if (!sink_) dropped_ += poses_.send(*world_, frame, rack_);
   }
+  pieces_.keep_loaded();
   set_dampers(removed);
   return body_count_.load();
+}
+
+// Loads the objects of a scene, and the pieces of those whose bodies break. Returns all objects there are.
+Result<std::vector<scene::SoundingObject>> ScenePlayer::load_objects(const scene::SceneDescription& description,
+                                                                     const std::filesystem::path& path, Frame frame) {
+  std::map<std::string, ScenePieces::Sets> pieces;
+  for (const auto& object : description.objects) {
+    const auto number = rack_.load(object.name, object.bank);
+    if (!number) return fail(number.error());
+    if (!object.group.empty()) {
+      if (const auto set = rack_.set_group({.name = object.name}, object.group); !set) return fail(set.error());
+    }
+    if (object.material != modal::MaterialScale{}) {
+      if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
+    }
+    const bool sent = rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
+                      rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
+    if (!sent)
+      return fail(ErrorKind::refused,
+                  path.string() + ": too many objects at once; wait for those before to be taken up");
+    if (!breaks(description, object.name)) continue;
+    auto sets = pieces_.load(**rack_.find({.name = object.name}), frame);
+    if (!sets) return fail(sets.error().kind, path.string() + ": " + sets.error().message);
+    pieces.emplace(object.name, std::move(*sets));
+  }
+  std::vector<scene::SoundingObject> objects;
+  for (const ObjectSnapshot& object : rack_.objects()) {
+    objects.push_back(as_sounding(*object));
+    if (const auto sets = pieces.find(object->name); sets != pieces.end()) objects.back().pieces = sets->second;
+  }
+  return objects;
 }
 
 Result<void> ScenePlayer::pause(bool paused) {
@@ -226,6 +256,7 @@ Result<void> ScenePlayer::clear() {
     body_count_ = 0;
     ++version_;
   }
+  pieces_.free();
   set_dampers(removed);
   return {};
 }

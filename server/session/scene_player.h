@@ -17,6 +17,7 @@
 #include "server/session/bank_reader.h"
 #include "server/session/file_roots.h"
 #include "server/session/rack.h"
+#include "server/session/scene_pieces.h"
 #include "server/session/scene_poses.h"
 
 #include <atomic>
@@ -134,6 +135,9 @@ class ScenePlayer {
   // time at which they were dropped; nullopt if there is no scene. [any but audio]
   [[nodiscard]] std::optional<scene::SceneDescription> description() const;
 
+  // Returns true if the object is a piece of one of the scene's bodies. [any but audio]
+  [[nodiscard]] bool is_piece(synth::ObjectNumber object) const { return pieces_.contains(object); }
+
   [[nodiscard]] std::size_t body_count() const { return body_count_; }  // [any]
 
   // The duration of the scene by its file; 0 without a scene. [any]
@@ -147,6 +151,8 @@ class ScenePlayer {
 
  private:
   Result<scene::BodyId> spawn(const std::optional<protocol::ObjectRef>& object, scene::BodyDescription body);
+  Result<std::vector<scene::SoundingObject>> load_objects(const scene::SceneDescription& description,
+                                                          const std::filesystem::path& path, synth::Frame frame);
   [[nodiscard]] synth::Frame position() const;
   [[nodiscard]] synth::Frame reported_until() const;
   void slow_down(synth::Frame by);
@@ -159,7 +165,8 @@ class ScenePlayer {
   const FileRoots& roots_;
   Sink sink_;
   Post post_;
-  mutable FairMutex mutex_;  // guards all members below except the atomics
+  ScenePieces pieces_{rack_};  // worker
+  mutable FairMutex mutex_;    // guards all members below except the atomics
   std::optional<scene::World> world_;
   ScenePoses poses_;
   scene::Reliefs reliefs_;      // reliefs of all scenes so far, which the mixer may still use

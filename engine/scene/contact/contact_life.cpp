@@ -85,6 +85,28 @@ ContactReport ContactLives::report(BodyPair pair, const Life& life) const {
   return result;
 }
 
+std::span<const ContactReport> ContactLives::end(BodyId body) {
+  reports_.clear();
+  lives_.erase_if([&](BodyPair pair, Life& life) {
+    if (pair.first != body && pair.second != body) return false;
+    if (life.reported) reports_.push_back({.pair = pair, .ends = true});
+    life = {.last_contact_s = life.last_contact_s,
+            .last_impact_s = life.last_impact_s,
+            .last_strike_m_s = life.last_strike_m_s};
+    return false;
+  });
+  return reports_;
+}
+
+void ContactLives::pass_on(BodyPair from, BodyPair to) {
+  const Life& before = lives_[from];
+  const Life after{.last_contact_s = before.last_contact_s,
+                   .last_impact_s = before.last_impact_s,
+                   .last_strike_m_s = before.last_strike_m_s};
+  lives_[to] = after;
+  lives_.erase(from);
+}
+
 // A contact's life ends when it has not been touched for the minimum repeat time, after its end has been reported.
 std::span<const ContactReport> ContactLives::advance(double now_s) {
   reports_.clear();

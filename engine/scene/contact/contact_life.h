@@ -65,6 +65,13 @@ class ContactLives {
   // Adds the contact of a pair in this step.
   void add(const PairContact& contact, double now_s);
 
+  // Ends the contacts of a body that is about to go. Returns the last reports of those that were reported, valid until
+  // the next call.
+  std::span<const ContactReport> end(BodyId body);
+
+  // Lets a pair go on in the place of another one: it strikes when the other one would have.
+  void pass_on(BodyPair from, BodyPair to);
+
   // Ends the step. Returns the reports that are due, in the order of their pairs, valid until the next call.
   std::span<const ContactReport> advance(double now_s);
 

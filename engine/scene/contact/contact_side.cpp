@@ -39,6 +39,7 @@ ContactSide side_of(const BodyDescription& body, const Solid& solid, const modal
   ContactSide side{.surface = body.surface,
                    .elastic = elastic_of(body.surface, bank, scale),
                    .curvature = curvature_of(solid.shape, body.surface),
+                   .breaks = body.breaks.has_value(),
                    .two_way = body.two_way,
                    .center_m = solid.mass.center_m};
   if (!body.fixed) side.mass = solid.mass;

@@ -17,6 +17,7 @@ struct ContactSide {
   Curvature curvature;
   std::optional<RigidMass> mass;              // nothing: immovable
   std::optional<synth::ObjectNumber> object;  // nothing: silent
+  bool breaks = false;                        // whether its blows are judged (ContactSounds::judge_by())
   bool two_way = false;                       // whether contacts feel the object's vibration
   Vec3 center_m;                              // centre of mass in the object's frame
 };

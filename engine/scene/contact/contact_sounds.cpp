@@ -15,7 +15,8 @@
 // 1. Points are sorted by pair of bodies; those of one pair mostly follow each other already (process).
 // 2. A pair with a point that approaches faster than the bounce threshold may strike: ContactLives decides whether this
 //    is a new strike or chatter. Every such point becomes a strike event for both objects, and all of them together one
-//    click, the rigid body's own sound (process_pair, strike, click).
+//    click, the rigid body's own sound (process_pair, strike, click). If a body breaks
+//    under its blows (breaks), it ends here.
 // 3. The points of any other pair are combined into one contact (combine_points), which ContactLives and RestDampings
 //    follow over time.
 // 4. At the end of the step come the reports of lasting contacts (LastingEvents) and the dampers of resting ones.
@@ -73,6 +74,13 @@ double contact_time_s(const ContactSide& body, const ContactSide& other, const C
   const double time_s = hertz_time(both, relative_radius(body.curvature, other.curvature),
                                    contact_modulus(body.elastic, other.elastic), point.approach_m_s);
   return std::min(time_s, range::kContactTime_s.high);
+}
+
+synth::verb::Strike strike_of(const ContactPoint& point, const ContactSide& side, const Motion& motion, Vec3 impulse_ns,
+                              double contact_time_s) {
+  return {.point_m = to_object(motion, side, point.point_m),
+          .impulse_ns = transpose(to_matrix(motion.rotation)) * impulse_ns,
+          .contact_time_s = contact_time_s};
 }
 
 }  // namespace
@@ -152,11 +160,7 @@ void ContactSounds::process_pair(BodyPair pair, std::span<const ContactPoint* co
     if (is_impact(*point)) fastest_m_s = std::max(fastest_m_s, point->approach_m_s);
   }
   if (fastest_m_s > 0 && lives_.strikes(pair, fastest_m_s, now_s)) {
-    const std::optional<double> face_s = face_time_s(points);
-    for (const ContactPoint* point : points) {
-      if (is_impact(*point)) strike(*point, face_s, now_s, timeline);
-    }
-    if (clicks_) click(pair, points, face_s, timeline);
+    strike(pair, points, now_s, timeline);
     return;
   }
   const ContactSide *first = find(sides_, pair.first), *second = find(sides_, pair.second);
@@ -195,24 +199,60 @@ std::optional<double> ContactSounds::face_time_s(std::span<const ContactPoint* c
   return std::min(time_s, range::kContactTime_s.high);
 }
 
-void ContactSounds::strike(const ContactPoint& point, std::optional<double> face_s, double now_s,
+// Every point strikes both objects, unless a body breaks.
+void ContactSounds::strike(BodyPair pair, std::span<const ContactPoint* const> points, double now_s,
                            const FrameClock& timeline) {
-  const ContactSide *body = find(sides_, point.body), *other = find(sides_, point.other);
-  if (!body || !other) return;
-  const double since_s = std::clamp(point.depth_m / point.approach_m_s, 0.0, step_s_);
-  latest_s_ = std::max(latest_s_, now_s + point.found_s - since_s);
-  const synth::Frame frame = timeline.frame(latest_s_);
-  const double lasting_s = face_s ? *face_s : contact_time_s(*body, *other, point);
-  if ((body->two_way || other->two_way) && strike_two_way(*body, *other, point, lasting_s, frame)) return;
-  const auto strike_side = [&](const ContactSide& side, const Motion& motion, Vec3 impulse_ns) {
-    if (!side.object) return;
-    const synth::verb::Strike strike{.point_m = to_object(motion, side, point.point_m),
-                                     .impulse_ns = transpose(to_matrix(motion.rotation)) * impulse_ns,
-                                     .contact_time_s = lasting_s};
-    events_.push({frame, *side.object, strike});
-  };
-  strike_side(*body, point.motions->of_body, point.impulse_ns);
-  strike_side(*other, point.motions->of_other, -1 * point.impulse_ns);
+  const std::optional<double> face_s = face_time_s(points);
+  strikes_.clear();
+  for (const ContactPoint* point : points) {
+    const ContactSide *body = find(sides_, point->body), *other = find(sides_, point->other);
+    if (!is_impact(*point) || !body || !other) continue;
+    const double since_s = std::clamp(point->depth_m / point->approach_m_s, 0.0, step_s_);
+    latest_s_ = std::max(latest_s_, now_s + point->found_s - since_s);
+    strikes_.push_back({point, face_s ? *face_s : contact_time_s(*body, *other, *point), timeline.frame(latest_s_)});
+  }
+  if (strikes_.empty()) return;
+  const bool first_breaks = breaks(pair.first, pair.second), second_breaks = breaks(pair.second, pair.first);
+  const bool whole = !first_breaks && !second_breaks;
+  const double share = whole ? 1 : share_until_peak(strikes_.front().contact_time_s);
+  for (const auto& [point, lasting_s, frame] : strikes_) {
+    const ContactSide &body = sides_.at(point->body), &other = sides_.at(point->other);
+    const bool two_way = (body.two_way || other.two_way) && whole;
+    if (two_way && strike_two_way(body, other, *point, lasting_s, frame)) continue;
+    const auto strike_side = [&](BodyId id, const ContactSide& side, const Motion& motion, Vec3 impulse_ns) {
+      if (!side.object || (id == pair.first ? first_breaks : second_breaks)) return;
+      events_.push({frame, *side.object, strike_of(*point, side, motion, impulse_ns, lasting_s)});
+    };
+    strike_side(point->body, body, point->motions->of_body, share * point->impulse_ns);
+    strike_side(point->other, other, point->motions->of_other, -share * point->impulse_ns);
+  }
+  if (clicks_) click(pair, share);
+  if (first_breaks) end_contacts(pair.first, strikes_.front().frame);
+  if (second_breaks) end_contacts(pair.second, strikes_.front().frame);
+}
+
+// Asks the judge.
+bool ContactSounds::breaks(BodyId body, BodyId other) {
+  const ContactSide& side = sides_.at(body);
+  if (!side.breaks || !side.object || !judge_) return false;
+  std::vector<BodyBlow> blows;
+  for (const auto& [point, lasting_s, frame] : strikes_) {
+    const bool straight = point->body == body;
+    const Motion& motion = straight ? point->motions->of_body : point->motions->of_other;
+    blows.push_back({frame, strike_of(*point, side, motion, (straight ? 1 : -1) * point->impulse_ns, lasting_s)});
+  }
+  return judge_(body, other, blows);
+}
+
+void ContactSounds::end_contacts(BodyId body, synth::Frame frame) {
+  for (const ContactReport& report : lives_.end(body)) lasting_.add(report, sides_, frame, events_);
+  ContactSide& side = sides_.at(body);
+  resting_.side_changed(side);
+  side.object.reset();
+}
+
+void ContactSounds::pass_on(BodyId other, BodyId gone, BodyId piece) {
+  lives_.pass_on(std::minmax(other, gone), std::minmax(other, piece));
 }
 
 // The bodies' common mass flies at the first object that sounds, and its head is the other's surface, if that sounds,
@@ -252,27 +292,25 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
 }
 
 // The impulses of all points move the body as a whole at once; the hardest point's contact time is the click's.
-void ContactSounds::click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
-                          const FrameClock& timeline) {
-  const ContactPoint* hardest = nullptr;
+void ContactSounds::click(BodyPair pair, double share) {
+  const PairStrike* hardest = nullptr;
   Vec3 on_first_ns;
-  for (const ContactPoint* point : points) {
-    if (!is_impact(*point)) continue;
-    on_first_ns = on_first_ns + (point->body == pair.first ? 1 : -1) * point->impulse_ns;
-    if (!hardest || length(point->impulse_ns) > length(hardest->impulse_ns)) hardest = point;
+  for (const PairStrike& strike : strikes_) {
+    const ContactPoint& point = *strike.point;
+    on_first_ns = on_first_ns + (point.body == pair.first ? share : -share) * point.impulse_ns;
+    if (!hardest || length(point.impulse_ns) > length(hardest->point->impulse_ns)) hardest = &strike;
   }
-  const ContactSide *body = find(sides_, hardest->body), *other = find(sides_, hardest->other);
-  if (!body || !other) return;
+  const ContactPoint& point = *hardest->point;
   synth::verb::Click click;
-  click.contact_time_s = face_s ? *face_s : contact_time_s(*body, *other, *hardest);
+  click.contact_time_s = hardest->contact_time_s;
   const auto click_side = [&](const ContactSide& side, const Motion& motion, double sign) {
     if (!side.object || !side.mass) return;
     click.impulse_ns = sign * (transpose(to_matrix(motion.rotation)) * on_first_ns);
-    events_.push({timeline.frame(latest_s_), *side.object, click});
+    events_.push({strikes_.back().frame, *side.object, click});
   };
-  const double sign = hardest->body == pair.first ? 1 : -1;
-  click_side(*body, hardest->motions->of_body, sign);
-  click_side(*other, hardest->motions->of_other, -sign);
+  const double sign = point.body == pair.first ? 1 : -1;
+  click_side(sides_.at(point.body), point.motions->of_body, sign);
+  click_side(sides_.at(point.other), point.motions->of_other, -sign);
 }
 
 }  // namespace ringdown::scene

@@ -12,7 +12,10 @@
 #include "engine/synth/events/event.h"
 
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace ringdown::scene {
@@ -24,9 +27,30 @@ struct FrameClock {
   [[nodiscard]] synth::Frame frame(double time_s) const;
 };
 
+// A blow on a body that may break, in its object's frame.
+struct BodyBlow {
+  synth::Frame frame = 0;
+  synth::verb::Strike strike;
+};
+
+// A pair strikes, and one of its bodies may break: all its blows of one step.
+using BlowJudge = std::function<bool(BodyId body, BodyId other, std::span<const BodyBlow> blows)>;
+
+// A body that breaks under a blow does so at the peak of the force. Only this share of the impulse has acted by then.
+inline double share_until_peak(double contact_time_s) { return contact_time_s > 0 ? 0.5 : 1; }
+
 class ContactSounds {
  public:
   explicit ContactSounds(const SceneDescription& scene);
+
+  // Lets `judge` decide whether a body breaks under its blows, before they are reported. If one does, its own strikes
+  // are left out, those of the other body have the share of the impulse until the peak, and so have the clicks of
+  // both; the body's lasting contacts end, and it takes no more part.
+  void judge_by(BlowJudge judge) { judge_ = std::move(judge); }
+
+  // Lets the contact between a body that has gone and another one go on with a piece of the body, so that the blow
+  // that broke the body does not strike the piece again.
+  void pass_on(BodyId other, BodyId gone, BodyId piece);
 
   void set_side(BodyId id, ContactSide side);
   void remove_side(BodyId id);
@@ -58,11 +82,17 @@ class ContactSounds {
                     const FrameClock& timeline);
   [[nodiscard]] bool is_impact(const ContactPoint& point) const;
   [[nodiscard]] std::optional<double> face_time_s(std::span<const ContactPoint* const> points) const;
-  void strike(const ContactPoint& point, std::optional<double> face_s, double now_s, const FrameClock& timeline);
+  struct PairStrike {  // of one contact point
+    const ContactPoint* point;
+    double contact_time_s;
+    synth::Frame frame;
+  };
+  void strike(BodyPair pair, std::span<const ContactPoint* const> points, double now_s, const FrameClock& timeline);
+  [[nodiscard]] bool breaks(BodyId body, BodyId other);
+  void end_contacts(BodyId body, synth::Frame frame);
   [[nodiscard]] bool strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
                                     double contact_time_s, synth::Frame frame);
-  void click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
-             const FrameClock& timeline);
+  void click(BodyPair pair, double share);
 
   double step_s_, bounce_threshold_m_s_;
   bool clicks_;
@@ -73,6 +103,8 @@ class ContactSounds {
   double latest_s_ = 0;                       // time of the latest strike so far
   std::vector<const ContactPoint*> by_pair_;  // the points of the step, sorted by pair
   std::vector<Run> runs_;
+  std::vector<PairStrike> strikes_;           // of a pair
+  BlowJudge judge_;
   StepEvents events_;
   std::span<const RestDamping> rest_dampings_;
 };

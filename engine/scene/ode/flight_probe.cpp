@@ -28,6 +28,7 @@ struct Search {
   Collider* from;
   dxGeom *ray, *box;
   Vec3 start_m, direction;
+  const FreshPairs& fresh;
   double way_m, radius_m, rest_s;  // the way of the body's fastest point, and half of the body's thickness
   std::span<const Line> lines = {};
   double free_m = dInfinity;  // result: the way until the ball is half inside an obstacle, on the line that is worst
@@ -38,7 +39,8 @@ struct Search {
 Collider* obstacle_of(const Search& search, dxGeom* one, dxGeom* two) {
   Collider* met = &collider_of(one == search.box ? two : one);
   const bool passes = search.way_m >= search.radius_m + std::min(met->half_thickness_m, search.radius_m);
-  return met == search.from || !passes ? nullptr : met;
+  const bool is_met = met != search.from && passes && !search.fresh.are_siblings(search.from->id, met->id);
+  return is_met ? met : nullptr;
 }
 
 // Tests one geometry near the flight of a ball: ODE's callback.
@@ -96,13 +98,13 @@ void FlightProbe::set_box(Vec3 from_m, Vec3 way_m, double radius_m) const {
 // one of the lines, its surface is inside an obstacle by half of its extent on that line. A ball that already touches
 // an obstacle may be turned back by it, so it is checked again after one radius. Any other body is swept (ode/sweep.h),
 // because its tips may hit something that its middle misses.
-double FlightProbe::free_flight(Collider& collider, double rest_s, dxSpace* space) const {
+double FlightProbe::free_flight(Collider& collider, double rest_s, dxSpace* space, const FreshPairs& fresh) const {
   const Motion motion = collider.motion();
   const double fastest = point_speed(collider, motion);
   const double radius = std::max(collider.half_thickness_m, 0.5 * range::kSize_m.low);
   if (!(fastest * rest_s > radius) || !std::isfinite(fastest)) return rest_s;
   const Vec3 from = motion.position_m, velocity = motion.velocity_m_s;
-  Search search{&collider, ray_.get(), box_.get(), from, {}, fastest * rest_s, radius, rest_s};
+  Search search{&collider, ray_.get(), box_.get(), from, {}, fresh, fastest * rest_s, radius, rest_s};
   if (!collider.round) {
     set_box(from, rest_s * velocity, collider.outer_radius_m);
     dSpaceCollide2(search.box, reinterpret_cast<dxGeom*>(space), &search, sweep);

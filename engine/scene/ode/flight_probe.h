@@ -2,6 +2,7 @@
 // an obstacle. Callers must hold OdeLock.
 #pragma once
 
+#include "engine/scene/fresh_pairs.h"
 #include "engine/scene/ode/collider.h"
 
 #include <memory>
@@ -14,8 +15,9 @@ class FlightProbe {
  public:
   FlightProbe();
 
-  // Returns the time for which the body may fly without a search for contacts, at most `rest_s`. [s]
-  [[nodiscard]] double free_flight(Collider& collider, double rest_s, dxSpace* space) const;
+  // Returns the time for which the body may fly without a search for contacts, at most `rest_s` [s]. A piece
+  // of a broken body may pass through another one: thin pieces that fly past each other would make the step costly.
+  [[nodiscard]] double free_flight(Collider& collider, double rest_s, dxSpace* space, const FreshPairs& fresh) const;
 
  private:
   void set_box(Vec3 from_m, Vec3 way_m, double radius_m) const;

@@ -1,6 +1,7 @@
 #include "engine/scene/ode/simulation.h"
 
 #include "engine/scene/fixed_contacts.h"
+#include "engine/scene/fresh_pairs.h"
 #include "engine/scene/ode/contact_joints.h"
 #include "engine/scene/ode/flight_probe.h"
 #include "engine/scene/ode/islands.h"
@@ -8,6 +9,7 @@
 #include "engine/scene/ode/lock.h"
 #include "engine/scene/ode/near_pairs.h"
 #include "engine/scene/pair_filter.h"
+#include "engine/scene/rotation.h"
 
 #include <ode/ode.h>
 
@@ -103,6 +105,7 @@ struct Simulation::State {
   void remove(BodyId gone);
   void wake_all();
   void let_still_bodies_sleep();
+  void release_parted();
   void join(const BodyJoint& joint);
   [[nodiscard]] std::vector<BodyJoint> joints_of(BodyId id) const;
 
@@ -117,6 +120,7 @@ struct Simulation::State {
   std::vector<Collider*> in_order;  // of their numbers, so that the same scene is solved in the same order
   std::vector<Joint> joints;        // declared after the bodies, which must be destroyed last
   PairFilter filter;
+  FreshPairs fresh;
   // Used in a step:
   ContactJoints contacts;
   NearPairs near;
@@ -194,7 +198,8 @@ bool Simulation::State::find_and_solve(Part& part) {
 void Simulation::State::find_contacts(const Part& part) {
   const auto collide = [&](Collider& one, Collider& two) {
     const bool given_up = part.given_up && *part.given_up > 0;
-    if (!given_up && filter.may_touch(one.id, two.id)) contacts.collide(one, two, islands);
+    if (given_up || fresh.contains(one.id, two.id)) return;
+    if (filter.may_touch(one.id, two.id)) contacts.collide(one, two, islands);
   };
   const auto awake = std::ranges::count_if(in_order, &Collider::awake);
   if (static_cast<std::size_t>(awake) * kFewAwake >= in_order.size()) {
@@ -326,10 +331,36 @@ void Simulation::State::remove(BodyId gone) {
     return true;
   });
   filter.forget(gone);
+  fresh.forget(gone);
   std::erase(in_order, &colliders.at(gone));
   colliders.erase(gone);
   contacts.forget(gone);
   wake_all();
+}
+
+// Lets pieces of a broken body touch that have come apart. The test costs a projection of both hulls, and only for pairs
+// whose boxes overlap and that move.
+void Simulation::State::release_parted() {
+  const auto hull_of = [](const Collider& collider) {
+    const Motion motion = collider.motion();
+    return PosedHull{collider.shape.points, to_matrix(motion.rotation), motion.position_m};
+  };
+  fresh.release([&](BodyId a, BodyId b, Vec3& direction) {
+    const Collider &one = colliders.at(a), &two = colliders.at(b);
+    if (!one.awake() && !two.awake()) return false;
+    double first[6], second[6];
+    dGeomGetAABB(one.shape.geom.get(), first);
+    dGeomGetAABB(two.shape.geom.get(), second);
+    for (int k = 0; k < 6; k += 2) {
+      if (first[k] > second[k + 1] + kFreshGap_m || second[k] > first[k + 1] + kFreshGap_m) return true;
+    }
+    const PosedHull of_one = hull_of(one), of_two = hull_of(two);
+    if (direction == Vec3{}) {
+      const Vec3 way = of_two.position_m - of_one.position_m;
+      direction = length(way) > 0 ? (1 / length(way)) * way : Vec3{0, 0, 1};
+    }
+    return are_apart(of_one, of_two, kFreshGap_m, direction);
+  });
 }
 
 void Simulation::State::wake_all() {
@@ -367,6 +398,8 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
 
 void Simulation::set_filter(BodyId id, const CollisionFilter& filter) { state_->filter.set(id, filter); }
 
+void Simulation::keep_from_touching(std::span<const BodyId> pieces) { state_->fresh.add(pieces); }
+
 void Simulation::remove_body(BodyId id) {
   const OdeLock lock;
   state_->remove(id);
@@ -394,6 +427,7 @@ std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up)
   const OdeLock lock;
   State& state = *state_;
   state.contacts.begin_step();
+  state.release_parted();
   for (Collider* collider : state.in_order) collider->sleep.begin_step();
   double done_s = 0;
   for (int k = 1; done_s < state.step_s; ++k) {
@@ -401,7 +435,7 @@ std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up)
     double part_s = rest_s;
     for (Collider* collider : state.in_order) {
       if (k < kMaxParts && collider->awake())
-        part_s = std::min(part_s, state.probe.free_flight(*collider, rest_s, state.space.get()));
+        part_s = std::min(part_s, state.probe.free_flight(*collider, rest_s, state.space.get(), state.fresh));
     }
     state.do_part({done_s, part_s, given_up});
     done_s = part_s == rest_s ? state.step_s : done_s + part_s;

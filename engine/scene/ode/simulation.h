@@ -41,6 +41,9 @@ class Simulation {
   void put_body(BodyId id, const Solid& solid, const Motion& motion, const FrictionSurface& surface, bool fixed,
                 double gravity_factor = 1);
   void set_filter(BodyId id, const CollisionFilter& filter);  // for a body or a static; holds until it is removed
+
+  // Keeps the pieces of a broken body, which are hulls, from touching each other until they have been apart.
+  void keep_from_touching(std::span<const BodyId> pieces);
   void remove_body(BodyId id);                                // also removes its joints
 
   // Joins two bodies in their present poses, or one body to the world. The names in the description are ignored.

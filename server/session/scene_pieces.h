@@ -1,0 +1,49 @@
+// The pieces of a scene's bodies that break: objects that are loaded with the scene, and silent until the break. [worker,
+// unless noted]
+//
+//   auto sets = pieces.load(object, frame);    // for each object of a body that breaks
+//   pieces.keep_loaded();                      // the pieces of the scene before go
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/breaking/piece_set.h"
+#include "engine/synth/events/event.h"
+#include "server/session/object_state.h"
+#include "server/session/rack.h"
+
+#include <memory>
+#include <mutex>
+#include <set>
+#include <vector>
+
+namespace ringdown::session {
+
+class ScenePieces {
+ public:
+  explicit ScenePieces(Rack& rack) : rack_(rack) {}
+
+  using Sets = std::vector<std::shared_ptr<const breaking::PieceSet>>;  // one for each pattern
+
+  // Loads the pieces of all patterns of an object under the names that scene::piece_name() gives them, with its
+  // material, group, gain and pan. Refused if the object cannot break, if one of the names is taken, or if there is no
+  // room.
+  Result<Sets> load(const ObjectState& object, synth::Frame frame);
+
+  void keep_loaded();    // frees the pieces that have not been loaded since the last keep_loaded() or forget_loaded()
+  void forget_loaded();  // frees those that have
+  void free();
+
+  [[nodiscard]] bool contains(synth::ObjectNumber object) const;  // [any but audio]
+
+ private:
+  Result<void> load_piece(const ObjectState& object, const breaking::BodyPiece& piece, const std::string& name,
+                          synth::Frame frame);
+  void free(const std::set<synth::ObjectNumber>& numbers) const;
+
+  Rack& rack_;
+  std::set<synth::ObjectNumber> loaded_;  // since the last keep_loaded()
+  mutable std::mutex mutex_;              // guards pieces_
+  std::set<synth::ObjectNumber> pieces_;  // all, those in loaded_ included
+};
+
+}  // namespace ringdown::session

@@ -1,0 +1,185 @@
+// A scene whose body breaks, as sessions play it: its pieces are objects from the beginning, and what is heard neither
+// depends on blocks nor differs from one rendering to the next.
+#include "engine/modal/bank_file.h"
+#include "protocol/schema.h"
+#include "server/session/offline.h"
+#include "server/session/scene_save.h"
+#include "server/session/session.h"
+#include "server/session/state.h"
+#include "tests/scene/breaking_plate.h"
+#include "tests/support/signal.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ringdown::session {
+namespace {
+
+using synth::Frame;
+using test::Samples;
+
+constexpr double kPlateRate_hz = 48000;
+
+class BreakingScene : public testing::Test {
+ protected:
+  BreakingScene() {
+    modal::Bank plate = test::breaking_plate();
+    plate.decay_per_s = {3};
+    EXPECT_TRUE(modal::write_bank(plate, folder_ / "plate.glb"));
+    write("breaks = { impulse_ns = 0.01 }");
+  }
+
+  void write(const std::string& breaks) {
+    std::ofstream(scene_) << R"([scene]
+duration_s = 1
+[[static]]
+name = "floor"
+shape = "plane"
+[[object]]
+name = "plate"
+bank = "plate.glb"
+gain = 0.5
+pan = -0.3
+group = "shelf"
+material = { size = 1.1 }
+[[body]]
+name = "plate"
+object = "plate"
+shape = "convex"
+position_m = [0, 0, 0.3]
+rotation = { axis = [1, 0, 0], degrees = 30 }
+)" << breaks << "\n";
+  }
+
+  test::TemporaryFolder folder_;
+  std::filesystem::path scene_ = folder_ / "scene.toml";
+};
+
+TEST_F(BreakingScene, PiecesAreObjectsOfTheSceneUntilItIsCleared) {
+  Session session(kPlateRate_hz);
+  std::vector<std::string> warnings;
+  session.rack().set_on_warning([&](const std::string& sentence) { warnings.push_back(sentence); });
+  ASSERT_TRUE(session.scene().load(scene_, 0));
+  for (int k = 0; k < 12; ++k) {
+    const auto piece = session.rack().find({.name = "plate." + std::to_string(k)});
+    ASSERT_TRUE(piece) << k;
+    EXPECT_TRUE(session.scene().is_piece((*piece)->number));
+    EXPECT_EQ((*piece)->gain, 0.5);
+    EXPECT_EQ((*piece)->pan, -0.3);
+    EXPECT_EQ((*piece)->group, "shelf");
+    EXPECT_EQ((*piece)->material.size, 1.1);
+  }
+  EXPECT_EQ(state_of(session).objects.size(), 1u) << "the pieces come with the scene";
+  EXPECT_EQ(scene_of(session).objects.size(), 1u);
+  EXPECT_TRUE(scene_of(session).bodies.at(0).breaks);
+  const std::int32_t version = session.scene().describe().version;
+  session.scene().advance_to(24000, {});
+  ASSERT_EQ(session.scene().poses().bodies.size(), 12u);
+  EXPECT_EQ(session.scene().body_count(), 12u);
+  EXPECT_GT(session.scene().describe().version, version);
+  EXPECT_EQ(session.scene().describe().bodies.at(3).object, "plate.3");
+  EXPECT_EQ(scene_of(session).bodies.size(), 1u) << "saved, it is whole again";
+  EXPECT_EQ(warnings, std::vector<std::string>{"scene: body 'plate' broke into 12 pieces"});
+
+  ASSERT_TRUE(session.scene().load(scene_, 24000)) << "again from the beginning";
+  EXPECT_EQ(session.scene().poses().bodies.size(), 1u);
+  EXPECT_TRUE(session.rack().find({.name = "plate.11"}));
+  ASSERT_TRUE(session.scene().clear());
+  EXPECT_FALSE(session.rack().find({.name = "plate.0"}));
+  EXPECT_TRUE(session.rack().find({.name = "plate"}));
+  ASSERT_TRUE(session.scene().load(scene_, 24000));
+  write("");
+  ASSERT_TRUE(session.scene().load(scene_, 24000));
+  EXPECT_FALSE(session.rack().find({.name = "plate.0"})) << "this scene has no pieces";
+}
+
+TEST_F(BreakingScene, ANameThatIsTakenIsRefusedAndNothingIsLeft) {
+  Session session(kPlateRate_hz);
+  ASSERT_TRUE(session.rack().load("plate.7", folder_ / "plate.glb"));
+  const auto loaded = session.scene().load(scene_, 0);
+  ASSERT_FALSE(loaded);
+  EXPECT_NE(loaded.error().message.find("\"plate.7\" exists already"), std::string::npos) << loaded.error().message;
+  EXPECT_FALSE(session.rack().find({.name = "plate.0"}));
+}
+
+TEST_F(BreakingScene, AFreedPieceStaysSilent) {
+  Session session(kPlateRate_hz);
+  ASSERT_TRUE(session.scene().load(scene_, 0));
+  const synth::ObjectNumber freed = (*session.rack().find({.name = "plate.2"}))->number;
+  ASSERT_TRUE(session.perform(protocol::FreeObject{{.name = "plate.2"}}, 0));
+  std::size_t of_freed = 0, all = 0;
+  session.scene().send_to([&](const scene::StepReport& report) {
+    for (const synth::Event& event : report.events) {
+      ++all;
+      of_freed += event.object == freed;
+    }
+    return std::size_t{0};
+  });
+  session.scene().advance_to(48000, {});
+  EXPECT_GT(all, 20u);
+  EXPECT_EQ(of_freed, 0u);
+}
+
+TEST_F(BreakingScene, EventsAndSoundDoNotDependOnTheBlockSize) {
+  const auto alike = [](const synth::Event& a, const synth::Event& b) {
+    return a.frame == b.frame && a.object == b.object &&
+           protocol::format(protocol::request_for(a, {})) == protocol::format(protocol::request_for(b, {}));
+  };
+  std::vector<synth::Event> reference;
+  Samples heard;
+  for (const Frame block : {256, 1, 64, 255, 1024, 8192}) {
+    std::vector<synth::Event> events;
+    Session session(kPlateRate_hz);
+    session.scene().send_to([&events](const scene::StepReport& report) {
+      events.insert(events.end(), report.events.begin(), report.events.end());
+      return std::size_t{0};
+    });
+    ASSERT_TRUE(session.scene().load(scene_, 0));
+    for (Frame at = 0; at < 48000; at += block)
+      session.scene().advance_to(std::min<Frame>(at + block, 48000), std::nullopt);
+    if (reference.empty()) reference = events;
+    EXPECT_GT(events.size(), 50u);
+    EXPECT_TRUE(std::ranges::equal(events, reference, alike)) << "blocks of " << block;
+
+    const auto recording = render_offline({.scene = scene_, .block_frames = static_cast<std::size_t>(block)},
+                                          [](double) { return true; });
+    ASSERT_TRUE(recording) << recording.error().message;
+    const Samples samples(recording->left.begin(), recording->left.end());
+    if (heard.empty()) heard = samples;
+    EXPECT_LT(test::relative_error_db(samples, heard), -100) << "blocks of " << block;
+  }
+  EXPECT_GT(test::peak(heard), 1e-4);
+  const auto again = render_offline({.scene = scene_}, [](double) { return true; });
+  EXPECT_EQ(Samples(again->left.begin(), again->left.end()), heard) << "bit for bit";
+}
+
+// After the break nothing is left of the plate's only mode; each piece has one of 4 kHz and more.
+TEST_F(BreakingScene, TheBodyFallsSilentAndItsPiecesRing) {
+  const auto recording = render_offline({.scene = scene_, .seconds = 1}, [](double) { return true; });
+  ASSERT_TRUE(recording);
+  const auto energy = [&](double hz) {  // of one line, from 20 ms after the break on
+    double re = 0, im = 0;
+    for (std::size_t n = 13000; n < 20000; ++n) {
+      const double turn = 2 * std::numbers::pi * hz * static_cast<double>(n) / kPlateRate_hz;
+      re += static_cast<double>(recording->left[n]) * std::cos(turn);
+      im += static_cast<double>(recording->left[n]) * std::sin(turn);
+    }
+    return re * re + im * im;
+  };
+  const double scale = 1 / 1.1;  // of frequencies, for the size
+  double pieces = 0;
+  for (int k = 0; k < 12; ++k) pieces += energy(scale * (4000 + 10 * k));
+  EXPECT_GT(pieces, 1e4 * energy(scale * 440));
+}
+
+}  // namespace
+}  // namespace ringdown::session
