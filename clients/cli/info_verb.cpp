@@ -3,6 +3,7 @@
 #include "engine/base/note.h"
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
+#include "engine/modal/fracture/fracture.h"
 #include "engine/modal/hearing/pitch.h"
 #include "packaging/manual/command_line.h"
 
@@ -93,6 +94,28 @@ void print_nonlinear(const modal::NonlinearTerms& terms) {
   }
 }
 
+void print_fracture(const modal::Fracture& fracture) {
+  for (std::size_t p = 0; p < fracture.patterns.size(); ++p) {
+    const modal::BreakPattern& pattern = fracture.patterns[p];
+    const auto rings = [](const modal::PieceBank& piece) { return piece.bank.mode_count() > 0; };
+    std::printf("%-10s into %zu pieces, of which %td ring, where (%.4g %.4g %.4g) m is struck; %.3g m2 of cracks",
+                p == 0 ? "breaks" : "", pattern.pieces.size(), std::ranges::count_if(pattern.pieces, rings),
+                pattern.at_m.x, pattern.at_m.y, pattern.at_m.z, pattern.crack_area_m2);
+    if (fracture.crack_energy_j_m2 > 0)
+      std::printf(" take %.3g J", modal::crack_cost_j(pattern.crack_area_m2, fracture.crack_energy_j_m2));
+    std::printf("\n");
+  }
+  if (fracture.strength) {
+    std::printf("strength   half of all such bodies, %.3g m2 of skin, break at %.3g MPa or less; Weibull modulus %.3g\n",
+                fracture.skin_m2, 1e-6 * modal::median_strength_pa(*fracture.strength, fracture.skin_m2),
+                fracture.strength->weibull_modulus);
+  }
+  if (fracture.crack_energy_j_m2 > 0) {
+    std::printf("crack      costs %.3g J/m2, and %.3g times as much when it is fast, as above\n",
+                fracture.crack_energy_j_m2, modal::kFractureEnergyFactor);
+  }
+}
+
 void print_head(const modal::Bank& bank) {
   if (bank.provenance.wall_elements > 0) {
     std::printf(
@@ -117,6 +140,7 @@ void print_head(const modal::Bank& bank) {
     std::printf("parts      of %s; the rest of its material\n", parts.c_str());
   }
   if (bank.nonlinear) print_nonlinear(*bank.nonlinear);
+  if (bank.fracture) print_fracture(*bank.fracture);
   if (bank.held) std::printf("held       by supports, so it is not free\n");
   if (const auto& m = bank.mass) {
     std::printf("mass       %.4g kg, inertia %.4g %.4g %.4g kg m2 about (%.4g %.4g %.4g) m\n", m->mass_kg,

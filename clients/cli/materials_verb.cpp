@@ -152,6 +152,13 @@ void print_material(const bake::MaterialEntry& entry) {
     print_figure("conducts", m.thermal->conductivity_w_mk, "W/(m K)", from.at("conductivity_w_mk"));
     print_figure("heat", m.thermal->heat_capacity_j_kgk, "J/(kg K)", from.at("heat_capacity_j_kgk"));
   }
+  if (const auto& brittle = m.brittleness) {
+    print_figure("strength", brittle->strength.strength_pa, "Pa", from.at("strength_pa"));
+    print_figure("Weibull", brittle->strength.weibull_modulus, "", from.at("weibull_modulus"));
+    const auto area = from.find("strength_area_m2");
+    print_figure("of area", brittle->strength.reference_area_m2, "m2", area == from.end() ? "" : area->second);
+    print_figure("K_Ic", brittle->toughness_pa_sqrt_m, "Pa m^1/2", from.at("toughness_pa_sqrt_m"));
+  }
   for (const auto& [key, source] : from) {
     if (key.starts_with("grain.")) std::printf("  %-28s %s\n", key.c_str(), source.c_str());
   }
@@ -172,7 +179,9 @@ ExitCode list(const MaterialsArguments& arguments) {
     if (!page) return complain(page.error());
     const Result<std::string> grains = bake::grains_as_markdown(arguments.folder);
     if (!grains) return complain(grains.error());
-    std::fputs((*page + "\n" + *grains).c_str(), stdout);
+    const Result<std::string> strengths = bake::strengths_as_markdown(arguments.folder);
+    if (!strengths) return complain(strengths.error());
+    std::fputs((*page + "\n" + *grains + "\n" + *strengths).c_str(), stdout);
     return ExitCode::ok;
   }
   const std::vector<std::string> names = bake::names_in(arguments.folder);

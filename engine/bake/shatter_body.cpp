@@ -3,6 +3,7 @@
 #include "engine/base/in_parallel.h"
 #include "engine/base/rotation.h"
 #include "engine/fem/blas_threads.h"
+#include "engine/fem/surface_stress.h"
 #include "engine/mesh/boundary.h"
 #include "engine/shatter/cut.h"
 #include "engine/shatter/pieces.h"
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <cstddef>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -146,6 +148,32 @@ Vec3 middle_of_surface(const SolvedBody& body, const modal::MassProperties& mass
   return {nearest[0], nearest[1], nearest[2]};
 }
 
+// The stress of the body's modes; the body is of one isotropic material.
+modal::StressTable stress_table(const SolvedBody& body, const modal::Material& material) {
+  const fem::SurfaceStress stress =
+      fem::surface_stress(body.mesh, fem::Elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3},
+                          body.shapes);
+  modal::StressTable table;
+  for (const auto& at : stress.positions.cast<float>().rowwise()) table.positions.push_back({at[0], at[1], at[2]});
+  table.stress.reserve(static_cast<std::size_t>(stress.components.size()));
+  for (const auto& row : stress.components.cast<float>().rowwise())
+    table.stress.insert(table.stress.end(), row.begin(), row.end());
+  for (const double largest : stress.largest) table.largest.push_back(static_cast<float>(largest));
+  return table;
+}
+
+// When the body breaks, and what its cracks cost. A ductile material says neither.
+modal::Fracture strength_of(const SolvedBody& body, const modal::Material& material) {
+  const std::vector<double> areas = mesh::area_weights(mesh::boundary_of(body.mesh), body.mesh.nodes);
+  modal::Fracture fracture{.stress = stress_table(body, material),
+                           .skin_m2 = std::accumulate(areas.begin(), areas.end(), 0.0)};
+  if (!material.brittleness) return fracture;
+  fracture.strength = material.brittleness->strength;
+  fracture.crack_energy_j_m2 = modal::crack_energy_j_m2(material.brittleness->toughness_pa_sqrt_m,
+                                                        material.youngs_modulus_pa, material.poisson_ratio);
+  return fracture;
+}
+
 // More pieces than a bank's file may have (fracture.h) are refused before they are baked.
 Result<void> check_count(std::size_t pieces, const std::string& name) {
   if (pieces <= modal::kMaxPieces) return {};
@@ -166,7 +194,7 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
   if (places_m.empty()) places_m.push_back(middle_of_surface(body, mass));
   if (progress && !progress("pieces", 0)) return fail_cancelled();
   const fem::BlasThreads one(1);  // or a bake that ends would set it for those that go on
-  modal::Fracture fracture;
+  modal::Fracture fracture = strength_of(body, *whole.bank.material);
   Work work{.progress = progress, .mutex = {}};
   for (const int pieces : shatter.pieces) work.count += places_m.size() * static_cast<std::size_t>(pieces);
   if (auto fits = check_count(work.count, whole.bank.name); !fits) return fail(fits.error());

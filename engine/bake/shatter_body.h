@@ -23,7 +23,8 @@ struct Shatter {
   double band_low_hz = 20, band_high_hz = 20000;  // of the pieces
 };
 
-// The pattern for each place and each level. `whole` was baked from a free body of one material with options.interior,
+// The pattern for each place and each level, and the stress of the body's modes on its skin; strength and the energy of
+// cracks are those of the body's material and absent if that is ductile. `whole` was baked from a free body of one material with options.interior,
 // and `options` are its options: the pieces have its element, its surface points' error, its solver and its air, and
 // all modes in their own band. Progress stage: "pieces". Fails as bake() does, and when a body breaks into one piece
 // only.

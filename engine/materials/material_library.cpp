@@ -29,6 +29,10 @@ constexpr Range kUncertainty{1, 100};
 constexpr Range kExpansion_per_k{1e-9, 1e-2};
 constexpr Range kConductivity_w_mk{1e-3, 1e4};
 constexpr Range kHeatCapacity_j_kgk{10, 1e4};
+constexpr Range kStrength_pa{1e3, 1e12};
+constexpr Range kWeibullModulus{1, 1000};
+constexpr Range kStrengthArea_m2{1e-9, 1e3};
+constexpr Range kToughness_pa_sqrt_m{1, 1e9};
 
 // One figure of a material: its key in a file, and how a table writes it.
 struct Figure {
@@ -65,6 +69,15 @@ std::array<Figure, 3> figures_of(modal::Thermal& thermal) {
   return {{{"expansion_per_k", thermal.expansion_per_k, kExpansion_per_k, 1e-6},
            {"conductivity_w_mk", thermal.conductivity_w_mk, kConductivity_w_mk},
            {"heat_capacity_j_kgk", thermal.heat_capacity_j_kgk, kHeatCapacity_j_kgk}}};
+}
+
+// The last one, the area, may be left out.
+std::array<Figure, 4> figures_of(modal::Brittleness& brittleness) {
+  auto& [strength_pa, weibull_modulus, area_m2] = brittleness.strength;
+  return {{{"strength_pa", strength_pa, kStrength_pa, 1e6},
+           {"weibull_modulus", weibull_modulus, kWeibullModulus},
+           {"toughness_pa_sqrt_m", brittleness.toughness_pa_sqrt_m, kToughness_pa_sqrt_m, 1e6},
+           {"strength_area_m2", area_m2, kStrengthArea_m2, 1e-4}}};
 }
 
 void read_figure(TomlTable& file, const Figure& wanted, MaterialEntry& entry) {
@@ -141,6 +154,12 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
     material.thermal.emplace();
     for (const Figure& figure : figures_of(*material.thermal)) read_figure(*thermal, figure, entry);
   }
+  if (std::optional<TomlTable> brittle = file->table("brittle")) {
+    for (const Figure& figure : figures_of(material.brittleness.emplace())) {
+      const bool required = &figure.value != &material.brittleness->strength.reference_area_m2;
+      if (required || brittle->has(figure.key)) read_figure(*brittle, figure, entry);
+    }
+  }
   read_grain_constants(*file, material.orthotropy, entry.sources);
   if (auto good = file->finish(); !good) return fail(good.error());
   if (const auto stable = check_stable(material); !stable)
@@ -168,6 +187,16 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
     return {};
   }
   known += ", loss_factor";
+  if (material.brittleness) {
+    for (const Figure& figure : figures_of(*material.brittleness)) {
+      known += std::string(", ") + figure.key;
+      if (key != figure.key) continue;
+      if (auto good = check_range(value, figure.range); !good)
+        return fail(good.error().kind, key + ": " + good.error().message);
+      figure.value = value;
+      return {};
+    }
+  }
   if (auto set = set_grain_constant(material, key, value)) return *set;
   if (material.orthotropy) {
     for (const GrainFigure& figure : grain_figures(*material.orthotropy)) known += std::string(", ") + figure.key;
@@ -248,6 +277,23 @@ std::string thermal_cells(const MaterialEntry& entry) {
   return row;
 }
 
+std::string strength_row(MaterialEntry entry) {
+  std::string row = "| `" + entry.material.name + "` |";
+  for (const Figure& figure : figures_of(*entry.material.brittleness)) {
+    const auto source = entry.sources.find(figure.key);
+    row += " " +
+           marked(number_text(figure.value / figure.table_unit, "%.3g"),
+                  source == entry.sources.end() ? "" : source->second) +
+           " |";
+  }
+  const modal::Material& material = entry.material;
+  return row + " " +
+         number_text(modal::crack_energy_j_m2(material.brittleness->toughness_pa_sqrt_m, material.youngs_modulus_pa,
+                                              material.poisson_ratio),
+                     "%.2g") +
+         " |\n";
+}
+
 std::string figure_row(MaterialEntry entry) {
   std::string row = "| `" + entry.material.name + "` |";
   for (const Figure& figure : figures_of(entry.material)) {
@@ -268,6 +314,18 @@ Result<std::string> grains_as_markdown(const std::filesystem::path& folder) {
     const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
     if (!entry) return fail(entry.error());
     if (entry->material.orthotropy) table += grain_row(*entry);
+  }
+  return table;
+}
+
+Result<std::string> strengths_as_markdown(const std::filesystem::path& folder) {
+  std::string table =
+      "| material | strength [MPa] | Weibull modulus | toughness [MPa m^1/2] | area [cm^2] | energy of a crack [J/m^2] "
+      "|\n|---|---|---|---|---|---|\n";
+  for (const std::string& name : names_in(folder)) {
+    const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
+    if (!entry) return fail(entry.error());
+    if (entry->material.brittleness) table += strength_row(*entry);
   }
   return table;
 }

@@ -20,6 +20,12 @@
 //   value = 11.7e-6                       # loss to heat is computed; without them there is none
 //   source = "..."
 //
+// A brittle material says when it breaks (modal/fracture/strength.h); one without [brittle] never breaks:
+//
+//   [brittle.strength_pa]                 # and weibull_modulus, toughness_pa_sqrt_m; strength_area_m2 may be left out
+//   value = 60e6
+//   source = "..."
+//
 // A material with a grain says as well what it is along it and across (modal/orthotropy.h), for objects that give their
 // grain (object_file.h): nine figures in [orthotropic], or five in [transversely_isotropic], which is alike in all
 // directions across its axis 1; each with its source, and if they are known, loss factors of a modulus over those
@@ -73,6 +79,9 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
 
 // The second table of docs/use/materials.md: the constants along the grain and across, of the materials that have them.
 Result<std::string> grains_as_markdown(const std::filesystem::path& folder);
+
+// The third table of docs/use/materials.md: when the brittle materials break.
+Result<std::string> strengths_as_markdown(const std::filesystem::path& folder);
 
 // Names of the .toml files in a folder, sorted; empty when there is no such folder.
 std::vector<std::string> names_in(const std::filesystem::path& folder);

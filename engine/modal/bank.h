@@ -22,6 +22,7 @@
 #include "engine/base/range.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/damping.h"
+#include "engine/modal/fracture/strength.h"
 #include "engine/modal/losses.h"
 #include "engine/modal/nonlinear.h"
 #include "engine/modal/orthotropy.h"
@@ -50,6 +51,7 @@ struct Material {
   std::vector<LossFactor> loss_factors = {};  // by ascending frequency; empty: unknown, else `damping` is their fit
   std::optional<Thermal> thermal = {};        // absent: how it warms is not known
   std::optional<Orthotropy> orthotropy = {};  // if a bank has it, its modes are those of this solid, not the isotropic
+  std::optional<Brittleness> brittleness = {};  // absent: ductile, or read from a bank, where Fracture has it
   [[nodiscard]] MaterialDamping damping_law() const { return {damping, loss_factors}; }
 };
 

@@ -457,7 +457,7 @@ std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash, Com
   Json extras;
   if (!input_hash.empty()) extras["inputHash"] = input_hash;
   if (bank.fracture) {
-    extras["fracture"] = fracture_json(*bank.fracture, document.writer,
+    extras["fracture"] = fracture_json(*bank.fracture, document.writer, document.packed,
                                        [&document](const PieceBank& piece) { return document.add_piece(piece); });
     Json pieces = Json::array();
     for (std::size_t node = 1; node < document.nodes.size(); ++node) pieces.push_back(node);

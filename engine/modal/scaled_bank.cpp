@@ -27,6 +27,15 @@ std::vector<float> ringing_rows(const PieceBank& piece, const MaterialScale& sca
   return kept;
 }
 
+StressTable scaled(const StressTable& table, const MaterialScale& scale) {
+  StressTable out = table;
+  const auto factor = static_cast<float>(stress_factor(scale));
+  for (Vec3f& point : out.positions) point = rescale(point, scale);
+  for (float& stress : out.stress) stress *= factor;
+  for (float& largest : out.largest) largest *= factor;
+  return out;
+}
+
 }  // namespace
 
 Bank scaled(const Bank& bank, const MaterialScale& scale) {
@@ -62,7 +71,10 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
 }
 
 Fracture scaled(const Fracture& fracture, const MaterialScale& scale) {
-  Fracture out;
+  Fracture out{.stress = scaled(fracture.stress, scale),
+               .skin_m2 = scale.size * scale.size * fracture.skin_m2,
+               .strength = fracture.strength,
+               .crack_energy_j_m2 = fracture.crack_energy_j_m2 / scale.stiffness};
   for (const BreakPattern& pattern : fracture.patterns) {
     BreakPattern& changed = out.patterns.emplace_back();
     changed.at_m = scale.size * pattern.at_m;
@@ -93,6 +105,8 @@ Result<void> scale_size(Bank& bank, double size, const std::string& name) {
   };
   const auto pieces_finite = [&] {
     if (!bank.fracture) return true;
+    const StressTable& table = bank.fracture->stress;
+    if (!all_finite(table.positions) || !finite(table.stress) || !finite(table.largest)) return false;
     return std::ranges::all_of(bank.fracture->patterns, [&](const BreakPattern& pattern) {
       return std::ranges::all_of(pattern.pieces, [&](const PieceBank& piece) {
         return all_finite(piece.bank.positions) && all_finite(piece.bank.shapes);
@@ -115,6 +129,8 @@ void spread_points(Bank& bank, double factor) {
   if (bank.mass) bank.mass->center_of_mass_m = factor * bank.mass->center_of_mass_m;
   if (!bank.fracture) return;
   Fracture fracture = *bank.fracture;
+  for (Vec3f& p : fracture.stress.positions) p = {moved(p[0]), moved(p[1]), moved(p[2])};
+  fracture.skin_m2 *= factor * factor;
   for (BreakPattern& pattern : fracture.patterns) {
     pattern.at_m = factor * pattern.at_m;
     pattern.crack_area_m2 *= factor * factor;

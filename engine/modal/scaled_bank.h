@@ -16,7 +16,8 @@ namespace ringdown::modal {
 Bank scaled(const Bank& bank, const MaterialScale& scale);
 
 // Returns the patterns of a body of another size, stiffness or density. Modes of pieces that would no longer ring are
-// left out.
+// left out. Strength and toughness are the material's own and stay, so the energy of a crack, K_Ic^2 (1 - nu^2) / E,
+// falls as the stiffness rises. The skin grows with the size, so a larger body is weaker by Weibull's law.
 Fracture scaled(const Fracture& fracture, const MaterialScale& scale);
 
 // Makes the object `size` times as large. Fails if a mode would no longer ring or a number would overflow; errors begin

@@ -253,7 +253,10 @@ TEST(MaterialPage, TheCommittedTableIsInStep) {
   ASSERT_TRUE(table) << table.error().message;
   const auto grains = bake::grains_as_markdown(kPresets / "materials");
   ASSERT_TRUE(grains) << grains.error().message;
-  EXPECT_NE(page.find("-->\n" + *table + "\n" + *grains + "<!-- end"), std::string::npos) << "run: ./run docs";
+  const auto strengths = bake::strengths_as_markdown(kPresets / "materials");
+  ASSERT_TRUE(strengths) << strengths.error().message;
+  EXPECT_NE(page.find("-->\n" + *table + "\n" + *grains + "\n" + *strengths + "<!-- end"), std::string::npos)
+      << "run: ./run docs";
 }
 
 TEST(MaterialPage, ThePageSaysWhichFiguresToDoubt) {
@@ -284,7 +287,9 @@ TEST(Presets, EveryMaterialIsWholeAndSourced) {
       ASSERT_TRUE(entry);
       const auto of_grain = static_cast<std::size_t>(
           std::ranges::count_if(entry->sources, [](const auto& source) { return source.first.starts_with("grain."); }));
-      EXPECT_EQ(entry->sources.size() - of_grain, entry->material.thermal ? 8u : 5u) << name;
+      const std::size_t thermal = entry->material.thermal ? 3 : 0, area = entry->sources.count("strength_area_m2");
+      const std::size_t brittle = entry->material.brittleness ? 3 + area : 0;
+      EXPECT_EQ(entry->sources.size() - of_grain, 5 + thermal + brittle) << name;
       EXPECT_EQ(of_grain >= 5, entry->material.orthotropy.has_value()) << name;
     }
   };

@@ -1,10 +1,16 @@
 #include "engine/modal/fracture/fracture_file.h"
 
+#include "engine/gltf/meshopt_codec.h"
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 namespace ringdown::modal {
 namespace {
@@ -13,6 +19,10 @@ constexpr std::size_t kMaxHandover = std::size_t{1} << 26;  // numbers in one pa
 constexpr float kMaxEntry = 1.001F;  // of a handover: at most 1 but for rounding, as both bases are orthonormal
 constexpr double kMaxLength_m = 1e6;
 constexpr std::size_t kMaxNumbers = std::size_t{1} << 27;  // of all pieces together: 512 MiB
+constexpr std::size_t kMaxStressPoints = std::size_t{1} << 14;
+constexpr float kMaxStress = 1.01F;   // over the mode's largest: at most 1 but for rounding
+constexpr double kStressSteps = 512;  // of a packed stress, for the mode's largest
+constexpr double kMaxArea_m2 = 1e12, kMaxCrackEnergy_j_m2 = 1e12, kMaxStrength_pa = 1e15, kMaxModulus = 1e4;
 constexpr const char* kSolid = "one with massProperties, a mass and three moments of inertia above 0";
 
 // A body without mass or inertia in a direction has no rigid motion to hand over.
@@ -34,6 +44,55 @@ Result<double> read_size(const JsonPlace& field, double max) {
   if (!number) return fail(number.error());
   if (!(*number >= 0 && *number <= max)) return field.wrong("at least 0, at most " + Json(max).dump());
   return *number;
+}
+
+// A number above 0.
+Result<void> read_positive(const JsonPlace& field, double max, double& target) {
+  const auto number = field.number();
+  if (!number) return fail(number.error());
+  if (!(*number > 0 && *number <= max)) return field.wrong("above 0, at most " + Json(max).dump());
+  target = *number;
+  return {};
+}
+
+Result<std::optional<Strength>> read_strength(const JsonPlace& field) {
+  if (!field.present()) return std::nullopt;
+  Strength strength;
+  for (const auto& read : {read_positive(field["stress"], kMaxStrength_pa, strength.strength_pa),
+                           read_positive(field["weibullModulus"], kMaxModulus, strength.weibull_modulus),
+                           read_positive(field["area"], kMaxArea_m2, strength.reference_area_m2)}) {
+    if (!read) return fail(read.error());
+  }
+  if (strength.weibull_modulus < 1) return field["weibullModulus"].wrong("at least 1");
+  return strength;
+}
+
+// In the file the stress has the modes first, as shapes have, so that each mode can be rounded for itself.
+Result<StressTable> read_stress(const Glb& glb, const JsonPlace& field, std::size_t modes) {
+  if (!field.present()) return StressTable{};
+  const auto positions = read_floats(glb, field["positions"], 3, kMaxStressPoints);
+  if (!positions) return fail(positions.error());
+  const auto largest = read_floats(glb, field["largest"], 1, modes);
+  if (!largest) return fail(largest.error());
+  if (largest->size() != modes) return field["largest"].wrong(std::to_string(modes) + " numbers, one for each mode");
+  const std::size_t points = positions->size() / 3;
+  const auto components = read_floats(glb, field["components"], 3, modes * points);
+  if (!components) return fail(components.error());
+  if (components->size() != 3 * modes * points)
+    return field["components"].wrong(std::to_string(modes * points) + " elements (modes times points)");
+  StressTable table{.positions = {}, .stress = std::vector<float>(components->size()), .largest = *largest};
+  for (std::size_t p = 0; p < points; ++p)
+    table.positions.push_back({(*positions)[3 * p], (*positions)[3 * p + 1], (*positions)[3 * p + 2]});
+  for (std::size_t m = 0; m < modes; ++m) {
+    if ((*largest)[m] < 0) return field["largest"].wrong("numbers of at least 0");
+    for (std::size_t row = 0; row < 3 * points; ++row) {
+      const float stress = (*components)[3 * points * m + row];
+      if (!(std::abs(stress) <= kMaxStress * (*largest)[m]))
+        return field["components"].wrong("no stress above the largest of its mode");
+      table.stress[row * modes + m] = stress;
+    }
+  }
+  return table;
 }
 
 Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers) {
@@ -75,6 +134,41 @@ Result<void> read_handovers(const Glb& glb, const JsonPlace& field, std::size_t 
   return {};
 }
 
+// Adds the components of all modes, each rounded to whole multiples of a power of two.
+std::size_t add_packed_stress(GlbWriter& writer, const std::vector<float>& components, const StressTable& table) {
+  const std::size_t rows = 3 * table.positions.size();
+  std::vector<std::uint32_t> words;
+  words.reserve(components.size());
+  for (std::size_t m = 0; m < table.largest.size(); ++m) {
+    const double step = static_cast<double>(table.largest[m]) / kStressSteps;
+    const int exponent = step > 0 ? std::clamp(std::ilogb(step), -kMaxExponent, kMaxExponent) : -kMaxExponent;
+    std::vector<std::int32_t> whole;
+    for (std::size_t row = 0; row < rows; ++row)
+      whole.push_back(static_cast<std::int32_t>(std::lround(std::ldexp(components[rows * m + row], -exponent))));
+    const std::vector<std::uint32_t> mode = exponential_words(whole, exponent);
+    words.insert(words.end(), mode.begin(), mode.end());
+  }
+  return writer.add_exponentials(words, 3);
+}
+
+Json stress_json(const StressTable& table, GlbWriter& writer, bool packed) {
+  const std::size_t modes = table.largest.size(), rows = 3 * table.positions.size();
+  std::vector<float> components, positions;
+  for (const Vec3f& point : table.positions) positions.insert(positions.end(), point.begin(), point.end());
+  components.reserve(table.stress.size());
+  for (std::size_t m = 0; m < modes; ++m) {
+    for (std::size_t row = 0; row < rows; ++row) components.push_back(table.stress[row * modes + m]);
+  }
+  const auto add = [&](std::span<const float> values, std::size_t width) {
+    return packed ? writer.add_packed_floats(values, width) : writer.add_floats(values, width);
+  };
+  const float most = modes == 0 ? 0 : *std::ranges::max_element(table.largest);
+  const bool rounds = packed && std::ilogb(most) < kMaxExponent;
+  return {{"positions", add(positions, 3)},
+          {"largest", writer.add_floats(table.largest, 1)},
+          {"components", rounds ? add_packed_stress(writer, components, table) : add(components, 3)}};
+}
+
 }  // namespace
 
 Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const Bank& body,
@@ -84,7 +178,19 @@ Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const 
   const JsonPlace patterns = fracture["patterns"];
   if (patterns.size() == 0 || patterns.size() > kMaxPatterns)
     return fracture.wrong("a list `patterns` of 1 to " + std::to_string(kMaxPatterns));
-  std::size_t count = 0, numbers = 0;
+  auto stress = read_stress(glb, fracture["stress"], body.mode_count());
+  if (!stress) return fail(stress.error());
+  out.stress = std::move(*stress);
+  const auto strength = read_strength(fracture["strength"]);
+  if (!strength) return fail(strength.error());
+  out.strength = *strength;
+  for (const auto& [key, target, max] : {std::tuple("skinArea", &out.skin_m2, kMaxArea_m2),
+                                         std::tuple("crackEnergy", &out.crack_energy_j_m2, kMaxCrackEnergy_j_m2)}) {
+    if (!fracture[key].present()) continue;
+    if (auto read = read_positive(fracture[key], max, *target); !read) return fail(read.error());
+  }
+  if (out.strength && out.skin_m2 == 0) return fracture["skinArea"].wrong("an area above 0, which strength refers to");
+  std::size_t count = 0, numbers = out.stress.stress.size();
   for (std::size_t p = 0; p < patterns.size(); ++p) {
     const JsonPlace field = patterns[p], pieces = field["pieces"];
     BreakPattern& pattern = out.patterns.emplace_back();
@@ -115,7 +221,8 @@ Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const 
   return out;
 }
 
-Json fracture_json(const Fracture& fracture, GlbWriter& writer, const std::function<Json(const PieceBank&)>& describe) {
+Json fracture_json(const Fracture& fracture, GlbWriter& writer, bool packed,
+                   const std::function<Json(const PieceBank&)>& describe) {
   Json patterns = Json::array();
   for (const BreakPattern& pattern : fracture.patterns) {
     Json pieces = Json::array();
@@ -131,7 +238,16 @@ Json fracture_json(const Fracture& fracture, GlbWriter& writer, const std::funct
                         {"handover", writer.add_floats(handovers, 1)},
                         {"pieces", std::move(pieces)}});
   }
-  return {{"patterns", std::move(patterns)}};
+  Json json = {{"patterns", std::move(patterns)}};
+  if (!fracture.stress.positions.empty()) json["stress"] = stress_json(fracture.stress, writer, packed);
+  if (fracture.skin_m2 > 0) json["skinArea"] = fracture.skin_m2;
+  if (fracture.crack_energy_j_m2 > 0) json["crackEnergy"] = fracture.crack_energy_j_m2;
+  if (fracture.strength) {
+    json["strength"] = {{"stress", fracture.strength->strength_pa},
+                        {"weibullModulus", fracture.strength->weibull_modulus},
+                        {"area", fracture.strength->reference_area_m2}};
+  }
+  return json;
 }
 
 }  // namespace ringdown::modal

@@ -15,18 +15,27 @@ std::uint64_t mixed_bits(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-}  // namespace
-
-double drawn_strength_pa(const Strength& strength, double area_m2, std::uint64_t scene_seed, std::uint64_t body) {
+// Returns the stress that the share `surviving` of all bodies of this skin area survives.
+double survived_stress_pa(const Strength& strength, double area_m2, double surviving) {
   assert(strength.strength_pa > 0 && strength.weibull_modulus >= 1 && strength.reference_area_m2 > 0 && area_m2 > 0);
-  const std::uint64_t bits = mixed_bits(mixed_bits(scene_seed) ^ body) >> 11;
-  const double u = (static_cast<double>(bits) + 0.5) / 9007199254740992.0;  // 2^53
   return strength.strength_pa *
-         std::pow(-std::log(u) * strength.reference_area_m2 / area_m2, 1 / strength.weibull_modulus);
+         std::pow(-std::log(surviving) * strength.reference_area_m2 / area_m2, 1 / strength.weibull_modulus);
 }
 
-double crack_energy_j_m2(double toughness_pa_root_m, double youngs_modulus_pa, double poisson_ratio) {
-  return toughness_pa_root_m * toughness_pa_root_m * (1 - poisson_ratio * poisson_ratio) / youngs_modulus_pa;
+}  // namespace
+
+double median_strength_pa(const Strength& strength, double area_m2) {
+  return survived_stress_pa(strength, area_m2, 0.5);
+}
+
+double drawn_strength_pa(const Strength& strength, double area_m2, std::uint64_t scene_seed, std::uint64_t body) {
+  const std::uint64_t bits = mixed_bits(mixed_bits(scene_seed) ^ body) >> 11;
+  const double u = (static_cast<double>(bits) + 0.5) / 9007199254740992.0;  // 2^53
+  return survived_stress_pa(strength, area_m2, u);
+}
+
+double crack_energy_j_m2(double toughness_pa_sqrt_m, double youngs_modulus_pa, double poisson_ratio) {
+  return toughness_pa_sqrt_m * toughness_pa_sqrt_m * (1 - poisson_ratio * poisson_ratio) / youngs_modulus_pa;
 }
 
 std::optional<std::size_t> finest_affordable(std::span<const double> crack_areas_m2, double energy_j_m2,

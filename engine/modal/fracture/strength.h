@@ -21,13 +21,22 @@ struct Strength {
   double reference_area_m2 = kReferenceArea_m2;  // A_0 > 0
 };
 
+// What a brittle material adds to an elastic one. Ductile materials have nothing of it and never break.
+struct Brittleness {
+  Strength strength;
+  double toughness_pa_sqrt_m = 0;  // K_Ic > 0
+};
+
+// Returns the strength that half of all bodies of this skin area have [Pa]. `area_m2` > 0.
+double median_strength_pa(const Strength& strength, double area_m2);
+
 // Returns the strength of one body [Pa]: sigma_0 (A_0/A)^(1/m) (-ln u)^(1/m), with u in (0, 1) drawn by hashing the
 // scene's seed and the body's number. Nothing else that is drawn or happens changes it. `area_m2` > 0.
 double drawn_strength_pa(const Strength& strength, double area_m2, std::uint64_t scene_seed, std::uint64_t body);
 
 // Returns the energy of a crack for each area of it [J/m^2], G_c = K_Ic^2 (1 - nu^2) / E (Irwin 1957, plane strain).
 // The toughness K_Ic is in Pa m^1/2.
-double crack_energy_j_m2(double toughness_pa_root_m, double youngs_modulus_pa, double poisson_ratio);
+double crack_energy_j_m2(double toughness_pa_sqrt_m, double youngs_modulus_pa, double poisson_ratio);
 
 // Fast cracks branch and are rough, so that they cost several times G_c.
 inline constexpr double kFractureEnergyFactor = 3;
