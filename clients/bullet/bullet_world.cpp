@@ -164,6 +164,7 @@ Result<void> check_abilities(const SceneDescription& scene) {
       return fail(ErrorKind::bad_input, "body " + quote(body.name) + " is a trimesh" + cannot);
     if (body.gravity_factor != 1)
       return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has a gravity_factor" + cannot);
+    if (body.breaks) return fail(ErrorKind::bad_input, "body " + quote(body.name) + " breaks" + cannot);
     if (body.filter != scene::CollisionFilter{})
       return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has a collision filter" + cannot);
   }

@@ -1,13 +1,17 @@
 #include "engine/materials/material_change.h"
 
 #include "engine/materials/importance.h"
+#include "engine/modal/fracture/fracture.h"
 #include "engine/modal/hearing/loudness.h"
 #include "engine/modal/hearing/pitch.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_choice.h"
+#include "engine/modal/scaled_bank.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <memory>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -86,11 +90,51 @@ double changed_bound(double frequency_hz, const modal::Material& from, const mod
   return modal::with_decay(lambda, modal::mode_loss(to.damping_law(), lambda).total_per_s()).frequency_hz;
 }
 
-}  // namespace
+// The bank after the change, which may have no mode left, and the old numbers of its modes.
+struct Kept {
+  modal::Bank bank;
+  std::vector<std::size_t> order;
+};
+Kept changed_bank(const modal::Bank& bank, const Change& change);
 
-Result<Changed> change(const modal::Bank& bank, const Change& change) {
-  if (change.material && !(bank.material && bank.material->youngs_modulus_pa > 0 && bank.material->density_kg_m3 > 0))
-    return fail(ErrorKind::bad_input, "the bank does not name its material, so only its size can be changed");
+// Rows of the piece's rigid motions and of its modes in this order.
+std::vector<float> chosen_rows(const modal::PieceBank& piece, const std::vector<std::size_t>& order) {
+  const std::size_t columns = piece.handover.size() / (modal::kRigidMotions + piece.bank.mode_count());
+  const auto row = [&](std::size_t number) {
+    return piece.handover.begin() + static_cast<std::ptrdiff_t>(number * columns);
+  };
+  std::vector<float> rows(row(0), row(modal::kRigidMotions));
+  for (const std::size_t m : order)
+    rows.insert(rows.end(), row(modal::kRigidMotions + m), row(modal::kRigidMotions + m + 1));
+  return rows;
+}
+
+// Each piece changes as a body of its own, of the body's old material. Strength and toughness become those of the new
+// material; a ductile one has none.
+modal::Fracture changed_pieces(const modal::Fracture& fracture, const Change& change, const modal::MaterialScale& scale,
+                               const std::optional<modal::Material>& from, const modal::Material& to) {
+  modal::Fracture out = modal::scaled(fracture, scale);
+  for (std::size_t p = 0; p < out.patterns.size(); ++p) {
+    for (std::size_t i = 0; i < out.patterns[p].pieces.size(); ++i) {
+      modal::PieceBank whole = fracture.patterns[p].pieces[i];
+      whole.bank.material = from;
+      Kept kept = changed_bank(whole.bank, change);
+      modal::PieceBank& piece = out.patterns[p].pieces[i];
+      piece.bank = std::move(kept.bank);
+      piece.handover = chosen_rows(whole, kept.order);
+    }
+  }
+  if (!change.material) return out;
+  out.strength.reset();
+  out.crack_energy_j_m2 = 0;
+  if (!to.brittleness) return out;
+  out.strength = to.brittleness->strength;
+  out.crack_energy_j_m2 =
+      modal::crack_energy_j_m2(to.brittleness->toughness_pa_sqrt_m, to.youngs_modulus_pa, to.poisson_ratio);
+  return out;
+}
+
+Kept changed_bank(const modal::Bank& bank, const Change& change) {
   const modal::Material from = bank.material.value_or(modal::Material{});
   modal::Material to = change.material.value_or(from);
   to.poisson_ratio = from.poisson_ratio;
@@ -98,14 +142,14 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   to.orthotropy = from.orthotropy;
   if (to.orthotropy) to.orthotropy = modal::stiffer(*to.orthotropy, scale.stiffness);
 
-  Changed changed{.bank = bank};
+  Kept changed{.bank = bank, .order = {}};
   modal::Bank& out = changed.bank;
   const modal::Loudness loudness(bank);
   std::vector<modal::DampedMode> modes;
   std::vector<modal::ModeHeat> heat;
   std::vector<modal::ModeLoss> losses;
   std::vector<double> weights;
-  std::vector<std::size_t> order;
+  std::vector<std::size_t>& order = changed.order;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     heat.push_back(change.material ? heat_in(from, to, bank, m, scale) : modal::rescaled_heat(bank, m, scale));
     losses.push_back(change.material ? loss_in(from, to, bank, m, scale, heat[m])
@@ -115,8 +159,6 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
     weights.push_back(importance(modes[m], pressure_pa, rms_shape(bank, m)));
     if (modes[m].frequency_hz > 0) order.push_back(m);
   }
-  changed.over_damped = bank.mode_count() - order.size();
-  if (order.empty()) return fail(ErrorKind::bad_input, "none of its modes would ring: all are over-damped");
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return weights[a] > weights[b]; });
 
   const auto shape = static_cast<float>(modal::shape_factor(scale));
@@ -132,6 +174,8 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   if (out.nonlinear) modal::rescale(*out.nonlinear, scale);
   modal::take_modes(out, order);
   for (modal::Vec3f& point : out.positions) point = modal::rescale(point, scale);
+  if (out.fracture)
+    out.fracture = std::make_shared<const modal::Fracture>(changed_pieces(*out.fracture, change, scale, bank.material, to));
   if (out.mass) out.mass = modal::rescale(*out.mass, scale);
   out.pitch_hz = modal::scaled_pitch(bank.pitch_hz, scale);
   if (bank.material) out.material = to;
@@ -140,6 +184,16 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   made.band_low_hz = changed_bound(made.band_low_hz, from, to, factor);
   made.band_high_hz = changed_bound(made.band_high_hz, from, to, factor);
   return changed;
+}
+
+}  // namespace
+
+Result<Changed> change(const modal::Bank& bank, const Change& change) {
+  if (change.material && !(bank.material && bank.material->youngs_modulus_pa > 0 && bank.material->density_kg_m3 > 0))
+    return fail(ErrorKind::bad_input, "the bank does not name its material, so only its size can be changed");
+  Kept kept = changed_bank(bank, change);
+  if (kept.order.empty()) return fail(ErrorKind::bad_input, "none of its modes would ring: all are over-damped");
+  return Changed{.bank = std::move(kept.bank), .over_damped = bank.mode_count() - kept.order.size()};
 }
 
 }  // namespace ringdown::bake

@@ -6,7 +6,7 @@
 // rho^-1/2 size^-3/2, positions as size, mass as rho size^3, inertia as rho size^5 (docs/how/physics.md, "Another
 // material"). The band goes with the modes: what lay above it was never found, so a bank that grows ends lower, and one
 // that shrinks has no modes from the old lower end to the new one. All are kept that still have a pitch, in order of
-// their importance, which depends on pitch.
+// their importance, which depends on pitch. The pieces of a body that breaks change as bodies of their own.
 #pragma once
 
 #include "engine/base/result.h"

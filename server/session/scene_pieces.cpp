@@ -1,13 +1,28 @@
 #include "server/session/scene_pieces.h"
 
+#include "engine/base/content_hash.h"
 #include "engine/breaking/breakable.h"
+#include "engine/modal/bank_file.h"
+#include "engine/modal/fracture/fracture.h"
 #include "engine/scene/fracture/breaking_bodies.h"
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <utility>
 
 namespace ringdown::session {
+namespace {
+
+// A bank for who draws the piece: files have at least one mode.
+modal::Bank with_silent_mode(modal::Bank bank) {
+  bank.frequency_hz = {20000};
+  bank.decay_per_s = {1};
+  bank.shapes.assign(bank.positions.size(), {});
+  return bank;
+}
+
+}  // namespace
 
 Result<ScenePieces::Sets> ScenePieces::load(const ObjectState& object, synth::Frame frame) {
   if (auto good = breaking::Breakable::check(object.map->bank()); !good)
@@ -18,9 +33,17 @@ Result<ScenePieces::Sets> ScenePieces::load(const ObjectState& object, synth::Fr
     sets.push_back(std::make_shared<const breaking::PieceSet>(*object.map, object.material, p));
     for (std::size_t i = 0; i < sets.back()->pieces().size(); ++i) {
       const breaking::BodyPiece& piece = sets.back()->pieces()[i];
-      if (!piece.map) continue;
+      BankFile file{.map = piece.map, .bytes = object.bank_bytes, .content = object.bank_content};
+      if (!piece.map) {
+        modal::Bank own = fracture.patterns[p].pieces[i].bank;
+        own.gain = object.map->bank().gain;
+        file.alone = std::make_shared<const std::vector<std::byte>>(modal::to_glb(with_silent_mode(own)));
+        file.bytes = file.alone->size();
+        file.content = ContentHasher().bytes(*file.alone).hash();
+        file.map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(own)));
+      }
       const std::string name = scene::piece_name(object.name, fracture, p, i);
-      if (auto loaded = load_piece(object, piece, name, frame); !loaded)
+      if (auto loaded = load_piece(object, piece, std::move(file), name, frame); !loaded)
         return fail(loaded.error().kind, "object \"" + object.name + "\" cannot break: " + loaded.error().message);
     }
   }
@@ -28,12 +51,14 @@ Result<ScenePieces::Sets> ScenePieces::load(const ObjectState& object, synth::Fr
 }
 
 Result<void> ScenePieces::load_piece(const ObjectState& object, const breaking::BodyPiece& piece,
-                                     const std::string& name, synth::Frame frame) {
+                                     BankFile file, const std::string& name, synth::Frame frame) {
   if (const auto known = rack_.find({.name = name}); known && !contains((*known)->number))
     return fail(ErrorKind::refused, "an object \"" + name + "\" exists already");
-  const modal::BankPath path{modal::split_bank_path(object.bank).file, {piece.model}};
-  const auto number = rack_.add(name, modal::bank_path(path),
-                                {.map = piece.map, .bytes = object.bank_bytes, .content = object.bank_content});
+  // No path leads to a piece without modes, which is no model of the file.
+  const std::filesystem::path whole = modal::split_bank_path(object.bank).file;
+  const std::filesystem::path path =
+      piece.map ? modal::bank_path({whole, {piece.model}}) : std::filesystem::path(whole.string() + "#" + name);
+  const auto number = rack_.add(name, path, std::move(file));
   if (!number) return fail(number.error());
   loaded_.insert(*number);
   {

@@ -36,8 +36,8 @@ class ScenePieces {
   [[nodiscard]] bool contains(synth::ObjectNumber object) const;  // [any but audio]
 
  private:
-  Result<void> load_piece(const ObjectState& object, const breaking::BodyPiece& piece, const std::string& name,
-                          synth::Frame frame);
+  Result<void> load_piece(const ObjectState& object, const breaking::BodyPiece& piece, BankFile file,
+                          const std::string& name, synth::Frame frame);
   void free(const std::set<synth::ObjectNumber>& numbers) const;
 
   Rack& rack_;

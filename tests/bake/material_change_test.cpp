@@ -2,12 +2,14 @@
 #include "engine/materials/material_change.h"
 
 #include "engine/bake/bake.h"
+#include "engine/modal/fracture/fracture.h"
 #include "tests/fem/sample_meshes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <vector>
@@ -135,6 +137,63 @@ TEST(Change, AChangeToALossFactorOfEachFrequencyAndBackIsABakeInIt) {
   const auto back = bake::change(changed->bank, {.size = 1 / 1.3, .material = kSteel});
   ASSERT_TRUE(back);
   expect_same(back->bank, one, 1e-6);
+}
+
+// A body of two pieces, one with modes; its handover of mode k from mode j is 0.01 k + 0.001 j.
+modal::Bank breaking_bar(const modal::Material& material) {
+  modal::Bank bar = baked(1, material, 16000);
+  modal::PieceBank piece{.bank = baked(0.5, material, 16000)}, silent{.bank = {.mass = piece.bank.mass}};
+  const std::size_t columns = modal::kRigidMotions + bar.mode_count();
+  for (std::size_t k = 0; k < modal::kRigidMotions + piece.bank.mode_count(); ++k) {
+    for (std::size_t j = 0; j < columns; ++j) piece.handover.push_back(0.01F * k + 0.001F * j);
+  }
+  silent.handover.assign(modal::kRigidMotions * columns, 0.5F);
+  modal::Fracture fracture{.skin_m2 = 0.02, .strength = modal::Strength{4e7, 6}, .crack_energy_j_m2 = 8};
+  fracture.patterns.push_back({.crack_area_m2 = 1e-4, .pieces = {piece, silent}});
+  bar.fracture = std::make_shared<const modal::Fracture>(fracture);
+  return bar;
+}
+
+TEST(Change, PiecesChangeAsTheBodyDoes) {
+  modal::Material brittle = kOther;
+  brittle.brittleness = {.strength = {5e7, 9, 1e-4}, .toughness_pa_sqrt_m = 1e6};
+  const modal::Bank one = breaking_bar(kSteel);
+  const auto changed = bake::change(one, {.size = 1.3, .material = brittle});
+  ASSERT_TRUE(changed) << changed.error().message;
+  const modal::Fracture &before = *one.fracture, &after = *changed->bank.fracture;
+  EXPECT_NEAR(after.skin_m2, 1.69 * before.skin_m2, 1e-12);
+  EXPECT_EQ(after.strength.value().strength_pa, 5e7);
+  EXPECT_NEAR(after.crack_energy_j_m2, 1e12 * 0.91 / 61e9, 1e-9);
+  const modal::PieceBank &from = before.patterns[0].pieces[0], &to = after.patterns[0].pieces[0];
+  const double high_hz = to.bank.provenance.band_high_hz;
+  expect_same(to.bank, baked(0.65, kOther, high_hz), 1e-6);
+  EXPECT_NEAR(after.patterns[0].pieces[1].bank.mass->mass_kg, to.bank.mass->mass_kg, 1e-12);
+  // Rows and columns follow the modes to their new places, which their frequencies tell.
+  const auto places = [](const modal::Bank& old, const modal::Bank& now) {
+    std::vector<std::size_t> place(old.mode_count());
+    const auto order_old = by_pitch(old), order_now = by_pitch(now);
+    for (std::size_t i = 0; i < place.size(); ++i) place[order_now[i]] = order_old[i];
+    return place;
+  };
+  ASSERT_EQ(to.bank.mode_count(), from.bank.mode_count());
+  ASSERT_EQ(changed->bank.mode_count(), one.mode_count());
+  const auto rows = places(from.bank, to.bank), columns = places(one, changed->bank);
+  const std::size_t width = modal::kRigidMotions + columns.size();
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      EXPECT_EQ(to.handover[(modal::kRigidMotions + k) * width + modal::kRigidMotions + j],
+                from.handover[(modal::kRigidMotions + rows[k]) * width + modal::kRigidMotions + columns[j]]);
+  }
+}
+
+TEST(Change, ABodyThatIsMadeOfADuctileMaterialHasNoStrength) {
+  const auto changed = bake::change(breaking_bar(kSteel), {.material = kOther});
+  ASSERT_TRUE(changed) << changed.error().message;
+  EXPECT_FALSE(changed->bank.fracture->strength);
+  EXPECT_EQ(changed->bank.fracture->crack_energy_j_m2, 0);
+  const auto larger = bake::change(breaking_bar(kSteel), {.size = 2});
+  EXPECT_EQ(larger->bank.fracture->strength.value().strength_pa, 4e7) << "the material stays";
+  EXPECT_EQ(larger->bank.fracture->crack_energy_j_m2, 8);
 }
 
 TEST(Change, AChangeOrdersModesByTheirNewImportanceAndBackIsTheOldBank) {

@@ -195,6 +195,31 @@ TEST(BreakingBodies, PiecesThatOverlapStaySilentAndKeepTheirEnergy) {
   EXPECT_NEAR(momentum_of(world, grid).kinetic_j, before_j, 1e-9 * before_j);
 }
 
+// The floor's impulse is halved with the ball's, or the plate would jump.
+TEST(BreakingBodies, ABreakOnTheFloorMakesNoEnergy) {
+  const PlateGrid grid{.handover = 0.05F};
+  for (const bool stacked : {false, true}) {
+    SceneDescription scene = test::scene_of({plate_body({.impulse_ns = 0.05, .min_mass_kg = 0}), ball_body()}, 0.3);
+    scene.bodies[0].position_m.z = 0.005;
+    if (stacked) {  // a light thing between the plate and the floor
+      scene.bodies[0].position_m.z = 0.0152;
+      BodyDescription tile = ball_body();
+      tile.name = "tile";
+      tile.shape = {ShapeType::box, {0.29, 0.19, 0.01}, 0};
+      tile.density_kg_m3 = 20;
+      tile.position_m = {0, 0, 0.005};
+      tile.velocity_m_s = {};
+      scene.bodies.push_back(tile);
+      scene.bodies[1].position_m.z = 0.07;
+    }
+    World world = world_of(scene, plate_objects(breaking_plate(grid)));
+    ASSERT_TRUE(until_break(world));
+    double fastest_m_s = 0;
+    for (const BodyState& body : world.bodies()) fastest_m_s = std::max(fastest_m_s, length(body.velocity_m_s));
+    EXPECT_LT(fastest_m_s, 3) << "the ball came with 3 m/s";
+  }
+}
+
 TEST(BreakingBodies, PiecesFallRestAndFallSilent) {
   const PlateGrid grid;
   World world = world_of(falling({.impulse_ns = 1e-2}, 0.4), plate_objects(breaking_plate(grid)));

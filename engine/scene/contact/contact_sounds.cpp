@@ -235,11 +235,13 @@ void ContactSounds::strike(BodyPair pair, std::span<const ContactPoint* const> p
 bool ContactSounds::breaks(BodyId body, BodyId other) {
   const ContactSide& side = sides_.at(body);
   if (!side.breaks || !side.object || !judge_) return false;
+  const double restitution = combine(side.surface, sides_.at(other).surface).restitution;
   std::vector<BodyBlow> blows;
   for (const auto& [point, lasting_s, frame] : strikes_) {
     const bool straight = point->body == body;
     const Motion& motion = straight ? point->motions->of_body : point->motions->of_other;
-    blows.push_back({frame, strike_of(*point, side, motion, (straight ? 1 : -1) * point->impulse_ns, lasting_s)});
+    blows.push_back({frame, strike_of(*point, side, motion, (straight ? 1 : -1) * point->impulse_ns, lasting_s),
+                     0.5 * length(point->impulse_ns) * point->approach_m_s / (1 + restitution)});
   }
   return judge_(body, other, blows);
 }

@@ -31,6 +31,7 @@ struct FrameClock {
 struct BodyBlow {
   synth::Frame frame = 0;
   synth::verb::Strike strike;
+  double energy_j = 0;  // of the approach: no more can be in the body's vibration at the peak of the force
 };
 
 // A pair strikes, and one of its bodies may break: all its blows of one step.

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <set>
 
 namespace ringdown::scene {
 namespace {
@@ -63,6 +64,36 @@ BodyDescription piece_description(const BodyDescription& whole, const modal::Ban
     piece.surface.young_pa = bank.material->youngs_modulus_pa * scale.stiffness;
   if (bank.material && !piece.surface.poisson) piece.surface.poisson = bank.material->poisson_ratio;
   return piece;
+}
+
+// The blows of one pair, as a body's vibration receives them: the hardest one, whose force is followed in time, and the
+// others, which count as whole blows before it.
+struct Blows {
+  explicit Blows(std::span<const BodyBlow> blows) : all(blows.begin(), blows.end()) {
+    const auto hardness = [](const BodyBlow& blow) { return length(blow.strike.impulse_ns); };
+    std::ranges::iter_swap(all.begin(), std::ranges::max_element(all, {}, hardness));
+  }
+  std::vector<BodyBlow> all;  // the hardest first
+  [[nodiscard]] const BodyBlow& hardest() const { return all.front(); }
+  void let_follow_others(breaking::Breakable& state) const {
+    for (const BodyBlow& blow : std::span(all).subspan(1)) state.follow({.frame = blow.frame, .verb = blow.strike});
+  }
+};
+
+// Rigid bodies exchange an impulse that is too large for a body that bends away under a short blow: it would give the
+// modes more energy than there is. Such blows are made as weak as the energy of the approach allows.
+void limit_energy(Blows& blows, const breaking::Breakable& before) {
+  breaking::Breakable after = before, unstruck = before;
+  blows.let_follow_others(after);
+  modal::ModalState change = after.at_peak(blows.hardest().strike, blows.hardest().frame);
+  const modal::ModalState& rest = unstruck.advance_to(blows.hardest().frame);
+  for (std::size_t m = 0; m < change.amplitudes.size(); ++m) change.amplitudes[m] -= rest.amplitudes[m];
+  double available_j = 0;
+  for (const BodyBlow& blow : blows.all) available_j += blow.energy_j;
+  const double energy_j = modal::modal_energy(change).total_j();
+  if (!(energy_j > available_j)) return;
+  for (BodyBlow& blow : blows.all)
+    blow.strike.impulse_ns = std::sqrt(available_j / energy_j) * blow.strike.impulse_ns;
 }
 
 // Changes a motion by an impulse at a point of the world.
@@ -163,31 +194,24 @@ void BreakingBodies::set_sample_rate(double sample_rate_hz) {
   }
 }
 
-// The other blows of the pair count as whole blows before the hardest one, whose force is followed in time.
-bool BreakingBodies::breaks_under(Entry& entry, std::span<const BodyBlow> blows, const BodyBlow& hardest,
-                                  Vec3 impulse_ns, breaking::Breakable& state) const {
-  for (const BodyBlow& blow : blows) {
-    if (&blow != &hardest) state.follow({.frame = blow.frame, .verb = blow.strike});
-  }
-  if (entry.breaks.impulse_ns && length(impulse_ns) >= *entry.breaks.impulse_ns) return true;
-  return entry.strength_pa && state.exceeds(hardest.strike, hardest.frame, *entry.strength_pa);
-}
-
 bool BreakingBodies::judge(BodyId body, BodyId other, std::span<const BodyBlow> blows) {
   const auto found = bodies_.find(body);
   if (found == bodies_.end()) return false;
   Entry& entry = found->second;
-  const auto hardness = [](const BodyBlow& blow) { return length(blow.strike.impulse_ns); };
-  const BodyBlow& hardest = *std::ranges::max_element(blows, {}, hardness);
+  Blows limited(blows);
+  limit_energy(limited, entry.state);
+  const BodyBlow& hardest = limited.hardest();
+  breaking::Breakable state = entry.state;
+  limited.let_follow_others(state);
   Vec3 impulse_ns;
   for (const BodyBlow& blow : blows) impulse_ns = impulse_ns + blow.strike.impulse_ns;
-  breaking::Breakable state = entry.state;
+  const bool breaks = (entry.breaks.impulse_ns && length(impulse_ns) >= *entry.breaks.impulse_ns) ||
+                      (entry.strength_pa && state.exceeds(hardest.strike, hardest.frame, *entry.strength_pa));
   const auto goes_on = [&] {
-    state.follow({.frame = hardest.frame, .verb = hardest.strike});
-    entry.state = std::move(state);
+    for (const BodyBlow& blow : blows) entry.state.follow({.frame = blow.frame, .verb = blow.strike});
     return false;
   };
-  if (!breaks_under(entry, blows, hardest, impulse_ns, state)) return goes_on();
+  if (!breaks) return goes_on();
 
   std::size_t bodies_to_come = scene_.store.bodies().size();
   for (const Broken& before : broken_) bodies_to_come += before.entry.patterns[before.pattern].body_count() - 1;
@@ -227,10 +251,9 @@ std::vector<BodyId> BreakingBodies::replace_broken(std::span<const ContactPoint>
   for (std::string& sentence : std::exchange(crowded_, {})) notices.push_back(std::move(sentence));
   if (broken_.empty()) return gone;
   const std::vector<Broken> all = std::exchange(broken_, {});
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const auto same_pair = [&](const Broken& before) { return before.body == all[k].other && before.other == all[k].body; };
-    const auto end = all.begin() + static_cast<std::ptrdiff_t>(k);
-    if (std::none_of(all.begin(), end, same_pair)) take_back(all[k], points);
+  std::set<BodyId> taken_back;
+  for (const Broken& broken : all) {
+    if (!taken_back.contains(broken.body)) take_back(broken, points, taken_back);
   }
   for (const Broken& broken : all) {
     events.insert(events.end(), broken.shattered.events.begin(), broken.shattered.events.end());
@@ -240,22 +263,35 @@ std::vector<BodyId> BreakingBodies::replace_broken(std::span<const ContactPoint>
   return gone;
 }
 
-// Takes back what the blow would have done after the peak of its force.
-void BreakingBodies::take_back(const Broken& broken, std::span<const ContactPoint> points) {
+// Takes back what the blow would have done after the peak of its force: from the body, from its striker, and from all
+// bodies that touch these in the part. A striker that lies on the floor got its impulse from there.
+void BreakingBodies::take_back(const Broken& broken, std::span<const ContactPoint> points, std::set<BodyId>& taken) {
   auto& bodies = scene_.store.bodies();
-  const auto change = [&](BodyId id, double sign) {
+  const auto moves = [&](BodyId id) {
     const auto found = bodies.find(id);
-    if (found == bodies.end() || found->second.description.fixed) return;
-    Body& body = found->second;
-    for (const ContactPoint& point : points) {
-      if (std::minmax(point.body, point.other) != std::minmax(broken.body, broken.other)) continue;
-      const double way = point.body == id ? 1 : -1;
-      push(body.motion, body.mass, point.point_m, (sign * way * (1 - broken.share)) * point.impulse_ns);
-    }
-    scene_.simulation.set_motion(id, body.motion);
+    return found != bodies.end() && !found->second.description.fixed;
   };
-  change(broken.body, -1);
-  change(broken.other, -1);
+  std::set<BodyId> touching{broken.body};
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (const ContactPoint& point : points) {
+      const auto joins = [&](BodyId one, BodyId other) {
+        return touching.contains(one) && moves(other) && touching.insert(other).second;
+      };
+      grows = joins(point.body, point.other) || joins(point.other, point.body) || grows;
+    }
+  }
+  for (const ContactPoint& point : points) {
+    const auto change = [&](BodyId id, double way) {
+      if (!touching.contains(id)) return;
+      Body& body = bodies.at(id);
+      push(body.motion, body.mass, point.point_m, (way * (1 - broken.share)) * point.impulse_ns);
+    };
+    change(point.body, -1);
+    change(point.other, 1);
+  }
+  for (const BodyId id : touching) scene_.simulation.set_motion(id, bodies.at(id).motion);
+  taken.insert(touching.begin(), touching.end());
 }
 
 void BreakingBodies::replace(const Broken& broken, std::vector<std::string>& notices) {

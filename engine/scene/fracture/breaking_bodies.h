@@ -9,8 +9,8 @@
 // that the scene gives, or if it strains the body up to its strength; how many pieces there are is decided by the
 // energy of the vibration, of which the crack takes its part.
 //
-// The body breaks at the peak of the force. Half of the blow's impulse is therefore taken back from both bodies; what
-// then is left of the striker's motion acts on the pieces as new contacts. Each piece starts with the motion that it
+// The body breaks at the peak of the force. Half of the blow's impulse is therefore taken back from both bodies, and from
+// what supports them; what then is left of the striker's motion acts on the pieces as new contacts. Each piece starts with the motion that it
 // had as a part of the body: linear and angular momentum are kept to rounding. Pieces below the least mass are heard
 // and have no body. [one thread at a time]
 #pragma once
@@ -23,6 +23,8 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -88,9 +90,7 @@ class BreakingBodies {
 
   Result<Pattern> pattern_of(const Body& body, const SoundingObject& object, const breaking::Breakable& state,
                              std::size_t number) const;
-  [[nodiscard]] bool breaks_under(Entry& entry, std::span<const BodyBlow> others, const BodyBlow& hardest,
-                                  Vec3 impulse_ns, breaking::Breakable& state) const;
-  void take_back(const Broken& broken, std::span<const ContactPoint> points);
+  void take_back(const Broken& broken, std::span<const ContactPoint> points, std::set<BodyId>& taken);
   void replace(const Broken& broken, std::vector<std::string>& notices);
 
   SceneBodies& scene_;

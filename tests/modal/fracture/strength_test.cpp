@@ -30,6 +30,10 @@ TEST(Strength, DrawnStrengthsFollowWeibullsLaw) {
   }
 }
 
+TEST(Strength, HalfOfAllBodiesAreBelowTheMedian) {
+  EXPECT_NEAR(1 - std::exp(-0.05 / 1e-3 * std::pow(median_strength_pa(kGlass, 0.05) / 50e6, 6)), 0.5, 1e-12);
+}
+
 TEST(Strength, ABodysStrengthDependsOnSeedAndNumberAlone) {
   std::set<double> all;
   for (int seed = 0; seed < 50; ++seed) {
