@@ -56,7 +56,8 @@ Bank brittle_bank() {
 }
 
 TEST(StrengthFile, StressStrengthAndCrackEnergyComeBack) {
-  const Fracture& before = *brittle_bank().fracture;
+  const Bank whole = brittle_bank();
+  const Fracture& before = *whole.fracture;
   for (const Compression compression : {Compression::none, Compression::meshopt}) {
     const auto bank = parse(written(brittle_bank(), compression));
     ASSERT_TRUE(bank) << bank.error().message;
@@ -159,9 +160,9 @@ const std::vector<Damage>& damages() {
       {"CrackEnergyZero", [](GlbParts& p) { fracture_in(p)["crackEnergy"] = 0; }, "crackEnergy"},
       {"LargestTooShort", [](GlbParts& p) { accessor(p, "largest")["count"] = kModes - 1; }, "largest"},
       {"LargestNegative", [](GlbParts& p) { set_float(p, "largest", 2, -1); }, "largest"},
-      {"LargestNotANumber", [](GlbParts& p) { set_float(p, "largest", 2, NAN); }, "not finite"},
+      {"LargestNotANumber", [](GlbParts& p) { set_float(p, "largest", 2, NAN); }, "not a finite number"},
       {"ComponentsTooShort", [](GlbParts& p) { accessor(p, "components")["count"] = 7; }, "components"},
-      {"ComponentsNotANumber", [](GlbParts& p) { set_float(p, "components", 11, NAN); }, "not finite"},
+      {"ComponentsNotANumber", [](GlbParts& p) { set_float(p, "components", 11, NAN); }, "not a finite number"},
       {"ComponentAboveTheLargest", [](GlbParts& p) { set_float(p, "components", 3, 2e4F); }, "components"},
       {"PositionsAbsent", [](GlbParts& p) { fracture_in(p)["stress"].erase("positions"); }, "positions"},
       {"PositionsNotThere", [](GlbParts& p) { fracture_in(p)["stress"]["positions"] = 9999; }, "9999"},
