@@ -21,7 +21,7 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMaxClicks = 64;   // at a time; more are not heard
+inline constexpr std::size_t kMaxClicks = 256;  // at a time; more are not heard
 inline constexpr double kMaxClickRadius_m = 3;  // a larger body's click lies below what is heard
 
 // The shape of an object's click.
