@@ -26,8 +26,8 @@ using TimedWorkerRequest = OneOf<TimedWorkerRequests>;
 
 // Carried out by the worker as soon as everything sent before has been: reads banks and scenes, retunes, frees.
 using WorkerRequests =
-    Types<SetMaterial, SetGroup, SetMute, SetSolo, SelectModes, Excite, ArmObject, MendObject, FreeObject, LoadObject,
-          SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush, TestTone>;
+    Types<SetMaterial, SetGroup, SetMute, SetSolo, SelectModes, Excite, ArmObject, MendObject, SetStrength, FreeObject,
+          LoadObject, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush, TestTone>;
 using WorkerRequest = OneOf<WorkerRequests>;
 
 // Writes a file, or begins to: also the worker's, in order.

@@ -84,7 +84,15 @@ struct PiecesReply {  // /pieces.reply
   std::string name;
   std::int32_t pattern = 0, patterns = 0;
   bool broken = false;
-  std::int32_t pieces = 0;  // number of /pieces.piece that follow
+  std::int32_t pieces = 0;  // number of /pieces.piece that follow the patterns
+  bool armed = false;       // with this pattern
+  double strength_pa = 0;   // as /strength set it; 0: no blow breaks it
+};
+struct PatternReply {  // /pieces.pattern
+  std::int32_t number = 0;
+  Vec3 at_m;
+  std::int32_t pieces = 0;
+  double crack_energy_j = 0;
 };
 struct PieceReply {  // /pieces.piece
   std::int32_t number = 0;
@@ -94,6 +102,11 @@ struct PieceReply {  // /pieces.piece
   Vec3 center_m, inertia_kg_m2;
   double x = 0, y = 0, z = 0, w = 1;  // principal axes -> object frame
   Vec3 velocity_m_s, spin_rad_s;
+};
+struct BrokenReply {  // /broken
+  std::string name;
+  std::int32_t pattern = 0;
+  std::int32_t pieces = 0;  // number of /pieces.piece that follow
 };
 struct SceneReply {  // /scene.reply
   std::int32_t version = 0;
@@ -182,9 +195,9 @@ struct NotifyModes {  // /notify.modes
 inline constexpr std::int32_t kFrameModulus = 1 << 30;
 
 using Replies =
-    Types<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply, BankReply, PiecesReply, PieceReply, SceneReply,
-          SceneBody, SceneStatic, BrowseReply, BrowseFile, NotifyObject, NotifyGroup, NotifyContact, NotifyPeak,
-          NotifyObjectPeak, NotifyLoad, NotifyBody, NotifyScene, NotifySound, NotifyModes>;
+    Types<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply, BankReply, PiecesReply, PatternReply, PieceReply,
+          BrokenReply, SceneReply, SceneBody, SceneStatic, BrowseReply, BrowseFile, NotifyObject, NotifyGroup,
+          NotifyContact, NotifyPeak, NotifyObjectPeak, NotifyLoad, NotifyBody, NotifyScene, NotifySound, NotifyModes>;
 using Reply = OneOf<Replies>;
 
 }  // namespace ringdown::protocol

@@ -126,11 +126,33 @@ Row row(BankReply& s) {
 }
 
 Row row(PiecesReply& s) {
-  return reply(s = {"plate", 0, 1, true, 36}, "/pieces.reply", "What an object breaks into.",
+  return reply(
+      s = {"plate", 0, 1, true, 36, true, 0}, "/pieces.reply", "What an object breaks into.",
+      {any_text(&s.name, "name", "The object's name."),
+       integer(&s.pattern, "pattern", kCount, "The pattern of the pieces."),
+       integer(&s.patterns, "patterns", kCount, "How many its bank has: a /pieces.pattern follows for each."),
+       flag(&s.broken, "broken", "0: it is whole."),
+       integer(&s.pieces, "pieces", kCount, "How many /pieces.piece follow; 0: it is not armed, and none was named."),
+       flag(&s.armed, "armed", "1: its pieces are ready, in this pattern."),
+       number(&s.strength_pa, "strength", kStress, "As /strength set it; 0: no blow breaks it.")});
+}
+
+Row row(PatternReply& s) {
+  return reply(s = {0, {0.03, 0.02, 0}, 30, 0.13}, "/pieces.pattern", "One way in which an object can break.",
+               {integer(&s.number, "pattern", kCount, "Its number, from 0."),
+                vector(&s.at_m, "place", {"x", "y", "z"}, kAnyPosition,
+                       "Where it is struck. Patterns of one place come with ascending numbers of pieces."),
+                integer(&s.pieces, "pieces", kCount, "How many pieces it has."),
+                number(&s.crack_energy_j, "crack_energy", kEnergy,
+                       "What the crack takes from the object's vibration; 0: the bank does not know.")});
+}
+
+Row row(BrokenReply& s) {
+  return reply(s = {"plate", 0, 36}, "/broken",
+               "An object has broken. The sender of /break and all subscribers of /notify are told.",
                {any_text(&s.name, "name", "The object's name."),
-                integer(&s.pattern, "pattern", kCount, "The pattern of its pieces, and how many its bank has."),
-                integer(&s.patterns, "patterns", kCount, "The same."), flag(&s.broken, "broken", "0: it is whole."),
-                integer(&s.pieces, "pieces", kCount, "How many /pieces.piece follow; 0 if it is not armed.")});
+                integer(&s.pattern, "pattern", kCount, "In which of its bank's patterns."),
+                integer(&s.pieces, "pieces", kCount, "How many /pieces.piece follow.")});
 }
 
 Row row(PieceReply& s) {
@@ -138,7 +160,8 @@ Row row(PieceReply& s) {
       s = {0, "plate.0", 12, 0.02, {0.05, 0, 0.01}, {1e-6, 2e-6, 3e-6}, 0, 0, 0, 1, {0, 0, -0.5}, {1, 0, 0}},
       "/pieces.piece", "A piece, in the frame of the object that it is from.",
       {integer(&s.number, "piece", kCount, "Its number, from 0, and its name."), any_text(&s.name, "name", "The same."),
-       integer(&s.object, "object", kPattern, "The number of the object that it is; -1: it does not ring and is none."),
+       integer(&s.object, "object", kObjectOrNone,
+               "The number of the object that it is; -1: it does not ring and is none."),
        number(&s.mass_kg, "mass", kPieceMass, "Its mass."),
        vector(&s.center_m, "centre", {"x", "y", "z"}, kAnyPosition, "Its centre of mass."),
        vector(&s.inertia_kg_m2, "inertia", {"ix", "iy", "iz"}, kInertia, "Its principal moments of inertia."),

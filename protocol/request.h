@@ -125,7 +125,7 @@ struct PoseMany {  // /poses
 // Makes the pieces ready that the object breaks into.
 struct ArmObject {  // /object/{object}/arm
   ObjectRef object;
-  std::uint32_t pattern = 0;  // of its bank
+  std::int32_t pattern = -1;  // of its bank; -1: the finest of the first one's place
 };
 // A blow under which the object breaks.
 struct BreakObject {  // /object/{object}/break
@@ -138,8 +138,14 @@ struct BreakObject {  // /object/{object}/break
 struct MendObject {  // /object/{object}/mend
   ObjectRef object;
 };
+// From now on a blow that strains the object's skin so far breaks it.
+struct SetStrength {  // /object/{object}/strength
+  ObjectRef object;
+  double strength_pa = 0;  // 0: no blow does
+};
 struct DescribePieces {  // /object/{object}/pieces
   ObjectRef object;
+  std::int32_t pattern = -1;  // -1: the one that is armed
 };
 struct FreeObject {  // /object/{object}/free
   ObjectRef object;
@@ -229,10 +235,10 @@ using VerbRequests = decltype(detail::requests_of(synth::PublicVerbs()));
 using Requests =
     Joined<VerbRequests,
            Types<StrikeMany, PoseMany, ClearAll, SetMaterial, Hold, SetGroup, SetMute, SetSolo, SelectModes,
-                 WatchObject, DescribeObject, ReadBank, Excite, ArmObject, BreakObject, MendObject, DescribePieces,
-                 FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush,
-                 SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart, RecordStop,
-                 CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
+                 WatchObject, DescribeObject, ReadBank, Excite, ArmObject, BreakObject, MendObject, SetStrength,
+                 DescribePieces, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear,
+                 ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart,
+                 RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
 using Request = OneOf<Requests>;
 
 // The request that would make this event of `object`.

@@ -362,7 +362,9 @@ Row row(ArmObject& s) {
                   "Makes the pieces ready that the object breaks into, as objects NAME.0, NAME.1 and so on, so that a "
                   "break takes no time. /break does it by itself.",
                   {object(&s.object),
-                   optional(integer(&s.pattern, "pattern", kIndex, "Which of its bank's patterns of pieces, from 0."))},
+                   optional(integer(&s.pattern, "pattern", kPattern,
+                                    "Which of its bank's patterns of pieces, from 0; -1: the finest at the place of "
+                                    "the first."))},
                   "/done", "the number of pieces; pieces without a mode do not become objects");
 }
 
@@ -375,7 +377,7 @@ Row row(BreakObject& s) {
        impulse(&s.impulse_ns), contact_time(&s.contact_time_s),
        optional(integer(&s.pattern, "pattern", kPattern,
                         "Which of its bank's patterns; -1: the one that is armed, else the nearest one."))},
-      "/done", "the number of pieces; /pieces asks for their names and velocities");
+      "/broken");
 }
 
 Row row(MendObject& s) {
@@ -383,10 +385,21 @@ Row row(MendObject& s) {
                   {object(&s.object)});
 }
 
+Row row(SetStrength& s) {
+  return answered(s = {kBell, 5e7}, "/object/{object}/strength",
+                  "Arms the object, and lets it break in place of any later /strike, /strike_vertex or /strikes that "
+                  "strains its skin so far away from the blow. Strikes of scenes and MIDI do not count.",
+                  {object(&s.object), number(&s.strength_pa, "strength", kStress,
+                                             "Glass 4e7 to 7e7, plaster 5e6; 0: no blow breaks it.")});
+}
+
 Row row(DescribePieces& s) {
-  return answered(s = {kBell}, "/object/{object}/pieces",
-                  "Asks for the pieces of an object that is armed or broken: their masses, and how they fly.",
-                  {object(&s.object)}, "/pieces.reply");
+  return answered(
+      s = {kBell}, "/object/{object}/pieces",
+      "Asks how the object breaks: its patterns, and masses and flight of the pieces. A game asks for each pattern "
+      "while it loads.",
+      {object(&s.object), optional(integer(&s.pattern, "pattern", kPattern, "Whose pieces; -1: the armed one's."))},
+      "/pieces.reply");
 }
 
 Row row(FreeObject& s) {
@@ -453,7 +466,7 @@ Row row(Notify& s) {
   return answered(
       s = {true, 20}, "/notify",
       "Subscribes the sender to bundles of /notify.object, .group, .contact, .peak, .object_peak, .load, .scene and "
-      ".body. The first bundle reports every object. A subscriber that sends nothing for 60 s is forgotten.",
+      ".body, and /broken. The first bundle reports every object. A subscriber that sends nothing for 60 s is forgotten.",
       {optional(flag(&s.on, "on", "1 subscribes, 0 ends the subscription.")),
        optional(number(&s.rate_hz, "rate", kNoticeRate, "Bundles per second."))});
 }

@@ -1,10 +1,12 @@
 #include "server/describe.h"
 
 #include "engine/modal/bank_file.h"
+#include "engine/modal/fracture/strength.h"
 #include "server/browse.h"
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -71,19 +73,34 @@ Answer read(const protocol::ReadBank& question, const session::Session& session)
                                                           whole(piece->total), std::move(piece->bytes)}};
 }
 
-Answer describe(const protocol::DescribePieces& question, const session::Session& session) {
-  const auto report = session.breakage().report(question.object);
-  if (!report) return fail(report.error());
-  const std::string name = (*session.rack().find(question.object))->name;
-  std::vector<protocol::Reply> answer{protocol::PiecesReply{name, whole(report->pattern), whole(report->patterns),
-                                                            report->broken, whole(report->pieces.size())}};
-  for (std::size_t i = 0; i < report->pieces.size(); ++i) {
-    const auto& piece = report->pieces[i];
+void append_pieces(const std::vector<session::PieceReport>& pieces, std::vector<protocol::Reply>& answer) {
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const session::PieceReport& piece = pieces[i];
     const auto& [x, y, z, w] = piece.mass.orientation;
     answer.emplace_back(protocol::PieceReply{whole(i), piece.name, piece.number ? whole(*piece.number) : -1,
                                              piece.mass.mass_kg, piece.mass.center_of_mass_m, piece.mass.inertia_kg_m2,
                                              x, y, z, w, piece.velocity_m_s, piece.spin_rad_s});
   }
+}
+
+Answer describe(const protocol::DescribePieces& question, const session::Session& session) {
+  std::optional<std::size_t> pattern;
+  if (question.pattern >= 0) pattern = static_cast<std::size_t>(question.pattern);
+  const auto report = session.breakage().report(question.object, pattern);
+  if (!report) return fail(report.error());
+  const auto object = *session.rack().find(question.object);
+  const modal::Fracture& fracture = *object->map->bank().fracture;
+  std::vector<protocol::Reply> answer{
+      protocol::PiecesReply{report->name, whole(report->pattern), whole(fracture.patterns.size()), report->broken,
+                            whole(report->pieces.size()), report->armed, report->strength_pa}};
+  const double size = object->material.size;
+  for (std::size_t p = 0; p < fracture.patterns.size(); ++p) {
+    const modal::BreakPattern& one = fracture.patterns[p];
+    answer.emplace_back(
+        protocol::PatternReply{whole(p), size * one.at_m, whole(one.pieces.size()),
+                               modal::crack_cost_j(size * size * one.crack_area_m2, fracture.crack_energy_j_m2)});
+  }
+  append_pieces(report->pieces, answer);
   return answer;
 }
 
@@ -123,6 +140,13 @@ Answer browse_all(const session::FileRoots& roots) {
 }
 
 }  // namespace
+
+std::vector<protocol::Reply> news_of(const session::BrokenObject& object) {
+  std::vector<protocol::Reply> news{
+      protocol::BrokenReply{object.name, whole(object.pattern), whole(object.pieces.size())}};
+  append_pieces(object.pieces, news);
+  return news;
+}
 
 Answer answer_to(const protocol::Question& question, const session::Session& session) {
   return visit(Overloaded{

@@ -1,6 +1,7 @@
 #include "server/notifier.h"
 
 #include "server/answers.h"
+#include "server/describe.h"
 #include "server/turns.h"
 
 #include <algorithm>
@@ -121,6 +122,11 @@ void Notifier::changed(const session::ObjectState* before, const session::Object
     add_news(object_news(*after, true));
   }
   if (after->group != (before ? before->group : std::string())) add_news(group_news(*after));
+}
+
+void Notifier::broke(const session::BrokenObject& object) {
+  if (count_ == 0) return;
+  for (const protocol::Reply& news : news_of(object)) add_news(news);
 }
 
 void Notifier::end_watches_of(synth::ObjectNumber object) {

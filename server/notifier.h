@@ -1,7 +1,8 @@
 // Sends notices to subscribers, at the rate that each has requested by /notify: objects that are added, removed or
-// change groups; contacts (every strike that the mixer has accepted, from OSC or from the scene); the peaks of the mix
-// and of objects; the load; the scene's time, and the poses of its bodies. Subscribers that ask for it also get the
-// amplitudes of objects' modes (/object/.../watch) and, every kSoundEvery, the samples of the mix (/watch/sound).
+// change groups; objects that break; contacts (every strike that the mixer has accepted, from OSC or from the scene);
+// the peaks of the mix and of objects; the load; the scene's time, and the poses of its bodies. Subscribers that ask
+// for it also get the amplitudes of objects' modes (/object/.../watch) and, every kSoundEvery, the samples of the mix
+// (/watch/sound).
 //
 // A subscriber that sends nothing for kSilence_s is removed, because UDP does not report the end of a program. The
 // notifier's thread sleeps while there is no subscriber; events and levels then cost nothing.
@@ -56,6 +57,7 @@ class Notifier final : public session::Observer {
   // Resets the subscriber's silence timer, with a resolution of one second. [osc]
   void heard_from(Peer peer);
 
+  void broke(const session::BrokenObject& object) override;
   void played(const synth::Event& event) override;
   void changed(const session::ObjectState* before, const session::ObjectState* after, synth::Frame at) override;
 

@@ -14,7 +14,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace ringdown::server {
 namespace {
@@ -24,6 +26,9 @@ using protocol::Fail;
 
 // The outcome of a request that is answered by /done, with a number for some requests.
 using Outcome = Result<std::optional<std::int32_t>>;
+
+// An untimed break lies this far ahead, because its pieces must not be late and it takes a while to compute.
+constexpr double kBreakLead_s = 0.005;
 
 // Carries out requests of the file lane. [worker]
 struct WriteFile {
@@ -273,8 +278,18 @@ void OscServer::perform(const Lane& request, synth::Frame frame, const std::stri
   post(
       [ports = ports_, &session = parts_.session, &driver = parts_.driver, latency = parts_.latency, request, frame,
        address, from] {
-        const synth::Frame soon = driver.now() + latency_frames(driver, latency);
-        answer(*ports, from, session.perform(request, std::max(frame, soon)), address);
+        const protocol::BreakObject* blow = nullptr;
+        if constexpr (std::is_same_v<Lane, protocol::TimedWorkerRequest>)
+          blow = request.template get_if<protocol::BreakObject>();
+        const double lead_s = blow ? kBreakLead_s : 0;
+        const synth::Frame soon = driver.now() + latency_frames(driver, latency) +
+                                  static_cast<synth::Frame>(std::llround(lead_s * driver.sample_rate_hz()));
+        const auto done = session.perform(request, std::max(frame, soon));
+        if (blow && done) {
+          if (const auto broken = session.breakage().report(blow->object))
+            return answer(*ports, from, Result<std::vector<protocol::Reply>>(news_of(*broken)), address);
+        }
+        answer(*ports, from, done, address);
       },
       address, from);
 }

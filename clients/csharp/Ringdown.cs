@@ -57,6 +57,25 @@ public struct Turn {
   }
 }
 
+// A piece of a body that can break, in the body's frame. Object is Piece.kNone where it never rings, and of a bank's.
+// Velocity and spin are beyond the motion that the body had before the blow. Axes turns the principal axes into the frame.
+[StructLayout(LayoutKind.Sequential)]
+public struct Piece {
+  public const uint kNone = 0xffffffff;
+  UIntPtr size_;
+  public uint Object;
+  internal uint Count;
+  public double Mass;
+  public Vector Center, Inertia;
+  public Turn Axes;
+  public Vector Velocity, Spin;
+  UIntPtr modes_;
+  internal UIntPtr Points, Triangles;
+  internal IntPtr PointsAt, TrianglesAt;
+
+  internal static Piece Empty() { return new Piece { size_ = (UIntPtr)Marshal.SizeOf(typeof(Piece)) }; }
+}
+
 // Room for one struct ringdown_error.
 sealed class Failure : IDisposable {
   const int kBytes = 512;
@@ -105,6 +124,29 @@ public sealed class Bank : IDisposable {
   // Of the amplitude; T60 is 6.91 over it.
   public double[] DecaysPerSecond() { return Numbers(Native.ringdown_bank_decays_per_s(Handle)); }
 
+  // The pieces of a pattern, by which the body can break (ringdown bake with [shatter]); for a level that loads.
+  public Piece[] Pieces(uint pattern = 0) {
+    Piece[] pieces = { PieceOf(pattern, 0) };
+    Array.Resize(ref pieces, (int)pieces[0].Count);
+    for (int i = 1; i < pieces.Length; ++i) pieces[i] = PieceOf(pattern, (uint)i);
+    return pieces;
+  }
+  // The surface of a piece: three coordinates for each point, and three points for each triangle.
+  public void PieceMesh(uint pattern, uint piece, out float[] points, out int[] triangles) {
+    Piece known = PieceOf(pattern, piece);
+    points = new float[3 * (int)known.Points];
+    triangles = new int[3 * (int)known.Triangles];
+    Marshal.Copy(known.PointsAt, points, 0, points.Length);
+    Marshal.Copy(known.TrianglesAt, triangles, 0, triangles.Length);
+  }
+
+  Piece PieceOf(uint pattern, uint piece) {
+    Piece known = Piece.Empty();
+    using (var failure = new Failure()) {
+      failure.Check(Native.ringdown_breakable_piece(Handle, pattern, piece, ref known, failure.Room));
+    }
+    return known;
+  }
   double[] Numbers(IntPtr from) {
     var info = new Native.BankInfo { Size = (UIntPtr)Marshal.SizeOf(typeof(Native.BankInfo)) };
     Native.ringdown_bank_describe(Handle, ref info);
@@ -164,9 +206,35 @@ public sealed class Mixer : IDisposable {
     var anyway = new Vector();
     failure_.Check(Native.ringdown_hold(handle_, frame, body, hand, ref point, ref anyway, damping, failure_.Room));
   }
+  // Loads the pieces that the body breaks into, of a pattern of its bank or of the finest one, and returns their number.
+  public int Arm(uint body, int pattern = -1) {
+    uint pieces;
+    failure_.Check(Native.ringdown_arm(handle_, body, pattern, out pieces, failure_.Room));
+    return (int)pieces;
+  }
+  public void Mend(uint body) { failure_.Check(Native.ringdown_mend(handle_, body, failure_.Room)); }
   public void Collect() { Native.ringdown_collect(handle_); }
 
   // [control]
+  // Breaks an armed body at the peak of a blow. Its pieces go on with its motion, and with the first half of the blow.
+  public Piece[] Break(uint body, Vector point, Vector impulse, double contactTime = 0.0002, long frame = 0) {
+    uint count;
+    eventFailure_.Check(Native.ringdown_break(handle_, frame, body, ref point, ref impulse, contactTime, out count,
+                                              eventFailure_.Room));
+    var pieces = new Piece[count];
+    for (int i = 0; i < pieces.Length; ++i) {
+      pieces[i] = Piece.Empty();
+      eventFailure_.Check(Native.ringdown_piece(handle_, body, (uint)i, ref pieces[i], eventFailure_.Room));
+    }
+    return pieces;
+  }
+  // The largest tensile stress that a blow would cause in an armed body; 0 if its bank does not know.
+  public double Stress(uint body, Vector point, Vector impulse, double contactTime = 0.0002, long frame = 0) {
+    double stress;
+    eventFailure_.Check(Native.ringdown_stress(handle_, frame, body, ref point, ref impulse, contactTime, out stress,
+                                               eventFailure_.Room));
+    return stress;
+  }
   // <verbs> What follows is written by ringdown_write_verbs.
   // Strikes the object at the surface point nearest to x y z.
   public void Strike(uint body, Vector point, Vector impulse, double contactTime = 0.0002, long frame = 0) {
@@ -375,6 +443,12 @@ static class Native {
   [DllImport(kLibrary)] internal static extern int ringdown_remove(IntPtr mixer, uint body, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_hold(IntPtr mixer, long frame, uint body, uint hand, ref Vector point, ref Vector direction, double damping, IntPtr error);
   [DllImport(kLibrary)] internal static extern void ringdown_collect(IntPtr mixer);
+  [DllImport(kLibrary)] internal static extern int ringdown_breakable_piece(IntPtr bank, uint pattern, uint piece, ref Piece info, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_arm(IntPtr mixer, uint body, int pattern, out uint pieces, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_break(IntPtr mixer, long frame, uint body, ref Vector point, ref Vector impulse, double contactTime, out uint pieces, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_piece(IntPtr mixer, uint body, uint piece, ref Piece info, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_stress(IntPtr mixer, long frame, uint body, ref Vector point, ref Vector impulse, double contactTime, out double stress, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_mend(IntPtr mixer, uint body, IntPtr error);
   // <verbs of the library> What follows is written by ringdown_write_verbs.
   [DllImport(kLibrary)] internal static extern int ringdown_strike(IntPtr mixer, long frame, uint body,
                                                                    ref Vector point, ref Vector impulse,

@@ -7,6 +7,7 @@
 #include "engine/base/result.h"
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
+#include "server/session/breakage.h"
 #include "server/session/rack.h"
 
 #include <algorithm>
@@ -31,6 +32,7 @@ struct ringdown_mixer {
   ringdown::session::FileRoots roots;  // every file may be read
   ringdown::session::BankReader banks{roots};
   ringdown::session::Rack rack;
+  ringdown::session::Breakage breakage{rack};
   std::vector<ringdown::synth::Event> events;  // [control] of the call that is carried out
   std::atomic<std::uint64_t> dropped = 0;
   bool has_scene = false;  // [worker]

@@ -20,6 +20,10 @@ ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::MixerR
     const auto made = session::append_events(blank, mixer->rack, frame, mixer->events);
     if (!made) return made;
     for (const synth::Event& event : mixer->events) {
+      const synth::Effect effect = effect_of(event);
+      if (effect == synth::Effect::excites || effect == synth::Effect::begins) {
+        if (auto whole = mixer->breakage.check_whole(event.object); !whole) return whole;
+      }
       if (mixer->rack.push(synth::Producer::control, event)) continue;
       ++mixer->dropped;
       return fail(ErrorKind::refused, "dropped, because " + std::to_string(synth::kQueueCapacity) +

@@ -35,8 +35,9 @@
  *   [audio]    one thread at a time: ringdown_render(). Allocates nothing, locks nothing, makes no system call, and
  *              takes time in proportion to what sounds.
  *   [any]      any number of threads.
- * The three may be one thread or three, and none waits for another. Functions of different mixers never meet. While
- * ringdown_mixer_destroy() or ringdown_set_sample_rate() runs, no other function of that mixer may.
+ * The three may be one thread or three, and none waits for another, except where bodies break. Functions of different
+ * mixers never meet. While ringdown_mixer_destroy() or ringdown_set_sample_rate() runs, no other function of that mixer
+ * may.
  *
  * RANGES. A number outside of its range is refused, with a sentence that names the parameter. Unless stated otherwise,
  * each coordinate of a point or position lies within 1e4 m of 0, of an impulse within 1e4 N s, of a force within 1e6 N,
@@ -191,7 +192,7 @@ RINGDOWN_API ringdown_result ringdown_set_sample_rate(ringdown_mixer* mixer, dou
 
 /* ---- Objects [worker] -------------------------------------------------------------------------------------------- */
 
-enum { RINGDOWN_MAX_OBJECTS = 1024, RINGDOWN_MAX_DAMPERS = 8, RINGDOWN_MAX_INPUTS = 4 };
+enum { RINGDOWN_MAX_OBJECTS = 2048, RINGDOWN_MAX_DAMPERS = 8, RINGDOWN_MAX_INPUTS = 4 };
 
 /* Adds an object that plays the bank and writes its number, which all other functions take, to `object`. An existing
  * object of this name gets the new bank and keeps its number; ringing sounds continue with the old bank. A name has 1
@@ -237,11 +238,87 @@ RINGDOWN_API ringdown_result ringdown_excite(ringdown_mixer* mixer, uint32_t inp
 /* Frees what no longer sounds: banks, and the numbers of objects that were removed. Several times a second. */
 RINGDOWN_API void ringdown_collect(ringdown_mixer* mixer);
 
+/* ---- Bodies that break ------------------------------------------------------------------------------------------- */
+
+/* A bank that was baked with [shatter] has patterns of pieces, each for a place of the blow. While a level loads,
+ * ringdown_breakable() and ringdown_breakable_piece() say what the pieces are, so that a game makes bodies and meshes of
+ * them, and ringdown_arm() makes them objects of the mixer. ringdown_break() breaks an armed object: it falls silent, the
+ * pieces go on with the motion that they had as parts of it, and ringdown_piece() says how each of them flies. Pieces are
+ * objects like any other: strike and place them by their numbers. All that concerns a piece is in the frame of the object
+ * that it is from.
+ *
+ * While an object is armed, the blows that it gets are followed, so that it breaks as it rings then. What ringdown_ring(),
+ * bows, contacts and inputs excite is missing in the pieces. Call ringdown_collect() at least once in 4096 events then:
+ * [control] functions would wait for a lock otherwise, and do so after a break, to refuse blows on what is broken. */
+
+#define RINGDOWN_NO_OBJECT 0xffffffffu
+
+typedef struct ringdown_pattern_info {
+  size_t size;
+  uint32_t patterns;     /* of the bank */
+  uint32_t pieces;       /* of this pattern */
+  double at_m[3];        /* the place of the blow; patterns of one place come with ascending numbers of pieces */
+  double crack_energy_j; /* what the crack takes from the object's vibration; 0: the bank does not know */
+} ringdown_pattern_info;
+
+/* Fills as many members as info->size has room for. Set info->size before. RINGDOWN_BAD_INPUT for a bank without pieces,
+ * and for a pattern that it does not have; they count from 0. [any] */
+RINGDOWN_API ringdown_result ringdown_breakable(const ringdown_bank* bank, uint32_t pattern, ringdown_pattern_info* info,
+                                                ringdown_error* error);
+
+typedef struct ringdown_piece_info {
+  size_t size;
+  uint32_t object;            /* its number in the mixer; RINGDOWN_NO_OBJECT: it never rings, or this is of a bank */
+  uint32_t pieces;            /* how many there are */
+  double mass_kg;
+  double center_of_mass_m[3];
+  double inertia_kg_m2[3];    /* principal moments */
+  double axes_wxyz[4];        /* turns the principal axes into the object's frame */
+  double velocity_m_s[3];     /* of its centre of mass, and its spin, both beyond the motion that the object had before */
+  double spin_rad_s[3];       /* the blow; 0 until it breaks */
+  size_t modes, points, triangles; /* of its own bank: M, P, T; 0 from ringdown_piece() */
+  const float* points_m;           /* P x 3; lives as long as the bank; NULL from ringdown_piece() */
+  const uint32_t* triangle_points; /* T x 3 point numbers; lives as long as the bank; NULL from ringdown_piece() */
+} ringdown_piece_info;
+
+/* A piece of a pattern in the bank's own size and material; pieces count from 0. [any] */
+RINGDOWN_API ringdown_result ringdown_breakable_piece(const ringdown_bank* bank, uint32_t pattern, uint32_t piece,
+                                                      ringdown_piece_info* info, ringdown_error* error);
+
+/* Makes the pieces of a pattern (-1: the finest at the place of the first one) objects of the mixer, NAME.0, NAME.1 ...,
+ * unless they are already, and writes how many pieces there are to `pieces`, which may be NULL. Takes some 20 ms for ten
+ * pieces. A new bank or material disarms the object. [worker] */
+RINGDOWN_API ringdown_result ringdown_arm(ringdown_mixer* mixer, uint32_t object, int32_t pattern, uint32_t* pieces,
+                                          ringdown_error* error);
+
+/* Breaks an armed object at the peak of a blow, which is frame `frame`, and writes how many pieces there are to `pieces`,
+ * which may be NULL. The velocities of the pieces have the first half of the blow; the piece under it sounds as the second
+ * half strikes it, too. RINGDOWN_REFUSED for an object that is broken, or not armed. Modes of pieces that found no room
+ * among the waiting events are counted as dropped. Takes some tenths of a millisecond and allocates, so it must not run on
+ * the audio thread. Strikes on the object itself are refused from now on. [control] */
+RINGDOWN_API ringdown_result ringdown_break(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                            const double point_m[3], const double impulse_ns[3], double contact_time_s,
+                                            uint32_t* pieces, ringdown_error* error);
+
+/* A piece of an armed or broken object, in the object's size and material. [any, but not on the audio thread] */
+RINGDOWN_API ringdown_result ringdown_piece(ringdown_mixer* mixer, uint32_t object, uint32_t piece,
+                                            ringdown_piece_info* info, ringdown_error* error);
+
+/* The largest tensile stress that a blow would cause on the skin of an armed object, away from the blow: a game that lets
+ * blows decide compares it with a strength, glass 4e7 to 7e7 Pa. 0 if the bank does not know. Takes milliseconds and
+ * allocates. [control] */
+RINGDOWN_API ringdown_result ringdown_stress(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                             const double point_m[3], const double impulse_ns[3], double contact_time_s,
+                                             double* stress_pa, ringdown_error* error);
+
+/* Removes the pieces; the object can be struck again, and is no longer armed. [worker] */
+RINGDOWN_API ringdown_result ringdown_mend(ringdown_mixer* mixer, uint32_t object, ringdown_error* error);
+
 /* ---- Events [control] -------------------------------------------------------------------------------------------- */
 
-/* At most 4096 events may come between two blocks; one more is refused and counted as dropped. At most 512 events happen
+/* At most 4096 events may come between two blocks; one more is refused and counted as dropped. At most 1024 events happen
  * in 128 frames: those beyond happen in the 128 frames that follow, in order, and are not counted as late. So a flood
- * of 4096 events for one frame takes 1024 frames. */
+ * of 4096 events for one frame takes 512 frames. */
 
 /* Bows, mallets and couplings feel how the surface moves under them, sample by sample; at most 16 such contacts act at
  * a time. Beyond this limit a mallet becomes a strike, and a bow or a coupling is refused and counted in `refused` of

@@ -133,19 +133,20 @@ modal::ModalState Breakable::at_peak(const Strike& blow, Frame frame) {
   return state;
 }
 
-bool Breakable::exceeds(const Strike& blow, Frame frame, double strength_pa) {
+double Breakable::stress_pa(const Strike& blow, Frame frame, double above_pa) {
+  if (!knows_stress()) return 0;
   const modal::StressTable& baked = fracture().stress;
-  if (baked.positions.empty()) return false;
   const double factor = modal::stress_factor(material_);
   const std::vector<double> impulse = modal_impulse(*map_, material_, blow.point_m, blow.impulse_ns);
   const modal::Blow whole = blow_of(blow, impulse);
   // The force begins half of its duration before `frame`.
   const auto begin = frame - static_cast<Frame>(std::llround(0.5 * blow.contact_time_s * rate_hz_));
   const modal::ModalState& state = advance_to(begin);
-  if (factor * modal::stress_bound_pa(baked, state, &whole) < strength_pa) return false;
+  const double bound_pa = factor * modal::stress_bound_pa(baked, state, &whole);
+  if (bound_pa < above_pa) return bound_pa;
   const modal::StressSearch search{.spared_m = (1 / material_.size) * blow.point_m,
                                    .spared_radius_m = kSparedRadius_m / material_.size};
-  return factor * modal::peak_stress(baked, state, &whole, search).stress_pa >= strength_pa;
+  return factor * modal::peak_stress(baked, state, &whole, search).stress_pa;
 }
 
 std::vector<std::size_t> Breakable::levels_at(const Vec3& point_m) const {

@@ -64,10 +64,17 @@ class Breakable {
   // blow alone.
   [[nodiscard]] modal::ModalState at_peak(const synth::verb::Strike& blow, synth::Frame frame);
 
-  // Returns true if the blow strains the body's skin up to this strength; false if the bank knows no stress. Points
-  // close to the blow are left out, where stress depends on the form of the striker. Cost: a product for each mode
-  // while the bound is below the strength, else some milliseconds.
-  [[nodiscard]] bool exceeds(const synth::verb::Strike& blow, synth::Frame frame, double strength_pa);
+  // Returns the largest tensile stress on the body's skin while the blow acts and shortly after it; 0 if the bank knows
+  // no stress (knows_stress()). Points close to the blow are left out, where stress depends on the form of the striker.
+  // If a bound lies below `above_pa`, the bound is returned instead, which costs a product for each mode; the stress
+  // itself takes some milliseconds.
+  [[nodiscard]] double stress_pa(const synth::verb::Strike& blow, synth::Frame frame, double above_pa = 0);
+  [[nodiscard]] bool knows_stress() const { return !fracture().stress.positions.empty(); }
+
+  // Returns true if the blow strains the body up to this strength.
+  [[nodiscard]] bool exceeds(const synth::verb::Strike& blow, synth::Frame frame, double strength_pa) {
+    return knows_stress() && stress_pa(blow, frame, strength_pa) >= strength_pa;
+  }
 
   // Returns the patterns of the place that is nearest to a point [m], coarse to fine.
   [[nodiscard]] std::vector<std::size_t> levels_at(const Vec3& point_m) const;
@@ -77,6 +84,9 @@ class Breakable {
 
   // Returns what the crack of a pattern takes from the vibration [J]: 0 if the bank does not know.
   [[nodiscard]] double crack_cost_j(std::size_t pattern) const;
+
+  // Frames count at another sample rate from now on.
+  void set_sample_rate(double sample_rate_hz) { rate_hz_ = sample_rate_hz; }
 
   // Breaks the body. `pieces` are of this body's map and material. Follow no events after it.
   [[nodiscard]] Shattered shatter(const PieceSet& pieces, const Break& breaks);

@@ -23,7 +23,7 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMaxEventsPerChunk = 512;  // more in one chunk happen up to kChunkFrames later
+inline constexpr std::size_t kMaxEventsPerChunk = 1024;  // more in one chunk happen up to kChunkFrames later
 
 // The objects by number, each made when the worker first speaks of its number.
 class Objects {

@@ -9,6 +9,7 @@
 #include "engine/base/spsc_ring.h"
 #include "engine/synth/events/event.h"
 #include "engine/synth/events/event_queue.h"
+#include "server/session/broken_object.h"
 
 #include <array>
 #include <atomic>
@@ -30,6 +31,12 @@ class Observer {
   // thread at a time. Each producer's events come in order. [any but audio]
   virtual void played(const synth::Event& event) = 0;
 
+  // Returns false while events may be lost that find the ring full. [the producers' threads]
+  [[nodiscard]] virtual bool needs_events() const { return true; }
+
+  // Called after an object has broken. [any but audio]
+  virtual void broke(const BrokenObject& /*object*/) {}
+
   // Called after an object was added (`before` is null), removed (`after` is null) or changed. The change holds from
   // frame `at` on, if that is still to come. Gains and pans are not reported here, because they are events. [worker]
   virtual void changed(const ObjectState* before, const ObjectState* after, synth::Frame at) = 0;
@@ -49,7 +56,8 @@ class Observers {
   [[nodiscard]] std::uint64_t version() const { return version_; }
 
   // Stores an event that the mixer has taken, for report_events(). Locks nothing, unless synth::kQueueCapacity events
-  // of this producer are already waiting; those are then reported first. [the producer's thread]
+  // of this producer are already waiting and an observer needs them; those are then reported first. [the producer's
+  // thread]
   void keep(synth::Producer producer, const synth::Event& event);
 
   // The ring for events that the audio thread has pushed to the mixer itself. Events that find the ring full are heard
@@ -61,6 +69,9 @@ class Observers {
 
   // Reports a change of an object to the observers, and that something has changed. [worker]
   void report_change(const ObjectState* before, const ObjectState* after, synth::Frame at);
+
+  // Reports that an object has broken. [any but audio]
+  void report_broken(const BrokenObject& object);
 
   // Reports only that something has changed. [worker]
   void report_change();

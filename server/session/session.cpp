@@ -39,6 +39,10 @@ Result<void> Session::play(const protocol::MixerRequest& request, synth::Frame f
   if (auto good = check(request, frame); !good) return good;
   std::size_t lost = 0;
   for (const synth::Event& event : events_) {
+    if (const auto broken = breakage_.break_by(event, synth::Producer::control)) {
+      lost += broken->lost;
+      continue;
+    }
     switch (merger_.add(event)) {
       case StrikeMerger::Verdict::merged:
         ++merged_;
@@ -97,7 +101,11 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
                    [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
                    [&](const SetMute& set) { return none(rack_.set_heard(set.object, &ObjectState::mute, set.on)); },
                    [&](const SetSolo& set) { return none(rack_.set_heard(set.object, &ObjectState::solo, set.on)); },
-                   [&](const ArmObject& arm) { return number(breakage_.arm(arm.object, arm.pattern)); },
+                   [&](const ArmObject& arm) {
+                     return number(arm.pattern < 0 ? breakage_.arm(arm.object)
+                                                   : breakage_.arm(arm.object, static_cast<std::size_t>(arm.pattern)));
+                   },
+                   [&](const SetStrength& set) { return none(breakage_.set_strength(set.object, set.strength_pa)); },
                    [&](const MendObject& mend) { return none(breakage_.mend(mend.object)); },
                    [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },
                    [&](const SceneLoad& scene) { return number(scene_.load(scene.path, frame)); },
@@ -118,12 +126,18 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
 
 Answer Session::perform(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (const auto good = check(request, frame); !good) return fail(good.error());
-  return visit(
-      Overloaded{[&](const protocol::Hold& set) {
-                   return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
-                 },
-                 [&](const protocol::BreakObject& blow) { return number(breakage_.break_object(blow, frame)); }},
-      request);
+  return visit(Overloaded{[&](const protocol::Hold& set) {
+                            return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
+                          },
+                          [&](const protocol::BreakObject& blow) -> Answer {
+                            const auto broken = breakage_.break_object(blow, frame);
+                            if (!broken) return fail(broken.error());
+                            if (broken->lost > 0)
+                              return drop(broken->lost,
+                                          std::to_string(synth::kQueueCapacity) + " events are waiting already");
+                            return static_cast<std::int32_t>(broken->pieces);
+                          }},
+               request);
 }
 
 Result<synth::ObjectNumber> Session::load_object(const protocol::LoadObject& load) {

@@ -1,4 +1,5 @@
 // The C example bounces: its blows are where mechanics says, and each is 0.6 of the one before.
+#include "clients/library/ringdown.h"
 #include "engine/modal/bank_file.h"
 #include "tests/integration/process.h"
 #include "tests/support/synthetic_bank.h"
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 namespace ringdown::test::example_test {
 namespace {
@@ -73,8 +75,41 @@ TEST(LibraryExample, InCSharpGivesTheBytesOfTheOneInC) {
   EXPECT_NE(refused.output.find("/nonexistent.glb"), std::string::npos) << refused.output;
 }
 
-// The page's own program and command compile as C99 and play, with the library installed below any folder and moved.
-TEST(LibraryExample, OfThePageCompilesAndPlays) {
+// C# breaks the pane into the pieces that the C library tells of.
+TEST(LibraryExample, InCSharpAPaneBreaksIntoItsPieces) {
+  if (!installed("mcs") || !installed("mono")) GTEST_SKIP() << "mono-mcs and mono-runtime are not installed";
+  if (std::string(RINGDOWN_SANITIZERS) != "") GTEST_SKIP() << "a sanitized library wants a sanitized program";
+  const TemporaryFolder folder;
+  const std::string pane = RINGDOWN_SOURCE_DIR "/presets/banks/window-pane.glb";
+  const auto breaks = folder / "Breaks.exe";
+  const Outcome made = run({"mcs", "-out:" + breaks.string(), RINGDOWN_SOURCE_DIR "/tests/library/Breaks.cs",
+                            RINGDOWN_SOURCE_DIR "/clients/csharp/Ringdown.cs"});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const Outcome sharp = run({"mono", breaks, pane}, {{"LD_LIBRARY_PATH", RINGDOWN_BIN_DIR "/../lib"}});
+  ASSERT_EQ(sharp.exit_code, 0) << sharp.output;
+
+  ringdown_bank* bank = nullptr;
+  ASSERT_EQ(ringdown_bank_open(pane.c_str(), &bank, nullptr), RINGDOWN_OK);
+  ringdown_pattern_info pattern{};
+  pattern.size = sizeof pattern;
+  ASSERT_EQ(ringdown_breakable(bank, 0, &pattern, nullptr), RINGDOWN_OK);
+  ringdown_bank_info whole{};
+  whole.size = sizeof whole;
+  ringdown_bank_describe(bank, &whole);
+  ringdown_bank_release(bank);
+  std::istringstream told(sharp.output);
+  std::size_t pieces = 0, points = 0;
+  double mass_kg = 0, armed_kg = 0, momentum_ns = 0;
+  told >> pieces >> mass_kg >> armed_kg >> momentum_ns >> points;
+  EXPECT_EQ(pieces, pattern.pieces) << sharp.output;
+  EXPECT_NEAR(mass_kg, whole.mass_kg, 1e-6 * mass_kg);
+  EXPECT_NEAR(armed_kg, whole.mass_kg, 1e-6 * mass_kg);
+  EXPECT_NEAR(momentum_ns, -0.025, 1e-8);
+  EXPECT_GT(points, 100u);
+}
+
+// The pages' own programs and command compile as C99 and play, with the library installed below any folder and moved.
+TEST(LibraryExample, OfThePagesCompileAndPlay) {
   if (!installed("cc") || std::string(RINGDOWN_SANITIZERS) != "") GTEST_SKIP() << "no compiler, or one that sanitizes";
   if (!installed("pkg-config")) GTEST_SKIP() << "pkg-config is not installed";
   const TemporaryFolder folder;
@@ -88,19 +123,24 @@ TEST(LibraryExample, OfThePageCompilesAndPlays) {
     if (entry.path().filename() == "ringdown.pc") library = entry.path().parent_path().parent_path();
   }
   ASSERT_FALSE(library.empty()) << put.output;
-  std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/use/library.md");
-  const std::string text{std::istreambuf_iterator<char>(page), {}};
-  const std::size_t begin = text.find("```c\n") + 5, end = text.find("```", begin);
-  ASSERT_NE(end, text.npos);
-  std::ofstream(folder / "bell.c") << text.substr(begin, end - begin);
-  const std::string command = "cc -std=c99 -Wall -Wextra -Werror " + (folder / "bell.c").string() +
-                              " $(pkg-config --cflags --libs ringdown) -o " + (folder / "bell").string();
-  const Outcome made = run({"sh", "-c", command}, {{"PKG_CONFIG_PATH", (library / "pkgconfig").string()}});
-  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const auto played = [&](const std::string& name, const std::filesystem::path& bank) {
+    std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/use/" + name + ".md");
+    const std::string text{std::istreambuf_iterator<char>(page), {}};
+    const std::size_t begin = text.find("```c\n") + 5, end = text.find("```", begin);
+    if (end == text.npos) return Outcome{1, name + " has no program"};
+    std::ofstream(folder / (name + ".c")) << text.substr(begin, end - begin);
+    const std::string command = "cc -std=c99 -Wall -Wextra -Werror " + (folder / (name + ".c")).string() +
+                                " $(pkg-config --cflags --libs ringdown) -o " + (folder / name).string();
+    const Outcome made = run({"sh", "-c", command}, {{"PKG_CONFIG_PATH", (library / "pkgconfig").string()}});
+    return made.exit_code != 0 ? made : run({folder / name, bank}, {{"LD_LIBRARY_PATH", library.string()}});
+  };
   ASSERT_TRUE(modal::write_bank(random_bank(1, 30, 12), folder / "bell.glb"));
-  const Outcome played = run({folder / "bell", folder / "bell.glb"}, {{"LD_LIBRARY_PATH", library.string()}});
-  EXPECT_EQ(played.exit_code, 0);
-  EXPECT_NE(played.output.find("30 modes ring"), std::string::npos) << played.output;
+  const Outcome bell = played("library", folder / "bell.glb");
+  EXPECT_EQ(bell.exit_code, 0);
+  EXPECT_NE(bell.output.find("30 modes ring"), std::string::npos) << bell.output;
+  const Outcome pane = played("breaking", RINGDOWN_SOURCE_DIR "/presets/banks/window-pane.glb");
+  EXPECT_EQ(pane.exit_code, 0) << pane.output;
+  EXPECT_NE(pane.output.find("20: "), std::string::npos) << pane.output;
 }
 
 }  // namespace

@@ -326,7 +326,27 @@ Cases arm_cases() {
   Cases cases = object_only_cases<ArmObject>("arm");
   const std::string a = "/object/bell/arm";
   cases.good.push_back({a, {2}, claim<ArmObject>([](const ArmObject& arm) { return arm.pattern == 2; })});
-  cases.bad.push_back({a, {-1}, "pattern"});
+  cases.good.push_back({a, {}, claim<ArmObject>([](const ArmObject& arm) { return arm.pattern == -1; })});
+  cases.bad.push_back({a, {-2}, "pattern"});
+  return cases;
+}
+
+Cases strength_cases() {
+  const std::string a = "/object/bell/strength";
+  return {
+      {{a, {5e7f}, claim<SetStrength>([](const SetStrength& s) {
+          return s.object == named("bell") && s.strength_pa == 5e7;
+        })},
+       {a, {0}, is_a<SetStrength>()}},
+      {{"/object/b%/strength", {1}, "object"}, {a, {}, "strength"}, {a, {-1}, "strength"}, {a, {kNan}, "strength"}}};
+}
+
+Cases pieces_cases() {
+  Cases cases = object_only_cases<DescribePieces>("pieces");
+  const std::string a = "/object/bell/pieces";
+  cases.good.push_back({a, {}, claim<DescribePieces>([](const DescribePieces& p) { return p.pattern == -1; })});
+  cases.good.push_back({a, {2}, claim<DescribePieces>([](const DescribePieces& p) { return p.pattern == 2; })});
+  cases.bad.push_back({a, {-2}, "pattern"});
   return cases;
 }
 
@@ -491,7 +511,8 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/arm", arm_cases()},
       {"/object/{object}/break", break_cases()},
       {"/object/{object}/mend", object_only_cases<MendObject>("mend")},
-      {"/object/{object}/pieces", object_only_cases<DescribePieces>("pieces")},
+      {"/object/{object}/strength", strength_cases()},
+      {"/object/{object}/pieces", pieces_cases()},
       {"/object/{object}/choke", choke_cases()},
       {"/object/{object}/impart", impart_cases()},
       {"/object/{object}/hold", hold_cases()},

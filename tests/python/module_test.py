@@ -395,5 +395,57 @@ class HintsTest(unittest.TestCase):
             ringdown.nothing
 
 
+class BreakingTest(unittest.TestCase):
+    PANE = BANKS / "window-pane.glb"
+    POINT, BLOW = (0.03, 0.02, 0.0015), (0, 0, -0.05)
+
+    def test_a_bank_says_what_it_breaks_into(self):
+        bank = ringdown.Bank.open(self.PANE)
+        pattern = bank.patterns[0]
+        self.assertAlmostEqual(sum(piece.mass_kg for piece in pattern.pieces) / bank.mass_kg, 1, places=6)
+        self.assertTrue(all(piece.object is None for piece in pattern.pieces))
+        points, triangles = bank.piece_mesh(0, 3)
+        self.assertEqual(points.shape[1], 3)
+        self.assertLess(triangles.max(), len(points))
+        self.assertEqual(ringdown.Bank.open(GLASS).patterns, ())
+        with self.assertRaisesRegex(ringdown.InputError, "piece is 9999"):
+            bank.piece_mesh(0, 9999)
+
+    def test_pieces_have_half_of_the_blow_and_ring(self):
+        mixer = ringdown.Mixer()
+        pane = mixer.add(ringdown.Bank.open(self.PANE))
+        with self.assertRaisesRegex(ringdown.Error, "arm it first"):
+            mixer.break_(pane, self.POINT, self.BLOW)
+        count = mixer.arm(pane)
+        self.assertEqual(len(mixer.pieces(pane)), count)
+        self.assertGreaterEqual(mixer.stress_pa(pane, self.POINT, self.BLOW), 0)
+        pieces = mixer.break_(pane, self.POINT, self.BLOW, 1e-4, frame=480)
+        self.assertEqual(len(pieces), count)
+        momentum = sum(np.multiply(piece.mass_kg, piece.velocity_m_s) for piece in pieces)
+        np.testing.assert_allclose(momentum, (0, 0, -0.025), atol=1e-8)
+        self.assertEqual(mixer.pieces(pane), pieces)
+        sound = mixer.render(4800)
+        self.assertEqual(np.abs(sound[:400]).max(), 0)
+        self.assertGreater(np.abs(sound[960:]).max(), 1e-4)
+        mixer.mend(pane)
+        with self.assertRaisesRegex(ringdown.Error, "arm it first"):
+            mixer.pieces(pane)
+
+    def test_an_imparted_motion_sounds_as_a_mode_that_is_struck(self):
+        bank = ringdown.Bank.open(PLATE)
+        lowest = int(np.argmin(bank.frequencies_hz))
+        sounds = []
+        for phase_rad in (0, 2 * math.pi):
+            mixer = ringdown.Mixer(limiter_db=None)
+            mixer.impart(mixer.add(bank), 0, 1.0, phase_rad)
+            sounds.append(mixer.render(9600)[:, 0])
+        np.testing.assert_allclose(sounds[0], sounds[1], atol=1e-6 * np.abs(sounds[0]).max())
+        time_s = np.arange(9600) / 48000
+        decay, omega = bank.decays_per_s[lowest], 2 * math.pi * bank.frequencies_hz[lowest]
+        waves = np.exp(-decay * time_s) * np.array([np.sin(omega * time_s), np.cos(omega * time_s)])
+        share, *_ = np.linalg.lstsq(waves.T, sounds[0], rcond=None)  # of its radiation, which has a phase
+        self.assertLess(np.abs(sounds[0] - share @ waves).max(), 0.01 * np.abs(share).max())
+
+
 if __name__ == "__main__":
     unittest.main()

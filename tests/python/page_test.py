@@ -54,6 +54,17 @@ class PageTest(unittest.TestCase):
         self.assertGreater(names["plate"].frequencies_hz.min(), 20)
 
 
+    def test_the_code_of_the_page_on_breaking_runs(self):
+        in_a_folder(self)
+        text = (SOURCE / "docs/use/breaking.md").read_text()
+        (block,) = re.findall(r"^```python\n(.*?)^```", text, flags=re.S | re.M)
+        names, output = {}, io.StringIO()
+        with contextlib.redirect_stdout(output):
+            exec(compile(block, "docs/use/breaking.md", "exec"), names)
+        self.assertGreater(len(output.getvalue().splitlines()), 20)
+        self.assertGreater(np.abs(names["sound"]).max(), 1e-3)
+
+
 class ExampleTest(unittest.TestCase):
     def test_a_material_is_found_in_a_recording(self):
         spec = importlib.util.spec_from_file_location("fit_material", EXAMPLES / "fit_material.py")

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -136,6 +137,103 @@ TEST_F(Breaking, ABodyBreaksOnceAndIsMended) {
   ASSERT_TRUE(session.perform(protocol::MendObject{{.name = "bar"}}, 0));
   EXPECT_FALSE(session.rack().find({.name = "bar.0"}));
   EXPECT_TRUE(session.play(protocol::Strike{{.name = "bar"}, {kPoint, {0, 0, 1}, 0}}, 0));
+}
+
+// The harder blow pays for the finer pattern.
+TEST_F(Breaking, AWeakBlowMakesFewPieces) {
+  modal::Bank bar = test::quiet_bar_bank(6);
+  bar.fracture = std::make_shared<const modal::Fracture>(
+      modal::Fracture{.patterns = {test::even_pieces(2, 3), test::even_pieces(12, 3)}, .crack_energy_j_m2 = 8});
+  const auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(bar));
+  for (const auto& [impulse_ns, pieces] : std::map<double, std::size_t>{{1e-4, 2}, {1, 12}}) {
+    Session one(kSampleRate);
+    ASSERT_TRUE(one.rack().add("b", "b.glb", {.map = map}));
+    const BreakObject blow{{.name = "b"}, kPoint, {0, 0, impulse_ns}, 1e-4};
+    EXPECT_EQ(one.perform(blow, 0).value(), pieces) << impulse_ns;
+  }
+}
+
+// The bar's lowest mode alone has stress, so the blow that reaches a strength is known.
+TEST_F(Breaking, AnArmedObjectBreaksByTheBlowThatExceedsItsStrength) {
+  modal::Bank bar = test::breaking_bar(6);
+  modal::Fracture fracture = *bar.fracture;
+  const std::size_t modes = bar.mode_count();
+  constexpr float kStress = 3e9f;
+  fracture.stress = {.positions = {{1, 1, 1}}, .stress = std::vector<float>(3 * modes), .largest = {}};
+  fracture.stress.stress[0] = kStress;
+  fracture.stress.largest.assign(modes, 0);
+  fracture.stress.largest[0] = kStress;
+  bar.fracture = std::make_shared<const modal::Fracture>(fracture);
+  const auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(bar));
+  std::vector<double> velocities(modes);
+  map->excite(kPoint, {0, 0, 1}, velocities);
+  const double pa_per_ns = std::abs(velocities[0]) / modal::hz_to_rad_per_s(bar.frequency_hz[0]) * kStress;
+
+  Session one(kSampleRate);
+  ASSERT_TRUE(one.rack().add("bar", "bar.glb", {.map = map}));
+  ASSERT_TRUE(one.perform(protocol::SetStrength{{.name = "bar"}, 4e7}, 0));
+  strike(one, 100, {0, 0, 0.9 * 4e7 / pa_per_ns}, 0);
+  EXPECT_FALSE(one.breakage().report({.name = "bar"})->broken);
+  render(one, 96000);  // it has died away
+  strike(one, 100000, {0, 0, 1.1 * 4e7 / pa_per_ns}, 0);
+  const auto report = one.breakage().report({.name = "bar"});
+  EXPECT_TRUE(report->broken);
+  EXPECT_EQ(report->pieces.size(), 2u);
+  const auto refused = one.play(protocol::Strike{{.name = "bar"}, {kPoint, {0, 0, 1}, 0}}, 0);
+  EXPECT_FALSE(refused);
+  ASSERT_TRUE(one.perform(protocol::MendObject{{.name = "bar"}}, 0));
+  strike(one, 200000, {0, 0, 10 * 4e7 / pa_per_ns}, 0);
+  EXPECT_FALSE(one.breakage().report({.name = "bar"})->broken) << "it is no longer armed";
+  const auto unknown = session.perform(protocol::SetStrength{{.name = "bar"}, 4e7}, 0);
+  ASSERT_FALSE(unknown) << "its bank has no stress";
+  EXPECT_NE(unknown.error().message.find("bake it"), std::string::npos);
+}
+
+// Every piece is there and sounds, and nothing is late or dropped, whether the bodies break one after the other or at
+// once.
+TEST_F(Breaking, TenBodiesOfSixtyPiecesBreakWithinATenthOfASecond) {
+  constexpr std::size_t kBodies = 10, kPieces = 60, kModes = 6, kBlock = 64;
+  modal::Bank bar = test::quiet_bar_bank(6);
+  bar.fracture =
+      std::make_shared<const modal::Fracture>(modal::Fracture{.patterns = {test::even_pieces(kPieces, kModes)}});
+  const auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(bar));
+  for (const synth::Frame apart : {480, 0}) {
+    Session one(kSampleRate);
+    synth::Mixer& mixer = one.rack().mixer();
+    mixer.meters().watch_objects(true);
+    std::vector<float> left(kBlock), right(kBlock);
+    const auto render_to = [&](synth::Frame end) {
+      while (mixer.counters().frames < end) {
+        mixer.render(left, right);
+        one.rack().collect();
+      }
+    };
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < kBodies; ++b) {
+      names.push_back("bar" + std::to_string(b));
+      ASSERT_TRUE(one.rack().add(names.back(), "bar.glb", {.map = map}));
+      ASSERT_TRUE(one.perform(protocol::ArmObject{{.name = names.back()}}, 0));
+    }
+    render_to(4 * kBlock);
+    synth::Frame next = mixer.counters().frames;
+    for (const std::string& name : names) {
+      const BreakObject blow{{.name = name}, kPoint, {0, 0, 0.05}, 1e-4};
+      ASSERT_EQ(one.perform(blow, next + kBlock).value(), kPieces);
+      next += apart;
+      render_to(next);
+    }
+    render_to(next + 40 * kBlock);  // levels are measured in turn
+    EXPECT_EQ(mixer.counters().ringing_voices, kBodies * kPieces) << apart;
+    for (const std::string& name : names) {
+      for (const PieceReport& piece : one.breakage().report({.name = name})->pieces) {
+        ASSERT_TRUE(piece.number) << piece.name;
+        EXPECT_GT(mixer.meters().take_peak_level(*piece.number), 1e-6) << piece.name;
+      }
+    }
+    EXPECT_EQ(mixer.counters().late, 0u);
+    EXPECT_EQ(mixer.counters().refused, 0u);
+    EXPECT_EQ(one.dropped(), 0u);
+  }
 }
 
 TEST_F(Breaking, RefusalsNameWhatIsMissing) {

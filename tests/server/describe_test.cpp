@@ -119,17 +119,29 @@ TEST_F(DescribeTest, AnObjectTellsWhatItBreaksInto) {
   ASSERT_TRUE(session_.rack().load("bar", folder_ / "bar.glb"));
   load("bell");
   serve();
-  const auto pieces = [&] {
-    return all<protocol::PiecesReply>({"/object/bar/pieces", {}}, [](const auto& head) { return head.pieces; });
+  const auto pieces = [&](std::int32_t pattern) {
+    return all<protocol::PiecesReply>({"/object/bar/pieces", {pattern}},
+                                      [](const auto& head) { return head.patterns + head.pieces; });
   };
-  auto told = pieces();
-  ASSERT_EQ(told.size(), 1u) << "it is not armed";
+  auto told = pieces(-1);
+  ASSERT_EQ(told.size(), 2u) << "it is not armed";
   EXPECT_FALSE(told[0].get<protocol::PiecesReply>().broken);
-  EXPECT_EQ(ask<protocol::Done>({"/object/bar/break", {0.02f, 0.f, 0.f, 0.f, 0.f, 0.5f}})->number, 2);
-  told = pieces();
-  ASSERT_EQ(told.size(), 3u);
+  EXPECT_EQ(told[1].get<protocol::PatternReply>().pieces, 2);
+  told = pieces(0);
+  ASSERT_EQ(told.size(), 4u) << "while a level loads";
+  EXPECT_FALSE(told[0].get<protocol::PiecesReply>().armed);
+  const auto before = told[2].get<protocol::PieceReply>();
+  const auto broken = all<protocol::BrokenReply>({"/object/bar/break", {0.02f, 0.f, 0.f, 0.f, 0.f, 0.5f}},
+                                                 [](const auto& head) { return head.pieces; });
+  ASSERT_EQ(broken.size(), 3u);
+  EXPECT_EQ(broken[0].get<protocol::BrokenReply>().name, "bar");
+  told = pieces(-1);
+  ASSERT_EQ(told.size(), 4u);
   EXPECT_TRUE(told[0].get<protocol::PiecesReply>().broken);
-  const auto &first = told[1].get<protocol::PieceReply>(), &second = told[2].get<protocol::PieceReply>();
+  const auto &first = told[2].get<protocol::PieceReply>(), &second = told[3].get<protocol::PieceReply>();
+  EXPECT_EQ(broken[1].get<protocol::PieceReply>().velocity_m_s, first.velocity_m_s);
+  EXPECT_EQ(before.mass_kg, first.mass_kg);
+  EXPECT_EQ(before.center_m, first.center_m);
   EXPECT_EQ(first.name, "bar.0");
   EXPECT_EQ(first.object, static_cast<std::int32_t>((*session_.rack().find({.name = "bar.0"}))->number));
   EXPECT_EQ(second.object, -1) << "it has no mode";
@@ -137,7 +149,7 @@ TEST_F(DescribeTest, AnObjectTellsWhatItBreaksInto) {
   EXPECT_NE(refusal({"/object/bar/strike", {0.f, 0.f, 0.f, 0.f, 0.f, 1.f}}).find("broken"), std::string::npos);
   EXPECT_NE(refusal({"/object/bell/break", {1.f, 1.f, 1.f, 0.f, 0.f, 1.f}}).find("[shatter]"), std::string::npos);
   ASSERT_TRUE(ask<protocol::Done>({"/object/bar/mend", {}}));
-  EXPECT_EQ(pieces().size(), 1u);
+  EXPECT_EQ(pieces(-1).size(), 2u);
 }
 
 TEST_F(DescribeTest, ABankComesInPiecesThatMakeItsFile) {

@@ -1,6 +1,7 @@
 // What the OSC server does with time, patterns and subscribers.
 #include "server/remote_strikes.h"
 #include "tests/server/osc_server_fixture.h"
+#include "tests/support/breaking_bar.h"
 #include "tests/support/synthetic_bank.h"
 
 #include <fstream>
@@ -127,6 +128,19 @@ TEST_F(OscServerTest, APatternReachesEveryObjectItMatches) {
   EXPECT_EQ(session_.rack().mixer().counters().strikes, 2u);
   EXPECT_NE(refusal(strike("wood*")).find("wood*"), std::string::npos);
   EXPECT_NE(refusal({"/object/gl*/gain", {-1.f}}).find("/object/glass1/gain"), std::string::npos);
+}
+
+TEST_F(OscServerTest, SubscribersHearOfWhatBreaks) {
+  ASSERT_TRUE(modal::write_bank(test::breaking_bar(6), folder_ / "bar.glb"));
+  ASSERT_TRUE(session_.rack().load("bar", folder_ / "bar.glb"));
+  serve();
+  send({"/notify", {1, 100.f}});
+  ASSERT_TRUE(wait_for<protocol::NotifyLoad>(client_, [](const auto&) { return true; }));
+  wire::OscSocket other = std::move(*wire::OscSocket::bind());
+  ASSERT_TRUE(other.send_to(to_, wire::encode({"/object/bar/break", {0.02f, 0.f, 0.f, 0.f, 0.f, 0.5f}})));
+  const auto broken = wait_for<protocol::BrokenReply>(client_, [](const auto& n) { return n.name == "bar"; });
+  ASSERT_TRUE(broken);
+  EXPECT_EQ(broken->pieces, 2);
 }
 
 TEST_F(OscServerTest, SubscribersHearOfObjectsContactsPeaksAndLoad) {

@@ -318,8 +318,8 @@ TEST_F(SessionTest, ObjectsAreLoadedUpToTheLimitAndNotOneMore) {
   }
   const auto refused = session_.perform(protocol::LoadObject{"more", bank("a.glb")}, 0);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("1024"), std::string::npos) << refused.error().message;
-  EXPECT_TRUE(strike({.name = "o1023"}));
+  EXPECT_NE(refused.error().message.find("2048"), std::string::npos) << refused.error().message;
+  EXPECT_TRUE(strike({.name = "o2047"}));
 }
 
 TEST_F(SessionTest, AFullQueueIsAnErrorAndIsCounted) {

@@ -4,6 +4,7 @@
 #include "engine/modal/fracture/fracture.h"
 #include "tests/support/synthetic_bank.h"
 
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -40,6 +41,26 @@ inline modal::Bank breaking_bar(std::size_t shared) {
   }
   bar.fracture = std::make_shared<const modal::Fracture>(std::move(fracture));
   return bar;
+}
+
+// The pattern of a bar of 6 modes in `count` equal pieces, each with `modes` of the modes. Motion and energy of the bar
+// are shared out evenly.
+inline modal::BreakPattern even_pieces(std::size_t count, std::size_t modes) {
+  const modal::Bank bar = quiet_bar_bank(6);
+  const double share = 1 / static_cast<double>(count);
+  const std::size_t columns = modal::kRigidMotions + bar.mode_count();
+  modal::BreakPattern pattern{.at_m = {}, .crack_area_m2 = 1e-5 * static_cast<double>(count), .pieces = {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    modal::PieceBank piece{.bank = quiet_bar_bank(modes)};
+    piece.bank.mass = bar.mass;
+    piece.bank.mass->mass_kg *= share;
+    piece.bank.mass->inertia_kg_m2 = share * bar.mass->inertia_kg_m2;
+    piece.handover.assign((modal::kRigidMotions + modes) * columns, 0);
+    for (std::size_t k = 0; k < modal::kRigidMotions + modes; ++k)
+      piece.handover[k * columns + k] = static_cast<float>(std::sqrt(share));
+    pattern.pieces.push_back(std::move(piece));
+  }
+  return pattern;
 }
 
 }  // namespace ringdown::test

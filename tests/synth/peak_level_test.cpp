@@ -147,7 +147,7 @@ TEST(PeakLevel, PeakLevelsOfAllObjectsAreMeasuredInTurn) {
     player.push(strike_at(0, object, {0, 0, 1e-3}));
   }
   player.mixer.meters().watch_objects(true);
-  player.render(128 * kMaxObjects / 64 + 256, 128);  // at most 512 strikes in a chunk
+  player.render(128 * kMaxObjects / 64 + 256, 128);  // more strikes than a chunk takes
   player.render(128 * kMaxObjects / 64, 128);
   for (ObjectNumber object = 0; object < kMaxObjects; ++object) {
     ASSERT_GT(player.mixer.meters().take_peak_level(object), 1e-6) << object;

@@ -17,13 +17,14 @@ from ._core import Bank, Mixer, version
 from .baking import bake
 from .errors import Error, InputError
 from .rendering import render, render_scene
-from .values import Material, Status
+from .values import Material, Pattern, Piece, Status
 
 if TYPE_CHECKING:
     from ._scene import Scene
 
 __version__: str = version()
-__all__ = ["Bank", "Error", "InputError", "Material", "Mixer", "Scene", "Status", "bake", "render", "render_scene"]
+__all__ = ["Bank", "Error", "InputError", "Material", "Mixer", "Pattern", "Piece", "Scene", "Status", "bake", "render",
+           "render_scene"]
 
 
 def __getattr__(name: str) -> Any:

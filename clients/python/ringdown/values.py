@@ -1,6 +1,8 @@
 """Values that banks and mixers return."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Optional, Tuple
+
+Triple = Tuple[float, float, float]
 
 
 class Material(NamedTuple):
@@ -24,3 +26,23 @@ class Status(NamedTuple):
     sounding: int  # voices that rang in the last block
     ringing_modes: int  # modes that rang in the last block
     peak: float  # largest |sample| of the last block
+
+
+class Piece(NamedTuple):
+    """A piece of an object that can break, in the object's frame."""
+
+    object: Optional[int]  # its number in the mixer; None: it never rings, or this is of a bank
+    mass_kg: float
+    center_of_mass_m: Triple
+    inertia_kg_m2: Triple  # principal moments
+    axes_wxyz: Tuple[float, float, float, float]  # turns the principal axes into the object's frame
+    velocity_m_s: Triple  # beyond the motion that the object had before the blow
+    spin_rad_s: Triple
+
+
+class Pattern(NamedTuple):
+    """One way in which an object can break."""
+
+    at_m: Triple  # the place of the blow
+    crack_energy_j: float  # what the crack takes from the vibration; 0: the bank does not know
+    pieces: Tuple[Piece, ...]

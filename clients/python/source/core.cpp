@@ -85,6 +85,35 @@ py::array far_field_of(const Bank& bank, Whole<std::uint32_t> mode, const Direct
   return field;
 }
 
+ringdown_piece_info piece_info(const Bank& bank, std::uint32_t pattern, std::uint32_t piece) {
+  ringdown_piece_info info{};
+  info.size = sizeof info;
+  call(ringdown_breakable_piece, bank.get(), pattern, piece, &info);
+  return info;
+}
+
+// An empty tuple for a bank without pieces.
+py::tuple patterns_of(const Bank& bank) {
+  py::list patterns;
+  ringdown_pattern_info info{};
+  info.size = sizeof info;
+  for (std::uint32_t p = 0; ringdown_breakable(bank.get(), p, &info, nullptr) == RINGDOWN_OK; ++p) {
+    py::list pieces;
+    for (std::uint32_t i = 0; i < info.pieces; ++i) pieces.append(piece_of(piece_info(bank, p, i)));
+    patterns.append(py::module_::import("ringdown.values")
+                        .attr("Pattern")(py::make_tuple(info.at_m[0], info.at_m[1], info.at_m[2]), info.crack_energy_j,
+                                         py::tuple(pieces)));
+    if (p + 1 == info.patterns) break;
+  }
+  return py::tuple(patterns);
+}
+
+py::tuple piece_mesh(const py::object& self, Whole<std::uint32_t> pattern, Whole<std::uint32_t> piece) {
+  const ringdown_piece_info info = piece_info(bank_of(self), pattern, piece);
+  return py::make_tuple(view(self, info.points_m, {info.points, 3}),
+                        view(self, info.triangle_points, {info.triangles, 3}));
+}
+
 std::string text_of(const Bank& bank) {
   const ringdown_bank_info& info = bank.info();
   return "<ringdown.Bank '" + std::string(info.name) + "': " + std::to_string(info.modes) + " modes at " +
@@ -153,6 +182,10 @@ void add_bank(py::module_& module) {
       .def_property_readonly(
           "has_radiation", [](const Bank& bank) { return bank.info().has_radiation != 0; },
           "True if the modes have radiation maps, which far_field() needs.")
+      .def_property_readonly("patterns", &patterns_of,
+                             "A ringdown.Pattern for each way in which the object can break; none if it cannot break.")
+      .def("piece_mesh", &piece_mesh, py::arg("pattern"), py::arg("piece"),
+           "The surface of a piece: its points, P x 3 [m], and T x 3 numbers of points.")
       .def("levels_pa", &levels_of,
            "M levels: the sound pressure at 1 m per modal velocity, rms over directions [Pa / (kg^1/2 m/s)].")
       .def("far_field", &far_field_of, py::arg("mode"), py::arg("directions"),

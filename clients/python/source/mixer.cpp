@@ -226,6 +226,61 @@ void add_objects(Class& mixer) {
           "0 disconnects it.");
 }
 
+py::tuple pieces_of(const Mixer& self, std::uint32_t object) {
+  py::list pieces;
+  ringdown_piece_info info{};
+  info.size = sizeof info;
+  do {
+    call(ringdown_piece, self.handle, object, static_cast<std::uint32_t>(pieces.size()), &info);
+    pieces.append(piece_of(info));
+  } while (pieces.size() < info.pieces);
+  return py::tuple(pieces);
+}
+
+void add_breaking(Class& mixer) {
+  mixer
+      .def(
+          "arm",
+          [](Mixer& self, Object object, const std::optional<Whole<std::int32_t>>& pattern) {
+            std::uint32_t pieces = 0;
+            call(ringdown_arm, self.handle, object, pattern ? pattern->value : -1, &pieces);
+            return pieces;
+          },
+          py::arg("object"), py::arg("pattern") = py::none(),
+          "Loads the pieces that the object breaks into and returns their number: those of a pattern of its bank, or of"
+          " the finest at the place of the first.")
+      .def(
+          "break_",
+          [](Mixer& self, Object object, const Vector& point_m, const Vector& impulse_ns, double contact_time_s,
+             const FrameOrNow& frame) {
+            call(ringdown_break, self.handle, at(self, frame), object, point_m.data(), impulse_ns.data(),
+                 contact_time_s, nullptr);
+            return pieces_of(self, object);
+          },
+          py::arg("object"), py::arg("point_m"), py::arg("impulse_ns"), py::arg("contact_time_s") = 0.0002,
+          py::arg("frame") = py::none(),
+          "Breaks an armed object at the peak of a blow: it falls silent, and its pieces go on with its motion. Returns"
+          " a ringdown.Piece for each, whose velocity has the first half of the blow.")
+      .def(
+          "pieces", [](Mixer& self, Object object) { return pieces_of(self, object); }, py::arg("object"),
+          "A ringdown.Piece for each piece of an armed or broken object.")
+      .def(
+          "stress_pa",
+          [](Mixer& self, Object object, const Vector& point_m, const Vector& impulse_ns, double contact_time_s,
+             const FrameOrNow& frame) {
+            double stress_pa = 0;
+            call(ringdown_stress, self.handle, at(self, frame), object, point_m.data(), impulse_ns.data(),
+                 contact_time_s, &stress_pa);
+            return stress_pa;
+          },
+          py::arg("object"), py::arg("point_m"), py::arg("impulse_ns"), py::arg("contact_time_s") = 0.0002,
+          py::arg("frame") = py::none(),
+          "The largest tensile stress that a blow would cause in an armed object; 0 if its bank does not know.")
+      .def(
+          "mend", [](Mixer& self, Object object) { call(ringdown_mend, self.handle, object); }, py::arg("object"),
+          "Removes the pieces of an object; it can be struck again.");
+}
+
 #include <verbs.inc>
 
 }  // namespace
@@ -235,7 +290,7 @@ void add_mixer(py::module_& module) {
               "Plays banks: objects, events with frames, and blocks of sound.\n\nUnits are SI. Points and impulses are "
               "in the object's own frame. Time is counted in sample frames from the first frame that the mixer "
               "renders; an event without a frame happens at the beginning of the next block. At most 4096 events may "
-              "come between two blocks, and at most 512 happen in 128 frames. Failures raise ringdown.Error.");
+              "come between two blocks, and at most 1024 happen in 128 frames. Failures raise ringdown.Error.");
   mixer.def(py::init(&make), py::arg("sample_rate_hz") = 48000.0, py::kw_only(), py::arg("full_scale_pa") = 20.0,
             py::arg("limiter_db") = -1.0, py::arg("floor_db") = 120.0, py::arg("exact_contacts") = false,
             py::arg("travel_time") = false, py::arg("ambisonic_order") = 0, py::arg("threads") = 1,
@@ -246,6 +301,7 @@ void add_mixer(py::module_& module) {
             "delay each event by the travel time of its sound to the listener. ambisonic_order: 1 to 3, for "
             "render_ambisonics(). head: a SOFA file for binaural sound, or '' for libmysofa's own head.");
   add_objects(mixer);
+  add_breaking(mixer);
   add_verbs(mixer);
   add_sound(mixer);
   mixer.def("_capsule", [](Mixer& self) { return py::capsule(self.handle, kMixerCapsule); });

@@ -74,6 +74,17 @@ inline std::string path_of(const py::handle& path) {
   return py::module_::import("os").attr("fsencode")(path).cast<std::string>();
 }
 
+// A ringdown.Piece.
+inline py::object piece_of(const ringdown_piece_info& info) {
+  const auto triple = [](const double* v) { return py::make_tuple(v[0], v[1], v[2]); };
+  const double* turned = info.axes_wxyz;
+  return py::module_::import("ringdown.values")
+      .attr("Piece")(info.object == RINGDOWN_NO_OBJECT ? py::object(py::none()) : py::int_(info.object), info.mass_kg,
+                     triple(info.center_of_mass_m), triple(info.inertia_kg_m2),
+                     py::make_tuple(turned[0], turned[1], turned[2], turned[3]), triple(info.velocity_m_s),
+                     triple(info.spin_rad_s));
+}
+
 // The capsule in which ringdown._core hands a mixer to ringdown._scene.
 inline constexpr const char* kMixerCapsule = "ringdown_mixer";
 

@@ -63,7 +63,8 @@ void Model::apply(const protocol::Reply& reply, double now_s) {
           [&](const protocol::NotifyLoad& r) { load_ = r; }, [&](const protocol::NotifySound& r) { on(r, now_s); },
           [&](const protocol::NotifyModes& r) { objects_.on(r, now_s); },
           // The window does not ask for pieces: they are objects like any other.
-          [](const protocol::PiecesReply&) {}, [](const protocol::PieceReply&) {}},
+          [](const protocol::PiecesReply&) {}, [](const protocol::PatternReply&) {}, [](const protocol::PieceReply&) {},
+          [](const protocol::BrokenReply&) {}},
       reply);
 }
 

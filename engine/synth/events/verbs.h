@@ -28,7 +28,7 @@ namespace ringdown::synth {
 
 using ObjectNumber = std::uint32_t;  // the object's place in the mixer, as the daemon assigned it
 inline constexpr ObjectNumber kNoObject = ~ObjectNumber{0};
-inline constexpr ObjectNumber kMaxObjects = 1024;  // objects of a mixer, numbered from 0
+inline constexpr ObjectNumber kMaxObjects = 2048;  // objects of a mixer, numbered from 0
 
 // Contact time of a strike that names none. An ideal impulse, 0 s, excites every mode up to 20 kHz alike and sounds
 // brighter than any real mallet. The force of a real contact is about half a sine in time, whose spectrum falls off
