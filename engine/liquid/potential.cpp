@@ -71,20 +71,37 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> hat_mass(const radiate::Panels& pan
   return mass;
 }
 
-// Finds the panel and the corners' weights of each sample.
-void place_samples(const Wetted& liquid, Potential& potential) {
-  const radiate::SurfaceSearch search(potential.panels);
-  std::vector<Eigen::Triplet<double>> weights;
+}  // namespace
+
+struct WetPanels::Parts {
+  bool open = true, outside = false;
+  radiate::Panels panels;                               // V nodes
+  Eigen::SparseMatrix<double, Eigen::RowMajor> values;  // N x V: from nodes to the liquid's samples
+  std::vector<int> triangle_at;                         // N: the panel of each sample
+  Eigen::SparseMatrix<double, Eigen::RowMajor> mass;    // V x V, of the hats
+  Eigen::VectorXd weights;                              // V: its row sums
+  Eigen::MatrixXf side;                                 // M/2 - K'
+  Eigen::LLT<Eigen::MatrixXf> steep;                    // factors of W
+
+  // Finds the panel and the corners' weights of each sample.
+  void place_samples(const Wetted& liquid);
+};
+
+void WetPanels::Parts::place_samples(const Wetted& liquid) {
+  const radiate::SurfaceSearch search(panels);
+  std::vector<Eigen::Triplet<double>> shares;
   for (Eigen::Index s = 0; s < liquid.at.rows(); ++s) {
     const Eigen::Vector3d outward = (liquid.outside ? -1 : 1) * liquid.normals.row(s).transpose();
     const radiate::NearestPoint place = search.nearest(liquid.at.row(s).transpose(), outward);
-    potential.triangle_at.push_back(place.triangle);
+    triangle_at.push_back(place.triangle);
     for (int i = 0; i < 3; ++i)
-      weights.emplace_back(static_cast<int>(s), potential.panels.corners[place.triangle][i], place.weights[i]);
+      shares.emplace_back(static_cast<int>(s), panels.corners[place.triangle][i], place.weights[i]);
   }
-  potential.values.resize(liquid.at.rows(), potential.panels.node_count());
-  potential.values.setFromTriplets(weights.begin(), weights.end());
+  values.resize(liquid.at.rows(), panels.node_count());
+  values.setFromTriplets(shares.begin(), shares.end());
 }
+
+namespace {
 
 // The real and imaginary parts of the wave matrix at k = 0 and eta = 1 are -W and M/2 - K'. Images count negative.
 struct Operators {
@@ -119,16 +136,18 @@ Operators operators_of(const radiate::Skin& skin, const Eigen::VectorXd& weights
 
 }  // namespace
 
-Eigen::MatrixXd Potential::slope_at(Eigen::Index sample) const {
-  const int triangle = triangle_at[sample];
+const radiate::Panels& WetPanels::panels() const { return parts_->panels; }
+
+Eigen::MatrixXd WetPanels::slope_at(Eigen::Index sample, const Eigen::MatrixXd& nodes) const {
+  const radiate::Panels& panels = parts_->panels;
+  const int triangle = parts_->triangle_at[sample];
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(3, nodes.cols());
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     slope += panels.curls[triangle][i].cross(panels.normals[triangle]) * nodes.row(panels.corners[triangle][i]);
-  }
   return slope;
 }
 
-Result<Potential> potential_of(const Wetted& liquid, const Eigen::MatrixXd& flow, int nodes, int threads) {
+Result<WetPanels> WetPanels::of(const Wetted& liquid, int nodes, int threads) {
   radiate::Body body;
   body.surface = liquid.open ? doubled(liquid.wall) : liquid.wall;
   body.flow.positions.resize(0, 3);
@@ -137,45 +156,57 @@ Result<Potential> potential_of(const Wetted& liquid, const Eigen::MatrixXd& flow
   const Result<radiate::Original> original = radiate::Original::of(body, liquid.open ? 1 : 0);
   if (!original) return fail(original.error());
   const double side = std::sqrt(liquid.wall_area() / (0.866 * nodes));
-  Result<radiate::Skin> skin = radiate::skin_of(*original, side);
+  const Result<radiate::Skin> skin = radiate::skin_of(*original, side);
   if (!skin) return fail(skin.error());
-  Potential potential;
-  potential.panels = skin->panels;
-  const radiate::Panels& panels = potential.panels;
-  place_samples(liquid, potential);
-  const auto mass = hat_mass(panels);
-  const Eigen::VectorXd weights = mass * Eigen::VectorXd::Ones(mass.cols());
-  Operators operators = operators_of(*skin, weights, thread_count(threads));
-  Eigen::MatrixXd at_nodes = potential.values.transpose() * flow;
-  if (!liquid.open) {
-    at_nodes -= weights * (at_nodes.colwise().sum() / weights.sum());
-  }
-  const Eigen::MatrixXd density = divided_by_mass(mass, at_nodes);
-  Eigen::MatrixXd right = (operators.side * density.cast<float>()).cast<double>();
-  if (liquid.outside) right = mass * density - right;
+  const auto made = std::make_shared<Parts>();
+  Parts& parts = *made;
+  parts.open = liquid.open;
+  parts.outside = liquid.outside;
+  parts.panels = skin->panels;
+  parts.place_samples(liquid);
+  parts.mass = hat_mass(parts.panels);
+  parts.weights = parts.mass * Eigen::VectorXd::Ones(parts.mass.cols());
+  Operators operators = operators_of(*skin, parts.weights, thread_count(threads));
   if (liquid.open) {  // the potential is 0 at nodes on the free surface
-    for (int n = 0; n < panels.node_count(); ++n) {
-      if (panels.planes_at(n) == 0) continue;
+    for (int n = 0; n < parts.panels.node_count(); ++n) {
+      if (parts.panels.planes_at(n) == 0) continue;
       operators.steep.row(n).setZero();
       operators.steep.col(n).setZero();
       operators.steep(n, n) = 1;
-      right.row(n).setZero();
     }
   } else {  // constants cost nothing: this fixes the mean
-    const Eigen::VectorXf weight = weights.cast<float>();
+    const Eigen::VectorXf weight = parts.weights.cast<float>();
     operators.steep += weight * weight.transpose() / (weight.sum() * std::sqrt(weight.sum()));
   }
-  const Eigen::LLT<Eigen::MatrixXf> factors(operators.steep);
-  if (factors.info() != Eigen::Success)
+  parts.side = std::move(operators.side);
+  parts.steep.compute(operators.steep);
+  if (parts.steep.info() != Eigen::Success)
     return fail(ErrorKind::bad_input, "the potential of the liquid cannot be found: its wall is too distorted");
-  potential.nodes = factors.solve(right.cast<float>()).cast<double>();
+  return WetPanels(made);
+}
+
+Potential WetPanels::potential_of(const Eigen::MatrixXd& flow) const {
+  const Parts& parts = *parts_;
+  Eigen::MatrixXd at_nodes = parts.values.transpose() * flow;
+  if (!parts.open) at_nodes -= parts.weights * (at_nodes.colwise().sum() / parts.weights.sum());
+  const Eigen::MatrixXd density = divided_by_mass(parts.mass, at_nodes);
+  Eigen::MatrixXd right = (parts.side * density.cast<float>()).cast<double>();
+  if (parts.outside) right = at_nodes - right;
+  if (parts.open) {
+    for (int n = 0; n < parts.panels.node_count(); ++n) {
+      if (parts.panels.planes_at(n) != 0) right.row(n).setZero();
+    }
+  }
+  Potential potential;
+  potential.nodes = parts.steep.solve(right.cast<float>()).cast<double>();
   const Eigen::MatrixXd raw = at_nodes.transpose() * potential.nodes;
   potential.added_mass = (raw + raw.transpose()) / 2;
+  if (raw.size() == 0) return potential;
   potential.asymmetry = (raw - raw.transpose()).norm() / raw.norm();
-  dense::Spectrum spectrum = dense::spectrum(potential.added_mass);
-  if (spectrum.values.size() > 0 && spectrum.values[0] < 0) {
-    spectrum.values = spectrum.values.cwiseMax(0.0);
-    potential.added_mass = spectrum.vectors * spectrum.values.asDiagonal() * spectrum.vectors.transpose();
+  const dense::Spectrum spectrum = dense::spectrum(potential.added_mass);
+  if (spectrum.values[0] < 0) {
+    potential.added_mass =
+        spectrum.vectors * spectrum.values.cwiseMax(0.0).asDiagonal() * spectrum.vectors.transpose();
   }
   return potential;
 }

@@ -15,27 +15,39 @@
 #include "engine/radiate/panels.h"
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
+
+#include <memory>
+#include <utility>
 
 namespace ringdown::liquid {
 
 struct Potential {
-  radiate::Panels panels;                               // V nodes on the wall, in the frame of the liquid
-  Eigen::SparseMatrix<double, Eigen::RowMajor> values;  // N x V: from nodes to the liquid's samples
-  std::vector<int> triangle_at;                         // N: the panel of each sample
-  Eigen::MatrixXd nodes;                                // V x M
+  Eigen::MatrixXd nodes;       // V x M, at the panels' nodes
   Eigen::MatrixXd added_mass;  // M x M, symmetric, no eigenvalue below 0: integral of P_i q_j, without the density
   double asymmetry = 0;        // of the added mass before it was made symmetric, relative
-
-  // The gradient of the potentials along the wall at a sample, 3 x M.
-  [[nodiscard]] Eigen::MatrixXd slope_at(Eigen::Index sample) const;
 };
 
 inline constexpr int kWetNodes = 2000;
 
-// The potentials of flows N x M (wetted.h), on about `nodes` nodes. In a closed cavity each flow counts without its
-// mean. Fails when the wall is not closed but for the free surface.
-Result<Potential> potential_of(const Wetted& liquid, const Eigen::MatrixXd& flow, int nodes = kWetNodes,
-                               int threads = 0);
+// The wall of one liquid, in panels, with the factors of its equation.
+class WetPanels {
+ public:
+  // Makes panels with about `nodes` nodes. Fails when the wall is not closed but for the free surface.
+  static Result<WetPanels> of(const Wetted& liquid, int nodes = kWetNodes, int threads = 0);
+
+  // In the frame of the liquid, closed but for the free surface; normals out of what the wall encloses.
+  [[nodiscard]] const radiate::Panels& panels() const;
+
+  // The potentials of flows, N x M (wetted.h). In a full closed cavity each flow counts without its mean.
+  [[nodiscard]] Potential potential_of(const Eigen::MatrixXd& flow) const;
+
+  // The gradient along the wall, at one of the liquid's samples, of potentials given at the nodes: 3 x M.
+  [[nodiscard]] Eigen::MatrixXd slope_at(Eigen::Index sample, const Eigen::MatrixXd& nodes) const;
+
+ private:
+  struct Parts;
+  explicit WetPanels(std::shared_ptr<const Parts> parts) : parts_(std::move(parts)) {}
+  std::shared_ptr<const Parts> parts_;
+};
 
 }  // namespace ringdown::liquid

@@ -22,7 +22,7 @@ Wetted wetted_by(const WetWall& wall, const std::vector<Piece>& pieces, double l
   std::vector<bool> below(static_cast<std::size_t>(skin.surface.nodes.rows()), false);
   mesh::TriangleMesh part;
   part.nodes = (skin.surface.nodes * liquid.turn.transpose()).rowwise() + liquid.shift.transpose();
-  std::vector<Eigen::Index> triangles;
+  std::vector<Eigen::Index>& triangles = liquid.triangles;
   for (const Piece& piece : pieces) triangles.insert(triangles.end(), piece.triangles.begin(), piece.triangles.end());
   part.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
   for (std::size_t t = 0; t < triangles.size(); ++t) {

@@ -78,9 +78,9 @@ struct Filled {
     liquid = wetted_by(wall, {piece_of(wall, basin, level)}, level, false);
   }
   [[nodiscard]] Potential potential(const Eigen::MatrixXd& shapes, int nodes = 1000) const {
-    Result<Potential> found = potential_of(liquid, flow_of(liquid, skin, shapes), nodes, 1);
-    if (!found) throw std::runtime_error(found.error().message);
-    return std::move(*found);
+    const Result<WetPanels> panels = WetPanels::of(liquid, nodes, 1);
+    EXPECT_TRUE(panels) << panels.error().message;
+    return panels ? panels->potential_of(flow_of(liquid, skin, shapes)) : Potential{};
   }
 };
 

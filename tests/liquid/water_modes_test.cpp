@@ -21,9 +21,9 @@ TEST(WaterModes, CupHasTheModesOfACylinder) {
       flat_skin(turned({{0, -0.1}, {1.1, -0.1}, {1.1, 2}, {1, 2}, {1, 0}, {0, 0}}, 0.05, 144));
   const WetWall wall(skin, {0, 0, 1});
   const Wetted liquid = wetted_by(wall, {piece_of(wall, basins_of(wall).front(), h)}, h, false);
-  const Result<Potential> potential = potential_of(liquid, Eigen::MatrixXd::Zero(liquid.areas.size(), 1), 800, 1);
-  ASSERT_TRUE(potential) << potential.error().message;
-  const WaterModes modes(liquid, potential->panels);
+  const Result<WetPanels> panels = WetPanels::of(liquid, 800, 1);
+  ASSERT_TRUE(panels) << panels.error().message;
+  const WaterModes modes(liquid, panels->panels());
   std::vector<double> exact;
   for (int i = 1; i < 4; ++i) {
     const double k = (2 * i - 1) * std::numbers::pi / (2 * h);
