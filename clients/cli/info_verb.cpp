@@ -139,6 +139,11 @@ void print_head(const modal::Bank& bank) {
     for (const std::string& part : bank.provenance.parts) parts += (parts.empty() ? "" : ", ") + part;
     std::printf("parts      of %s; the rest of its material\n", parts.c_str());
   }
+  for (const modal::LiquidNote& liquid : bank.provenance.liquids) {
+    std::printf("liquid     %s %s up to %.4g m along (%.3g %.3g %.3g), %.4g ml%s; in frequencies and decays\n",
+                liquid.liquid.c_str(), liquid.around ? "around it" : "in it", liquid.level_m, liquid.up.x, liquid.up.y,
+                liquid.up.z, 1e6 * liquid.volume_m3, liquid.around ? " displaced" : "");
+  }
   if (bank.nonlinear) print_nonlinear(*bank.nonlinear);
   if (bank.fracture) print_fracture(*bank.fracture);
   if (bank.held) std::printf("held       by supports, so it is not free\n");

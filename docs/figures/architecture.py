@@ -19,6 +19,7 @@ ROOMS = {
     "solve": (2, 4, "every mode", OFFLINE),
     "bake": (3, 4, "mesh to bank", OFFLINE),
     "fit": (4, 4, "recording to modes", OFFLINE),
+    "liquid": (0, 3, "water inside and around", OFFLINE),
     "materials": (1, 3, "figures by name", SHARED),
     "radiate": (2, 3, "modes into air", OFFLINE),
     "modal": (3, 3, "banks", SHARED),
@@ -35,6 +36,7 @@ ROOMS = {
 }
 WAYS = [
     ("mesh", "fem"), ("fem", "solve"), ("solve", "bake"), ("bake", "modal"), ("radiate", "bake"), ("materials", "bake"),
+    ("liquid", "bake"),
     ("fit", "modal"), ("gltf", "modal"), ("modal", "synth"), ("scene", "server/session", -0.2), ("protocol", "server/session"),
     ("server/session", "synth"), ("contact", "synth"), ("server/session", "server"), ("server/session", "clients/library"),
 ]

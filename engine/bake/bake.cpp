@@ -117,10 +117,30 @@ Eigen::VectorXd shape_errors(const Task& task, const Eigen::VectorXd& gaps_m, co
   return 0.5 * changes.cwiseAbs().cwiseQuotient(modes.lambda);
 }
 
+modal::ModeHeat heat_of(const Task& task, const BodyModes& modes, Eigen::Index m) {
+  const modal::ModeHeat heat = task.makeup.heat.relaxations(modes.heat, task.units, m);
+  return modes.wet ? modal::multiplied(heat, modes.wet->strain[m], 1) : heat;
+}
+
 LossOf loss_of(const Task& task, const BodyModes& modes) {
   return [&task, &modes](Eigen::Index m, double lambda, double air_per_s) {
-    modal::ModeLoss loss = task.makeup.loss(modes.shares, task.units, m, lambda, air_per_s);
-    loss.heat_per_s = modal::heat_loss(task.makeup.heat.relaxations(modes.heat, task.units, m), std::sqrt(lambda));
+    if (!modes.wet) {
+      modal::ModeLoss loss = task.makeup.loss(modes.shares, task.units, m, lambda, air_per_s);
+      loss.heat_per_s = modal::heat_loss(heat_of(task, modes, m), std::sqrt(lambda));
+      return loss;
+    }
+    // The liquid strains nothing and has no part in Rayleigh's alpha, but its boundary layer takes energy. Shares of a
+    // body of several parts count the body's energy already.
+    const bool plain = modes.shares.strain.size() == 0;
+    modal::ModeLoss loss = task.makeup.loss(modes.shares, task.units, m, lambda, plain ? 0 : air_per_s);
+    if (plain) {
+      loss.material_per_s *= modes.wet->strain[m];
+      loss.support_per_s = std::max(loss.support_per_s * modes.wet->motion[m] - air_per_s, 0.0);
+      loss.air_per_s = air_per_s;
+    }
+    loss.support_per_s +=
+        modes.wet->drag[m] * std::pow(lambda, 0.25) / (task.units.density_kg_m3 * task.units.length_m);
+    loss.heat_per_s = modal::heat_loss(heat_of(task, modes, m), std::sqrt(lambda));
     return loss;
   };
 }
@@ -172,7 +192,7 @@ Result<Sounding> modes_up_to(double top_hz, const Task& task, const Eigen::Vecto
   found.heard = modes_in_band(found.modes, task.units, loss_of(task, found.modes), {task.options.band_low_hz, top_hz},
                               found.left_out);
   for (HeardMode& mode : found.heard)
-    mode.heat = task.makeup.heat.relaxations(found.modes.heat, task.units, mode.number);
+    mode.heat = heat_of(task, found.modes, mode.number);
   return found;
 }
 
@@ -210,6 +230,10 @@ Result<void> check_request(const modal::Material& material, const BakeOptions& o
                                           ": nonlinear terms need a body of one material without grain, glued masses, "
                                           "or supports with stiffness or mass; leave out `nonlinear`, or these");
   }
+  if (options.nonlinear > 0 && !options.liquids.none()) {
+    return fail(ErrorKind::bad_input, name + ": nonlinear terms are not found for a body with a liquid; leave "
+                                             "`nonlinear` out, or [fill] and [bath]");
+  }
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good) return failed(material.name, good.error());
   return {};
@@ -228,8 +252,15 @@ Result<Task> prepare(const mesh::CheckedMesh& checked, const modal::Material& ma
   Result<FittedMakeup> makeup = fit_makeup(options.makeup, material, unit_mesh, checked.groups, units, checked.pieces);
   if (!makeup) return failed(name, makeup.error());
   mesh::Boundary surface = mesh::boundary_of(mesh);
+  std::optional<WetPlan> wet;
+  if (!options.liquids.none()) {
+    const WetUnits wet_units{length_m, std::sqrt(units.modulus_pa / units.density_kg_m3), units.density_kg_m3};
+    Result<WetPlan> plan = plan_liquids(options.liquids, unit_mesh, surface, wet_units);
+    if (!plan) return failed(name, plan.error());
+    wet = std::move(*plan);
+  }
   return Task{std::move(mesh),   std::move(unit_mesh), std::move(surface), units, material, options, name,
-              std::move(*makeup)};
+              std::move(*makeup),  std::move(wet)};
 }
 
 // Finds the modes in the band, or the lowest ones above it where none lies in the band and options.raise_band is set.
@@ -292,6 +323,10 @@ void describe_body(const Task& task, const Sounding& sounding, modal::Bank& bank
                      .band_low_hz = task.options.band_low_hz,
                      .band_high_hz = sounding.top_hz,
                      .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};
+  if (modes.wet) {  // the count was of the dry body's
+    bank.provenance.counted_modes = 0;
+    bank.provenance.liquids = modes.wet->notes;
+  }
   for (const Part& part : makeup.parts) bank.provenance.parts.push_back(part.material.name);
 }
 

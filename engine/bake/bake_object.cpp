@@ -95,6 +95,7 @@ class Baker {
     if (recipe.error > 0) recipe_.options.radiation_error = recipe.error;
     if (recipe.preview) recipe_.options.air.reset();
     recipe_.options.makeup = scaled(std::move(recipe_.options.makeup), recipe.scale);
+    recipe_.options.liquids = recipe_.options.liquids.scaled(recipe.scale);
     recipe_.options.interior = recipe.shatter.has_value();
   }
 
@@ -292,6 +293,7 @@ class Baker {
     if (!recipe_.shatter) return {};
     const char* const what = !recipe_.options.makeup.moves_freely() ? "a grain, parts, masses or stiff supports"
                              : recipe_.options.nonlinear > 0        ? "nonlinear modes"
+                             : !recipe_.options.liquids.none()      ? "a liquid"
                                                                     : nullptr;
     if (what == nullptr) return {};
     return fail(ErrorKind::bad_input, recipe_.name + ": a body with " + what +
@@ -441,6 +443,25 @@ Result<ObjectRecipe> with_part_materials(ObjectRecipe recipe, const std::filesys
   return recipe;
 }
 
+namespace {
+
+// Looks the liquids up in `liquids` beside the folder of materials.
+Result<void> find_liquids(const std::filesystem::path& materials, Liquids& liquids) {
+  const std::filesystem::path folder = liquid_folder(materials);
+  const auto find = [&](liquid::Liquid& liquid) -> Result<void> {
+    Result<liquid::Liquid> found = liquid::find_liquid(folder, liquid.name);
+    if (!found) return fail(found.error());
+    liquid = std::move(*found);
+    return {};
+  };
+  if (liquids.fill) {
+    if (auto found = find(liquids.fill->liquid); !found) return found;
+  }
+  return liquids.bath ? find(liquids.bath->liquid) : Result<void>();
+}
+
+}  // namespace
+
 Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,
                                 const Progress& progress) {
   Result<MaterialEntry> material = find_material(materials, recipe.material);
@@ -450,6 +471,7 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
   }
   Result<ObjectRecipe> whole = with_part_materials(recipe, materials);
   if (!whole) return fail(whole.error());
+  if (auto found = find_liquids(materials, whole->options.liquids); !found) return fail(found.error());
   if (recipe.other_material && !material->material.orthotropy) whole->options.makeup.grain.reset();
   const Makeup& makeup = whole->options.makeup;
   for (const char* key : {"youngs_modulus_pa", "poisson_ratio"}) {

@@ -34,6 +34,11 @@ BodyModes up_to(BodyModes modes, double top) {
        {&modes.shares.strain, &modes.shares.motion, &modes.shares.springs, &modes.shares.points, &modes.heat}) {
     if (share->size() > 0) share->conservativeResize(Eigen::NoChange, count);
   }
+  if (modes.wet) {
+    for (Eigen::VectorXd* numbers : {&modes.wet->strain, &modes.wet->motion, &modes.wet->drag, &modes.wet->errors})
+      numbers->conservativeResize(count);
+    modes.wet->free_flow.conservativeResize(Eigen::NoChange, count);
+  }
   if (modes.interior) modes.interior->shapes.conservativeResize(Eigen::NoChange, count);
   modes.complete_to = std::min(modes.complete_to, top);
   return modes;

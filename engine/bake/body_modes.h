@@ -11,6 +11,7 @@
 // mesh's bounding box.
 #pragma once
 
+#include "engine/bake/liquid/wet_body.h"
 #include "engine/bake/nonlinear_modes.h"
 #include "engine/base/content_cache.h"
 #include "engine/fem/assembly.h"
@@ -60,6 +61,7 @@ struct BodyModes {
   ModeShares shares;
   Eigen::MatrixXd heat;                     // 2 fem::kHeatPairs x m (fem/heat_flow.h); or empty: it was not asked for
   std::optional<Interior> interior;         // if it was asked for; not in the ModeCache
+  std::optional<WetEffects> wet;            // of a body with liquids: these are its modes with them; not in the cache
   std::optional<NonlinearModes> nonlinear;  // of the first modes, where they were asked for; not in the ModeCache
 };
 

@@ -57,6 +57,15 @@ ContentHash key_of(const RadiatingBody& body, const std::vector<double>& wavenum
   for (const double x : mesh.nodes.reshaped<Eigen::RowMajor>())
     grid.push_back(std::llround(kNodeGrid * x + kNodeOffset));
   hasher.values(std::span<const std::int64_t>(grid)).values(std::span<const double>(wavenumbers));
+  if (body.modes.wet) {
+    const WetEffects& wet = *body.modes.wet;
+    const auto& triangles = wet.air.surface.triangles;
+    hasher.values(std::span(triangles.data(), static_cast<std::size_t>(triangles.size())));
+    for (const HeardMode& mode : modes) {
+      const auto flow = wet.free_flow.col(mode.number);
+      hasher.values(std::span(flow.data(), static_cast<std::size_t>(flow.size())));
+    }
+  }
   for (const HeardMode& mode : modes) {
     const auto shape = body.modes.shapes.col(mode.number);
     hasher.values(std::span(shape.data(), static_cast<std::size_t>(shape.size())));
@@ -110,6 +119,33 @@ mesh::Points surface_nodes(const RadiatingBody& body) {
   return nodes;
 }
 
+// What the air touches: the dry skin, and liquids' free surfaces.
+radiate::Body above_liquid(radiate::Body body, const WetEffects& wet, const std::vector<HeardMode>& modes) {
+  body.surface = wet.air.surface;
+  const auto dry = static_cast<Eigen::Index>(wet.air.dry.size()), free = wet.free_areas.size();
+  radiate::FlowSamples above;
+  above.positions.resize(dry + free, 3);
+  above.normals.resize(dry + free, 3);
+  above.areas.resize(dry + free);
+  above.flow.resize(dry + free, static_cast<Eigen::Index>(modes.size()));
+  for (Eigen::Index i = 0; i < dry; ++i) {
+    const Eigen::Index s = wet.air.dry[i];
+    above.positions.row(i) = body.flow.positions.row(s);
+    above.normals.row(i) = body.flow.normals.row(s);
+    above.areas[i] = body.flow.areas[s];
+    above.flow.row(i) = body.flow.flow.row(s);
+  }
+  if (free > 0) {
+    above.positions.bottomRows(free) = wet.free_at;
+    above.normals.bottomRows(free) = wet.free_normals;
+    above.areas.tail(free) = wet.free_areas;
+    for (std::size_t m = 0; m < modes.size(); ++m)
+      above.flow.col(static_cast<Eigen::Index>(m)).tail(free) = wet.free_flow.col(modes[m].number).cast<float>();
+  }
+  body.flow = std::move(above);
+  return body;
+}
+
 // The surface as flat triangles, and what each mode pushes through its curved faces.
 radiate::Body body_for(const RadiatingBody& body, const std::vector<double>& wavenumbers,
                        const std::vector<HeardMode>& modes) {
@@ -135,6 +171,7 @@ radiate::Body body_for(const RadiatingBody& body, const std::vector<double>& wav
     const Eigen::VectorXd along = (samples.interpolation * shape).cwiseProduct(samples.normals).rowwise().sum();
     flow.flow.col(static_cast<Eigen::Index>(m)) = along.cwiseProduct(samples.areas).cast<float>();
   }
+  if (body.modes.wet) vibrating = above_liquid(std::move(vibrating), *body.modes.wet, modes);
   const modal::Air air;
   for (const double k : wavenumbers) {
     vibrating.frequency_hz.push_back(modal::rad_per_s_to_hz(k * air.sound_speed_m_s));

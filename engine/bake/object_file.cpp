@@ -1,5 +1,6 @@
 #include "engine/bake/object_file.h"
 
+#include "engine/bake/liquid/filling.h"
 #include "engine/bake/makeup_file.h"
 #include "engine/base/note.h"
 #include "engine/base/toml_table.h"
@@ -111,6 +112,7 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   read_part_surfaces(*file, path.parent_path(), recipe);
   read_pitch(*file, recipe);
   recipe.shatter = read_shatter(*file);
+  read_liquids(*file, recipe.options.liquids);
   if (auto good = file->finish(); !good) return fail(good.error());
   return recipe;
 }
@@ -120,6 +122,10 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
 std::vector<std::filesystem::path> part_materials(const ObjectRecipe& recipe, const std::filesystem::path& materials) {
   std::vector<std::filesystem::path> files;
   for (const Part& part : recipe.options.makeup.parts) files.push_back(materials / (part.material.name + ".toml"));
+  const Liquids& liquids = recipe.options.liquids;
+  const std::filesystem::path folder = liquid_folder(materials);
+  if (liquids.fill) files.push_back(folder / (liquids.fill->liquid.name + ".toml"));
+  if (liquids.bath) files.push_back(folder / (liquids.bath->liquid.name + ".toml"));
   return files;
 }
 

@@ -31,6 +31,7 @@
 //   mass = 0                         # kg, of each point; default 0
 //   [[mass]]                         # glued on, spread over a box, plane or group
 //   mass_kg = 0.002
+//   [fill]                           # a liquid in it, and [bath]: one around it (liquid/filling.h)
 //   [shatter]                        # it can break into pieces (docs/use/breaking.md)
 //   pieces = [4, 14, 48]             # numbers of pieces, of one pattern each; default 30
 //   pattern = "impact"               # or "radial", "uniform"
@@ -55,7 +56,7 @@
 
 namespace ringdown::bake {
 
-// The files of the materials that the recipe's parts have.
+// The files of the materials that the recipe's parts have, and of its liquids.
 std::vector<std::filesystem::path> part_materials(const ObjectRecipe& recipe, const std::filesystem::path& materials);
 
 // The files of the surfaces that part it.

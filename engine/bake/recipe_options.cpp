@@ -13,7 +13,7 @@ using Options = BakeOptions;
 using Meshing = mesh::GmshOptions;
 
 constexpr Range kLength_m{1e-9, 1e6}, kAny{}, kAboveZero{0, kAnyHigh}, kError{1e-7, 0.5}, kShapeError{1e-3, 0.5};
-constexpr Range kScale{1e-3, 1e3}, kAirDensity_kg_m3{1e-3, 1e3}, kSoundSpeed_m_s{10, 1e4};
+constexpr Range kScale{1e-3, 1e3}, kAirDensity_kg_m3{1e-3, 20}, kSoundSpeed_m_s{10, 1e4};
 
 // Sets the member that the path leads to from the recipe. A flag has an empty text.
 template <auto... path>
@@ -62,7 +62,9 @@ Result<void> set_radiation(Recipe& recipe, const Value& value) {
 // On the command line --air implies --radiation. In a file it stands beside `radiation`, whose row comes before.
 Result<void> set_air(Recipe& recipe, const Value& value) {
   if (!kAirDensity_kg_m3.holds(value.number) || !kSoundSpeed_m_s.holds(value.second))
-    return fail(ErrorKind::bad_input, "--air takes a density of 0.001 to 1000 kg/m3 and a speed of 10 to 10000 m/s");
+    return fail(ErrorKind::bad_input,
+                "--air takes a gas: a density of 0.001 to 20 kg/m3 and a speed of 10 to 10000 m/s; a liquid around the body "
+                "is a [bath] of its object file");
   if (recipe.options.air || !value.in_file)
     recipe.options.air = modal::Air{.density_kg_m3 = value.number, .sound_speed_m_s = value.second};
   return {};
@@ -125,7 +127,8 @@ std::vector<RecipeOption> table() {
        "the air around the body: DENSITY in kg/m3 and SPEED of sound in m/s (default 1.2041 343.2, dry air at 20 "
        "degrees); implies --radiation",
        pair, set_air, kAny, kAboveZero, 0,
-       "air must be its density, 0.001 to 1000 kg/m^3, and its speed of sound, 10 to 10000 m/s"},
+       "air must be a gas: its density, 0.001 to 20 kg/m^3, and its speed of sound, 10 to 10000 m/s; a liquid around "
+       "the body, whose mass moves along, is a [bath]"},
       {"error", "--error", "PERCENT",
        "refine until the estimated error of every frequency is below this: 0.1%, or 0.001", fraction,
        put<&Recipe::error>, kError},

@@ -53,7 +53,23 @@ BodyModes on_surface(const Eigenmodes& modes, const Eigen::MatrixXd& shapes, con
 // heat.
 bool heat_counts(const Task& task) { return task.makeup.heat.reference && fem::order_of(task.options.element) > 1; }
 
-Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, BakeReport& report,
+// Replaces dry modes and their errors by those with the liquids, up to `top`. `all` has the dry shapes at every node.
+Result<void> add_liquids(const Task& task, const fem::System& moving, const std::vector<std::int32_t>& clamped,
+                         double top, Eigenmodes& modes, Eigen::VectorXd& errors, std::optional<WetEffects>& effects,
+                         const Progress& progress) {
+  Result<WetBody> wet = wet_body(*task.wet, task.surface, modes, moving, clamped, top, progress);
+  if (!wet) return fail(wet.error());
+  // Each dry mode errs by its share of the strain.
+  const Eigen::VectorXd weighed = modes.lambda.tail(errors.size()).cwiseProduct(errors);
+  modes = std::move(wet->modes);
+  const Eigen::VectorXd lambda = modes.lambda.tail(modes.lambda.size() - modes.rigid);
+  const Eigen::MatrixXd shares = wet->mixing.bottomRows(errors.size()).cwiseAbs2();
+  errors = (shares.transpose() * weighed).cwiseQuotient(lambda) + wet->effects.errors;
+  effects = std::move(wet->effects);
+  return {};
+}
+
+Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, double top, BakeReport& report,
                              const Progress& progress) {
   Stopwatch watch;
   const fem::Holding& holding = task.makeup.holding;
@@ -74,7 +90,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
                              task.options.max_modes);
       !few)
     return fail(few.error());
-  const Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
+  Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
   if (!modes) return fail(modes.error());
   report.agreement = modes->agreement;
   report.factor_seconds = modes->factor_seconds;
@@ -82,28 +98,39 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (auto rigid = check_rigid(*modes, task.makeup.free_motions, request.highest_lambda); !rigid)
     return fail(rigid.error());
 
-  const Eigen::MatrixXd expanded = clamped.empty() ? Eigen::MatrixXd() : fem::with_nodes(modes->shapes, clamped);
+  Eigen::MatrixXd expanded = clamped.empty() ? Eigen::MatrixXd() : fem::with_nodes(modes->shapes, clamped);
   const Eigen::MatrixXd& shapes = clamped.empty() ? modes->shapes : expanded;
-  BodyModes body = on_surface(*modes, shapes, task.surface);
-  const auto elastic = shapes.rightCols(body.lambda.size());
-  body.shares = task.makeup.shares(task.unit_mesh, elastic);
+  const Eigen::Index dry = modes->lambda.size() - modes->rigid;
   watch.lap();
   if (progress && !progress("errors", 0)) return fail_cancelled();
-  Result<Eigen::VectorXd> errors =
-      fem::frequency_errors(task.unit_mesh, task.makeup.solid, body.lambda, elastic, 0, holding);
+  Result<Eigen::VectorXd> errors = fem::frequency_errors(task.unit_mesh, task.makeup.solid, modes->lambda.tail(dry),
+                                                         shapes.rightCols(dry), 0, holding);
   if (!errors) return fail(errors.error());
-  body.errors = *errors + rounding_of(*modes) * body.lambda.cwiseInverse();
+  *errors += rounding_of(*modes) * modes->lambda.tail(dry).cwiseInverse();
   report.estimate_seconds = watch.lap();
+  std::optional<WetEffects> wet;
+  if (task.wet) {
+    if (auto added = add_liquids(task, moving, clamped, top, *modes, *errors, wet, progress); !added)
+      return fail(added.error());
+    if (!clamped.empty()) expanded = fem::with_nodes(modes->shapes, clamped);
+    report.liquid_seconds = watch.lap();
+  }
+  BodyModes body = on_surface(*modes, shapes, task.surface);
+  body.errors = std::move(*errors);
+  body.wet = std::move(wet);
+  const auto elastic = shapes.rightCols(body.lambda.size());
+  body.shares = task.makeup.shares(task.unit_mesh, elastic);
   if (heat_counts(task) && body.lambda.size() > 0) {
     const double wall = measure_shape(task.mesh).thickness_m / task.units.length_m;
     auto pairs =
         fem::heat_relaxations({task.unit_mesh, task.makeup.solid, task.makeup.heat.parts, task.makeup.part_of, wall},
-                              elastic, body.lambda, progress);
+                              elastic, body.wet ? body.lambda.cwiseProduct(body.wet->strain).eval() : body.lambda,
+                              progress);
     if (!pairs) return fail(pairs.error());
     body.heat = std::move(*pairs);
   }
   report.heat_seconds = watch.lap();
-  body.complete_to = request.highest_lambda;
+  body.complete_to = task.wet ? top : request.highest_lambda;
   body.verified = request.verify;
   body.unknowns = moving.unknowns();
   body.mass = mass_properties(task.unit_mesh, system->node_mass);
@@ -125,7 +152,8 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
 
 // The modes of the body up to `top`: from the cache, or solved and put there.
 Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& report, const Progress& progress) {
-  solve::EigenRequest request{.highest_lambda = kHeadroom * top,
+  const double reach = task.wet ? kDryBand * kDryBand : 1;
+  solve::EigenRequest request{.highest_lambda = kHeadroom * reach * top,
                               .max_modes = task.options.max_modes,
                               .method = task.options.solver,
                               .rigid = task.makeup.free_motions,
@@ -133,7 +161,7 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
                               .verify = task.options.verify,
                               .unit_hz = std::sqrt(task.units.lambda())};
   const auto in_band = [top](BodyModes modes) { return up_to(std::move(modes), top); };
-  if (task.options.cache.empty()) return solve_body(task, request, report, progress).map(in_band);
+  if (task.options.cache.empty() || task.wet) return solve_body(task, request, top, report, progress).map(in_band);
 
   const ModeCache cache{ContentCache(task.options.cache)};
   const BodyQuestion question{task.unit_mesh,       task.surface.nodes.size(),
@@ -151,7 +179,7 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   // A plan by what earlier bakes found changes the last bits of modes, which the cache would then keep. A body that is
   // solved at each bake is planned without, so that its bank repeats.
   if (!task.options.interior) request.expected_lambda = cache.expected(question, task.options.family);
-  Result<BodyModes> modes = solve_body(task, request, report, progress);
+  Result<BodyModes> modes = solve_body(task, request, top, report, progress);
   if (!modes) return modes;
   const Result<void> stored = cache.store(question, *modes);
   if (!stored) report.cache_trouble = stored.error().message;

@@ -8,6 +8,7 @@
 #include "engine/mesh/boundary.h"
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -35,6 +36,7 @@ struct Task {
   const BakeOptions& options;
   const std::string& name;
   FittedMakeup makeup;
+  std::optional<WetPlan> wet;  // with options.liquids
 };
 
 // Returns the modes of the body up to `top`, free of units, and stores them in the cache if they were not there. With

@@ -73,6 +73,16 @@ struct BankRadiation {
 inline constexpr double kPeakBlow_ns = 0.05;
 inline constexpr Range kStatedPitch_hz{1, 1e5};
 
+// A liquid with which the modes of a bank were computed.
+struct LiquidNote {
+  std::string liquid;  // its name
+  double density_kg_m3 = 0, sound_speed_m_s = 0, viscosity_pa_s = 0;
+  double level_m = 0;    // height of its free surface along `up`
+  double volume_m3 = 0;  // of the liquid, or what the body displaces
+  Vec3 up{0, 0, 1};
+  bool around = false;  // true: the body stands in it; false: it is in the body
+};
+
 // Records how the bank was made. All fields are optional, and playing needs none of them. Kept in extras.ringdown of
 // the file.
 struct Provenance {
@@ -89,6 +99,7 @@ struct Provenance {
   double floor_db = 0;             // level below the loudest mode from which modes were dropped as inaudible; 0: none
   double loss_db = 0;              // energy of the dropped modes over that of all modes, for the worst strike
   std::vector<std::string> parts;  // materials of the body's parts, beside its own
+  std::vector<LiquidNote> liquids;  // in the body and around it
   double peak_pa = 0;              // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
 };
 

@@ -15,6 +15,40 @@ namespace ringdown::modal {
 namespace {
 
 constexpr std::size_t kMaxParts = 1000;  // further parts are not read
+constexpr std::size_t kMaxLiquids = 100;
+
+std::vector<LiquidNote> read_liquids(const JsonPlace& list) {
+  std::vector<LiquidNote> liquids;
+  for (std::size_t i = 0; i < std::min(list.size(), kMaxLiquids); ++i) {
+    const JsonPlace one = list[i];
+    const auto number = [&one](const char* key) { return one[key].number().value_or(0.0); };
+    const JsonPlace up = one["up"];
+    liquids.push_back(
+        {.liquid = one["liquid"].text_or(""),
+         .density_kg_m3 = number("density"),
+         .sound_speed_m_s = number("soundSpeed"),
+         .viscosity_pa_s = number("viscosity"),
+         .level_m = number("level"),
+         .volume_m3 = number("volume"),
+         .up = {up[0].number().value_or(0.0), up[1].number().value_or(0.0), up[2].number().value_or(1.0)},
+         .around = one["place"].text_or("") == "around"});
+  }
+  return liquids;
+}
+
+Json liquids_json(const std::vector<LiquidNote>& liquids) {
+  Json json = Json::array();
+  for (const LiquidNote& one : liquids)
+    json.push_back({{"liquid", one.liquid},
+                    {"place", one.around ? "around" : "inside"},
+                    {"density", one.density_kg_m3},
+                    {"soundSpeed", one.sound_speed_m_s},
+                    {"viscosity", one.viscosity_pa_s},
+                    {"level", one.level_m},
+                    {"volume", one.volume_m3},
+                    {"up", {one.up.x, one.up.y, one.up.z}}});
+  return json;
+}
 
 Provenance read_provenance(const JsonPlace& extras) {
   const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
@@ -36,6 +70,7 @@ Provenance read_provenance(const JsonPlace& extras) {
           .floor_db = dropped["floor"].number().value_or(0.0),
           .loss_db = dropped["loss"].number().value_or(0.0),
           .parts = std::move(parts),
+          .liquids = read_liquids(extras["liquids"]),
           .peak_pa = number("peakPressure")};
 }
 
@@ -166,6 +201,7 @@ Json provenance_json(const Provenance& provenance) {
   if (provenance.peak_pa > 0) json["peakPressure"] = provenance.peak_pa;
   if (!provenance.body.empty()) json["body"] = provenance.body;
   if (!provenance.parts.empty()) json["parts"] = provenance.parts;
+  if (!provenance.liquids.empty()) json["liquids"] = liquids_json(provenance.liquids);
   if (provenance.wall_elements > 0) json["wallElements"] = provenance.wall_elements;
   if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
   if (provenance.dropped_modes > 0) {

@@ -1,0 +1,76 @@
+// The modes of a body with liquid in it or around it, in place of those of the dry body. [worker]
+//
+//   Result<WetPlan> plan = plan_liquids(liquids, unit_mesh, surface, units);    // fails on a level that cannot be
+//   Result<WetBody> wet = wet_body(*plan, dry, system, clamped, units, top);    // replaces the dry modes
+//
+// The dry modes should reach to kDryBand times the top of the band. docs/how/liquid.md has the equations.
+#pragma once
+
+#include "engine/bake/liquid/filling.h"
+#include "engine/base/progress.h"
+#include "engine/base/result.h"
+#include "engine/fem/assembly.h"
+#include "engine/liquid/air_surface.h"
+#include "engine/liquid/wetted.h"
+#include "engine/mesh/boundary.h"
+#include "engine/modal/bank.h"
+#include "engine/solve/eigensolver.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace ringdown::bake {
+
+inline constexpr double kDryBand = 1.5;  // highest frequency of the dry modes over the band's top
+
+// One body of liquid, free of units: lengths in the body's, densities over the material's, speeds over sqrt(E / rho).
+struct WetPart {
+  liquid::Wetted wetted;
+  double density = 0, sound_speed = 0;
+  double drag_si = 0;  // sqrt(rho eta / 2) [kg m^-2 s^-1/2]: times sqrt(omega), the resistance of its boundary layer
+};
+
+struct WetPlan {
+  liquid::Skin skin;
+  std::vector<WetPart> parts;
+  liquid::AirSurface air;
+  std::vector<modal::LiquidNote> notes;
+};
+
+// The scale by which lengths, speeds and densities lose their units.
+struct WetUnits {
+  double length_m = 1, speed_m_s = 1, density_kg_m3 = 1;
+};
+
+// Finds what is wet. Fails with one sentence when a level lies below a basin's bottom or above its rim, when there is no
+// basin, or none at a place that was named.
+Result<WetPlan> plan_liquids(const Liquids& liquids, const mesh::TetMesh& unit_mesh, const mesh::Boundary& surface,
+                             const WetUnits& units);
+
+// What the liquids did to each of m modes.
+struct WetEffects {
+  Eigen::VectorXd strain, motion;  // m: shares of the energy of strain and of motion that are in the body
+  Eigen::VectorXd drag;            // m: decay by boundary layers is drag sqrt(omega) / (rho L) [1/s]
+  Eigen::VectorXd errors;          // m: relative errors of the frequencies by the elements on the wet wall
+  liquid::AirSurface air;
+  Eigen::MatrixXd free_flow;       // of all free surfaces' samples, N x m, towards the air
+  mesh::Points free_at, free_normals;  // N x 3, in the body's frame, free of units
+  Eigen::VectorXd free_areas;
+  std::vector<modal::LiquidNote> notes;
+};
+
+struct WetBody {
+  solve::Eigenmodes modes;  // rigid motions first, then the wet modes up to the top, on the nodes of the dry ones
+  Eigen::MatrixXd mixing;   // dry modes x wet modes without the rigid ones: what each dry mode gives
+  WetEffects effects;
+};
+
+// `dry` are modes of `system`, from which the nodes `clamped` were removed. Fails when cancelled (stage "liquid").
+Result<WetBody> wet_body(const WetPlan& plan, const mesh::Boundary& surface, const solve::Eigenmodes& dry,
+                         const fem::System& system, const std::vector<std::int32_t>& clamped, double top,
+                         const Progress& progress = {});
+
+}  // namespace ringdown::bake
