@@ -60,6 +60,8 @@ inline constexpr Quantity kHumidity{"percent", 0, 100};
 inline constexpr Quantity kPieceMass{"kg", 0, 1e30};
 inline constexpr Quantity kInertia{"kg m2", 0, 1e30};
 inline constexpr Quantity kAnyPosition{"m", -1e30, 1e30};
+inline constexpr Quantity kAnyVelocity{"m/s", -1e30, 1e30};
+inline constexpr Quantity kAnySpin{"rad/s", -1e30, 1e30};
 inline constexpr Quantity kAnyImpulse{"N s", -1e30, 1e30};
 inline constexpr Quantity kFrequency{"Hz", 1, 1e5};
 inline constexpr Quantity kAmplitude{"", 0, 1};

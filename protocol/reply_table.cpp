@@ -168,9 +168,9 @@ Row row(PieceReply& s) {
        number(&s.x, "qx", kUnit, "How its principal axes are turned, a unit quaternion, real part last."),
        number(&s.y, "qy", kUnit, "Its y component."), number(&s.z, "qz", kUnit, "Its z component."),
        number(&s.w, "qw", kUnit, "The same."),
-       vector(&s.velocity_m_s, "velocity", {"vx", "vy", "vz"}, kAnyPosition,
+       vector(&s.velocity_m_s, "velocity", {"vx", "vy", "vz"}, kAnyVelocity,
               "How it flies, beyond the motion that the object had before the blow; 0 before it breaks."),
-       vector(&s.spin_rad_s, "spin", {"sx", "sy", "sz"}, kAnyPosition, "How fast it turns, in rad/s.")});
+       vector(&s.spin_rad_s, "spin", {"sx", "sy", "sz"}, kAnySpin, "Its angular velocity.")});
 }
 
 Row row(SceneReply& s) {
