@@ -5,6 +5,7 @@
 #include "engine/fem/blas_threads.h"
 #include "engine/fem/surface_stress.h"
 #include "engine/mesh/boundary.h"
+#include "engine/mesh/face_points.h"
 #include "engine/shatter/cut.h"
 #include "engine/shatter/pieces.h"
 
@@ -14,7 +15,6 @@
 #include <cmath>
 #include <cstddef>
 #include <mutex>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -164,9 +164,7 @@ modal::StressTable stress_table(const SolvedBody& body, const modal::Material& m
 
 // When the body breaks, and what its cracks cost. A ductile material says neither.
 modal::Fracture strength_of(const SolvedBody& body, const modal::Material& material) {
-  const std::vector<double> areas = mesh::area_weights(mesh::boundary_of(body.mesh), body.mesh.nodes);
-  modal::Fracture fracture{.stress = stress_table(body, material),
-                           .skin_m2 = std::accumulate(areas.begin(), areas.end(), 0.0)};
+  modal::Fracture fracture{.stress = stress_table(body, material), .skin_m2 = mesh::face_points(body.mesh).areas.sum()};
   if (!material.brittleness) return fracture;
   fracture.strength = material.brittleness->strength;
   fracture.crack_energy_j_m2 = modal::crack_energy_j_m2(material.brittleness->toughness_pa_sqrt_m,

@@ -78,7 +78,7 @@ TEST(MaterialFile, ABrittleMaterialSaysWhenItBreaks) {
 TEST(MaterialFile, AStrengthThatNoMaterialHasIsRefused) {
   const TemporaryFolder folder;
   const std::tuple<const char*, const char*, const char*> mistakes[] = {
-      {"value = 4e7", "value = 0", "[brittle]: [strength_pa]: value = 0 is outside"},
+      {"value = 4e7", "value = 0", "[brittle]: strength_pa: value = 0 is outside"},
       {"value = 8", "value = 0.9", "value = 0.9 is outside 1"},
       {"value = 1e6", "value = -1", "value = -1 is outside"},
       {"[brittle.toughness_pa_sqrt_m]", "[brittle.toughness]", "the key toughness_pa_sqrt_m is missing"},

@@ -26,7 +26,7 @@ namespace {
 
 const modal::Material kGlass{"glass", 70e9, 0.22, 2500, {0, 0}};
 const Eigen::Vector3d kSize(0.12, 0.08, 0.006);
-constexpr int kRigid = 6, kOrder = 3;
+constexpr int kRigid = 6, kOrder = 4;
 
 // Points and weights of a triangle as a square whose one side is shrunk to a point, exact to degree 5.
 struct TrianglePoint {
@@ -95,12 +95,12 @@ double lambda_of(const modal::Bank& bank, std::size_t mode) {
 }
 
 TEST(CrackTraction, TheHandoverIsTheWorkOfTheTractionsThatEnd) {
-  const mesh::TetMesh plate = mesh::to_order(test::box_mesh({8, 6, 1}, kSize), kOrder);
-  const bake::BakeOptions options{.element = test::element_of(plate), .band_high_hz = 12e3, .interior = true};
+  const mesh::TetMesh plate = mesh::to_order(test::box_mesh({7, 5, 1}, kSize), kOrder);
+  const bake::BakeOptions options{.element = test::element_of(plate), .band_high_hz = 8e3, .interior = true};
   const bake::Baked whole = bake::bake(test::checked(plate), kGlass, options, "plate").value();
   const Vec3 place{0.05, 0.03, 0};
   const bake::Shatter shatter{
-      .pieces = {3}, .pattern = shatter::Pattern::kUniform, .places_m = {place}, .band_high_hz = 20e3};
+      .pieces = {3}, .pattern = shatter::Pattern::kUniform, .places_m = {place}, .band_high_hz = 12e3};
   const modal::Fracture fracture = bake::shatter_body(whole, shatter, options).value();
   const mesh::TetMesh& mesh = whole.body->mesh;
   const auto seeds = shatter::make_seeds(
@@ -108,7 +108,7 @@ TEST(CrackTraction, TheHandoverIsTheWorkOfTheTractionsThatEnd) {
   const shatter::CutBody cut = shatter::cut_body(mesh, seeds->points).value();
   const shatter::Level level = levels_of(cut, mesh, seeds->group_of_cell).front();
   const std::size_t modes = whole.bank.mode_count();
-  ASSERT_GE(modes, 8u);
+  ASSERT_GE(modes, 5u);
   int compared = 0;
   double largest = 0, off = 0;
   for (std::int32_t s = 0; s < std::ssize(level.pieces); ++s) {
@@ -135,8 +135,8 @@ TEST(CrackTraction, TheHandoverIsTheWorkOfTheTractionsThatEnd) {
       }
     }
   }
-  EXPECT_GT(compared, 50);
-  EXPECT_LT(off, 0.01 * largest);
+  EXPECT_GT(compared, 20);
+  EXPECT_LT(off, 0.01 * largest) << compared;
 }
 
 }  // namespace

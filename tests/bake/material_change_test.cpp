@@ -140,9 +140,10 @@ TEST(Change, AChangeToALossFactorOfEachFrequencyAndBackIsABakeInIt) {
 }
 
 // A body of two pieces, one with modes; its handover of mode k from mode j is 0.01 k + 0.001 j.
-modal::Bank breaking_bar(const modal::Material& material) {
-  modal::Bank bar = baked(1, material, 16000);
-  modal::PieceBank piece{.bank = baked(0.5, material, 16000)}, silent{.bank = {.mass = piece.bank.mass}};
+modal::Bank breaking_bar() {
+  static const modal::Bank whole = baked(1, kSteel, 16000), half = baked(0.5, kSteel, 16000);
+  modal::Bank bar = whole;
+  modal::PieceBank piece{.bank = half}, silent{.bank = {.mass = piece.bank.mass}};
   const std::size_t columns = modal::kRigidMotions + bar.mode_count();
   for (std::size_t k = 0; k < modal::kRigidMotions + piece.bank.mode_count(); ++k) {
     for (std::size_t j = 0; j < columns; ++j) piece.handover.push_back(0.01F * k + 0.001F * j);
@@ -157,7 +158,7 @@ modal::Bank breaking_bar(const modal::Material& material) {
 TEST(Change, PiecesChangeAsTheBodyDoes) {
   modal::Material brittle = kOther;
   brittle.brittleness = {.strength = {5e7, 9, 1e-4}, .toughness_pa_sqrt_m = 1e6};
-  const modal::Bank one = breaking_bar(kSteel);
+  const modal::Bank one = breaking_bar();
   const auto changed = bake::change(one, {.size = 1.3, .material = brittle});
   ASSERT_TRUE(changed) << changed.error().message;
   const modal::Fracture &before = *one.fracture, &after = *changed->bank.fracture;
@@ -187,11 +188,11 @@ TEST(Change, PiecesChangeAsTheBodyDoes) {
 }
 
 TEST(Change, ABodyThatIsMadeOfADuctileMaterialHasNoStrength) {
-  const auto changed = bake::change(breaking_bar(kSteel), {.material = kOther});
+  const auto changed = bake::change(breaking_bar(), {.material = kOther});
   ASSERT_TRUE(changed) << changed.error().message;
   EXPECT_FALSE(changed->bank.fracture->strength);
   EXPECT_EQ(changed->bank.fracture->crack_energy_j_m2, 0);
-  const auto larger = bake::change(breaking_bar(kSteel), {.size = 2});
+  const auto larger = bake::change(breaking_bar(), {.size = 2});
   EXPECT_EQ(larger->bank.fracture->strength.value().strength_pa, 4e7) << "the material stays";
   EXPECT_EQ(larger->bank.fracture->crack_energy_j_m2, 8);
 }
