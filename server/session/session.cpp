@@ -3,6 +3,15 @@
 #include "server/session/request_events.h"
 
 namespace ringdown::session {
+namespace {
+
+// Whether something happens to the object itself, which must be whole then.
+bool acts(const synth::Event& event) {
+  const synth::Effect effect = effect_of(event);
+  return effect == synth::Effect::excites || effect == synth::Effect::begins;
+}
+
+}  // namespace
 
 Result<void> Session::check_frame(synth::Frame frame) const {
   if (!is_too_far_ahead(rack_.mixer(), frame)) return {};
@@ -15,8 +24,7 @@ Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame 
   events_.clear();
   if (auto appended = append_events(request, rack_, frame, events_); !appended) return appended;
   for (const synth::Event& event : events_) {
-    const synth::Effect effect = effect_of(event);
-    if (effect != synth::Effect::excites && effect != synth::Effect::begins) continue;
+    if (!acts(event)) continue;
     if (auto whole = breakage_.check_whole(event.object); !whole) return whole;
   }
   return {};
@@ -39,6 +47,8 @@ Result<void> Session::play(const protocol::MixerRequest& request, synth::Frame f
   if (auto good = check(request, frame); !good) return good;
   std::size_t lost = 0;
   for (const synth::Event& event : events_) {
+    // An earlier blow of this request may have broken the object.
+    if (acts(event) && !breakage_.check_whole(event.object)) continue;
     if (const auto broken = breakage_.break_by(event, synth::Producer::control)) {
       lost += broken->lost;
       continue;
