@@ -138,6 +138,8 @@ Operators operators_of(const radiate::Skin& skin, const Eigen::VectorXd& weights
 
 const radiate::Panels& WetPanels::panels() const { return parts_->panels; }
 
+const Eigen::SparseMatrix<double, Eigen::RowMajor>& WetPanels::values() const { return parts_->values; }
+
 Eigen::MatrixXd WetPanels::slope_at(Eigen::Index sample, const Eigen::MatrixXd& nodes) const {
   const radiate::Panels& panels = parts_->panels;
   const int triangle = parts_->triangle_at[sample];

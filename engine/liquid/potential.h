@@ -15,6 +15,7 @@
 #include "engine/radiate/panels.h"
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include <memory>
 #include <utility>
@@ -37,6 +38,9 @@ class WetPanels {
 
   // In the frame of the liquid, closed but for the free surface; normals out of what the wall encloses.
   [[nodiscard]] const radiate::Panels& panels() const;
+
+  // Maps values at the panels' nodes to the liquid's samples, N x V.
+  [[nodiscard]] const Eigen::SparseMatrix<double, Eigen::RowMajor>& values() const;
 
   // The potentials of flows, N x M (wetted.h). In a full closed cavity each flow counts without its mean.
   [[nodiscard]] Potential potential_of(const Eigen::MatrixXd& flow) const;

@@ -24,10 +24,10 @@ using Eigen::VectorXd;
 
 constexpr double kLiquidBand = 2;   // highest frequency of the liquid's modes over the band's top
 constexpr int kPatterns = 12;       // pressures that the body is let give way to, for each liquid
-constexpr double kShift = -1e-3;    // of the lowest mode's eigenvalue, as in SlavedResponse
+constexpr double kShift = -1e-3;    // of the band's top, above which all lies that SlavedResponse lets give way
+constexpr double kIndependent = 1e-6;  // of corrections of unit mass: less is a repetition of others
 constexpr double kGutter = 0.05;    // of the largest basin's volume: so much smaller ones must be named to be filled
 constexpr double kFewer = 4;        // nodes of the wall over those of the coarser one
-constexpr double kDoubt = 0.5;      // error of the extrapolated added mass over the extrapolation
 
 Vector3d to_eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -196,11 +196,23 @@ class WetSolver {
   Result<WetBody> run(const Progress& progress) {
     if (progress && !progress("liquid", 0)) return fail_cancelled();
     if (auto modes = find_liquid_modes(); !modes) return fail(modes.error());
-    if (auto more = correct(progress); !more) return fail(more.error());
-    if (progress && !progress("liquid", 0.5)) return fail_cancelled();
-    if (auto added = add_masses(); !added) return fail(added.error());
+    solve::SlavedResponse response(system_, dry_.shapes, kShift * top_);
+    if (auto done = response.factor([&] { return !progress || progress("liquid", 0.1); }); !done)
+      return fail(done.error());
+    std::vector<MatrixXd> pressures;
+    for (std::size_t p = 0; p < terms_.size(); ++p) pressures.push_back(first_pressures(p));
+    correct(response(forces_of_all(pressures)));
+    add_masses();
     Result<liquid::WetModes> wet = liquid::wet_modes_of(coupled_);
     if (!wet) return fail(wet.error());
+    if (progress && !progress("liquid", 0.5)) return fail_cancelled();
+    for (std::size_t p = 0; p < terms_.size(); ++p) pressures[p] = pressures_of(p, *wet);
+    correct(response(forces_of_all(pressures)));
+    add_masses();
+    wet = liquid::wet_modes_of(coupled_);
+    if (!wet) return fail(wet.error());
+    if (progress && !progress("liquid", 0.8)) return fail_cancelled();
+    if (auto estimated = estimate_errors(); !estimated) return fail(estimated.error());
     return finish(*wet);
   }
 
@@ -215,54 +227,81 @@ class WetSolver {
     return {};
   }
 
-  // Static corrections: how the body gives way to the pressures of the liquid's lowest modes, beside its own modes.
-  // They are diagonal in stiffness and mass, so that they join the dry modes as further ones.
-  Result<void> correct(const Progress& progress) {
-    basis_ = dry_.shapes;
-    lambda_ = dry_.lambda;
-    lambda_.head(dry_.rigid).setZero();
-    if (dry_.lambda.size() == dry_.rigid) return {};
-    solve::SlavedResponse response(system_, dry_.shapes, kShift * dry_.lambda[dry_.rigid]);
-    if (auto done = response.factor([&] { return !progress || progress("liquid", 0.1); }); !done)
-      return fail(done.error());
+  [[nodiscard]] MatrixXd first_pressures(std::size_t part) const {
+    const liquid::Wetted& wetted = plan_.parts[part].wetted;
+    const auto& modes = terms_[part].modes;
+    if (!modes) return plain_pressures(wetted.at);
+    return modes->values(wetted.at).leftCols(std::min<Index>(kPatterns, modes->count()));
+  }
+
+  // Those of the wet modes in the band, over omega squared and the density.
+  [[nodiscard]] MatrixXd pressures_of(std::size_t part, const liquid::WetModes& wet) const {
+    const Index count = (wet.lambda.array() <= top_).count() - dry_.rigid;
+    const PartTerms& terms = terms_[part];
+    MatrixXd pressures =
+        terms.panels.values() * (terms.potential.nodes * wet.body.middleCols(dry_.rigid, count));
+    if (terms.count > 0) {
+      pressures += terms.modes->values(plan_.parts[part].wetted.at).middleCols(terms.first, terms.count) *
+                   swing(plan_.parts[part], terms, wet.liquid.middleCols(dry_.rigid, count));
+    }
+    return pressures;
+  }
+
+  [[nodiscard]] MatrixXd forces_of_all(const std::vector<MatrixXd>& pressures) const {
     MatrixXd forces(system_.unknowns(), 0);
     for (std::size_t p = 0; p < terms_.size(); ++p) {
-      const liquid::Wetted& wetted = plan_.parts[p].wetted;
-      const MatrixXd pressures =
-          terms_[p].modes ? MatrixXd(terms_[p].modes->values(wetted.at).leftCols(
-                                std::min<Index>(kPatterns, terms_[p].modes->count())))
-                          : plain_pressures(wetted.at);
       const Index before = forces.cols();
-      forces.conservativeResize(Eigen::NoChange, before + pressures.cols());
-      forces.rightCols(pressures.cols()) =
-          forces_of(pressures, wetted, plan_.skin, surface_, row_of_, system_.unknowns());
+      forces.conservativeResize(Eigen::NoChange, before + pressures[p].cols());
+      forces.rightCols(pressures[p].cols()) =
+          forces_of(pressures[p], plan_.parts[p].wetted, plan_.skin, surface_, row_of_, system_.unknowns());
     }
-    MatrixXd more = response(forces);
-    const MatrixXd heavy = fem::mass_times(system_.node_mass, more);
-    MatrixXd mass = more.transpose() * heavy;
+    return forces;
+  }
+
+  // Adds static corrections to the dry modes: how the body gives way to pressures of the liquid beside its own modes.
+  // They are made diagonal in stiffness and mass, so that they are like further dry modes.
+  void correct(const MatrixXd& responses) {
+    const Index before = corrections_.cols();
+    corrections_.conservativeResize(system_.unknowns(), before + responses.cols());
+    corrections_.rightCols(responses.cols()) = responses;
+    const auto scale = [&](Index c) { return 1 / std::max(corrections_.col(c).norm(), 1e-300); };
+    for (Index c = before; c < corrections_.cols(); ++c) corrections_.col(c) *= scale(c);
+    const MatrixXd heavy = fem::mass_times(system_.node_mass, corrections_);
+    MatrixXd mass = corrections_.transpose() * heavy;
     const VectorXd sizes = mass.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
-    more = more * sizes.asDiagonal();
     mass = sizes.asDiagonal() * mass * sizes.asDiagonal();
     const dense::Spectrum independent = dense::spectrum((mass + mass.transpose()) / 2);
-    const Index kept = (independent.values.array() > 1e-6).count();
-    more = more * (independent.vectors.rightCols(kept) *
-                   independent.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal());
+    const Index kept = (independent.values.array() > kIndependent).count();
+    const MatrixXd more = corrections_ * (sizes.asDiagonal() * independent.vectors.rightCols(kept) *
+                                          independent.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal());
     const MatrixXd steep = system_.stiffness.selfadjointView<Eigen::Lower>() * more;
     const dense::Spectrum own = dense::spectrum(more.transpose() * steep);
-    const Index dry = basis_.cols();
-    basis_.conservativeResize(Eigen::NoChange, dry + kept);
-    basis_.rightCols(kept) = more * own.vectors;
-    lambda_.conservativeResize(dry + kept);
-    lambda_.tail(kept) = own.values;
+    const Index dry = dry_.lambda.size();
+    basis_.resize(system_.unknowns(), dry + kept);
+    basis_ << dry_.shapes, more * own.vectors;
+    lambda_.resize(dry + kept);
+    lambda_ << VectorXd::Zero(dry_.rigid), dry_.lambda.tail(dry - dry_.rigid), own.values;
+  }
+
+  // How far a coarser wall is from this one tells the error of the added mass, which falls with the square of the
+  // panels' size.
+  Result<void> estimate_errors() {
+    error_ = MatrixXd::Zero(basis_.cols(), basis_.cols());
+    for (std::size_t p = 0; p < terms_.size(); ++p) {
+      const WetPart& part = plan_.parts[p];
+      const auto coarse = liquid::WetPanels::of(part.wetted, static_cast<int>(liquid::kWetNodes / kFewer));
+      if (!coarse) return fail(coarse.error());
+      error_ += part.density / (kFewer - 1) *
+                (terms_[p].potential.added_mass - coarse->potential_of(terms_[p].flow).added_mass);
+    }
     return {};
   }
 
-  Result<void> add_masses() {
+  void add_masses() {
     const MatrixXd shapes = on_skin(basis_, surface_, row_of_);
     const Index n = basis_.cols();
     coupled_.stiffness = lambda_.asDiagonal();
     coupled_.mass = MatrixXd::Identity(n, n);
-    error_ = MatrixXd::Zero(n, n);
     Index oscillators = 0;
     for (std::size_t p = 0; p < terms_.size(); ++p) {
       const WetPart& part = plan_.parts[p];
@@ -270,13 +309,6 @@ class WetSolver {
       terms.flow = liquid::flow_of(part.wetted, plan_.skin, shapes);
       terms.potential = terms.panels.potential_of(terms.flow);
       coupled_.mass += part.density * terms.potential.added_mass;
-      // The error falls with the square of the panels' size, so that a coarser wall tells the limit of ever finer ones.
-      const auto coarse = liquid::WetPanels::of(part.wetted, static_cast<int>(liquid::kWetNodes / kFewer));
-      if (!coarse) return fail(coarse.error());
-      const MatrixXd change = part.density / (kFewer - 1) *
-                              (terms.potential.added_mass - coarse->potential_of(terms.flow).added_mass);
-      coupled_.mass += change;
-      error_ += kDoubt * change;
       if (!terms.modes) continue;
       terms.bound = terms.flow.transpose() * terms.modes->values(part.wetted.at);
       if (!part.wetted.open) {  // the constant mode of a full cavity is a spring
@@ -301,7 +333,6 @@ class WetSolver {
                                                          terms.bound.middleCols(terms.first, terms.count) *
                                                          kappa.cwiseInverse().asDiagonal();
     }
-    return {};
   }
 
   WetBody finish(const liquid::WetModes& wet) {
@@ -398,6 +429,7 @@ class WetSolver {
   const double top_;
   std::vector<Index> row_of_;  // of each node of the mesh, in the system; -1: clamped
   std::vector<PartTerms> terms_;
+  MatrixXd corrections_;
   MatrixXd basis_;   // 3N x n: dry modes and corrections
   VectorXd lambda_;  // n
   liquid::Coupled coupled_;
