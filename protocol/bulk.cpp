@@ -45,7 +45,7 @@ const std::vector<ArgumentSpec>& arguments_of(std::string_view address) { return
 BulkStrike read_strike(RecordReader& record) {
   static const std::vector<ArgumentSpec> strike = arguments_of("/object/0/strike");
   static const ArgumentSpec vertex = arguments_of("/object/0/strike_vertex")[1];
-  static const ArgumentSpec delay{.name = "delay", .unit = "s", .least = 0, .most = kMaxDelay_s};
+  static const ArgumentSpec delay{.name = "delay", .unit = "s", .min = 0, .max = kMaxDelay_s};
   BulkStrike read;
   const std::int32_t object = record.integer(), at = record.integer();
   record.check(strike[0], object);
@@ -63,7 +63,7 @@ BulkStrike read_strike(RecordReader& record) {
 
 BulkPose read_pose(RecordReader& record) {
   static const std::vector<ArgumentSpec> pose = arguments_of("/object/0/pose");
-  static const ArgumentSpec delay{.name = "delay", .unit = "s", .least = 0, .most = kMaxDelay_s};
+  static const ArgumentSpec delay{.name = "delay", .unit = "s", .min = 0, .max = kMaxDelay_s};
   BulkPose read;
   const std::int32_t object = record.integer();
   record.check(pose[0], object);

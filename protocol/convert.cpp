@@ -60,11 +60,11 @@ std::optional<double> as_number(const wire::Argument& argument) {
 // Who has only 32-bit floats cannot send a limit like 0.1: the nearest float is 0.1000000015. So where the number may
 // have been a float, the float nearest to a limit stands for this limit.
 std::optional<double> within(const ArgumentSpec& spec, double number, bool may_be_float) {
-  if (number >= spec.least && number <= spec.most) return number;  // false for NaN
+  if (number >= spec.min && number <= spec.max) return number;  // false for NaN
   if (!may_be_float || !std::isfinite(number)) return std::nullopt;
   const auto is_float_of = [number](double limit) { return number == static_cast<double>(static_cast<float>(limit)); };
-  if (is_float_of(spec.least)) return spec.least;
-  if (is_float_of(spec.most)) return spec.most;
+  if (is_float_of(spec.min)) return spec.min;
+  if (is_float_of(spec.max)) return spec.max;
   return std::nullopt;
 }
 
@@ -114,8 +114,8 @@ Result<Value> convert_text(const ArgumentSpec& spec, const wire::Argument& argum
 
 Result<Value> convert_blob(const ArgumentSpec& spec, const wire::Argument& argument) {
   const auto* blob = std::get_if<wire::Blob>(&argument);
-  const auto bytes = static_cast<std::size_t>(spec.least), most = static_cast<std::size_t>(spec.most);
-  const bool good = blob && !blob->empty() && blob->size() % bytes == 0 && blob->size() / bytes <= most;
+  const auto bytes = static_cast<std::size_t>(spec.min), max = static_cast<std::size_t>(spec.max);
+  const bool good = blob && !blob->empty() && blob->size() % bytes == 0 && blob->size() / bytes <= max;
   if (!good) return refuse(spec, shown(argument));
   return Value(*blob);
 }
@@ -150,14 +150,14 @@ Result<void> fit(const ArgumentSpec& spec, Value& value) {
     if (!fitted) return refuse(spec, shown(*real));
     *real = *fitted;
   } else if (const auto* integer = std::get_if<std::int32_t>(&value)) {
-    if (*integer < spec.least || *integer > spec.most) return refuse(spec, shown(*integer));
+    if (*integer < spec.min || *integer > spec.max) return refuse(spec, shown(*integer));
   }
   return {};
 }
 
 std::string expectation(const ArgumentSpec& spec) {
   const std::string unit = spec.unit.empty() ? "" : " " + std::string(spec.unit);
-  const std::string range = " from " + number_text(spec.least) + " to " + number_text(spec.most) + unit;
+  const std::string range = " from " + number_text(spec.min) + " to " + number_text(spec.max) + unit;
   switch (spec.type) {
     case ValueType::number:
       return "a number" + range;
@@ -174,7 +174,7 @@ std::string expectation(const ArgumentSpec& spec) {
     case ValueType::object:
       return "an object's name or number";
     case ValueType::blob:
-      return "a blob of 1 to " + number_text(spec.most) + " records of " + number_text(spec.least) + " bytes";
+      return "a blob of 1 to " + number_text(spec.max) + " records of " + number_text(spec.min) + " bytes";
     case ValueType::object_or_none:
       break;
   }

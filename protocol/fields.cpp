@@ -126,7 +126,7 @@ Row make_row(const void* example, const char* address, const char* sentence, std
     for (std::size_t i = 0; i < group.count; ++i) {
       const Column& c = group.column[i];
       row.spec.arguments.push_back(
-          {c.name, c.group, c.type, c.quantity.unit, c.quantity.least, c.quantity.most, c.sentence, c.optional, {}});
+          {c.name, c.group, c.type, c.quantity.unit, c.quantity.min, c.quantity.max, c.sentence, c.optional, {}});
       const auto offset = static_cast<const std::byte*>(c.at) - static_cast<const std::byte*>(example);
       row.fields.push_back({static_cast<std::size_t>(offset), c.member});
     }

@@ -54,7 +54,7 @@ struct Field {
 // A range of numbers with its unit.
 struct Quantity {
   std::string_view unit;
-  double least = 0, most = 1;
+  double min = 0, max = 1;
 };
 
 // An argument, and where its member lies in the struct that serves as the row's example.
@@ -134,11 +134,11 @@ inline Columns object_or_none(const std::optional<ObjectRef>* member, const char
   return argument(member, Member::optional_object, ValueType::object_or_none, name, {}, sentence);
 }
 
-// `most` records of `bytes` each, and at least one.
-inline Columns records(const wire::Blob* member, const char* name, std::size_t bytes, std::size_t most,
+// `max` records of `bytes` each, and at least one.
+inline Columns records(const wire::Blob* member, const char* name, std::size_t bytes, std::size_t max,
                        const char* sentence) {
   return argument(member, Member::blob, ValueType::blob, name,
-                  {"", static_cast<double>(bytes), static_cast<double>(most)}, sentence);
+                  {"", static_cast<double>(bytes), static_cast<double>(max)}, sentence);
 }
 
 // May be left out; it is then what the struct's own initialiser says.

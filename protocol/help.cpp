@@ -71,11 +71,11 @@ std::string brief_range(const ArgumentSpec& spec) {
                : expectation(spec);
   }
   const std::string unit(spec.unit);
-  if (spec.most == (whole ? kAnyInteger : kAnyNumber) && (spec.least == 0 || spec.least == -spec.most)) {
+  if (spec.max == (whole ? kAnyInteger : kAnyNumber) && (spec.min == 0 || spec.min == -spec.max)) {
     return whole ? "whole" : unit;
   }
-  const std::string range = spec.least == -spec.most ? "±" + number_text(spec.most)
-                                                     : number_text(spec.least) + " to " + number_text(spec.most);
+  const std::string range =
+      spec.min == -spec.max ? "±" + number_text(spec.max) : number_text(spec.min) + " to " + number_text(spec.max);
   return (whole ? "whole, " : "") + range + (unit.empty() ? "" : " " + unit);
 }
 

@@ -49,7 +49,7 @@ inline constexpr Quantity kStress{"Pa", 0, 1e12};
 inline constexpr Quantity kEnergy{"J", 0, 1e30};
 inline constexpr Quantity kIndex{"", 0, kMaxNumber};
 inline constexpr Quantity kCount{"", 0, std::numeric_limits<std::int32_t>::max()};
-inline constexpr Quantity kId{"", std::numeric_limits<std::int32_t>::min(), kCount.most};
+inline constexpr Quantity kId{"", std::numeric_limits<std::int32_t>::min(), kCount.max};
 inline constexpr Quantity kLoad{"", 0, 1e6};
 inline constexpr Quantity kSignedRatio{"", -1e6, 1e6};
 inline constexpr Quantity kRate{"Hz", 0, 1e7};

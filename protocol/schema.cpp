@@ -119,11 +119,11 @@ bool is_tag(const wire::Argument& argument, char type) {
 Result<void> parse_row(const Row& row, const wire::Message& message, void* base) {
   const AddressSpec& spec = row.spec;
   const std::size_t in_address = spec.arguments_in_address();
-  const std::size_t most = spec.arguments.size() - in_address;
+  const std::size_t max = spec.arguments.size() - in_address;
   const bool is_trigger = message.arguments.size() == 1 && is_tag(message.arguments[0], 'I');
   const std::size_t given_count = is_trigger ? 0 : message.arguments.size();
-  if (given_count > most) {
-    return fail(ErrorKind::bad_input, message.address + ": argument " + std::to_string(most + 1) +
+  if (given_count > max) {
+    return fail(ErrorKind::bad_input, message.address + ": argument " + std::to_string(max + 1) +
                                           " is one too many; it takes " + argument_names(spec));
   }
   for (std::size_t i = 0; i < spec.arguments.size(); ++i) {

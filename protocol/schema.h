@@ -38,7 +38,7 @@ enum class ValueType {
   name,            // the name of an object, new or old (names.h)
   object,          // an object by name or number
   object_or_none,  // the same, or "-" for none
-  blob,            // bytes, a whole number of records of `least` of them, at most `most` records
+  blob,            // bytes, a whole number of records of `min` of them, at most `max` records
 };
 
 // An argument's value after all checks; monostate where an optional object or number is absent.
@@ -49,7 +49,7 @@ struct ArgumentSpec {
   std::string_view group = "";  // "impulse", of the three arguments of a vector; "" of one that stands alone
   ValueType type = ValueType::number;
   std::string_view unit = "";      // SI, "" for a pure number or text
-  double least = 0, most = 0;      // for numbers and integers
+  double min = 0, max = 0;         // for numbers and integers
   std::string_view sentence = "";  // what it means
   bool optional = false;           // may be left out, together with all that follow
   Value fallback = {};             // then it is this

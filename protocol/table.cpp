@@ -466,7 +466,8 @@ Row row(Notify& s) {
   return answered(
       s = {true, 20}, "/notify",
       "Subscribes the sender to bundles of /notify.object, .group, .contact, .peak, .object_peak, .load, .scene and "
-      ".body, and /broken. The first bundle reports every object. A subscriber that sends nothing for 60 s is forgotten.",
+      ".body, and /broken. The first bundle reports every object. A subscriber that sends nothing for 60 s is "
+      "forgotten.",
       {optional(flag(&s.on, "on", "1 subscribes, 0 ends the subscription.")),
        optional(number(&s.rate_hz, "rate", kNoticeRate, "Bundles per second."))});
 }

@@ -287,8 +287,8 @@ class JackDriver final : public Driver {
 }  // namespace
 
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
-  if (const std::size_t most = max_jack_name_length(); options.client_name.size() > most) {
-    return fail(ErrorKind::usage, "--name: JACK takes names of at most " + std::to_string(most) + " bytes, not " +
+  if (const std::size_t max = max_jack_name_length(); options.client_name.size() > max) {
+    return fail(ErrorKind::usage, "--name: JACK takes names of at most " + std::to_string(max) + " bytes, not " +
                                       std::to_string(options.client_name.size()));
   }
   const auto bell = std::make_shared<Bell>(0);

@@ -24,10 +24,10 @@ Result<Latency> parse_latency(const std::string& text) {
 
 synth::Frame latency_frames(const Driver& driver, const Latency& wanted) {
   const auto block = static_cast<synth::Frame>(driver.block_frames());
-  const synth::Frame least = block + block / 16;
-  if (wanted.frames) return std::max(least, *wanted.frames);
-  if (wanted.seconds) return std::max<synth::Frame>(least, std::llround(*wanted.seconds * driver.sample_rate_hz()));
-  return least;
+  const synth::Frame min = block + block / 16;
+  if (wanted.frames) return std::max(min, *wanted.frames);
+  if (wanted.seconds) return std::max<synth::Frame>(min, std::llround(*wanted.seconds * driver.sample_rate_hz()));
+  return min;
 }
 
 }  // namespace ringdown::server

@@ -26,15 +26,15 @@ std::pair<std::string, std::filesystem::path> parse_object(const std::string& te
   return {text.substr(0, equals), found("--object", text.substr(equals + 1), PresetKind::bank)};
 }
 
-Vec3 parse_vector(const std::string& text, const std::string& whole, double most) {
+Vec3 parse_vector(const std::string& text, const std::string& whole, double max) {
   Vec3 v;
   int used = 0;
   const bool good = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &v.x, &v.y, &v.z, &used) == 3 &&
-                    static_cast<std::size_t>(used) == text.size() && std::abs(v.x) <= most && std::abs(v.y) <= most &&
-                    std::abs(v.z) <= most;
+                    static_cast<std::size_t>(used) == text.size() && std::abs(v.x) <= max && std::abs(v.y) <= max &&
+                    std::abs(v.z) <= max;
   if (good) return v;
   throw manual::WrongValue{"--input", "'" + whole + "': '" + text + "' is not X,Y,Z, each number at most " +
-                                          std::to_string(static_cast<int>(most))};
+                                          std::to_string(static_cast<int>(max))};
 }
 
 DaemonOptions::Input parse_input(const std::string& text) {

@@ -107,8 +107,8 @@ Attributes attributes_of(const AddressSpec& spec) {
   std::vector<std::string> ranges, units;
   for (const ArgumentSpec& argument : std::span(spec.arguments).subspan(spec.arguments_in_address())) {
     types += type_of(argument);
-    ranges.push_back(
-        has_range(argument) ? object_of({{"MIN", json_of(argument.least)}, {"MAX", json_of(argument.most)}}) : "null");
+    ranges.push_back(has_range(argument) ? object_of({{"MIN", json_of(argument.min)}, {"MAX", json_of(argument.max)}})
+                                         : "null");
     units.push_back(json_of(argument.unit));
   }
   Attributes attributes = {{"ACCESS", kWriteOnly},

@@ -158,7 +158,7 @@ void OscServer::adopt_priority() {
 void OscServer::take_from_stream(std::span<const std::byte> packet, Peer from) {
   {
     std::unique_lock lock(inbox_.mutex);
-    inbox_.room.wait(lock, [this] { return inbox_.closed || inbox_.packets.size() < Inbox::kMost; });
+    inbox_.room.wait(lock, [this] { return inbox_.closed || inbox_.packets.size() < Inbox::kMax; });
     if (inbox_.closed) return;
     inbox_.packets.push_back({{packet.begin(), packet.end()}, from, parts_.clocks.steady_s()});
   }

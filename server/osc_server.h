@@ -88,9 +88,9 @@ class OscServer {
   [[nodiscard]] synth::Frame horizon() const;
   [[nodiscard]] protocol::StatusReply status() const;
 
-  // Packets that the stream's thread hands to the server's thread. The stream's thread waits while kMost are here.
+  // Packets that the stream's thread hands to the server's thread. The stream's thread waits while kMax are here.
   struct Inbox {
-    static constexpr std::size_t kMost = 64;
+    static constexpr std::size_t kMax = 64;
     struct Packet {
       std::vector<std::byte> bytes;
       Peer from;

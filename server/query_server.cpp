@@ -51,9 +51,9 @@ MHD_Result send_empty(MHD_Connection* connection, unsigned status) {
   return send_answer(connection, status, answer);
 }
 
-ssize_t read_description(void* description, std::uint64_t, char* target, std::size_t most) noexcept {
+ssize_t read_description(void* description, std::uint64_t, char* target, std::size_t max) noexcept {
   try {
-    const std::size_t count = static_cast<Description*>(description)->read({target, most});
+    const std::size_t count = static_cast<Description*>(description)->read({target, max});
     return count > 0 ? static_cast<ssize_t>(count) : MHD_CONTENT_READER_END_OF_STREAM;
   } catch (const std::exception&) {
     return MHD_CONTENT_READER_END_WITH_ERROR;

@@ -44,10 +44,10 @@ double motion_at(const Shapes& bank, std::size_t point) {
 
 std::size_t nearest_point(const Shapes& bank, const Vec3& position_m) {
   std::size_t nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (std::size_t point = 0; point < bank.points; ++point) {
     const Vec3 offset = bank.position_m(point) - position_m;
-    if (const double distance = dot(offset, offset); distance < least) nearest = point, least = distance;
+    if (const double distance = dot(offset, offset); distance < min) nearest = point, min = distance;
   }
   return nearest;
 }
@@ -56,9 +56,9 @@ std::size_t nearest_point(const Shapes& bank, const Vec3& position_m) {
 // is at rest, the direction is that of the nearest place where it moves.
 void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
   std::size_t best = 0;
-  double most = -1;
+  double max = -1;
   for (std::size_t point = 0; point < bank.points; ++point) {
-    if (const double motion = motion_at(bank, point); motion > most) best = point, most = motion;
+    if (const double motion = motion_at(bank, point); motion > max) best = point, max = motion;
   }
   const Vec3 start_m = bank.position_m(best);
   const double strong = length(bank.shape(0, best));

@@ -46,7 +46,7 @@ ParameterValues::ParameterValues() {
 void ParameterValues::set(std::size_t parameter, float value) RINGDOWN_REALTIME {
   if (parameter >= kParameters) return;
   const ParameterInfo& info = kParameterInfo.data()[parameter];
-  const float sound = std::isfinite(value) ? std::clamp(value, info.least, info.most) : info.standard;
+  const float sound = std::isfinite(value) ? std::clamp(value, info.min, info.max) : info.standard;
   const bool stepped = info.scale == Scale::whole || info.scale == Scale::choice || info.scale == Scale::toggle;
   values_.data()[parameter].store(stepped ? std::round(sound) : sound, std::memory_order_relaxed);
 }

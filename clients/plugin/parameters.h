@@ -39,7 +39,7 @@ struct ParameterInfo {
   const char* symbol;  // name in files
   const char* name;    // name for users
   const char* unit;    // "" for a factor or a choice
-  float least, most, standard;
+  float min, max, standard;
   Scale scale;
   const char* meaning;  // one sentence
 };

@@ -57,7 +57,7 @@ class RingdownPlugin : public Plugin {
     parameter.symbol = info.symbol;
     parameter.unit = info.unit;
     parameter.description = info.meaning;
-    parameter.ranges = ParameterRanges(info.standard, info.least, info.most);
+    parameter.ranges = ParameterRanges(info.standard, info.min, info.max);
     if (info.scale == Kind::choice) name_choices(index, parameter.enumValues);
   }
 

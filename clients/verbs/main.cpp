@@ -87,7 +87,7 @@ Parameter parameter_of(const ArgumentSpec& spec) {
   }
   if (spec.type == ValueType::integer) one.kind = Kind::index;
   if (spec.type == ValueType::number || spec.type == ValueType::integer) {
-    one.meaning += " " + number(spec.least) + " ... " + number(spec.most);
+    one.meaning += " " + number(spec.min) + " ... " + number(spec.max);
     if (spec.optional) {
       const auto* real = std::get_if<double>(&spec.fallback);
       one.literal = real ? number(*real) : std::to_string(std::get<std::int32_t>(spec.fallback));

@@ -45,9 +45,9 @@ Settings App::settings() const {
   settings.impulse_ns = commands_.choice().impulse_ns;
   settings.contact_time_s = commands_.choice().contact_time_s;
   if (!window_.full_screen() && !window_.minimised()) {
-    const auto natural = [&](int pixels, std::uint64_t least) {
+    const auto natural = [&](int pixels, std::uint64_t min) {
       const auto size = static_cast<std::uint64_t>(std::lround(pixels / window_.display_scale()));
-      return std::clamp(size, least, Settings::kMaxPixels);
+      return std::clamp(size, min, Settings::kMaxPixels);
     };
     settings.width = natural(window_.width(), Settings::kMinWidth);
     settings.height = natural(window_.height(), Settings::kMinHeight);
@@ -150,8 +150,8 @@ void App::draw_panes() {
     const float em = ImGui::GetFontSize();
     left = std::max(width * static_cast<float>(settings_.side_share), kMinSide_em * em);
     right = std::max(width * static_cast<float>(settings_.sound_share), kMinSound_em * em);
-    const float most = width - std::min(kMinScene_em * em, width / 3);
-    const float shrink = std::min(1.0f, most / (left + right));
+    const float max = width - std::min(kMinScene_em * em, width / 3);
+    const float shrink = std::min(1.0f, max / (left + right));
     left = std::floor(left * shrink), right = std::floor(right * shrink);  // ImGui puts windows at whole pixels
   }
   const double now = now_s();

@@ -103,8 +103,8 @@ void Commands::step_mode_count(int by) {
   const KnownObject* object = chosen();
   if (!object || object->modes == 0) return;
   const ModeRange now = edits_.adjustment_of(*object).range;
-  const auto most = static_cast<std::uint32_t>(object->modes);
-  const std::uint32_t had = now.first >= most ? 0 : std::min(now.count, most - now.first);
+  const auto max = static_cast<std::uint32_t>(object->modes);
+  const std::uint32_t had = now.first >= max ? 0 : std::min(now.count, max - now.first);
   const auto step = static_cast<int>(std::max<std::uint32_t>(1, had / 10));
   const int count = std::clamp(static_cast<int>(had) + by * step, 1, object->modes);
   const ModeRange range{0, count == object->modes ? ModeRange::kAll : static_cast<std::uint32_t>(count)};

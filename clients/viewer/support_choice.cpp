@@ -25,9 +25,9 @@ Vec3 unit_of(Vec3 v) { return 1 / length(v) * v; }
 
 Vec3 area_vector(const SupportChoice::Triangle& t) { return 0.5 * cross(t[1] - t[0], t[2] - t[0]); }
 
-// Rounds to a multiple of a power of ten, at most `most` wide.
-double rounded(double value, double most) {
-  const double step = std::pow(10.0, std::floor(std::log10(most)));
+// Rounds to a multiple of a power of ten, at most `max` wide.
+double rounded(double value, double max) {
+  const double step = std::pow(10.0, std::floor(std::log10(max)));
   return step * std::round(value / step) + 0.0;  // no negative zero
 }
 
@@ -82,11 +82,11 @@ std::vector<std::size_t> SupportChoice::flat_piece(std::size_t seed) const {
   }
   const Triangle first = triangle(seed);
   const Vec3 normal = unit_of(area_vector(first));
-  const double most = kFlat * diagonal_m();
+  const double max = kFlat * diagonal_m();
   const auto lies_there = [&](const Triangle& t) {
     const Vec3 area = area_vector(t);
     return dot(area, normal) >= kFlatCosine * length(area) &&
-           std::ranges::all_of(t, [&](Vec3 p) { return std::abs(dot(p - first[0], normal)) <= most; });
+           std::ranges::all_of(t, [&](Vec3 p) { return std::abs(dot(p - first[0], normal)) <= max; });
   };
   std::set<std::size_t> piece = {seed};
   for (std::vector<std::size_t> next = {seed}; !next.empty();) {
@@ -154,8 +154,8 @@ std::string SupportChoice::plane() const {
   for (std::size_t t = 0; t < bank_->bank.triangles.size(); ++t) {
     if (on_plane(triangle(t)) != std::ranges::binary_search(chosen_, t)) return "";
   }
-  const double most = kRound * diagonal;
-  return "plane = " + numbers_text({rounded(middle.x, most), rounded(middle.y, most), rounded(middle.z, most),
+  const double max = kRound * diagonal;
+  return "plane = " + numbers_text({rounded(middle.x, max), rounded(middle.y, max), rounded(middle.z, max),
                                     rounded(normal.x, 1e-8), rounded(normal.y, 1e-8), rounded(normal.z, 1e-8)},
                                    "%.8g");
 }

@@ -178,8 +178,8 @@ Reduced reduce(modal::Bank& bank, const Reduction& reduction) {
   const auto silent = std::stable_partition(order.begin(), order.end(), [&](std::size_t m) { return audible[m]; });
   const auto heard = std::max<std::size_t>(1, static_cast<std::size_t>(silent - order.begin()));
   const std::size_t wanted = drop ? heard : order.size();
-  const std::size_t most = std::max(always, static_cast<std::size_t>(reduction.keep));
-  const std::size_t kept = reduction.keep > 0 ? std::min(wanted, most) : wanted;
+  const std::size_t max = std::max(always, static_cast<std::size_t>(reduction.keep));
+  const std::size_t kept = reduction.keep > 0 ? std::min(wanted, max) : wanted;
 
   modal::take_modes(bank, order);
   order.resize(kept);

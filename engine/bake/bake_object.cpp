@@ -240,16 +240,16 @@ class Baker {
   Result<void> mesh() {
     if (auto meshed = mesh_once(); !meshed) return meshed;
     const bool sized_here = reader_.is_surface() && object_.choice && object_.making == mesh::Making::kFilled;
-    const double most = recipe_.preview ? kMaxPreviewUnknowns : 1.5 * kMaxChosenUnknowns;
+    const double max = recipe_.preview ? kMaxPreviewUnknowns : 1.5 * kMaxChosenUnknowns;
     const double unknowns = sized_here ? cost().unknowns : 0;
-    if (unknowns <= most) return {};
+    if (unknowns <= max) return {};
     const int order = fem::order_of(recipe_.options.element);
     const bool bends = mean_longest_edge(object_.mesh.mesh) < kSmallAtBends * recipe_.meshing.mesh_size_m;
-    if (bends && order > 2 && unknowns <= growth(order - 1) * most) {
+    if (bends && order > 2 && unknowns <= growth(order - 1) * max) {
       set_order(order - 1);
       return {};
     }
-    recipe_.meshing.mesh_size_m *= std::sqrt(unknowns / most);
+    recipe_.meshing.mesh_size_m *= std::sqrt(unknowns / max);
     object_.choice->size_m = recipe_.meshing.mesh_size_m;
     return mesh_once();
   }

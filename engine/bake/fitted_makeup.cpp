@@ -432,11 +432,11 @@ modal::ModeLoss FittedMakeup::loss(const ModeShares& shares, const BodyUnits& un
 double FittedMakeup::highest_lambda(double band_high_hz) const {
   double highest = 0;
   for (const modal::Material& material : materials) {
-    double most = 1;
-    if (!key.empty() && material.orthotropy) most = std::ranges::max(material.orthotropy->loss);
+    double max = 1;
+    if (!key.empty() && material.orthotropy) max = std::ranges::max(material.orthotropy->loss);
     modal::Material strongest = material;
-    for (modal::LossFactor& point : strongest.loss_factors) point.eta *= std::max(most, 1.0);
-    strongest.damping.beta_s *= std::max(most, 1.0);
+    for (modal::LossFactor& point : strongest.loss_factors) point.eta *= std::max(max, 1.0);
+    strongest.damping.beta_s *= std::max(max, 1.0);
     highest = std::max(highest, modal::highest_lambda(band_high_hz, strongest.damping_law()));
   }
   return highest;

@@ -149,11 +149,11 @@ int nonlinear_functions(int modes) { return std::min({modes * (modes + 1) / 2, s
 Result<NonlinearModes> find_nonlinear(const mesh::TetMesh& unit_mesh, const fem::Elastic& elastic,
                                       const fem::System& system, const VectorXd& all_lambda, const MatrixXd& all_shapes,
                                       int rigid, int modes, const Progress& progress) try {
-  const Index m = modes, most = m * (m + 1) / 2;
+  const Index m = modes, max = m * (m + 1) / 2;
   const VectorXd lambda = all_lambda.segment(rigid, m), omega = lambda.cwiseSqrt();
   const MatrixXd kept = all_shapes.leftCols(rigid + m), shapes = kept.rightCols(m);
   const int wanted = nonlinear_functions(modes);
-  const Index count = std::min<Index>(wanted + kSpare, most);
+  const Index count = std::min<Index>(wanted + kSpare, max);
   const double steps = static_cast<double>(2 * (2 * count + kProbes));
   int step = 0;
   const auto go_on = [&] { return !progress || progress("nonlinear", std::min(0.99, step++ / steps)); };
@@ -181,7 +181,7 @@ Result<NonlinearModes> find_nonlinear(const mesh::TetMesh& unit_mesh, const fem:
   NonlinearModes result;
   result.bending = lower_triangles(best, omega);
   result.curving = dense::product(dense::product(modal, root), turn).transpose();
-  if (count < most) {
+  if (count < max) {
     const MatrixXd probes = random_pairs(m, kProbes, random);
     MatrixXd answers;
     if (!apply.apply(probes, answers, modal, go_on)) return fail_cancelled();

@@ -303,8 +303,8 @@ class Chooser {
 Result<SamplePoints> choose_points(const mesh::TetMesh& mesh, const mesh::Boundary& surface,
                                    const Eigen::MatrixXd& shapes, const PointRequest& request,
                                    const Progress& progress) {
-  constexpr double kLeast = 0.6, kMost = 0.96;  // of the points that a step leaves
-  constexpr double kNear = 0.04;                // of the points: the search ends when fewer are in doubt
+  constexpr double kMin = 0.6, kMax = 0.96;  // of the points that a step leaves
+  constexpr double kNear = 0.04;             // of the points: the search ends when fewer are in doubt
   const auto go_on = [&](double fraction) { return !progress || progress("finish", fraction); };
   Chooser chooser(mesh, surface, shapes);
   mesh::Coarsening& left = chooser.coarsening();
@@ -324,10 +324,10 @@ Result<SamplePoints> choose_points(const mesh::TetMesh& mesh, const mesh::Bounda
   std::size_t enough = left.point_count();  // the fewest points known to be enough, and how far the error is used up
   std::size_t too_few = 0;                  // the most points known to be too few
   double too_few_excess = 0;
-  while (excess<kMost&& static_cast<double>(enough - too_few)> std::max(1.5, kNear * static_cast<double>(enough))) {
+  while (excess<kMax&& static_cast<double>(enough - too_few)> std::max(1.5, kNear * static_cast<double>(enough))) {
     if (!go_on(excess)) return fail_cancelled();
     const auto count = static_cast<double>(enough);
-    double target = count * std::clamp(excess, kLeast, kMost);
+    double target = count * std::clamp(excess, kMin, kMax);
     if (too_few > 0) {  // the error between the two as a power of the number of points
       const double between = static_cast<double>(too_few) / count;
       const double slope = std::log(too_few_excess / excess) / -std::log(between);

@@ -150,9 +150,8 @@ Vec3 middle_of_surface(const SolvedBody& body, const modal::MassProperties& mass
 
 // The stress of the body's modes; the body is of one isotropic material.
 modal::StressTable stress_table(const SolvedBody& body, const modal::Material& material) {
-  const fem::SurfaceStress stress =
-      fem::surface_stress(body.mesh, fem::Elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3},
-                          body.shapes);
+  const fem::SurfaceStress stress = fem::surface_stress(
+      body.mesh, fem::Elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3}, body.shapes);
   modal::StressTable table;
   for (const auto& at : stress.positions.cast<float>().rowwise()) table.positions.push_back({at[0], at[1], at[2]});
   table.stress.reserve(static_cast<std::size_t>(stress.components.size()));
@@ -185,8 +184,8 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
                                      const Progress& progress) {
   const SolvedBody& body = *whole.body;
   const modal::MassProperties& mass = *whole.bank.mass;
-  const double least_share = shatter.min_mass_kg > 0 ? shatter.min_mass_kg / mass.mass_kg : shatter::kLeastVolumeShare;
-  if (!(least_share < 1))
+  const double min_share = shatter.min_mass_kg > 0 ? shatter.min_mass_kg / mass.mass_kg : shatter::kMinVolumeShare;
+  if (!(min_share < 1))
     return fail(ErrorKind::bad_input, whole.bank.name + ": a piece's least mass is above the mass of the body");
   std::vector<Vec3> places_m = shatter.places_m;
   if (places_m.empty()) places_m.push_back(middle_of_surface(body, mass));
@@ -204,7 +203,7 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
     Result<shatter::CutBody> parts = shatter::cut_body(body.mesh, seeds->points);
     if (!parts) return fail(parts.error().kind, whole.bank.name + ": " + parts.error().message);
     const Cut cut{body, mass, std::move(*parts)};
-    for (const shatter::Level& level : levels_of(cut.parts, body.mesh, seeds->group_of_cell, least_share)) {
+    for (const shatter::Level& level : levels_of(cut.parts, body.mesh, seeds->group_of_cell, min_share)) {
       if (level.pieces.size() < 2)
         return fail(ErrorKind::bad_input, whole.bank.name + " breaks into one piece only; ask for more `pieces`");
       count += level.pieces.size();

@@ -36,11 +36,11 @@ double left_in_group() {
   std::string line;
   while (std::getline(in, line)) {
     if (!line.starts_with("0::/")) continue;
-    double least = kNone;
+    double min = kNone;
     for (std::string group = line.substr(3);; group.resize(group.find_last_of('/'))) {
       const std::string folder = "/sys/fs/cgroup" + group;
-      least = std::min(least, number_in(folder + "/memory.max") - number_in(folder + "/memory.current"));
-      if (group.find_last_of('/') == std::string::npos || group.empty()) return least;
+      min = std::min(min, number_in(folder + "/memory.max") - number_in(folder + "/memory.current"));
+      if (group.find_last_of('/') == std::string::npos || group.empty()) return min;
     }
   }
   return kNone;

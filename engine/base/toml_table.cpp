@@ -249,8 +249,8 @@ void TomlTable::whole(std::string_view key, std::uint64_t& target, std::uint64_t
   const auto* integer = node->as_integer();
   const std::uint64_t value = integer && integer->get() >= 0 ? static_cast<std::uint64_t>(integer->get()) : 0;
   if (!integer || integer->get() < 0 || value < low || value > high) {
-    const std::string most = high == kAnyWhole ? "" : " and <= " + std::to_string(high);
-    return expected(key, "a whole number >= " + std::to_string(low) + most);
+    const std::string max = high == kAnyWhole ? "" : " and <= " + std::to_string(high);
+    return expected(key, "a whole number >= " + std::to_string(low) + max);
   }
   target = value;
 }

@@ -72,9 +72,9 @@ PieceSet::PieceSet(const modal::StrikeMap& body, const modal::MaterialScale& mat
 
 std::size_t PieceSet::nearest(const Vec3& point_m) const {
   const auto distance = [&](const std::vector<Vec3>& points) {
-    double least = HUGE_VAL;
-    for (const Vec3& p : points) least = std::min(least, length(p - point_m));
-    return least;
+    double min = HUGE_VAL;
+    for (const Vec3& p : points) min = std::min(min, length(p - point_m));
+    return min;
   };
   return static_cast<std::size_t>(std::ranges::min_element(points_, {}, distance) - points_.begin());
 }

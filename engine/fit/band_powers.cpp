@@ -113,22 +113,22 @@ BandPowers band_powers(std::span<const double> samples, double sample_rate_hz, s
 std::vector<double> band_noise(std::span<const double> samples, double sample_rate_hz, std::size_t onset) {
   constexpr std::size_t kMinCells = 5, kGuard = 2;  // kGuard: reach of a window into neighbouring cells
   constexpr auto kMaxCells = static_cast<std::size_t>(kMaxSilence_s / kCell_s);
-  constexpr double kLeast = 1e-8;  // 80 dB below the loudest cell, which is inaudible
+  constexpr double kMin = 1e-8;  // 80 dB below the loudest cell, which is inaudible
   const std::size_t step = samples_of_cell(sample_rate_hz);
   const BandPowers after = band_powers(samples, sample_rate_hz, onset);
-  const double least = after.values.empty() ? 0 : kLeast * *std::ranges::max_element(after.values);
+  const double min = after.values.empty() ? 0 : kMin * *std::ranges::max_element(after.values);
   const bool silence_before = onset / step >= kMinCells + kGuard;
   const std::size_t end = silence_before ? onset - kGuard * step : 0;
   const BandPowers quiet =
       silence_before ? band_powers(samples.first(end).last(std::min(end, kMaxCells * step)), sample_rate_hz, 0) : after;
-  std::vector<double> noise(quiet.bands(), least);
+  std::vector<double> noise(quiet.bands(), min);
   for (std::size_t b = 0; b < quiet.bands() && quiet.cells > 0; ++b) {
     const auto row = quiet.values.begin() + static_cast<std::ptrdiff_t>(b * quiet.cells);
     std::vector<double> powers(row, row + static_cast<std::ptrdiff_t>(quiet.cells));
     std::ranges::sort(powers);
     if (!silence_before) powers.resize(std::max<std::size_t>(1, powers.size() / 10));
     const double sum = std::accumulate(powers.begin(), powers.end(), 0.0);
-    noise[b] = std::max(least, sum / static_cast<double>(powers.size()));
+    noise[b] = std::max(min, sum / static_cast<double>(powers.size()));
   }
   return noise;
 }

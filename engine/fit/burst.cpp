@@ -132,7 +132,7 @@ void correct_levels(const Target& target, const BandPowers& model, const BandPow
 // Raises all levels until the burst has the energy that the modes lack. The fitted levels are too low because the mean
 // of the logarithm of a noise's power lies up to 2.5 dB below the logarithm of its mean.
 void match_energy(const Target& target, const BandPowers& alone, Burst& burst) {
-  constexpr double kMost = 2;  // 3 dB
+  constexpr double kMax = 2;  // 3 dB
   double wanted = 0, played = 0;
   for (std::size_t b = 0; b < burst.level.size(); ++b) {
     for (std::size_t c = 0; c < target.cells && burst.level[b] > 0; ++c) {
@@ -142,7 +142,7 @@ void match_energy(const Target& target, const BandPowers& alone, Burst& burst) {
     }
   }
   if (!(played > 0)) return;
-  const double gain = std::sqrt(std::clamp(wanted / played, 1.0, kMost));
+  const double gain = std::sqrt(std::clamp(wanted / played, 1.0, kMax));
   for (double& level : burst.level) level *= gain;
 }
 

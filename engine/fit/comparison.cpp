@@ -64,13 +64,13 @@ double nearest_cents(const std::vector<double>& ascending, double frequency) {
 double mean_square_cents(const std::vector<double>& heard, const std::vector<double>& baked, double tuning_cents,
                          double tolerance) {
   constexpr double kOfBaked = 0.25;
-  const double factor = std::exp2(tuning_cents / 1200), most = tolerance * tolerance;
+  const double factor = std::exp2(tuning_cents / 1200), max = tolerance * tolerance;
   double sum = 0, other = 0;
   std::size_t count = 0;
-  for (const double f : heard) sum += std::min(std::pow(nearest_cents(baked, f / factor), 2), most);
+  for (const double f : heard) sum += std::min(std::pow(nearest_cents(baked, f / factor), 2), max);
   for (const double f : baked) {
     if (f * factor > heard.back()) break;
-    other += std::min(std::pow(nearest_cents(heard, f * factor), 2), most), ++count;
+    other += std::min(std::pow(nearest_cents(heard, f * factor), 2), max), ++count;
   }
   return sum / static_cast<double>(heard.size()) +
          kOfBaked * other / static_cast<double>(std::max<std::size_t>(count, 1));
@@ -145,10 +145,10 @@ NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks
   for (const Mode& mode : heard) frequencies.push_back(mode.frequency_hz);
   const Between between(banks);
   const double low = banks.front().poisson_ratio, high = banks.back().poisson_ratio;
-  const auto best_at = [&](double nu, double around, double most, double step) {
+  const auto best_at = [&](double nu, double around, double max, double step) {
     const std::vector<double> baked = between.at(nu);
     std::pair<double, double> best{INFINITY, around};  // mean square, tuning
-    for (double tuning = around - most; tuning <= around + most; tuning += step) {
+    for (double tuning = around - max; tuning <= around + max; tuning += step) {
       best = std::min(best, {mean_square_cents(frequencies, baked, tuning, options.tolerance_cents), tuning});
     }
     return best;

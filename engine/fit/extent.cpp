@@ -133,8 +133,8 @@ std::optional<Extent> find_extent(std::span<const double> samples, double sample
     extent.onset = *from;
   } else {
     extent.onset = first * block;
-    const double least = std::min(threshold, 0.5 * loudest);
-    while (!begins_at_once && std::abs(samples[extent.onset]) <= least) ++extent.onset;
+    const double min = std::min(threshold, 0.5 * loudest);
+    while (!begins_at_once && std::abs(samples[extent.onset]) <= min) ++extent.onset;
   }
   const std::size_t end = lost_in_noise(peaks, first, next_blow(peaks, first), noise);
   extent.end = std::min(samples.size(), end * block);

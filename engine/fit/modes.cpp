@@ -112,10 +112,10 @@ std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, 
           [&](std::size_t band) { samples[band] = pass.filter.take(signal, centre_hz(pass, band) / pass.rate_hz); });
   std::vector<double> peaks;
   for (const auto& band : samples) peaks.push_back(band.size() > 0 ? band.cwiseAbs().maxCoeff() : 0);
-  const double least = 0.25 * std::pow(10, -options.floor_db / 20) * *std::ranges::max_element(peaks);
+  const double min = 0.25 * std::pow(10, -options.floor_db / 20) * *std::ranges::max_element(peaks);
   std::vector<std::vector<Candidate>> found(samples.size());
   for_all(samples.size(), options.threads, [&](std::size_t band) {
-    if (peaks[band] > least) found[band] = search_band(samples[band], pass, band);
+    if (peaks[band] > min) found[band] = search_band(samples[band], pass, band);
   });
   std::vector<Candidate> all;
   for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
@@ -149,8 +149,8 @@ bool prune(std::vector<Mode>& modes, const Options& options) {
   const std::size_t before = modes.size();
   double loudest = 0;
   for (const Mode& mode : modes) loudest = std::max(loudest, mode.amplitude);
-  const double least = loudest * std::pow(10, -options.floor_db / 20);
-  std::erase_if(modes, [&](const Mode& mode) { return mode.amplitude < least; });
+  const double min = loudest * std::pow(10, -options.floor_db / 20);
+  std::erase_if(modes, [&](const Mode& mode) { return mode.amplitude < min; });
   std::ranges::sort(modes, std::greater{}, energy);
   modes.resize(std::min(modes.size(), options.max_modes));
   std::ranges::sort(modes, {}, &Mode::frequency_hz);
@@ -273,8 +273,8 @@ Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, co
   if (options.from_s) from = static_cast<std::size_t>(std::round(*options.from_s * sample_rate_hz));
   const std::optional<Extent> extent = find_extent(centred, sample_rate_hz, from);
   if (!extent) return Fit{};
-  const auto most = static_cast<std::size_t>(kMaxLength_s * sample_rate_hz);
-  const auto sound = std::span(centred).subspan(extent->start, std::min(most, extent->end - extent->start));
+  const auto max = static_cast<std::size_t>(kMaxLength_s * sample_rate_hz);
+  const auto sound = std::span(centred).subspan(extent->start, std::min(max, extent->end - extent->start));
 
   Fit fit{.modes = search_all(sound, sample_rate_hz, options), .clipped = extent->clipped};
   const auto before = std::span(centred)

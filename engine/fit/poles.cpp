@@ -54,24 +54,24 @@ bool is_noise(const Eigen::MatrixXcd& sum) {
   return true;
 }
 
-Eigen::Index signal_directions(const Eigen::VectorXd& ascending, Eigen::Index most) {
+Eigen::Index signal_directions(const Eigen::VectorXd& ascending, Eigen::Index max) {
   constexpr double kOverRounding = 1e-13;
   const double largest = ascending[ascending.size() - 1];
   const double threshold = std::max(kOverMedian * ascending[ascending.size() / 2], kOverRounding * largest);
   const auto above = std::count_if(ascending.begin(), ascending.end(), [&](double value) { return value > threshold; });
-  return std::min<Eigen::Index>(above, most);
+  return std::min<Eigen::Index>(above, max);
 }
 
 }  // namespace
 
-std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eigen::Index most) {
+std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eigen::Index max) {
   if (signal.size() < kMinSamples) return {};
   const Eigen::Index length = signal.size() / 3;
   const Eigen::MatrixXcd sum = covariance(signal, length);
   if (is_noise(sum)) return {};
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(sum);
   if (solver.info() != Eigen::Success) return {};
-  const Eigen::Index count = signal_directions(solver.eigenvalues(), std::min(most, length / 2));
+  const Eigen::Index count = signal_directions(solver.eigenvalues(), std::min(max, length / 2));
   if (count == 0) return {};
   const Eigen::MatrixXcd space = solver.eigenvectors().rightCols(count);
   const Eigen::MatrixXcd shift =
@@ -167,12 +167,12 @@ MatrixXcd jacobian(const State& state) {
 
 // Moves the poles, each by no more than the signal can resolve, and limits their growth.
 VectorXcd moved(const State& state, const VectorXcd& by, double share) {
-  const double most = 6.0 / static_cast<double>(state.columns.rows());
+  const double max = 6.0 / static_cast<double>(state.columns.rows());
   VectorXcd poles = state.poles;
   for (Index k = 0; k < poles.size(); ++k) {
     const Complex step = share * by[k];
-    poles[k] += std::abs(step) > most ? step * (most / std::abs(step)) : step;
-    poles[k] = {std::min(poles[k].real(), most), poles[k].imag()};
+    poles[k] += std::abs(step) > max ? step * (max / std::abs(step)) : step;
+    poles[k] = {std::min(poles[k].real(), max), poles[k].imag()};
   }
   return poles;
 }
@@ -225,11 +225,11 @@ VectorXcd poles_of(const std::vector<Term>& terms) {
 // Removes the weakest terms that are not significant, up to a share of all, but at least one. Two terms that nearly
 // coincide both look weak, and each is strong once the other is removed. Therefore the last rounds remove one term at a
 // time.
-bool weed(std::vector<Term>& terms, double least, double share) {
+bool weed(std::vector<Term>& terms, double min, double share) {
   std::ranges::sort(terms, std::greater{}, &Term::significance);
-  const auto most = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(share * static_cast<double>(terms.size())));
+  const auto max = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(share * static_cast<double>(terms.size())));
   std::ptrdiff_t weak = 0;
-  for (; weak < most && !terms.empty() && !(terms.back().significance >= least); ++weak) terms.pop_back();
+  for (; weak < max && !terms.empty() && !(terms.back().significance >= min); ++weak) terms.pop_back();
   return weak > 0;
 }
 

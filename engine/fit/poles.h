@@ -15,10 +15,10 @@ namespace ringdown::fit {
 
 inline constexpr Eigen::Index kMinSamples = 24;
 
-// Finds the logarithms of poles, per sample; at most `most`. Finds too many rather than too few: only directions in
+// Finds the logarithms of poles, per sample; at most `max`. Finds too many rather than too few: only directions in
 // which the signal is no stronger than noise could be are left out, and refine() judges the rest. None when the signal
 // has fewer than kMinSamples.
-std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eigen::Index most);
+std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eigen::Index max);
 
 // One damped exponential: amplitude exp(pole n), n = 0, 1, ...
 struct Term {

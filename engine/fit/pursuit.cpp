@@ -82,8 +82,8 @@ double square_sum_of(std::span<const double> x) {
 }  // namespace
 
 std::vector<Mode> pursue(std::span<const double> left, double sample_rate_hz, const PursuitOptions& options) {
-  const auto most = std::min(left.size(), static_cast<std::size_t>(kPursuit_s * sample_rate_hz));
-  const std::span<const double> sound = left.first(most);
+  const auto max = std::min(left.size(), static_cast<std::size_t>(kPursuit_s * sample_rate_hz));
+  const std::span<const double> sound = left.first(max);
   std::vector<double> rest(sound.begin(), sound.end());
   std::vector<Mode> modes;
   while (modes.size() < options.max_modes) {

@@ -189,9 +189,9 @@ std::optional<double> fit_law(std::vector<Point>& points, Law& law) {
 
 // Akaike's criterion with its correction for few points; infinite where they are too few.
 double criterion(double spread, double points, double figures) {
-  constexpr double kLeastSpread = 0.01;
+  constexpr double kMinSpread = 0.01;
   if (points < figures + 3) return std::numeric_limits<double>::infinity();
-  return 2 * points * std::log(std::max(spread, kLeastSpread)) + 2 * figures * points / (points - figures - 1);
+  return 2 * points * std::log(std::max(spread, kMinSpread)) + 2 * figures * points / (points - figures - 1);
 }
 
 }  // namespace
@@ -225,12 +225,12 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
   }
   // Relative errors of the estimate, and of the law, which is accurate to about 5 % at best. Where the others take all
   // but a fifth of a decay or more than that, a fifth is the material's, to within itself.
-  constexpr double kOfTheLaw = 0.05, kLeastShare = 0.2;
+  constexpr double kOfTheLaw = 0.05, kMinShare = 0.2;
   std::vector<Point> points;
   for (const Match& pair : result.matches) {
     const Mode& mode = recorded[pair.recorded];
     const double others = other_losses(bank, pair.baked).total_per_s();
-    const double material = std::max(mode.decay_per_s - others, kLeastShare * mode.decay_per_s);
+    const double material = std::max(mode.decay_per_s - others, kMinShare * mode.decay_per_s);
     const double omega = std::sqrt(modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s}));
     const double share = modal::material_share(bank, pair.baked);
     double error = std::hypot(mode.decay_error_per_s, kOfTheLaw * mode.decay_per_s) / material;

@@ -30,11 +30,11 @@ bool is_inside(const Corners& corners, const Eigen::Vector3d& point) {
   const Eigen::Vector3d from = corners.row(0), a = corners.row(1), b = corners.row(2), c = corners.row(3);
   const Eigen::Vector3d u = a - from, v = b - from, w = c - from, p = point - from;
   const Eigen::Vector3d across = v.cross(w);
-  const double volume = u.dot(across), first = p.dot(across), least = kInside * volume;
-  if (first < least) return false;
+  const double volume = u.dot(across), first = p.dot(across), min = kInside * volume;
+  if (first < min) return false;
   const Eigen::Vector3d turn = u.cross(p);
   const double second = turn.dot(w), third = -turn.dot(v);
-  return second > least && third > least && volume - first - second - third > least;
+  return second > min && third > min && volume - first - second - third > min;
 }
 
 // A tree of boxes. Each box holds half of its parent's elements, divided across the parent's longest side. The two

@@ -279,10 +279,10 @@ int mark_hinges(const TetMesh& mesh, const std::vector<Joint>& joints, std::vect
     for (next = first; next < slots.size() && slots[next].what == slots[first].what;) ++next;
     std::vector<int> size(next - first, 0);
     for (std::size_t s = first; s < next; ++s) ++size[groups.root(static_cast<int>(s)) - first];
-    const auto most = std::max_element(size.begin(), size.end());
-    if (*most == static_cast<int>(next - first)) continue;
+    const auto max = std::max_element(size.begin(), size.end());
+    if (*max == static_cast<int>(next - first)) continue;
     for (std::size_t s = first; s < next; ++s) {
-      if (groups.root(static_cast<int>(s)) == static_cast<int>(first + (most - size.begin()))) continue;
+      if (groups.root(static_cast<int>(s)) == static_cast<int>(first + (max - size.begin()))) continue;
       if (gone[slots[s].element]) continue;
       gone[slots[s].element] = true;
       ++marked;
@@ -291,8 +291,8 @@ int mark_hinges(const TetMesh& mesh, const std::vector<Joint>& joints, std::vect
   return marked;
 }
 
-// Marks parts of fewer than `least` elements, never the largest.
-int mark_crumbs(const TetMesh& mesh, const std::vector<Joint>& joints, int least, std::vector<bool>& gone) {
+// Marks parts of fewer than `min` elements, never the largest.
+int mark_crumbs(const TetMesh& mesh, const std::vector<Joint>& joints, int min, std::vector<bool>& gone) {
   Groups<int> parts(mesh.elements.rows());
   for (const Joint& joint : joints) parts.join(joint.a, joint.b);
   std::vector<int> size(mesh.elements.rows(), 0);
@@ -301,7 +301,7 @@ int mark_crumbs(const TetMesh& mesh, const std::vector<Joint>& joints, int least
   int crumbs = 0;
   for (int e = 0; e < mesh.elements.rows(); ++e) {
     const int part = parts.root(e);
-    if (part == largest || size[part] >= least) continue;
+    if (part == largest || size[part] >= min) continue;
     crumbs += part == e;
     gone[e] = true;
   }
@@ -310,12 +310,12 @@ int mark_crumbs(const TetMesh& mesh, const std::vector<Joint>& joints, int least
 
 }  // namespace
 
-Trimmed keep_sound_parts(TetMesh& mesh, int least) {
+Trimmed keep_sound_parts(TetMesh& mesh, int min) {
   Trimmed trimmed;
   while (mesh.elements.rows() > 0) {
     const std::vector<Joint> joints = joints_of(mesh);
     std::vector<bool> gone(mesh.elements.rows(), false);
-    const int crumbs = mark_crumbs(mesh, joints, least, gone);
+    const int crumbs = mark_crumbs(mesh, joints, min, gone);
     const int hinges = crumbs > 0 ? 0 : mark_hinges(mesh, joints, gone);
     if (crumbs + hinges == 0) break;
     trimmed.crumbs += crumbs;

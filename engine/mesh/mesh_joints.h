@@ -30,8 +30,8 @@ struct Trimmed {
 };
 
 // Keeps only parts whose elements are joined by faces, so that check_joints() finds nothing. If parts meet in an edge
-// or a node only, the smaller part there is removed. Parts of fewer than `least` elements are removed, except the
+// or a node only, the smaller part there is removed. Parts of fewer than `min` elements are removed, except the
 // largest part, and unused nodes are dropped. O(E log E) for each of a few rounds.
-Trimmed keep_sound_parts(TetMesh& mesh, int least);
+Trimmed keep_sound_parts(TetMesh& mesh, int min);
 
 }  // namespace ringdown::mesh

@@ -85,9 +85,9 @@ class FoldTest {
 
   [[nodiscard]] bool folds(const ElementNodes& nodes) const {
     if (is_straight(nodes)) return false;
-    const double least = 1e-3 * jacobian(Corners(nodes.topRows<4>())).determinant();
+    const double min = 1e-3 * jacobian(Corners(nodes.topRows<4>())).determinant();
     return std::any_of(gradients_.begin(), gradients_.end(), [&](const ReferenceGradient& gradient) {
-      return !(jacobian(nodes, gradient).determinant() >= least);
+      return !(jacobian(nodes, gradient).determinant() >= min);
     });
   }
 

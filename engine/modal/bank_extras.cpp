@@ -23,15 +23,14 @@ std::vector<LiquidNote> read_liquids(const JsonPlace& list) {
     const JsonPlace one = list[i];
     const auto number = [&one](const char* key) { return one[key].number().value_or(0.0); };
     const JsonPlace up = one["up"];
-    liquids.push_back(
-        {.liquid = one["liquid"].text_or(""),
-         .density_kg_m3 = number("density"),
-         .sound_speed_m_s = number("soundSpeed"),
-         .viscosity_pa_s = number("viscosity"),
-         .level_m = number("level"),
-         .volume_m3 = number("volume"),
-         .up = {up[0].number().value_or(0.0), up[1].number().value_or(0.0), up[2].number().value_or(1.0)},
-         .around = one["place"].text_or("") == "around"});
+    liquids.push_back({.liquid = one["liquid"].text_or(""),
+                       .density_kg_m3 = number("density"),
+                       .sound_speed_m_s = number("soundSpeed"),
+                       .viscosity_pa_s = number("viscosity"),
+                       .level_m = number("level"),
+                       .volume_m3 = number("volume"),
+                       .up = {up[0].number().value_or(0.0), up[1].number().value_or(0.0), up[2].number().value_or(1.0)},
+                       .around = one["place"].text_or("") == "around"});
   }
   return liquids;
 }
@@ -218,8 +217,8 @@ double number_in(const Result<double>& read, double low, double high, double oth
 }
 
 Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const JsonPlace& field, std::size_t modes) {
-  constexpr double kLeast = 1e-6, kMost = 1e6;  // SI units; wide enough for every medium that carries sound
-  constexpr std::size_t kMaxBytes = 32768;      // for each mode
+  constexpr double kMin = 1e-6, kMax = 1e6;  // SI units; wide enough for every medium that carries sound
+  constexpr std::size_t kMaxBytes = 32768;   // for each mode
   if (!field["maps"].present()) return std::nullopt;
   const auto bytes = read_bytes(glb, field["maps"], kMaxBytes * (modes + 1));
   if (!bytes) return fail(bytes.error());
@@ -231,8 +230,8 @@ Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const JsonPl
   }
   BankRadiation radiation{.maps = std::move(*maps), .error_db = read_numbers(field["errors"], modes)};
   Air& air = radiation.air;
-  air.density_kg_m3 = number_in(field["air"]["density"].number(), kLeast, kMost, air.density_kg_m3);
-  air.sound_speed_m_s = number_in(field["air"]["soundSpeed"].number(), kLeast, kMost, air.sound_speed_m_s);
+  air.density_kg_m3 = number_in(field["air"]["density"].number(), kMin, kMax, air.density_kg_m3);
+  air.sound_speed_m_s = number_in(field["air"]["soundSpeed"].number(), kMin, kMax, air.sound_speed_m_s);
   const JsonPlace doubtful = field["doubtful"];
   for (std::size_t i = 0; i < std::min(doubtful.size(), modes); ++i) {
     const std::size_t mode = doubtful[i]["mode"].index().value_or(modes);

@@ -46,11 +46,11 @@ DampedMode with_decay(double lambda, double decay_per_s) {
 double highest_lambda(double band_high_hz, const MaterialDamping& damping) {
   if (damping.loss_factors.empty()) return highest_lambda_in_band(band_high_hz, damping.rayleigh);
   constexpr double kMaxEta = 1.99;  // at 2 a mode is critically damped
-  double most = 0;
-  for (const LossFactor& point : damping.loss_factors) most = std::max(most, point.eta);
-  most = std::min(most, kMaxEta);
+  double max = 0;
+  for (const LossFactor& point : damping.loss_factors) max = std::max(max, point.eta);
+  max = std::min(max, kMaxEta);
   const double omega = hz_to_rad_per_s(band_high_hz);
-  double low = omega * omega, high = low / (1 - most * most / 4);
+  double low = omega * omega, high = low / (1 - max * max / 4);
   const auto in_band = [&](double lambda) {
     const DampedMode mode = with_decay(lambda, mode_loss(damping, lambda).material_per_s);
     return mode.frequency_hz > 0 && mode.frequency_hz <= band_high_hz;

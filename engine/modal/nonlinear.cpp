@@ -8,7 +8,7 @@ namespace ringdown::modal {
 namespace {
 
 // Returns 1 / x, bounded by 1 / (2 least) near zero, where two frequencies are in resonance and averaging fails.
-double bounded_inverse(double x, double least) { return x / (x * x + least * least); }
+double bounded_inverse(double x, double min) { return x / (x * x + min * min); }
 
 // The fully symmetric tensor of the cubic energy: sum over k of (g_k . q) t_k = sum T_pij q_p q_i q_j.
 class CubicEnergy {

@@ -104,9 +104,9 @@ void keep_volume(const Original& original, const Panels& panels, mesh::TriangleM
     }
     const Eigen::Vector3d normal = (left + right).normalized();
     const NearestPoint place = original.search->nearest(side.middle, normal);
-    const double most = 0.3 * (panels.nodes.row(side.nodes[0]) - panels.nodes.row(side.nodes[1])).norm();
+    const double max = 0.3 * (panels.nodes.row(side.nodes[0]) - panels.nodes.row(side.nodes[1])).norm();
     double here = (place.at - side.middle).dot(normal);
-    if (left.dot(right) < 0.766 || std::abs(here) > most) here = 0;
+    if (left.dot(right) < 0.766 || std::abs(here) > max) here = 0;
     for (int i = 0; i < 2; ++i) {
       gap[side.nodes[i]] += area * here;
       weight[side.nodes[i]] += area;

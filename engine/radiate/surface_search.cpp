@@ -78,8 +78,8 @@ NearestPoint SurfaceSearch::nearest(const Eigen::Vector3d& point, const Eigen::V
   const auto own = cell_of(point);
   NearestPoint facing, any;
   double facing_at = std::numeric_limits<double>::infinity(), any_at = facing_at;
-  const int most = *std::max_element(count_.begin(), count_.end());
-  for (int shell = 0; shell <= most; ++shell) {
+  const int max = *std::max_element(count_.begin(), count_.end());
+  for (int shell = 0; shell <= max; ++shell) {
     double reached = std::numeric_limits<double>::infinity();  // no triangle of this shell is nearer
     for (int c = 0; c < 3; ++c) {
       const double inside = point[c] - low_[c] - own[c] * cell_;

@@ -37,7 +37,7 @@ class MirrorTrial {
       moments_ += panels.areas[t] / 12 * (corners * corners.transpose() + sum * sum.transpose());
     }
     step_ = std::max(1, panels.triangle_count() / kMaxSamples);
-    most_ = kMirrorDistance + roughness() / radius();
+    max_ = kMirrorDistance + roughness() / radius();
   }
 
   [[nodiscard]] const Panels& panels() const { return panels_; }
@@ -45,12 +45,12 @@ class MirrorTrial {
   [[nodiscard]] const Eigen::Matrix3d& moments() const { return moments_; }
 
   // The largest distance at which a plane counts.
-  [[nodiscard]] double most() const { return most_; }
+  [[nodiscard]] double max() const { return max_; }
 
   // Rms distance over the radius of a sphere of equal area. Infinite when far above most().
   [[nodiscard]] double distance(const Vector& normal) const {
     constexpr double kFar = 100;
-    const double far = kFar * most_ * radius(), most = far * far * area_ / step_;
+    const double far = kFar * max_ * radius(), max = far * far * area_ / step_;
     double squares = 0, area = 0;
     for (int t = 0; t < panels_.triangle_count(); t += step_) {
       const Vector away = panels_.centers[t] - middle_, facing = panels_.normals[t];
@@ -58,7 +58,7 @@ class MirrorTrial {
       const NearestPoint place = search_.nearest(image, facing - 2 * facing.dot(normal) * normal);
       squares += panels_.areas[t] * (place.at - image).squaredNorm();
       area += panels_.areas[t];
-      if (squares > most) return std::numeric_limits<double>::infinity();
+      if (squares > max) return std::numeric_limits<double>::infinity();
     }
     return std::sqrt(squares / area) / radius();
   }
@@ -87,7 +87,7 @@ class MirrorTrial {
   SurfaceSearch search_;
   Vector middle_ = Vector::Zero();
   Eigen::Matrix3d moments_ = Eigen::Matrix3d::Zero();
-  double area_ = 0, most_ = 0;
+  double area_ = 0, max_ = 0;
   int step_ = 1;
 };
 
@@ -175,7 +175,7 @@ Symmetry symmetry_of(const mesh::TriangleMesh& surface) {
   std::vector<Vector> normals, left = candidates(trial);
   while (normals.size() < 3) {
     constexpr double kBetter = 0.8;  // of similar planes, the first is chosen, on which elements have their nodes
-    double best = trial.most() / kBetter;
+    double best = trial.max() / kBetter;
     Vector chosen = Vector::Zero();
     for (const Vector& normal : left) {
       const double distance = trial.distance(normal);

@@ -211,12 +211,12 @@ enum class JointType {
 };
 
 // A spring with a damper, or a motor, along a slider's axis or about a hinge's axis. Its force is `stiffness` times the
-// distance to `target` plus `damping` times the difference to `speed`, limited to `most`. Metres and newtons for a
+// distance to `target` plus `damping` times the difference to `speed`, limited to `max`. Metres and newtons for a
 // slider, radians and newton metres for a hinge.
 struct JointDrive {
   double stiffness = 0, damping = 0;  // per unit of displacement, per unit of speed
   double target = 0, speed = 0;       // `target` is counted from the pose described
-  double most = 1e6;                  // maximum force or torque
+  double max = 1e6;                   // maximum force or torque
   friend bool operator==(const JointDrive&, const JointDrive&) = default;
 };
 

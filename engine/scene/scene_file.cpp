@@ -114,7 +114,7 @@ void read_drive(TomlTable& table, JointDrive& drive) {
   table.number("damping", drive.damping, range::kDriveGain);
   table.number("target", drive.target, range::kDriveTarget);
   table.number("speed", drive.speed, range::kDriveTarget);
-  table.number("most", drive.most, range::kDriveMost);
+  table.number("most", drive.max, range::kDriveMost);
 }
 
 // Reads the axes of a limit or a drive of a free joint from `along = "x"` or `about = ["x", "y"]`; `turns` is set for
@@ -180,11 +180,11 @@ class SceneReader {
  private:
   // Reads every [[kind]]; a name is given once.
   template <class Read>
-  void for_each(TomlTable& file, std::string_view kind, std::size_t most, const Read& read) {
+  void for_each(TomlTable& file, std::string_view kind, std::size_t max, const Read& read) {
     std::map<std::string, std::uint32_t> names;
     std::size_t count = 0;
     for (TomlTable& table : file.tables(kind)) {
-      if (++count > most) return table.complain("", "a scene has at most " + std::to_string(most));
+      if (++count > max) return table.complain("", "a scene has at most " + std::to_string(max));
       std::string name;
       table.text("name", name);
       const auto [first, is_new] = names.try_emplace(name, table.line_of("name"));

@@ -192,7 +192,7 @@ class SceneWriter {
   static std::string text_of_drive(const JointDrive& drive) {
     return "stiffness = " + text_of(drive.stiffness) + ", damping = " + text_of(drive.damping) +
            ", target = " + text_of(drive.target) + ", speed = " + text_of(drive.speed) +
-           ", most = " + text_of(drive.most);
+           ", most = " + text_of(drive.max);
   }
 
   static std::string text_of_axes(bool turns, std::span<const std::size_t> axes) {

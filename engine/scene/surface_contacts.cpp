@@ -123,8 +123,8 @@ class Search {
   // Returns whether a direction across the edge lies between the normals beside the edge.
   static bool between(Vec3 way, const SurfaceEdge& edge) {
     const Vec3 turn = cross(edge.normal, edge.other_normal);
-    const double least = -kSlack * length(turn);
-    return dot(cross(edge.normal, way), turn) >= least && dot(cross(way, edge.other_normal), turn) >= least;
+    const double min = -kSlack * length(turn);
+    return dot(cross(edge.normal, way), turn) >= min && dot(cross(way, edge.other_normal), turn) >= min;
   }
 
   void add(Vec3 point, Vec3 normal, double depth_m) {

@@ -151,19 +151,19 @@ class Cutter {
 
   // The least number of cells such that each corner belongs to one of them. The first `number` of `taken` are chosen
   // already, and corners before `from` belong to one of those.
-  [[nodiscard]] int least_cells(const Simplex& simplex, int count, int from = 0, std::array<std::int32_t, 4> taken = {},
-                                int number = 0) const {
+  [[nodiscard]] int min_cells(const Simplex& simplex, int count, int from = 0, std::array<std::int32_t, 4> taken = {},
+                              int number = 0) const {
     const auto is_covered = [&](std::int32_t point) {
       return std::any_of(taken.begin(), taken.begin() + number, [&](std::int32_t cell) { return has(point, cell); });
     };
     while (from < count && is_covered(simplex[from])) ++from;
     if (from == count) return number;
-    int least = count;
+    int min = count;
     for (const std::int32_t cell : cells_[simplex[from]]) {
       taken[number] = cell;
-      least = std::min(least, least_cells(simplex, count, from + 1, taken, number + 1));
+      min = std::min(min, min_cells(simplex, count, from + 1, taken, number + 1));
     }
-    return least;
+    return min;
   }
 
   void add_points() {
@@ -216,7 +216,7 @@ class Cutter {
     const double apart_m =
         std::min((seeds_.row(between) - seeds_.row(first)).norm(), (seeds_.row(between) - seeds_.row(second)).norm());
     const double passage = crossing(edge, between, second) - crossing(edge, first, between);
-    return passage > 2 * kLeastShare && passage * (at(edge[0]) - at(edge[1])).norm() > kHidden * apart_m;
+    return passage > 2 * kMinShare && passage * (at(edge[0]) - at(edge[1])).norm() > kHidden * apart_m;
   }
 
   [[nodiscard]] bool holds(const SubElement& element, const Eigen::Vector3d& x) const {
@@ -241,25 +241,25 @@ class Cutter {
 
   // Steps 2 to 4: borders.
 
-  [[nodiscard]] double least_share(const Simplex& edge) const {
-    const auto found = least_shares_.find(edge);
-    return found == least_shares_.end() ? kLeastShare : found->second;
+  [[nodiscard]] double min_share(const Simplex& edge) const {
+    const auto found = min_shares_.find(edge);
+    return found == min_shares_.end() ? kMinShare : found->second;
   }
 
   void snap() {
     std::vector<std::pair<std::int32_t, std::int32_t>> added;  // point, cell
     for (const Simplex& edge : refinement_.find(2, [&](const Simplex& s) { return is_apart(s); })) {
       const std::int32_t first = cells_[edge[0]][0], second = cells_[edge[1]][0];
-      const double share = crossing(edge, first, second), least = least_share(edge);
-      if (share < least) added.emplace_back(edge[0], second);
-      if (share >= 1 - least) added.emplace_back(edge[1], first);
+      const double share = crossing(edge, first, second), min = min_share(edge);
+      if (share < min) added.emplace_back(edge[0], second);
+      if (share >= 1 - min) added.emplace_back(edge[1], first);
     }
     for (const auto& [point, cell] : added) cells_[point] = united(cells_[point], {cell});
   }
 
   void insert_borders() {
-    insert(4, [&](const Simplex& s) { return least_cells(s, 4) > 3; });
-    insert(3, [&](const Simplex& s) { return least_cells(s, 3) > 2; });
+    insert(4, [&](const Simplex& s) { return min_cells(s, 4) > 3; });
+    insert(3, [&](const Simplex& s) { return min_cells(s, 3) > 2; });
     insert(2, [&](const Simplex& s) { return is_apart(s); });
     for (int count = 4; count > 1; --count) {
       insert(
@@ -296,7 +296,7 @@ class Cutter {
     Eigen::Vector4d weights = equations.partialPivLu().solve(Eigen::Vector4d::UnitX());
     if (!weights.allFinite()) weights.setConstant(1);
     double sum = 0;
-    for (int c = 0; c < count; ++c) sum += weights[c] = std::clamp(weights[c], kLeastShare, 1.0);
+    for (int c = 0; c < count; ++c) sum += weights[c] = std::clamp(weights[c], kMinShare, 1.0);
     std::array<double, 4> shares{};
     for (int c = 0; c < count; ++c) shares[c] = weights[c] / sum;
     return shares;
@@ -310,7 +310,7 @@ class Cutter {
     const Cells &first = cells_[edge[0]], &second = cells_[edge[1]];
     const double share = crossing(edge, *std::min_element(first.begin(), first.end(), nearer),
                                   *std::min_element(second.begin(), second.end(), nearer));
-    const double least = least_share(edge), kept = std::clamp(share, least, 1 - least);
+    const double min = min_share(edge), kept = std::clamp(share, min, 1 - min);
     return {1 - kept, kept, 0, 0};
   }
 
@@ -337,7 +337,7 @@ class Cutter {
   // little that mesh::check_mesh() takes it for no volume, with a margin of two. It is thin if they span a hundred
   // times that.
   [[nodiscard]] Flatness flatness_of(const SubElement& part) const {
-    constexpr double kLeastRatio = 0.1, kMaxRatio = 10, kNoVolume = 2e-9, kThinVolume = 1e-7;
+    constexpr double kMinRatio = 0.1, kMaxRatio = 10, kNoVolume = 2e-9, kThinVolume = 1e-7;
     mesh::Corners corners;
     for (int c = 0; c < 4; ++c) corners.row(c) = result_.points.row(part.corners[c]);
     const double spanned = mesh::jacobian(corners).determinant();
@@ -346,7 +346,7 @@ class Cutter {
     double longest = 0;
     for (const auto& [a, b] : mesh::kTetEdges) longest = std::max(longest, (corners.row(a) - corners.row(b)).norm());
     const double share = spanned / (longest * longest * longest);
-    const bool is_bent = body_.order() > 1 && !(ratio > kLeastRatio && ratio < kMaxRatio);
+    const bool is_bent = body_.order() > 1 && !(ratio > kMinRatio && ratio < kMaxRatio);
     if (is_bent || !(share > kNoVolume)) return Flatness::kFolded;
     return share < kThinVolume ? Flatness::kThin : Flatness::kNone;
   }
@@ -366,8 +366,8 @@ class Cutter {
         for (std::size_t a = 0; a < 4 && origin[1] > 0 && origin[a] >= 0; ++a) {
           for (std::size_t b = a + 1; b < 4 && origin[b] >= 0; ++b) {
             const Simplex edge = {origin[a], origin[b], -1, -1};
-            if (origin[b] >= base.point_count() || least_share(edge) >= 0.5) continue;
-            raised[edge] = std::min(0.5, least_share(edge) + kStep);
+            if (origin[b] >= base.point_count() || min_share(edge) >= 0.5) continue;
+            raised[edge] = std::min(0.5, min_share(edge) + kStep);
             is_raised = true;
           }
         }
@@ -375,7 +375,7 @@ class Cutter {
       if (is_raised || flatness == Flatness::kThin) continue;
       halved.push_back(longest_edge(base, base.elements()[static_cast<std::size_t>(base_of_part_[k])]));
     }
-    for (const auto& [edge, share] : raised) least_shares_[edge] = share;
+    for (const auto& [edge, share] : raised) min_shares_[edge] = share;
     halved = unique(std::move(halved));
     return !raised.empty() || !halved.empty();
   }
@@ -390,7 +390,7 @@ class Cutter {
   std::vector<Simplex> origins_;            // of each point, the simplex it was inserted into; all 0: none
   std::vector<std::int32_t> base_of_part_;  // the element after step 1 that the part lies in
   CutBody result_;
-  std::map<Simplex, double> least_shares_;  // of edges, where raised; kept from trial to trial
+  std::map<Simplex, double> min_shares_;  // of edges, where raised; kept from trial to trial
 };
 
 Result<void> check(const mesh::Points& seeds, double diagonal_m) {

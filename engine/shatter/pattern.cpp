@@ -100,8 +100,8 @@ class Wall {
 // Seeds that keep apart.
 class Planter {
  public:
-  Planter(const Wall& wall, std::uint64_t seed, double least_distance_m)
-      : wall_(wall), dice_(seed), apart_m_(least_distance_m) {}
+  Planter(const Wall& wall, std::uint64_t seed, double min_distance_m)
+      : wall_(wall), dice_(seed), apart_m_(min_distance_m) {}
 
   [[nodiscard]] const std::vector<Eigen::Vector3d>& seeds() const { return seeds_; }
   Dice& dice() { return dice_; }
@@ -186,11 +186,11 @@ std::vector<std::vector<std::int32_t>> nested_groups(const std::vector<Eigen::Ve
   for (std::size_t k = 0; k < seeds.size(); ++k) {
     auto group = static_cast<std::int32_t>(k);
     for (std::size_t level = counts.size(); level-- > 0;) {
-      double least = std::numeric_limits<double>::max();
+      double min = std::numeric_limits<double>::max();
       std::int32_t nearest = group;
       for (std::int32_t other = 0; other < counts[level]; ++other) {
         const double distance = (seeds[other] - seeds[group]).squaredNorm();
-        if (distance < least) least = distance, nearest = other;
+        if (distance < min) min = distance, nearest = other;
       }
       group = groups[level][k] = nearest;
     }
@@ -227,8 +227,7 @@ Result<Seeds> make_seeds(const mesh::TetMesh& body, const PatternOptions& option
   const Eigen::Vector3d impact(options.impact_m.x, options.impact_m.y, options.impact_m.z);
   const auto count = static_cast<std::size_t>(options.pieces.back());
   const bool even = options.pattern == Pattern::kUniform;
-  Planter planter(wall, options.seed,
-                  options.least_distance_m > 0 ? options.least_distance_m : 1.5 * wall.thickness_m());
+  Planter planter(wall, options.seed, options.min_distance_m > 0 ? options.min_distance_m : 1.5 * wall.thickness_m());
   if (options.pattern == Pattern::kRadial) planter.plant_rays(count, impact);
   planter.fill(count, impact, even ? std::numeric_limits<double>::max() : kImpactRadius * wall.diagonal_m());
   if (options.pattern == Pattern::kRadial) planter.shuffle();

@@ -32,7 +32,7 @@ struct PatternOptions {
   std::vector<int> pieces = {48};  // number of seeds in each level, coarsest first, ascending, 1 to kMaxPieces
   Vec3 impact_m;                   // near the body: within one diagonal of its bounding box from the box's centre
   std::uint64_t seed = 1;
-  double least_distance_m = 0;  // between seeds; 0: 1.5 wall thicknesses, the wall being 2 volume / surface
+  double min_distance_m = 0;  // between seeds; 0: 1.5 wall thicknesses, the wall being 2 volume / surface
 };
 
 struct Seeds {

@@ -73,7 +73,7 @@ Level level_of(const PartGraph& graph, Parts parts) {
 // Levels are found from the finest to the coarsest. The bits of the finest level are elements; those of each other
 // level are the pieces of the finer one, each labelled with the group that most of its volume belongs to.
 std::vector<Level> levels_of(const CutBody& cut, const mesh::TetMesh& body,
-                             const std::vector<std::vector<std::int32_t>>& group_of_cell, double least_volume_share) {
+                             const std::vector<std::vector<std::int32_t>>& group_of_cell, double min_volume_share) {
   assert(!group_of_cell.empty());
   const PartGraph elements = graph_of(cut, body);
   double body_m3 = 0;
@@ -91,7 +91,7 @@ std::vector<Level> levels_of(const CutBody& cut, const mesh::TetMesh& body,
       families.push_back(level > 0 ? group_of_cell[level - 1][cell] : 0);
     }
     const Parts whole = parted_at_necks(graph, connected_parts(graph, labels));
-    const Parts parts = joined_small(graph, whole, families, least_volume_share * body_m3);
+    const Parts parts = joined_small(graph, whole, families, min_volume_share * body_m3);
     Parts part_of_element;
     for (const std::int32_t bit : bit_of_element) part_of_element.push_back(parts[bit]);
     levels[level] = level_of(elements, part_of_element);

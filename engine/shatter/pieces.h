@@ -23,18 +23,18 @@ struct Level {
   double crack_area_m2 = 0;                    // of the faces between pieces, each counted once, as flat triangles
 };
 
-inline constexpr double kLeastVolumeShare = 0.002;  // of the body's volume, for a piece of its own
+inline constexpr double kMinVolumeShare = 0.002;  // of the body's volume, for a piece of its own
 
 // Finds the pieces of every level; the result has as many levels as `group_of_cell` (Seeds), coarsest first. A piece is
 // connected through faces of its elements. In the finest level it is a cell, or one of the separate parts of a cell, or
 // one side of a narrow neck (parted_at_necks). In the others, pieces are the connected sets of finer pieces of one
-// group, so levels are nested. Pieces below `least_volume_share`, 0 to 1, smallest first, join the neighbour with the
+// group, so levels are nested. Pieces below `min_volume_share`, 0 to 1, smallest first, join the neighbour with the
 // largest common area, if possible one of their group in the next coarser level. The number of pieces may therefore
 // differ from the number of seeds either way. Each row of `group_of_cell` must have a number for each cell. About
 // O(E^1.5) in a piece of E elements, for the necks; 20 ms for 48 pieces of 18,000 elements.
 std::vector<Level> levels_of(const CutBody& cut, const mesh::TetMesh& body,
                              const std::vector<std::vector<std::int32_t>>& group_of_cell,
-                             double least_volume_share = kLeastVolumeShare);
+                             double min_volume_share = kMinVolumeShare);
 
 // Numbers of the elements of a piece, ascending; for piece_mesh(). O(E).
 std::vector<std::int64_t> elements_of(const Level& level, std::int32_t piece);

@@ -55,8 +55,8 @@ class Iteration {
         basis_(team_),
         locked_(team_),
         mass_locked_(team_) {
-    const Eigen::Index most = std::min<Eigen::Index>(window.max_vectors, system_.unknowns() - locked.cols());
-    capacity_ = static_cast<int>(std::max<Eigen::Index>(2, most / kWidth)) * kWidth;
+    const Eigen::Index max = std::min<Eigen::Index>(window.max_vectors, system_.unknowns() - locked.cols());
+    capacity_ = static_cast<int>(std::max<Eigen::Index>(2, max / kWidth)) * kWidth;
     projected_ = MatrixXd::Zero(capacity_, capacity_);
     start(locked);
   }

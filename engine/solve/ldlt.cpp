@@ -77,7 +77,7 @@ Ldlt::Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team)
     const bool crown = part == plan.parts();
     const int begin = crown ? plan.crown_begin() : plan.part_begin(part);
     const int end = crown ? static_cast<int>(plan.nodes.size()) : plan.part_end[part];
-    std::size_t top = 0, most = 0;
+    std::size_t top = 0, max = 0;
     for (int s = begin; s < end; ++s) {
       for (const int child : plan.nodes[s].children) {
         if (child >= begin) top = std::min(top, slots_[child].offset);
@@ -85,9 +85,9 @@ Ldlt::Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team)
       const std::size_t below = plan.nodes[s].below();
       slots_[s] = {part, top};
       top += packed(below, below);
-      most = std::max(most, top);
+      max = std::max(max, top);
     }
-    stack_sizes_.push_back(most);
+    stack_sizes_.push_back(max);
   }
 }
 
@@ -187,20 +187,20 @@ void Ldlt::eliminate(const Supernode& node, Front& front, const Member& member) 
       for (int i = begin; i < end; ++i) column[i] *= inverse;
     }
     member.meet();
-    const int most = piece(pivots - next, member.count());
-    for (int k = next, turn = 0; k < pivots; k += most, ++turn) {
+    const int max = piece(pivots - next, member.count());
+    for (int k = next, turn = 0; k < pivots; k += max, ++turn) {
       if (!member.has(turn)) continue;
-      cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, height - k, std::min(most, pivots - k), width, -1, at(k, j),
+      cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, height - k, std::min(max, pivots - k), width, -1, at(k, j),
                   height, front.scaled.data() + (k - next), height, 1, at(k, k), height);
     }
     member.meet();
   }
-  const int most = piece(below, member.count());
+  const int max = piece(below, member.count());
   Numbers& copy = front.copies[member.number()];
-  copy.resize(static_cast<std::size_t>(most) * pivots);
-  for (int k = 0, turn = 0; k < below; k += most, ++turn) {
+  copy.resize(static_cast<std::size_t>(max) * pivots);
+  for (int k = 0, turn = 0; k < below; k += max, ++turn) {
     if (!member.has(turn)) continue;
-    const int columns = std::min(most, below - k);
+    const int columns = std::min(max, below - k);
     for (int p = 0; p < pivots; ++p) {
       for (int c = 0; c < columns; ++c) {
         copy[static_cast<std::size_t>(p) * columns + c] = *at(pivots + k + c, p) * diagonal[p];

@@ -19,8 +19,8 @@ void Meters::measure(const Stage& stage, Frame now, double sample_rate_hz) RINGD
 // Measures some objects after those of the last chunk.
 void Meters::measure_objects(const Stage& stage, Frame now) RINGDOWN_REALTIME {
   std::size_t modes = 0;
-  const std::size_t most = std::min(kMaxObjectsPerChunk, stage.object_limit());
-  for (std::size_t n = 0; n < most && modes < kMaxModesPerChunk; ++n) {
+  const std::size_t max = std::min(kMaxObjectsPerChunk, stage.object_limit());
+  for (std::size_t n = 0; n < max && modes < kMaxModesPerChunk; ++n) {
     if (next_object_ >= stage.object_limit()) next_object_ = 0;
     PeakLevel& level = peak_levels_.data()[next_object_];
     const Object* const object = stage.object(next_object_++);

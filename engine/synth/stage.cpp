@@ -17,8 +17,8 @@ constexpr double kMaxClickImpulse_ns = 1e9, kMaxClick_s = 1;
 // Not-a-number lies in no range.
 bool is_sane(const Contact& contact) RINGDOWN_REALTIME {
   const Texture& t = contact.texture;
-  const auto within = [](double value, double least, double most)
-                          RINGDOWN_REALTIME { return value >= least && value <= most; };
+  const auto within = [](double value, double min, double max)
+                          RINGDOWN_REALTIME { return value >= min && value <= max; };
   return within(dot(contact.force_n, contact.force_n), 0, kMaxEventValue * kMaxEventValue) &&
          within(contact.slip_m_s, 0, kMaxEventValue) && within(contact.roll_m_s, 0, kMaxEventValue) &&
          within(t.roughness_m, 0, 1) && within(t.correlation_m, 1e-9, 1e3) && within(t.spectral_slope, -10, 0) &&

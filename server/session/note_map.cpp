@@ -67,9 +67,9 @@ NoteTable::Strike best_strike(const ObjectState& object) {
   NoteTable::Strike strike{.object = object.number, .contact_time_s = synth::kDefaultContactTime_s};
   if (bank.point_count() == 0 || bank.mode_count() == 0) return strike;
   std::size_t best = 0;
-  double most = -1;
+  double max = -1;
   for (std::size_t point = 0; point < bank.point_count(); ++point) {
-    if (const double motion = motion_at(bank, point); motion > most) best = point, most = motion;
+    if (const double motion = motion_at(bank, point); motion > max) best = point, max = motion;
   }
   strike.point_m = object.material.size * as_vector(bank.positions[best]);
   const double mass_kg = bank.mass ? modal::rescale(*bank.mass, object.material).mass_kg : 1;

@@ -187,11 +187,11 @@ class Maker {
                                                                          .impulse_ns = blow.impulse_ns,
                                                                          .contact_time_s = blow.contact_time_s}}));
     std::vector<float> left, right(kBlock);
-    const auto most = static_cast<std::size_t>(seconds * options_.sample_rate_hz);
+    const auto max = static_cast<std::size_t>(seconds * options_.sample_rate_hz);
     float peak = 0;
     std::size_t loud_until = 0;
     const auto quiet = static_cast<std::size_t>(0.2 * options_.sample_rate_hz);
-    while (left.size() < most && (left.size() < loud_until + quiet || loud_until == 0)) {
+    while (left.size() < max && (left.size() < loud_until + quiet || loud_until == 0)) {
       const std::size_t begin = left.size();
       left.resize(begin + kBlock);
       rack.mixer().render(synth::Outputs(left.data() + begin, right.data()), kBlock);
@@ -201,7 +201,7 @@ class Maker {
         if (std::abs(left[i]) > limit) loud_until = i + 1;
       }
     }
-    left.resize(std::min({left.size(), most, loud_until + quiet}));
+    left.resize(std::min({left.size(), max, loud_until + quiet}));
     const auto fade = std::min(static_cast<std::size_t>(kFade_s * options_.sample_rate_hz), left.size());
     for (std::size_t i = 0; i < fade; ++i)
       left[left.size() - 1 - i] *= static_cast<float>(i) / static_cast<float>(fade);

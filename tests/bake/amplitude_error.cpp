@@ -22,9 +22,9 @@ Vec3 vec(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 // Columns: the normal and two tangents.
 Eigen::Matrix3d directions(const Eigen::Vector3d& normal) {
-  Eigen::Index least = 0;
-  normal.cwiseAbs().minCoeff(&least);
-  const Eigen::Vector3d tangent = normal.cross(Eigen::Vector3d::Unit(least)).normalized();
+  Eigen::Index min = 0;
+  normal.cwiseAbs().minCoeff(&min);
+  const Eigen::Vector3d tangent = normal.cross(Eigen::Vector3d::Unit(min)).normalized();
   Eigen::Matrix3d all;
   all << normal, tangent, normal.cross(tangent);
   return all;

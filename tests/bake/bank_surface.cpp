@@ -21,12 +21,12 @@ double angle_deg(const Vector3d& a, const Vector3d& b) {
 }
 
 double min_angle(const std::array<Vector3d, 3>& corner) {
-  double least = 180;
+  double min = 180;
   for (int k = 0; k < 3; ++k) {
     const Vector3d& at = corner[k];
-    least = std::min(least, angle_deg(corner[(k + 1) % 3] - at, corner[(k + 2) % 3] - at));
+    min = std::min(min, angle_deg(corner[(k + 1) % 3] - at, corner[(k + 2) % 3] - at));
   }
-  return least;
+  return min;
 }
 
 }  // namespace

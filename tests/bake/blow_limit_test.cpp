@@ -115,8 +115,8 @@ TEST(CoupledForces, AreTheGradientOfTheEnergyForAnyNumberOfModes) {
 
 TEST(CoupledModes, AreAsManyAsTheMixerAllows) {
   const auto map = map_of(steel_plate(), true, kModes);
-  const auto modes_of = [&](std::size_t most) {
-    return ModeTable(map, modal::MaterialScale{}, kRate_hz, {}, {}, {.max_coupled = most}).coupled->columns.size();
+  const auto modes_of = [&](std::size_t max) {
+    return ModeTable(map, modal::MaterialScale{}, kRate_hz, {}, {}, {.max_coupled = max}).coupled->columns.size();
   };
   EXPECT_EQ(modes_of(64), std::size_t{kModes});
   EXPECT_EQ(modes_of(6), 6u);

@@ -253,16 +253,16 @@ TEST(Makeup, EachDirectionOfAGrainTakesItsLoss) {
     EXPECT_NEAR(plain.bank.decay_per_s[m] / (0.5 * 4e-6 * lambda), 1, 1e-5);
   }
   // Bending along the grain loses little more; twist as much as shear does.
-  double least = 9, most = 0;
+  double min = 9, max = 0;
   for (std::size_t m = 0; m < losing.bank.mode_count(); ++m) {
     const double lambda = modal::undamped_lambda({losing.bank.frequency_hz[m], losing.bank.decay_per_s[m]});
     const double ratio = losing.bank.decay_per_s[m] / (0.5 * 4e-6 * lambda);
-    least = std::min(least, ratio), most = std::max(most, ratio);
+    min = std::min(min, ratio), max = std::max(max, ratio);
   }
-  EXPECT_GT(least, 1);
-  EXPECT_LT(least, 1.3);
-  EXPECT_GT(most, 1.8);
-  EXPECT_LT(most, 2.5);
+  EXPECT_GT(min, 1);
+  EXPECT_LT(min, 1.3);
+  EXPECT_GT(max, 1.8);
+  EXPECT_LT(max, 2.5);
 
   const test::TemporaryFolder folder;
   ASSERT_TRUE(modal::write_bank(losing.bank, folder.path() / "bar.glb"));

@@ -73,7 +73,7 @@ void write_material(const test::TemporaryFolder& folder, const std::string& name
 // The mode whose points all move along the radius by the same amount.
 std::size_t breathing_mode(const modal::Bank& bank) {
   std::size_t best = 0;
-  double most = 0;
+  double max = 0;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     double along = 0, all = 0;
     for (std::size_t p = 0; p < bank.point_count(); ++p) {
@@ -82,9 +82,9 @@ std::size_t breathing_mode(const modal::Bank& bank) {
       all += shape[0] * shape[0] + shape[1] * shape[1] + shape[2] * shape[2];
     }
     const double share = along * along / (all * static_cast<double>(bank.point_count()));
-    if (share > most) most = share, best = m;
+    if (share > max) max = share, best = m;
   }
-  EXPECT_GT(most, 0.99);
+  EXPECT_GT(max, 0.99);
   return best;
 }
 

@@ -197,9 +197,9 @@ TEST(SceneBake, BodiesWithAMaterialGetTheirModelsInPlace) {
   // The scaled node's points lie in its own frame, twice as far out, and the body that plays has the bar's size.
   const modal::Bank halved = bank_of(file, is.json, scaled);
   const auto reach = [](const modal::Bank& of) {
-    float most = 0;
-    for (const auto& p : of.positions) most = std::max(most, p[0]);
-    return most;
+    float max = 0;
+    for (const auto& p : of.positions) max = std::max(max, p[0]);
+    return max;
   };
   EXPECT_NEAR(lowest(halved) / lowest(bank), 1, 0.01);
   EXPECT_NEAR(reach(halved), kLength_m, 1e-3);

@@ -63,12 +63,12 @@ PlateTerms plate(const Eigen::VectorXd& x, const Eigen::VectorXd& y, const Eigen
   const double bending = e * h * h * h / (12 * (1 - nu * nu)), stretch = e * h / (1 - nu * nu);
   const int all = 2 * (degree + membrane_degree);
   const Legendre a(degree, x), b(degree, y);
-  const int most = total ? degree : all;
-  const Eigen::MatrixXd w = products(a.value, b.value, most), wx = products(a.first, b.value, most) / scale,
-                        wy = products(a.value, b.first, most) / scale,
-                        wxx = products(a.second, b.value, most) / (scale * scale),
-                        wyy = products(a.value, b.second, most) / (scale * scale),
-                        wxy = products(a.first, b.first, most) / (scale * scale);
+  const int max = total ? degree : all;
+  const Eigen::MatrixXd w = products(a.value, b.value, max), wx = products(a.first, b.value, max) / scale,
+                        wy = products(a.value, b.first, max) / scale,
+                        wxx = products(a.second, b.value, max) / (scale * scale),
+                        wyy = products(a.value, b.second, max) / (scale * scale),
+                        wxy = products(a.first, b.first, max) / (scale * scale);
   const auto form = [&](const Eigen::MatrixXd& p, const Eigen::MatrixXd& q) {
     return Eigen::MatrixXd(p.transpose() * weights.asDiagonal() * q);
   };

@@ -14,15 +14,15 @@ std::string text(const char* format, double value) {
 
 }  // namespace
 
-Promise at_least(const std::string& what, double value, double least, bool bound) {
-  const bool good = value >= least;
-  return {what + (bound ? " > " : " ") + text("%.2f", value) + text(" (at least %g)", least),
+Promise at_least(const std::string& what, double value, double min, bool bound) {
+  const bool good = value >= min;
+  return {what + (bound ? " > " : " ") + text("%.2f", value) + text(" (at least %g)", min),
           good ? Promise::kPass : Promise::kMissed};
 }
 
-Promise at_most(const std::string& what, double value, double most, const char* unit) {
-  return {what + text(" %.3g", value) + unit + text(" (at most %g", most) + unit + ")",
-          value <= most ? Promise::kPass : Promise::kMissed};
+Promise capped(const std::string& what, double value, double max, const char* unit) {
+  return {what + text(" %.3g", value) + unit + text(" (at most %g", max) + unit + ")",
+          value <= max ? Promise::kPass : Promise::kMissed};
 }
 
 bool report(const std::vector<Promise>& promises) {

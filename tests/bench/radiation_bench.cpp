@@ -187,16 +187,16 @@ int compare(const radiate::Body& body, const std::vector<int>& sample) {
   std::vector<double> exact_rms;
   for (const auto& field : finest->maps.modes) exact_rms.push_back(modal::rms(field));
   std::printf("way,setting,unknowns,processor_s,median_db,worst_db\n");
-  for (const int most : {1000, 2000, 4000, 8000}) {
+  for (const int max : {1000, 2000, 4000, 8000}) {
     const double start = processor_seconds();
-    const auto ours = radiate::solve(body, {}, {.threads = 1, .max_unknowns = most, .range_octaves = 0});
+    const auto ours = radiate::solve(body, {}, {.threads = 1, .max_unknowns = max, .range_octaves = 0});
     const double seconds = processor_seconds() - start;
     if (!ours) continue;
     std::vector<double> errors_db;
     for (std::size_t i = 0; i < sample.size(); ++i) {
       errors_db.push_back(std::abs(20 * std::log10(modal::rms(ours->maps.modes[sample[i]]) / exact_rms[i])));
     }
-    print_errors("ours", most, ours->largest_unknowns, seconds, errors_db);
+    print_errors("ours", max, ours->largest_unknowns, seconds, errors_db);
   }
   for (const double panels_per_wave : {2.5, 3.5, 5.0, 6.0}) print_obvious(body, sample, exact_rms, panels_per_wave);
   return 0;

@@ -45,9 +45,9 @@ Motions motions_of(const Shattered& shattered) {
 }
 
 double distance(const Motions& a, const Motions& b) {
-  double most = a.size() == b.size() ? 0 : HUGE_VAL;
-  for (const auto& [key, motion] : a) most = std::max(most, std::abs(motion - b.at(key)));
-  return most;
+  double max = a.size() == b.size() ? 0 : HUGE_VAL;
+  for (const auto& [key, motion] : a) max = std::max(max, std::abs(motion - b.at(key)));
+  return max;
 }
 
 Shattered broken_by(Breakable& body, const PieceSet& set, const Strike& blow, synth::Frame frame, RestOfBlow rest) {

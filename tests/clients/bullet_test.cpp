@@ -85,9 +85,9 @@ void PrintTo(const Drop& drop, std::ostream* out) {
 }
 
 double nearest(const std::vector<Vec3>& points, Vec3 to) {
-  double least = 1e300;
-  for (const Vec3& point : points) least = std::min(least, length(point - to));
-  return least;
+  double min = 1e300;
+  for (const Vec3& point : points) min = std::min(min, length(point - to));
+  return min;
 }
 
 class SameDrop : public testing::TestWithParam<Drop> {};

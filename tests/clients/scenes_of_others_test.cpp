@@ -78,9 +78,9 @@ class ScenesOfOthers : public testing::Test {
   }
 
   double peak() {
-    double most = 0;
-    for (const double sample : read_left(sound_)) most = std::max(most, std::abs(sample));
-    return most;
+    double max = 0;
+    for (const double sample : read_left(sound_)) max = std::max(max, std::abs(sample));
+    return max;
   }
 
   std::string bead_scene(double frequency_hz, const std::string& more = "") {

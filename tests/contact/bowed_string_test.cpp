@@ -117,9 +117,9 @@ bool keeps_helmholtz_motion(double place, double speed_m_s, double force_n) {
 TEST(BowedString, KeepsHelmholtzMotionFromSchellengsLeastForceOn) {
   constexpr double kDifference = 0.5;
   for (const auto& [place, speed_m_s] : {std::pair(0.09, 0.1), std::pair(0.09, 0.2), std::pair(0.19, 0.1)}) {
-    const double least = kImpedance * kImpedance * speed_m_s / (2 * kEnd * place * place * kDifference);
+    const double min = kImpedance * kImpedance * speed_m_s / (2 * kEnd * place * place * kDifference);
     const double greatest = 2 * kImpedance * speed_m_s / (place * kDifference);
-    double low = 0.3 * least, high = 3 * least;
+    double low = 0.3 * min, high = 3 * min;
     EXPECT_FALSE(keeps_helmholtz_motion(place, speed_m_s, low));
     EXPECT_TRUE(keeps_helmholtz_motion(place, speed_m_s, high));
     EXPECT_FALSE(keeps_helmholtz_motion(place, speed_m_s, 1.5 * greatest));
@@ -127,8 +127,8 @@ TEST(BowedString, KeepsHelmholtzMotionFromSchellengsLeastForceOn) {
       const double middle = std::sqrt(low * high);
       (keeps_helmholtz_motion(place, speed_m_s, middle) ? high : low) = middle;
     }
-    std::printf("at %.2f, %.1f m/s: from %.3f N, Schelleng %.3f N\n", place, speed_m_s, high, least);
-    EXPECT_LT(std::abs(std::log2(high / least)), 1) << "it begins within a factor of two";
+    std::printf("at %.2f, %.1f m/s: from %.3f N, Schelleng %.3f N\n", place, speed_m_s, high, min);
+    EXPECT_LT(std::abs(std::log2(high / min)), 1) << "it begins within a factor of two";
   }
 }
 

@@ -76,16 +76,16 @@ TEST_P(MeshOfOrder, AMeshOfAnyOrderHasItsElementsTurnedThatAreInsideOut) {
 double min_jacobian(const mesh::TetMesh& mesh) {
   std::mt19937 random(3);
   std::exponential_distribution<double> part;
-  double least = 1;
+  double min = 1;
   for (int trial = 0; trial < 300; ++trial) {
     const Eigen::Vector4d parts(part(random), part(random), part(random), part(random));
     const auto gradient = mesh::interpolation_gradient(mesh.order(), parts / parts.sum());
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
       const double straight = mesh::jacobian(mesh::corners_of(mesh, e)).determinant();
-      least = std::min(least, mesh::jacobian(mesh::nodes_of(mesh, e), gradient).determinant() / straight);
+      min = std::min(min, mesh::jacobian(mesh::nodes_of(mesh, e), gradient).determinant() / straight);
     }
   }
-  return least;
+  return min;
 }
 
 TEST(CheckMesh, TheCheckTakesCurvatureFromElementsThatFold) {
@@ -275,14 +275,14 @@ TEST_P(MeshOfOrder, FlowThroughCurvedFacesIsExact) {
 }
 
 double min_angle_deg(const mesh::Points& nodes, const std::array<std::uint32_t, 3>& triangle) {
-  double least = 180;
+  double min = 180;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d at = nodes.row(triangle[i]);
     const Eigen::Vector3d a = nodes.row(triangle[(i + 1) % 3]).transpose() - at;
     const Eigen::Vector3d b = nodes.row(triangle[(i + 2) % 3]).transpose() - at;
-    least = std::min(least, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi);
+    min = std::min(min, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi);
   }
-  return least;
+  return min;
 }
 
 // A box whose one half carries a wave and whose other half is at rest.

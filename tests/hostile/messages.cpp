@@ -13,20 +13,20 @@ using protocol::ValueType;
 
 // A number that the table allows: an end of its range, one near 0, or one in between by size.
 double allowed(const ArgumentSpec& spec, Random& random) {
-  const double small = std::clamp(random.power(-12, 0) * (random.one_in(2) ? 1 : -1), spec.least, spec.most);
+  const double small = std::clamp(random.power(-12, 0) * (random.one_in(2) ? 1 : -1), spec.min, spec.max);
   switch (random.below(6)) {
     case 0:
-      return spec.least;
+      return spec.min;
     case 1:
-      return spec.most;
+      return spec.max;
     case 2:
-      return std::clamp(0.0, spec.least, spec.most);
+      return std::clamp(0.0, spec.min, spec.max);
     case 3:
       return small;
     case 4:
-      return std::clamp(small * spec.most, spec.least, spec.most);
+      return std::clamp(small * spec.max, spec.min, spec.max);
     default:
-      return random.uniform(spec.least, spec.most);
+      return random.uniform(spec.min, spec.max);
   }
 }
 
@@ -42,7 +42,7 @@ wire::Argument forbidden(const ArgumentSpec& spec, Random& random) {
     case 1:
       return random.extreme();
     case 2:
-      return std::nextafter(spec.most, INFINITY);
+      return std::nextafter(spec.max, INFINITY);
     case 3:
       return static_cast<std::int64_t>(random.engine()());
     case 4:
@@ -56,8 +56,8 @@ wire::Argument forbidden(const ArgumentSpec& spec, Random& random) {
 
 // Records of four-byte numbers, as /strikes and /poses have them: mostly small integers and floats of any size.
 wire::Blob records(const ArgumentSpec& spec, Random& random) {
-  const auto bytes = static_cast<std::size_t>(spec.least);
-  const std::size_t count = 1 + random.below(random.one_in(20) ? static_cast<std::size_t>(spec.most) : 4);
+  const auto bytes = static_cast<std::size_t>(spec.min);
+  const std::size_t count = 1 + random.below(random.one_in(20) ? static_cast<std::size_t>(spec.max) : 4);
   if (bytes == protocol::kBytesPerStrike && random.one_in(2)) {
     std::vector<protocol::BulkStrike> strikes(count);
     for (protocol::BulkStrike& strike : strikes) {
@@ -91,8 +91,8 @@ wire::Argument valid(const ArgumentSpec& spec, const Names& names, Random& rando
     case ValueType::number:
       return as_number(allowed(spec, random), random);
     case ValueType::integer: {
-      const double most = random.one_in(2) ? std::min(spec.most, 20.0) : spec.most;
-      return static_cast<std::int32_t>(allowed({.least = spec.least, .most = std::max(most, spec.least)}, random));
+      const double max = random.one_in(2) ? std::min(spec.max, 20.0) : spec.max;
+      return static_cast<std::int32_t>(allowed({.min = spec.min, .max = std::max(max, spec.min)}, random));
     }
     case ValueType::flag:
       return static_cast<std::int32_t>(random.below(2));

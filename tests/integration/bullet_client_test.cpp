@@ -80,11 +80,11 @@ class BulletClient : public testing::Test {
     const Outcome outcome = run({program("ringdown-bullet"), scene_.string(), "--lead", "3", "--to",
                                  "osc.udp://127.0.0.1:" + std::to_string(daemon.port())});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-    int most = 0;
+    int max = 0;
     ASSERT_TRUE(becomes_true([&] {
       const auto status = ask_for<protocol::StatusReply>(daemon, {"/status", {}});
-      most = std::max(most, status ? status->sounding_objects : 0);
-      return most == 2 && status && status->sounding_objects == 0;
+      max = std::max(max, status ? status->sounding_objects : 0);
+      return max == 2 && status && status->sounding_objects == 0;
     }));
     daemon.send({"/quit", {}});
     ASSERT_EQ(daemon.process().wait(), 0) << daemon.process().output();

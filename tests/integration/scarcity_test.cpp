@@ -63,8 +63,8 @@ TEST_F(Scarcity, WithLittleMemoryTheDaemonRunsOrSaysWhyNot) {
 }
 
 TEST_F(Scarcity, WithFewDescriptorsTheDaemonRunsOrSaysWhyNot) {
-  for (int most = 4; most <= 16; most += 2) {
-    const std::string limit = "-n " + std::to_string(most);
+  for (int max = 4; max <= 16; max += 2) {
+    const std::string limit = "-n " + std::to_string(max);
     const Outcome outcome = run(limited(limit, "ringdownd", "--driver null --port 0 --query 0 --tcp 0 --seconds 0.02"));
     EXPECT_EQ(outcome.output.find("taken"), std::string::npos) << limit << ": " << outcome.output;
     expect_one_sentence(outcome, "ringdownd", limit);

@@ -144,8 +144,8 @@ struct Told {
 TEST_F(ViewingSound, TheSoundThatIsToldIsWhatJackGetsSampleBySample) {
   Daemon daemon(with_bell(), server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
-  const auto most = static_cast<std::size_t>(2 * kRate);
-  JackRecorder recorder(server_.name(), "recorder", most, JackRecorder::From::call);
+  const auto max = static_cast<std::size_t>(2 * kRate);
+  JackRecorder recorder(server_.name(), "recorder", max, JackRecorder::From::call);
   ASSERT_TRUE(done(daemon, {"/notify", {1, 0.1f}}));
   daemon.send({"/watch/sound", {1}});
   daemon.send({"/object/bell/pan", {-0.5f}});
@@ -162,7 +162,7 @@ TEST_F(ViewingSound, TheSoundThatIsToldIsWhatJackGetsSampleBySample) {
   ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
   ASSERT_TRUE(becomes_true([&] { return listen(), recorder.hears(0) && recorder.hears(1); }));
   recorder.record();
-  ASSERT_TRUE(becomes_true([&] { return listen(), recorder.recorded() == most; }));
+  ASSERT_TRUE(becomes_true([&] { return listen(), recorder.recorded() == max; }));
 
   constexpr std::ptrdiff_t kEnd = 256;
   const Samples left = recorder.samples(0), right = recorder.samples(1);
@@ -174,7 +174,7 @@ TEST_F(ViewingSound, TheSoundThatIsToldIsWhatJackGetsSampleBySample) {
     return found != told.left.end();
   }));
   const auto same = [&](const Samples& recorded, const Samples& heard) {
-    const auto count = static_cast<std::ptrdiff_t>(most);
+    const auto count = static_cast<std::ptrdiff_t>(max);
     return end >= count && std::equal(recorded.begin(), recorded.end(), heard.begin() + (end - count));
   };
   EXPECT_TRUE(same(left, told.left));

@@ -36,8 +36,8 @@ class Composer {
   }
 
  private:
-  double number(double least, double most) { return std::uniform_real_distribution(least, most)(random_); }
-  Vec3 vector(double most) { return {number(-most, most), number(-most, most), number(-most, most)}; }
+  double number(double min, double max) { return std::uniform_real_distribution(min, max)(random_); }
+  Vec3 vector(double max) { return {number(-max, max), number(-max, max), number(-max, max)}; }
 
   protocol::Request request() {
     const ObjectRef object{.name = {}, .number = static_cast<std::uint32_t>(random_() % kObjects)};

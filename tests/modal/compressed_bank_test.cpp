@@ -135,13 +135,13 @@ TEST(CompressedBank, OnlyShapesAreRoundedAndByLessThanHalfAPercent) {
   const Bank bank = parse(written(random_bank(4, 50, 300))).value();
   const Bank packed = compressed(bank);
   ASSERT_EQ(packed.shapes.size(), bank.shapes.size());
-  double least = 1;
+  double min = 1;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    least = std::min(least, shape_error(bank, packed, m));
+    min = std::min(min, shape_error(bank, packed, m));
     EXPECT_LT(shape_error(bank, packed, m), 0.0047)
         << m;  // half a step in uniform distribution: 1 / (64 sqrt(12)), and 4 %
   }
-  EXPECT_GT(least, 0.001) << "a finer step costs bytes that nobody hears";
+  EXPECT_GT(min, 0.001) << "a finer step costs bytes that nobody hears";
   Bank rest = packed;
   rest.shapes = bank.shapes;
   EXPECT_EQ(written(rest), written(bank)) << "all but the shapes is exact";

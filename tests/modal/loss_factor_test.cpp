@@ -59,13 +59,13 @@ TEST(LossFactor, NoOtherPairOfDampingTermsFitsBetter) {
       {{100, 1e-5}, {1000, 1e-3}, {10000, 0.1}}};
   for (const auto& points : curves) {
     const RayleighDamping best = fit_rayleigh(points);
-    const double least = misfit(best, points);
+    const double min = misfit(best, points);
     const double alpha_step = std::max(1e-3 * best.alpha_per_s, 1e-6), beta_step = std::max(1e-3 * best.beta_s, 1e-13);
     for (const double a : {-1.0, 0.0, 1.0}) {
       for (const double b : {-1.0, 0.0, 1.0}) {
         const RayleighDamping other{best.alpha_per_s + a * alpha_step, best.beta_s + b * beta_step};
         if (other.alpha_per_s < 0 || other.beta_s < 0) continue;
-        EXPECT_GE(misfit(other, points), least * (1 - 1e-12));
+        EXPECT_GE(misfit(other, points), min * (1 - 1e-12));
       }
     }
   }

@@ -206,7 +206,7 @@ TEST(NoteMaps, EveryPresetMapStrikesEachNoteInTune) {
       const modal::SurfacePoint at = modal::SurfaceIndex(bank).nearest(*note.point_m);
       EXPECT_LT(at.distance_m, 1e-3) << entry.path() << " " << note.note;
       const double pitch_hz = 440 * std::exp2((static_cast<double>(note.note) - 69) / 12);
-      double most = 0, loudest_hz = 0;
+      double max = 0, loudest_hz = 0;
       for (std::size_t m = 0; m < bank.mode_count(); ++m) {
         if (bank.frequency_hz[m] > 3 * pitch_hz) continue;
         double given = 0;
@@ -214,7 +214,7 @@ TEST(NoteMaps, EveryPresetMapStrikesEachNoteInTune) {
           const auto& shape = bank.shape(m, at.points[i]);
           given += at.weights[i] * dot({shape[0], shape[1], shape[2]}, *note.impulse_ns);
         }
-        if (std::abs(given) > most) most = std::abs(given), loudest_hz = bank.frequency_hz[m];
+        if (std::abs(given) > max) max = std::abs(given), loudest_hz = bank.frequency_hz[m];
       }
       EXPECT_LT(std::abs(1200 * std::log2(loudest_hz / pitch_hz)), 10) << entry.path() << " " << note.note;
     }

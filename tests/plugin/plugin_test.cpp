@@ -106,7 +106,7 @@ Sound by_library(const Score& score, double contact_s, const Instrument& instrum
   ringdown_bank_describe(bank, &info);
   const float* const shapes = ringdown_bank_shapes(bank);
   std::uint32_t best = 0;
-  double most = -1;
+  double max = -1;
   for (std::size_t point = 0; point < info.points; ++point) {
     double motion = 0;
     for (std::size_t mode = 0; mode < std::min<std::size_t>(8, info.modes); ++mode) {
@@ -114,7 +114,7 @@ Sound by_library(const Score& score, double contact_s, const Instrument& instrum
         motion += std::pow(static_cast<double>(shapes[3 * (mode * info.points + point) + axis]), 2);
       }
     }
-    if (motion > most) most = motion, best = static_cast<std::uint32_t>(point);
+    if (motion > max) max = motion, best = static_cast<std::uint32_t>(point);
   }
   double direction[3], length = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -7,11 +7,11 @@
 namespace ringdown::protocol {
 namespace {
 
-constexpr ArgumentSpec number(double least, double most) {
-  return {.name = "n", .type = ValueType::number, .unit = "m", .least = least, .most = most};
+constexpr ArgumentSpec number(double min, double max) {
+  return {.name = "n", .type = ValueType::number, .unit = "m", .min = min, .max = max};
 }
-constexpr ArgumentSpec integer(double least, double most) {
-  return {.name = "n", .type = ValueType::integer, .least = least, .most = most};
+constexpr ArgumentSpec integer(double min, double max) {
+  return {.name = "n", .type = ValueType::integer, .min = min, .max = max};
 }
 
 TEST(Convert, AllFourNumberTypesMeanTheSame) {

@@ -37,13 +37,13 @@ TEST(FloatLimits, TheNearestFloatIsEveryLimitAndTheNextFloatIsRefused) {
       const ArgumentSpec& argument = spec.arguments[i];
       if (!has_limits(argument)) continue;
       const std::size_t position = i - spec.arguments_in_address();
-      for (const auto& [limit, beyond] : {std::pair{argument.least, -kUpwards}, {argument.most, kUpwards}}) {
+      for (const auto& [limit, beyond] : {std::pair{argument.min, -kUpwards}, {argument.max, kUpwards}}) {
         SCOPED_TRACE(std::string(spec.address) + " " + std::string(argument.name) + " " + std::to_string(limit));
         const auto nearest = static_cast<float>(limit);
         const auto request = parse(example_with(spec, position, nearest));
         ASSERT_TRUE(request) << request.error().message;
         const double taken = number_at(format(*request), position);
-        const bool outward = nearest < argument.least || nearest > argument.most;
+        const bool outward = nearest < argument.min || nearest > argument.max;
         EXPECT_EQ(taken, outward ? limit : static_cast<double>(nearest));
         const auto refused = parse(example_with(spec, position, std::nextafter(nearest, beyond)));
         ASSERT_FALSE(refused);

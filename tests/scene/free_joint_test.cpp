@@ -137,7 +137,7 @@ TEST(FreeJoint, ATwistLimitHoldsHoweverTheBodySwings) {
 // With 2 N on 0.5 kg the speed grows by 4 m/s in a second.
 TEST(FreeJoint, AMotorSpeedsABodyUpByItsForceAndHoldsItsSpeed) {
   SceneDescription scene =
-      with_joint({0, 0, 1}, no_turn(), {{.axis = 0, .drive = {.damping = 1e6, .speed = 0.8, .most = 2}}});
+      with_joint({0, 0, 1}, no_turn(), {{.axis = 0, .drive = {.damping = 1e6, .speed = 0.8, .max = 2}}});
   scene.gravity_m_s2 = {};
   World world = world_with(scene);
   test::run_all(world, 0.1);
@@ -158,7 +158,7 @@ TEST(FreeJoint, AMotorAboutAnAxisReachesItsSpeed) {
 
 TEST(FreeJoint, AMotorAtACreepDoesNotFallAsleep) {
   SceneDescription scene =
-      with_joint({0, 0, 1}, no_turn(), {{.axis = 0, .drive = {.damping = 1e6, .speed = 0.001, .most = 100}}});
+      with_joint({0, 0, 1}, no_turn(), {{.axis = 0, .drive = {.damping = 1e6, .speed = 0.001, .max = 100}}});
   scene.bodies[0].position_m = {0, 0, kRod.z / 2};
   scene.bodies[0].surface.friction = 0.4;
   World world = world_with(scene);
@@ -293,7 +293,7 @@ TEST(FreeJoint, WrongLimitsAreRefusedWithASentence) {
   refused("limits.high", [](auto& joint) { joint.limits[0].high = std::nan(""); });
   refused("limits.stiffness", [](auto& joint) { joint.limits[0].stiffness = -1; });
   refused("axes 0, 1 and 2", [](auto& joint) { joint.drives[0].axis = 3; });
-  refused("drive.most", [](auto& joint) { joint.drives[0].drive.most = -1; });
+  refused("drive.most", [](auto& joint) { joint.drives[0].drive.max = -1; });
   refused("more than", [](auto& joint) { joint.limits.resize(kMaxJointParts + 1, joint.limits[0]); });
   refused("quaternion", [](auto& joint) { joint.rotation.w = 0; });
 }

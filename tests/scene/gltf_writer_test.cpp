@@ -149,7 +149,7 @@ TEST(GltfWriter, OtherProgramsFindAFreeJointsFramesLimitsAndDrives) {
   joint.frame_of_body = true;
   joint.limits = {{.axes = {1}, .low = -0.5, .high = 0.6, .stiffness = 30, .damping = 2},
                   {.turns = true, .axes = {0, 2}, .high = 0.8}};
-  joint.drives = {{.axis = 2, .drive = {.stiffness = 4, .damping = 0.5, .target = 0.1, .speed = -0.2, .most = 7}}};
+  joint.drives = {{.axis = 2, .drive = {.stiffness = 4, .damping = 0.5, .target = 0.1, .speed = -0.2, .max = 7}}};
   scene.joints = {joint};
   const auto plain = read_by_others(to_glb(scene, banks).value());
   ASSERT_TRUE(plain) << plain.error().message;

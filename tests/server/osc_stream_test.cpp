@@ -33,11 +33,11 @@ class TcpClient {
   }
   void send(const Message& message) const { send_raw(wire::frame(wire::encode(message), framing_)); }
 
-  // How many bytes come, up to `most` or until the server cuts us off.
-  [[nodiscard]] std::size_t bytes_until_silence(std::size_t most) const {
+  // How many bytes come, up to `max` or until the server cuts us off.
+  [[nodiscard]] std::size_t bytes_until_silence(std::size_t max) const {
     std::vector<std::byte> bytes(65536);
     std::size_t count = 0;
-    for (ssize_t got = 0; count < most && (got = ::recv(socket_, bytes.data(), bytes.size(), 0)) > 0;) {
+    for (ssize_t got = 0; count < max && (got = ::recv(socket_, bytes.data(), bytes.size(), 0)) > 0;) {
       count += static_cast<std::size_t>(got);
     }
     return count;

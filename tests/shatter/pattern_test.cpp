@@ -34,11 +34,11 @@ bool lies_in(const mesh::TetMesh& body, const Eigen::RowVector3d& point) {
 }
 
 double least_distance(const mesh::Points& points) {
-  double least = std::numeric_limits<double>::max();
+  double min = std::numeric_limits<double>::max();
   for (Eigen::Index a = 0; a < points.rows(); ++a) {
-    for (Eigen::Index b = 0; b < a; ++b) least = std::min(least, (points.row(a) - points.row(b)).norm());
+    for (Eigen::Index b = 0; b < a; ++b) min = std::min(min, (points.row(a) - points.row(b)).norm());
   }
-  return least;
+  return min;
 }
 
 TEST(ShatterPattern, SeedsLieInTheWallAndKeepApart) {
@@ -55,7 +55,7 @@ TEST(ShatterPattern, SeedsLieInTheWallAndKeepApart) {
 }
 
 TEST(ShatterPattern, ADistanceThatCannotBeKeptShrinks) {
-  const auto seeds = make_seeds(plate(4), {.pieces = {30}, .least_distance_m = 0.5}).value();
+  const auto seeds = make_seeds(plate(4), {.pieces = {30}, .min_distance_m = 0.5}).value();
   EXPECT_EQ(seeds.points.rows(), 30);
   EXPECT_GT(least_distance(seeds.points), 0.005);
 }

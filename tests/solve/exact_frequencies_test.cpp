@@ -47,13 +47,13 @@ std::vector<double> frequencies(const mesh::TetMesh& mesh, const fem::Elastic& e
   return found;
 }
 
-// Finite elements bound frequencies from above; so do ours, by at most `most`.
+// Finite elements bound frequencies from above; so do ours, by at most `max`.
 template <std::size_t kCount>
-void expect_slightly_above(const std::vector<double>& found, const std::array<double, kCount>& exact, double most) {
+void expect_slightly_above(const std::vector<double>& found, const std::array<double, kCount>& exact, double max) {
   ASSERT_LE(found.size(), kCount);
   for (std::size_t m = 0; m < found.size(); ++m) {
     EXPECT_GT(found[m] / exact[m], 1 - 1e-6) << "mode " << m << ": " << found[m] << " against " << exact[m];
-    EXPECT_LT(found[m] / exact[m], 1 + most) << "mode " << m << ": " << found[m] << " against " << exact[m];
+    EXPECT_LT(found[m] / exact[m], 1 + max) << "mode " << m << ": " << found[m] << " against " << exact[m];
   }
 }
 

@@ -148,14 +148,14 @@ std::vector<double> thin_sphere(double radius, double wall, int last) {
   return frequencies;
 }
 
-Body shell(int level, std::size_t least, double shortfall) {
+Body shell(int level, std::size_t min, double shortfall) {
   return {.name = "shell 1:500",
           .hard = "hollow sphere, radius 0.1 m, wall 0.2 mm; families of 2n+1",
           .mesh = test::hollow_sphere(0.0999, 0.1001, level, 3),
           .truth_hz = thin_sphere(0.1, 0.0002, 8),
           .limit = 1e-3,
           .oracle = "Junger & Feit's thin shell",
-          .min_modes = least,
+          .min_modes = min,
           .shortfall = shortfall};
 }
 

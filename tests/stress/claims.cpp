@@ -13,8 +13,8 @@ namespace ringdown::test {
 namespace {
 
 // Where a band may end: above the least modes, in the first gap that errors up to the limit do not close.
-std::size_t modes_below_a_gap(const std::vector<double>& truth, double limit, std::size_t least) {
-  std::size_t count = least;
+std::size_t modes_below_a_gap(const std::vector<double>& truth, double limit, std::size_t min) {
+  std::size_t count = min;
   while (count < truth.size() && truth[count] < truth[count - 1] * (1 + 1.2 * limit)) ++count;
   return count;
 }

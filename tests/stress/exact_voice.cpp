@@ -82,8 +82,8 @@ double ExactVoice::loudness(Frame when) const {
   const auto frames = static_cast<double>(when - at_);
   double sum = 0;
   for (const ExactMode& mode : modes_) {
-    const double most = mode.size + mode.lost;
-    if (most > 0) sum += most * std::exp(static_cast<double>(mode.s.real()) * frames);
+    const double max = mode.size + mode.lost;
+    if (max > 0) sum += max * std::exp(static_cast<double>(mode.s.real()) * frames);
   }
   return sum;
 }

@@ -9,9 +9,9 @@ namespace ringdown {
 namespace {
 
 template <std::size_t kCount>
-void expect_all_near(const std::vector<double>& found, const std::array<double, kCount>& exact, double most) {
+void expect_all_near(const std::vector<double>& found, const std::array<double, kCount>& exact, double max) {
   for (std::size_t m = 0; m < std::min(found.size(), exact.size()); ++m) {
-    EXPECT_NEAR(found[m] / exact[m], 1, most) << "mode " << m;
+    EXPECT_NEAR(found[m] / exact[m], 1, max) << "mode " << m;
   }
 }
 

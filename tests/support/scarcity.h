@@ -9,10 +9,10 @@
 
 namespace ringdown::test {
 
-inline void set_limit(__rlimit_resource resource, rlim_t most) {
+inline void set_limit(__rlimit_resource resource, rlim_t max) {
   rlimit limit{};
   if (::getrlimit(resource, &limit) != 0) std::_Exit(99);
-  limit.rlim_cur = most;
+  limit.rlim_cur = max;
   if (::setrlimit(resource, &limit) != 0) std::_Exit(99);
 }
 

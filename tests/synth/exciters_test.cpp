@@ -26,15 +26,15 @@ long double under_half_sine(long double f, long double d, long double tau, long 
 }
 
 double largest(std::span<const double> samples) {
-  double most = 0;
-  for (const double sample : samples) most = std::max(most, std::abs(sample));
-  return most;
+  double max = 0;
+  for (const double sample : samples) max = std::max(max, std::abs(sample));
+  return max;
 }
 
 double largest_difference(std::span<const double> a, std::span<const double> b) {
-  double most = 0;
-  for (std::size_t n = 0; n < a.size(); ++n) most = std::max(most, std::abs(a[n] - b[n]));
-  return most;
+  double max = 0;
+  for (std::size_t n = 0; n < a.size(); ++n) max = std::max(max, std::abs(a[n] - b[n]));
+  return max;
 }
 
 TEST(ContactPulse, AContactPulsePlayedSampleBySampleIsTheConvolutionWithTheMode) {

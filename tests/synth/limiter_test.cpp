@@ -28,11 +28,11 @@ Stereo limited(Limiter& limiter, Stereo signal, const std::vector<std::size_t>& 
 }
 
 float highest(const Stereo& signal) {
-  float most = 0;
+  float max = 0;
   for (const auto* channel : {&signal.left, &signal.right}) {
-    for (const float sample : *channel) most = std::max(most, std::abs(sample));
+    for (const float sample : *channel) max = std::max(max, std::abs(sample));
   }
-  return most;
+  return max;
 }
 
 std::vector<float> sine(double amplitude, double frequency_hz, std::size_t count) {

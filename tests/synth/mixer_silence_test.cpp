@@ -56,9 +56,9 @@ INSTANTIATE_TEST_SUITE_P(AloneAndInAGroup, Silence,
                          testing::Values(Case{5, false}, Case{300, false}, Case{5, true}, Case{300, true}));
 
 double max_difference(const Samples& a, const Samples& b, std::size_t begin, std::size_t end) {
-  double most = 0;
-  for (std::size_t n = begin; n < end; ++n) most = std::max(most, std::abs(a[n] - b[n]));
-  return most;
+  double max = 0;
+  for (std::size_t n = begin; n < end; ++n) max = std::max(max, std::abs(a[n] - b[n]));
+  return max;
 }
 
 TEST_P(Silence, ASilencedObjectIsAbsentEverywhereAndComesBackAsIfItHadBeenHeard) {

@@ -31,9 +31,9 @@ TEST(Tone, TheTestToneComesChangesAndGoesWithoutAClick) {
   after(1, 300);
   after(0.2, 1000);
   after(0, 1000);
-  const double most = 2 * std::numbers::pi * 1000 / kRate + 1 / (TestTone::kRamp_s * kRate);
-  EXPECT_LE(largest_step(player.left, 1, player.left.size()), most);
-  EXPECT_LE(std::abs(player.left[0]), most);
+  const double max = 2 * std::numbers::pi * 1000 / kRate + 1 / (TestTone::kRamp_s * kRate);
+  EXPECT_LE(largest_step(player.left, 1, player.left.size()), max);
+  EXPECT_LE(std::abs(player.left[0]), max);
 }
 
 TEST(Tone, TheTestToneIsSilentFromHalfTheSampleRateUp) {

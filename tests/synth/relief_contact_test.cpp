@@ -99,9 +99,9 @@ TEST(ReliefContact, WavesShorterThanTheContactAreNotFelt) {
 TEST(ReliefContact, BlocksDoNotChangeTheForce) {
   const modal::SurfaceRelief relief{.profile = sine(3e-4, 2e-6), .mesoscale = sine(3e-3, 1e-5)};
   const auto even = forces(over(&relief, 0.2), 64), odd = forces(over(&relief, 0.2), 37);
-  double most = 0;
-  for (std::size_t n = 0; n < kFrames; ++n) most = std::max(most, std::abs(even[n] - odd[n]));
-  EXPECT_LT(most, 1e-5 * rms(even));
+  double max = 0;
+  for (std::size_t n = 0; n < kFrames; ++n) max = std::max(max, std::abs(even[n] - odd[n]));
+  EXPECT_LT(max, 1e-5 * rms(even));
 }
 
 TEST(ReliefContact, AShortestWavelengthEndsTheRandomFinish) {

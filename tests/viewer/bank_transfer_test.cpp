@@ -157,15 +157,15 @@ TEST_F(Transfer, AFileThatChangedDuringTheTransferIsRefused) {
 }
 
 TEST_F(Transfer, BanksThatAreTooLargeOrEmptyAreNotFetched) {
-  const auto most = static_cast<std::int32_t>(BankTransfer::kMaxBytes);
-  for (const std::int32_t bytes : {most + 1, std::numeric_limits<std::int32_t>::max(), 0, -1}) {
+  const auto max = static_cast<std::int32_t>(BankTransfer::kMaxBytes);
+  for (const std::int32_t bytes : {max + 1, std::numeric_limits<std::int32_t>::max(), 0, -1}) {
     BankTransfer transfer({"bell", 1, bytes, "00"});
     EXPECT_TRUE(transfer.wants(0).empty());
     const auto outcome = transfer.outcome();
     ASSERT_TRUE(outcome && !*outcome) << bytes;
     EXPECT_NE(outcome->error().message.find("bell"), std::string::npos) << outcome->error().message;
   }
-  BankTransfer largest({"bell", 1, most, "00"});
+  BankTransfer largest({"bell", 1, max, "00"});
   EXPECT_FALSE(largest.outcome());
   EXPECT_EQ(largest.wants(0).size(), BankTransfer::kMaxOutstanding);
 }

@@ -176,12 +176,12 @@ TEST(ModeDisplacement, NormalChangesAreThoseOfTheDisplacedMesh) {
   constexpr float kSmall = 5e-3F;
   for (std::size_t i = 0; i < moves.size(); ++i) mesh.positions[i] += kSmall * moves[i];
   const std::vector<glm::vec3> moved = area_normals(mesh);
-  float most = 0;
+  float max = 0;
   for (std::size_t i = 0; i < moves.size(); ++i) {
     EXPECT_LT(glm::distance(glm::normalize(rest[i] + kSmall * changes[i]), moved[i]), 2e-4F);
-    most = std::max(most, glm::distance(rest[i], moved[i]));
+    max = std::max(max, glm::distance(rest[i], moved[i]));
   }
-  EXPECT_GT(most, 5e-3F) << "the normals do turn";
+  EXPECT_GT(max, 5e-3F) << "the normals do turn";
 }
 
 TEST(ModeDisplacement, PiecesMoveWithTheTriangleTheyBelongTo) {

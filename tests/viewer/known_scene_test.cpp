@@ -145,22 +145,22 @@ TEST_F(Scene, ABodyThatNoticesNoLongerNameIsNotPresent) {
 
 TEST_F(Scene, ASceneKeepsNoMoreBodiesThanItsBound) {
   scene.on(protocol::NotifyScene{1, 0, false}, 0);
-  const auto most = static_cast<std::int32_t>(KnownScene::kMaxBodies);
+  const auto max = static_cast<std::int32_t>(KnownScene::kMaxBodies);
   scene.on(head(1, std::numeric_limits<std::int32_t>::max(), 0));
-  for (std::int32_t id = 0; id < most - 1; ++id) scene.on(body(1, id));
+  for (std::int32_t id = 0; id < max - 1; ++id) scene.on(body(1, id));
   EXPECT_FALSE(scene.described());
-  scene.on(body(1, most - 1));
+  scene.on(body(1, max - 1));
   EXPECT_TRUE(scene.described());
-  scene.on(pose(most, 1));
+  scene.on(pose(max, 1));
   EXPECT_EQ(scene.bodies().size(), KnownScene::kMaxBodies);
 }
 
 TEST_F(Scene, ASceneKeepsNoMoreStaticsThanItsBound) {
-  const auto most = static_cast<std::int32_t>(KnownScene::kMaxStatics);
-  for (std::int32_t number = 0; number <= most; ++number) {
+  const auto max = static_cast<std::int32_t>(KnownScene::kMaxStatics);
+  for (std::int32_t number = 0; number <= max; ++number) {
     scene.on(protocol::SceneStatic{1, number, "wall", "box", {}, {}, 0, 0, 0, 1});
   }
-  scene.on(head(1, 0, most + 1));
+  scene.on(head(1, 0, max + 1));
   EXPECT_EQ(scene.statics().size(), KnownScene::kMaxStatics);
 }
 

@@ -368,12 +368,12 @@ TEST_F(ModelTest, FilesAreListedOncePerDaemonThoughPartsAreLost) {
 
 TEST_F(ModelTest, TheModelKeepsNoMoreFilesThanItsBound) {
   model.apply(protocol::BrowseReply{std::numeric_limits<std::int32_t>::max()}, 0);
-  const auto most = static_cast<std::int32_t>(FileBrowser::kMaxFiles);
-  for (std::int32_t i = 0; i < most - 1; ++i) model.apply(protocol::BrowseFile{i, "bank", "x.glb"}, 0);
+  const auto max = static_cast<std::int32_t>(FileBrowser::kMaxFiles);
+  for (std::int32_t i = 0; i < max - 1; ++i) model.apply(protocol::BrowseFile{i, "bank", "x.glb"}, 0);
   EXPECT_TRUE(model.files().banks().empty());
-  model.apply(protocol::BrowseFile{most - 1, "bank", "x.glb"}, 0);
+  model.apply(protocol::BrowseFile{max - 1, "bank", "x.glb"}, 0);
   EXPECT_EQ(model.files().banks().size(), FileBrowser::kMaxFiles);
-  model.apply(protocol::BrowseFile{most, "bank", "x.glb"}, 0);
+  model.apply(protocol::BrowseFile{max, "bank", "x.glb"}, 0);
   EXPECT_EQ(model.files().banks().size(), FileBrowser::kMaxFiles);
 }
 

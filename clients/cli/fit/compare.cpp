@@ -162,8 +162,8 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
 // Bakes with three ratios around `middle`, and chooses between them.
 Result<fit::NuChoice> choose_between(Baker& baker, fit::CalibrateOptions match, std::span<const fit::Mode> heard,
                                      double middle, double aside, double around_cents) {
-  constexpr double kLeast = 0.02, kMost = 0.47;
-  const double centre = std::clamp(middle, kLeast + aside, kMost - aside);
+  constexpr double kMin = 0.02, kMax = 0.47;
+  const double centre = std::clamp(middle, kMin + aside, kMax - aside);
   std::array<modal::Bank, 3> banks;
   std::array<fit::NuBank, 3> choices{};
   for (std::size_t i = 0; i < 3; ++i) {

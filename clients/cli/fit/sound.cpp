@@ -105,11 +105,11 @@ SoundHandle open_without_length(Tail& tail, SF_INFO& info) {
 Channels read_channels(SNDFILE* file, const SF_INFO& info, std::optional<int> wanted) {
   constexpr sf_count_t kBlock = 4096;
   const auto count = static_cast<std::size_t>(info.channels);
-  const auto most = static_cast<std::size_t>(kMaxSound_s * info.samplerate);
+  const auto max = static_cast<std::size_t>(kMaxSound_s * info.samplerate);
   const std::size_t first = wanted ? static_cast<std::size_t>(*wanted - 1) : 0;
   Channels channels(wanted ? 1 : count);
   std::vector<double> frames(static_cast<std::size_t>(kBlock) * count);
-  for (sf_count_t read; channels[0].size() <= most && (read = sf_readf_double(file, frames.data(), kBlock)) > 0;) {
+  for (sf_count_t read; channels[0].size() <= max && (read = sf_readf_double(file, frames.data(), kBlock)) > 0;) {
     for (std::size_t n = 0; n < static_cast<std::size_t>(read); ++n) {
       for (std::size_t c = 0; c < channels.size(); ++c) channels[c].push_back(frames[n * count + first + c]);
     }

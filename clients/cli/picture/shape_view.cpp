@@ -27,20 +27,20 @@ struct View {
 };
 
 View view_of(const modal::Bank& bank, std::size_t mode, const Box& box) {
-  double most = 0, low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  double max = 0, low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   Vec3 from{INFINITY, INFINITY, INFINITY}, to{-INFINITY, -INFINITY, -INFINITY};
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
-    most = std::max(most, length(wide(bank.shape(mode, p))));
+    max = std::max(max, length(wide(bank.shape(mode, p))));
     const Vec3 x = wide(bank.positions[p]);
     from = {std::min(from.x, x.x), std::min(from.y, x.y), std::min(from.z, x.z)};
     to = {std::max(to.x, x.x), std::max(to.y, x.y), std::max(to.z, x.z)};
   }
-  const double bend = most > 0 ? kBend * length(to - from) / most : 0;
+  const double bend = max > 0 ? kBend * length(to - from) / max : 0;
   View view;
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
     const Vec3 phi = wide(bank.shape(mode, p));
     view.points.push_back(seen(wide(bank.positions[p]) + bend * phi));
-    view.move.push_back(most > 0 ? length(phi) / most : 0);
+    view.move.push_back(max > 0 ? length(phi) / max : 0);
     low[0] = std::min(low[0], view.points[p].x), high[0] = std::max(high[0], view.points[p].x);
     low[1] = std::min(low[1], view.points[p].y), high[1] = std::max(high[1], view.points[p].y);
   }

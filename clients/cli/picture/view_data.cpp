@@ -34,12 +34,12 @@ std::string points_of(const modal::Bank& bank) {
 }
 
 void append_shape(std::string& bytes, const modal::Bank& bank, std::size_t mode) {
-  double most = 1e-300;
+  double max = 1e-300;
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
-    for (const double c : bank.shape(mode, p)) most = std::max(most, std::abs(c));
+    for (const double c : bank.shape(mode, p)) max = std::max(max, std::abs(c));
   }
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
-    for (const double c : bank.shape(mode, p)) append<std::int8_t>(bytes, 127 * c / most);
+    for (const double c : bank.shape(mode, p)) append<std::int8_t>(bytes, 127 * c / max);
   }
 }
 

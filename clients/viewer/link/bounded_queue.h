@@ -11,11 +11,11 @@ namespace ringdown::viewer {
 template <class Item>
 class BoundedQueue {
  public:
-  explicit BoundedQueue(std::size_t most) : most_(most) {}
+  explicit BoundedQueue(std::size_t max) : max_(max) {}
 
   // Drops the new item when the queue is full: for requests, where the first ones matter.
   void push_or_drop(Item item) {
-    if (items_.size() == most_) {
+    if (items_.size() == max_) {
       ++lost_;
     } else {
       items_.push_back(std::move(item));
@@ -24,7 +24,7 @@ class BoundedQueue {
 
   // Drops the oldest item when the queue is full: for replies, where the last ones matter.
   void push_over(Item item) {
-    if (items_.size() == most_) {
+    if (items_.size() == max_) {
       items_.pop_front();
       ++lost_;
     }
@@ -36,7 +36,7 @@ class BoundedQueue {
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
  private:
-  std::size_t most_;
+  std::size_t max_;
   std::deque<Item> items_;
   std::uint64_t lost_ = 0;
 };

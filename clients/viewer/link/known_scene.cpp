@@ -10,8 +10,8 @@ constexpr double kGone_s = 0.5;  // a body that no notice has named for so much 
 
 std::string object_or_none(const std::string& object) { return object == "-" ? "" : object; }
 
-std::size_t at_most(std::int32_t count, std::size_t most) {
-  return std::min(static_cast<std::size_t>(std::max(count, 0)), most);
+std::size_t capped(std::int32_t count, std::size_t max) {
+  return std::min(static_cast<std::size_t>(std::max(count, 0)), max);
 }
 
 }  // namespace
@@ -45,8 +45,8 @@ void KnownScene::on(const protocol::SceneStatic& reply) {
 }
 
 void KnownScene::finish() {
-  if (!parts_.head || parts_.bodies.size() < at_most(parts_.head->bodies, kMaxBodies) ||
-      parts_.statics.size() < at_most(parts_.head->statics, kMaxStatics)) {
+  if (!parts_.head || parts_.bodies.size() < capped(parts_.head->bodies, kMaxBodies) ||
+      parts_.statics.size() < capped(parts_.head->statics, kMaxStatics)) {
     return;
   }
   std::erase_if(bodies_,

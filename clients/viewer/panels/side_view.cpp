@@ -21,7 +21,7 @@ bool contains(const std::string& text, const char* part) {
 }
 
 struct SliderRange {
-  double least, most;
+  double min, max;
   bool logarithmic = true;
 };
 
@@ -29,7 +29,7 @@ struct SliderRange {
 // clicked to type. Returns true while the user changes the value.
 bool slider(const char* label, const char* tip, double& value, SliderRange range, const char* format) {
   const float em = ImGui::GetFontSize(), gap = 0.3f * em, label_width = 7.3f * em, number_width = 4.9f * em;
-  const auto least = static_cast<float>(range.least), most = static_cast<float>(range.most);
+  const auto min = static_cast<float>(range.min), max = static_cast<float>(range.max);
   const ImGuiSliderFlags flags =
       ImGuiSliderFlags_AlwaysClamp | (range.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
   auto shown = static_cast<float>(value);
@@ -39,13 +39,13 @@ bool slider(const char* label, const char* tip, double& value, SliderRange range
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
   ImGui::SameLine(label_width);
   ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - number_width - gap, em));
-  bool changed = ImGui::SliderFloat("##slider", &shown, least, most, "", flags);
+  bool changed = ImGui::SliderFloat("##slider", &shown, min, max, "", flags);
   ImGui::SameLine(0, gap);
   ImGui::SetNextItemWidth(number_width);
-  const float step = range.logarithmic ? 0.003f * shown : 0.002f * (most - least);
+  const float step = range.logarithmic ? 0.003f * shown : 0.002f * (max - min);
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {2, ImGui::GetStyle().FramePadding.y});
   changed =
-      ImGui::DragFloat("##number", &shown, step, least, most, format, flags & ~ImGuiSliderFlags_Logarithmic) || changed;
+      ImGui::DragFloat("##number", &shown, step, min, max, format, flags & ~ImGuiSliderFlags_Logarithmic) || changed;
   ImGui::PopStyleVar();
   ImGui::PopID();
   if (changed) value = static_cast<double>(shown);

@@ -57,10 +57,10 @@ class Patches {
           const std::vector<std::uint32_t>& around, std::uint32_t point)
       : parent_(around.size()) {
     std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-    const float least = std::cos(kCreaseAngle);
+    const float min = std::cos(kCreaseAngle);
     for (std::size_t i = 0; i < around.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        if (root(i) != root(j) && glm::dot(normals[around[i]], normals[around[j]]) > least &&
+        if (root(i) != root(j) && glm::dot(normals[around[i]], normals[around[j]]) > min &&
             share_edge(triangles[around[i]], triangles[around[j]], point))
           parent_[root(i)] = root(j);
       }

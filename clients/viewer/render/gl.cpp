@@ -107,9 +107,9 @@ ShadowMap::ShadowMap() {
 }
 
 PictureTargets::PictureTargets(int w, int h) : width(w), height(h) {
-  GLint most = 1;
-  glGetIntegerv(GL_MAX_SAMPLES, &most);
-  const GLint samples = std::min(most, kSamples);
+  GLint max = 1;
+  glGetIntegerv(GL_MAX_SAMPLES, &max);
+  const GLint samples = std::min(max, kSamples);
   glBindRenderbuffer(GL_RENDERBUFFER, colour.name());
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
   glBindRenderbuffer(GL_RENDERBUFFER, depth.name());

@@ -88,13 +88,13 @@ struct SceneRenderer::State {
 };
 
 bool SceneRenderer::State::fit_targets(int width, int height) {
-  GLint most = kMaxSide;
+  GLint max = kMaxSide;
   for (const GLenum limit : {GL_MAX_TEXTURE_SIZE, GL_MAX_RENDERBUFFER_SIZE}) {
     GLint drivers = 0;
     glGetIntegerv(limit, &drivers);
-    most = std::min(most, drivers);
+    max = std::min(max, drivers);
   }
-  width = std::clamp(width, 1, most), height = std::clamp(height, 1, most);
+  width = std::clamp(width, 1, max), height = std::clamp(height, 1, max);
   if (!targets || targets->width != width || targets->height != height) {
     targets.reset();
     targets.emplace(width, height);

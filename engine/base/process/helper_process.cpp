@@ -54,8 +54,8 @@ std::vector<char*> words_of(std::vector<std::string>& words) {
   return pointers;
 }
 
-void limit(int resource, rlim_t most) {
-  const rlimit both{most, most};
+void limit(int resource, rlim_t max) {
+  const rlimit both{max, max};
   ::setrlimit(static_cast<__rlimit_resource>(resource), &both);
 }
 

@@ -93,13 +93,13 @@ bool sort_edge_nodes(TetMesh& mesh, Eigen::Index element) {
   std::array<bool, 6> taken{};
   for (int k = 4; k < 10; ++k) {
     int best = 0;
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (int edge = 0; edge < 6; ++edge) {
       const auto& [a, b] = kTetEdges[edge];
       const double far =
           (mesh.nodes.row(given[a]) / 2 + mesh.nodes.row(given[b]) / 2 - mesh.nodes.row(given[k])).norm();
-      if (far < least) {
-        least = far;
+      if (far < min) {
+        min = far;
         best = edge;
       }
     }

@@ -94,17 +94,17 @@ class Sharpener {
   bool find_target(int node, const std::set<std::int32_t>& ring, Vector3d& target) const {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Vector3d right = Vector3d::Zero();
-    double least = 1;
+    double min = 1;
     const Plane& own = planes_.at(node);
     if (!own.known) return false;
     for (const int other : ring) {
       const Plane& plane = planes_.at(other);
       if (!plane.known) return false;
-      least = std::min(least, plane.normal.dot(own.normal));
+      min = std::min(min, plane.normal.dot(own.normal));
       normal += plane.normal * plane.normal.transpose();
       right += plane.normal * plane.normal.dot(plane.point - at(node));
     }
-    if (least > kSharpCosine) return false;
+    if (min > kSharpCosine) return false;
     const dense::Spectrum3 solver = dense::spectrum_of_3(normal);
     Vector3d step = Vector3d::Zero();
     for (int k = 0; k < 3; ++k) {

@@ -41,8 +41,8 @@ double solid_angle(const std::array<Vector3d, 3>& triangle, const Vector3d& poin
 Vector3d area_of(const std::array<Vector3d, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]) / 2; }
 
 // Adds the triangle to `pieces`, cut into parts that are less than kLong times as long as wide or shorter than
-// `shortest`, as long as there are fewer than `most` pieces.
-void cut_across(const std::array<Vector3d, 3>& triangle, double shortest, std::size_t most,
+// `shortest`, as long as there are fewer than `max` pieces.
+void cut_across(const std::array<Vector3d, 3>& triangle, double shortest, std::size_t max,
                 std::vector<std::array<Vector3d, 3>>& pieces) {
   int from = 0;
   double longest = 0;
@@ -50,14 +50,14 @@ void cut_across(const std::array<Vector3d, 3>& triangle, double shortest, std::s
     const double length = (triangle[(k + 1) % 3] - triangle[k]).norm();
     if (length > longest) longest = length, from = k;
   }
-  if (longest <= shortest || longest * longest < 2 * kLong * area_of(triangle).norm() || pieces.size() >= most) {
+  if (longest <= shortest || longest * longest < 2 * kLong * area_of(triangle).norm() || pieces.size() >= max) {
     if (area_of(triangle).norm() > 0) pieces.push_back(triangle);
     return;
   }
   const Vector3d &a = triangle[from], &b = triangle[(from + 1) % 3], &c = triangle[(from + 2) % 3];
   const Vector3d middle = (a + b) / 2;
-  cut_across({a, middle, c}, shortest, most, pieces);
-  cut_across({middle, b, c}, shortest, most, pieces);
+  cut_across({a, middle, c}, shortest, max, pieces);
+  cut_across({middle, b, c}, shortest, max, pieces);
 }
 
 // Returns true if a box meets the segment a + t d, 0 <= t <= 1.
@@ -92,11 +92,11 @@ WindingNumber::WindingNumber(const TriangleMesh& surface) {
   triangles_.reserve(surface.triangles.rows());
   if (surface.triangles.rows() == 0) return;
   const double shortest = kShortest * (surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff()).norm();
-  const std::size_t most = 4 * surface.triangles.rows() + 10'000;
+  const std::size_t max = 4 * surface.triangles.rows() + 10'000;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
     Triangle triangle;
     for (int k = 0; k < 3; ++k) triangle[k] = surface.nodes.row(surface.triangles(t, k)).transpose();
-    cut_across(triangle, shortest, most, triangles_);
+    cut_across(triangle, shortest, max, triangles_);
   }
   nodes_.reserve(triangles_.size() / 2 + 1);
   if (triangles_.empty()) return;
@@ -294,8 +294,8 @@ bool WindingNumber::near(const Vector3d& low, const Vector3d& high) const {
     if (node.right == 0) {
       for (int t = node.first; t < node.first + node.count; ++t) {
         const auto& [p, q, r] = triangles_[t];
-        const Vector3d least = p.cwiseMin(q).cwiseMin(r), most = p.cwiseMax(q).cwiseMax(r);
-        if ((least.array() <= high.array()).all() && (most.array() >= low.array()).all()) return true;
+        const Vector3d min = p.cwiseMin(q).cwiseMin(r), max = p.cwiseMax(q).cwiseMax(r);
+        if ((min.array() <= high.array()).all() && (max.array() >= low.array()).all()) return true;
       }
     } else {
       waiting[depth++] = node.right;

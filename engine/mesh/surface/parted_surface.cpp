@@ -74,8 +74,8 @@ std::vector<std::int32_t> sources_of(const Shells& shells, const TriangleMesh& m
   }
   std::vector<std::int32_t> sources;
   for (const auto& of_shell : votes) {
-    const auto most = std::ranges::max_element(of_shell, {}, [](const auto& vote) { return vote.second; });
-    sources.push_back(most == of_shell.end() ? -1 : most->first);
+    const auto max = std::ranges::max_element(of_shell, {}, [](const auto& vote) { return vote.second; });
+    sources.push_back(max == of_shell.end() ? -1 : max->first);
   }
   return sources;
 }

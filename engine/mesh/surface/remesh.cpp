@@ -75,7 +75,7 @@ TriangleMesh soup_of(Mesh& mesh) {
 // Returns for each triangle the largest distance of its middle and of its sides' middles from the surface `from`. The
 // corners are left out, because they lie on that surface.
 std::vector<double> deviations(const TriangleMesh& mesh, const SurfaceRays& from) {
-  std::vector<double> most;
+  std::vector<double> max;
   for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
     const auto row = mesh.triangles.row(t);
     const Eigen::RowVector3d a = mesh.nodes.row(row[0]), b = mesh.nodes.row(row[1]), c = mesh.nodes.row(row[2]);
@@ -84,9 +84,9 @@ std::vector<double> deviations(const TriangleMesh& mesh, const SurfaceRays& from
                                          Eigen::RowVector3d((b + c) / 2), Eigen::RowVector3d((c + a) / 2)}) {
       farthest = std::max(farthest, (from.nearest(at) - at).norm());
     }
-    most.push_back(farthest);
+    max.push_back(farthest);
   }
-  return most;
+  return max;
 }
 
 }  // namespace

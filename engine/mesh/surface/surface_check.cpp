@@ -183,7 +183,7 @@ struct Enough {};
 
 class Cutter {
  public:
-  Cutter(const TriangleMesh& mesh, std::size_t most) : mesh_(mesh), most_(most) {}
+  Cutter(const TriangleMesh& mesh, std::size_t max) : mesh_(mesh), max_(max) {}
 
   std::vector<std::array<std::int32_t, 2>> run() {
     std::vector<Box> boxes;
@@ -196,7 +196,7 @@ class Cutter {
         const std::int32_t second = std::max<std::int32_t>(a.info(), b.info());
         if (!cut(first, second)) return;
         found_.push_back({first, second});
-        if (found_.size() >= most_) throw Enough();
+        if (found_.size() >= max_) throw Enough();
       });
     } catch (const Enough&) {
     }
@@ -241,14 +241,14 @@ class Cutter {
   }
 
   const TriangleMesh& mesh_;
-  std::size_t most_;
+  std::size_t max_;
   std::vector<std::array<std::int32_t, 2>> found_;
 };
 
 }  // namespace
 
-std::vector<std::array<std::int32_t, 2>> self_intersections(const TriangleMesh& mesh, std::size_t most) {
-  return Cutter(mesh, most).run();
+std::vector<std::array<std::int32_t, 2>> self_intersections(const TriangleMesh& mesh, std::size_t max) {
+  return Cutter(mesh, max).run();
 }
 
 }  // namespace ringdown::mesh

@@ -164,8 +164,8 @@ Json stress_json(const StressTable& table, GlbWriter& writer, bool packed) {
   const auto add = [&](std::span<const float> values, std::size_t width) {
     return packed ? writer.add_packed_floats(values, width) : writer.add_floats(values, width);
   };
-  const float most = modes == 0 ? 0 : *std::ranges::max_element(table.largest);
-  const bool rounds = packed && std::ilogb(most) < kMaxExponent;
+  const float max = modes == 0 ? 0 : *std::ranges::max_element(table.largest);
+  const bool rounds = packed && std::ilogb(max) < kMaxExponent;
   return {{"positions", add(positions, 3)},
           {"largest", writer.add_floats(table.largest, 1)},
           {"components", rounds ? add_packed_stress(writer, components, table) : add(components, 3)}};

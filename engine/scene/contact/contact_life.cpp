@@ -76,9 +76,9 @@ ContactReport ContactLives::report(BodyPair pair, const Life& life) const {
   if (life.rolled > 0) {
     const double way_m = std::min(length(life.over_first_m), length(life.over_second_m));
     result.roll_m_s = std::min(way_m / (life.rolled * step_s_), life.max_roll);
-    const double most = life.max_roll + result.slip_m_s;
-    result.over_first_m_s = std::min(length(life.over_first_m) / (life.rolled * step_s_), most);
-    result.over_second_m_s = std::min(length(life.over_second_m) / (life.rolled * step_s_), most);
+    const double max = life.max_roll + result.slip_m_s;
+    result.over_first_m_s = std::min(length(life.over_first_m) / (life.rolled * step_s_), max);
+    result.over_second_m_s = std::min(length(life.over_second_m) / (life.rolled * step_s_), max);
   }
   const double slowest = life.reported ? 0.5 * kMinContactSpeed_m_s : kMinContactSpeed_m_s;
   result.ends = !(life.weight > 0) || std::max(result.slip_m_s, result.roll_m_s) < slowest;

@@ -92,8 +92,7 @@ void limit_energy(Blows& blows, const breaking::Breakable& before) {
   for (const BodyBlow& blow : blows.all) available_j += blow.energy_j;
   const double energy_j = modal::modal_energy(change).total_j();
   if (!(energy_j > available_j)) return;
-  for (BodyBlow& blow : blows.all)
-    blow.strike.impulse_ns = std::sqrt(available_j / energy_j) * blow.strike.impulse_ns;
+  for (BodyBlow& blow : blows.all) blow.strike.impulse_ns = std::sqrt(available_j / energy_j) * blow.strike.impulse_ns;
 }
 
 // Changes a motion by an impulse at a point of the world.
@@ -118,9 +117,8 @@ std::size_t BreakingBodies::Pattern::body_count() const {
 
 BreakingBodies::BreakingBodies(SceneBodies& bodies, std::uint64_t seed, double sample_rate_hz)
     : scene_(bodies), seed_(seed), sample_rate_hz_(sample_rate_hz) {
-  scene_.sounds.judge_by([this](BodyId body, BodyId other, std::span<const BodyBlow> blows) {
-    return judge(body, other, blows);
-  });
+  scene_.sounds.judge_by(
+      [this](BodyId body, BodyId other, std::span<const BodyBlow> blows) { return judge(body, other, blows); });
 }
 
 Result<void> BreakingBodies::add(BodyId id, const Body& body) {
@@ -145,7 +143,8 @@ Result<void> BreakingBodies::add(BodyId id, const Body& body) {
     return refuse("its bank does not know the stress of its modes; bake it again, or give impulse_ns");
   }
   if (!entry.strength_pa && !entry.breaks.impulse_ns) {
-    return refuse("its bank knows no strength; give breaks an impulse_ns, or bake it of a material that has a strength");
+    return refuse(
+        "its bank knows no strength; give breaks an impulse_ns, or bake it of a material that has a strength");
   }
   for (std::size_t p = 0; p < fracture.patterns.size(); ++p) {
     auto pattern = pattern_of(body, object, *state, p);
@@ -216,9 +215,8 @@ bool BreakingBodies::judge(BodyId body, BodyId other, std::span<const BodyBlow> 
   std::size_t bodies_to_come = scene_.store.bodies().size();
   for (const Broken& before : broken_) bodies_to_come += before.entry.patterns[before.pattern].body_count() - 1;
   std::vector<std::size_t> levels = state.levels_at(hardest.strike.point_m);
-  std::erase_if(levels, [&](std::size_t level) {
-    return bodies_to_come - 1 + entry.patterns[level].body_count() > kMaxBodies;
-  });
+  std::erase_if(
+      levels, [&](std::size_t level) { return bodies_to_come - 1 + entry.patterns[level].body_count() > kMaxBodies; });
   if (levels.empty()) {
     if (!std::exchange(entry.crowded, true)) {
       crowded_.push_back("body " + quote(scene_.store.bodies().at(body).description.name) +

@@ -213,7 +213,7 @@ class JointMaker {
                     .damping = document_.number(field["damping"], 0),
                     .target = document_.number(field["positionTarget"], now.value_or(from)) - from,
                     .speed = document_.number(field["velocityTarget"], 0),
-                    .most = std::min(document_.number(field["maxForce"], kInfinity), range::kDriveMost.high)};
+                    .max = std::min(document_.number(field["maxForce"], kInfinity), range::kDriveMost.high)};
     if (field["mode"].text_or("force") == "acceleration") {
       const double inertia = inertia_of(drive.turns, axis(drive.axis));
       made.stiffness *= inertia;

@@ -46,13 +46,13 @@ std::optional<Picture> unpack_png(std::span<const std::byte> bytes) {
 // Length in the world along u, for each unit of u: the mean over the triangles, weighted by their areas.
 double length_of_u(GltfDocument& document, const JsonPlace& primitive, const JsonPlace& coordinates,
                    const Affine& map) {
-  constexpr std::size_t kMost = 4 * kMaxMeshPoints;
-  const auto points = modal::read_numbers(document.glb(), primitive["attributes"]["POSITION"], 3, kMost);
-  const auto uv = modal::read_numbers(document.glb(), coordinates, 2, kMost);
+  constexpr std::size_t kMax = 4 * kMaxMeshPoints;
+  const auto points = modal::read_numbers(document.glb(), primitive["attributes"]["POSITION"], 3, kMax);
+  const auto uv = modal::read_numbers(document.glb(), coordinates, 2, kMax);
   if (!points || !uv || uv->size() / 2 != points->size() / 3) return 0;
   std::vector<std::uint32_t> corners;
   if (primitive["indices"].present()) {
-    auto read = modal::read_indices(document.glb(), primitive["indices"], 3 * kMost);
+    auto read = modal::read_indices(document.glb(), primitive["indices"], 3 * kMax);
     if (!read) return 0;
     corners = *std::move(read);
   } else {

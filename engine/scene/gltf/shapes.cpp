@@ -246,10 +246,10 @@ std::optional<GltfGeometry> implicit(GltfDocument& document, const JsonPlace& sh
 // Returns the factors along the axes if the map only stretches along the axes and shifts; otherwise nothing.
 std::optional<Vec3> stretch(const Matrix3& m) {
   const Vec3 along{std::abs(m[0][0]), std::abs(m[1][1]), std::abs(m[2][2])};
-  const double least = 1e-9 * std::max({along.x, along.y, along.z});
+  const double min = 1e-9 * std::max({along.x, along.y, along.z});
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      if (i != j && std::abs(m[i][j]) > least) return {};
+      if (i != j && std::abs(m[i][j]) > min) return {};
     }
   }
   return along;

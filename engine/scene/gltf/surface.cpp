@@ -66,10 +66,10 @@ Result<void> Reliefs::keep(SceneDescription& scene) {
     };
     if (const auto found = std::ranges::find_if(kept_, same); found != kept_.end()) {
       *relief = *found;
-    } else if (kept_.size() < kMost) {
+    } else if (kept_.size() < kMax) {
       kept_.push_back(*relief);
     } else {
-      return fail(ErrorKind::too_large, "more than " + std::to_string(kMost) +
+      return fail(ErrorKind::too_large, "more than " + std::to_string(kMax) +
                                             " surfaces with profiles or normal maps were played; restart the program");
     }
   }

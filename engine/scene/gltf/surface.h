@@ -27,9 +27,9 @@ std::optional<modal::SurfaceTrack> read_profile(GltfDocument& document, const mo
 // (synth::Passing) after the scene has ended. Equal reliefs are kept once.
 class Reliefs {
  public:
-  static constexpr std::size_t kMost = 1024;
+  static constexpr std::size_t kMax = 1024;
 
-  // Replaces reliefs in the scene by equal ones kept before, and keeps the rest. Fails if there are more than kMost.
+  // Replaces reliefs in the scene by equal ones kept before, and keeps the rest. Fails if there are more than kMax.
   Result<void> keep(SceneDescription& scene);
 
  private:

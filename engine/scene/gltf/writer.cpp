@@ -256,7 +256,7 @@ class GlbScene {
   static Json drive_of(const JointDrive& drive, bool turns, std::size_t axis) {
     return {{"type", turns ? "angular" : "linear"}, {"mode", "force"},          {"axis", axis},
             {"stiffness", drive.stiffness},         {"damping", drive.damping}, {"positionTarget", drive.target},
-            {"velocityTarget", drive.speed},        {"maxForce", drive.most}};
+            {"velocityTarget", drive.speed},        {"maxForce", drive.max}};
   }
 
   // Connects the nodes of both ends.

@@ -125,7 +125,7 @@ Vec3 velocity_at(dxGeom* geom, const dReal* point) {
 // the bodies' approach since the last step can explain.
 std::size_t drop_false(std::span<dContactGeom> found, double part_s) {
   if (found.empty()) return 0;
-  const dContactGeom least = *std::ranges::min_element(found, {}, &dContactGeom::depth);
+  const dContactGeom min = *std::ranges::min_element(found, {}, &dContactGeom::depth);
   const auto is_false = [&](const dContactGeom& contact) {
     const bool shallower_nearby = std::ranges::any_of(found, [&](const dContactGeom& better) {
       const Vec3 way = to_vec3(better.pos) - to_vec3(contact.pos);
@@ -133,10 +133,10 @@ std::size_t drop_false(std::span<dContactGeom> found, double part_s) {
     });
     if (shallower_nearby) return true;
     const Vec3 normal = to_vec3(contact.normal);
-    if (dot(normal, to_vec3(least.normal)) > kAgree) return false;
+    if (dot(normal, to_vec3(min.normal)) > kAgree) return false;
     const Vec3 apart = velocity_at(contact.g1, contact.pos) - velocity_at(contact.g2, contact.pos);
     const double came_in_m = 2 * part_s * std::max(-dot(apart, normal), 0.0);
-    return contact.depth > 2 * least.depth + kRestOverlap_m + came_in_m;
+    return contact.depth > 2 * min.depth + kRestOverlap_m + came_in_m;
   };
   std::array<bool, kMaxContactsFound> out{};
   for (std::size_t k = 0; k < found.size(); ++k) out[k] = is_false(found[k]);

@@ -183,28 +183,28 @@ void OdeFreeJoint::add_drive(const AxisDrive& axis, const Place& place) {
   const JointDrive& drive = axis.drive;
   const double gain = part_s_ * drive.stiffness + drive.damping;
   const auto at = coordinate({.turns = axis.turns, .axes = {axis.axis}}, place);
-  if (!(gain > 0 && drive.most > 0) || !at) return;
+  if (!(gain > 0 && drive.max > 0) || !at) return;
   const double speed = (drive.stiffness * (drive.target - at->value) + drive.damping * drive.speed) / gain;
-  pull(axis.turns, at->direction, place.point_m, speed / at->scale, 1 / gain, drive.most);
+  pull(axis.turns, at->direction, place.point_m, speed / at->scale, 1 / gain, drive.max);
 }
 
 // Limits the speed of the second frame along the direction, relative to the first one, to at most this speed, which may
 // be negative.
-void OdeFreeJoint::keep_below(bool turns, Vec3 direction, Vec3 point_m, double most, double cfm) {
+void OdeFreeJoint::keep_below(bool turns, Vec3 direction, Vec3 point_m, double max, double cfm) {
   const Vec3 inward = -side_ * direction;
   if (turns) {
     // A motor beyond its limit asks for the spin -ERP (angle - limit) / h on one side of it. An ERP of 1 makes that a
     // negative bound, an ERP of -1 a positive one.
     dxJoint* motor = add_motor(-1.0 * inward);
-    dJointSetAMotorAngle(motor, 0, std::abs(most) * part_s_);
+    dJointSetAMotorAngle(motor, 0, std::abs(max) * part_s_);
     dJointSetAMotorParam(motor, dParamHiStop, 0);
-    dJointSetAMotorParam(motor, dParamStopERP, most > 0 ? -1 : 1);
+    dJointSetAMotorParam(motor, dParamStopERP, max > 0 ? -1 : 1);
     dJointSetAMotorParam(motor, dParamStopCFM, cfm);
     return;
   }
   dContact contact{};
   contact.surface.mode = dContactMotionN | dContactSoftCFM;
-  contact.surface.motionN = -most;
+  contact.surface.motionN = -max;
   contact.surface.soft_cfm = cfm;
   for (int k = 0; k < 3; ++k) {
     contact.geom.pos[k] = part(point_m, static_cast<std::size_t>(k));
@@ -216,19 +216,19 @@ void OdeFreeJoint::keep_below(bool turns, Vec3 direction, Vec3 point_m, double m
 
 // Asks for a speed of the second frame along the direction, relative to the first one, with at most this force or
 // torque.
-void OdeFreeJoint::pull(bool turns, Vec3 direction, Vec3 point_m, double speed, double cfm, double most) {
+void OdeFreeJoint::pull(bool turns, Vec3 direction, Vec3 point_m, double speed, double cfm, double max) {
   const Vec3 along = side_ * direction;
   if (turns) {
     dxJoint* motor = add_motor(along);
     dJointSetAMotorParam(motor, dParamVel, speed);
     dJointSetAMotorParam(motor, dParamCFM, cfm);
-    dJointSetAMotorParam(motor, dParamFMax, most);
+    dJointSetAMotorParam(motor, dParamFMax, max);
     return;
   }
   dContact contact{};
   contact.surface.mode =
       dContactMu2 | dContactFDir1 | dContactMotion1 | dContactSlip1 | dContactSoftERP | dContactSoftCFM;
-  contact.surface.mu = most;
+  contact.surface.mu = max;
   contact.surface.motion1 = speed;
   contact.surface.slip1 = cfm;
   contact.surface.soft_cfm = kNoForce;
@@ -354,7 +354,7 @@ void OdeJoint::drive(double part_s) {
   const auto set = description_.type == JointType::hinge ? dJointSetHingeParam : dJointSetSliderParam;
   set(joint_.get(), dParamVel, (drive.stiffness * (drive.target - way()) + drive.damping * drive.speed) / gain);
   set(joint_.get(), dParamCFM, 1 / gain);
-  set(joint_.get(), dParamFMax, drive.most);
+  set(joint_.get(), dParamFMax, drive.max);
 }
 
 bool OdeJoint::keeps_moving() const {

@@ -65,8 +65,8 @@ class OdeFreeJoint {
 
   // Add rows that bound (keep_below) or drive (pull) the velocity at the second frame's origin, or the spin of the
   // second frame relative to the first.
-  void keep_below(bool turns, Vec3 direction, Vec3 point_m, double most, double cfm);
-  void pull(bool turns, Vec3 direction, Vec3 point_m, double speed, double cfm, double most);
+  void keep_below(bool turns, Vec3 direction, Vec3 point_m, double max, double cfm);
+  void pull(bool turns, Vec3 direction, Vec3 point_m, double speed, double cfm, double max);
   dxJoint* add_motor(Vec3 direction);
 
   dxWorld* world_;

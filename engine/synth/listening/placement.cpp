@@ -122,12 +122,12 @@ void Placement::aim(const Chunk& chunk, Entry entry, VoiceStack& voices) RINGDOW
   const bool look = fresh || entry == Entry::gliding || (!within && cell >= next_look_);
   const bool stops = still && !within && state_ != State::still;
   const double turn = length(last_.toward_listener - first_.toward_listener);
-  const double glide = std::max(static_cast<double>(glide_end_ - cell), 0.0), least = std::max(kCell, glide);
+  const double glide = std::max(static_cast<double>(glide_end_ - cell), 0.0), min = std::max(kCell, glide);
   const auto passed = static_cast<double>(chunk.begin - cell);  // of what is counted from the cell's beginning
   const auto go_to = [&](ModeGains& gains, const Sighting& at, double frames) RINGDOWN_REALTIME {
     gains.aim(at.toward_listener, std::max(at.distance_m, kReferenceDistance_m), listening.absorption(), frames);
   };
-  double ahead = least;
+  double ahead = min;
   if (look) look_rate_ = 0;
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
     ModeGains& gains = voice.gains;
@@ -137,17 +137,17 @@ void Placement::aim(const Chunk& chunk, Entry entry, VoiceStack& voices) RINGDOW
       // Gains whose line has ended differ from its goal by rounding errors; these are removed once.
       const bool there = glide == 0 && gains.on() && gains.left() == 0;
       const bool goes = there ? gains.moves() : look || stops || gains.left() <= 0;
-      if (goes && (first || !within)) go_to(gains, first_, there ? 0 : least - passed);
+      if (goes && (first || !within)) go_to(gains, first_, there ? 0 : min - passed);
       return;
     }
     if (!look && !first) return;
     const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
-    const double most = std::max(kMaxCellsAhead * kCell, least);
-    const double wanted = turn > 0 ? kCell * std::floor(kMaxTurn / (turn * sharpness)) : most;
-    ahead = glide > 0 ? least : std::clamp(wanted, least, most);
+    const double max = std::max(kMaxCellsAhead * kCell, min);
+    const double wanted = turn > 0 ? kCell * std::floor(kMaxTurn / (turn * sharpness)) : max;
+    ahead = glide > 0 ? min : std::clamp(wanted, min, max);
     look_rate_ += terms_of(voice.table()) / ahead;
     if (chunk.look_pressure > 1 && glide == 0) {
-      const double longest = std::max(kMaxAhead_s * chunk.sample_rate_hz, most);
+      const double longest = std::max(kMaxAhead_s * chunk.sample_rate_hz, max);
       ahead = std::clamp(ahead * chunk.look_pressure * (0.75 + 0.5 * spread_), kCell, longest);
     }
     const Frame then = cell + static_cast<Frame>(ahead);
@@ -205,9 +205,9 @@ bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) RI
                                        listening.at_begin());
   const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
   const double before = level_at(last_.distance_m), level = level_at(now.distance_m);
-  const double most = share * kMaxDrift;
-  return length(now.toward_listener - last_.toward_listener) * sharpness > most ||
-         length(now.toward_source - last_.toward_source) > most || std::abs(level - before) > most * before;
+  const double max = share * kMaxDrift;
+  return length(now.toward_listener - last_.toward_listener) * sharpness > max ||
+         length(now.toward_source - last_.toward_source) > max || std::abs(level - before) > max * before;
 }
 
 // Glides back to being heard without a place. The glide ends at once if nothing was heard in the last chunk.

@@ -26,7 +26,7 @@ void detune(const GlideMatrix& matrix, const float* squares, Row& x0) RINGDOWN_R
 }  // namespace
 
 double blow_limit(const GlideMatrix& matrix, const float* squares, const double* amplitudes) RINGDOWN_REALTIME {
-  constexpr double kMost = (kMaxThicknesses / kCrest) * (kMaxThicknesses / kCrest);
+  constexpr double kMax = (kMaxThicknesses / kCrest) * (kMaxThicknesses / kCrest);
   const std::size_t n = matrix.columns.size();
   const float* const bend = matrix.bend.data();
   Row blow;
@@ -36,7 +36,7 @@ double blow_limit(const GlideMatrix& matrix, const float* squares, const double*
     blow.data()[m] = static_cast<float>(a * a);
     without_stiffness += static_cast<double>(bend[m] * (squares[m] + blow.data()[m]));
   }
-  if (!(without_stiffness > kMost)) return 1;
+  if (!(without_stiffness > kMax)) return 1;
   Row rings, struck;
   detune(matrix, squares, rings);
   detune(matrix, blow.data(), struck);
@@ -46,7 +46,7 @@ double blow_limit(const GlideMatrix& matrix, const float* squares, const double*
       const double s = share * share, z2 = double{squares[m]} + s * double{blow.data()[m]};
       sum += double{bend[m]} * z2 / (1 + stiffened(double{rings.data()[m]} + s * double{struck.data()[m]}));
     }
-    return sum > kMost;
+    return sum > kMax;
   };
   if (!bends_too_far(1)) return 1;
   double low = 0, high = 1;

@@ -35,11 +35,11 @@ void pad(const modal::NonlinearTerms& terms, std::size_t k, CoupledTable& table)
 }  // namespace
 
 std::shared_ptr<const CoupledTable> CoupledTable::of(const ModeTable& table, const modal::MaterialScale& material,
-                                                     const std::vector<double>& output_per_velocity, std::size_t most) {
+                                                     const std::vector<double>& output_per_velocity, std::size_t max) {
   const modal::Bank& bank = table.bank();
   if (!bank.nonlinear || bank.nonlinear->coupled == 0) return nullptr;
   const std::vector<GlidingMode> lowest =
-      GlideMatrix::lowest(table, material, output_per_velocity, std::min<std::size_t>(bank.nonlinear->coupled, most));
+      GlideMatrix::lowest(table, material, output_per_velocity, std::min<std::size_t>(bank.nonlinear->coupled, max));
   if (lowest.empty()) return nullptr;
   std::vector<std::size_t> order;
   for (const GlidingMode& mode : lowest) order.push_back(mode.mode);
@@ -49,7 +49,7 @@ std::shared_ptr<const CoupledTable> CoupledTable::of(const ModeTable& table, con
 
   auto coupled = std::make_shared<CoupledTable>();
   const std::size_t n = lowest.size(), wanted = terms.function_count();
-  const std::size_t functions = most > kMaxCoupledModes ? wanted : std::min(wanted, kMaxCoupledFunctions);
+  const std::size_t functions = max > kMaxCoupledModes ? wanted : std::min(wanted, kMaxCoupledFunctions);
   const std::size_t stride = (n + kCoupledPadding - 1) / kCoupledPadding * kCoupledPadding;
   coupled->bending = aligned_zeros<float>(functions * stride * stride);
   coupled->curving = aligned_zeros<float>(functions * stride);
@@ -225,9 +225,9 @@ bool CoupledModes::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
     fading_ *= kFade;
   }
   // Written so that what is not a number lies below no limit.
-  const double most = std::sqrt(kAbsurdEnergy);
-  running_ = std::isfinite(psi_) && std::isfinite(linear_energy()) && amplitude() <= most &&
-             std::abs(forced_) <= most && std::abs(fading_) <= most && are_sane({samples.data(), frames});
+  const double max = std::sqrt(kAbsurdEnergy);
+  running_ = std::isfinite(psi_) && std::isfinite(linear_energy()) && amplitude() <= max && std::abs(forced_) <= max &&
+             std::abs(fading_) <= max && are_sane({samples.data(), frames});
   if (running_) {
     for (std::size_t n = 0; n < frames; ++n) out[n] += samples[n];
   } else {

@@ -44,9 +44,9 @@ struct CoupledTable {
   double frame_s = 0;
   double units_per_frame = 0;  // of work (work_cost.h)
 
-  // At most `most` modes, the lowest; nothing where the bank asks for none (modal::NonlinearTerms::coupled). [worker]
+  // At most `max` modes, the lowest; nothing where the bank asks for none (modal::NonlinearTerms::coupled). [worker]
   static std::shared_ptr<const CoupledTable> of(const ModeTable& table, const modal::MaterialScale& material,
-                                                const std::vector<double>& output_per_velocity, std::size_t most);
+                                                const std::vector<double>& output_per_velocity, std::size_t max);
 };
 
 class CoupledModes {

@@ -25,12 +25,12 @@ constexpr double kMinX = -0.5, kMaxX = 3;           // pitches from 0.7 to 2 tim
 
 // Returns the largest displacement of the surface for a coordinate of 1 of a mode [kg^-1/2].
 double largest_shape(const modal::Bank& bank, std::size_t mode) {
-  double most = 0;
+  double max = 0;
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
     const auto [x, y, z] = bank.shape(mode, p);
-    most = std::max(most, std::hypot(double{x}, double{y}, double{z}));
+    max = std::max(max, std::hypot(double{x}, double{y}, double{z}));
   }
-  return most;
+  return max;
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ double stiffened(double x0) RINGDOWN_REALTIME {
 }
 
 std::vector<GlidingMode> GlideMatrix::lowest(const ModeTable& table, const modal::MaterialScale& material,
-                                             const std::vector<double>& output_per_velocity, std::size_t most) {
+                                             const std::vector<double>& output_per_velocity, std::size_t max) {
   const modal::Bank& bank = table.bank();
   std::vector<GlidingMode> modes;
   for (std::size_t i = 0; i < table.playable_modes(); ++i) {
@@ -52,7 +52,7 @@ std::vector<GlidingMode> GlideMatrix::lowest(const ModeTable& table, const modal
   }
   std::sort(modes.begin(), modes.end(),
             [](const GlidingMode& a, const GlidingMode& b) { return a.omega_rad_s < b.omega_rad_s; });
-  modes.resize(std::min(modes.size(), most));
+  modes.resize(std::min(modes.size(), max));
   return modes;
 }
 
@@ -173,13 +173,13 @@ void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_RE
   total_ = total;
   if (!active_) return;
   moments_ = moments;
-  const std::size_t most = (n + kModePadding - 1) / kModePadding;
-  due_ = all || wait_ > 0 ? due_ : due_ + static_cast<float>(most) * std::min(change / kFastChange, 1.0F);
-  const std::size_t count = all ? most : wait_ > 0 ? 1 : std::min(most, static_cast<std::size_t>(due_));
+  const std::size_t max = (n + kModePadding - 1) / kModePadding;
+  due_ = all || wait_ > 0 ? due_ : due_ + static_cast<float>(max) * std::min(change / kFastChange, 1.0F);
+  const std::size_t count = all ? max : wait_ > 0 ? 1 : std::min(max, static_cast<std::size_t>(due_));
   due_ -= std::min(due_, static_cast<float>(count));
   for (std::size_t i = 0; i < count; ++i) {
     look_at_block(next_, anew);
-    if (++next_ < most) continue;
+    if (++next_ < max) continue;
     next_ = 0;
     if (!all) share_ = std::clamp(moved_ / std::max(could_move_, 1e-9F), kMinShare, 1.0F);
     moved_ = could_move_ = 0;

@@ -57,9 +57,9 @@ struct GlideMatrix {
   static std::shared_ptr<const GlideMatrix> of(const ModeTable& table, const modal::MaterialScale& material,
                                                const std::vector<double>& output_per_velocity);
 
-  // The lowest modes with terms, at most `most`, ascending; those that make no sound are left out. [worker]
+  // The lowest modes with terms, at most `max`, ascending; those that make no sound are left out. [worker]
   static std::vector<GlidingMode> lowest(const ModeTable& table, const modal::MaterialScale& material,
-                                         const std::vector<double>& output_per_velocity, std::size_t most);
+                                         const std::vector<double>& output_per_velocity, std::size_t max);
 };
 
 // x from x0, as above, at least -1/2.

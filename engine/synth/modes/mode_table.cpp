@@ -29,8 +29,8 @@ struct PlayableMode {
 modal::DampedMode damped(const modal::DampedMode& mode, double added_decay_per_s) {
   constexpr double kMaxOfOmega = 0.9;
   if (added_decay_per_s == 0 || mode.frequency_hz <= 0) return mode;
-  const double lambda = modal::undamped_lambda(mode), most = kMaxOfOmega * std::sqrt(lambda);
-  const double decay = std::max(mode.decay_per_s, std::min(mode.decay_per_s + added_decay_per_s, most));
+  const double lambda = modal::undamped_lambda(mode), max = kMaxOfOmega * std::sqrt(lambda);
+  const double decay = std::max(mode.decay_per_s, std::min(mode.decay_per_s + added_decay_per_s, max));
   return {modal::rad_per_s_to_hz(std::sqrt(lambda - decay * decay)), decay};
 }
 
@@ -145,8 +145,8 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
     std::fill(band_.begin() + static_cast<std::ptrdiff_t>(slow_modes_), band_.end(), band_[slow_modes_ - 1]);
   if (!bank().nonlinear || weight_.empty()) return;
   // A mode that radiates nothing still bends the others' pitch, and only its state tells its amplitude.
-  const double least = kUnheard * *std::max_element(weight_.begin(), weight_.end());
-  for (double& weight : weight_) weight = std::max(weight, least);
+  const double min = kUnheard * *std::max_element(weight_.begin(), weight_.end());
+  for (double& weight : weight_) weight = std::max(weight, min);
   std::vector<double> output_per_velocity = weight_;
   for (double& output : output_per_velocity) output /= modal::shape_factor(material);
   glide = GlideMatrix::of(*this, material, output_per_velocity);

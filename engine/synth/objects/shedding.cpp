@@ -110,12 +110,12 @@ void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
 // Counts the levels of some sources after those of the last chunk; what has been counted decides once all have been.
 void Shedding::survey(std::span<Source* const> sources, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
   if (next_surveyed_ == 0) counting_.clear();
-  const double most = kSurveyShare * budget_.affordable();
+  const double max = kSurveyShare * budget_.affordable();
   double units = 0;
   std::size_t at = std::min(next_surveyed_, sources.size());
   for (std::size_t i = 0; i < sources.size(); ++i) {
     Source& source = *sources[i];
-    source.look_again = i >= at && (units < most || i == at);
+    source.look_again = i >= at && (units < max || i == at);
     if (!source.look_again) continue;
     const ModeStates::Counts counts = source.counts();
     source.count_levels(chunk, counting_);

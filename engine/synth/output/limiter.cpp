@@ -24,7 +24,7 @@ Limiter::Limiter(double sample_rate_hz, double ceiling_db)
       second_box_(first_box_ + 1),
       delay_(first_box_ + second_box_ - 2),
       release_(-std::expm1(-1 / (kRelease_s * sample_rate_hz))),
-      least_(delay_ + 1),
+      min_(delay_ + 1),
       first_(first_box_, kUnity),
       second_(second_box_, kUnity * first_box_),
       late_left_(delay_ + 1, 0.0f),
@@ -62,11 +62,11 @@ double Limiter::gain_for(float peak) RINGDOWN_REALTIME {
   const bool loud = peak > ceiling_;
   if (!loud && unsettled_ == 0) return 1;
   const double needed = static_cast<double>(ceiling_) / static_cast<double>(peak);
-  const Gain least = least_.push(loud ? static_cast<Gain>(needed * static_cast<double>(kUnity)) : kUnity);
+  const Gain min = min_.push(loud ? static_cast<Gain>(needed * static_cast<double>(kUnity)) : kUnity);
   constexpr Gain kNearUnity = kUnity >> 20;
   const Gain missing = kUnity - released_;
   const Gain back = static_cast<Gain>(release_ * static_cast<double>(missing)) + 1;
-  released_ = std::min(least, missing < kNearUnity ? kUnity : released_ + back);
+  released_ = std::min(min, missing < kNearUnity ? kUnity : released_ + back);
   const std::size_t to_settle = delay_ + 1 + first_box_ + second_box_;
   unsettled_ = loud || released_ < kUnity ? to_settle : unsettled_ - 1;
   const Gain sum = second_.push(first_.push(released_));

@@ -74,7 +74,7 @@ class Limiter {
   const std::size_t first_box_, second_box_;  // lengths of the two successive means
   const std::size_t delay_;
   const double release_;  // share of the distance to 1 that is recovered per frame
-  Least least_;
+  Least min_;
   Gain released_ = kUnity;
   Sum first_, second_;
   std::size_t unsettled_ = 0;                  // frames until the gain is 1 again without further peaks

@@ -10,8 +10,8 @@ constexpr double kMaxTouchForce_n = 1e6, kMaxTouchSpeed_m_s = 1e3;
 
 // Not-a-number lies in no range.
 bool is_sane(const Touch& t) RINGDOWN_REALTIME {
-  const auto within = [](double value, double least, double most)
-                          RINGDOWN_REALTIME { return value >= least && value <= most; };
+  const auto within = [](double value, double min, double max)
+                          RINGDOWN_REALTIME { return value >= min && value <= max; };
   if (t.kind == Touch::Kind::rub && t.force_n == 0) return true;  // it ends, wherever it was
   const bool common = std::abs(dot(t.direction, t.direction) - 1) < 1e-6 && within(t.force_n, 0, kMaxTouchForce_n) &&
                       within(t.friction, 0, 10) && within(t.bounce, 0.01, 1);

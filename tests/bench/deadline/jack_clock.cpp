@@ -44,13 +44,13 @@ int JackClock::process(std::uint32_t frames) {
 double JackClock::strayed_s() const {
   const std::size_t begin = begin_, end = seen_;
   if (end < begin + kFewCycles || end == cycles_.size()) return std::numeric_limits<double>::infinity();
-  double least = std::numeric_limits<double>::infinity(), most = -least;
+  double min = std::numeric_limits<double>::infinity(), max = -min;
   for (std::size_t i = begin; i < end; ++i) {
     const double offset_s = cycles_[i].began_s - cycles_[i].frames_s;
-    least = std::min(least, offset_s);
-    most = std::max(most, offset_s);
+    min = std::min(min, offset_s);
+    max = std::max(max, offset_s);
   }
-  return most - least;
+  return max - min;
 }
 
 }  // namespace ringdown::bench

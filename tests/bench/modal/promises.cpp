@@ -18,11 +18,11 @@ bool has_time(const Measurement* m) {
   return m != nullptr && (m->status == Status::kDone || m->status == Status::kOverLimit);
 }
 
-Promise ratio(const std::string& name, const Measurement* peer, const Measurement* ours, double least) {
+Promise ratio(const std::string& name, const Measurement* peer, const Measurement* ours, double min) {
   const std::string what = "times as fast as " + name;
   if (ours == nullptr || ours->status != Status::kDone) return not_measured("ours beside " + name, ours);
   if (!has_time(peer)) return not_measured(place(*ours) + what, peer);
-  return at_least(place(*ours) + what, peer->seconds / ours->seconds, least, peer->status == Status::kOverLimit);
+  return at_least(place(*ours) + what, peer->seconds / ours->seconds, min, peer->status == Status::kOverLimit);
 }
 
 // Two programs that share no code, on one mesh: the frequencies are those of the mesh.
@@ -35,7 +35,7 @@ void add_agreement(std::vector<Promise>& list, const Measurement* peer) {
     return list.push_back(not_measured(peer->spec.body + ": " + peer->spec.method, peer));
   const std::string what = place(*peer) + "largest relative difference from " + peer->spec.method;
   if (peer->difference < 0) return list.push_back({what + ": other numbers of modes", Promise::kMissed});
-  list.push_back(at_most(what, peer->difference, 1e-5, ""));
+  list.push_back(capped(what, peer->difference, 1e-5, ""));
 }
 
 void add_agreements(std::vector<Promise>& list, const Measurements& all, const Spec& ours) {
@@ -65,9 +65,9 @@ void add_errors(std::vector<Promise>& list, const Measurement* m, const Spec& sp
     return list.push_back(not_measured(spec.body + " with default settings", m));
   }
   const std::string what = place(*m) + "with default settings, worst error of the first ";
-  const auto add = [&](const char* count, double error, double most) {
+  const auto add = [&](const char* count, double error, double max) {
     if (error < 0) return list.push_back({what + count + ": fewer modes were found", Promise::kMissed});
-    list.push_back(at_most(what + count, error, most, " %"));
+    list.push_back(capped(what + count, error, max, " %"));
   };
   add("10", m->error_10, 0.02);
   add("50", m->error_50, 0.1);
@@ -91,7 +91,7 @@ std::vector<Promise> promises(const std::vector<Spec>& plan, const Measurements&
     if (part != "memory") continue;
     if (m == nullptr || m->status != Status::kDone) list.push_back(not_measured("memory", m));
     if (m != nullptr && m->status == Status::kDone)
-      list.push_back(at_most(place(*m) + "peak memory", m->peak_mib, 4096, " MiB"));
+      list.push_back(capped(place(*m) + "peak memory", m->peak_mib, 4096, " MiB"));
   }
   return list;
 }

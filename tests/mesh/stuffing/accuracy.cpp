@@ -23,7 +23,7 @@ Errors errors(const Eigen::VectorXd& found, std::span<const double> truth) {
   for (int mode = 0; mode < 10; ++mode) {
     const double error = mode < found.size() ? found[mode] / truth[mode] - 1 : 1;
     result.mean += error / 10;
-    if (std::abs(error) > std::abs(result.most)) result.most = error;
+    if (std::abs(error) > std::abs(result.max)) result.max = error;
   }
   return result;
 }

@@ -13,7 +13,7 @@ namespace ringdown::test {
 Eigen::VectorXd frequencies(const mesh::TetMesh& mesh, int order, double highest_hz);
 
 struct Errors {
-  double most = 0, mean = 0;  // of the first ten modes, relative
+  double max = 0, mean = 0;  // of the first ten modes, relative
 };
 Errors errors(const Eigen::VectorXd& found, std::span<const double> truth);
 

@@ -92,7 +92,7 @@ Row measure(const mesh::TetMesh& mesh, int order, const std::vector<double>& tru
 
 void print(const char* shape, const char* how, int order, const Row& row) {
   std::printf("%s\t%s\t%d\t%ld\t%ld\t%+.3g %%\t%+.3g %%\t%.0f, %.0f\n", shape, how, order, row.elements, row.unknowns,
-              100 * row.errors.mean, 100 * row.errors.most, row.angles.least, row.angles.most);
+              100 * row.errors.mean, 100 * row.errors.max, row.angles.min, row.angles.max);
   std::fflush(stdout);
 }
 
@@ -127,12 +127,12 @@ TEST(StuffingAccuracy, StuffedBodiesSoundWithinTheTable) {
 // Drawing its edges out again is worth more than any order of elements.
 TEST(StuffingAccuracy, DrawingOutSharpEdgesNearlyHalvesTheErrorOfABlockAskew) {
   const Shape block = shapes()[0];
-  const auto most = [&](bool sharpen) {
+  const auto max = [&](bool sharpen) {
     const auto stuffed = mesh::stuff(block.surface, {.size_m = 0.016, .sharpen = sharpen});
     EXPECT_TRUE(stuffed) << stuffed.error().message;
-    return std::abs(errors(frequencies(stuffed->mesh, 2, block.highest_hz), block.exact).most);
+    return std::abs(errors(frequencies(stuffed->mesh, 2, block.highest_hz), block.exact).max);
   };
-  const double sharp = most(true), cut = most(false);
+  const double sharp = max(true), cut = max(false);
   EXPECT_LT(sharp, 0.55 * cut);
   EXPECT_LT(sharp, 0.06);
 }
@@ -153,8 +153,8 @@ TEST(StuffingAccuracy, DamageMovesFrequenciesLittle) {
                                                   {"inside out", inside_out(sphere)}};
   for (const auto& [name, soup] : damaged) {
     const Errors off = errors(hz(soup), truth);
-    std::printf("%s: mean %+.4f %%, most %+.4f %%\n", name, 100 * off.mean, 100 * off.most);
-    EXPECT_LT(std::abs(off.most), 0.01) << name;
+    std::printf("%s: mean %+.4f %%, most %+.4f %%\n", name, 100 * off.mean, 100 * off.max);
+    EXPECT_LT(std::abs(off.max), 0.01) << name;
   }
 }
 
@@ -167,8 +167,8 @@ TEST(StuffingAccuracy, BoxesThroughEachOtherAreTheirUnion) {
   ASSERT_TRUE(a && b);
   const Eigen::VectorXd sound = frequencies(a->mesh, 2, 30e3);
   const Errors off = errors(frequencies(b->mesh, 2, 30e3), std::vector<double>(sound.begin(), sound.begin() + 10));
-  std::printf("union: most %+.5f %%\n", 100 * off.most);
-  EXPECT_LT(std::abs(off.most), 1e-3);
+  std::printf("union: most %+.5f %%\n", 100 * off.max);
+  EXPECT_LT(std::abs(off.max), 1e-3);
 }
 
 }  // namespace

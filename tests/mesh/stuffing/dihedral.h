@@ -12,7 +12,7 @@
 namespace ringdown::test {
 
 struct Dihedral {
-  double least = 180, most = 0;  // [degrees]
+  double min = 180, max = 0;  // [degrees]
   double volume = 0;
 };
 
@@ -36,8 +36,8 @@ inline Dihedral dihedral(const mesh::TetMesh& mesh) {
                      c = between(at, to, others[1]);
         const double cosine = (std::cos(a) - std::cos(b) * std::cos(c)) / (std::sin(b) * std::sin(c));
         const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
-        found.least = std::min(found.least, angle);
-        found.most = std::max(found.most, angle);
+        found.min = std::min(found.min, angle);
+        found.max = std::max(found.max, angle);
       }
     }
     const Eigen::Matrix3d edges = x.bottomRows<3>().rowwise() - x.row(0);

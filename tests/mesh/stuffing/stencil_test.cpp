@@ -83,16 +83,16 @@ TEST(Stencil, TheStencilHasNoWorseAnglesThanPromised) {
       for (int moves = 0; moves < power(kMoves, one.movable.size()) && one.parts.count > 0; ++moves) {
         for (int cuts = 0; cuts < power(kCuts, one.cuttable.size()); ++cuts) {
           const Dihedral found = dihedral(cut(one, moves, cuts));
-          all.least = std::min(all.least, found.least);
-          all.most = std::max(all.most, found.most);
+          all.min = std::min(all.min, found.min);
+          all.max = std::max(all.max, found.max);
         }
       }
     }
   }
-  EXPECT_GE(all.least, mesh::kMinDihedral);
-  EXPECT_LE(all.most, mesh::kMaxDihedral);
-  EXPECT_NEAR(all.least, mesh::kMinDihedral, 0.02) << "the promise is not the best that can be given";
-  EXPECT_NEAR(all.most, mesh::kMaxDihedral, 0.02);
+  EXPECT_GE(all.min, mesh::kMinDihedral);
+  EXPECT_LE(all.max, mesh::kMaxDihedral);
+  EXPECT_NEAR(all.min, mesh::kMinDihedral, 0.02) << "the promise is not the best that can be given";
+  EXPECT_NEAR(all.max, mesh::kMaxDihedral, 0.02);
 }
 
 }  // namespace

@@ -53,8 +53,8 @@ TEST_P(StuffingOf, StuffingGivesASoundMeshWithinTheAngles) {
   const auto stuffed = mesh::stuff(GetParam().surface, {.size_m = GetParam().size_m});
   ASSERT_TRUE(stuffed) << stuffed.error().message;
   const Dihedral angles = dihedral(stuffed->mesh);
-  EXPECT_GE(angles.least, mesh::kMinDihedral);
-  EXPECT_LE(angles.most, mesh::kMaxDihedral);
+  EXPECT_GE(angles.min, mesh::kMinDihedral);
+  EXPECT_LE(angles.max, mesh::kMaxDihedral);
   const auto checked = mesh::check_mesh(stuffed->mesh, GetParam().name);
   ASSERT_TRUE(checked) << checked.error().message;
   EXPECT_EQ(checked->flipped, 0);
@@ -62,7 +62,7 @@ TEST_P(StuffingOf, StuffingGivesASoundMeshWithinTheAngles) {
   EXPECT_EQ(checked->unused_nodes, 0);
   RecordProperty("elements", static_cast<int>(stuffed->mesh.elements.rows()));
   std::printf("%-26s %7ld elements, %5.2f to %6.2f degrees, volume %+.2f %%, %d crumbs, %d hinges, %d pieces\n",
-              GetParam().name, stuffed->mesh.elements.rows(), angles.least, angles.most,
+              GetParam().name, stuffed->mesh.elements.rows(), angles.min, angles.max,
               GetParam().volume > 0 ? 100 * (angles.volume / GetParam().volume - 1) : 0., stuffed->crumbs,
               stuffed->hinges, checked->pieces);
   if (GetParam().volume > 0) {
@@ -113,10 +113,10 @@ TEST(StuffingAnglesHold, AnglesHoldWhereverEdgesAreCut) {
     const auto stuffed = mesh::stuff(Chance(7, share), {.size_m = 1});
     ASSERT_TRUE(stuffed) << stuffed.error().message;
     const Dihedral angles = dihedral(stuffed->mesh);
-    std::printf("share %.2f: %ld elements, %.3f to %.3f\n", share, stuffed->mesh.elements.rows(), angles.least,
-                angles.most);
-    EXPECT_GE(angles.least, mesh::kMinDihedral);
-    EXPECT_LE(angles.most, mesh::kMaxDihedral);
+    std::printf("share %.2f: %ld elements, %.3f to %.3f\n", share, stuffed->mesh.elements.rows(), angles.min,
+                angles.max);
+    EXPECT_GE(angles.min, mesh::kMinDihedral);
+    EXPECT_LE(angles.max, mesh::kMaxDihedral);
     const auto checked = mesh::check_mesh(stuffed->mesh, "chance");
     EXPECT_TRUE(checked) << checked.error().message;
   }

@@ -261,15 +261,15 @@ TEST(Breaking, CostOfSixtyPieces) {
     const auto begun = Clock::now();
     const Breaking breaking(modes, mass, pieces, 3e-5);
     const std::chrono::duration<double, std::milli> prepared = Clock::now() - begun;
-    std::chrono::duration<double, std::milli> least(1e9);
+    std::chrono::duration<double, std::milli> min(1e9);
     double energy = 0;
     for (int i = 0; i < 50; ++i) {
       const auto start = Clock::now();
       energy += breaking(state, 1e-6).ringing_j;
-      least = std::min<std::chrono::duration<double, std::milli>>(least, Clock::now() - start);
+      min = std::min<std::chrono::duration<double, std::milli>>(min, Clock::now() - start);
     }
     std::printf("60 pieces x %zu modes x 100: prepared in %.2f ms, broken in %.3f ms\n", own, prepared.count(),
-                least.count());
+                min.count());
     EXPECT_GT(energy, 0);
   }
 }
