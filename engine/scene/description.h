@@ -10,6 +10,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/bank.h"
 #include "engine/modal/material_scale.h"
+#include "engine/scene/foley/limits.h"
 #include "engine/synth/events/event.h"
 
 #include <array>
@@ -296,6 +297,7 @@ struct SceneDescription {
   std::vector<EmitterDescription> emitters;
   std::optional<CameraDescription> camera;
   std::optional<ListenerDescription> listener;
+  std::optional<FoleyLimits> foley;  // set: contacts of animated bodies are recovered from their motion
 };
 
 }  // namespace ringdown::scene

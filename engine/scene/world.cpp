@@ -5,6 +5,8 @@
 #include "engine/scene/check.h"
 #include "engine/scene/contact/contact_sounds.h"
 #include "engine/scene/contact/lasting_events.h"
+#include "engine/scene/foley/playback.h"
+#include "engine/scene/foley/scene_contacts.h"
 #include "engine/scene/motion_path.h"
 #include "engine/scene/ode/simulation.h"
 #include "engine/scene/rotation.h"
@@ -86,13 +88,18 @@ struct World::State {
   FrameClock timeline;
   std::vector<WaitingJoint> joints;
   std::vector<BodyId> driven;  // bodies that follow a path
+  bool foley;                  // whether the contacts of those bodies are recovered from their motion
+  std::optional<FoleyPlayback> recovered;
+  std::vector<ContactPoint> points;  // of a part: recovered and simulated ones
   std::int64_t steps = 0;
   int part = 0;             // of the step being done
   double next_start_s = 0;  // no waiting body enters before this time
   // Results of the last step:
   std::vector<synth::Event> events;
+  std::vector<HeardContact> contacts;
   std::vector<RestDamping> rest_dampings;
   std::vector<std::string> notices;
+  std::vector<std::string> first_notices;  // for the report of the first step
   std::size_t dropped_events = 0, dropped_contacts = 0;
 };
 
@@ -105,7 +112,8 @@ World::State::State(const SceneDescription& scene, double sample_rate_hz)
       simulation(with_step(scene, part_s)),
       sounds(with_step(scene, part_s)),
       timeline{.sample_rate_hz = sample_rate_hz},
-      joints(joints_of(scene)) {
+      joints(joints_of(scene)),
+      foley(scene.foley.has_value()) {
   events.reserve(kMaxEventsPerStep);
 }
 
@@ -169,6 +177,7 @@ void World::State::put(BodyId id, const Body& body, const Solid& solid) {
   ContactSide side =
       side_of(description, solid, object ? object->bank.get() : nullptr, store.scale_of(description.object));
   side.object = body.object;
+  if (foley && description.path) side.mass = solid.mass;
   sounds.set_side(id, std::move(side));
 }
 
@@ -207,11 +216,18 @@ void World::State::do_part() {
   let_in();
   drive();
   const bool asleep = simulation.asleep();
-  if (asleep && sounds.quiet()) return;
-  const auto points = asleep ? std::span<const ContactPoint>() : simulation.step(given_up);
+  if (asleep && sounds.quiet() && (!recovered || recovered->over(time_s()))) return;
+  auto found = asleep ? std::span<const ContactPoint>() : simulation.step(given_up);
+  if (recovered) {
+    const auto played = recovered->step(time_s(), part_s);
+    points.assign(found.begin(), found.end());
+    points.insert(points.end(), played.begin(), played.end());
+    found = points;
+  }
   const auto moved = asleep ? std::span<const MovedBody>() : simulation.moved();
-  const std::span<const synth::Event> part_events = sounds.process(points, moved, time_s(), timeline);
+  const std::span<const synth::Event> part_events = sounds.process(found, moved, time_s(), timeline);
   events.insert(events.end(), part_events.begin(), part_events.end());
+  contacts.insert(contacts.end(), sounds.heard().begin(), sounds.heard().end());
   rest_dampings.insert(rest_dampings.end(), sounds.rest_dampings().begin(), sounds.rest_dampings().end());
   dropped_events += sounds.dropped();
   if (asleep) return;
@@ -268,6 +284,12 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
   for (const EmitterDescription& emitter : scene.emitters) {
     if (const auto added = state->add_all(emitter); !added) return fail(added.error());
   }
+  if (scene.foley) {
+    auto recovered = recover_contacts(scene, state->store);
+    if (!recovered) return fail(recovered.error());
+    state->first_notices = recovered->notes;
+    state->recovered.emplace(*std::move(recovered));
+  }
   return World(std::move(state));
 }
 
@@ -279,13 +301,14 @@ StepReport World::step(const std::atomic<int>* given_up) {
   State& state = *state_;
   state.given_up = given_up;
   state.events.clear();
-  state.notices.clear();
+  state.notices = std::exchange(state.first_notices, {});
+  state.contacts.clear();
   state.rest_dampings.clear();
   state.dropped_events = state.dropped_contacts = 0;
   for (state.part = 0; state.part < state.parts; ++state.part) state.do_part();
   state.part = 0;
   ++state.steps;
-  return {state.events, state.rest_dampings, state.notices, state.dropped_events, state.dropped_contacts};
+  return {state.events, state.rest_dampings, state.contacts, state.notices, state.dropped_events, state.dropped_contacts};
 }
 
 bool World::sounds() const {
