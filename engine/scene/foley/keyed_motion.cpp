@@ -66,6 +66,14 @@ Push KeyedMotion::push(std::size_t k) const {
           after.momentum_nms - before.momentum_nms};
 }
 
+bool KeyedMotion::turns_fast(std::size_t k) const {
+  constexpr double kFast_rad = 1.8;
+  const auto is_fast = [this](std::size_t interval) {
+    return length(way_between(frames_[interval].rotation, frames_[interval + 1].rotation)) > kFast_rad;
+  };
+  return moves() && k > 0 && k < intervals_.size() && (is_fast(k - 1) || is_fast(k));
+}
+
 Matrix3 KeyedMotion::turned_inertia(const Rotation& rotation) const {
   const Matrix3 turn = to_matrix(rotation);
   return product(product(turn, inverse_inertia_), transpose(turn));

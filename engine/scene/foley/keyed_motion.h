@@ -47,6 +47,10 @@ class KeyedMotion {
   // Returns what acted on the body around frame `k`; nothing for a body that never moves, and where the body jumps.
   [[nodiscard]] Push push(std::size_t k) const;
 
+  // Returns whether the body turns so far from one frame to the next, beside frame k, that it may as well have turned
+  // the other way round. Nothing is then known of its angular momentum.
+  [[nodiscard]] bool turns_fast(std::size_t k) const;
+
   [[nodiscard]] double inverse_mass() const { return moves() ? 1 / mass_.mass_kg : 0; }
   [[nodiscard]] Matrix3 inverse_inertia(std::size_t k) const;  // world axes, in frame k; zero if it never moves
 

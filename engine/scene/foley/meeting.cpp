@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kHalvings = 5;   // of the step in which two bodies begin to overlap
 constexpr int kMaxSteps = 12;  // of the way to a blow
+constexpr double kSame_m = 0.005;  // distance of points that count as one
 
 enum class Way { onward, between, backward };
 
@@ -83,17 +84,29 @@ Meeting find_meeting(PosedColliders& colliders, const Meeter& first, const Meete
   const double size2 = dot(pushed, pushed);
   const double share = size2 > 0 ? std::clamp(dot(pushed_after, pushed) / size2, 0.0, 1.0) : 0.5;
   const Search search(colliders, first, second, k);
-  if (Meeting met = search.first_touch(Way::onward, 0, share); !met.points.empty()) return met;
-  if (Meeting met = search.first_touch(Way::backward, 1, share); !met.points.empty()) {
+  Meeting met = search.first_touch(Way::onward, 0, share);
+  const Meeting later = search.first_touch(Way::backward, 1, share);
+  if (met.points.empty() && !later.points.empty()) {
+    met = later;
     met.first = first.motion->onward(k, share);
     met.second = second.motion->onward(k, share);
     return met;
   }
+  const auto is_known = [&](const PosedContact& point) {
+    return std::ranges::any_of(met.points, [&](const PosedContact& known) {
+      return length(known.point_m - point.point_m) < kSame_m && dot(known.normal, point.normal) > 0.9;
+    });
+  };
+  for (const PosedContact& point : later.points) {
+    if (!is_known(point)) met.points.push_back(point);
+  }
+  if (!met.points.empty()) return met;
   if (!(size2 > 0)) return {};
   const Vec3 against = (-1 / std::sqrt(size2)) * pushed;
   for (const double part : {0.1, 0.4, 1.0}) {
-    if (Meeting met = search.at(Way::onward, share, part * gap_m * against); !met.points.empty()) return met;
-    if (Meeting met = search.at(Way::between, share, part * gap_m * against); !met.points.empty()) return met;
+    met = search.at(Way::onward, share, part * gap_m * against);
+    if (met.points.empty()) met = search.at(Way::between, share, part * gap_m * against);
+    if (!met.points.empty()) return met;
   }
   return {};
 }

@@ -42,8 +42,8 @@ double inverse_mass_at(const KeyedMotion& motion, std::size_t k, Vec3 arm_m, Vec
 class Recoverer {
  public:
   Recoverer(std::vector<FoleyBody> bodies, PosedColliders& colliders, const PairFilter& filter,
-            const FoleyLimits& limits, double every_s, std::size_t frames)
-      : colliders_(colliders), filter_(filter), limits_(limits), every_s_(every_s), frames_(frames) {
+            const FoleyLimits& limits, double gravity_m_s2, double every_s, std::size_t frames)
+      : colliders_(colliders), filter_(filter), limits_(limits), gravity_m_s2_(gravity_m_s2), every_s_(every_s), frames_(frames) {
     result_.every_s = every_s;
     result_.bodies = std::move(bodies);
   }
@@ -115,7 +115,10 @@ class Recoverer {
 
   void find_touch(std::size_t k, Indices pair) {
     const FoleyBody &one = body(pair.first), &two = body(pair.second);
-    const double gap_m = (touched(pair, k) ? 2 : 1) * limits_.gap_m;
+    double gap_m = (touched(pair, k) ? 2 : 1) * limits_.gap_m;
+    for (const std::size_t n : {pair.first, pair.second}) {
+      if (motion(n).turns_fast(k) || motion(n).turns_fast(k + 1)) gap_m = std::max(gap_m, kFastGap * body(n).radius_m);
+    }
     if (!one.motion.has_interval(k) || !two.motion.has_interval(k)) return;
     if (!spans_[pair.first].meets(spans_[pair.second], gap_m) || !filter_.may_touch(one.id, two.id)) return;
     const auto relative = [&](std::size_t frame) {
@@ -134,6 +137,7 @@ class Recoverer {
     return k > 0 && std::ranges::any_of(touches_[k - 1], [&](const Touch& touch) { return touch.pair == pair; });
   }
   [[nodiscard]] const Touch* touch_of(Indices pair, std::size_t k) const {
+    if (k >= touches_.size()) return nullptr;
     const auto found = std::ranges::find(touches_[k], pair, &Touch::pair);
     return found == touches_[k].end() ? nullptr : &*found;
   }
@@ -144,6 +148,7 @@ class Recoverer {
     for (std::size_t n = 0; n < count(); ++n) {
       if (!motion(n).moves()) continue;
       pushed[n] = {motion(n).inverse_mass(), motion(n).inverse_inertia(k), motion(n).push(k)};
+      if (motion(n).turns_fast(k)) pushed[n].inverse_inertia = {}, pushed[n].push.angular_nms = {};
     }
     std::vector<PushContact> contacts;
     std::vector<Vec3*> results;
@@ -173,29 +178,56 @@ class Recoverer {
   }
 
   void divide(Indices pair, PushSeries series) {
+    hold_ends(series);
+    if (getenv("DEBUG_PAIR") && body(pair.first).id == (BodyId)atoi(getenv("DEBUG_PAIR"))) {
+      const std::size_t mid = atoi(getenv("DEBUG_FRAME"));
+      for (std::size_t k = mid - 3; k < mid + 5; ++k) {
+        const Vec3 v = series.contains(k) ? series.at(k) : Vec3{};
+        const Push p = motion(pair.first).push(k);
+        std::printf("%zu: series %.5f %.5f %.5f push %.5f %.5f %.5f ang %.6f %.6f %.6f fast %d\n", k, v.x, v.y, v.z, p.linear_ns.x, p.linear_ns.y, p.linear_ns.z, p.angular_nms.x, p.angular_nms.y, p.angular_nms.z, motion(pair.first).turns_fast(k));
+        if (const Touch* t = touch_of(pair, k)) {
+          const auto c = closing(*t, k);
+          std::printf("   touch share %.3f approach %.3f invmass %.2f\n", t->met.share, c.approach_m_s, c.inverse_mass);
+          for (std::size_t p2 = 0; p2 < t->met.points.size(); ++p2) { const auto& q = t->met.points[p2]; std::printf("     at %.4f %.4f %.4f n %.2f %.2f %.2f depth %.5f before %.5f after %.5f\n", q.point_m.x, q.point_m.y, q.point_m.z, q.normal.x, q.normal.y, q.normal.z, q.depth_m, length(t->before_ns[p2]), length(t->after_ns[p2])); }
+        }
+      }
+    }
     std::map<std::size_t, Approach> approaches;
     std::map<std::size_t, double> speeds;
     for (const auto& [frame, push] : series) {
-      for (const std::size_t k : {frame - 1, frame}) {
+      for (const std::size_t k : {std::max<std::size_t>(frame, 1) - 1, frame}) {
         const Touch* touch = touch_of(pair, k);
         if (!touch || approaches.contains(k)) continue;
         const auto [approach_m_s, normal, inverse_mass] = closing(*touch, k);
-        if (!(approach_m_s > limits_.strike_m_s) || !(inverse_mass > 0)) continue;
-        approaches[k] = {normal, approach_m_s / inverse_mass, touch->met.share};
-        speeds[k] = approach_m_s;
+        if (!(inverse_mass > 0)) continue;
+        const bool strikes = approach_m_s > limits_.strike_m_s;
+        approaches[k] = {normal, (strikes ? approach_m_s : 2 * kBurst_m_s) / inverse_mass, touch->met.share};
+        speeds[k] = std::max(approach_m_s, kBurst_m_s);
       }
     }
-    for (const Blow& blow : take_blows(series, approaches)) {
+    for (const Blow& blow : take_blows(series, approaches, weight_ns(pair))) {
       add_blow(pair, blow, speeds.at(blow.interval));
       explain(pair, blow.interval, (1 - blow.share) * blow.impulse_ns, blow.share * blow.impulse_ns);
     }
     for (const auto& [frame, push] : series) {
-      const bool before = touch_of(pair, frame - 1), after = touch_of(pair, frame);
+      const bool before = frame > 0 && touch_of(pair, frame - 1), after = touch_of(pair, frame);
       const Vec3 part = (before && after ? 0.5 : 1.0) * push;
       if (before) explain(pair, frame - 1, {}, part);
       if (after) explain(pair, frame, part, {});
     }
     add_touches(pair, series);
+  }
+
+  // Beyond the first and the last frame that tell something, a load goes on.
+  void hold_ends(PushSeries& series) const {
+    const auto smaller = [&](std::size_t k, std::size_t other) {
+      const auto one = series.find(k), two = series.find(other);
+      if (one == series.end() || two == series.end()) return Vec3{};
+      return length(one->second) < length(two->second) ? one->second : two->second;
+    };
+    if (frames_ < 4) return;
+    series[0] = smaller(1, 2);
+    series[frames_ - 1] = series[frames_] = series[frames_ + 1] = smaller(frames_ - 2, frames_ - 3);
   }
 
   // Tells both bodies what a contact of interval `k` did to them, around the frames before and after it.
@@ -220,7 +252,7 @@ class Recoverer {
   };
   // The fastest point at which the two come together.
   [[nodiscard]] Closing closing(const Touch& touch, std::size_t k) const {
-    Closing fastest;
+    Closing fastest{.approach_m_s = -1e300};
     for (const PosedContact& point : touch.met.points) {
       const Vec3 apart = touch.met.first.velocity_at(point.point_m) - touch.met.second.velocity_at(point.point_m);
       const double approach = -dot(apart, point.normal);
@@ -269,19 +301,21 @@ class Recoverer {
     return mean;
   }
 
+  [[nodiscard]] double lighter_kg(Indices pair) const {
+    return 1 / std::max(motion(pair.first).inverse_mass(), motion(pair.second).inverse_mass());
+  }
+  [[nodiscard]] double weight_ns(Indices pair) const { return lighter_kg(pair) * gravity_m_s2_ * every_s_; }
+
   void add_touches(Indices pair, const PushSeries& series) {
     const auto force_at = [&](std::size_t k) {
       const auto found = series.find(k);
       return found == series.end() ? Vec3{} : (1 / every_s_) * found->second;
     };
-    double lighter_kg = 1e300;
-    for (const std::size_t n : {pair.first, pair.second})
-      if (motion(n).moves()) lighter_kg = std::min(lighter_kg, 1 / motion(n).inverse_mass());
-    const double noise_n = lighter_kg * limits_.jitter_m_s / every_s_;
+    const double noise_n = lighter_kg(pair) * limits_.jitter_m_s / every_s_;
     for (const auto& [frame, push] : series) {
-      for (const std::size_t k : {frame - 1, frame}) {
+      for (const std::size_t k : {std::max<std::size_t>(frame, 1) - 1, frame}) {
         const Touch* touch = touch_of(pair, k);
-        if (!touch || (k == frame - 1 && series.contains(k))) continue;
+        if (!touch || (k + 1 == frame && series.contains(k))) continue;
         const Vec3 start = force_at(k), end = force_at(k + 1);
         if (!(std::max(length(start), length(end)) > noise_n)) continue;
         RecoveredTouch lasting{.interval = k, .first = pair.first, .second = pair.second, .points = touch->met.points,
@@ -315,13 +349,15 @@ class Recoverer {
     }
   }
 
+  static constexpr double kFastGap = 0.5;  // of the radius of a body whose rotation between the frames is not known
+  static constexpr double kBurst_m_s = 0.15;  // a change of velocity beside a steady load that is a blow, or several
   static constexpr int kRounds = 3;  // of search and solution; each knows the velocities better
   static constexpr double kUnexplained_m_s = 0.5;  // changes of velocity worth a sentence
 
   PosedColliders& colliders_;
   const PairFilter& filter_;
   FoleyLimits limits_;
-  double every_s_;
+  double gravity_m_s2_, every_s_;
   std::size_t frames_;
   std::vector<Span> fixed_, spans_;          // of the bodies, in the interval that is looked at
   std::vector<std::vector<Touch>> touches_;  // of the intervals
@@ -333,8 +369,8 @@ class Recoverer {
 }  // namespace
 
 Recovery recover(std::vector<FoleyBody> bodies, PosedColliders& colliders, const PairFilter& filter,
-                 const FoleyLimits& limits, double every_s, std::size_t frames) {
-  return Recoverer(std::move(bodies), colliders, filter, limits, every_s, frames).recover();
+                 const FoleyLimits& limits, double gravity_m_s2, double every_s, std::size_t frames) {
+  return Recoverer(std::move(bodies), colliders, filter, limits, gravity_m_s2, every_s, frames).recover();
 }
 
 }  // namespace ringdown::scene

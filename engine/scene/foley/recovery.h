@@ -62,6 +62,6 @@ struct Recovery {
 // `bodies` and `colliders` hold the bodies and the statics of the scene, those that move first; all motions have frames
 // at the same intervals, `frames` at most.
 Recovery recover(std::vector<FoleyBody> bodies, PosedColliders& colliders, const PairFilter& filter,
-                 const FoleyLimits& limits, double every_s, std::size_t frames);
+                 const FoleyLimits& limits, double gravity_m_s2, double every_s, std::size_t frames);
 
 }  // namespace ringdown::scene

@@ -89,7 +89,8 @@ Result<Recovery> recover_contacts(const SceneDescription& scene, const BodyStore
     if (!joint.collides && !joint.other.empty()) filter.part(number(joint.body), number(joint.other));
   }
   moving.insert(moving.end(), std::make_move_iterator(fixed.begin()), std::make_move_iterator(fixed.end()));
-  return recover(std::move(moving), colliders, filter, *scene.foley, frames.every_s, frames.count);
+  return recover(std::move(moving), colliders, filter, *scene.foley, length(scene.gravity_m_s2), frames.every_s,
+                 frames.count);
 }
 
 }  // namespace ringdown::scene
