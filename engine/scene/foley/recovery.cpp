@@ -198,9 +198,9 @@ class Recoverer {
       for (const std::size_t k : {std::max<std::size_t>(frame, 1) - 1, frame}) {
         const Touch* touch = touch_of(pair, k);
         if (!touch || approaches.contains(k)) continue;
-        const auto [approach_m_s, normal, inverse_mass] = closing(*touch, k);
-        if (!(inverse_mass > 0)) continue;
+        const auto [approach_m_s, parting_m_s, normal, inverse_mass] = closing(*touch, k);
         const bool strikes = approach_m_s > limits_.strike_m_s;
+        if (!(inverse_mass > 0) || !(strikes || parting_m_s > kBurst_m_s)) continue;
         approaches[k] = {normal, (strikes ? approach_m_s : 2 * kBurst_m_s) / inverse_mass, touch->met.share};
         speeds[k] = std::max(approach_m_s, kBurst_m_s);
       }
@@ -246,13 +246,15 @@ class Recoverer {
   }
 
   struct Closing {
-    double approach_m_s = 0;
+    double approach_m_s = 0, parting_m_s = 0;  // along the normal, before and after
     Vec3 normal;
     double inverse_mass = 0;
   };
   // The fastest point at which the two come together.
   [[nodiscard]] Closing closing(const Touch& touch, std::size_t k) const {
     Closing fastest{.approach_m_s = -1e300};
+    const Motion first = motion(touch.pair.first).backward(k, touch.met.share);
+    const Motion second = motion(touch.pair.second).backward(k, touch.met.share);
     for (const PosedContact& point : touch.met.points) {
       const Vec3 apart = touch.met.first.velocity_at(point.point_m) - touch.met.second.velocity_at(point.point_m);
       const double approach = -dot(apart, point.normal);
@@ -260,7 +262,8 @@ class Recoverer {
       const double inverse_mass =
           inverse_mass_at(motion(touch.pair.first), k, point.point_m - touch.met.first.position_m, point.normal) +
           inverse_mass_at(motion(touch.pair.second), k, point.point_m - touch.met.second.position_m, point.normal);
-      fastest = {approach, point.normal, inverse_mass};
+      const double parting = dot(first.velocity_at(point.point_m) - second.velocity_at(point.point_m), point.normal);
+      fastest = {approach, parting, point.normal, inverse_mass};
     }
     return fastest;
   }
