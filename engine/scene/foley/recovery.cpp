@@ -180,7 +180,7 @@ class Recoverer {
   void divide(Indices pair, PushSeries series) {
     hold_ends(series);
     if (getenv("DEBUG_PAIR") && body(pair.first).id == (BodyId)atoi(getenv("DEBUG_PAIR"))) {
-      const std::size_t mid = atoi(getenv("DEBUG_FRAME"));
+      const std::size_t mid = atoi(getenv("DEBUG_FRAME")); std::printf("pair %u %u\n", body(pair.first).id, body(pair.second).id);
       for (std::size_t k = mid - 3; k < mid + 5; ++k) {
         const Vec3 v = series.contains(k) ? series.at(k) : Vec3{};
         const Push p = motion(pair.first).push(k);
@@ -264,6 +264,19 @@ class Recoverer {
           inverse_mass_at(motion(touch.pair.second), k, point.point_m - touch.met.second.position_m, point.normal);
       const double parting = dot(first.velocity_at(point.point_m) - second.velocity_at(point.point_m), point.normal);
       fastest = {approach, parting, point.normal, inverse_mass};
+      const double most = kMaxGuess * seen_m_s(touch.pair, k, point);
+      fastest.approach_m_s = std::min(approach, most), fastest.parting_m_s = std::min(parting, most);
+    }
+    return fastest;
+  }
+
+  // The fastest that the two go towards or away from each other at a point, by the frames around interval k alone.
+  [[nodiscard]] double seen_m_s(Indices pair, std::size_t k, const PosedContact& point) const {
+    double fastest = 0;
+    for (std::size_t near = k == 0 ? 0 : k - 1; near <= k + 1; ++near) {
+      const Motion first = motion(pair.first).between(near, 0.5), second = motion(pair.second).between(near, 0.5);
+      const Vec3 apart = first.velocity_at(point.point_m) - second.velocity_at(point.point_m);
+      fastest = std::max(fastest, std::abs(dot(apart, point.normal)));
     }
     return fastest;
   }
@@ -352,8 +365,9 @@ class Recoverer {
     }
   }
 
+  static constexpr double kMaxGuess = 2;  // approach before a blow, of the fastest that the frames show
   static constexpr double kFastGap = 0.5;  // of the radius of a body whose rotation between the frames is not known
-  static constexpr double kBurst_m_s = 0.15;  // a change of velocity beside a steady load that is a blow, or several
+  static constexpr double kBurst_m_s = 0.4;  // a change of velocity beside a steady load that is a blow, or several
   static constexpr int kRounds = 3;  // of search and solution; each knows the velocities better
   static constexpr double kUnexplained_m_s = 0.5;  // changes of velocity worth a sentence
 
