@@ -97,8 +97,10 @@ Meeting find_meeting(PosedColliders& colliders, const Meeter& first, const Meete
       return length(known.point_m - point.point_m) < kSame_m && dot(known.normal, point.normal) > 0.9;
     });
   };
-  for (const PosedContact& point : later.points) {
-    if (!is_known(point)) met.points.push_back(point);
+  // Points move with the first body, so that a ball that rolls touches at one point of its circle.
+  for (PosedContact point : later.points) {
+    point.point_m = point.point_m + met.first.position_m - later.first.position_m;
+    if (!met.points.empty() && !is_known(point)) met.points.push_back(point);
   }
   if (!met.points.empty()) return met;
   if (!(size2 > 0)) return {};

@@ -179,19 +179,6 @@ class Recoverer {
 
   void divide(Indices pair, PushSeries series) {
     hold_ends(series);
-    if (getenv("DEBUG_PAIR") && body(pair.first).id == (BodyId)atoi(getenv("DEBUG_PAIR"))) {
-      const std::size_t mid = atoi(getenv("DEBUG_FRAME")); std::printf("pair %u %u\n", body(pair.first).id, body(pair.second).id);
-      for (std::size_t k = mid - 3; k < mid + 5; ++k) {
-        const Vec3 v = series.contains(k) ? series.at(k) : Vec3{};
-        const Push p = motion(pair.first).push(k);
-        std::printf("%zu: series %.5f %.5f %.5f push %.5f %.5f %.5f ang %.6f %.6f %.6f fast %d\n", k, v.x, v.y, v.z, p.linear_ns.x, p.linear_ns.y, p.linear_ns.z, p.angular_nms.x, p.angular_nms.y, p.angular_nms.z, motion(pair.first).turns_fast(k));
-        if (const Touch* t = touch_of(pair, k)) {
-          const auto c = closing(*t, k);
-          std::printf("   touch share %.3f approach %.3f invmass %.2f\n", t->met.share, c.approach_m_s, c.inverse_mass);
-          for (std::size_t p2 = 0; p2 < t->met.points.size(); ++p2) { const auto& q = t->met.points[p2]; std::printf("     at %.4f %.4f %.4f n %.2f %.2f %.2f depth %.5f before %.5f after %.5f\n", q.point_m.x, q.point_m.y, q.point_m.z, q.normal.x, q.normal.y, q.normal.z, q.depth_m, length(t->before_ns[p2]), length(t->after_ns[p2])); }
-        }
-      }
-    }
     std::map<std::size_t, Approach> approaches;
     std::map<std::size_t, double> speeds;
     for (const auto& [frame, push] : series) {
@@ -367,7 +354,7 @@ class Recoverer {
 
   static constexpr double kMaxGuess = 2;  // approach before a blow, of the fastest that the frames show
   static constexpr double kFastGap = 0.5;  // of the radius of a body whose rotation between the frames is not known
-  static constexpr double kBurst_m_s = 0.4;  // a change of velocity beside a steady load that is a blow, or several
+  static constexpr double kBurst_m_s = 0.2;  // a change of velocity beside a steady load that is a blow, or several
   static constexpr int kRounds = 3;  // of search and solution; each knows the velocities better
   static constexpr double kUnexplained_m_s = 0.5;  // changes of velocity worth a sentence
 
