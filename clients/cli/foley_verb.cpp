@@ -59,12 +59,14 @@ ExitCode foley(FoleyArguments& arguments, const std::stop_token& stop) {
   if (rendering->peak > 1) complain("it exceeds full scale: keep the float file, and lower it there", ExitCode::ok);
   if (rendering->peak > 0) return ExitCode::ok;
   if (rendering->contacts.empty())
-    return complain(arguments.output + " is digital silence: no two bodies of " + file +
-                        " push each other. Bodies are meshes, and what pushes them is told by their keyframes: at least "
-                        "two objects, of which one is animated by location and rotation, have to touch within --gap",
-                    ExitCode::silence);
-  return complain(arguments.output + " is digital silence: bodies touch, but none that touches has a bank; `ringdown bake " +
-                      file + "` gives them banks, and says which materials it understood",
+    return complain(
+        arguments.output + " is digital silence: no two bodies of " + file +
+            " push each other. Bodies are meshes, and what pushes them is told by their keyframes: at least "
+            "two objects, of which one is animated by location and rotation, have to touch within --gap",
+        ExitCode::silence);
+  return complain(arguments.output +
+                      " is digital silence: bodies touch, but none that touches has a bank; `ringdown bake " + file +
+                      "` gives them banks, and says which materials it understood",
                   ExitCode::silence);
 }
 

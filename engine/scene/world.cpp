@@ -308,7 +308,8 @@ StepReport World::step(const std::atomic<int>* given_up) {
   for (state.part = 0; state.part < state.parts; ++state.part) state.do_part();
   state.part = 0;
   ++state.steps;
-  return {state.events, state.rest_dampings, state.contacts, state.notices, state.dropped_events, state.dropped_contacts};
+  return {state.events,  state.rest_dampings,  state.contacts,
+          state.notices, state.dropped_events, state.dropped_contacts};
 }
 
 bool World::sounds() const {

@@ -102,9 +102,11 @@ class Run {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
     }
     session_.scene().set_foley(options_.foley);
-    if (options_.foley)
+    if (options_.foley) {
+      session_.scene().set_watched(true);  // contacts are reported even if nothing can sound
       session_.scene().watch_contacts(
           [this](std::span<const scene::HeardContact> contacts) { contacts_.add(contacts); });
+    }
     if (options_.scene) {
       if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded.error());
     }
@@ -299,10 +301,10 @@ class Run {
   Session session_;
   std::vector<wire::ScoreEvent> score_;
   std::size_t next_ = 0, pushed_ = 0;
-  Frame now_ = 0;                       // frames rendered so far
-  Frame frames_ = 0, longest_ = 0;      // length of the sound without the limiter's delay: so far, and at most
-  Frame second_ = 0;                    // frames in a second
-  Frame fade_ = 0;                      // frames of the fade at the end
+  Frame now_ = 0;                   // frames rendered so far
+  Frame frames_ = 0, longest_ = 0;  // length of the sound without the limiter's delay: so far, and at most
+  Frame second_ = 0;                // frames in a second
+  Frame fade_ = 0;                  // frames of the fade at the end
   ContactReport contacts_;
   bool tail_ = false;                   // whether the length depends on how long the sound rings
   float loudest_ = 0, peak_since_ = 0;  // largest |sample| of the tail's sound: of all, and of the last second

@@ -32,10 +32,11 @@ test::Comparison compare_preset(const std::string& name, double fps, bool verbos
   }
   const test::Played truth = test::simulate(*scene, objects, fps);
   const auto result = test::compare(truth.contacts, test::play(truth.animated, objects), fps, verbose);
-  std::printf("%s at %.0f frames a second: found %zu of %zu, %zu false, 90%% within %.2f ms, all within %.2f ms, "
-              "median %.2f dB; %zu groups, median %.2f dB\n",
-              name.c_str(), fps, result.found, result.alone, result.false_ones, result.time_ms, result.worst_ms,
-              result.impulse_db, result.groups, result.group_db);
+  std::printf(
+      "%s at %.0f frames a second: found %zu of %zu, %zu false, 90%% within %.2f ms, all within %.2f ms, "
+      "median %.2f dB; %zu groups, median %.2f dB\n",
+      name.c_str(), fps, result.found, result.alone, result.false_ones, result.time_ms, result.worst_ms,
+      result.impulse_db, result.groups, result.group_db);
   return result;
 }
 
@@ -65,7 +66,8 @@ std::vector<HeardContact> blows_of(SceneDescription scene, const std::vector<Sou
   return blows;
 }
 
-// The height of a ball's lowest point that falls from `height_m` and bounces with the restitution `e`, and its landings.
+// The height of a ball's lowest point that falls from `height_m` and bounces with the restitution `e`, and its
+// landings.
 struct Bounces {
   double height_m, e;
   std::vector<double> times_s = {}, speeds_m_s = {};
@@ -92,8 +94,9 @@ TEST(Foley, BouncesOfABallHaveTheMomentsAndImpulsesOfTheClosedForm) {
   const Bounces truth(0.8, 0.75);
   constexpr double kMass_kg = 0.3;
   for (const double fps : {24.0, 30.0, 59.94}) {
-    const auto scene = test::scene_of(
-        {moving_ball("ball", fps, truth.times_s[3] + 0.1, [&](double t) { return Vec3{0.1, 0, 0.05 + truth.at(t)}; })});
+    const auto scene = test::scene_of({moving_ball("ball", fps, truth.times_s[3] + 0.1, [&](double t) {
+      return Vec3{0.1, 0, 0.05 + truth.at(t)};
+    })});
     const auto blows = blows_of(scene, {ball_of("ball", 0, kMass_kg)});
     ASSERT_EQ(blows.size(), 4u) << fps;
     for (std::size_t k = 0; k < blows.size(); ++k) {
@@ -135,15 +138,17 @@ TEST(Foley, AGapOfMillimetresAndJitterDoNotRattle) {
     state = state * 6364136223846793005u + 1442695040888963407u;
     return 5e-6 * (static_cast<double>(state >> 11) / 4503599627370496.0 - 1);
   };
-  const auto scene =
-      test::scene_of({moving_ball("ball", 30, 3, [&](double) { return Vec3{noise(), noise(), 0.052 + noise()}; })});
+  const auto scene = test::scene_of({moving_ball("ball", 30, 3, [&](double) {
+    return Vec3{noise(), noise(), 0.052 + noise()};
+  })});
   EXPECT_TRUE(blows_of(scene, {ball_of("ball", 0, 0.3)}).empty());
 }
 
 TEST(Foley, ABodyThatIsPutElsewhereStrikesNothingAndIsNamed) {
   // Out of the air onto the floor from one frame to the next.
-  SceneDescription scene = test::scene_of(
-      {moving_ball("ball", 24, 2, [](double t) { return t < 1 ? Vec3{0, 0, 1.5} : Vec3{0.4, 0, 0.05}; })});
+  SceneDescription scene = test::scene_of({moving_ball("ball", 24, 2, [](double t) {
+    return t < 1 ? Vec3{0, 0, 1.5} : Vec3{0.4, 0, 0.05};
+  })});
   EXPECT_TRUE(blows_of(scene, {ball_of("ball", 0, 0.3)}).empty());
   scene.foley.emplace();
   auto world = World::create(scene, std::vector{ball_of("ball", 0, 0.3)}, 48000);

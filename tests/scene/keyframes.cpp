@@ -141,9 +141,9 @@ Comparison compare(const std::vector<HeardContact>& truth, const std::vector<Hea
             impulses.push_back(std::abs(db(length(best->push) / length(blow.push))));
           }
           if (verbose)
-            std::printf("%u-%u at %.4f s, %.1f dB, %.2f m/s: %s %+.2f ms %+.2f dB\n", pair.first,
-                        pair.second & 0xffff, blow.time_s, db(length(blow.push) / loudest), blow.speed_m_s,
-                        best ? "found" : "missed", best ? 1000 * (best->time_s - blow.time_s) : 0,
+            std::printf("%u-%u at %.4f s, %.1f dB, %.2f m/s: %s %+.2f ms %+.2f dB\n", pair.first, pair.second & 0xffff,
+                        blow.time_s, db(length(blow.push) / loudest), blow.speed_m_s, best ? "found" : "missed",
+                        best ? 1000 * (best->time_s - blow.time_s) : 0,
                         best ? db(length(best->push) / length(blow.push)) : 0);
         }
       } else {

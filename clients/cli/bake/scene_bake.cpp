@@ -38,8 +38,8 @@ using scene::SilentBody;
 using Alike = std::vector<std::size_t>;
 
 bool same_sound(const SilentBody& a, const SilentBody& b) {
-  return a.geo == b.geo && a.surface == b.surface && a.material.number == b.material.number && a.material.name == b.material.name && a.scale == b.scale &&
-         a.mass_kg == b.mass_kg;
+  return a.geo == b.geo && a.surface == b.surface && a.material.number == b.material.number &&
+         a.material.name == b.material.name && a.scale == b.scale && a.mass_kg == b.mass_kg;
 }
 
 std::vector<Alike> groups_of(const std::vector<SilentBody>& bodies) {
@@ -206,9 +206,11 @@ class SceneBaker {
       const auto understood = bake::understood_material(body.material.name, known);
       if (!request_.quiet) {
         const std::string of = body.material.name.empty() ? "no material" : "the material " + quote(body.material.name);
-        std::printf("%s: %s, %s\n", body.name.c_str(), of.c_str(),
-                    understood ? ("taken for " + *understood).c_str()
-                               : ("not known; it stays silent, or name one with --body " + quote(body.name + "=glass")).c_str());
+        std::printf(
+            "%s: %s, %s\n", body.name.c_str(), of.c_str(),
+            understood
+                ? ("taken for " + *understood).c_str()
+                : ("not known; it stays silent, or name one with --body " + quote(body.name + "=glass")).c_str());
       }
       if (understood) body.material.name = *understood;
       return !understood;

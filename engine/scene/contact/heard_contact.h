@@ -9,7 +9,7 @@ namespace ringdown::scene {
 struct HeardContact {
   enum Kind { blow, lasting, end };  // end: a lasting contact is over, or rests; only time and pair have a meaning
   Kind kind = blow;
-  double time_s = 0;     // scene time
+  double time_s = 0;  // scene time
   BodyPair pair;
   Vec3 point_m;          // mean, weighted by force
   Vec3 push;             // on the first body: of a blow its impulse [N s], of a lasting contact its mean force [N]

@@ -47,8 +47,7 @@ void KeyedMotion::find_jumps(double radius_m, const FoleyLimits& limits) {
   for (std::size_t k = 0; k < intervals_.size(); ++k) {
     const auto speed = [this](std::size_t at) { return length(intervals_[at].velocity_m_s); };
     const bool far = speed(k) * every_s_ > 2 * radius_m;
-    const bool alone = k > 0 && k + 1 < intervals_.size() &&
-                       std::max(speed(k - 1), speed(k + 1)) < kStands * speed(k);
+    const bool alone = k > 0 && k + 1 < intervals_.size() && std::max(speed(k - 1), speed(k + 1)) < kStands * speed(k);
     if (intervals_[k].steady && (speed(k) > limits.jump_m_s || (far && alone))) jumps.push_back(k);
   }
   for (const std::size_t k : jumps) intervals_[k].steady = false;
@@ -126,8 +125,7 @@ Motion KeyedMotion::between(std::size_t k, double s) const {
 // Whether nothing but gravity acts around the frame.
 bool KeyedMotion::is_free(std::size_t k) const {
   constexpr double kShare = 0.1;  // of the speed gained by falling for one frame
-  return length(push(k).linear_ns) <
-         mass_.mass_kg * (jitter_m_s_ + kShare * length(gravity_m_s2_) * every_s_);
+  return length(push(k).linear_ns) < mass_.mass_kg * (jitter_m_s_ + kShare * length(gravity_m_s2_) * every_s_);
 }
 
 Motion KeyedMotion::onward(std::size_t k, double s) const {
@@ -137,8 +135,7 @@ Motion KeyedMotion::onward(std::size_t k, double s) const {
   const bool falls = explained_ || (k >= 2 && is_free(k - 1));
   const Vec3 g = falls ? gravity_m_s2_ : Vec3{};
   const double t = s * every_s_;
-  const Vec3 start =
-      before.velocity_m_s + 0.5 * every_s_ * g + (1 / mass_.mass_kg) * before.after.linear_ns;
+  const Vec3 start = before.velocity_m_s + 0.5 * every_s_ * g + (1 / mass_.mass_kg) * before.after.linear_ns;
   const Vec3 momentum = before.momentum_nms + before.after.angular_nms;
   const Rotation rotation = turn(frames_[k].rotation, momentum, t);
   return {frames_[k].position_m + t * start + 0.5 * t * t * g, rotation, start + t * g, spin(rotation, momentum)};

@@ -54,8 +54,8 @@ class KeyedMotion {
   [[nodiscard]] double inverse_mass() const { return moves() ? 1 / mass_.mass_kg : 0; }
   [[nodiscard]] Matrix3 inverse_inertia(std::size_t k) const;  // world axes, in frame k; zero if it never moves
 
-  // Returns the body's motion at the share `s`, 0 to 1, of interval k: on the straight way between both frames, or as it
-  // would go on from the interval before, or as it must have come to the interval after, both without contacts.
+  // Returns the body's motion at the share `s`, 0 to 1, of interval k: on the straight way between both frames, or as
+  // it would go on from the interval before, or as it must have come to the interval after, both without contacts.
   //
   // The mean velocity of an interval differs from that at its end by half of the fall in an interval, and by the part
   // of `push` at its end that comes from contacts of this very interval. Until explain() has told that part, a body
@@ -73,10 +73,10 @@ class KeyedMotion {
 
  private:
   struct Interval {
-    Vec3 velocity_m_s;   // mean, of the centre of mass
-    Vec3 momentum_nms;   // angular, about the centre of mass, world axes
-    bool steady = false; // false: the body is not in the scene yet, or jumps
-    Push before, after;  // of its contacts, around the frames before and after
+    Vec3 velocity_m_s;    // mean, of the centre of mass
+    Vec3 momentum_nms;    // angular, about the centre of mass, world axes
+    bool steady = false;  // false: the body is not in the scene yet, or jumps
+    Push before, after;   // of its contacts, around the frames before and after
   };
   [[nodiscard]] Matrix3 turned_inertia(const Rotation& rotation) const;
   [[nodiscard]] Rotation turn(const Rotation& from, Vec3 momentum_nms, double time_s) const;

@@ -6,8 +6,8 @@
 namespace ringdown::scene {
 namespace {
 
-constexpr int kHalvings = 5;   // of the step in which two bodies begin to overlap
-constexpr int kMaxSteps = 12;  // of the way to a blow
+constexpr int kHalvings = 5;       // of the step in which two bodies begin to overlap
+constexpr int kMaxSteps = 12;      // of the way to a blow
 constexpr double kSame_m = 0.005;  // distance of points that count as one
 
 enum class Way { onward, between, backward };

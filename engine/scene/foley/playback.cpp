@@ -20,9 +20,8 @@ std::span<const ContactPoint> FoleyPlayback::step(double now_s, double step_s) {
 }
 
 bool FoleyPlayback::over(double now_s) const {
-  const bool touches_over =
-      recovery_.touches.empty() ||
-      now_s > static_cast<double>(recovery_.touches.back().interval + 1) * recovery_.every_s;
+  const bool touches_over = recovery_.touches.empty() ||
+                            now_s > static_cast<double>(recovery_.touches.back().interval + 1) * recovery_.every_s;
   return next_blow_ == recovery_.blows.size() && touches_over;
 }
 

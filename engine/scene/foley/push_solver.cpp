@@ -34,10 +34,9 @@ void solve_pushes(std::span<PushedBody> bodies, std::span<PushContact> contacts)
     for (PushContact& contact : contacts) {
       PushedBody &one = bodies[contact.first], &two = bodies[contact.second];
       const auto step = [&](Vec3 way) {
-        const double mass = inverse_mass_at(one, contact.first_arm_m, way) +
-                            inverse_mass_at(two, contact.second_arm_m, way);
-        const double wanted =
-            dot(speed_at(one, contact.first_arm_m) - speed_at(two, contact.second_arm_m), way);
+        const double mass =
+            inverse_mass_at(one, contact.first_arm_m, way) + inverse_mass_at(two, contact.second_arm_m, way);
+        const double wanted = dot(speed_at(one, contact.first_arm_m) - speed_at(two, contact.second_arm_m), way);
         return mass > 0 ? wanted / mass : 0;
       };
       const auto apply = [&](Vec3 impulse_ns) {

@@ -27,7 +27,7 @@ struct PushContact {
   Vec3 first_arm_m, second_arm_m;     // from the centres of mass, world axes
   Vec3 normal;                        // into the first body
   double friction = 0;
-  Vec3 impulse_ns;                    // result: received by the first body
+  Vec3 impulse_ns;  // result: received by the first body
 };
 
 void solve_pushes(std::span<PushedBody> bodies, std::span<PushContact> contacts);

@@ -43,7 +43,12 @@ class Recoverer {
  public:
   Recoverer(std::vector<FoleyBody> bodies, PosedColliders& colliders, const PairFilter& filter,
             const FoleyLimits& limits, double gravity_m_s2, double every_s, std::size_t frames)
-      : colliders_(colliders), filter_(filter), limits_(limits), gravity_m_s2_(gravity_m_s2), every_s_(every_s), frames_(frames) {
+      : colliders_(colliders),
+        filter_(filter),
+        limits_(limits),
+        gravity_m_s2_(gravity_m_s2),
+        every_s_(every_s),
+        frames_(frames) {
     result_.every_s = every_s;
     result_.bodies = std::move(bodies);
   }
@@ -99,7 +104,8 @@ class Recoverer {
       if (!moving.moves() || !moving.has_interval(k)) continue;
       pushed[n] = std::max(change_m_s(n, k), change_m_s(n, k + 1)) > limits_.jitter_m_s;
       Span span;
-      for (const Motion& pose : {moving.between(k, 0), moving.between(k, 1), moving.onward(k, 1), moving.backward(k, 0)}) {
+      for (const Motion& pose :
+           {moving.between(k, 0), moving.between(k, 1), moving.onward(k, 1), moving.backward(k, 0)}) {
         const double r = body(n).radius_m;
         span.hold(pose.position_m - Vec3{r, r, r});
         span.hold(pose.position_m + Vec3{r, r, r});
@@ -125,8 +131,8 @@ class Recoverer {
       return one.motion.inverse_mass() * one.motion.push(frame).linear_ns -
              two.motion.inverse_mass() * two.motion.push(frame).linear_ns;
     };
-    Meeting met = find_meeting(colliders_, {one.id, &one.motion}, {two.id, &two.motion}, k, relative(k),
-                               relative(k + 1), gap_m);
+    Meeting met =
+        find_meeting(colliders_, {one.id, &one.motion}, {two.id, &two.motion}, k, relative(k), relative(k + 1), gap_m);
     if (met.points.empty()) return;
     const std::size_t points = met.points.size();
     touches_[k].push_back({pair, std::move(met), std::vector<Vec3>(points), std::vector<Vec3>(points)});
@@ -158,8 +164,13 @@ class Recoverer {
         const double friction = combine(body(one).surface, body(two).surface).friction;
         for (std::size_t p = 0; p < touch.met.points.size(); ++p) {
           const PosedContact& point = touch.met.points[p];
-          contacts.push_back({one, two, point.point_m - touch.met.first.position_m,
-                              point.point_m - touch.met.second.position_m, point.normal, friction, {}});
+          contacts.push_back({one,
+                              two,
+                              point.point_m - touch.met.first.position_m,
+                              point.point_m - touch.met.second.position_m,
+                              point.normal,
+                              friction,
+                              {}});
           results.push_back(&(touch.*impulses)[p]);
         }
       }
@@ -205,16 +216,18 @@ class Recoverer {
     add_touches(pair, series);
   }
 
-  // Beyond the first and the last frame that tell something, a load goes on.
+  // Beyond the first and the last frame that tell something, a load goes on if it was steady.
   void hold_ends(PushSeries& series) const {
-    const auto smaller = [&](std::size_t k, std::size_t other) {
+    constexpr double kSteady = 0.8;
+    const auto held = [&](std::size_t k, std::size_t other) {
       const auto one = series.find(k), two = series.find(other);
       if (one == series.end() || two == series.end()) return Vec3{};
-      return length(one->second) < length(two->second) ? one->second : two->second;
+      const auto [low, high] = std::minmax(length(one->second), length(two->second));
+      return low > kSteady * high ? 0.5 * (one->second + two->second) : Vec3{};
     };
     if (frames_ < 4) return;
-    series[0] = smaller(1, 2);
-    series[frames_ - 1] = series[frames_] = series[frames_ + 1] = smaller(frames_ - 2, frames_ - 3);
+    series[0] = held(1, 2);
+    series[frames_ - 1] = series[frames_] = series[frames_ + 1] = held(frames_ - 2, frames_ - 3);
   }
 
   // Tells both bodies what a contact of interval `k` did to them, around the frames before and after it.
@@ -321,8 +334,13 @@ class Recoverer {
         if (!touch || (k + 1 == frame && series.contains(k))) continue;
         const Vec3 start = force_at(k), end = force_at(k + 1);
         if (!(std::max(length(start), length(end)) > noise_n)) continue;
-        RecoveredTouch lasting{.interval = k, .first = pair.first, .second = pair.second, .points = touch->met.points,
-                               .shares = shares_of(*touch), .start_force_n = start, .end_force_n = end};
+        RecoveredTouch lasting{.interval = k,
+                               .first = pair.first,
+                               .second = pair.second,
+                               .points = touch->met.points,
+                               .shares = shares_of(*touch),
+                               .start_force_n = start,
+                               .end_force_n = end};
         const Touch *before = k > 0 ? touch_of(pair, k - 1) : nullptr, *after = touch_of(pair, k + 1);
         const Vec3 here = mean_point(*touch);
         const double at = touch->met.share;
@@ -352,10 +370,10 @@ class Recoverer {
     }
   }
 
-  static constexpr double kMaxGuess = 2;  // approach before a blow, of the fastest that the frames show
-  static constexpr double kFastGap = 0.5;  // of the radius of a body whose rotation between the frames is not known
+  static constexpr double kMaxGuess = 2;     // approach before a blow, of the fastest that the frames show
+  static constexpr double kFastGap = 0.5;    // of the radius of a body whose rotation between the frames is not known
   static constexpr double kBurst_m_s = 0.2;  // a change of velocity beside a steady load that is a blow, or several
-  static constexpr int kRounds = 3;  // of search and solution; each knows the velocities better
+  static constexpr int kRounds = 3;          // of search and solution; each knows the velocities better
   static constexpr double kUnexplained_m_s = 0.5;  // changes of velocity worth a sentence
 
   PosedColliders& colliders_;

@@ -46,7 +46,7 @@ struct RecoveredTouch {
   std::size_t interval = 0;
   std::size_t first = 0, second = 0;  // indices of bodies
   std::vector<PosedContact> points;
-  std::vector<double> shares;     // of the force that each point carries
+  std::vector<double> shares;  // of the force that each point carries
   Vec3 start_force_n, end_force_n;
   Vec3 start_shift_m, end_shift_m;  // of the points, at both frames
 };
@@ -54,9 +54,9 @@ struct RecoveredTouch {
 struct Recovery {
   double every_s = 0;
   std::vector<FoleyBody> bodies;
-  std::vector<RecoveredBlow> blows;      // by time
-  std::vector<RecoveredTouch> touches;   // by interval
-  std::vector<std::string> notes;        // sentences: bodies that jump, motion that no contact explains
+  std::vector<RecoveredBlow> blows;     // by time
+  std::vector<RecoveredTouch> touches;  // by interval
+  std::vector<std::string> notes;       // sentences: bodies that jump, motion that no contact explains
 };
 
 // `bodies` and `colliders` hold the bodies and the statics of the scene, those that move first; all motions have frames

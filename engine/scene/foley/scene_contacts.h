@@ -8,8 +8,8 @@
 
 namespace ringdown::scene {
 
-// The scene must ask for it (SceneDescription::foley). `store` holds its bodies. Bodies that a simulation moves are left
-// out: they meet animated ones in the simulation.
+// The scene must ask for it (SceneDescription::foley). `store` holds its bodies. Bodies that a simulation moves are
+// left out: they meet animated ones in the simulation.
 Result<Recovery> recover_contacts(const SceneDescription& scene, const BodyStore& store);
 
 }  // namespace ringdown::scene

@@ -64,7 +64,8 @@ bool is_alone(const PushSeries& series, const Blow& blow, double weight_ns) {
 // other closely, the first one alone acts on the frame before it; geometry tells its time, and both together its
 // impulse. What it leaves in the frame after it is the next one's.
 std::vector<Blow> take_blows(PushSeries& series, const std::map<std::size_t, Approach>& approaches, double weight_ns) {
-  constexpr double kNothing = 0.02;  // share of a blow in the frame before it, below which it may be the next interval's
+  constexpr double kNothing =
+      0.02;  // share of a blow in the frame before it, below which it may be the next interval's
   std::vector<Blow> blows;
   for (const auto& [k, approach] : approaches) {
     const Vec3 n = approach.normal;

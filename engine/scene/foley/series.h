@@ -28,8 +28,8 @@ struct Approach {
 
 // Removes blows from the series, in the order of time, and returns them. An interval may have a blow if it is in
 // `approaches` and if the frames beside it tell of at least half of the stopping impulse. A load that lasts before or
-// after the blow stays in the series. `weight_ns` is the impulse of the lighter body's weight in one interval, of which a
-// load that changes is taken to be at most one and a half.
+// after the blow stays in the series. `weight_ns` is the impulse of the lighter body's weight in one interval, of which
+// a load that changes is taken to be at most one and a half.
 std::vector<Blow> take_blows(PushSeries& series, const std::map<std::size_t, Approach>& approaches, double weight_ns);
 
 }  // namespace ringdown::scene

@@ -148,8 +148,9 @@ std::shared_ptr<const MotionPath> GltfAnimations::path_of(std::size_t node) {
   const double count = std::ceil(length_s_ / every_s_ - 1e-3) + 1;
   const double nodes = static_cast<double>(chain.size());
   if (!(count <= static_cast<double>(kMaxPathPoses)) || !(count * nodes <= static_cast<double>(kMaxPoses - poses_))) {
-    document_.notes.add("the animations are longer than " + std::to_string(static_cast<int>(static_cast<double>(kMaxPathPoses) * every_s_)) + " s, or than " +
-                        std::to_string(static_cast<int>(static_cast<double>(kMaxPoses) * every_s_)) +
+    document_.notes.add("the animations are longer than " +
+                        std::to_string(static_cast<int>(static_cast<double>(kMaxPathPoses) * every_s_)) +
+                        " s, or than " + std::to_string(static_cast<int>(static_cast<double>(kMaxPoses) * every_s_)) +
                         " s of all bodies and the nodes above them together; further bodies stand still");
     return nullptr;
   }

@@ -24,8 +24,8 @@ struct MeshBody {
 std::vector<MeshBody> mesh_bodies(const GltfDocument& document);
 
 // Returns the shape of meshes for collisions, in the frame that `map` leads to from the world. A closed mesh that fills
-// most of its hull becomes the hull; a flat one becomes a slab below it; any other mesh stays as it is. Returns nothing,
-// with a note in the document, without triangles or with too many points.
+// most of its hull becomes the hull; a flat one becomes a slab below it; any other mesh stays as it is. Returns
+// nothing, with a note in the document, without triangles or with too many points.
 std::optional<Shape> shape_of_meshes(GltfDocument& document, const MeshBody& body, const Affine& map);
 
 }  // namespace ringdown::scene

@@ -73,10 +73,7 @@ class GltfSceneReader {
  public:
   GltfSceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside,
                   const std::optional<FoleyLimits>& foley)
-      : document_(document),
-        path_(std::move(path)),
-        read_beside_(read_beside),
-        animations_(document, foley) {
+      : document_(document), path_(std::move(path)), read_beside_(read_beside), animations_(document, foley) {
     scene_.foley = foley;
   }
 

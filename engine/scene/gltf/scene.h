@@ -39,7 +39,6 @@ bool is_gltf(const std::filesystem::path& path);
 // With limits for `foley`, the contacts of animated bodies are recovered from their motion: meshes without physics are
 // bodies, too (gltf/mesh_bodies.h), animations play once at the frames of the file, and the scene is as long as they.
 Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& path,
-                                   const modal::ReadBeside& read_beside,
-                                   const std::optional<FoleyLimits>& foley = {});
+                                   const modal::ReadBeside& read_beside, const std::optional<FoleyLimits>& foley = {});
 
 }  // namespace ringdown::scene

@@ -63,8 +63,7 @@ std::vector<PosedContact> PosedColliders::find(BodyId first, const Motion& of_fi
                                                const Motion& of_second) {
   const OdeLock lock;
   Collider &one = state_->at(first, of_first), &two = state_->at(second, of_second);
-  const FoundContacts found =
-      find_contacts(one.shape.geom.get(), two.shape.geom.get(), state_->pairs, state_->room, 0);
+  const FoundContacts found = find_contacts(one.shape.geom.get(), two.shape.geom.get(), state_->pairs, state_->room, 0);
   std::vector<PosedContact> contacts;
   for (const dContactGeom& contact : found.carry)
     contacts.push_back({to_vec3(contact.pos), to_vec3(contact.normal), contact.depth});
