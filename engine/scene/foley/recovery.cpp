@@ -222,7 +222,7 @@ class Recoverer {
     const auto held = [&](std::size_t k, std::size_t other) {
       const auto one = series.find(k), two = series.find(other);
       if (one == series.end() || two == series.end()) return Vec3{};
-      const auto [low, high] = std::minmax(length(one->second), length(two->second));
+      const auto [low, high] = std::minmax({length(one->second), length(two->second)});
       return low > kSteady * high ? 0.5 * (one->second + two->second) : Vec3{};
     };
     if (frames_ < 4) return;

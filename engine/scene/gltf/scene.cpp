@@ -184,7 +184,7 @@ class GltfSceneReader {
     if (!geometry) return {};
     PlacedCollider collider{.node = node, .geometry = std::move(*geometry)};
     const JsonPlace material = document_.element(field["physicsMaterial"], list(kPhysicsExtension, "physicsMaterials"));
-    if (material.present()) read_material(material, collider.surface);
+    if (material.present()) read_friction(document_, material, collider.surface);
     const JsonPlace filter = document_.element(field["collisionFilter"], list(kPhysicsExtension, "collisionFilters"));
     if (filter.present()) {
       collider.filter = {document_.texts(filter["collisionSystems"]), document_.texts(filter["collideWithSystems"]),
@@ -192,24 +192,6 @@ class GltfSceneReader {
     }
     read_surface(node, collider.surface);
     return collider;
-  }
-
-  void read_material(const JsonPlace& material, FrictionSurface& surface) {
-    surface.friction = document_.number(material["staticFriction"], 0.6);
-    surface.sliding_friction = document_.number(material["dynamicFriction"], 0.6);
-    surface.restitution = document_.number(material["restitution"], 0);
-    const auto combine = [&](const char* key) {
-      constexpr std::array kWays = {"average", "minimum", "maximum", "multiply"};
-      const JsonPlace field = material[key];
-      if (!field.present()) return Combine::average;
-      const auto found = std::ranges::find(kWays, field.text_or(""));
-      if (found == kWays.end()) document_.refuse(field.wrong("average, minimum, maximum or multiply"));
-      return static_cast<Combine>(found - kWays.begin());
-    };
-    surface.friction_combine = combine("frictionCombine");
-    surface.restitution_combine = combine("restitutionCombine");
-    if (surface.restitution > 1) note("a restitution above 1 is 1");
-    surface.restitution = std::min(surface.restitution, 1.0);
   }
 
   // The acoustic surface of a node or of the nearest one above it; without one, that of a machined surface.
