@@ -76,6 +76,7 @@ int main(int argc, char** argv) {
   add_materials_verb(app, outcome);
   add_scale_verb(app, outcome);
   add_render_verb(app, outcome);
+  add_foley_verb(app, outcome);
   add_export_verb(app, outcome);
   add_scene_verb(app, outcome);
   add_strike_verb(app, outcome);

@@ -23,6 +23,7 @@ void add_materials_verb(manual::App& app, ExitCode& outcome);  // the materials,
 void add_scale_verb(manual::App& app, ExitCode& outcome);      // a bank in another size and material
 void add_export_verb(manual::App& app, ExitCode& outcome);     // a bank as samples for a sampler
 void add_scene_verb(manual::App& app, ExitCode& outcome);      // a scene as glTF
+void add_foley_verb(manual::App& app, ExitCode& outcome);      // an animation to its sound
 void add_render_verb(manual::App& app, ExitCode& outcome);     // a scene or a score to a sound file
 
 }  // namespace ringdown::cli

@@ -11,6 +11,7 @@
 #include "engine/modal/bank.h"
 #include "engine/modal/fracture/strength.h"
 #include "engine/modal/material_scale.h"
+#include "engine/scene/foley/limits.h"
 #include "engine/synth/events/event.h"
 
 #include <array>
@@ -312,6 +313,7 @@ struct SceneDescription {
   std::vector<EmitterDescription> emitters;
   std::optional<CameraDescription> camera;
   std::optional<ListenerDescription> listener;
+  std::optional<FoleyLimits> foley;  // set: contacts of animated bodies are recovered from their motion
 };
 
 }  // namespace ringdown::scene

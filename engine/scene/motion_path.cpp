@@ -35,7 +35,7 @@ Motion motion_on(const MotionPath& path, const Pose& start, Vec3 center_m, doubl
             path.spin_rad_s};
   }
   const double length_s = path.every_s * static_cast<double>(path.poses.size() - 1);
-  const double now_s = length_s > 0 ? std::fmod(time_s, length_s) : 0;
+  const double now_s = !(length_s > 0) ? 0 : path.once ? std::min(time_s, length_s) : std::fmod(time_s, length_s);
   const Pose now = pose_on(path.poses, path.every_s, now_s);
   Motion motion{middle(now), now.rotation, {}, {}};
   if (!(length_s > 0) || now_s + part_s > length_s) return motion;

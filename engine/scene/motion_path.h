@@ -14,10 +14,11 @@ inline constexpr std::size_t kMaxPathPoses = std::size_t{1} << 18;  // poses of 
 
 struct MotionPath {
   // Poses of the body's frame in the world at intervals of `every_s` > 0, the first at the scene's beginning, repeated
-  // for ever. Between two poses the body moves in a straight line and turns steadily. Without poses the centre of mass
-  // moves at a constant velocity and the body turns steadily.
+  // for ever, or `once`: the body then stays at the last. Between two poses the body moves in a straight line and turns
+  // steadily. Without poses the centre of mass moves at a constant velocity and the body turns steadily.
   std::vector<Pose> poses;
   double every_s = 0;
+  bool once = false;
   Vec3 velocity_m_s, spin_rad_s;
   friend bool operator==(const MotionPath&, const MotionPath&) = default;
 };

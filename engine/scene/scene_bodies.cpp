@@ -13,7 +13,7 @@ SceneDescription with_step(SceneDescription scene, double step_s) {
 }  // namespace
 
 SceneBodies::SceneBodies(const SceneDescription& scene, double part_s)
-    : store(scene), simulation(with_step(scene, part_s)), sounds(with_step(scene, part_s)) {}
+    : store(scene), simulation(with_step(scene, part_s)), sounds(with_step(scene, part_s)), foley(scene.foley.has_value()) {}
 
 void SceneBodies::put(BodyId id, const Body& body, const Solid& solid) {
   const BodyDescription& description = body.description;
@@ -23,6 +23,7 @@ void SceneBodies::put(BodyId id, const Body& body, const Solid& solid) {
   ContactSide side =
       side_of(description, solid, object ? object->bank.get() : nullptr, store.scale_of(description.object));
   side.object = body.object;
+  if (foley && description.path) side.mass = solid.mass;
   sounds.set_side(id, std::move(side));
 }
 

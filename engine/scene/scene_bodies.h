@@ -12,6 +12,7 @@ struct SceneBodies {
   BodyStore store;
   Simulation simulation;
   ContactSounds sounds;
+  bool foley;  // true if the contacts of bodies that follow a path are recovered from their motion
 
   // `part_s` is the time between two steps of the simulation.
   SceneBodies(const SceneDescription& scene, double part_s);

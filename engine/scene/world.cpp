@@ -5,6 +5,8 @@
 #include "engine/scene/check.h"
 #include "engine/scene/contact/lasting_events.h"
 #include "engine/scene/fracture/breaking_bodies.h"
+#include "engine/scene/foley/playback.h"
+#include "engine/scene/foley/scene_contacts.h"
 #include "engine/scene/motion_path.h"
 #include "engine/scene/rotation.h"
 #include "engine/scene/scene_bodies.h"
@@ -83,13 +85,17 @@ struct World::State {
   FrameClock timeline;
   std::vector<WaitingJoint> joints;
   std::vector<BodyId> driven;  // bodies that follow a path
+  std::optional<FoleyPlayback> recovered;
+  std::vector<ContactPoint> points;  // of a part: recovered and simulated ones
   std::int64_t steps = 0;
   int part = 0;             // of the step being done
   double next_start_s = 0;  // no waiting body enters before this time
   // Results of the last step:
   std::vector<synth::Event> events;
+  std::vector<HeardContact> contacts;
   std::vector<RestDamping> rest_dampings;
   std::vector<std::string> notices;
+  std::vector<std::string> first_notices;  // for the report of the first step
   std::size_t dropped_events = 0, dropped_contacts = 0;
 };
 
@@ -197,11 +203,18 @@ void World::State::do_part() {
   let_in();
   drive();
   const bool asleep = simulation.asleep();
-  if (asleep && sounds.quiet()) return;
-  const auto points = asleep ? std::span<const ContactPoint>() : simulation.step(given_up);
+  if (asleep && sounds.quiet() && (!recovered || recovered->over(time_s()))) return;
+  auto found = asleep ? std::span<const ContactPoint>() : simulation.step(given_up);
+  if (recovered) {
+    const auto played = recovered->step(time_s(), part_s);
+    points.assign(found.begin(), found.end());
+    points.insert(points.end(), played.begin(), played.end());
+    found = points;
+  }
   const auto moved = asleep ? std::span<const MovedBody>() : simulation.moved();
-  const std::span<const synth::Event> part_events = sounds.process(points, moved, time_s(), timeline);
+  const std::span<const synth::Event> part_events = sounds.process(found, moved, time_s(), timeline);
   events.insert(events.end(), part_events.begin(), part_events.end());
+  contacts.insert(contacts.end(), sounds.heard().begin(), sounds.heard().end());
   rest_dampings.insert(rest_dampings.end(), sounds.rest_dampings().begin(), sounds.rest_dampings().end());
   dropped_events += sounds.dropped();
   if (asleep) return;
@@ -259,6 +272,12 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
   for (const EmitterDescription& emitter : scene.emitters) {
     if (const auto added = state->add_all(emitter); !added) return fail(added.error());
   }
+  if (scene.foley) {
+    auto recovered = recover_contacts(scene, state->store);
+    if (!recovered) return fail(recovered.error());
+    state->first_notices = recovered->notes;
+    state->recovered.emplace(*std::move(recovered));
+  }
   return World(std::move(state));
 }
 
@@ -273,7 +292,8 @@ StepReport World::step(const std::atomic<int>* given_up) {
   State& state = *state_;
   state.given_up = given_up;
   state.events.clear();
-  state.notices.clear();
+  state.notices = std::exchange(state.first_notices, {});
+  state.contacts.clear();
   state.rest_dampings.clear();
   state.dropped_events = state.dropped_contacts = 0;
   for (state.part = 0; state.part < state.parts; ++state.part) state.do_part();
@@ -281,7 +301,8 @@ StepReport World::step(const std::atomic<int>* given_up) {
   ++state.steps;
   if (!std::ranges::is_sorted(state.events, {}, &synth::Event::frame))
     std::ranges::stable_sort(state.events, {}, &synth::Event::frame);
-  return {state.events, state.rest_dampings, state.notices, state.dropped_events, state.dropped_contacts};
+  return {state.events,  state.rest_dampings,  state.contacts,
+          state.notices, state.dropped_events, state.dropped_contacts};
 }
 
 bool World::sounds() const {

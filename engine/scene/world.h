@@ -19,6 +19,7 @@
 
 #include "engine/base/result.h"
 #include "engine/scene/body_store.h"
+#include "engine/scene/contact/heard_contact.h"
 #include "engine/scene/contact/rest_damping.h"
 #include "engine/scene/description.h"
 #include "engine/scene/outline.h"
@@ -43,6 +44,7 @@ inline constexpr int kMaxResets = 3;  // a body that has to be reset more often 
 struct StepReport {
   std::span<const synth::Event> events;        // strikes, clicks, lasting contacts; their frames never decrease
   std::span<const RestDamping> rest_dampings;  // objects whose resting contacts have changed
+  std::span<const HeardContact> contacts;      // for reports: blows, and the states of lasting contacts
   std::span<const std::string> notices;        // sentences for the user: a body was reset, removed, ...
   std::size_t dropped_events = 0;              // beyond kMaxEventsPerStep in one part of the step
   std::size_t dropped_contacts = 0;            // beyond kMaxContactsPerStep in one part of the step

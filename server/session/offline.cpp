@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <span>
 
 namespace ringdown::session {
@@ -99,17 +101,28 @@ class Run {
     for (const auto& [name, bank] : options_.objects) {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
     }
+    session_.scene().set_foley(options_.foley);
+    if (options_.foley) {
+      session_.scene().set_watched(true);  // contacts are reported even if nothing can sound
+      session_.scene().watch_contacts(
+          [this](std::span<const scene::HeardContact> contacts) { contacts_.add(contacts); });
+    }
     if (options_.scene) {
       if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded.error());
     }
+    if (options_.foley) name_contacts();
     const double score_s = take_score_length();
-    const double seconds = options_.seconds.value_or(std::max(score_s, session_.scene().duration_s()));
+    if (options_.foley) tail_ = !options_.seconds && !options_.tail_s;
+    const double seconds = options_.foley && !options_.seconds
+                               ? session_.scene().duration_s() + options_.tail_s.value_or(0)
+                               : options_.seconds.value_or(std::max(score_s, session_.scene().duration_s()));
     if (!(seconds > 0 && seconds <= kMaxRender_s)) {
       return fail(ErrorKind::bad_input,
                   "nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
     }
     frames_ = longest_ = static_cast<Frame>(std::llround(seconds * options_.sample_rate_hz));
     second_ = static_cast<Frame>(std::llround(options_.sample_rate_hz));
+    fade_ = static_cast<Frame>(std::llround(options_.fade_s * options_.sample_rate_hz));
     if (tail_) longest_ = frames_ + static_cast<Frame>(kMaxTail_s - kTail_s) * second_;
     left_.resize(options_.block_frames);
     right_.resize(options_.block_frames);
@@ -123,6 +136,8 @@ class Run {
   // length is the largest possible one.
   [[nodiscard]] std::size_t frames() const { return static_cast<std::size_t>(longest_); }
   [[nodiscard]] Piece silence() const { return {{}, {}, std::vector<std::span<const float>>(ambisonics_.size())}; }
+
+  [[nodiscard]] std::vector<ContactRow> contacts() const { return contacts_.rows(); }
 
   // Hands the sound to `take`, piece by piece, and ends with the first error that it returns. A tail grows second by
   // second, until the last second is quiet; the limiter's delay comes after that.
@@ -139,6 +154,26 @@ class Run {
   }
 
  private:
+  void name_contacts() {
+    std::map<scene::BodyId, std::string> names;
+    for (const scene::BodyState& body : session_.scene().poses().bodies) names[body.id] = body.name;
+    if (const auto scene = session_.scene().description()) {
+      for (std::size_t k = 0; k < scene->statics.size(); ++k)
+        names[scene::kFirstStatic + static_cast<scene::BodyId>(k)] = scene->statics[k].name;
+    }
+    contacts_.set_names(std::move(names));
+  }
+
+  // Lets the last frames of a sound of known length fade away. `late` is the channel's delay.
+  void fade(std::vector<float>& samples, Frame begin, Frame end, Frame late) const {
+    if (fade_ == 0 || frames_ != longest_) return;
+    for (Frame frame = std::max(begin, frames_ - fade_ + late); frame < end; ++frame) {
+      const double left = static_cast<double>(std::max<Frame>(frames_ + late - frame, 0)) / static_cast<double>(fade_);
+      float& sample = samples[static_cast<std::size_t>(frame - begin)];
+      sample *= static_cast<float>(0.5 - 0.5 * std::cos(std::numbers::pi * std::min(left, 1.0)));
+    }
+  }
+
   // The score's last event and a tail, or just its end mark: scores for scsynth close with a /c_set that does nothing.
   double take_score_length() {
     if (score_.empty()) return 0;
@@ -214,6 +249,9 @@ class Run {
     for (std::size_t c = 0; c < ambisonics_.size(); ++c) outputs.listen_to_ambisonics(c, ambisonics_[c].data());
     session_.rack().mixer().render(outputs, static_cast<std::size_t>(end - begin));
     session_.rack().collect();
+    fade(left_, begin, end, latency());
+    fade(right_, begin, end, latency());
+    for (std::vector<float>& channel : ambisonics_) fade(channel, begin, end, 0);
     const auto part = [&](const std::vector<float>& samples, Frame first, Frame last) {
       const Frame from = std::clamp(first, begin, end), to = std::clamp(last, from, end);
       return std::span(samples).subspan(static_cast<std::size_t>(from - begin), static_cast<std::size_t>(to - from));
@@ -263,9 +301,11 @@ class Run {
   Session session_;
   std::vector<wire::ScoreEvent> score_;
   std::size_t next_ = 0, pushed_ = 0;
-  Frame now_ = 0;                       // frames rendered so far
-  Frame frames_ = 0, longest_ = 0;      // length of the sound without the limiter's delay: so far, and at most
-  Frame second_ = 0;                    // frames in a second
+  Frame now_ = 0;                   // frames rendered so far
+  Frame frames_ = 0, longest_ = 0;  // length of the sound without the limiter's delay: so far, and at most
+  Frame second_ = 0;                // frames in a second
+  Frame fade_ = 0;                  // frames of the fade at the end
+  ContactReport contacts_;
   bool tail_ = false;                   // whether the length depends on how long the sound rings
   float loudest_ = 0, peak_since_ = 0;  // largest |sample| of the tail's sound: of all, and of the last second
   std::vector<float> left_, right_;     // one block
@@ -312,6 +352,7 @@ Result<Rendering> render_to_file(const OfflineOptions& options, const std::files
   };
   if (const auto rendered = run.render(write, progress); !rendered) return fail(rendered.error());
   if (const auto finished = file->finish(); !finished) return fail(finished.error());
+  rendering.contacts = run.contacts();
   rendering.seconds = static_cast<double>(run.frames()) / options.sample_rate_hz;
   return rendering;
 }

@@ -5,8 +5,10 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/scene/foley/limits.h"
 #include "protocol/wire/message.h"
 #include "engine/synth/mixer.h"
+#include "server/session/contact_report.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -25,6 +27,9 @@ struct OfflineOptions {
   std::optional<double> seconds;  // default: the scene's own duration, or up to the score's end mark /c_set, or its
                                   // last event and its tail
   double sample_rate_hz = 48000;
+  std::optional<scene::FoleyLimits> foley;  // set: contacts of animated bodies are recovered from their motion
+  std::optional<double> tail_s;             // of foley: what follows the animation; default: until it is silent
+  double fade_s = 0;                        // at the end of a sound whose length is known
   std::size_t block_frames = 256;
   synth::MixerSettings mixer;  // the limiter's delay is removed from the result; the budget is not used
 };
@@ -53,6 +58,7 @@ struct Rendering {
   double seconds = 0;
   float peak = 0;  // as in a Recording
   std::vector<std::string> warnings;
+  std::vector<ContactRow> contacts;  // of foley
 };
 
 // Renders into a file equal, sample for sample, to that of write_audio(), but keeps at most a second in memory.

@@ -80,12 +80,13 @@ modal::ReadBeside beside(const FileRoots& roots, const std::filesystem::path& pa
 
 // Reads a scene, and warns of parts of the file that a scene cannot have.
 Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::filesystem::path& path,
+                                           const std::optional<scene::FoleyLimits>& foley,
                                            const std::function<void(const std::string&)>& warn) {
   const bool is_gltf = scene::is_gltf(path);
   const auto text = roots.read(path, is_gltf ? modal::kMaxBankFileBytes : kMaxTomlFileBytes);
   if (!text) return fail(text.error());
   if (!is_gltf) return scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
-  auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside(roots, path));
+  auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside(roots, path), foley);
   if (!read) return fail(read.error());
   for (const std::string& note : read->notes) warn("scene: " + note);
   return std::move(read->scene);
@@ -117,7 +118,7 @@ void warn_of_silence(const scene::SceneDescription& scene, std::span<const scene
 // Reads a scene of either format.
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
   const auto warn = [this](const std::string& sentence) { rack_.warn(sentence); };
-  auto description = read_below(roots_, path, warn);
+  auto description = read_below(roots_, path, foley_, warn);
   if (!description) return fail(description.error());
   if (const auto kept = reliefs_.keep(*description); !kept) return fail(kept.error());
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // read before anything changes
@@ -403,6 +404,7 @@ void ScenePlayer::set_dampers(const std::vector<scene::RestDamping>& dampings) {
 
 void ScenePlayer::pass_on(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings) {
   dropped_ += report.dropped_events;
+  if (watch_) watch_(report.contacts);
   if (sink_) {
     dropped_ += sink_(report);
   } else {

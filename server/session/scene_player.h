@@ -60,6 +60,14 @@ class ScenePlayer {
   // Passes the reports to `sink` instead of the rack. Call before anything is loaded. [main]
   void send_to(Sink sink) { sink_ = std::move(sink); }
 
+  // Reads the scenes to come so that contacts of animated bodies are recovered from their motion, if `foley` is set.
+  // [main]
+  void set_foley(const std::optional<scene::FoleyLimits>& foley) { foley_ = foley; }
+
+  // Passes the contacts of every step to `watch` as well. [main]
+  using Watch = std::function<void(std::span<const scene::HeardContact>)>;
+  void watch_contacts(Watch watch) { watch_ = std::move(watch); }
+
   // Sets the function that hands tasks to the worker and returns whether the worker took them. The tasks retune
   // objects, which bodies resting on them damp; without the function they are carried out at once. Call while the scene
   // thread does not run. [main]
@@ -164,6 +172,8 @@ class ScenePlayer {
   BankReader& banks_;
   const FileRoots& roots_;
   Sink sink_;
+  std::optional<scene::FoleyLimits> foley_;
+  Watch watch_;
   Post post_;
   ScenePieces pieces_{rack_};  // worker
   mutable FairMutex mutex_;    // guards all members below except the atomics

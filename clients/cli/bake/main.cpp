@@ -20,6 +20,7 @@
 #include "packaging/manual/command_line.h"
 
 #include <cstdio>
+#include <map>
 #include <new>
 #include <tuple>
 #include <unistd.h>
@@ -38,6 +39,7 @@ using protocol::ExitCode;
 struct Arguments {
   fs::path input, output, materials;
   std::optional<std::string> material;
+  std::vector<std::string> bodies;  // of a scene: NODE=MATERIAL
   // The options of the recipe that the command line gives. All other options stay as in the object file.
   std::vector<std::pair<const RecipeOption*, bake::OptionValue>> given;
   std::map<const RecipeOption*, bool> flags;
@@ -99,6 +101,10 @@ void add_options(manual::App& app, Arguments& arguments) {
       ->type_name("FILE");
   app.add_option("-m,--material", arguments.material,
                  "name of a material; an object file has one already, and keeps it when a folder is baked");
+  app.add_option("--body", arguments.bodies,
+                 "in a scene, the material of a body in place of what the file says; may be given more than once")
+      ->type_name("NODE=MATERIAL")
+      ->allow_extra_args(false);
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")
       ->type_name("FOLDER");
   manual::Option* last = nullptr;
@@ -182,7 +188,21 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
   return ExitCode::ok;
 }
 
+// NODE=MATERIAL, as --body takes it.
+Result<std::map<std::string, std::string>> body_materials(const std::vector<std::string>& given) {
+  std::map<std::string, std::string> materials;
+  for (const std::string& text : given) {
+    const auto equals = text.rfind('=');
+    if (equals == std::string::npos || equals == 0)
+      return fail(ErrorKind::usage, "--body " + text + " is not NODE=MATERIAL");
+    materials[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return materials;
+}
+
 ExitCode bake_scene(const Arguments& arguments, const std::stop_token& stop) {
+  const auto bodies = body_materials(arguments.bodies);
+  if (!bodies) return complain(bodies.error());
   const cli::SceneBake request{.input = arguments.input,
                                .output = arguments.output.empty() ? arguments.input : arguments.output,
                                .materials = arguments.materials,
@@ -192,6 +212,7 @@ ExitCode bake_scene(const Arguments& arguments, const std::stop_token& stop) {
                                      of_body.material = "of the scene";
                                      return recipe_for(geometry, of_body);
                                    },
+                               .body_materials = *bodies,
                                .style = progress_style(arguments),
                                .quiet = arguments.quiet};
   return cli::bake_scene(request, stop);

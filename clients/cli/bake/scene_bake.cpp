@@ -8,6 +8,7 @@
 #include "engine/base/quote.h"
 #include "engine/gltf/gltf_file.h"
 #include "engine/materials/material_library.h"
+#include "engine/materials/material_words.h"
 #include "engine/mesh/triangle_mesh.h"
 #include "engine/modal/bank_file.h"
 #include "engine/modal/gltf_models.h"
@@ -37,8 +38,8 @@ using scene::SilentBody;
 using Alike = std::vector<std::size_t>;
 
 bool same_sound(const SilentBody& a, const SilentBody& b) {
-  return a.geo == b.geo && a.surface == b.surface && a.material.number == b.material.number && a.scale == b.scale &&
-         a.mass_kg == b.mass_kg;
+  return a.geo == b.geo && a.surface == b.surface && a.material.number == b.material.number &&
+         a.material.name == b.material.name && a.scale == b.scale && a.mass_kg == b.mass_kg;
 }
 
 std::vector<Alike> groups_of(const std::vector<SilentBody>& bodies) {
@@ -143,6 +144,7 @@ class SceneBaker {
     if (!found) return complain(found.error());
     for (const std::string& note : found->notes)
       if (!request_.quiet) std::printf("%s: %s\n", request_.input.c_str(), note.c_str());
+    if (const auto named = name_materials(*found); !named) return complain(named.error());
     for (const SilentBody& body : found->bodies)
       if (!body.trouble.empty()) complain_of(body, body.trouble);
     const std::vector<Alike> groups = groups_of(found->bodies);
@@ -180,6 +182,40 @@ class SceneBaker {
                                        modal::files_beside(request_.input));
     if (!glb) return fail(glb.error());
     return scene::find_silent_bodies(*glb);
+  }
+
+  // Gives every body the material that the command line names for it, and a body with an ordinary material the one that
+  // its name means. Bodies whose material is not known are removed; they stay silent.
+  Result<void> name_materials(scene::SilentBodies& found) const {
+    const std::vector<std::string> known = bake::names_in(request_.materials);
+    for (const auto& [name, material] : request_.body_materials) {
+      if (std::ranges::find(found.bodies, name, &SilentBody::name) == found.bodies.end())
+        return fail(ErrorKind::bad_input, "--body " + name + "=" + material + ": " + request_.input.string() +
+                                              " has no silent body of that name");
+      if (std::ranges::find(known, material) == known.end())
+        return fail(ErrorKind::bad_input,
+                    "--body " + name + "=" + material + ": no such material; `ringdown materials` lists them");
+    }
+    std::erase_if(found.bodies, [&](SilentBody& body) {
+      const auto given = request_.body_materials.find(body.name);
+      if (given != request_.body_materials.end()) {
+        body.material = {.name = given->second};
+        return false;
+      }
+      if (body.material.number) return false;
+      const auto understood = bake::understood_material(body.material.name, known);
+      if (!request_.quiet) {
+        const std::string of = body.material.name.empty() ? "no material" : "the material " + quote(body.material.name);
+        std::printf(
+            "%s: %s, %s\n", body.name.c_str(), of.c_str(),
+            understood
+                ? ("taken for " + *understood).c_str()
+                : ("not known; it stays silent, or name one with --body " + quote(body.name + "=glass")).c_str());
+      }
+      if (understood) body.material.name = *understood;
+      return !understood;
+    });
+    return {};
   }
 
   void complain_of(const SilentBody& body, const std::string& why) {
@@ -276,7 +312,11 @@ bool has_surfaces(const fs::path& path) {
     if (!text) return false;
     json = *std::move(text);
   }
-  return modal::JsonPlace(&json, "")["extensions"]["KHR_audio_rigid_bodies"]["acousticSurfaces"].size() > 0;
+  const modal::JsonPlace root(&json, "");
+  if (root["extensions"]["KHR_audio_rigid_bodies"]["acousticSurfaces"].size() > 0) return true;
+  if (root["animations"].size() == 0) return false;
+  const auto glb = modal::parse_gltf(std::as_bytes(std::span(*bytes)), path.string(), modal::files_beside(path));
+  return glb && scene::has_mesh_bodies(*glb);
 }
 
 ExitCode bake_scene(const SceneBake& request, const std::stop_token& stop) { return SceneBaker(request, stop).run(); }

@@ -13,7 +13,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <stop_token>
+#include <string>
 
 namespace ringdown::cli {
 
@@ -21,11 +23,13 @@ struct SceneBake {
   std::filesystem::path input, output, materials;  // the input may be the output
   // Makes the recipe for baking that geometry from the options of the command line.
   std::function<Result<bake::ObjectRecipe>(const std::filesystem::path& geometry)> recipe_for;
+  std::map<std::string, std::string> body_materials;  // of bodies by name, in place of what the file says
   ProgressLine::Style style = ProgressLine::Style::none;
   bool quiet = false;
 };
 
-// A .glb or .gltf with acoustic surfaces is a scene, and not a bank or a surface; true for such a file.
+// A .glb or .gltf with acoustic surfaces, or with animated meshes, is a scene, and not a bank or a surface; true for
+// such a file.
 bool has_surfaces(const std::filesystem::path& path);
 
 // Prints a line for each model and a summary to stdout, and a sentence for each body that failed to stderr. Exit codes:

@@ -121,6 +121,7 @@ std::span<const synth::Event> ContactSounds::process(std::span<const ContactPoin
                                                      std::span<const MovedBody> moved, double now_s,
                                                      const FrameClock& timeline) {
   events_.clear();
+  heard_.clear();
   by_pair_.clear();
   runs_.clear();
   for (const ContactPoint& point : points) {
@@ -141,7 +142,11 @@ std::span<const synth::Event> ContactSounds::process(std::span<const ContactPoin
   }
   const synth::Frame frame = timeline.frame(std::max(now_s, latest_s_));
   rest_dampings_ = resting_.advance(moved, sides_, frame);
-  for (const ContactReport& report : lives_.advance(now_s)) lasting_.add(report, sides_, frame, events_);
+  for (const ContactReport& report : lives_.advance(now_s)) {
+    lasting_.add(report, sides_, frame, events_);
+    heard_.push_back({report.ends ? HeardContact::end : HeardContact::lasting, now_s, report.pair, report.point_m,
+                      report.force_n, report.slip_m_s, report.roll_m_s});
+  }
   if (!std::ranges::is_sorted(events_.events, {}, &synth::Event::frame)) {
     std::ranges::stable_sort(events_.events, {}, &synth::Event::frame);
   }
@@ -161,6 +166,7 @@ void ContactSounds::process_pair(BodyPair pair, std::span<const ContactPoint* co
   }
   if (fastest_m_s > 0 && lives_.strikes(pair, fastest_m_s, now_s)) {
     strike(pair, points, now_s, timeline);
+    note_blow(pair, points);
     return;
   }
   const ContactSide *first = find(sides_, pair.first), *second = find(sides_, pair.second);
@@ -291,6 +297,21 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
   }
   events_.push({frame, *struck.object, hit});
   return true;
+}
+
+void ContactSounds::note_blow(BodyPair pair, std::span<const ContactPoint* const> points) {
+  HeardContact blow{.time_s = latest_s_, .pair = pair};
+  double weight = 0;
+  for (const ContactPoint* point : points) {
+    if (!is_impact(*point)) continue;
+    const double size = length(point->impulse_ns);
+    blow.push = blow.push + (point->body == pair.first ? 1 : -1) * point->impulse_ns;
+    blow.point_m = blow.point_m + size * point->point_m;
+    blow.speed_m_s = std::max(blow.speed_m_s, point->approach_m_s);
+    weight += size;
+  }
+  blow.point_m = (1 / weight) * blow.point_m;
+  heard_.push_back(blow);
 }
 
 // The impulses of all points move the body as a whole at once; the hardest point's contact time is the click's.

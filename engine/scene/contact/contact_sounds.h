@@ -7,6 +7,7 @@
 
 #include "engine/scene/contact/contact_life.h"
 #include "engine/scene/contact/contact_side.h"
+#include "engine/scene/contact/heard_contact.h"
 #include "engine/scene/contact/lasting_events.h"
 #include "engine/scene/contact/rest_damping.h"
 #include "engine/synth/events/event.h"
@@ -66,6 +67,9 @@ class ContactSounds {
   // The objects whose resting contacts have changed in that step.
   [[nodiscard]] std::span<const RestDamping> rest_dampings() const { return rest_dampings_; }
 
+  // The blows of that step, and the reports of its lasting contacts.
+  [[nodiscard]] std::span<const HeardContact> heard() const { return heard_; }
+
   [[nodiscard]] std::size_t dropped() const { return events_.dropped; }  // events of that step beyond kMaxEventsPerStep
 
   // Returns true if a step without contact points would have nothing to report.
@@ -93,6 +97,7 @@ class ContactSounds {
   void end_contacts(BodyId body, synth::Frame frame);
   [[nodiscard]] bool strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
                                     double contact_time_s, synth::Frame frame);
+  void note_blow(BodyPair pair, std::span<const ContactPoint* const> points);
   void click(BodyPair pair, double share);
 
   double step_s_, bounce_threshold_m_s_;
@@ -107,6 +112,7 @@ class ContactSounds {
   std::vector<PairStrike> strikes_;  // of a pair
   BlowJudge judge_;
   StepEvents events_;
+  std::vector<HeardContact> heard_;
   std::span<const RestDamping> rest_dampings_;
 };
 

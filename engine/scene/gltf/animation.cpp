@@ -12,9 +12,31 @@ namespace ringdown::scene {
 
 using modal::JsonPlace;
 
-GltfAnimations::GltfAnimations(GltfDocument& document) : document_(document) {
+GltfAnimations::GltfAnimations(GltfDocument& document, const std::optional<FoleyLimits>& foley)
+    : document_(document), once_(foley.has_value()) {
   const JsonPlace animations = document.root()["animations"];
   for (std::size_t k = 0; k < animations.size(); ++k) add(animations[k]);
+  if (foley) every_s_ = foley->frames_per_s > 0 ? 1 / foley->frames_per_s : frame_s();
+}
+
+// The smallest distance of two keys of a channel, if it may be that of two frames: programs write a key in every frame.
+// The mean over the channel removes the rounding of its times. Keys that are farther apart were set by hand.
+double GltfAnimations::frame_s() const {
+  constexpr double kShortest_s = 1.0 / 240, kLongest_s = 1.0 / 11, kByHand_s = 1.0 / 60;
+  double shortest_s = 1e300, span_s = 0;
+  for (const auto& [node, channels] : channels_) {
+    for (const Channel& channel : channels) {
+      for (std::size_t k = 0; k + 1 < channel.times_s.size(); ++k) {
+        const double apart_s = static_cast<double>(channel.times_s[k + 1]) - static_cast<double>(channel.times_s[k]);
+        if (apart_s < 0.99 * shortest_s) shortest_s = apart_s, span_s = 0;
+      }
+      const double whole_s = static_cast<double>(channel.times_s.back()) - static_cast<double>(channel.times_s.front());
+      span_s = std::max(span_s, whole_s);
+    }
+  }
+  if (!(shortest_s <= kLongest_s)) return kByHand_s;
+  if (shortest_s < kShortest_s) return kShortest_s;
+  return span_s > 0 ? span_s / std::max(1.0, std::round(span_s / shortest_s)) : shortest_s;
 }
 
 void GltfAnimations::add(const JsonPlace& animation) {
@@ -123,17 +145,19 @@ std::shared_ptr<const MotionPath> GltfAnimations::path_of(std::size_t node) {
   }
   if (!animated || !(length_s_ > 0)) return nullptr;
   if (scales) document_.notes.add("an animation changes a body's scale, which collisions do not follow");
-  const double count = std::ceil(length_s_ / kEvery_s) + 1;
+  const double count = std::ceil(length_s_ / every_s_ - 1e-3) + 1;
   const double nodes = static_cast<double>(chain.size());
   if (!(count <= static_cast<double>(kMaxPathPoses)) || !(count * nodes <= static_cast<double>(kMaxPoses - poses_))) {
-    document_.notes.add("the animations are longer than " + std::to_string(kMaxPathPoses / 240) + " s, or than " +
-                        std::to_string(kMaxPoses / 240) +
+    document_.notes.add("the animations are longer than " +
+                        std::to_string(static_cast<int>(static_cast<double>(kMaxPathPoses) * every_s_)) +
+                        " s, or than " + std::to_string(static_cast<int>(static_cast<double>(kMaxPoses) * every_s_)) +
                         " s of all bodies and the nodes above them together; further bodies do not move");
     return nullptr;
   }
   poses_ += static_cast<std::size_t>(count * nodes);
   auto path = std::make_shared<MotionPath>();
-  path->every_s = length_s_ / (count - 1);
+  path->every_s = once_ ? every_s_ : length_s_ / (count - 1);
+  path->once = once_;
   for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
     Affine world;
     for (const std::size_t at : chain) world = local_at(at, static_cast<double>(k) * path->every_s) * world;

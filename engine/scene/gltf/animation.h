@@ -3,12 +3,14 @@
 // All animations of the file play at once, from the scene's beginning, over and over, as viewers play them.
 #pragma once
 
+#include "engine/scene/foley/limits.h"
 #include "engine/scene/gltf/document.h"
 #include "engine/scene/motion_path.h"
 
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace ringdown::scene {
@@ -21,8 +23,11 @@ class GltfAnimations {
   static constexpr std::size_t kMaxKeys = std::size_t{1} << 16;     // keys of one channel
   static constexpr std::size_t kMaxAllKeys = std::size_t{1} << 22;  // keys of all channels together
 
-  // Reads the channels that move or turn nodes. The document's notes name everything refused or left out.
-  explicit GltfAnimations(GltfDocument& document);
+  // Reads the channels that move or turn nodes. The document's notes name everything refused or left out. With `foley`,
+  // paths are played once, and have their poses at the frames of the file or as often as its limits say.
+  explicit GltfAnimations(GltfDocument& document, const std::optional<FoleyLimits>& foley = {});
+
+  [[nodiscard]] double length_s() const { return length_s_; }
 
   // Returns the path of a node's frame in the world. Null if neither the node nor any node above it is animated. Also
   // null, with a note, if the scene's paths already have too many poses.
@@ -42,6 +47,10 @@ class GltfAnimations {
 
   GltfDocument& document_;
   std::map<std::size_t, std::vector<Channel>> channels_;  // indexed by node
+  [[nodiscard]] double frame_s() const;
+
+  bool once_ = false;
+  double every_s_ = kEvery_s;
   double length_s_ = 0;
   std::size_t keys_ = 0, poses_ = 0;
 };

@@ -11,6 +11,7 @@
 #include "engine/scene/gltf/animation.h"
 #include "engine/scene/gltf/document.h"
 #include "engine/scene/gltf/joints.h"
+#include "engine/scene/gltf/mesh_bodies.h"
 #include "engine/scene/gltf/normal_map.h"
 #include "engine/scene/gltf/shapes.h"
 #include "engine/scene/gltf/surface.h"
@@ -52,6 +53,7 @@ struct GatheredBody {
   bool moves = false;
   std::vector<PlacedCollider> colliders;
   std::optional<std::size_t> model_node;
+  MeshBody meshes = {};  // of a body without physics
 };
 
 JsonPlace physics_of(const GltfNode& node) { return node.field["extensions"][kPhysicsExtension]; }
@@ -69,13 +71,17 @@ bool same(const FrictionSurface& a, const FrictionSurface& b) {
 
 class GltfSceneReader {
  public:
-  GltfSceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside)
-      : document_(document), path_(std::move(path)), read_beside_(read_beside), animations_(document) {}
+  GltfSceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside,
+                  const std::optional<FoleyLimits>& foley)
+      : document_(document), path_(std::move(path)), read_beside_(read_beside), animations_(document, foley) {
+    scene_.foley = foley;
+  }
 
   Result<GltfScene> read() {
     note_what_is_left_out();
     collect();
     for (const GatheredBody& body : bodies_) add(body);
+    if (scene_.foley && animations_.length_s() > 0) scene_.duration_s = std::max(animations_.length_s(), 0.01);
     if (const auto good = document_.result(); !good) return fail(good.error());
     add_joints();
     add_camera();
@@ -162,6 +168,15 @@ class GltfSceneReader {
       if (body.model_node) note("a body plays one modal model; further ones below it are not loaded");
       if (!body.model_node) body.model_node = k;
     }
+    if (!scene_.foley) return;
+    for (MeshBody& found : mesh_bodies(document_)) {
+      GatheredBody& body = body_at(found.node, false);
+      for (const std::size_t mesh : found.meshes) {
+        if (!body.model_node && audio_of(nodes()[mesh])["modalModel"].present()) body.model_node = mesh;
+        if (mesh != found.node && by_node.contains(mesh)) bodies_[by_node[mesh]].model_node.reset();
+      }
+      body_at(found.node, false).meshes = std::move(found);
+    }
   }
 
   std::optional<PlacedCollider> read_collider(std::size_t node, const JsonPlace& field) {
@@ -169,7 +184,7 @@ class GltfSceneReader {
     if (!geometry) return {};
     PlacedCollider collider{.node = node, .geometry = std::move(*geometry)};
     const JsonPlace material = document_.element(field["physicsMaterial"], list(kPhysicsExtension, "physicsMaterials"));
-    if (material.present()) read_material(material, collider.surface);
+    if (material.present()) read_friction(document_, material, collider.surface);
     const JsonPlace filter = document_.element(field["collisionFilter"], list(kPhysicsExtension, "collisionFilters"));
     if (filter.present()) {
       collider.filter = {document_.texts(filter["collisionSystems"]), document_.texts(filter["collideWithSystems"]),
@@ -177,24 +192,6 @@ class GltfSceneReader {
     }
     read_surface(node, collider.surface);
     return collider;
-  }
-
-  void read_material(const JsonPlace& material, FrictionSurface& surface) {
-    surface.friction = document_.number(material["staticFriction"], 0.6);
-    surface.sliding_friction = document_.number(material["dynamicFriction"], 0.6);
-    surface.restitution = document_.number(material["restitution"], 0);
-    const auto combine = [&](const char* key) {
-      constexpr std::array kWays = {"average", "minimum", "maximum", "multiply"};
-      const JsonPlace field = material[key];
-      if (!field.present()) return Combine::average;
-      const auto found = std::ranges::find(kWays, field.text_or(""));
-      if (found == kWays.end()) document_.refuse(field.wrong("average, minimum, maximum or multiply"));
-      return static_cast<Combine>(found - kWays.begin());
-    };
-    surface.friction_combine = combine("frictionCombine");
-    surface.restitution_combine = combine("restitutionCombine");
-    if (surface.restitution > 1) note("a restitution above 1 is reduced to 1");
-    surface.restitution = std::min(surface.restitution, 1.0);
   }
 
   // The acoustic surface of a node or of the nearest one above it; without one, that of a machined surface.
@@ -258,13 +255,16 @@ class GltfSceneReader {
         note("a collider with a scale of 0 is left out");
       }
     }
-    if (shapes.empty()) {
+    if (!body.meshes.meshes.empty()) {
+      if (auto shape = shape_of_meshes(document_, body.meshes, inverse(frame))) shapes.push_back(std::move(*shape));
+    } else if (shapes.empty()) {
       if (!is_plane && body.moves) note("a motion without a collider touches nothing, and is left out");
       if (!body.moves && body.model_node)
-        note(is_plane ? "a modal model of an infinite plane is not loaded"
-                      : "a modal model of a node without a motion or a collider cannot be struck; it is not loaded");
-      return;
+        note(is_plane
+                 ? "a modal model of an infinite plane is not loaded"
+                 : "a modal model of a node without a motion or a collider cannot be struck; it is not loaded");
     }
+    if (shapes.empty()) return;
     for (const PlacedCollider& other : body.colliders) {
       const PlacedCollider& first = body.colliders[0];
       if (!(other.filter == first.filter && same(other.surface, first.surface)))
@@ -276,8 +276,12 @@ class GltfSceneReader {
     BodyDescription made{.name = unique_body(nodes()[body.node].name), .shape = join(shapes)};
     made.position_m = frame.position_m;
     made.rotation = frame.rotation;
-    made.surface = body.colliders[0].surface;
-    made.filter = body.colliders[0].filter;
+    if (body.colliders.empty()) {
+      read_surface(body.meshes.meshes[0], made.surface);
+    } else {
+      made.surface = body.colliders[0].surface;
+      made.filter = body.colliders[0].filter;
+    }
     made.fixed = !body.moves;
     made.two_way = is_two_way(body.node);
     if (body.model_node) add_object(*body.model_node, made);
@@ -288,6 +292,7 @@ class GltfSceneReader {
       made.position_m = path->poses[0].position_m;
       made.rotation = path->poses[0].rotation;
       made.path = std::move(path);
+      if (scene_.foley && (made.object.empty() || !has_mass_)) made.mass = mass_of(made.shape, kUsualDensity_kg_m3);
     }
     names_[body.node] = made.name;
     scene_.bodies.push_back(std::move(made));
@@ -473,15 +478,15 @@ std::string fingerprint(const SceneDescription& scene) {
 bool is_gltf(const std::filesystem::path& path) { return is_of_kind(path, FileKind::gltf); }
 
 Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& path,
-                                   const modal::ReadBeside& read_beside) {
+                                   const modal::ReadBeside& read_beside, const std::optional<FoleyLimits>& foley) {
   return within_memory("read " + path.string(), [&]() -> Result<GltfScene> {
     const auto glb = modal::parse_gltf(bytes, path.string(), read_beside);
     if (!glb) return fail(glb.error());
     auto document = GltfDocument::read(*glb);
     if (!document) return fail(document.error());
-    auto read = GltfSceneReader(*document, path, read_beside).read();
+    auto read = GltfSceneReader(*document, path, read_beside, foley).read();
     const JsonPlace own = glb->root()["extras"]["ringdown"];
-    if (!read || !own["scene"].present()) return read;
+    if (!read || !own["scene"].present() || foley) return read;
     if (own["fingerprint"].text_or("") != fingerprint(read->scene)) {
       read->notes.push_back(
           "another program has changed what Ringdown wrote; its own settings in the file are not used");

@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,7 +35,10 @@ bool is_gltf(const std::filesystem::path& path);
 
 // Reads a scene from the bytes of a .glb or a .gltf file. `path` appears in errors and is the path of the banks in the
 // file. Everything in the file is checked first, as for banks (engine/gltf/glb.h).
+//
+// With limits for `foley`, the contacts of animated bodies are recovered from their motion: meshes without physics are
+// bodies, too (gltf/mesh_bodies.h), animations play once at the frames of the file, and the scene is as long as they.
 Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& path,
-                                   const modal::ReadBeside& read_beside);
+                                   const modal::ReadBeside& read_beside, const std::optional<FoleyLimits>& foley = {});
 
 }  // namespace ringdown::scene

@@ -2,6 +2,7 @@
 
 #include "engine/base/quote.h"
 #include "engine/scene/gltf/document.h"
+#include "engine/scene/gltf/mesh_bodies.h"
 #include "engine/scene/gltf/shapes.h"
 
 #include <algorithm>
@@ -51,6 +52,14 @@ class SilentFinder {
       if (sounds(node)) continue;
       if (auto body = silent(node, colliders)) found.bodies.push_back(std::move(*body));
     }
+    for (const MeshBody& mesh : mesh_bodies(document_)) {
+      const auto plays = [this](std::size_t k) { return audio(k)["modalModel"].present(); };
+      if (plays(mesh.node) || std::ranges::any_of(mesh.meshes, plays)) continue;
+      meshes_ = mesh.meshes;
+      auto body = silent(mesh.node, mesh.meshes, GltfMaterial{.name = mesh.material});
+      if (body && body->surface.triangles.empty() && body->trouble.empty()) continue;
+      if (body) found.bodies.push_back(std::move(*body));
+    }
     if (const auto good = document_.result(); !good) return fail(good.error());
     found.notes = document_.notes.sentences();
     return found;
@@ -94,8 +103,11 @@ class SilentFinder {
     return false;
   }
 
-  std::optional<SilentBody> silent(std::size_t node, const std::vector<std::size_t>& colliders) {
-    const auto material = material_of(node, colliders);
+  // `ordinary` is the material of a body that has no acoustic one.
+  std::optional<SilentBody> silent(std::size_t node, const std::vector<std::size_t>& colliders,
+                                   const std::optional<GltfMaterial>& ordinary = {}) {
+    auto material = material_of(node, colliders);
+    if (!material) material = ordinary;
     if (!material) return {};
     SilentBody body{.node = node, .name = nodes()[node].name, .material = *material};
     const Parts parts = parts_of(nodes()[node].world.linear);
@@ -108,9 +120,9 @@ class SilentFinder {
     body.scale = high - 1 < kEven && 1 - low < kEven ? 1 : s.x;
     // From the world to the node's frame, in metres: inverts its rotation and position, but not its scale.
     const Affine back = inverse(Pose{nodes()[node].world.shift_m, parts.rotation});
-    body.surface = visible(node, back);
-    if (body.surface.triangles.empty()) take_colliders(colliders, back, body);
-    if (body.surface.triangles.empty() && body.geo.empty() && body.trouble.empty()) {
+    body.surface = ordinary ? surface_of(document_, meshes_, back) : visible(node, back);
+    if (body.surface.triangles.empty() && !ordinary) take_colliders(colliders, back, body);
+    if (body.surface.triangles.empty() && body.geo.empty() && body.trouble.empty() && !ordinary) {
       document_.notes.add("a plane has no thickness to be baked, and stays silent");
       return {};
     }
@@ -254,9 +266,15 @@ class SilentFinder {
 
   GltfDocument& document_;
   std::map<std::size_t, std::vector<std::size_t>> colliders_;
+  std::vector<std::size_t> meshes_;  // of the body without physics that is looked at
 };
 
 }  // namespace
+
+bool has_mesh_bodies(const modal::Glb& glb) {
+  auto document = GltfDocument::read(glb);
+  return document && !mesh_bodies(*document).empty();
+}
 
 Result<SilentBodies> find_silent_bodies(const modal::Glb& glb) {
   auto document = GltfDocument::read(glb);

@@ -14,9 +14,10 @@
 
 namespace ringdown::scene {
 
-// An acoustic material of the file. Members that the file does not state are empty.
+// A material of the file: an acoustic one, or, for a mesh without physics in an animated file, the name of an ordinary
+// one. Members that the file does not state are empty.
 struct GltfMaterial {
-  std::size_t number = 0;  // index in acousticMaterials
+  std::optional<std::size_t> number;  // index in acousticMaterials; none: an ordinary material
   std::string name;
   std::optional<double> density_kg_m3, young_pa, poisson, alpha_per_s, beta_s;
 };
@@ -37,6 +38,9 @@ struct SilentBodies {
   std::vector<SilentBody> bodies;  // in order of their nodes
   std::vector<std::string> notes;  // about parts of meshes that a bake leaves out
 };
+
+// Returns whether a file's animations move meshes without physics, whose ordinary materials then tell what they are of.
+bool has_mesh_bodies(const modal::Glb& glb);
 
 // Finds the silent bodies of the scene that is played. Fails on files that the reader of scenes refuses (gltf/scene.h).
 Result<SilentBodies> find_silent_bodies(const modal::Glb& glb);

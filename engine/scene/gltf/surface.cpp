@@ -3,6 +3,7 @@
 #include "engine/scene/gltf/document.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace ringdown::scene {
@@ -16,6 +17,24 @@ bool equal(const std::optional<modal::SurfaceTrack>& a, const std::optional<moda
 }  // namespace
 
 using modal::JsonPlace;
+
+void read_friction(GltfDocument& document, const JsonPlace& material, FrictionSurface& surface) {
+  surface.friction = document.number(material["staticFriction"], 0.6);
+  surface.sliding_friction = document.number(material["dynamicFriction"], 0.6);
+  surface.restitution = document.number(material["restitution"], 0);
+  const auto combine = [&](const char* key) {
+    constexpr std::array kWays = {"average", "minimum", "maximum", "multiply"};
+    const JsonPlace field = material[key];
+    if (!field.present()) return Combine::average;
+    const auto found = std::ranges::find(kWays, field.text_or(""));
+    if (found == kWays.end()) document.refuse(field.wrong("average, minimum, maximum or multiply"));
+    return static_cast<Combine>(found - kWays.begin());
+  };
+  surface.friction_combine = combine("frictionCombine");
+  surface.restitution_combine = combine("restitutionCombine");
+  if (surface.restitution > 1) document.notes.add("a restitution above 1 is 1");
+  surface.restitution = std::min(surface.restitution, 1.0);
+}
 
 void read_finish(GltfDocument& document, const JsonPlace& finish, FrictionSurface& surface) {
   constexpr double kUsualWaviness_m = 2e-6, kUsualWavinessLength_m = 2e-3;

@@ -16,6 +16,9 @@ namespace ringdown::scene {
 
 class GltfDocument;
 
+// Reads the friction and the restitution of a `physicsMaterials` element. Missing values take the draft's defaults.
+void read_friction(GltfDocument& document, const modal::JsonPlace& material, FrictionSurface& surface);
+
 // Reads the finish and the waviness of an `acousticSurfaces` element. Missing values, or a missing element, take the
 // draft's defaults.
 void read_finish(GltfDocument& document, const modal::JsonPlace& finish, FrictionSurface& surface);
