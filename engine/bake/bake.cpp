@@ -191,8 +191,7 @@ Result<Sounding> modes_up_to(double top_hz, const Task& task, const Eigen::Vecto
   Sounding found{.modes = std::move(*modes), .heard = {}, .left_out = {}, .top_hz = top_hz};
   found.heard = modes_in_band(found.modes, task.units, loss_of(task, found.modes), {task.options.band_low_hz, top_hz},
                               found.left_out);
-  for (HeardMode& mode : found.heard)
-    mode.heat = heat_of(task, found.modes, mode.number);
+  for (HeardMode& mode : found.heard) mode.heat = heat_of(task, found.modes, mode.number);
   return found;
 }
 
@@ -233,8 +232,9 @@ Result<void> check_request(const modal::Material& material, const BakeOptions& o
             "`nonlinear` out, or grain, parts, masses and supports with stiffness or mass");
   }
   if (options.nonlinear > 0 && !options.liquids.none()) {
-    return fail(ErrorKind::bad_input, name + ": nonlinear terms are not found for a body with a liquid; leave "
-                                             "`nonlinear` out, or [fill] and [bath]");
+    return fail(ErrorKind::bad_input, name +
+                                          ": nonlinear terms are not found for a body with a liquid; leave "
+                                          "`nonlinear` out, or [fill] and [bath]");
   }
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good) return failed(material.name, good.error());
@@ -261,8 +261,8 @@ Result<Task> prepare(const mesh::CheckedMesh& checked, const modal::Material& ma
     if (!plan) return failed(name, plan.error());
     wet = std::move(*plan);
   }
-  return Task{std::move(mesh),   std::move(unit_mesh), std::move(surface), units, material, options, name,
-              std::move(*makeup),  std::move(wet)};
+  return Task{std::move(mesh),    std::move(unit_mesh), std::move(surface), units, material, options, name,
+              std::move(*makeup), std::move(wet)};
 }
 
 // Finds the modes in the band, or the lowest ones above it where none lies in the band and options.raise_band is set.

@@ -122,10 +122,9 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   body.shares = task.makeup.shares(task.unit_mesh, elastic);
   if (heat_counts(task) && body.lambda.size() > 0) {
     const double wall = measure_shape(task.mesh).thickness_m / task.units.length_m;
-    auto pairs =
-        fem::heat_relaxations({task.unit_mesh, task.makeup.solid, task.makeup.heat.parts, task.makeup.part_of, wall},
-                              elastic, body.wet ? body.lambda.cwiseProduct(body.wet->strain).eval() : body.lambda,
-                              progress);
+    auto pairs = fem::heat_relaxations(
+        {task.unit_mesh, task.makeup.solid, task.makeup.heat.parts, task.makeup.part_of, wall}, elastic,
+        body.wet ? body.lambda.cwiseProduct(body.wet->strain).eval() : body.lambda, progress);
     if (!pairs) return fail(pairs.error());
     body.heat = std::move(*pairs);
   }

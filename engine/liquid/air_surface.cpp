@@ -166,7 +166,8 @@ class Builder {
       corners.push_back(liquid.outside ? Vector2d(node[1], node[2]) : Vector2d(node[2], node[1]));
     const std::vector<Triangle> lid = fill_loops(corners, loops);
     if (lid.empty())
-      return fail(ErrorKind::bad_input, "the line of the liquid's surface on the body crosses itself; change the level");
+      return fail(ErrorKind::bad_input,
+                  "the line of the liquid's surface on the body crosses itself; change the level");
     for (const Triangle& t : lid) triangles_.push_back({numbers[t[0]], numbers[t[1]], numbers[t[2]]});
     if (!liquid.outside) sample_lid(corners, lid, free);
     return free;

@@ -21,9 +21,9 @@ struct FreeSurface {
 };
 
 struct AirSurface {
-  mesh::TriangleMesh surface;           // closed, counter-clockwise from the air; empty when no part touches the air
-  std::vector<Eigen::Index> dry;        // the skin's samples that the air touches
-  std::vector<FreeSurface> free;        // for each liquid; empty of a bath and of a full cavity
+  mesh::TriangleMesh surface;     // closed, counter-clockwise from the air; empty when no part touches the air
+  std::vector<Eigen::Index> dry;  // the skin's samples that the air touches
+  std::vector<FreeSurface> free;  // for each liquid; empty of a bath and of a full cavity
 };
 
 // Fails when a level's line on the skin does not close or cannot be filled.

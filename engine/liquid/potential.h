@@ -5,9 +5,9 @@
 //   laplace P = 0,     dP/dn = q on the wall (n out of the liquid),     P = 0 on the free surface
 //
 // The free surface needs no elements: the image of the wall in it moves the opposite way. The integral of the hat
-// functions times Green's formula gives the equation W u = (M/2 -+ K') M^-1 f with the engine's hypersingular operator W
-// and adjoint double layer K' (radiate/wave_matrix.h at k = 0), f the integrals of hat q, and u the values of P at the
-// nodes. W is symmetric and positive, so that one factorization by Cholesky serves all motions.
+// functions times Green's formula gives the equation W u = (M/2 -+ K') M^-1 f with the engine's hypersingular operator
+// W and adjoint double layer K' (radiate/wave_matrix.h at k = 0), f the integrals of hat q, and u the values of P at
+// the nodes. W is symmetric and positive, so that one factorization by Cholesky serves all motions.
 #pragma once
 
 #include "engine/base/result.h"

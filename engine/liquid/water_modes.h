@@ -4,9 +4,9 @@
 //
 // They are found by Ritz's method with polynomials: products of Chebyshev's polynomials times the depth, which is 0 on
 // the surface. Walls at rest are the natural condition of the method, so the polynomials need not know the wall, and no
-// mesh of the liquid is made. The integrals over the liquid are sums over columns between wall and surface, with Gauss's
-// rule in each. Wavenumbers come out too high, never too low; those with less than about two waves across the liquid are
-// good to 0.1 %.
+// mesh of the liquid is made. The integrals over the liquid are sums over columns between wall and surface, with
+// Gauss's rule in each. Wavenumbers come out too high, never too low; those with less than about two waves across the
+// liquid are good to 0.1 %.
 #pragma once
 
 #include "engine/liquid/wetted.h"
@@ -24,8 +24,10 @@ class WaterModes {
   WaterModes(const Wetted& liquid, const radiate::Panels& panels);
 
   [[nodiscard]] Eigen::Index count() const { return wavenumbers_.size(); }
-  [[nodiscard]] const Eigen::VectorXd& wavenumbers() const { return wavenumbers_; }  // J, ascending; that of a closed
-                                                                                     // cavity's constant is 0
+  [[nodiscard]] const Eigen::VectorXd& wavenumbers() const {
+    return wavenumbers_;
+  }  // J, ascending; that of a closed
+     // cavity's constant is 0
 
   // Values at places in the frame of the liquid, N x J, and the derivatives along its three axes.
   [[nodiscard]] Eigen::MatrixXd values(const mesh::Points& places) const;

@@ -15,7 +15,8 @@ Result<WetModes> wet_modes_of(const Coupled& coupled) {
   mass.bottomRightCorner(j, j).setIdentity();
   const auto spectrum = dense::generalized_spectrum(stiffness, mass);
   if (!spectrum)
-    return fail(ErrorKind::bad_input, "the mass of the liquid is less than that of its own modes: its wall is distorted");
+    return fail(ErrorKind::bad_input,
+                "the mass of the liquid is less than that of its own modes: its wall is distorted");
   return WetModes{spectrum->values, spectrum->vectors.topRows(n), spectrum->vectors.bottomRows(j)};
 }
 

@@ -211,9 +211,10 @@ Piece piece_of(const WetWall& wall, const Basin& basin, double level) {
 Result<double> level_of(const WetWall& wall, const Basin& basin, const Amount& amount, double metre) {
   const double bottom = wall.height(basin.bottom);
   const auto outside = [&](const std::string& what, const char* where) {
-    return fail(ErrorKind::bad_input, what + " lies " + where + ": the basin reaches from " +
-                                          in_metres(bottom, metre) + " to its rim at " + in_metres(basin.rim, metre) +
-                                          " and holds " + std::to_string(std::lround(basin.volume / (metre * metre * metre) * 1e6)) + " ml");
+    return fail(ErrorKind::bad_input, what + " lies " + where + ": the basin reaches from " + in_metres(bottom, metre) +
+                                          " to its rim at " + in_metres(basin.rim, metre) + " and holds " +
+                                          std::to_string(std::lround(basin.volume / (metre * metre * metre) * 1e6)) +
+                                          " ml");
   };
   double level = basin.rim;
   switch (amount.kind) {

@@ -60,8 +60,7 @@ Eigen::MatrixXd flow_of(const Wetted& liquid, const Skin& skin, const Eigen::Mat
   const mesh::Points normals = liquid.normals * liquid.turn;
   for (Eigen::Index i = 0; i < flow.rows(); ++i) {
     for (Rows::InnerIterator node(skin.samples.interpolation, liquid.samples[i]); node; ++node) {
-      flow.row(i) +=
-          (node.value() * liquid.areas[i]) * (normals.row(i) * shapes.middleRows<3>(3 * node.col()));
+      flow.row(i) += (node.value() * liquid.areas[i]) * (normals.row(i) * shapes.middleRows<3>(3 * node.col()));
     }
   }
   return flow;

@@ -17,10 +17,10 @@ struct Wetted {
   Eigen::Matrix3d turn;  // a point of the frame is turn * point + shift
   Eigen::Vector3d shift;
   std::vector<Eigen::Index> triangles;  // of the skin, wet at least in part
-  mesh::TriangleMesh wall;            // cut at the depth 0; counter-clockwise from outside what it encloses
-  std::vector<Eigen::Index> samples;  // N numbers of the skin's samples that are wet
-  mesh::Points at, normals;           // N x 3; normals out of the liquid
-  Eigen::VectorXd areas;              // N
+  mesh::TriangleMesh wall;              // cut at the depth 0; counter-clockwise from outside what it encloses
+  std::vector<Eigen::Index> samples;    // N numbers of the skin's samples that are wet
+  mesh::Points at, normals;             // N x 3; normals out of the liquid
+  Eigen::VectorXd areas;                // N
 
   [[nodiscard]] double wall_area() const { return areas.sum(); }
 };

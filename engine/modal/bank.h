@@ -92,13 +92,13 @@ struct Provenance {
   std::int64_t rigid_modes = 0;
   std::int64_t counted_modes = 0;  // number of modes below the band's top with rigid ones, by inertia; 0: not counted
   double band_low_hz = 0, band_high_hz = 0;
-  double largest_residual = 0;     // max over modes of |K phi - lambda M phi| / |lambda M phi|
-  std::int64_t dropped_modes = 0;  // modes in the band dropped as inaudible or unimportant (engine/bake/audibility.h)
-  double floor_db = 0;             // level below the loudest mode from which modes were dropped as inaudible; 0: none
-  double loss_db = 0;              // energy of the dropped modes over that of all modes, for the worst strike
-  std::vector<std::string> parts;  // materials of the body's parts, beside its own
+  double largest_residual = 0;      // max over modes of |K phi - lambda M phi| / |lambda M phi|
+  std::int64_t dropped_modes = 0;   // modes in the band dropped as inaudible or unimportant (engine/bake/audibility.h)
+  double floor_db = 0;              // level below the loudest mode from which modes were dropped as inaudible; 0: none
+  double loss_db = 0;               // energy of the dropped modes over that of all modes, for the worst strike
+  std::vector<std::string> parts;   // materials of the body's parts, beside its own
   std::vector<LiquidNote> liquids;  // in the body and around it
-  double peak_pa = 0;              // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
+  double peak_pa = 0;               // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
 };
 
 struct Fracture;  // fracture/fracture.h

@@ -23,15 +23,14 @@ std::vector<LiquidNote> read_liquids(const JsonPlace& list) {
     const JsonPlace one = list[i];
     const auto number = [&one](const char* key) { return one[key].number().value_or(0.0); };
     const JsonPlace up = one["up"];
-    liquids.push_back(
-        {.liquid = one["liquid"].text_or(""),
-         .density_kg_m3 = number("density"),
-         .sound_speed_m_s = number("soundSpeed"),
-         .viscosity_pa_s = number("viscosity"),
-         .level_m = number("level"),
-         .volume_m3 = number("volume"),
-         .up = {up[0].number().value_or(0.0), up[1].number().value_or(0.0), up[2].number().value_or(1.0)},
-         .around = one["place"].text_or("") == "around"});
+    liquids.push_back({.liquid = one["liquid"].text_or(""),
+                       .density_kg_m3 = number("density"),
+                       .sound_speed_m_s = number("soundSpeed"),
+                       .viscosity_pa_s = number("viscosity"),
+                       .level_m = number("level"),
+                       .volume_m3 = number("volume"),
+                       .up = {up[0].number().value_or(0.0), up[1].number().value_or(0.0), up[2].number().value_or(1.0)},
+                       .around = one["place"].text_or("") == "around"});
   }
   return liquids;
 }

@@ -34,8 +34,9 @@ std::string refusal(const std::string& tables) {
 
 TEST(LiquidRecipe, AnObjectFileSaysHowFarItIsFilledAndHowDeepItStands) {
   EXPECT_TRUE(parsed("").value().options.liquids.none());
-  const bake::Liquids liquids = parsed("[fill]\nliquid = \"mercury\"\nvolume_ml = 50\nup = [0, 1, 0]\n"
-                                       "basin = [0, 0, 1, 2, 3, 4]\n[bath]\nlevel_m = 0.03\n")
+  const bake::Liquids liquids = parsed(
+                                    "[fill]\nliquid = \"mercury\"\nvolume_ml = 50\nup = [0, 1, 0]\n"
+                                    "basin = [0, 0, 1, 2, 3, 4]\n[bath]\nlevel_m = 0.03\n")
                                     .value()
                                     .options.liquids;
   ASSERT_TRUE(liquids.fill && liquids.bath);
@@ -88,7 +89,7 @@ class LiquidBake : public ::testing::Test {
     const fs::path file = folder_.write(
         "cup.toml",
         "material = \"glass\"\ngeometry = \"cup.geo\"\nunit_m = 0.001\nmesh_size_m = 0.012\nelement = \"tet10\"\n"
-           "shape_error = 0.2\nband_hz = [20, 9000]\n" +
+        "shape_error = 0.2\nband_hz = [20, 9000]\n" +
             tables);
     auto recipe = bake::read_object(file);
     if (!recipe) return fail(recipe.error());
@@ -105,8 +106,9 @@ class LiquidBake : public ::testing::Test {
 double lowest(const modal::Bank& bank) { return *std::ranges::min_element(bank.frequency_hz); }
 
 TEST_F(LiquidBake, LevelsThatCannotBeAreRefusedWithOneSentence) {
-  EXPECT_NE(why("[fill]\nlevel_m = 0.07\n").find("above the rim, and the liquid spills: the basin reaches from 0.004 m"),
-            std::string::npos);
+  EXPECT_NE(
+      why("[fill]\nlevel_m = 0.07\n").find("above the rim, and the liquid spills: the basin reaches from 0.004 m"),
+      std::string::npos);
   EXPECT_NE(why("[fill]\nlevel_m = 0.001\n").find("below the bottom"), std::string::npos);
   EXPECT_NE(why("[fill]\nvolume_ml = 5000\n").find("it spills"), std::string::npos);
   EXPECT_NE(why("[fill]\nlevel_m = 0.055\nup = [0.5, 0, 1]\n").find("spills"), std::string::npos) << "tilted";
@@ -123,7 +125,8 @@ BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; }
   EXPECT_NE(why("[fill]\nfull = true\n", tube).find("it would leak"), std::string::npos);
 }
 
-// The dry cup, the cup in a bath and the full cup: frequencies fall, losses have the right owners, and the bank says so.
+// The dry cup, the cup in a bath and the full cup: frequencies fall, losses have the right owners, and the bank says
+// so.
 TEST_F(LiquidBake, LiquidLowersTheModesAndTheBankSaysSo) {
   const auto dry = baked(""), full = baked("[fill]\nfull = true\n"), bath = baked("[bath]\nlevel_m = 0.03\n");
   ASSERT_TRUE(dry && full && bath) << (full ? "" : full.error().message) << (bath ? "" : bath.error().message);

@@ -168,8 +168,7 @@ TEST(AddedMass, VesselMovedAlongTheVerticalCarriesAllItsLiquid) {
   for (const Vector3d& up : {Vector3d(0, 0, 1), Vector3d(0.2, -0.1, 1).normalized()}) {
     for (const double level : {-0.6, -0.3}) {
       const Filled filled(half_sphere_bowl(), level, up);
-      const Potential potential =
-          filled.potential(shapes_of(filled.skin, {[&up](const Vector3d&) { return up; }}));
+      const Potential potential = filled.potential(shapes_of(filled.skin, {[&up](const Vector3d&) { return up; }}));
       const double h = 1 + level, volume = kPi * h * h * (3 - h) / 3;
       EXPECT_NEAR(potential.added_mass(0, 0), volume, 0.004 * volume) << level;
     }

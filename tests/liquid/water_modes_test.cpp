@@ -17,8 +17,7 @@ namespace {
 // slopes of Bessel's functions (0, 1.8412, 3.0542, 3.8317, 4.2012; pairs from m = 1 on).
 TEST(WaterModes, CupHasTheModesOfACylinder) {
   const double h = 1.5;
-  const Skin skin =
-      flat_skin(turned({{0, -0.1}, {1.1, -0.1}, {1.1, 2}, {1, 2}, {1, 0}, {0, 0}}, 0.05, 144));
+  const Skin skin = flat_skin(turned({{0, -0.1}, {1.1, -0.1}, {1.1, 2}, {1, 2}, {1, 0}, {0, 0}}, 0.05, 144));
   const WetWall wall(skin, {0, 0, 1});
   const Wetted liquid = wetted_by(wall, {piece_of(wall, basins_of(wall).front(), h)}, h, false);
   const Result<WetPanels> panels = WetPanels::of(liquid, 800, 1);

@@ -162,8 +162,9 @@ const std::vector<LibraryRule> kLibraryRules = {
 };
 
 // Within these folders a file is a header with its .cpp, and files include each other in one direction only.
-const std::vector<std::string> kLayeredFolders = {"engine/base/",    "engine/modal/",   "engine/mesh/", "engine/fem/",
-                                                  "engine/radiate/", "engine/shatter/", "engine/liquid/", "engine/bake/", "engine/fit/"};
+const std::vector<std::string> kLayeredFolders = {"engine/base/",   "engine/modal/",   "engine/mesh/",
+                                                  "engine/fem/",    "engine/radiate/", "engine/shatter/",
+                                                  "engine/liquid/", "engine/bake/",    "engine/fit/"};
 
 struct Include {
   std::string file;  // relative to the source folder

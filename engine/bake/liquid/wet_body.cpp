@@ -22,12 +22,12 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kLiquidBand = 4;   // highest frequency of the liquid's modes over the band's top
-constexpr int kPatterns = 12;       // pressures that the body is let give way to, for each liquid
-constexpr double kShift = -1e-3;    // of the band's top, above which all lies that SlavedResponse lets give way
+constexpr double kLiquidBand = 4;      // highest frequency of the liquid's modes over the band's top
+constexpr int kPatterns = 12;          // pressures that the body is let give way to, for each liquid
+constexpr double kShift = -1e-3;       // of the band's top, above which all lies that SlavedResponse lets give way
 constexpr double kIndependent = 1e-6;  // of corrections of unit mass: less is a repetition of others
-constexpr double kGutter = 0.05;    // of the largest basin's volume: so much smaller ones must be named to be filled
-constexpr double kFewer = 4;        // nodes of the wall over those of the coarser one
+constexpr double kGutter = 0.05;       // of the largest basin's volume: so much smaller ones must be named to be filled
+constexpr double kFewer = 4;           // nodes of the wall over those of the coarser one
 
 Vector3d to_eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -64,8 +64,9 @@ Result<std::vector<liquid::Basin>> chosen_basins(const Filling& filling, const l
         basins, {}, [&](const liquid::Basin& basin) { return (bottom_of(basin) - place).norm(); });
     const double reach = 1.5 * std::cbrt(nearest->volume) * length_m;
     if ((bottom_of(*nearest) - place).norm() > reach) {
-      return fail(ErrorKind::bad_input, "there is no basin at " + place_text(place) + " m; the nearest has its bottom at " +
-                                            place_text(bottom_of(*nearest)) + " m");
+      return fail(ErrorKind::bad_input, "there is no basin at " + place_text(place) +
+                                            " m; the nearest has its bottom at " + place_text(bottom_of(*nearest)) +
+                                            " m");
     }
     const auto known = std::ranges::find(chosen, nearest->bottom, &liquid::Basin::bottom);
     if (known == chosen.end()) chosen.push_back(*nearest);
@@ -105,8 +106,8 @@ Result<void> plan_filling(const Filling& filling, const WetUnits& units, WetPlan
     if (piece.triangles.empty())
       return fail(ErrorKind::bad_input, "the liquid spills into another basin below that level; fill that one");
     plan.parts.push_back(part_of(liquid::wetted_by(wall, {piece}, *level, false), filling.liquid, units));
-    plan.notes.push_back(note_of(filling.liquid, *level * units.length_m,
-                                 piece.volume * std::pow(units.length_m, 3), filling.up, false));
+    plan.notes.push_back(note_of(filling.liquid, *level * units.length_m, piece.volume * std::pow(units.length_m, 3),
+                                 filling.up, false));
   }
   return {};
 }
@@ -127,8 +128,7 @@ Result<void> plan_bath(const Bath& bath, const WetUnits& units, WetPlan& plan) {
   double displaced = 0;
   for (const liquid::Piece& piece : pieces) displaced -= piece.volume;
   plan.parts.push_back(part_of(liquid::wetted_by(wall, pieces, level, true), bath.liquid, units));
-  plan.notes.push_back(
-      note_of(bath.liquid, bath.level_m, displaced * std::pow(units.length_m, 3), bath.up, true));
+  plan.notes.push_back(note_of(bath.liquid, bath.level_m, displaced * std::pow(units.length_m, 3), bath.up, true));
   return {};
 }
 
@@ -152,8 +152,7 @@ MatrixXd forces_of(const MatrixXd& pressures, const liquid::Wetted& wetted, cons
     for (Rows::InnerIterator node(skin.samples.interpolation, wetted.samples[s]); node; ++node) {
       const Index row = row_of[surface.nodes[node.col()]];
       if (row < 0) continue;
-      forces.middleRows<3>(row) +=
-          (node.value() * wetted.areas[s]) * normals.row(s).transpose() * pressures.row(s);
+      forces.middleRows<3>(row) += (node.value() * wetted.areas[s]) * normals.row(s).transpose() * pressures.row(s);
     }
   }
   return forces;
@@ -162,7 +161,8 @@ MatrixXd forces_of(const MatrixXd& pressures, const liquid::Wetted& wetted, cons
 // Smooth pressures that vanish at the level: what a liquid without modes of its own is let press with.
 MatrixXd plain_pressures(const mesh::Points& at) {
   MatrixXd pressures(at.rows(), 6);
-  const Eigen::ArrayXd x = at.col(0), y = at.col(1).array() - at.col(1).mean(), z = at.col(2).array() - at.col(2).mean();
+  const Eigen::ArrayXd x = at.col(0), y = at.col(1).array() - at.col(1).mean(),
+                       z = at.col(2).array() - at.col(2).mean();
   pressures << x, x * y, x * z, x * y * z, x * (y.square() - z.square()), x * (y.square() + z.square());
   return pressures;
 }
@@ -180,8 +180,8 @@ struct PartTerms {
 
 class WetSolver {
  public:
-  WetSolver(const WetPlan& plan, const mesh::Boundary& surface, const solve::Eigenmodes& dry,
-            const fem::System& system, const std::vector<std::int32_t>& clamped, double top)
+  WetSolver(const WetPlan& plan, const mesh::Boundary& surface, const solve::Eigenmodes& dry, const fem::System& system,
+            const std::vector<std::int32_t>& clamped, double top)
       : plan_(plan), surface_(surface), dry_(dry), system_(system), top_(top) {
     const Index removed = static_cast<Index>(clamped.size()), nodes = system.unknowns() / 3 + removed;
     std::size_t next = 0;
@@ -238,8 +238,7 @@ class WetSolver {
   [[nodiscard]] MatrixXd pressures_of(std::size_t part, const liquid::WetModes& wet) const {
     const Index count = (wet.lambda.array() <= top_).count() - dry_.rigid;
     const PartTerms& terms = terms_[part];
-    MatrixXd pressures =
-        terms.panels.values() * (terms.potential.nodes * wet.body.middleCols(dry_.rigid, count));
+    MatrixXd pressures = terms.panels.values() * (terms.potential.nodes * wet.body.middleCols(dry_.rigid, count));
     if (terms.count > 0) {
       pressures += terms.modes->values(plan_.parts[part].wetted.at).middleCols(terms.first, terms.count) *
                    swing(plan_.parts[part], terms, wet.liquid.middleCols(dry_.rigid, count));
@@ -312,8 +311,8 @@ class WetSolver {
       if (!terms.modes) continue;
       terms.bound = terms.flow.transpose() * terms.modes->values(part.wetted.at);
       if (!part.wetted.open) {  // the constant mode of a full cavity is a spring
-        coupled_.stiffness += part.density * part.sound_speed * part.sound_speed *
-                              (terms.bound.col(0) * terms.bound.col(0).transpose());
+        coupled_.stiffness +=
+            part.density * part.sound_speed * part.sound_speed * (terms.bound.col(0) * terms.bound.col(0).transpose());
         terms.first = 1;
       }
       const double highest = kLiquidBand * std::sqrt(top_) / part.sound_speed;
@@ -433,7 +432,7 @@ class WetSolver {
   MatrixXd basis_;   // 3N x n: dry modes and corrections
   VectorXd lambda_;  // n
   liquid::Coupled coupled_;
-  MatrixXd error_;   // n x n: of the added mass, as estimated
+  MatrixXd error_;  // n x n: of the added mass, as estimated
 };
 
 }  // namespace

@@ -45,8 +45,8 @@ struct WetUnits {
   double length_m = 1, speed_m_s = 1, density_kg_m3 = 1;
 };
 
-// Finds what is wet. Fails with one sentence when a level lies below a basin's bottom or above its rim, when there is no
-// basin, or none at a place that was named.
+// Finds what is wet. Fails with one sentence when a level lies below a basin's bottom or above its rim, when there is
+// no basin, or none at a place that was named.
 Result<WetPlan> plan_liquids(const Liquids& liquids, const mesh::TetMesh& unit_mesh, const mesh::Boundary& surface,
                              const WetUnits& units);
 
@@ -56,7 +56,7 @@ struct WetEffects {
   Eigen::VectorXd drag;            // m: decay by boundary layers is drag sqrt(omega) / (rho L) [1/s]
   Eigen::VectorXd errors;          // m: relative errors of the frequencies by the elements on the wet wall
   liquid::AirSurface air;
-  Eigen::MatrixXd free_flow;       // of all free surfaces' samples, N x m, towards the air
+  Eigen::MatrixXd free_flow;           // of all free surfaces' samples, N x m, towards the air
   mesh::Points free_at, free_normals;  // N x 3, in the body's frame, free of units
   Eigen::VectorXd free_areas;
   std::vector<modal::LiquidNote> notes;
