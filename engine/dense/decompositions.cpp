@@ -12,8 +12,8 @@ void dgeqrf_(const int* m, const int* n, double* a, const int* lda, double* tau,
              int* info);
 void dorgqr_(const int* m, const int* n, const int* k, double* a, const int* lda, const double* tau, double* work,
              const int* lwork, int* info);
-void dsyevd_(const char* job, const char* triangle, const int* n, double* a, const int* lda, double* values, double* work,
-             const int* lwork, int* iwork, const int* liwork, int* info);
+void dsyevd_(const char* job, const char* triangle, const int* n, double* a, const int* lda, double* values,
+             double* work, const int* lwork, int* iwork, const int* liwork, int* info);
 void dpotrf_(const char* triangle, const int* n, double* a, const int* lda, int* info);
 void dgetrf_(const int* m, const int* n, double* a, const int* lda, int* pivots, int* info);
 void dgetri_(const int* n, double* a, const int* lda, const int* pivots, double* work, const int* lwork, int* info);
@@ -39,8 +39,8 @@ VectorXd solve_spectrum(MatrixXd& a, bool vectors) {
     const int work_size = vectors ? 1 + 6 * n + 2 * n * n : 2 * n + 1, iwork_size = vectors ? 3 + 5 * n : 1;
     std::vector<double> work(static_cast<std::size_t>(work_size));
     std::vector<int> iwork(static_cast<std::size_t>(iwork_size));
-    dsyevd_(vectors ? "V" : "N", "L", &n, a.data(), &n, values.data(), work.data(), &work_size, iwork.data(), &iwork_size,
-            &info);
+    dsyevd_(vectors ? "V" : "N", "L", &n, a.data(), &n, values.data(), work.data(), &work_size, iwork.data(),
+            &iwork_size, &info);
   }
   if (info != 0) {
     values.setConstant(kNan);
