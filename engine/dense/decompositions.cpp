@@ -2,8 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -12,6 +12,11 @@ void dgeqrf_(const int* m, const int* n, double* a, const int* lda, double* tau,
              int* info);
 void dorgqr_(const int* m, const int* n, const int* k, double* a, const int* lda, const double* tau, double* work,
              const int* lwork, int* info);
+void dsyevd_(const char* job, const char* triangle, const int* n, double* a, const int* lda, double* values,
+             double* work, const int* lwork, int* iwork, const int* liwork, int* info);
+void dpotrf_(const char* triangle, const int* n, double* a, const int* lda, int* info);
+void dgetrf_(const int* m, const int* n, double* a, const int* lda, int* pivots, int* info);
+void dgetri_(const int* n, double* a, const int* lda, const int* pivots, double* work, const int* lwork, int* info);
 }
 
 namespace ringdown::dense {
@@ -19,9 +24,37 @@ namespace ringdown::dense {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr int kBlock = 64;  // columns at once; LAPACK is fastest with this number
+
+// Eigenvalues of n x n numbers, which become the eigenvectors if those are asked for. LAPACK may not end on NaN.
+VectorXd solve_spectrum(MatrixXd& a, bool vectors) {
+  const auto n = static_cast<int>(a.rows());
+  if (n == 0) return {};
+  VectorXd values = VectorXd::Constant(n, kNan);
+  int info = 1;
+  if (a.allFinite()) {
+    const int work_size = vectors ? 1 + 6 * n + 2 * n * n : 2 * n + 1, iwork_size = vectors ? 3 + 5 * n : 1;
+    std::vector<double> work(static_cast<std::size_t>(work_size));
+    std::vector<int> iwork(static_cast<std::size_t>(iwork_size));
+    dsyevd_(vectors ? "V" : "N", "L", &n, a.data(), &n, values.data(), work.data(), &work_size, iwork.data(),
+            &iwork_size, &info);
+  }
+  if (info != 0) {
+    values.setConstant(kNan);
+    a.setConstant(kNan);
+  }
+  return values;
+}
+
+}  // namespace
+
 Spectrum spectrum(const MatrixXd& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(symmetric);
-  return {solved.eigenvalues(), solved.eigenvectors()};
+  Spectrum solved{.values = {}, .vectors = symmetric};
+  solved.values = solve_spectrum(solved.vectors, true);
+  return solved;
 }
 
 Spectrum3 spectrum_of_3(const Eigen::Matrix3d& symmetric) {
@@ -30,7 +63,8 @@ Spectrum3 spectrum_of_3(const Eigen::Matrix3d& symmetric) {
 }
 
 VectorXd eigenvalues(const MatrixXd& symmetric) {
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+  MatrixXd a = symmetric;
+  return solve_spectrum(a, false);
 }
 
 // With mass = L L^T: the spectrum of L^-1 stiffness L^-T, its vectors times L^-T.
@@ -40,16 +74,17 @@ std::optional<Spectrum> generalized_spectrum(const MatrixXd& stiffness, const Ma
   MatrixXd whole = stiffness.selfadjointView<Eigen::Lower>();
   solve_lower(lower, whole);
   divide_by_upper(lower, whole);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solved(whole);
-  if (solved.info() != Eigen::Success) return std::nullopt;
-  MatrixXd vectors = solved.eigenvectors();
-  lower.triangularView<Eigen::Lower>().transpose().solveInPlace(vectors);
-  return Spectrum{solved.eigenvalues(), std::move(vectors)};
+  Spectrum solved = spectrum(whole);
+  if (!solved.values.allFinite()) return std::nullopt;
+  lower.triangularView<Eigen::Lower>().transpose().solveInPlace(solved.vectors);
+  return solved;
 }
 
 bool cholesky(MatrixXd& a) {
-  const Eigen::LLT<Eigen::Ref<MatrixXd>> factored(a);
-  return factored.info() == Eigen::Success;
+  const auto n = static_cast<int>(a.rows());
+  int info = 0;
+  if (n > 0) dpotrf_("L", &n, a.data(), &n, &info);
+  return info == 0;
 }
 
 void solve_lower(const MatrixXd& lower, MatrixXd& b) { lower.triangularView<Eigen::Lower>().solveInPlace(b); }
@@ -60,10 +95,21 @@ void divide_by_upper(const MatrixXd& lower, MatrixXd& b) {
 
 MatrixXd solve_symmetric(const MatrixXd& a, const MatrixXd& b) { return Eigen::LDLT<MatrixXd>(a).solve(b); }
 
-MatrixXd inverse(const MatrixXd& a) { return a.inverse(); }
+MatrixXd inverse(const MatrixXd& a) {
+  MatrixXd inverted = a;
+  const auto n = static_cast<int>(a.rows());
+  if (n == 0) return inverted;
+  const int work_size = kBlock * n;
+  std::vector<double> work(static_cast<std::size_t>(work_size));
+  std::vector<int> pivots(static_cast<std::size_t>(n));
+  int info = 0;
+  dgetrf_(&n, &n, inverted.data(), &n, pivots.data(), &info);
+  if (info == 0) dgetri_(&n, inverted.data(), &n, pivots.data(), work.data(), &work_size, &info);
+  if (info != 0) inverted.setConstant(kNan);
+  return inverted;
+}
 
 MatrixXd orthonormal_basis(MatrixXd columns) {
-  constexpr int kBlock = 64;  // columns at once; LAPACK is fastest with this number
   const auto m = static_cast<int>(columns.rows()), n = static_cast<int>(columns.cols());
   const int work_size = kBlock * n;
   std::vector<double> tau(static_cast<std::size_t>(n)), work(static_cast<std::size_t>(work_size));

@@ -145,20 +145,6 @@ void lay_out_mass(const NodeGraph& graph, bool lumped, Eigen::SparseMatrix<doubl
   std::fill_n(mass.valuePtr(), graph.neighbors.size(), 0.0);
 }
 
-struct Kind {
-  Element element;
-  std::string_view name;
-  int order;
-};
-
-constexpr std::array kKinds = {Kind{Element::kTet4, "tet4", 1}, Kind{Element::kTet4Lumped, "tet4-lumped", 1},
-                               Kind{Element::kTet10, "tet10", 2}, Kind{Element::kTet20, "tet20", 3},
-                               Kind{Element::kTet35, "tet35", 4}};
-
-const Kind& kind_of(Element element) {
-  return *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& kind) { return kind.element == element; });
-}
-
 constexpr Eigen::Index kBatchBytes = 32 << 20;    // element matrices of a batch
 constexpr Eigen::Index kElementsPerThread = 100;  // fewer are finished before a thread has started
 
@@ -284,17 +270,6 @@ Result<System> assemble_checked(const mesh::TetMesh& mesh, const Solid& solid, E
 }
 
 }  // namespace
-
-std::string_view element_name(Element element) { return kind_of(element).name; }
-int order_of(Element element) { return kind_of(element).order; }
-
-Result<Element> parse_element(std::string_view name) {
-  for (const Kind& kind : kKinds) {
-    if (kind.name == name) return kind.element;
-  }
-  return fail(ErrorKind::bad_input,
-              "unknown element '" + std::string(name) + "'; choose tet10, tet20, tet35, tet4 or tet4-lumped");
-}
 
 Result<System> assemble(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads) {
   assert(mesh.order() == order_of(element));
