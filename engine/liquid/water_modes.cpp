@@ -113,8 +113,8 @@ WaterModes::WaterModes(const Wetted& liquid, const radiate::Panels& panels) : op
     first = last;
   }
   const dense::Spectrum products = dense::spectrum(heavy);
-  const double least = kIndependent * products.values.maxCoeff();
-  const Eigen::Index kept = (products.values.array() > least).count();  // values ascend
+  const double min = kIndependent * products.values.maxCoeff();
+  const Eigen::Index kept = (products.values.array() > min).count();  // values ascend
   const Eigen::MatrixXd basis =
       products.vectors.rightCols(kept) * products.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::MatrixXd whole = steep.selfadjointView<Eigen::Lower>();

@@ -13,7 +13,10 @@ SceneDescription with_step(SceneDescription scene, double step_s) {
 }  // namespace
 
 SceneBodies::SceneBodies(const SceneDescription& scene, double part_s)
-    : store(scene), simulation(with_step(scene, part_s)), sounds(with_step(scene, part_s)), foley(scene.foley.has_value()) {}
+    : store(scene),
+      simulation(with_step(scene, part_s)),
+      sounds(with_step(scene, part_s)),
+      foley(scene.foley.has_value()) {}
 
 void SceneBodies::put(BodyId id, const Body& body, const Solid& solid) {
   const BodyDescription& description = body.description;

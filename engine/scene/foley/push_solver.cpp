@@ -53,8 +53,8 @@ void solve_pushes(std::span<PushedBody> bodies, std::span<PushContact> contacts)
       apply(pressed * n + aside);
       Vec3 wanted = aside;
       for (const Vec3& way : across(n)) wanted = wanted + step(way) * way;
-      const double most = contact.friction * pressed, size = length(wanted);
-      apply(pressed * n + (size > most ? most / size : 1.0) * wanted);
+      const double max = contact.friction * pressed, size = length(wanted);
+      apply(pressed * n + (size > max ? max / size : 1.0) * wanted);
       largest = std::max(largest, length(contact.impulse_ns));
     }
     if (change <= kEnough * largest) break;

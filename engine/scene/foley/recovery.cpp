@@ -264,8 +264,8 @@ class Recoverer {
           inverse_mass_at(motion(touch.pair.second), k, point.point_m - touch.met.second.position_m, point.normal);
       const double parting = dot(first.velocity_at(point.point_m) - second.velocity_at(point.point_m), point.normal);
       fastest = {approach, parting, point.normal, inverse_mass};
-      const double most = kMaxGuess * seen_m_s(touch.pair, k, point);
-      fastest.approach_m_s = std::min(approach, most), fastest.parting_m_s = std::min(parting, most);
+      const double max = kMaxGuess * seen_m_s(touch.pair, k, point);
+      fastest.approach_m_s = std::min(approach, max), fastest.parting_m_s = std::min(parting, max);
     }
     return fastest;
   }

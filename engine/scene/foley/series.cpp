@@ -17,8 +17,8 @@ Vec3 at(const PushSeries& series, std::size_t k) {
 Vec3 load_of(Vec3 a, Vec3 b, double weight_ns) {
   constexpr double kAlike = 1.3, kMaxWeights = 1.5;
   const Vec3 smaller = length(a) < length(b) ? a : b;
-  const double low = length(smaller), high = std::max(length(a), length(b)), most = kMaxWeights * weight_ns;
-  return low <= most || high < kAlike * low ? smaller : (most / low) * smaller;
+  const double low = length(smaller), high = std::max(length(a), length(b)), max = kMaxWeights * weight_ns;
+  return low <= max || high < kAlike * low ? smaller : (max / low) * smaller;
 }
 
 struct Loads {

@@ -260,9 +260,8 @@ class GltfSceneReader {
     } else if (shapes.empty()) {
       if (!is_plane && body.moves) note("a motion without a collider touches nothing, and is left out");
       if (!body.moves && body.model_node)
-        note(is_plane
-                 ? "a modal model of an infinite plane is not loaded"
-                 : "a modal model of a node without a motion or a collider cannot be struck; it is not loaded");
+        note(is_plane ? "a modal model of an infinite plane is not loaded"
+                      : "a modal model of a node without a motion or a collider cannot be struck; it is not loaded");
     }
     if (shapes.empty()) return;
     for (const PlacedCollider& other : body.colliders) {
