@@ -1,5 +1,6 @@
 #include "engine/modal/bank_file.h"
 #include "engine/modal/fracture/fracture.h"
+#include "engine/modal/fracture/peak_stress.h"
 #include "engine/modal/material_scale.h"
 #include "engine/synth/mixer.h"
 #include "tests/fuzz/targets.h"
@@ -85,6 +86,17 @@ void break_up(const modal::Bank& bank, const modal::BreakPattern& pattern) {
   expect(broken.pieces.size() == pattern.pieces.size(), "every piece has a motion");
 }
 
+// Searches the stress of a body that was accepted: no point exceeds the bound.
+void stress(const modal::Bank& bank) {
+  const modal::StressTable& table = bank.fracture->stress;
+  if (table.positions.empty() || table.stress.size() > 10'000) return;
+  modal::ModalState state = modal::at_rest(modes_of(bank), *bank.mass);
+  for (std::complex<double>& amplitude : state.amplitudes) amplitude = 1e-6;
+  const double bound_pa = modal::stress_bound_pa(table, state, nullptr);
+  const double peak_pa = modal::peak_stress(table, state, nullptr, {.instants_after = 3}).stress_pa;
+  expect(std::isfinite(bound_pa) && peak_pa <= 1.02 * bound_pa, "stress is within its bound");
+}
+
 }  // namespace
 
 void bank(Bytes file) {
@@ -95,6 +107,7 @@ void bank(Bytes file) {
     expect(ring(*bank), "a bank that was accepted rings in numbers");
   if (!bank->fracture) return;
   for (const modal::BreakPattern& pattern : bank->fracture->patterns) break_up(*bank, pattern);
+  stress(*bank);
 }
 
 }  // namespace ringdown::fuzz

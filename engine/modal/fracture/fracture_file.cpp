@@ -20,7 +20,7 @@ constexpr float kMaxEntry = 1.001F;  // of a handover: at most 1 but for roundin
 constexpr double kMaxLength_m = 1e6;
 constexpr std::size_t kMaxNumbers = std::size_t{1} << 27;  // of all pieces together: 512 MiB
 constexpr std::size_t kMaxStressPoints = std::size_t{1} << 14;
-constexpr float kMaxStress = 1.01F;   // over the mode's largest: at most 1 but for rounding
+constexpr double kMaxStress = 1.01;   // over the mode's largest: at most 1 but for rounding
 constexpr double kStressSteps = 512;  // of a packed stress, for the mode's largest
 constexpr double kMaxArea_m2 = 1e12, kMaxCrackEnergy_j_m2 = 1e12, kMaxStrength_pa = 1e15, kMaxModulus = 1e4;
 constexpr const char* kSolid = "one with massProperties, a mass and three moments of inertia above 0";
@@ -85,11 +85,13 @@ Result<StressTable> read_stress(const Glb& glb, const JsonPlace& field, std::siz
     table.positions.push_back({(*positions)[3 * p], (*positions)[3 * p + 1], (*positions)[3 * p + 2]});
   for (std::size_t m = 0; m < modes; ++m) {
     if ((*largest)[m] < 0) return field["largest"].wrong("numbers of at least 0");
-    for (std::size_t row = 0; row < 3 * points; ++row) {
-      const float stress = (*components)[3 * points * m + row];
-      if (!(std::abs(stress) <= kMaxStress * (*largest)[m]))
-        return field["components"].wrong("no stress above the largest of its mode");
-      table.stress[row * modes + m] = stress;
+    for (std::size_t p = 0; p < points; ++p) {
+      const float* const s = components->data() + 3 * (points * m + p);
+      const double principal =
+          std::abs(double{s[0]} + double{s[1]}) / 2 + std::hypot((double{s[0]} - double{s[1]}) / 2, double{s[2]});
+      if (!(principal <= kMaxStress * double{(*largest)[m]}))
+        return field["components"].wrong("no principal stress above the largest of its mode");
+      for (std::size_t k = 0; k < 3; ++k) table.stress[(3 * p + k) * modes + m] = s[k];
     }
   }
   return table;

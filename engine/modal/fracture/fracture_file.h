@@ -21,8 +21,8 @@ struct PieceReaders {
 };
 
 // Reads the field `fracture` of a body's bank, which is otherwise read. Fails with a sentence when a count, an index or
-// a number is out of range, when an entry of a handover is above 1, which no body's is, when a stress is above its
-// mode's largest, when body or piece have no mass or no inertia, or when all pieces together take more than 512 MiB.
+// a number is out of range, when an entry of a handover is above 1, which no body's is, when a principal stress
+// is above its mode's largest, when body or piece have no mass or no inertia, or when all pieces together take more than 512 MiB.
 // Banks of earlier versions have no stress, no strength and no crack energy.
 Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const Bank& body,
                                const PieceReaders& readers);
