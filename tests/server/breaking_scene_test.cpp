@@ -181,5 +181,25 @@ TEST_F(BreakingScene, TheBodyFallsSilentAndItsPiecesRing) {
   EXPECT_GT(pieces, 1e4 * energy(scale * 440));
 }
 
+// A plate that breaks to the left of a listener is heard from the left from the first sample of its pieces on.
+TEST_F(BreakingScene, PiecesAreHeardFromWhereTheyAre) {
+  for (const double side : {-1.0, 1.0}) {
+    write("breaks = { impulse_ns = 0.01 }\n[listener]\nposition_m = [0, " + std::to_string(side) +
+          ", 0.1]\nrotation = { axis = [0, 0, 1], degrees = 0 }");
+    const auto recording = render_offline({.scene = scene_, .seconds = 0.6}, [](double) { return true; });
+    ASSERT_TRUE(recording) << recording.error().message;
+    const auto frames = static_cast<std::size_t>(0.6 * kPlateRate_hz);
+    std::size_t first = 0;  // the plate hits the floor
+    while (first < frames && std::abs(recording->left[first]) + std::abs(recording->right[first]) < 1e-5F) ++first;
+    ASSERT_LT(first + 2400, frames);
+    double left = 0, right = 0;
+    for (std::size_t n = first + 200; n < first + 2400; ++n) {
+      left += std::pow(static_cast<double>(recording->left[n]), 2);
+      right += std::pow(static_cast<double>(recording->right[n]), 2);
+    }
+    EXPECT_GT(side * (right - left), 0) << left << " " << right;
+  }
+}
+
 }  // namespace
 }  // namespace ringdown::session
