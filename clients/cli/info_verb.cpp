@@ -106,9 +106,10 @@ void print_fracture(const modal::Fracture& fracture) {
     std::printf("\n");
   }
   if (fracture.strength) {
-    std::printf("strength   half of all such bodies, %.3g m2 of skin, break at %.3g MPa or less; Weibull modulus %.3g\n",
-                fracture.skin_m2, 1e-6 * modal::median_strength_pa(*fracture.strength, fracture.skin_m2),
-                fracture.strength->weibull_modulus);
+    std::printf(
+        "strength   half of all such bodies, %.3g m2 of skin, break at %.3g MPa or less; Weibull modulus %.3g\n",
+        fracture.skin_m2, 1e-6 * modal::median_strength_pa(*fracture.strength, fracture.skin_m2),
+        fracture.strength->weibull_modulus);
   }
   if (fracture.crack_energy_j_m2 > 0) {
     std::printf("crack      costs %.3g J/m2, and %.3g times as much when it is fast, as above\n",

@@ -150,9 +150,8 @@ Vec3 middle_of_surface(const SolvedBody& body, const modal::MassProperties& mass
 
 // The stress of the body's modes; the body is of one isotropic material.
 modal::StressTable stress_table(const SolvedBody& body, const modal::Material& material) {
-  const fem::SurfaceStress stress =
-      fem::surface_stress(body.mesh, fem::Elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3},
-                          body.shapes);
+  const fem::SurfaceStress stress = fem::surface_stress(
+      body.mesh, fem::Elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3}, body.shapes);
   modal::StressTable table;
   for (const auto& at : stress.positions.cast<float>().rowwise()) table.positions.push_back({at[0], at[1], at[2]});
   table.stress.reserve(static_cast<std::size_t>(stress.components.size()));

@@ -175,7 +175,8 @@ Kept changed_bank(const modal::Bank& bank, const Change& change) {
   modal::take_modes(out, order);
   for (modal::Vec3f& point : out.positions) point = modal::rescale(point, scale);
   if (out.fracture)
-    out.fracture = std::make_shared<const modal::Fracture>(changed_pieces(*out.fracture, change, scale, bank.material, to));
+    out.fracture =
+        std::make_shared<const modal::Fracture>(changed_pieces(*out.fracture, change, scale, bank.material, to));
   if (out.mass) out.mass = modal::rescale(*out.mass, scale);
   out.pitch_hz = modal::scaled_pitch(bank.pitch_hz, scale);
   if (bank.material) out.material = to;

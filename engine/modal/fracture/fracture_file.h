@@ -22,13 +22,14 @@ struct PieceReaders {
 
 // Reads the field `fracture` of a body's bank, which is otherwise read. Fails with a sentence when a count, an index or
 // a number is out of range, when an entry of a handover is above 1, which no body's is, when a principal stress
-// is above its mode's largest, when body or piece have no mass or no inertia, or when all pieces together take more than 512 MiB.
-// Banks of earlier versions have no stress, no strength and no crack energy.
+// is above its mode's largest, when body or piece have no mass or no inertia, or when all pieces together take more
+// than 512 MiB. Banks of earlier versions have no stress, no strength and no crack energy.
 Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const Bank& body,
                                const PieceReaders& readers);
 
 // Returns the JSON of the field and adds its arrays to the document, packed if `packed`: then each stress is rounded by
-// at most 1/1024 of its mode's largest. `describe` adds a piece to the document and returns the JSON that names it there.
+// at most 1/1024 of its mode's largest. `describe` adds a piece to the document and returns the JSON that names it
+// there.
 Json fracture_json(const Fracture& fracture, GlbWriter& writer, bool packed,
                    const std::function<Json(const PieceBank&)>& describe);
 
