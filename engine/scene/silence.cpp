@@ -76,8 +76,8 @@ std::optional<std::string> why_silent(const SceneDescription& scene, std::span<c
   }
   const bool moves = scene.foley && std::ranges::any_of(bodies, [](const auto* body) { return body->path != nullptr; });
   if (!moves && std::ranges::all_of(bodies, &BodyDescription::fixed)) {
-    return "nothing in it sounds by itself: none of its bodies is free to move, and bodies that stand still or follow "
-           "keyframes do not strike each other; give one a motion that is not kinematic";
+    return "nothing in it sounds by itself: no body is free to move, and bodies that are fixed or follow keyframes do "
+           "not strike each other; give one body a motion that is not kinematic";
   }
   if (!scene.contact.clicks && std::ranges::all_of(sounding, [&](const BodyDescription* body) {
         return lowest_above_hearing(*body, scene, objects).has_value();
