@@ -85,7 +85,7 @@ Extrude { {0, 0, 1}, {0, 0, 0}, 2 * Pi } { Surface{1}; }
 class LiquidBake : public ::testing::Test {
  protected:
   Result<bake::BakedObject> baked(const std::string& tables, const std::string& geometry = kCup) {
-    folder_.write("cup.geo", geometry);
+    (void)folder_.write("cup.geo", geometry);
     const fs::path file = folder_.write(
         "cup.toml",
         "material = \"glass\"\ngeometry = \"cup.geo\"\nunit_m = 0.001\nmesh_size_m = 0.012\nelement = \"tet10\"\n"
