@@ -59,7 +59,8 @@ class Fields {
         .number("breaks.min_mass_kg", breaks.min_mass_kg, {0, range::kMass_kg.high})
         .require(!body.object.empty(), "it breaks, so it needs an object whose bank has pieces")
         .require(!body.fixed, "it is fixed, and a fixed body cannot break; remove fixed or breaks")
-        .require(!body.two_way, "it breaks, and the contacts of such a body cannot be two-way; remove contact or breaks")
+        .require(!body.two_way,
+                 "it breaks, and the contacts of such a body cannot be two-way; remove contact or breaks")
         .require(!body.mass && body.density_kg_m3 == 0,
                  "it breaks, so its mass is that of its bank; remove mass or density_kg_m3");
   }
@@ -149,14 +150,16 @@ Result<void> check_object(const BodyDescription& body, const SceneDescription& s
 // A body that breaks is alone with its object, because the object falls silent, and has no joints.
 Result<void> check_breaking(const SceneDescription& scene) {
   const auto players = [&](const std::string& object) {
-    std::uint64_t count = static_cast<std::uint64_t>(std::ranges::count(scene.bodies, object, &BodyDescription::object));
+    std::uint64_t count =
+        static_cast<std::uint64_t>(std::ranges::count(scene.bodies, object, &BodyDescription::object));
     for (const EmitterDescription& emitter : scene.emitters) count += emitter.body.object == object ? emitter.count : 0;
     return count;
   };
   const auto check_alone = [&](const BodyDescription& body) -> Result<void> {
     if (!body.breaks || players(body.object) <= 1) return {};
     return fail(ErrorKind::bad_input, "body " + quote(body.name) + ": it breaks, and other bodies play its object " +
-                                          quote(body.object) + ", too; give each body that breaks an object of its own");
+                                          quote(body.object) +
+                                          ", too; give each body that breaks an object of its own");
   };
   for (const BodyDescription& body : scene.bodies) {
     if (auto ok = check_alone(body); !ok) return ok;

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <limits>
 
-// The search for a parting direction is that of K. Chung and W. Wang, "Quick collision detection of polytopes in virtual
-// environments", 1996: the direction s is reflected at the plane across the line r between the two corners that reach
-// farthest towards each other along s, until these corners lie apart.
+// The search for a parting direction is that of K. Chung and W. Wang, "Quick collision detection of polytopes in
+// virtual environments", 1996: the direction s is reflected at the plane across the line r between the two corners that
+// reach farthest towards each other along s, until these corners lie apart.
 namespace ringdown::scene {
 namespace {
 

@@ -67,7 +67,7 @@ class FreshPairs {
     Vec3 direction = {};
   };
   static std::uint64_t key_of(BodyId a, BodyId b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
-  std::vector<Pair> pairs_;                        // by key
+  std::vector<Pair> pairs_;                       // by key
   std::unordered_map<BodyId, BodyId> family_of_;  // the first of the siblings
 };
 

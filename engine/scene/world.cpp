@@ -18,8 +18,8 @@
 
 // A step of the world, downward: World::step does the step in equal parts of at most kMaxPart_s (State::do_part). A
 // part lets waiting bodies in, moves bodies and finds their contact points (Simulation::step), turns these into events
-// (ContactSounds::process), resets or removes bodies whose motion has become unreal (check_bodies), and replaces those that
-// have broken by their pieces (BreakingBodies::replace_broken).
+// (ContactSounds::process), resets or removes bodies whose motion has become unreal (check_bodies), and replaces those
+// that have broken by their pieces (BreakingBodies::replace_broken).
 namespace ringdown::scene {
 namespace {
 

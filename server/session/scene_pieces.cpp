@@ -50,8 +50,8 @@ Result<ScenePieces::Sets> ScenePieces::load(const ObjectState& object, synth::Fr
   return sets;
 }
 
-Result<void> ScenePieces::load_piece(const ObjectState& object, const breaking::BodyPiece& piece,
-                                     BankFile file, const std::string& name, synth::Frame frame) {
+Result<void> ScenePieces::load_piece(const ObjectState& object, const breaking::BodyPiece& piece, BankFile file,
+                                     const std::string& name, synth::Frame frame) {
   if (const auto known = rack_.find({.name = name}); known && !contains((*known)->number))
     return fail(ErrorKind::refused, "an object \"" + name + "\" exists already");
   // No path leads to a piece without modes, which is no model of the file.
@@ -73,7 +73,8 @@ Result<void> ScenePieces::load_piece(const ObjectState& object, const breaking::
     if (auto set = rack_.set_group({.number = *number}, object.group); !set) return set;
   }
   const bool sent =
-      (object.gain == made->gain || rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}})) &&
+      (object.gain == made->gain ||
+       rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}})) &&
       (object.pan == made->pan || rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}}));
   if (sent) return {};
   return fail(ErrorKind::refused, "too many objects at once; wait for those before to be taken up");

@@ -1,5 +1,5 @@
-// The pieces of a scene's bodies that break: objects that are loaded with the scene, and silent until the break. [worker,
-// unless noted]
+// The pieces of a scene's bodies that break: objects that are loaded with the scene, and silent until the break.
+// [worker, unless noted]
 //
 //   auto sets = pieces.load(object, frame);    // for each object of a body that breaks
 //   pieces.keep_loaded();                      // the pieces of the scene before go

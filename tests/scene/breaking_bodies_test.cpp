@@ -144,8 +144,8 @@ TEST(BreakingBodies, ABlowBelowTheImpulseLeavesTheBodyWhole) {
   }
 }
 
-// The strike on the body ends with it. Its striker gets the first half of the impulse and then meets the piece under it,
-// which does not sound as a second strike.
+// The strike on the body ends with it. Its striker gets the first half of the impulse and then meets the piece under
+// it, which does not sound as a second strike.
 TEST(BreakingBodies, TheBlowIsHeardOnce) {
   const modal::Bank bank = breaking_plate();
   SceneDescription scene = in_space({.impulse_ns = 1e-3});
@@ -161,7 +161,8 @@ TEST(BreakingBodies, TheBlowIsHeardOnce) {
   EXPECT_TRUE(std::ranges::is_sorted(*events, {}, &synth::Event::frame));
   scene.bodies[0].breaks.reset();
   World whole = world_of(scene, objects);
-  const std::vector<test::Struck> as_whole = test::run(whole, world.time_s()), strikes = only<synth::verb::Strike>(*events);
+  const std::vector<test::Struck> as_whole = test::run(whole, world.time_s()),
+                                  strikes = only<synth::verb::Strike>(*events);
   ASSERT_EQ(as_whole.size(), 2u);
   ASSERT_EQ(strikes.size(), 1u);
   EXPECT_EQ(strikes[0].object, kBell);
@@ -277,7 +278,8 @@ TEST(BreakingBodies, LastingContactsEndBeforeTheBreak) {
 }
 
 // Stress of the one mode, at two points of the skin.
-std::shared_ptr<const modal::Fracture> with_stress(const modal::Bank& bank, float pa, std::vector<modal::Vec3f> places) {
+std::shared_ptr<const modal::Fracture> with_stress(const modal::Bank& bank, float pa,
+                                                   std::vector<modal::Vec3f> places) {
   modal::Fracture fracture = *bank.fracture;
   fracture.stress = {.positions = std::move(places), .stress = {}, .largest = {}};
   for (std::size_t p = 0; p < fracture.stress.positions.size(); ++p)

@@ -55,8 +55,9 @@ TEST(FreshPairs, HullsAreApartOnlyIfAPlanePartsThem) {
     const auto reach = [](const PosedHull& hull, Vec3 along) {
       double best = -1e9;
       for (std::size_t c = 0; c < hull.points_m.size(); c += 3)
-        best = std::max(best, dot(hull.turn * Vec3{hull.points_m[c], hull.points_m[c + 1], hull.points_m[c + 2]} +
-                                      hull.position_m, along));
+        best = std::max(
+            best, dot(hull.turn * Vec3{hull.points_m[c], hull.points_m[c + 1], hull.points_m[c + 2]} + hull.position_m,
+                      along));
       return best;
     };
     const double overlap_m = reach(first, normal) + reach(second, -1 * normal);

@@ -150,8 +150,8 @@ TEST_F(BreakingScene, EventsAndSoundDoNotDependOnTheBlockSize) {
     EXPECT_GT(events.size(), 50u);
     EXPECT_TRUE(std::ranges::equal(events, reference, alike)) << "blocks of " << block;
 
-    const auto recording = render_offline({.scene = scene_, .block_frames = static_cast<std::size_t>(block)},
-                                          [](double) { return true; });
+    const auto recording =
+        render_offline({.scene = scene_, .block_frames = static_cast<std::size_t>(block)}, [](double) { return true; });
     ASSERT_TRUE(recording) << recording.error().message;
     const Samples samples(recording->left.begin(), recording->left.end());
     if (heard.empty()) heard = samples;

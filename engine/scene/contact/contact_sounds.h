@@ -104,7 +104,7 @@ class ContactSounds {
   double latest_s_ = 0;                       // time of the latest strike so far
   std::vector<const ContactPoint*> by_pair_;  // the points of the step, sorted by pair
   std::vector<Run> runs_;
-  std::vector<PairStrike> strikes_;           // of a pair
+  std::vector<PairStrike> strikes_;  // of a pair
   BlowJudge judge_;
   StepEvents events_;
   std::span<const RestDamping> rest_dampings_;

@@ -9,10 +9,10 @@
 // that the scene gives, or if it strains the body up to its strength; how many pieces there are is decided by the
 // energy of the vibration, of which the crack takes its part.
 //
-// The body breaks at the peak of the force. Half of the blow's impulse is therefore taken back from both bodies, and from
-// what supports them; what then is left of the striker's motion acts on the pieces as new contacts. Each piece starts with the motion that it
-// had as a part of the body: linear and angular momentum are kept to rounding. Pieces below the least mass are heard
-// and have no body. [one thread at a time]
+// The body breaks at the peak of the force. Half of the blow's impulse is therefore taken back from both bodies, and
+// from what supports them; what then is left of the striker's motion acts on the pieces as new contacts. Each piece
+// starts with the motion that it had as a part of the body: linear and angular momentum are kept to rounding. Pieces
+// below the least mass are heard and have no body. [one thread at a time]
 #pragma once
 
 #include "engine/base/result.h"

@@ -338,8 +338,8 @@ void Simulation::State::remove(BodyId gone) {
   wake_all();
 }
 
-// Lets pieces of a broken body touch that have come apart. The test costs a projection of both hulls, and only for pairs
-// whose boxes overlap and that move.
+// Lets pieces of a broken body touch that have come apart. The test costs a projection of both hulls, and only for
+// pairs whose boxes overlap and that move.
 void Simulation::State::release_parted() {
   const auto hull_of = [](const Collider& collider) {
     const Motion motion = collider.motion();

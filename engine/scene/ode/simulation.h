@@ -44,7 +44,7 @@ class Simulation {
 
   // Keeps the pieces of a broken body, which are hulls, from touching each other until they have been apart.
   void keep_from_touching(std::span<const BodyId> pieces);
-  void remove_body(BodyId id);                                // also removes its joints
+  void remove_body(BodyId id);  // also removes its joints
 
   // Joins two bodies in their present poses, or one body to the world. The names in the description are ignored.
   void add_joint(BodyId body, std::optional<BodyId> other, const JointDescription& description);
