@@ -81,8 +81,8 @@ Eigen::MatrixXd work_of_tractions(const mesh::TetMesh& mesh, const Eigen::Matrix
         Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
         for (Eigen::Index n = 0; n < values.size(); ++n)
           gradient += body.col(j).segment<3>(3 * mesh.elements(element, n)) * slopes.row(n);
-        tractions.col(j) =
-            glass.lambda_pa() * gradient.trace() * normal + glass.mu_pa() * (gradient + gradient.transpose()) * normal;
+        tractions.col(j) = glass.lambda_pa() * gradient.trace() * normal +
+                           glass.mu_pa() * (gradient + gradient.transpose()) * normal;
       }
       work += weight * area_m2 * moved.transpose() * tractions;
     }
@@ -115,12 +115,13 @@ TEST(CrackTraction, TheHandoverIsTheWorkOfTheTractionsThatEnd) {
     const modal::PieceBank& piece = fracture.patterns.front().pieces[s];
     if (piece.bank.mode_count() == 0) continue;
     const shatter::PieceMesh own = piece_mesh(cut, mesh, elements_of(level, s));
-    const bake::Baked baked =
-        bake::bake(
-            {.mesh = own.mesh, .pieces = 1}, kGlass,
-            {.element = options.element, .band_high_hz = shatter.band_high_hz, .may_be_silent = true, .interior = true},
-            "piece")
-            .value();
+    const bake::Baked baked = bake::bake({.mesh = own.mesh, .pieces = 1}, kGlass,
+                                         {.element = options.element,
+                                          .band_high_hz = shatter.band_high_hz,
+                                          .may_be_silent = true,
+                                          .interior = true},
+                                         "piece")
+                                  .value();
     ASSERT_EQ(baked.bank.frequency_hz, piece.bank.frequency_hz);
     const Eigen::MatrixXd work =
         work_of_tractions(own.mesh, baked.body->shapes, restricted(own, mesh, whole.body->shapes));

@@ -72,8 +72,7 @@ Eigen::MatrixXd gradients_at(const bake::SolvedBody& body, const Eigen::Vector3d
   return gradients;
 }
 
-// The sum of the two stresses along the skin is E / (1 - nu) times the divergence along the skin, whatever the
-// tangents.
+// The sum of the two stresses along the skin is E / (1 - nu) times the divergence along the skin, whatever the tangents.
 TEST(StressTable, TheTableHasTheStressOfTheBanksModesInTheirOrder) {
   const bake::SolvedBody& body = *whole_pane().body;
   const modal::StressTable table = broken(kGlass).stress;
@@ -89,8 +88,8 @@ TEST(StressTable, TheTableHasTheStressOfTheBanksModesInTheirOrder) {
     const Eigen::MatrixXd gradients = gradients_at(body, at);
     for (std::size_t m = 0; m < modes; ++m) {
       const auto column = static_cast<Eigen::Index>(m);
-      const double divergence =
-          gradients(0, column) + gradients(4, column) + gradients(8, column) - gradients(4 * across, column);
+      const double divergence = gradients(0, column) + gradients(4, column) + gradients(8, column) -
+                                gradients(4 * across, column);
       const double s11 = table.stress[3 * p * modes + m], s22 = table.stress[(3 * p + 1) * modes + m],
                    s12 = table.stress[(3 * p + 2) * modes + m], largest = table.largest[m];
       EXPECT_NEAR(s11 + s22, 70e9 / (1 - 0.22) * divergence, 1e-5 * largest);

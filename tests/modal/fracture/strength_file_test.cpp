@@ -50,8 +50,10 @@ Bank brittle_bank() {
   piece.bank.radiation.reset();
   piece.bank.material = bank.material;
   piece.bank.mass = bank.mass;
-  Fracture fracture{
-      .stress = random_stress(), .skin_m2 = 0.03125, .strength = Strength{6e7, 7, 2e-3}, .crack_energy_j_m2 = 8.25};
+  Fracture fracture{.stress = random_stress(),
+                    .skin_m2 = 0.03125,
+                    .strength = Strength{6e7, 7, 2e-3},
+                    .crack_energy_j_m2 = 8.25};
   fracture.patterns.push_back({.at_m = {}, .crack_area_m2 = 0.125, .pieces = {piece, piece}});
   bank.fracture = std::make_shared<const Fracture>(std::move(fracture));
   return bank;
@@ -153,11 +155,7 @@ const std::vector<Damage>& damages() {
       {"StrengthZero", [](GlbParts& p) { fracture_in(p)["strength"]["stress"] = 0; }, "stress"},
       {"StrengthHuge", [](GlbParts& p) { fracture_in(p)["strength"]["stress"] = 1e300; }, "stress"},
       {"StrengthAbsent", [](GlbParts& p) { fracture_in(p)["strength"].erase("stress"); }, "stress"},
-      {"StrengthAList",
-       [](GlbParts& p) {
-         fracture_in(p)["strength"] = {1, 2};
-       },
-       "strength"},
+      {"StrengthAList", [](GlbParts& p) { fracture_in(p)["strength"] = {1, 2}; }, "strength"},
       {"ModulusBelowOne", [](GlbParts& p) { fracture_in(p)["strength"]["weibullModulus"] = 0.5; }, "weibullModulus"},
       {"ModulusAText", [](GlbParts& p) { fracture_in(p)["strength"]["weibullModulus"] = "7"; }, "weibullModulus"},
       {"AreaNegative", [](GlbParts& p) { fracture_in(p)["strength"]["area"] = -1; }, "area"},
