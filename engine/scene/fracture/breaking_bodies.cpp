@@ -80,19 +80,37 @@ struct Blows {
   }
 };
 
-// Rigid bodies exchange an impulse that is too large for a body that bends away under a short blow: it would give the
-// modes more energy than there is. Such blows are made as weak as the energy of the approach allows.
-void limit_energy(Blows& blows, const breaking::Breakable& before) {
+// The energy that blows have put into the modes of a body at the peak of the hardest one's force.
+double energy_of(const Blows& blows, const breaking::Breakable& before) {
   breaking::Breakable after = before, unstruck = before;
   blows.let_follow_others(after);
   modal::ModalState change = after.at_peak(blows.hardest().strike, blows.hardest().frame);
   const modal::ModalState& rest = unstruck.advance_to(blows.hardest().frame);
   for (std::size_t m = 0; m < change.amplitudes.size(); ++m) change.amplitudes[m] -= rest.amplitudes[m];
+  return modal::modal_energy(change).total_j();
+}
+
+// Hertz's contact time is that of bodies which give way at the contact only. A body that bends there is touched for
+// longer, or the blow would give its modes more energy than the approach has. Contact times are therefore made as much
+// longer as that energy asks for. For one mode that is much faster than the blow this is the time in which the
+// mode's stiffness turns the striker back.
+Blows with_bending(const Blows& blows, const breaking::Breakable& before) {
+  constexpr double kShortest_s = 1e-5, kMaxFactor = 1e4;
   double available_j = 0;
   for (const BodyBlow& blow : blows.all) available_j += blow.energy_j;
-  const double energy_j = modal::modal_energy(change).total_j();
-  if (!(energy_j > available_j)) return;
-  for (BodyBlow& blow : blows.all) blow.strike.impulse_ns = std::sqrt(available_j / energy_j) * blow.strike.impulse_ns;
+  const auto lengthened = [&](double factor) {
+    Blows longer = blows;
+    for (BodyBlow& blow : longer.all)
+      blow.strike.contact_time_s = factor * std::max(blow.strike.contact_time_s, kShortest_s);
+    return longer;
+  };
+  if (energy_of(blows, before) <= available_j) return blows;
+  double low = 1, high = kMaxFactor;
+  while (high > 1.02 * low) {
+    const double factor = std::sqrt(low * high);
+    (energy_of(lengthened(factor), before) > available_j ? low : high) = factor;
+  }
+  return lengthened(high);
 }
 
 // Changes a motion by an impulse at a point of the world.
@@ -197,8 +215,7 @@ bool BreakingBodies::judge(BodyId body, BodyId other, std::span<const BodyBlow> 
   const auto found = bodies_.find(body);
   if (found == bodies_.end()) return false;
   Entry& entry = found->second;
-  Blows limited(blows);
-  limit_energy(limited, entry.state);
+  const Blows limited = with_bending(Blows(blows), entry.state);
   const BodyBlow& hardest = limited.hardest();
   breaking::Breakable state = entry.state;
   limited.let_follow_others(state);
@@ -236,7 +253,7 @@ bool BreakingBodies::judge(BodyId body, BodyId other, std::span<const BodyBlow> 
                                                                .rest = breaking::RestOfBlow::to_striker,
                                                                .body = object,
                                                                .pieces = pattern.objects});
-  const double share = share_until_peak(hardest.strike.contact_time_s);
+  const double share = share_until_peak(blows.front().strike.contact_time_s);
   broken_.push_back({body, other, std::move(entry), level, share, std::move(peak), std::move(shattered)});
   bodies_.erase(found);
   return true;
