@@ -19,11 +19,13 @@ using test::Samples;
 
 constexpr double kRate_hz = 48000;
 
+// All but the one with 151 pieces, which would take a minute: BreakingScene breaks a plate in blocks of these sizes.
 std::vector<std::string> preset_scenes() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(RINGDOWN_SOURCE_DIR "/presets/scenes")) {
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
   }
+  std::erase(names, "bull");
   std::ranges::sort(names);
   return names;
 }
