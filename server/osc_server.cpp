@@ -376,7 +376,7 @@ protocol::StatusReply OscServer::status() const {
           .own_xruns = load.own_xruns,
           .hidden_modes = whole(mixer.muted_modes.load()),
           .shed = whole(mixer.shed.load()),
-          .slowed_s = parts_.session.scene().slowed_s(),
+          .slowed_s = parts_.session.scene().lost().slowed_s,
           .skipped_s = load.skipped_s,
           .recording = parts_.recorder && parts_.recorder->records(),
           .captured_s = captured ? captured->seconds : 0,

@@ -101,11 +101,10 @@ class Run {
     for (const auto& [name, bank] : options_.objects) {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
     }
-    session_.scene().set_foley(options_.foley);
     if (options_.foley) {
       session_.scene().set_watched(true);  // contacts are reported even if nothing can sound
-      session_.scene().watch_contacts(
-          [this](std::span<const scene::HeardContact> contacts) { contacts_.add(contacts); });
+      session_.scene().recover_contacts(
+          *options_.foley, [this](std::span<const scene::HeardContact> contacts) { contacts_.add(contacts); });
     }
     if (options_.scene) {
       if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded.error());

@@ -113,6 +113,38 @@ void warn_of_silence(const scene::SceneDescription& scene, std::span<const scene
   warn("scene: " + *scene::why_silent(scene, objects, cure()));
 }
 
+// Loads the objects of a scene and the pieces of those that may break. Returns all objects of the rack.
+Result<std::vector<scene::SoundingObject>> load_objects(const scene::SceneDescription& description,
+                                                        const std::filesystem::path& path, Frame frame, Rack& rack,
+                                                        ScenePieces& scene_pieces) {
+  std::map<std::string, ScenePieces::Sets> pieces;
+  for (const auto& object : description.objects) {
+    const auto number = rack.load(object.name, object.bank);
+    if (!number) return fail(number.error());
+    if (!object.group.empty()) {
+      if (const auto set = rack.set_group({.name = object.name}, object.group); !set) return fail(set.error());
+    }
+    if (object.material != modal::MaterialScale{}) {
+      if (const auto set = rack.set_material({.name = object.name}, object.material); !set) return fail(set.error());
+    }
+    const bool sent = rack.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
+                      rack.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
+    if (!sent)
+      return fail(ErrorKind::refused,
+                  path.string() + ": too many objects at once; wait for those before to be taken up");
+    if (!breaks(description, object.name)) continue;
+    auto sets = scene_pieces.load(**rack.find({.name = object.name}), frame);
+    if (!sets) return fail(sets.error().kind, path.string() + ": " + sets.error().message);
+    pieces.emplace(object.name, std::move(*sets));
+  }
+  std::vector<scene::SoundingObject> objects;
+  for (const ObjectSnapshot& object : rack.objects()) {
+    objects.push_back(as_sounding(*object));
+    if (const auto sets = pieces.find(object->name); sets != pieces.end()) objects.back().pieces = sets->second;
+  }
+  return objects;
+}
+
 }  // namespace
 
 // Reads a scene of either format.
@@ -128,7 +160,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     banks.push_back(std::move(bank->map));
   }
   synth::Mixer& mixer = rack_.mixer();
-  auto objects = load_objects(*description, path, frame);
+  auto objects = load_objects(*description, path, frame, rack_, pieces_);
   if (!objects) {
     pieces_.forget_loaded();
     return fail(objects.error());
@@ -168,37 +200,6 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   pieces_.keep_loaded();
   set_dampers(removed);
   return body_count_.load();
-}
-
-// Loads the objects of a scene, and the pieces of those whose bodies break. Returns all objects there are.
-Result<std::vector<scene::SoundingObject>> ScenePlayer::load_objects(const scene::SceneDescription& description,
-                                                                     const std::filesystem::path& path, Frame frame) {
-  std::map<std::string, ScenePieces::Sets> pieces;
-  for (const auto& object : description.objects) {
-    const auto number = rack_.load(object.name, object.bank);
-    if (!number) return fail(number.error());
-    if (!object.group.empty()) {
-      if (const auto set = rack_.set_group({.name = object.name}, object.group); !set) return fail(set.error());
-    }
-    if (object.material != modal::MaterialScale{}) {
-      if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
-    }
-    const bool sent = rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
-                      rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
-    if (!sent)
-      return fail(ErrorKind::refused,
-                  path.string() + ": too many objects at once; wait for those before to be taken up");
-    if (!breaks(description, object.name)) continue;
-    auto sets = pieces_.load(**rack_.find({.name = object.name}), frame);
-    if (!sets) return fail(sets.error().kind, path.string() + ": " + sets.error().message);
-    pieces.emplace(object.name, std::move(*sets));
-  }
-  std::vector<scene::SoundingObject> objects;
-  for (const ObjectSnapshot& object : rack_.objects()) {
-    objects.push_back(as_sounding(*object));
-    if (const auto sets = pieces.find(object->name); sets != pieces.end()) objects.back().pieces = sets->second;
-  }
-  return objects;
 }
 
 Result<void> ScenePlayer::pause(bool paused) {
@@ -315,6 +316,11 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
   {
     const std::scoped_lock lock(mutex_);
     if (!world_) return false;
+    // All events before this frame have been passed on. It lies one step before the world's time, because a strike is
+    // found in the step after the one in which it happens.
+    const auto reported_until = [this] {
+      return position() - std::llround(world_->step_s() * rack_.mixer().sample_rate_hz());
+    };
     const bool matters = body_count_ > 0 && (watched_ || world_->sounds());
     if (playing_.paused || !(matters || world_->has_lasting_contacts())) {
       const Frame by = frame - reported_until();
@@ -365,12 +371,6 @@ void ScenePlayer::change_sample_rate(double sample_rate_hz) {
 
 // The frame of the world's present time.
 Frame ScenePlayer::position() const { return start_ + std::llround(world_->time_s() * rack_.mixer().sample_rate_hz()); }
-
-// Returns the frame before which all events have been passed on. This frame lies one step before the world's time,
-// because a strike is found in the step after the one in which it happens.
-Frame ScenePlayer::reported_until() const {
-  return position() - std::llround(world_->step_s() * rack_.mixer().sample_rate_hz());
-}
 
 // Moves the scene later by the time that the computer could not keep up, and warns now and then.
 void ScenePlayer::slow_down(Frame by) {

@@ -60,13 +60,13 @@ class ScenePlayer {
   // Passes the reports to `sink` instead of the rack. Call before anything is loaded. [main]
   void send_to(Sink sink) { sink_ = std::move(sink); }
 
-  // Reads the scenes to come so that contacts of animated bodies are recovered from their motion, if `foley` is set.
-  // [main]
-  void set_foley(const std::optional<scene::FoleyLimits>& foley) { foley_ = foley; }
-
-  // Passes the contacts of every step to `watch` as well. [main]
+  // Reads the scenes to come so that contacts of animated bodies are recovered from their motion, and passes the
+  // contacts of every step to `watch` as well. [main]
   using Watch = std::function<void(std::span<const scene::HeardContact>)>;
-  void watch_contacts(Watch watch) { watch_ = std::move(watch); }
+  void recover_contacts(const scene::FoleyLimits& limits, Watch watch) {
+    foley_ = limits;
+    watch_ = std::move(watch);
+  }
 
   // Sets the function that hands tasks to the worker and returns whether the worker took them. The tasks retune
   // objects, which bodies resting on them damp; without the function they are carried out at once. Call while the scene
@@ -151,18 +151,15 @@ class ScenePlayer {
   // The duration of the scene by its file; 0 without a scene. [any]
   [[nodiscard]] double duration_s() const { return duration_s_; }
 
-  // Events and dampings that were lost because a queue was full. [any]
-  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
-
-  // The total delay of the scene because the computer could not keep up. [any]
-  [[nodiscard]] double slowed_s() const { return slowed_s_; }
+  struct Lost {
+    std::uint64_t dropped = 0;  // events and dampings, because a queue was full
+    double slowed_s = 0;        // the total delay of the scene, because the computer could not keep up
+  };
+  [[nodiscard]] Lost lost() const { return {dropped_, slowed_s_}; }  // [any]
 
  private:
   Result<scene::BodyId> spawn(const std::optional<protocol::ObjectRef>& object, scene::BodyDescription body);
-  Result<std::vector<scene::SoundingObject>> load_objects(const scene::SceneDescription& description,
-                                                          const std::filesystem::path& path, synth::Frame frame);
   [[nodiscard]] synth::Frame position() const;
-  [[nodiscard]] synth::Frame reported_until() const;
   void slow_down(synth::Frame by);
   void pass_on(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings);
   [[nodiscard]] std::vector<scene::RestDamping> end_contacts();

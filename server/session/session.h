@@ -74,7 +74,7 @@ class Session {
   void change_sample_rate(double sample_rate_hz) { scene_.change_sample_rate(sample_rate_hz); }
 
   // Events that were refused because a queue was full. [any]
-  [[nodiscard]] std::uint64_t dropped() const { return dropped_ + scene_.dropped(); }
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_ + scene_.lost().dropped; }
 
   // Strikes that were added to another strike. [any]
   [[nodiscard]] std::uint64_t merged() const { return merged_; }

@@ -166,10 +166,10 @@ TEST_F(ScenePlayerTest, AGltfScenesOtherFilesLieBelowTheRootsToo) {
 TEST_F(ScenePlayerTest, ASceneThatCannotKeepUpLosesTimeAndSaysHowMuch) {
   load(kSlider + kObject);
   play(0.5);
-  EXPECT_EQ(session_.scene().slowed_s(), 0);
+  EXPECT_EQ(session_.scene().lost().slowed_s, 0);
   const double before = place();
   play(5);  // at once: all but the second of slack is lost
-  EXPECT_NEAR(session_.scene().slowed_s(), 4, 0.05);
+  EXPECT_NEAR(session_.scene().lost().slowed_s, 4, 0.05);
   EXPECT_NEAR(place(), before + 2 * 1, 0.1);
 }
 

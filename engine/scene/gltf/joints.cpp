@@ -44,32 +44,6 @@ int free_axis(const std::array<Freedom, 3>& freedoms) {
   return static_cast<int>(std::ranges::find_if_not(freedoms, &Freedom::locked) - freedoms.begin());
 }
 
-void read_limit(GltfDocument& document, const JsonPlace& limit, Freedoms& freedoms) {
-  const bool linear = limit["linearAxes"].present();
-  const JsonPlace axes = limit[linear ? "linearAxes" : "angularAxes"];
-  const double low = document.number(limit["min"], -kInfinity), high = document.number(limit["max"], kInfinity);
-  if (axes.size() < 1 || axes.size() > 3) return document.refuse(axes.wrong("one to three axes"));
-  const double stiffness = document.number(limit["stiffness"], 0), damping = document.number(limit["damping"], 0);
-  // A limit over several axes is one of a distance or of an angle, which has no sign.
-  const bool holds_all = axes.size() > 1 && high < kLocked && stiffness == 0;
-  AxesLimit wide{.turns = !linear, .axes = {}, .stiffness = stiffness};
-  if (low > 0) wide.low = std::min(low, range::kAxesLimit.high);
-  wide.high = std::clamp(high, std::max(wide.low, 0.0), range::kAxesLimit.high);
-  wide.damping = stiffness > 0 ? damping : 0;
-  for (std::size_t k = 0; k < axes.size(); ++k) {
-    const auto axis = axes[k].index();
-    if (!axis || *axis > 2) return document.refuse(axes[k].wrong("0, 1 or 2"));
-    wide.axes.push_back(*axis);
-    if (axes.size() > 1 && !holds_all) continue;
-    Freedom& freedom = (linear ? freedoms.along : freedoms.about)[*axis];
-    freedom.low = std::max(freedom.low, holds_all ? 0 : low);
-    freedom.high = std::min(freedom.high, holds_all ? 0 : high);
-    if (axes.size() == 1) freedom.stiffness = std::max(freedom.stiffness, stiffness);
-    if (axes.size() == 1) freedom.damping = std::max(freedom.damping, damping);
-  }
-  if (axes.size() > 1 && !holds_all) freedoms.wide.push_back(std::move(wide));
-}
-
 Vec3 unit(int axis) { return {axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0}; }
 double part(const Rotation& q, int axis) { return axis == 0 ? q.x : axis == 1 ? q.y : q.z; }
 double part(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
@@ -93,7 +67,7 @@ class JointMaker {
   void make(const JsonPlace& joint, bool collides) {
     Freedoms freedoms;
     const JsonPlace limits = joint["limits"], drives = joint["drives"];
-    for (std::size_t k = 0; k < limits.size(); ++k) read_limit(document_, limits[k], freedoms);
+    for (std::size_t k = 0; k < limits.size(); ++k) read_limit(limits[k], freedoms);
     read_drives(drives, freedoms);
     const JointType type = type_of(freedoms);
     if (!document_.result()) return;
@@ -115,6 +89,32 @@ class JointMaker {
   }
 
  private:
+  void read_limit(const JsonPlace& limit, Freedoms& freedoms) {
+    const bool linear = limit["linearAxes"].present();
+    const JsonPlace axes = limit[linear ? "linearAxes" : "angularAxes"];
+    const double low = document_.number(limit["min"], -kInfinity), high = document_.number(limit["max"], kInfinity);
+    if (axes.size() < 1 || axes.size() > 3) return document_.refuse(axes.wrong("one to three axes"));
+    const double stiffness = document_.number(limit["stiffness"], 0), damping = document_.number(limit["damping"], 0);
+    // A limit over several axes is one of a distance or of an angle, which has no sign.
+    const bool holds_all = axes.size() > 1 && high < kLocked && stiffness == 0;
+    AxesLimit wide{.turns = !linear, .axes = {}, .stiffness = stiffness};
+    if (low > 0) wide.low = std::min(low, range::kAxesLimit.high);
+    wide.high = std::clamp(high, std::max(wide.low, 0.0), range::kAxesLimit.high);
+    wide.damping = stiffness > 0 ? damping : 0;
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+      const auto axis = axes[k].index();
+      if (!axis || *axis > 2) return document_.refuse(axes[k].wrong("0, 1 or 2"));
+      wide.axes.push_back(*axis);
+      if (axes.size() > 1 && !holds_all) continue;
+      Freedom& freedom = (linear ? freedoms.along : freedoms.about)[*axis];
+      freedom.low = std::max(freedom.low, holds_all ? 0 : low);
+      freedom.high = std::min(freedom.high, holds_all ? 0 : high);
+      if (axes.size() == 1) freedom.stiffness = std::max(freedom.stiffness, stiffness);
+      if (axes.size() == 1) freedom.damping = std::max(freedom.damping, damping);
+    }
+    if (axes.size() > 1 && !holds_all) freedoms.wide.push_back(std::move(wide));
+  }
+
   // A joint with freedom for which ODE has one joint, and at most one drive in this freedom, is that joint.
   [[nodiscard]] JointType type_of(const Freedoms& freedoms) const {
     const std::size_t along = locked(freedoms.along), about = locked(freedoms.about), count = drives_.size();

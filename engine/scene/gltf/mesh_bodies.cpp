@@ -18,9 +18,8 @@ using modal::JsonPlace;
 constexpr double kFull = 0.85;       // of its hull, at least, fills a body that may be its hull
 constexpr double kSlabShare = 0.05;  // of its largest extent is the thickness of a flat mesh
 
-std::set<std::size_t> animated_nodes(const GltfDocument& document) {
+std::set<std::size_t> animated_nodes(const JsonPlace& animations) {
   std::set<std::size_t> nodes;
-  const JsonPlace animations = document.root()["animations"];
   for (std::size_t k = 0; k < animations.size(); ++k) {
     const JsonPlace channels = animations[k]["channels"];
     for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -32,9 +31,10 @@ std::set<std::size_t> animated_nodes(const GltfDocument& document) {
   return nodes;
 }
 
-std::string material_of(const GltfDocument& document, std::size_t node) {
-  const auto mesh = document.nodes()[node].field["mesh"].index();
-  const JsonPlace meshes = document.root()["meshes"], materials = document.root()["materials"];
+// Returns the name of the first material of a node's mesh.
+std::string material_of(const JsonPlace& root, const JsonPlace& node) {
+  const auto mesh = node["mesh"].index();
+  const JsonPlace meshes = root["meshes"], materials = root["materials"];
   if (!mesh || *mesh >= meshes.size()) return {};
   const JsonPlace primitives = meshes[*mesh]["primitives"];
   for (std::size_t k = 0; k < primitives.size(); ++k) {
@@ -82,12 +82,11 @@ ShapeMesh slab_of(const ShapeMesh& mesh) {
 
 }  // namespace
 
-std::vector<MeshBody> mesh_bodies(const GltfDocument& document) {
-  const std::set<std::size_t> animated = animated_nodes(document);
+std::vector<MeshBody> mesh_bodies(const JsonPlace& root, const std::vector<GltfNode>& nodes) {
+  const std::set<std::size_t> animated = animated_nodes(root["animations"]);
   std::vector<MeshBody> bodies;
   if (animated.empty()) return bodies;
   std::map<std::size_t, std::size_t> by_node;
-  const std::vector<GltfNode>& nodes = document.nodes();
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     if (!nodes[k].in_scene || !nodes[k].field["mesh"].present()) continue;
     bool has_physics = false;
@@ -103,7 +102,7 @@ std::vector<MeshBody> mesh_bodies(const GltfDocument& document) {
     if (is_new) bodies.push_back({.node = node});
     MeshBody& body = bodies[found->second];
     body.meshes.push_back(k);
-    if (body.material.empty()) body.material = material_of(document, k);
+    if (body.material.empty()) body.material = material_of(root, nodes[k].field);
   }
   return bodies;
 }

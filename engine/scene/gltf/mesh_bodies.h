@@ -18,10 +18,10 @@ struct MeshBody {
   std::string material;             // the name of the first ordinary material of these meshes; empty: none has a name
 };
 
-// Finds the meshes of the scene that is played and of which neither the node nor a node above it has a motion or a
-// collider. Meshes below one animated node are one body, unless another animated node lies between. A file without
-// animations has none.
-std::vector<MeshBody> mesh_bodies(const GltfDocument& document);
+// Finds the meshes of the scene that is played, by the nodes of a document, and of which neither the node nor a node
+// above it has a motion or a collider. Meshes below one animated node are one body, unless another animated node lies
+// between. A file without animations has none.
+std::vector<MeshBody> mesh_bodies(const modal::JsonPlace& root, const std::vector<GltfNode>& nodes);
 
 // Returns the shape of meshes for collisions, in the frame that `map` leads to from the world. A closed mesh that fills
 // most of its hull becomes the hull; a flat one becomes a slab below it; any other mesh stays as it is. Returns

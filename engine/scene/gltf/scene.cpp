@@ -169,7 +169,7 @@ class GltfSceneReader {
       if (!body.model_node) body.model_node = k;
     }
     if (!scene_.foley) return;
-    for (MeshBody& found : mesh_bodies(document_)) {
+    for (MeshBody& found : mesh_bodies(document_.root(), document_.nodes())) {
       GatheredBody& body = body_at(found.node, false);
       for (const std::size_t mesh : found.meshes) {
         if (!body.model_node && audio_of(nodes()[mesh])["modalModel"].present()) body.model_node = mesh;

@@ -189,14 +189,6 @@ std::optional<GltfGeometry> node_geometry(GltfDocument& document, const JsonPlac
   return made_of(document, mesh, document.flag(geometry["convexHull"], false), geometry["node"]);
 }
 
-// A number that must be at least `low`, or above 0.
-double size(GltfDocument& document, const JsonPlace& field, double fallback, bool may_be_0 = false) {
-  const double value = document.number(field, fallback);
-  if (!(value >= 0 && value <= range::kSize_m.high && (may_be_0 || value > 0)))
-    document.refuse(field.wrong(may_be_0 ? "from 0 to 1000 m" : "above 0, at most 1000 m"));
-  return value;
-}
-
 std::optional<GltfGeometry> implicit(GltfDocument& document, const JsonPlace& shape) {
   const std::string type = shape["type"].text_or("");
   const JsonPlace own = shape[type];
@@ -207,22 +199,27 @@ std::optional<GltfGeometry> implicit(GltfDocument& document, const JsonPlace& sh
     const JsonPlace hull = shape["extensions"]["KHR_physics_rigid_bodies"]["convexHull"];
     return made_of(document, triangles, document.flag(hull, false), own["mesh"]);
   }
+  const auto size = [&document](const JsonPlace& field, double fallback, bool may_be_0 = false) {
+    const double value = document.number(field, fallback);
+    if (!(value >= 0 && value <= range::kSize_m.high && (may_be_0 || value > 0)))
+      document.refuse(field.wrong(may_be_0 ? "from 0 to 1000 m" : "above 0, at most 1000 m"));
+    return value;
+  };
   GltfGeometry geometry;
   if (type == "box") {
-    geometry.size_m = {size(document, own["size"][0], 1), size(document, own["size"][1], 1),
-                       size(document, own["size"][2], 1)};
+    geometry.size_m = {size(own["size"][0], 1), size(own["size"][1], 1), size(own["size"][2], 1)};
     return geometry;
   }
   if (type == "sphere") {
     geometry.kind = GltfGeometry::sphere;
-    geometry.radius_m = size(document, own["radius"], 0.5);
+    geometry.radius_m = size(own["radius"], 0.5);
     return geometry;
   }
   if (type == "plane") {
     geometry.kind = GltfGeometry::plane;
     geometry.double_sided = document.flag(own["doubleSided"], false);
     const bool ends = own["sizeX"].present() || own["sizeZ"].present();
-    if (ends) geometry.size_m = {size(document, own["sizeX"], 1000), 0, size(document, own["sizeZ"], 1000)};
+    if (ends) geometry.size_m = {size(own["sizeX"], 1000), 0, size(own["sizeZ"], 1000)};
     if (geometry.double_sided && !ends)
       document.notes.add("a double-sided plane without ends is a sheet of 1000 m by 1000 m");
     return geometry;
@@ -231,9 +228,9 @@ std::optional<GltfGeometry> implicit(GltfDocument& document, const JsonPlace& sh
     document.notes.add("a shape of type '" + type + "' is not known; colliders of that shape are left out");
     return {};
   }
-  const double height_m = size(document, own["height"], 0.5);
-  const double bottom_m = size(document, own["radiusBottom"], 0.25, true);
-  const double top_m = size(document, own["radiusTop"], 0.25, true);
+  const double height_m = size(own["height"], 0.5);
+  const double bottom_m = size(own["radiusBottom"], 0.25, true);
+  const double top_m = size(own["radiusTop"], 0.25, true);
   if (!(bottom_m + top_m > 0)) document.refuse(own.wrong("a radius above 0 at one of its ends"));
   if (!document.result()) return {};
   geometry.kind = GltfGeometry::hull;

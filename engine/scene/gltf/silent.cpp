@@ -52,7 +52,7 @@ class SilentFinder {
       if (sounds(node)) continue;
       if (auto body = silent(node, colliders)) found.bodies.push_back(std::move(*body));
     }
-    for (const MeshBody& mesh : mesh_bodies(document_)) {
+    for (const MeshBody& mesh : mesh_bodies(document_.root(), document_.nodes())) {
       const auto plays = [this](std::size_t k) { return audio(k)["modalModel"].present(); };
       if (plays(mesh.node) || std::ranges::any_of(mesh.meshes, plays)) continue;
       meshes_ = mesh.meshes;
@@ -273,7 +273,7 @@ class SilentFinder {
 
 bool has_mesh_bodies(const modal::Glb& glb) {
   auto document = GltfDocument::read(glb);
-  return document && !mesh_bodies(*document).empty();
+  return document && !mesh_bodies(document->root(), document->nodes()).empty();
 }
 
 Result<SilentBodies> find_silent_bodies(const modal::Glb& glb) {
