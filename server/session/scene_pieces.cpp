@@ -6,6 +6,7 @@
 #include "engine/modal/fracture/fracture.h"
 #include "engine/scene/fracture/breaking_bodies.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -22,7 +23,40 @@ modal::Bank with_silent_mode(modal::Bank bank) {
   return bank;
 }
 
+// Returns true if a body of the scene plays the object and may break.
+bool breaks(const scene::SceneDescription& scene, const std::string& object) {
+  const auto does = [&](const scene::BodyDescription& body) { return body.breaks && body.object == object; };
+  return std::ranges::any_of(scene.bodies, does) ||
+         std::ranges::any_of(scene.emitters, [&](const auto& emitter) { return does(emitter.body); });
+}
+
 }  // namespace
+
+Result<std::map<std::string, ScenePieces::Sets>> ScenePieces::load_objects(const scene::SceneDescription& description,
+                                                                           const std::filesystem::path& path,
+                                                                           synth::Frame frame) {
+  std::map<std::string, ScenePieces::Sets> pieces;
+  for (const auto& object : description.objects) {
+    const auto number = rack_.load(object.name, object.bank);
+    if (!number) return fail(number.error());
+    if (!object.group.empty()) {
+      if (const auto set = rack_.set_group({.name = object.name}, object.group); !set) return fail(set.error());
+    }
+    if (object.material != modal::MaterialScale{}) {
+      if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
+    }
+    const bool sent = rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
+                      rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
+    if (!sent)
+      return fail(ErrorKind::refused,
+                  path.string() + ": too many objects at once; wait for those before to be taken up");
+    if (!breaks(description, object.name)) continue;
+    auto sets = load(**rack_.find({.name = object.name}), frame);
+    if (!sets) return fail(sets.error().kind, path.string() + ": " + sets.error().message);
+    pieces.emplace(object.name, std::move(*sets));
+  }
+  return pieces;
+}
 
 Result<ScenePieces::Sets> ScenePieces::load(const ObjectState& object, synth::Frame frame) {
   if (auto good = breaking::Breakable::check(object.map->bank()); !good)

@@ -1,19 +1,23 @@
 // The pieces of a scene's bodies that break: objects that are loaded with the scene, and silent until the break.
 // [worker, unless noted]
 //
-//   auto sets = pieces.load(object, frame);    // for each object of a body that breaks
-//   pieces.keep_loaded();                      // the pieces of the scene before go
+//   auto sets = pieces.load_objects(scene, path, frame);  // each object, with the pieces of those that may break
+//   pieces.keep_loaded();                                 // the pieces of the scene before go
 #pragma once
 
 #include "engine/base/result.h"
 #include "engine/breaking/piece_set.h"
+#include "engine/scene/description.h"
 #include "engine/synth/events/event.h"
 #include "server/session/object_state.h"
 #include "server/session/rack.h"
 
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
+#include <string>
 #include <vector>
 
 namespace ringdown::session {
@@ -28,6 +32,10 @@ class ScenePieces {
   // material, group, gain and pan. Refused if the object cannot break, if one of the names is taken, or if there is no
   // room.
   Result<Sets> load(const ObjectState& object, synth::Frame frame);
+
+  // Loads the objects of a scene and the pieces of those that may break. Returns the pieces by the objects' names.
+  Result<std::map<std::string, Sets>> load_objects(const scene::SceneDescription& description,
+                                                   const std::filesystem::path& path, synth::Frame frame);
 
   void keep_loaded();    // frees the pieces that have not been loaded since the last keep_loaded() or forget_loaded()
   void forget_loaded();  // frees those that have

@@ -25,12 +25,6 @@ scene::SoundingObject as_sounding(const ObjectState& object) {
   return {object.name, object.number, {object.map, &object.map->bank()}, object.map};
 }
 
-bool breaks(const scene::SceneDescription& scene, const std::string& object) {
-  const auto does = [&](const scene::BodyDescription& body) { return body.breaks && body.object == object; };
-  return std::ranges::any_of(scene.bodies, does) ||
-         std::ranges::any_of(scene.emitters, [&](const auto& emitter) { return does(emitter.body); });
-}
-
 constexpr double kWarnEvery_s = 0.5;  // lost time between two warnings
 
 tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one first"); }
@@ -113,38 +107,6 @@ void warn_of_silence(const scene::SceneDescription& scene, std::span<const scene
   warn("scene: " + *scene::why_silent(scene, objects, cure()));
 }
 
-// Loads the objects of a scene and the pieces of those that may break. Returns all objects of the rack.
-Result<std::vector<scene::SoundingObject>> load_objects(const scene::SceneDescription& description,
-                                                        const std::filesystem::path& path, Frame frame, Rack& rack,
-                                                        ScenePieces& scene_pieces) {
-  std::map<std::string, ScenePieces::Sets> pieces;
-  for (const auto& object : description.objects) {
-    const auto number = rack.load(object.name, object.bank);
-    if (!number) return fail(number.error());
-    if (!object.group.empty()) {
-      if (const auto set = rack.set_group({.name = object.name}, object.group); !set) return fail(set.error());
-    }
-    if (object.material != modal::MaterialScale{}) {
-      if (const auto set = rack.set_material({.name = object.name}, object.material); !set) return fail(set.error());
-    }
-    const bool sent = rack.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
-                      rack.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
-    if (!sent)
-      return fail(ErrorKind::refused,
-                  path.string() + ": too many objects at once; wait for those before to be taken up");
-    if (!breaks(description, object.name)) continue;
-    auto sets = scene_pieces.load(**rack.find({.name = object.name}), frame);
-    if (!sets) return fail(sets.error().kind, path.string() + ": " + sets.error().message);
-    pieces.emplace(object.name, std::move(*sets));
-  }
-  std::vector<scene::SoundingObject> objects;
-  for (const ObjectSnapshot& object : rack.objects()) {
-    objects.push_back(as_sounding(*object));
-    if (const auto sets = pieces.find(object->name); sets != pieces.end()) objects.back().pieces = sets->second;
-  }
-  return objects;
-}
-
 }  // namespace
 
 // Reads a scene of either format.
@@ -160,18 +122,23 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     banks.push_back(std::move(bank->map));
   }
   synth::Mixer& mixer = rack_.mixer();
-  auto objects = load_objects(*description, path, frame, rack_, pieces_);
-  if (!objects) {
+  const auto pieces = pieces_.load_objects(*description, path, frame);
+  if (!pieces) {
     pieces_.forget_loaded();
-    return fail(objects.error());
+    return fail(pieces.error());
   }
-  auto world = scene::World::create(*description, *objects, mixer.sample_rate_hz());
+  std::vector<scene::SoundingObject> objects;
+  for (const ObjectSnapshot& object : rack_.objects()) {
+    objects.push_back(as_sounding(*object));
+    if (const auto sets = pieces->find(object->name); sets != pieces->end()) objects.back().pieces = sets->second;
+  }
+  auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
   if (!world) {
     pieces_.forget_loaded();
     return fail(world.error().kind, path.string() + ": " + world.error().message);
   }
   warn_of_silence(
-      *description, *objects, [&] { return cure_of_silence(roots_, path); }, warn);
+      *description, objects, [&] { return cure_of_silence(roots_, path); }, warn);
 
   for (const Event& event : listener_events(*description, sets_listener_, frame)) {
     if (!rack_.push(synth::Producer::worker, event)) {

@@ -19,7 +19,7 @@ using Words = std::vector<std::string>;
 // Types of values that are texts. Whatever else --help names after an option is taken for a number, so that a new
 // option is tried unless it is declared to be a text.
 const std::regex kTexts(
-    R"(^(FILE(\.png)?|FOLDER|TEXT|NAME|URL|NAME=BANK|osc\.udp://HOST:PORT|)"
+    R"(^(FILE(\.png)?|FOLDER|TEXT|NAME|URL|NAME=BANK|NODE=MATERIAL|osc\.udp://HOST:PORT|)"
     R"(jack\|.*|mix\|.*|spectrum\|.*|tet20\|.*|auto\|.*|dark\|.*|scene\|.*|Excludes:|Needs:)([ =].*)?$)");
 
 // How a value is written for types that hold more than a number. What stands for it is V.
@@ -36,6 +36,7 @@ const std::map<std::string, Words> kNeeded = {
     {"ringdown-tune", {"bar.toml", "-o", "tuned.toml", "--vary", "length:1..2", "--target", "1=A4"}},
     {"ringdown-compare", {"my-bowl"}},
     {"ringdown-fit", {"cup.wav"}},
+    {"ringdown foley", {"fall.glb", "-o", "fall.wav"}},
     {"ringdown strike", {"bell", "--impulse", "1,0,0"}},
 };
 
