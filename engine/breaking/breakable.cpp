@@ -177,7 +177,8 @@ double Breakable::crack_cost_j(std::size_t pattern) const {
 Shattered Breakable::shatter(const PieceSet& pieces, const Break& breaks) {
   assert(breaks.pieces.size() == pieces.pieces().size());
   const modal::ModalState state = at_peak(breaks.blow, breaks.frame);
-  Shattered shattered{.broken = pieces.breaking()(state, breaks.crack_energy_j),
+  const double paid_j = std::min(breaks.crack_energy_j, kMaxCrackShare * modal::modal_energy(state).total_j());
+  Shattered shattered{.broken = pieces.breaking()(state, paid_j),
                       .under = pieces.nearest(breaks.blow.point_m),
                       .events = {}};
   for (std::size_t i = 0; i < breaks.pieces.size(); ++i) {

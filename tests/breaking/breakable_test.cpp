@@ -120,6 +120,21 @@ TEST(Breakable, TheNearestPlaceAndTheEnergyChooseThePattern) {
   EXPECT_EQ(body.affordable(levels, 0), 0u) << "who breaks it all the same has the coarsest";
 }
 
+TEST(Breakable, CracksTakeAtMostHalfOfTheVibration) {
+  const auto map = bar_of({test::even_pieces(3, 4)});
+  const PieceSet set(*map, {}, 0);
+  const std::vector<std::optional<synth::ObjectNumber>> numbers = {1, 2, 3};
+  const auto ringing_j = [&](double crack_energy_j) {
+    Breakable body = *Breakable::make(map, {}, kRate_hz, 0);
+    return body.shatter(set, {.blow = kBlow, .frame = 100, .crack_energy_j = crack_energy_j, .pieces = numbers})
+        .broken.ringing_j;
+  };
+  const double all_j = ringing_j(0);
+  EXPECT_GT(all_j, 0);
+  EXPECT_NEAR(ringing_j(1e6) / all_j, 0.5, 1e-9);
+  EXPECT_NEAR(ringing_j(1e9) / all_j, 0.5, 1e-9);
+}
+
 TEST(Breakable, ABankWithoutPiecesOrMassIsRefused) {
   const auto plain = Breakable::make(map_of(test::bar_bank(3)), {}, kRate_hz, 0);
   ASSERT_FALSE(plain);

@@ -407,7 +407,7 @@ class BreakingTest(unittest.TestCase):
         points, triangles = bank.piece_mesh(0, 3)
         self.assertEqual(points.shape[1], 3)
         self.assertLess(triangles.max(), len(points))
-        self.assertEqual(ringdown.Bank.open(GLASS).patterns, ())
+        self.assertEqual(ringdown.Bank.open(PLATE).patterns, ())
         with self.assertRaisesRegex(ringdown.InputError, "piece is 9999"):
             bank.piece_mesh(0, 9999)
 
