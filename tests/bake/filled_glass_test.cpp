@@ -19,7 +19,6 @@ const fs::path kPresets = fs::path(RINGDOWN_SOURCE_DIR) / "presets";
 std::vector<double> frequencies(const std::string& fill) {
   auto recipe = bake::parse_object(
       "material = \"glass\"\ngeometry = \"wine-glass.geo\"\nunit_m = 0.001\nmesh_size_m = 0.006\nshape_error = 0.3\n"
-      "element = \"tet10\"\n"
       "band_hz = [20, 4000]\n" +
           fill,
       kPresets / "objects" / "filled.toml");
