@@ -178,9 +178,8 @@ Shattered Breakable::shatter(const PieceSet& pieces, const Break& breaks) {
   assert(breaks.pieces.size() == pieces.pieces().size());
   const modal::ModalState state = at_peak(breaks.blow, breaks.frame);
   const double paid_j = std::min(breaks.crack_energy_j, kMaxCrackShare * modal::modal_energy(state).total_j());
-  Shattered shattered{.broken = pieces.breaking()(state, paid_j),
-                      .under = pieces.nearest(breaks.blow.point_m),
-                      .events = {}};
+  Shattered shattered{
+      .broken = pieces.breaking()(state, paid_j), .under = pieces.nearest(breaks.blow.point_m), .events = {}};
   for (std::size_t i = 0; i < breaks.pieces.size(); ++i) {
     if (!breaks.pieces[i]) continue;
     append_piece(pieces.pieces()[i], shattered.broken.pieces[i], i == shattered.under, breaks, *breaks.pieces[i],

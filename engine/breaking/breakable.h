@@ -29,9 +29,9 @@ namespace ringdown::breaking {
 
 enum class RestOfBlow { to_piece, to_striker };
 
-// The most that cracks take of the energy of the body's modes; our choice. A blow that breaks the body also dents it and
-// bends it in modes above its band, and the state has nothing of that energy, which pays for the rest of the cracks.
-// Without this limit, a weak blow would leave pieces that fly and are silent.
+// The most that cracks take of the energy of the body's modes; our choice. A blow that breaks the body also dents it
+// and bends it in modes above its band, and the state has nothing of that energy, which pays for the rest of the
+// cracks. Without this limit, a weak blow would leave pieces that fly and are silent.
 inline constexpr double kMaxCrackShare = 0.5;
 
 // A break at one frame. `blow` is in the body's frame and size.

@@ -375,7 +375,10 @@ class GlbScene {
 }  // namespace
 
 Result<std::vector<std::byte>> to_glb(const SceneDescription& scene, std::span<const modal::Bank> banks) {
-  return GlbScene(scene, banks).write();
+  SceneDescription whole = scene;
+  for (BodyDescription& body : whole.bodies) body.breaks.reset();
+  for (EmitterDescription& emitter : whole.emitters) emitter.body.breaks.reset();
+  return GlbScene(whole, banks).write();
 }
 
 }  // namespace ringdown::scene
