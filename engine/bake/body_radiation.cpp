@@ -119,7 +119,7 @@ mesh::Points surface_nodes(const RadiatingBody& body) {
   return nodes;
 }
 
-// What the air touches: the dry skin, and liquids' free surfaces.
+// The surface that the air touches: the dry skin, and the free surfaces of liquids.
 radiate::Body above_liquid(radiate::Body body, const WetEffects& wet, const std::vector<HeardMode>& modes) {
   body.surface = wet.air.surface;
   const auto dry = static_cast<Eigen::Index>(wet.air.dry.size()), free = wet.free_areas.size();

@@ -69,7 +69,7 @@ struct Basin {
 // into a lower one counts up to there. Closed cavities have the rim at their top.
 std::vector<Basin> basins_of(const WetWall& wall);
 
-// How far a basin is filled: one of the three.
+// The filling of a basin, given in one of three ways.
 struct Amount {
   enum class Kind { kFull, kLevel, kDepth, kVolume } kind = Kind::kFull;
   double value = 0;  // level or depth in the unit of length, or volume in its third power

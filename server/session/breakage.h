@@ -45,7 +45,7 @@ class Breakage final : public Observer {
   // Fails if break_object() would, but for lack of room.
   [[nodiscard]] Result<void> check(const protocol::BreakObject& request) const;
 
-  // What came of a break: how many pieces there are, and how many of their modes found no room in the mixer's queue.
+  // The result of a break: the number of pieces, and of their modes that found no room in the mixer's queue.
   struct Outcome {
     std::size_t pieces = 0, lost = 0;
   };
@@ -113,7 +113,7 @@ class Breakage final : public Observer {
   void free_pieces(const std::vector<PieceReport>& pieces);
 
   Rack& rack_;
-  // How many objects are followed, are broken, have a strength: what threads ask before they lock.
+  // Numbers of objects that are followed, are broken, and have a strength. Threads read them before they lock.
   std::atomic<int> followed_ = 0, broken_ = 0, strong_ = 0;
   mutable std::mutex mutex_;  // guards armed_; not held while objects are loaded or freed, or events pushed
   ArmedObjects armed_;

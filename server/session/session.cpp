@@ -5,7 +5,7 @@
 namespace ringdown::session {
 namespace {
 
-// Whether something happens to the object itself, which must be whole then.
+// Returns true if a request acts on the object itself, which must then be whole.
 bool acts(const synth::Event& event) {
   const synth::Effect effect = effect_of(event);
   return effect == synth::Effect::excites || effect == synth::Effect::begins;

@@ -50,7 +50,7 @@ struct WetUnits {
 Result<WetPlan> plan_liquids(const Liquids& liquids, const mesh::TetMesh& unit_mesh, const mesh::Boundary& surface,
                              const WetUnits& units);
 
-// What the liquids did to each of m modes.
+// Changes of each of m modes by the liquids.
 struct WetEffects {
   Eigen::VectorXd strain, motion;  // m: shares of the energy of strain and of motion that are in the body
   Eigen::VectorXd drag;            // m: decay by boundary layers is drag sqrt(omega) / (rho L) [1/s]

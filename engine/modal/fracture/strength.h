@@ -21,7 +21,7 @@ struct Strength {
   double reference_area_m2 = kReferenceArea_m2;  // A_0 > 0
 };
 
-// What a brittle material adds to an elastic one. Ductile materials have nothing of it and never break.
+// The constants of a brittle material. Ductile materials have none of them and never break.
 struct Brittleness {
   Strength strength;
   double toughness_pa_sqrt_m = 0;  // K_Ic > 0

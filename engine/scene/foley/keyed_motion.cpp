@@ -122,7 +122,7 @@ Motion KeyedMotion::between(std::size_t k, double s) const {
           normalized(from_rotation_vector(s * way) * from.rotation), intervals_[k].velocity_m_s, (1 / every_s_) * way};
 }
 
-// Whether nothing but gravity acts around the frame.
+// Returns true if only gravity acts around the frame.
 bool KeyedMotion::is_free(std::size_t k) const {
   constexpr double kShare = 0.1;  // of the speed gained by falling for one frame
   return length(push(k).linear_ns) < mass_.mass_kg * (jitter_m_s_ + kShare * length(gravity_m_s2_) * every_s_);

@@ -88,7 +88,7 @@ class Recoverer {
     }
   }
 
-  // How much a body's velocity changes around a frame other than by gravity, its surface's by turning included.
+  // The change of a body's velocity around a frame that gravity does not explain, with that of its surface by turning.
   [[nodiscard]] double change_m_s(std::size_t n, std::size_t k) const {
     const Push push = motion(n).push(k);
     return motion(n).inverse_mass() * length(push.linear_ns) +
@@ -138,7 +138,7 @@ class Recoverer {
     touches_[k].push_back({pair, std::move(met), std::vector<Vec3>(points), std::vector<Vec3>(points)});
   }
 
-  // Whether the pair touched in the interval before.
+  // True if the pair touched in the interval before.
   [[nodiscard]] bool touched(Indices pair, std::size_t k) const {
     return k > 0 && std::ranges::any_of(touches_[k - 1], [&](const Touch& touch) { return touch.pair == pair; });
   }

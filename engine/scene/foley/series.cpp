@@ -49,7 +49,7 @@ Blow blow_in(const PushSeries& series, std::size_t k, Vec3 normal, double weight
   return blow;
 }
 
-// Whether the frames beyond those of a blow tell of nothing but a load, so that nothing else acted on the pair then.
+// Returns true if the frames beyond those of a blow show a load only, so that nothing else acted on the pair then.
 bool is_alone(const PushSeries& series, const Blow& blow, double weight_ns) {
   constexpr double kSmall = 0.05;
   const std::size_t k = blow.interval;

@@ -19,7 +19,7 @@ struct Blow {
   Vec3 impulse_ns;
 };
 
-// What the geometry tells about an interval in which a pair comes together fast enough to strike.
+// The geometry of an interval in which a pair comes together fast enough to strike.
 struct Approach {
   Vec3 normal;             // into the first body
   double stopping_ns = 0;  // the impulse along the normal that at least stops the approach

@@ -52,7 +52,7 @@ double volume_of(const std::vector<Vec3>& points, const std::vector<std::array<s
   return volume;
 }
 
-// Whether each edge of the mesh has one triangle on either side.
+// Returns true if each edge of the mesh has one triangle on either side.
 bool is_closed(const ShapeMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const auto& triangle : mesh.triangles) {
