@@ -20,7 +20,7 @@ Promise at_least(const std::string& what, double value, double min, bool bound) 
           good ? Promise::kPass : Promise::kMissed};
 }
 
-Promise capped(const std::string& what, double value, double max, const char* unit) {
+Promise at_most(const std::string& what, double value, double max, const char* unit) {
   return {what + text(" %.3g", value) + unit + text(" (at most %g", max) + unit + ")",
           value <= max ? Promise::kPass : Promise::kMissed};
 }

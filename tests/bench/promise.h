@@ -13,7 +13,7 @@ struct Promise {
 
 // `bound`: the value is known to be larger than this.
 Promise at_least(const std::string& what, double value, double min, bool bound = false);
-Promise capped(const std::string& what, double value, double max, const char* unit);
+Promise at_most(const std::string& what, double value, double max, const char* unit);
 
 // Prints them, and "N passed, N missed, N not measured". True when none was missed.
 bool report(const std::vector<Promise>& promises);

@@ -76,7 +76,7 @@ class Soak {
   std::int32_t own_xruns_ = 0, unexcused_xruns_ = 0;
   double held_kb_ = 0;                 // at the last rest
   std::optional<StatusReply> status_;  // the last; none when the daemon has fallen silent
-  std::size_t fewest_ = 0, max_ = 0;   // descriptors at rest
+  std::size_t min_ = 0, max_ = 0;   // descriptors at rest
   std::size_t killed_ = 0, met_ = 0;   // servers
   double slowest_s_ = 0;               // to be met again
   double shown_s_ = 0;
@@ -168,7 +168,7 @@ void Soak::blame_xruns() {
 void Soak::measure() {
   status_ = rest();
   const std::size_t open = descriptors(daemon_->process().id());
-  fewest_ = fewest_ == 0 ? open : std::min(fewest_, open);
+  min_ = min_ == 0 ? open : std::min(min_, open);
   max_ = std::max(max_, open);
   held_kb_ = heap_.kilobytes();
   growth_.note(passed_s(), held_kb_);
@@ -231,7 +231,7 @@ bool Soak::report() {
     line("held at the last rest", held_kb_, "kB");
   }
   line("resident in the end", resident, "MB");
-  good &= line("descriptors, most less fewest", static_cast<double>(max_ - fewest_), "", max_ == fewest_);
+  good &= line("descriptors, max less min", static_cast<double>(max_ - min_), "", max_ == min_);
   if (status_) {
     line("xruns of the server", status_->xruns, "");
     line("of these our own", own_xruns_, "");

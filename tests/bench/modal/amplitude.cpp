@@ -117,9 +117,9 @@ std::string as_csv(const Row& row) {
 
 void add_promises(std::vector<Promise>& promises, const Row& row) {
   const std::string what = row.object + ", " + row.bank + ": amplitude of a strike anywhere, error of ";
-  promises.push_back(capped(what + "the median mode", 100 * row.errors.median, 3, " %"));
-  promises.push_back(capped(what + "the worst mode", 100 * row.errors.largest, 10, " %"));
-  promises.push_back(capped(what + "the worst region", 100 * row.errors.worst_region, 10, " %"));
+  promises.push_back(at_most(what + "the median mode", 100 * row.errors.median, 3, " %"));
+  promises.push_back(at_most(what + "the worst mode", 100 * row.errors.largest, 10, " %"));
+  promises.push_back(at_most(what + "the worst region", 100 * row.errors.worst_region, 10, " %"));
 }
 
 class Measuring {

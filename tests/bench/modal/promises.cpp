@@ -35,7 +35,7 @@ void add_agreement(std::vector<Promise>& list, const Measurement* peer) {
     return list.push_back(not_measured(peer->spec.body + ": " + peer->spec.method, peer));
   const std::string what = place(*peer) + "largest relative difference from " + peer->spec.method;
   if (peer->difference < 0) return list.push_back({what + ": other numbers of modes", Promise::kMissed});
-  list.push_back(capped(what, peer->difference, 1e-5, ""));
+  list.push_back(at_most(what, peer->difference, 1e-5, ""));
 }
 
 void add_agreements(std::vector<Promise>& list, const Measurements& all, const Spec& ours) {
@@ -67,7 +67,7 @@ void add_errors(std::vector<Promise>& list, const Measurement* m, const Spec& sp
   const std::string what = place(*m) + "with default settings, worst error of the first ";
   const auto add = [&](const char* count, double error, double max) {
     if (error < 0) return list.push_back({what + count + ": fewer modes were found", Promise::kMissed});
-    list.push_back(capped(what + count, error, max, " %"));
+    list.push_back(at_most(what + count, error, max, " %"));
   };
   add("10", m->error_10, 0.02);
   add("50", m->error_50, 0.1);
@@ -91,7 +91,7 @@ std::vector<Promise> promises(const std::vector<Spec>& plan, const Measurements&
     if (part != "memory") continue;
     if (m == nullptr || m->status != Status::kDone) list.push_back(not_measured("memory", m));
     if (m != nullptr && m->status == Status::kDone)
-      list.push_back(capped(place(*m) + "peak memory", m->peak_mib, 4096, " MiB"));
+      list.push_back(at_most(place(*m) + "peak memory", m->peak_mib, 4096, " MiB"));
   }
   return list;
 }
