@@ -138,7 +138,7 @@ struct BreakObject {  // /object/{object}/break
 struct MendObject {  // /object/{object}/mend
   ObjectRef object;
 };
-// From now on a blow that strains the object's skin so far breaks it.
+// Sets the strength of an object: later blows that cause this stress on its skin break it.
 struct SetStrength {  // /object/{object}/strength
   ObjectRef object;
   double strength_pa = 0;  // 0: no blow does

@@ -1,7 +1,7 @@
 // The surface that the air touches when liquid stands in a body or around it. [worker]
 //
-// It is the skin of the body, cut at the levels, with a flat lid over each cut: the free surface of the liquid in a
-// basin, or where the body stands in a bath, the section of the body.
+// The surface consists of the body's skin, cut at the levels, and a flat lid over each cut: the free surface of the
+// liquid in a basin, or, if the body stands in a bath, the section of the body.
 #pragma once
 
 #include "engine/base/result.h"

@@ -110,10 +110,10 @@ struct Operators {
 };
 
 //
-// From a point of a flat face, the whole closed surface fills half of all directions. So the columns of M/2 - K',
-// summed over the wall and its image, have the sums of M. Where triangles meet at an angle the integrals miss that by
-// some percent of the angle; what they miss is added to the diagonal, as it lies close by. That turns an error of first
-// order in the size of the triangles into one of second order.
+// Seen from a point of a flat face, the whole closed surface fills half of all directions. Therefore the columns of M/2
+// - K', summed over the wall and its image, have the sums of M. Where triangles meet at an angle the integrals miss
+// that by some percent of the angle; what they miss is added to the diagonal, as it lies close by. That turns an error
+// of first order in the size of the triangles into one of second order.
 Operators operators_of(const radiate::Skin& skin, const Eigen::VectorXd& weights, int threads) {
   const radiate::Panels& panels = skin.panels;
   const std::vector<double> coupling(static_cast<std::size_t>(panels.node_count()), 1.0);

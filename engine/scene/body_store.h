@@ -33,8 +33,8 @@ struct SoundingObject {
   std::string name;
   synth::ObjectNumber number = 0;
   std::shared_ptr<const modal::Bank> bank;  // unscaled; the scene applies the description's density scale
-  // What a body that breaks needs, if it is there already: the bank's map, and the pieces of each pattern in the scaled
-  // material.
+  // For bodies that break; optional, made from the bank if absent: the bank's map, and the pieces of each pattern in
+  // the scaled material.
   std::shared_ptr<const modal::StrikeMap> map = {};
   std::vector<std::shared_ptr<const breaking::PieceSet>> pieces = {};
 };

@@ -229,4 +229,12 @@ Result<Solid> make_solid(const BodyDescription& body, const modal::Bank* bank, c
   return solid_of(body, &scaled, 1);
 }
 
+double outer_radius(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return length(shape.center_m) + shape.radius_m;
+  if (shape.type == ShapeType::box) return length(shape.center_m) + 0.5 * length(shape.size_m);
+  double radius = 0;
+  for (const Vec3& point : shape.points) radius = std::max(radius, length(point));
+  return radius;
+}
+
 }  // namespace ringdown::scene

@@ -29,6 +29,9 @@ struct CollisionShape {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise from outside
 };
 
+// Returns the radius of the smallest ball about the origin, the centre of mass, that holds the shape.
+double outer_radius(const CollisionShape& shape);
+
 struct Solid {
   RigidMass mass;
   CollisionShape shape;

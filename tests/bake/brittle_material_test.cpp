@@ -1,5 +1,6 @@
 // The figures of a brittle material in its file.
 #include "engine/materials/material_library.h"
+#include "tests/bake/clay.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -10,32 +11,9 @@
 namespace ringdown::brittle_material_test {
 namespace {
 
+using test::kGood;
 using test::TemporaryFolder;
-
-const std::string kGood = R"(name = "clay"
-description = "A test"
-[youngs_modulus_pa]
-value = 1e9
-source = "a book"
-[poisson_ratio]
-value = 0.3
-source = "a book"
-[density_kg_m3]
-value = 1000
-source = "a book"
-[alpha_per_s]
-value = 1
-source = "a guess"
-[beta_s]
-value = 1e-7
-source = "a guess"
-)";
-
-std::string with(std::string text, const std::string& what, const std::string& instead) {
-  const std::size_t at = text.find(what);
-  EXPECT_NE(at, std::string::npos);
-  return text.replace(at, what.size(), instead);
-}
+using test::with;
 
 const std::string kBrittle = R"([brittle.strength_pa]
 value = 4e7

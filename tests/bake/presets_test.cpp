@@ -4,6 +4,7 @@
 #include "engine/bake/recipe_options.h"
 #include "engine/materials/material_library.h"
 #include "engine/modal/bank_file.h"
+#include "tests/bake/clay.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -18,34 +19,11 @@ namespace ringdown::presets_test {
 namespace {
 
 namespace fs = std::filesystem;
+using test::kGood;
 using test::TemporaryFolder;
+using test::with;
 
 const fs::path kPresets = fs::path(RINGDOWN_SOURCE_DIR) / "presets";
-
-const std::string kGood = R"(name = "clay"
-description = "A test"
-[youngs_modulus_pa]
-value = 1e9
-source = "a book"
-[poisson_ratio]
-value = 0.3
-source = "a book"
-[density_kg_m3]
-value = 1000
-source = "a book"
-[alpha_per_s]
-value = 1
-source = "a guess"
-[beta_s]
-value = 1e-7
-source = "a guess"
-)";
-
-std::string with(std::string text, const std::string& what, const std::string& instead) {
-  const std::size_t at = text.find(what);
-  EXPECT_NE(at, std::string::npos);
-  return text.replace(at, what.size(), instead);
-}
 
 TEST(MaterialFile, AMaterialFileReadsWhatItSays) {
   const TemporaryFolder folder;

@@ -173,7 +173,7 @@ int main(int count, char** words) {
   const auto& exact = found[0];
   const std::vector<bench::Promise> promises = {
       bench::at_most("exact address, 1,000 objects against 1: ours takes", exact[3].ours_ns / exact[0].ours_ns, 1.5,
-                    " times as long"),
+                     " times as long"),
       bench::at_least("exact address, 1,000 objects: liblo takes as long as ours, times",
                       exact[3].liblo_ns / exact[3].ours_ns, 1),
       bench::at_least("pattern, 1,000 objects: liblo takes as long as ours, times",

@@ -56,7 +56,7 @@ Shattered broken_by(Breakable& body, const PieceSet& set, const Strike& blow, sy
   return body.shatter(set, {.blow = blow, .frame = frame, .rest = rest, .body = 0, .pieces = numbers});
 }
 
-// What a piece takes over and the rest of the blow add up, so that only the piece under the blow differs.
+// A piece's share of the body's motion and the rest of the blow add up, so that only the piece under the blow differs.
 TEST(Breakable, TheRestOfABlowIsForOnePieceOrForTheStriker) {
   const auto map = bar_of({test::even_pieces(3, 4)});
   const PieceSet set(*map, {}, 0);

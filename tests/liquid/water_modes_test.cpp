@@ -32,7 +32,7 @@ TEST(WaterModes, CupHasTheModesOfACylinder) {
   std::ranges::sort(exact);
   for (std::size_t n = 0; n < 10; ++n)
     EXPECT_NEAR(modes.wavenumbers()[static_cast<Eigen::Index>(n)] / exact[n], 1, 0.002) << n;
-  // Of unit square over the liquid: at the middle of the floor the lowest is sqrt(2 / (pi h)).
+  // The modes have a unit square over the liquid, so at the middle of the floor the lowest is sqrt(2 / (pi h)).
   mesh::Points floor(1, 3);
   floor << h, 0, 0;
   EXPECT_NEAR(std::abs(modes.values(floor)(0, 0)), std::sqrt(2 / (std::numbers::pi * h)), 0.003);

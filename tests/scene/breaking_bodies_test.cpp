@@ -66,7 +66,8 @@ struct Momentum {
   double kinetic_j = 0;
 };
 
-// Of everything, about the origin. Moments of inertia are those of boxes and balls by formula.
+// Returns the momentum of all bodies and their angular momentum about the origin. Moments of inertia are those of boxes
+// and balls by formula.
 Momentum momentum_of(const World& world, const PlateGrid& grid) {
   Momentum sum;
   const double pieces = static_cast<double>(grid.along * grid.across);

@@ -158,7 +158,7 @@ TEST(Foley, ABodyThatIsPutElsewhereStrikesNothingAndIsNamed) {
   EXPECT_NE(notices[0].find("'ball' jumps 1 times"), std::string::npos) << notices[0];
 }
 
-// What is recovered from the keyframes of simulated scenes. The limits are what was measured, rounded up.
+// Contacts recovered from the keyframes of simulated scenes. The limits are the measured figures, rounded up.
 TEST(Foley, ImpactsOfTheDemoAreThoseOfItsSimulation) {
   for (const double fps : {24.0, 30.0, 60.0}) {
     const auto demo = compare_preset("demo", fps, false);

@@ -11,7 +11,7 @@
 
 namespace ringdown::test {
 
-// What a scene sounded like and, if it was simulated, the scene of animated bodies with the same motion.
+// The contacts of a scene and, if it was simulated, the scene of animated bodies with the same motion.
 struct Played {
   std::vector<scene::HeardContact> contacts;
   scene::SceneDescription animated;

@@ -76,7 +76,7 @@ class Soak {
   std::int32_t own_xruns_ = 0, unexcused_xruns_ = 0;
   double held_kb_ = 0;                 // at the last rest
   std::optional<StatusReply> status_;  // the last; none when the daemon has fallen silent
-  std::size_t min_ = 0, max_ = 0;   // descriptors at rest
+  std::size_t min_ = 0, max_ = 0;      // descriptors at rest
   std::size_t killed_ = 0, met_ = 0;   // servers
   double slowest_s_ = 0;               // to be met again
   double shown_s_ = 0;

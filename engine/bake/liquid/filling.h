@@ -42,7 +42,7 @@ struct Liquids {
   std::optional<Bath> bath;
 
   [[nodiscard]] bool none() const { return !fill && !bath; }
-  // Those of a body of another size.
+  // Returns the same liquids for a body of `scale` times the size.
   [[nodiscard]] Liquids scaled(double scale) const;
 };
 

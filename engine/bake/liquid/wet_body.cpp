@@ -234,7 +234,7 @@ class WetSolver {
     return modes->values(wetted.at).leftCols(std::min<Index>(kPatterns, modes->count()));
   }
 
-  // Those of the wet modes in the band, over omega squared and the density.
+  // Returns the pressures of the wet modes in the band, over omega squared and the density.
   [[nodiscard]] MatrixXd pressures_of(std::size_t part, const liquid::WetModes& wet) const {
     const Index count = (wet.lambda.array() <= top_).count() - dry_.rigid;
     const PartTerms& terms = terms_[part];
@@ -282,8 +282,8 @@ class WetSolver {
     lambda_ << VectorXd::Zero(dry_.rigid), dry_.lambda.tail(dry - dry_.rigid), own.values;
   }
 
-  // How far a coarser wall is from this one tells the error of the added mass, which falls with the square of the
-  // panels' size.
+  // Estimates the error of the added mass from its difference to that of a coarser wall. The error falls with the
+  // square of the panels' size.
   Result<void> estimate_errors() {
     error_ = MatrixXd::Zero(basis_.cols(), basis_.cols());
     for (std::size_t p = 0; p < terms_.size(); ++p) {

@@ -42,14 +42,6 @@ MotionPath in_frames(const MotionPath& path, const Pose& start, const Frames& fr
   return result;
 }
 
-double radius_of(const CollisionShape& shape) {
-  if (shape.type == ShapeType::sphere) return length(shape.center_m) + shape.radius_m;
-  if (shape.type == ShapeType::box) return length(shape.center_m) + 0.5 * length(shape.size_m);
-  double radius = 0;
-  for (const Vec3& point : shape.points) radius = std::max(radius, length(point));
-  return radius;
-}
-
 }  // namespace
 
 Result<Recovery> recover_contacts(const SceneDescription& scene, const BodyStore& store) {
@@ -65,7 +57,7 @@ Result<Recovery> recover_contacts(const SceneDescription& scene, const BodyStore
     if (!solid) return fail(solid.error());
     colliders.add(id, *solid);
     filter.set(id, d.filter);
-    FoleyBody made{.id = id, .name = d.name, .surface = d.surface, .radius_m = radius_of(solid->shape)};
+    FoleyBody made{.id = id, .name = d.name, .surface = d.surface, .radius_m = outer_radius(solid->shape)};
     if (!d.path || frames.count < 2) {
       made.motion = KeyedMotion(body.start());
       fixed.push_back(std::move(made));

@@ -46,15 +46,6 @@ double half_thickness(const CollisionShape& shape) {
   return surface > 0 ? std::max(radius, std::abs(volume) / surface) : 0;
 }
 
-// Returns the radius of the smallest ball about the centre of mass that holds the shape.
-double outer_radius(const CollisionShape& shape) {
-  if (shape.type == ShapeType::sphere) return length(shape.center_m) + shape.radius_m;
-  if (shape.type == ShapeType::box) return length(shape.center_m) + 0.5 * length(shape.size_m);
-  double radius = 0;
-  for (const Vec3& point : shape.points) radius = std::max(radius, length(point));
-  return radius;
-}
-
 }  // namespace
 
 void BodyDeleter::operator()(dxBody* body) const { dBodyDestroy(body); }

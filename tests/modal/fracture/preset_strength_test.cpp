@@ -33,7 +33,7 @@ struct Hit {
   double spared_radius_m = 0.03;
 };
 
-// What a blow of 1 N s does.
+// The effect of a blow of 1 N s.
 struct Effect {
   double stress_pa = 0;  // largest tensile
   double energy_j = 0;   // of the modes after the blow; grows as the impulse squared
