@@ -54,6 +54,7 @@ TEST(GltfWriter, EveryPresetSceneIsReadAgainBitForBit) {
       scene.objects[k].gain *= banks[k].gain;
       scene.objects[k].bank = bank;
     }
+    for (BodyDescription& body : scene.bodies) body.breaks.reset();  // exported bodies stay whole
     EXPECT_EQ(to_toml(again->scene), to_toml(scene)) << entry.path();
     ++count;
   }
