@@ -19,11 +19,11 @@ namespace ringdown::server {
 class Gate {
  public:
   // Returns false when the gate is shut; the callback calls leave() in either case. [audio]
-  [[nodiscard]] bool enter() RINGDOWN_REALTIME {
+  [[nodiscard]] bool enter() REALTIME {
     inside_.store(true);
     return open_.load();
   }
-  void leave() RINGDOWN_REALTIME { inside_.store(false); }
+  void leave() REALTIME { inside_.store(false); }
 
   void open() { open_.store(true); }  // [the owner]
   void shut() {                       // [the owner]

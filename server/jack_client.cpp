@@ -46,19 +46,17 @@ void forget_description(jack_client_t* client, jack_port_t* port) {
 JackClient* self(void* client) { return static_cast<JackClient*>(client); }
 
 // JACK made these for the process callback: they read memory that is shared with the server.
-RINGDOWN_TRUST_REALTIME_BEGIN
-void* buffer_of(jack_port_t* port, std::uint32_t frames) RINGDOWN_REALTIME {
-  return jack_port_get_buffer(port, frames);
-}
+TRUST_REALTIME_BEGIN
+void* buffer_of(jack_port_t* port, std::uint32_t frames) REALTIME { return jack_port_get_buffer(port, frames); }
 
-std::uint32_t block_start(const jack_client_t* client) RINGDOWN_REALTIME { return jack_last_frame_time(client); }
+std::uint32_t block_start(const jack_client_t* client) REALTIME { return jack_last_frame_time(client); }
 
-std::uint32_t count_notes(void* buffer) RINGDOWN_REALTIME { return jack_midi_get_event_count(buffer); }
+std::uint32_t count_notes(void* buffer) REALTIME { return jack_midi_get_event_count(buffer); }
 
-bool take_note(jack_midi_event_t& event, void* buffer, std::uint32_t number) RINGDOWN_REALTIME {
+bool take_note(jack_midi_event_t& event, void* buffer, std::uint32_t number) REALTIME {
   return jack_midi_event_get(&event, buffer, number) == 0;
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 }  // namespace
 
@@ -231,7 +229,7 @@ synth::Frame JackClient::now() const {
   return rendered + std::min(ahead, static_cast<std::int32_t>(block_frames()));
 }
 
-void JackClient::process(std::uint32_t frames) RINGDOWN_REALTIME {
+void JackClient::process(std::uint32_t frames) REALTIME {
   if (gate_.enter()) {
     render(frames, true);
   } else {
@@ -252,7 +250,7 @@ void JackClient::process_offline(std::uint32_t frames) {
   gate_.leave();
 }
 
-void JackClient::render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME {
+void JackClient::render(std::uint32_t frames, bool deadline) REALTIME {
   synth::Mixer& mixer = program_->mixer;
   const synth::Frame rendered = mixer.counters().frames.load(std::memory_order_relaxed);
   meter_->begin(frames, mixer.sample_rate_hz());
@@ -283,7 +281,7 @@ void JackClient::render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME {
   meter_->end(deadline);
 }
 
-synth::Inputs JackClient::read_inputs(std::uint32_t frames) RINGDOWN_REALTIME {
+synth::Inputs JackClient::read_inputs(std::uint32_t frames) REALTIME {
   synth::Inputs inputs{};
   const std::uint32_t fed = fed_;
   for (std::size_t input = 0; input < inputs.size(); ++input) {
@@ -293,7 +291,7 @@ synth::Inputs JackClient::read_inputs(std::uint32_t frames) RINGDOWN_REALTIME {
   return inputs;
 }
 
-void JackClient::play_notes(std::uint32_t frames, synth::Frame first) RINGDOWN_REALTIME {
+void JackClient::play_notes(std::uint32_t frames, synth::Frame first) REALTIME {
   const session::NoteTable* const notes = notes_;
   if (!midi_port_ || !notes) return;
   void* const buffer = buffer_of(midi_port_, frames);
@@ -312,7 +310,7 @@ void JackClient::set_notes(std::shared_ptr<const session::NoteTable> notes) {
   table_ = std::move(notes);
 }
 
-void JackClient::write_silence(std::uint32_t frames) RINGDOWN_REALTIME {
+void JackClient::write_silence(std::uint32_t frames) REALTIME {
   for (synth::ChannelSet rest = listened_.load(); rest != 0; rest &= rest - 1) {
     jack_port_t* const port = ports_[static_cast<std::size_t>(std::countr_zero(rest))];
     if (port) std::fill_n(static_cast<float*>(buffer_of(port, frames)), frames, 0.0f);

@@ -98,12 +98,12 @@ class JackClient {
   [[nodiscard]] bool add_input(std::size_t input);
   void remove_port(std::size_t channel);
   void tell_latency();
-  void process(std::uint32_t frames) RINGDOWN_REALTIME;
+  void process(std::uint32_t frames) REALTIME;
   void process_offline(std::uint32_t frames);  // used in freewheel; steps the scene in the callback
-  void render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME;
-  [[nodiscard]] synth::Inputs read_inputs(std::uint32_t frames) RINGDOWN_REALTIME;
-  void play_notes(std::uint32_t frames, synth::Frame first) RINGDOWN_REALTIME;
-  void write_silence(std::uint32_t frames) RINGDOWN_REALTIME;
+  void render(std::uint32_t frames, bool deadline) REALTIME;
+  [[nodiscard]] synth::Inputs read_inputs(std::uint32_t frames) REALTIME;
+  void play_notes(std::uint32_t frames, synth::Frame first) REALTIME;
+  void write_silence(std::uint32_t frames) REALTIME;
 
   static constexpr std::int64_t kUnknown = -1;
 

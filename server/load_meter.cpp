@@ -5,18 +5,18 @@
 
 namespace ringdown::server {
 
-RINGDOWN_TRUST_REALTIME_BEGIN
-LoadMeter::Clock::time_point LoadMeter::clock_now() RINGDOWN_REALTIME { return Clock::now(); }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_BEGIN
+LoadMeter::Clock::time_point LoadMeter::clock_now() REALTIME { return Clock::now(); }
+TRUST_REALTIME_END
 
-void LoadMeter::begin(std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME {
+void LoadMeter::begin(std::size_t frames, double sample_rate_hz) REALTIME {
   begin_ = now_();
   period_s_ = static_cast<double>(frames) / sample_rate_hz;
   const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period_s_));
   due_.store((begin_ + period).time_since_epoch().count(), std::memory_order_relaxed);
 }
 
-void LoadMeter::end(bool deadline) RINGDOWN_REALTIME {
+void LoadMeter::end(bool deadline) REALTIME {
   constexpr double kWindow_s = 5;
   due_.store(Clock::duration::max().count(), std::memory_order_relaxed);
   if (!(period_s_ > 0)) return;
@@ -47,7 +47,7 @@ void LoadMeter::note_xrun() {
   if (late_now || misses > known) own_xruns_.fetch_add(1, std::memory_order_relaxed);
 }
 
-void LoadMeter::note_skipped(double seconds) RINGDOWN_REALTIME {
+void LoadMeter::note_skipped(double seconds) REALTIME {
   skipped_s_.store(skipped_s_.load(std::memory_order_relaxed) + seconds, std::memory_order_relaxed);
 }
 

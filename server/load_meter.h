@@ -16,24 +16,24 @@ namespace ringdown::server {
 class LoadMeter {
  public:
   using Clock = std::chrono::steady_clock;
-  using Now = Clock::time_point (*)() RINGDOWN_REALTIME;
+  using Now = Clock::time_point (*)() REALTIME;
 
-  static Clock::time_point clock_now() RINGDOWN_REALTIME;  // Linux reads this clock without a system call
+  static Clock::time_point clock_now() REALTIME;  // Linux reads this clock without a system call
 
   // `now` is the clock for callbacks; tests pass their own.
   explicit LoadMeter(Now now = clock_now) : now_(now) {}
 
   // Call at the beginning and at the end of a callback of `frames`. Without a `deadline`, in freewheel, a long callback
   // is measured but not counted as late. [audio]
-  void begin(std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
-  void end(bool deadline = true) RINGDOWN_REALTIME;
+  void begin(std::size_t frames, double sample_rate_hz) REALTIME;
+  void end(bool deadline = true) REALTIME;
 
   // Counts a cycle that the server found late. The cycle counts as ours if one of our callbacks has taken longer than
   // its period since the last call, or is doing so now. [any]
   void note_xrun();
 
   // Counts time for which the server did not let us render. [audio]
-  void note_skipped(double seconds) RINGDOWN_REALTIME;
+  void note_skipped(double seconds) REALTIME;
 
   // Counts a cycle that never happened: the server has not called for this long, so it is left. Nothing may be
   // rendering. [the driver's own thread]

@@ -215,7 +215,7 @@ bool Instrument::tune(const KeyMap& map, const KeyMap::Object& object, Tuning& t
 
 // The worker never frees the map in in_use_. The map may have been replaced between our reading and our writing, so we
 // read again.
-const KeyMap* Instrument::take_map() RINGDOWN_REALTIME {
+const KeyMap* Instrument::take_map() REALTIME {
   const KeyMap* map = published_.load();
   for (;;) {
     in_use_.store(map);
@@ -226,10 +226,9 @@ const KeyMap* Instrument::take_map() RINGDOWN_REALTIME {
 }
 
 // libringdown's functions for the audio thread are not marked in C.
-RINGDOWN_TRUST_REALTIME_BEGIN
+TRUST_REALTIME_BEGIN
 
-void Instrument::render(std::span<const MidiMessage> messages, float* left, float* right,
-                        std::size_t frames) RINGDOWN_REALTIME {
+void Instrument::render(std::span<const MidiMessage> messages, float* left, float* right, std::size_t frames) REALTIME {
   const KeyMap* const map = take_map();
   if (map) {
     spread(*map);
@@ -249,22 +248,22 @@ void Instrument::render(std::span<const MidiMessage> messages, float* left, floa
 }
 
 // Places the objects between left and right, in the order of their keys.
-void Instrument::spread(const KeyMap& map) RINGDOWN_REALTIME {
+void Instrument::spread(const KeyMap& map) REALTIME {
   const double pan = parameters_[Parameter::pan] / 100, width = parameters_[Parameter::width] / 100;
   if (map.generation == spread_generation_ && pan == spread_pan_ && width == spread_width_) return;
   spread_generation_ = map.generation;
   spread_pan_ = pan;
   spread_width_ = width;
   for (std::size_t i = 0; i < map.objects.size(); ++i) {
-    const KeyMap::Object& object = map.objects.data()[i];
+    const KeyMap::Object& object = map.objects[i];
     const double place = pan + width * (static_cast<double>(object.key) - kMiddleKey) / kMiddleKey;
     ringdown_pan(mixer_.get(), 0, object.number, std::clamp(place, -1.0, 1.0), nullptr);
   }
 }
 
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
-void Instrument::apply_gain(float* left, float* right, std::size_t frames) RINGDOWN_REALTIME {
+void Instrument::apply_gain(float* left, float* right, std::size_t frames) REALTIME {
   const double wanted = std::pow(10, parameters_[Parameter::gain] / 20);
   if (gain_.wanted != wanted) {
     const bool first = gain_.wanted == 0;

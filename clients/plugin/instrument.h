@@ -70,7 +70,7 @@ class Instrument {
   void stop();
 
   // Renders a block; messages are in order of their frames. Silent until a bank is loaded.
-  void render(std::span<const MidiMessage> messages, float* left, float* right, std::size_t frames) RINGDOWN_REALTIME;
+  void render(std::span<const MidiMessage> messages, float* left, float* right, std::size_t frames) REALTIME;
 
  private:
   // The retuning that the worker last gave an object.
@@ -93,9 +93,9 @@ class Instrument {
   void silence_keys();
   void publish(std::unique_ptr<const KeyMap> map);
   bool tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning);
-  void spread(const KeyMap& map) RINGDOWN_REALTIME;
-  void apply_gain(float* left, float* right, std::size_t frames) RINGDOWN_REALTIME;
-  const KeyMap* take_map() RINGDOWN_REALTIME;
+  void spread(const KeyMap& map) REALTIME;
+  void apply_gain(float* left, float* right, std::size_t frames) REALTIME;
+  const KeyMap* take_map() REALTIME;
 
   const std::filesystem::path binary_;
   double sample_rate_hz_;

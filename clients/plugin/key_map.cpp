@@ -243,7 +243,7 @@ Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded) {
 }
 
 double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterValues& parameters,
-               double bend_semitones) RINGDOWN_REALTIME {
+               double bend_semitones) REALTIME {
   double size = parameters[Parameter::size] * std::exp2(-bend_semitones / 12);
   const double key = static_cast<double>(object.key);
   if (map.is_note_map) {
@@ -260,7 +260,7 @@ double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterV
 
 // A body that is s times as large has s^3 times the mass. Its modes move 1/s^(3/2) times as much per impulse and
 // radiate 1/sqrt(s) times the pressure per modal velocity, so an impulse s^2 times as large is equally loud.
-double full_impulse_ns(const Body& body, const ParameterValues& parameters, double size) RINGDOWN_REALTIME {
+double full_impulse_ns(const Body& body, const ParameterValues& parameters, double size) REALTIME {
   if (parameters.on(Parameter::even_loudness)) return body.even_impulse_ns * size * size;
   return kBlow_m_s * body.mass_kg * parameters[Parameter::density] * size * size * size;
 }

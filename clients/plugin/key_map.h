@@ -69,7 +69,7 @@ struct KeyMap {
   double damp_s = 0.15;
   double evening = 1;  // factor on all impulses that a note map states, so that it is about as loud as other sources
 
-  [[nodiscard]] const Body& body_of(const Object& object) const RINGDOWN_REALTIME { return bodies.data()[object.body]; }
+  [[nodiscard]] const Body& body_of(const Object& object) const REALTIME { return bodies[object.body]; }
 };
 
 // A map and the banks of its objects, which are not in the mixer yet.
@@ -85,9 +85,9 @@ Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded);
 
 // Returns the factor on the object's lengths for a bend in semitones.
 double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterValues& parameters,
-               double bend_semitones) RINGDOWN_REALTIME;
+               double bend_semitones) REALTIME;
 
 // Returns the impulse of full velocity [N s] on an object of this size, unless a note map states it.
-double full_impulse_ns(const Body& body, const ParameterValues& parameters, double size) RINGDOWN_REALTIME;
+double full_impulse_ns(const Body& body, const ParameterValues& parameters, double size) REALTIME;
 
 }  // namespace ringdown::plugin

@@ -5,7 +5,7 @@
 #include <optional>
 
 // libringdown's events allocate, lock and wait for nothing, but a C header cannot say so to the compiler.
-RINGDOWN_TRUST_REALTIME_BEGIN
+TRUST_REALTIME_BEGIN
 
 namespace ringdown::plugin {
 namespace {
@@ -20,7 +20,7 @@ constexpr double kRingsOn_s = 29.9;                          // a release from h
 constexpr int kBendCentre = 8192;
 
 // Time that a released key takes to be damped; nothing: it continues to ring.
-std::optional<double> release_s(const Keyboard::Playing& playing) RINGDOWN_REALTIME {
+std::optional<double> release_s(const Keyboard::Playing& playing) REALTIME {
   if (playing.map.is_note_map) return playing.map.release_s;
   const double time_s = playing.parameters[Parameter::release];
   return time_s < kRingsOn_s ? std::optional(time_s) : std::nullopt;
@@ -28,17 +28,17 @@ std::optional<double> release_s(const Keyboard::Playing& playing) RINGDOWN_REALT
 
 }  // namespace
 
-void Keyboard::reset() RINGDOWN_REALTIME {
+void Keyboard::reset() REALTIME {
   keys_ = {};
   channels_ = {};
   key_tuning_ = {};
   for (std::size_t key = 0; key < kKeys; ++key) {
-    bend_semitones_.data()[key].store(0, std::memory_order_relaxed);
-    pressure_.data()[key].store(0, std::memory_order_relaxed);
+    bend_semitones_[key].store(0, std::memory_order_relaxed);
+    pressure_[key].store(0, std::memory_order_relaxed);
   }
 }
 
-void Keyboard::play(std::span<const std::uint8_t> message, const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::play(std::span<const std::uint8_t> message, const Playing& playing) REALTIME {
   if (message.empty()) return;
   const std::uint8_t* const bytes = message.data();
   if (bytes[0] == midi::kSystemReset) {
@@ -58,7 +58,7 @@ void Keyboard::play(std::span<const std::uint8_t> message, const Playing& playin
   } else if (kind == midi::kNoteOn || kind == midi::kNoteOff) {
     release(first, channel, playing);
   } else if (kind == midi::kKeyPressure) {
-    if (keys_.is_down(first, channel)) pressure_.data()[first].store(second / 127.0, std::memory_order_relaxed);
+    if (keys_.is_down(first, channel)) pressure_[first].store(second / 127.0, std::memory_order_relaxed);
   } else if (kind == midi::kPitchBend) {
     // DPF's VST3 writes 128 as the upper byte of a full bend, so it is not masked here.
     const int value = std::min(first + 128 * std::min<int>(bytes[2], 128), 2 * kBendCentre - 1);
@@ -68,7 +68,7 @@ void Keyboard::play(std::span<const std::uint8_t> message, const Playing& playin
   }
 }
 
-void Keyboard::tune_key(std::span<const std::uint8_t> message, const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::tune_key(std::span<const std::uint8_t> message, const Playing& playing) REALTIME {
   if (message.size() < 3) return;
   const std::uint8_t* const bytes = message.data();
   if (bytes[0] == kTuneKeyHigh) {
@@ -76,32 +76,31 @@ void Keyboard::tune_key(std::span<const std::uint8_t> message, const Playing& pl
     return;
   }
   const std::size_t key = bytes[1] & 0x7f;
-  key_tuning_.data()[key] = tuning_of(128 * tuning_high_ + (bytes[2] & 0x7f));
+  key_tuning_[key] = tuning_of(128 * tuning_high_ + (bytes[2] & 0x7f));
   bend_key(key, playing);
 }
 
-void Keyboard::press(std::size_t key, std::size_t channel, std::uint8_t velocity,
-                     const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Playing& playing) REALTIME {
   keys_.press(key, channel);
-  channel_of_.data()[key] = static_cast<std::uint8_t>(channel);
-  pressure_.data()[key].store(0, std::memory_order_relaxed);
+  channel_of_[key] = static_cast<std::uint8_t>(channel);
+  pressure_[key].store(0, std::memory_order_relaxed);
   bend_key(key, playing);
-  const KeyMap::Key& struck = playing.map.keys.data()[key];
+  const KeyMap::Key& struck = playing.map.keys[key];
   if (!struck.sounds) return;
   const double share = (velocity / 127.0) * (velocity / 127.0);
-  const double softness = std::exp2(-kHardnessOctaves * channels_.data()[channel].hardness);
+  const double softness = std::exp2(-kHardnessOctaves * channels_[channel].hardness);
   strike(struck, share, softness, bend_semitones(key), playing);
 }
 
 // One blow, as hard as `share` of the full one, with a contact `softness` times as long.
 void Keyboard::strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
-                      const Playing& playing) RINGDOWN_REALTIME {
+                      const Playing& playing) REALTIME {
   if (!takes_event()) return;
-  const KeyMap::Object& object = playing.map.objects.data()[key.object];
+  const KeyMap::Object& object = playing.map.objects[key.object];
   const Body& body = playing.map.body_of(object);
   const double size = size_of(playing.map, object, playing.parameters, bend_semitones);
   const auto percent = static_cast<std::size_t>(std::lround(playing.parameters[Parameter::strike_point]));
-  const Body::Station& station = body.stations.data()[std::min(percent, kStations - 1)];
+  const Body::Station& station = body.stations[std::min(percent, kStations - 1)];
   const double evening = playing.parameters.on(Parameter::even_loudness) ? playing.map.evening : 1;
   const Vec3 full_ns =
       key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, playing.parameters, size) * station.direction;
@@ -121,28 +120,27 @@ void Keyboard::strike(const KeyMap::Key& key, double share, double softness, dou
   }
 }
 
-void Keyboard::release(std::size_t key, std::size_t channel, const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::release(std::size_t key, std::size_t channel, const Playing& playing) REALTIME {
   const HeldKeys::Release released = keys_.release(key, channel);
   if (released == HeldKeys::Release::absent) return;
   if (released == HeldKeys::Release::down) {
-    channel_of_.data()[key] = static_cast<std::uint8_t>(keys_.channel_of(key));
+    channel_of_[key] = static_cast<std::uint8_t>(keys_.channel_of(key));
     return;
   }
-  key_tuning_.data()[key] = 0;  // of the next note
-  pressure_.data()[key].store(0, std::memory_order_relaxed);
+  key_tuning_[key] = 0;  // of the next note
+  pressure_[key].store(0, std::memory_order_relaxed);
   if (released == HeldKeys::Release::kept) return;
   if (keys_.is_down(HeldKeys::Pedal::damp)) return damp(key, playing.map.damp_s, playing);
   if (const auto within_s = release_s(playing)) damp(key, *within_s, playing);
 }
 
-void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t value,
-                       const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t value, const Playing& playing) REALTIME {
   if (const auto pedal = HeldKeys::pedal_of(number)) {
     const bool was_damped = keys_.is_down(HeldKeys::Pedal::damp);
     damp_released(keys_.move(*pedal, channel, value >= 64), playing);
     if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(playing.map.damp_s, playing);
   } else if (number == midi::kBrightness) {
-    channels_.data()[channel].hardness = std::clamp((value - 64) / 63.0, -1.0, 1.0);
+    channels_[channel].hardness = std::clamp((value - 64) / 63.0, -1.0, 1.0);
   } else if (number == midi::kAllSoundOff) {
     damp_all(0, playing);
   } else if (number == midi::kResetControllers || midi::ends_notes(number)) {
@@ -159,62 +157,62 @@ void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t va
 }
 
 // Resets what RP-015 of the MIDI Association lists, which leaves controller 74 as it is.
-void Keyboard::reset_controllers(std::size_t channel, const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::reset_controllers(std::size_t channel, const Playing& playing) REALTIME {
   damp_released(keys_.lift_pedals(channel), playing);
   bend(channel, 0, playing);
   press_harder(channel, 0, playing);
 }
 
-void Keyboard::bend(std::size_t channel, double bend, const Playing& playing) RINGDOWN_REALTIME {
-  channels_.data()[channel].bend = bend;
+void Keyboard::bend(std::size_t channel, double bend, const Playing& playing) REALTIME {
+  channels_[channel].bend = bend;
   const bool mpe = playing.parameters.on(Parameter::mpe);
   for (std::size_t key = 0; key < kKeys; ++key) {
     // A channel of MPE may have gone on to another key; what the first one left ringing keeps its pitch.
     const bool follows = !mpe || keys_.is_held(key);
-    if (follows && ((mpe && channel == 0) || channel_of_.data()[key] == channel)) bend_key(key, playing);
+    if (follows && ((mpe && channel == 0) || channel_of_[key] == channel)) bend_key(key, playing);
   }
 }
 
-void Keyboard::bend_key(std::size_t key, const Playing& playing) RINGDOWN_REALTIME {
-  const std::size_t channel = channel_of_.data()[key];
+void Keyboard::bend_key(std::size_t key, const Playing& playing) REALTIME {
+  const std::size_t channel = channel_of_[key];
   const bool mpe = playing.parameters.on(Parameter::mpe);
   double semitones = 0;
-  if (!mpe || channel != 0) semitones = channels_.data()[channel].bend * playing.parameters[Parameter::bend_range];
+  if (!mpe || channel != 0) semitones = channels_[channel].bend * playing.parameters[Parameter::bend_range];
   if (mpe) semitones += channels_[0].bend * kMasterBend_semitones;
-  semitones += key_tuning_.data()[key];
-  bend_semitones_.data()[key].store(semitones, std::memory_order_relaxed);
+  semitones += key_tuning_[key];
+  bend_semitones_[key].store(semitones, std::memory_order_relaxed);
 }
 
-void Keyboard::press_harder(std::size_t channel, double pressure, const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::press_harder(std::size_t channel, double pressure, const Playing& playing) REALTIME {
   const bool all = playing.parameters.on(Parameter::mpe) && channel == 0;
   for (std::size_t key = 0; key < kKeys; ++key) {
-    if (keys_.is_down(key) && (all || channel_of_.data()[key] == channel)) {
-      pressure_.data()[key].store(pressure, std::memory_order_relaxed);
+    if (keys_.is_down(key) && (all || channel_of_[key] == channel)) {
+      pressure_[key].store(pressure, std::memory_order_relaxed);
     }
   }
 }
 
 // Damps what one key struck, unless another key keeps the object ringing.
-void Keyboard::damp(std::size_t key, double within_s, const Playing& playing) RINGDOWN_REALTIME {
-  const KeyMap::Key& struck = playing.map.keys.data()[key];
+void Keyboard::damp(std::size_t key, double within_s, const Playing& playing) REALTIME {
+  const KeyMap::Key& struck = playing.map.keys[key];
   if (!struck.sounds || kept(struck.object, playing.map)) return;
   clear(struck.object, within_s, playing);
 }
 
-void Keyboard::clear(std::uint32_t object, double within_s, const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::clear(std::uint32_t object, double within_s, const Playing& playing) REALTIME {
   if (!takes_event()) return;
-  ringdown_clear(playing.mixer, playing.frame, playing.map.objects.data()[object].number, within_s, nullptr);
+  ringdown_clear(playing.mixer, playing.frame, playing.map.objects[object].number, within_s, nullptr);
 }
 
-bool Keyboard::kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME {
+bool Keyboard::kept(std::uint32_t object, const KeyMap& map) const REALTIME {
   for (std::size_t key = 0; key < kKeys; ++key) {
-    const KeyMap::Key& other = map.keys.data()[key];
+    const KeyMap::Key& other = map.keys[key];
     if (other.sounds && other.object == object && keys_.is_held(key)) return true;
   }
   return false;
 }
 
-void Keyboard::damp_released(const HeldKeys::Keys& keys, const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::damp_released(const HeldKeys::Keys& keys, const Playing& playing) REALTIME {
   const auto within_s = release_s(playing);
   if (!within_s) return;
   for (std::size_t key = 0; key < kKeys; ++key) {
@@ -222,7 +220,7 @@ void Keyboard::damp_released(const HeldKeys::Keys& keys, const Playing& playing)
   }
 }
 
-void Keyboard::damp_all(double within_s, const Playing& playing) RINGDOWN_REALTIME {
+void Keyboard::damp_all(double within_s, const Playing& playing) REALTIME {
   for (std::size_t i = 0; i < playing.map.objects.size(); ++i) {
     clear(static_cast<std::uint32_t>(i), within_s, playing);
   }
@@ -230,4 +228,4 @@ void Keyboard::damp_all(double within_s, const Playing& playing) RINGDOWN_REALTI
 
 }  // namespace ringdown::plugin
 
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END

@@ -37,21 +37,21 @@ class Keyboard {
     const ParameterValues& parameters;
   };
   // Plays one message at playing.frame. Ignores messages that are not MIDI or not played.
-  void play(std::span<const std::uint8_t> message, const Playing& playing) RINGDOWN_REALTIME;
+  void play(std::span<const std::uint8_t> message, const Playing& playing) REALTIME;
 
   // Call before the messages of a block: libringdown accepts a limited number of events per block, and would allocate a
   // sentence for each one that it refuses.
-  void begin_block() RINGDOWN_REALTIME { events_left_ = kMaxEvents; }
+  void begin_block() REALTIME { events_left_ = kMaxEvents; }
 
   // Forgets keys, pedals, controllers, bends and pressure.
-  void reset() RINGDOWN_REALTIME;
+  void reset() REALTIME;
 
   // The worker reads from these functions how each key's object should be retuned. [any]
-  [[nodiscard]] double bend_semitones(std::size_t key) const RINGDOWN_REALTIME {
-    return bend_semitones_.data()[key].load(std::memory_order_relaxed);
+  [[nodiscard]] double bend_semitones(std::size_t key) const REALTIME {
+    return bend_semitones_[key].load(std::memory_order_relaxed);
   }
-  [[nodiscard]] double pressure(std::size_t key) const RINGDOWN_REALTIME {  // 0 ... 1
-    return pressure_.data()[key].load(std::memory_order_relaxed);
+  [[nodiscard]] double pressure(std::size_t key) const REALTIME {  // 0 ... 1
+    return pressure_[key].load(std::memory_order_relaxed);
   }
 
  private:
@@ -60,23 +60,23 @@ class Keyboard {
     double bend = 0;      // -1 ... 1
     double hardness = 0;  // from controller 74, -1 ... 1
   };
-  void press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Playing& playing) RINGDOWN_REALTIME;
-  void tune_key(std::span<const std::uint8_t> message, const Playing& playing) RINGDOWN_REALTIME;
-  void release(std::size_t key, std::size_t channel, const Playing& playing) RINGDOWN_REALTIME;
-  void control(std::size_t channel, std::uint8_t number, std::uint8_t value, const Playing& playing) RINGDOWN_REALTIME;
-  void reset_controllers(std::size_t channel, const Playing& playing) RINGDOWN_REALTIME;
-  void bend(std::size_t channel, double bend, const Playing& playing) RINGDOWN_REALTIME;
-  void bend_key(std::size_t key, const Playing& playing) RINGDOWN_REALTIME;
-  void press_harder(std::size_t channel, double pressure, const Playing& playing) RINGDOWN_REALTIME;
-  void damp(std::size_t key, double within_s, const Playing& playing) RINGDOWN_REALTIME;
-  void damp_released(const session::HeldKeys::Keys& keys, const Playing& playing) RINGDOWN_REALTIME;
-  void damp_all(double within_s, const Playing& playing) RINGDOWN_REALTIME;
-  [[nodiscard]] bool kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME;
+  void press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Playing& playing) REALTIME;
+  void tune_key(std::span<const std::uint8_t> message, const Playing& playing) REALTIME;
+  void release(std::size_t key, std::size_t channel, const Playing& playing) REALTIME;
+  void control(std::size_t channel, std::uint8_t number, std::uint8_t value, const Playing& playing) REALTIME;
+  void reset_controllers(std::size_t channel, const Playing& playing) REALTIME;
+  void bend(std::size_t channel, double bend, const Playing& playing) REALTIME;
+  void bend_key(std::size_t key, const Playing& playing) REALTIME;
+  void press_harder(std::size_t channel, double pressure, const Playing& playing) REALTIME;
+  void damp(std::size_t key, double within_s, const Playing& playing) REALTIME;
+  void damp_released(const session::HeldKeys::Keys& keys, const Playing& playing) REALTIME;
+  void damp_all(double within_s, const Playing& playing) REALTIME;
+  [[nodiscard]] bool kept(std::uint32_t object, const KeyMap& map) const REALTIME;
 
   void strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
-              const Playing& playing) RINGDOWN_REALTIME;
-  void clear(std::uint32_t object, double within_s, const Playing& playing) RINGDOWN_REALTIME;
-  [[nodiscard]] bool takes_event() RINGDOWN_REALTIME { return events_left_ > 0 && events_left_-- > 0; }
+              const Playing& playing) REALTIME;
+  void clear(std::uint32_t object, double within_s, const Playing& playing) REALTIME;
+  [[nodiscard]] bool takes_event() REALTIME { return events_left_ > 0 && events_left_-- > 0; }
 
   std::size_t events_left_ = kMaxEvents;
   session::HeldKeys keys_;

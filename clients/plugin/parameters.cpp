@@ -43,12 +43,12 @@ ParameterValues::ParameterValues() {
   for (std::size_t i = 0; i < kParameters; ++i) values_[i] = kParameterInfo[i].standard;
 }
 
-void ParameterValues::set(std::size_t parameter, float value) RINGDOWN_REALTIME {
+void ParameterValues::set(std::size_t parameter, float value) REALTIME {
   if (parameter >= kParameters) return;
-  const ParameterInfo& info = kParameterInfo.data()[parameter];
+  const ParameterInfo& info = kParameterInfo[parameter];
   const float sound = std::isfinite(value) ? std::clamp(value, info.min, info.max) : info.standard;
   const bool stepped = info.scale == Scale::whole || info.scale == Scale::choice || info.scale == Scale::toggle;
-  values_.data()[parameter].store(stepped ? std::round(sound) : sound, std::memory_order_relaxed);
+  values_[parameter].store(stepped ? std::round(sound) : sound, std::memory_order_relaxed);
 }
 
 }  // namespace ringdown::plugin

@@ -50,17 +50,17 @@ class ParameterValues {
  public:
   ParameterValues();
   // Sets a value. Values out of range become the nearest value in range, and NaN becomes the default.
-  void set(std::size_t parameter, float value) RINGDOWN_REALTIME;
-  void set(Parameter parameter, double value) RINGDOWN_REALTIME {
+  void set(std::size_t parameter, float value) REALTIME;
+  void set(Parameter parameter, double value) REALTIME {
     set(static_cast<std::size_t>(parameter), static_cast<float>(value));
   }
-  [[nodiscard]] float get(std::size_t parameter) const RINGDOWN_REALTIME {
-    return parameter < kParameters ? values_.data()[parameter].load(std::memory_order_relaxed) : 0;
+  [[nodiscard]] float get(std::size_t parameter) const REALTIME {
+    return parameter < kParameters ? values_[parameter].load(std::memory_order_relaxed) : 0;
   }
-  [[nodiscard]] double operator[](Parameter parameter) const RINGDOWN_REALTIME {
+  [[nodiscard]] double operator[](Parameter parameter) const REALTIME {
     return static_cast<double>(get(static_cast<std::size_t>(parameter)));
   }
-  [[nodiscard]] bool on(Parameter parameter) const RINGDOWN_REALTIME { return (*this)[parameter] > 0.5; }
+  [[nodiscard]] bool on(Parameter parameter) const REALTIME { return (*this)[parameter] > 0.5; }
 
  private:
   std::array<std::atomic<float>, kParameters> values_;

@@ -93,7 +93,7 @@ class RingdownPlugin : public Plugin {
     for (std::uint32_t i = 0; i < count && used < kMaxMessages; ++i) {
       const MidiEvent& event = events[i];
       if (event.size > MidiEvent::kDataSize) continue;  // system exclusive
-      messages_.data()[used++] = {event.frame, {event.data, event.size}};
+      messages_[used++] = {event.frame, {event.data, event.size}};
     }
     instrument_->render({messages_.data(), used}, outputs[0], outputs[1], frames);
   }

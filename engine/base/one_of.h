@@ -166,34 +166,34 @@ class OneOf : public detail::OneOfStorage<TheList> {
     ::new (address()) T(std::forward<Arguments>(arguments)...);
   }
 
-  [[nodiscard]] std::size_t index() const RINGDOWN_REALTIME { return this->index_; }
+  [[nodiscard]] std::size_t index() const REALTIME { return this->index_; }
   template <class T>
-  [[nodiscard]] bool holds() const RINGDOWN_REALTIME {
+  [[nodiscard]] bool holds() const REALTIME {
     return this->index_ == List::template index_of<T>();
   }
   // The value, which must be a T.
   template <class T>
-  [[nodiscard]] const T& get() const RINGDOWN_REALTIME {
+  [[nodiscard]] const T& get() const REALTIME {
     assert(holds<T>());
     return *static_cast<const T*>(address());
   }
   template <class T>
-  [[nodiscard]] T& get() RINGDOWN_REALTIME {
+  [[nodiscard]] T& get() REALTIME {
     assert(holds<T>());
     return *static_cast<T*>(address());
   }
   // The value if it is a T, or nullptr.
   template <class T>
-  [[nodiscard]] const T* get_if() const RINGDOWN_REALTIME {
+  [[nodiscard]] const T* get_if() const REALTIME {
     return holds<T>() ? &get<T>() : nullptr;
   }
   template <class T>
-  [[nodiscard]] T* get_if() RINGDOWN_REALTIME {
+  [[nodiscard]] T* get_if() REALTIME {
     return holds<T>() ? &get<T>() : nullptr;
   }
   // The address of the value, whatever its type.
-  [[nodiscard]] const void* address() const RINGDOWN_REALTIME { return this->storage_; }
-  [[nodiscard]] void* address() RINGDOWN_REALTIME { return this->storage_; }
+  [[nodiscard]] const void* address() const REALTIME { return this->storage_; }
+  [[nodiscard]] void* address() REALTIME { return this->storage_; }
 };
 
 // Calls the visitor with the value. The visitor must accept every type of the list and return one type for all.
@@ -218,11 +218,11 @@ auto visit(Visitor&& visitor, OneOf<Types<First, Rest...>>&& one) {
 // Calls the visitor with the value at `address`, whose type has the position `index` in the list. The compiler sees
 // every call, so it can check and inline them.
 template <class Visitor, class First, class... Rest>
-auto visit_now(Visitor&& visitor, Types<First, Rest...>, std::size_t index, const void* address) RINGDOWN_REALTIME {
+auto visit_now(Visitor&& visitor, Types<First, Rest...>, std::size_t index, const void* address) REALTIME {
   using Answer = decltype(visitor(*static_cast<const First*>(address)));
   std::size_t place = 0;
   if constexpr (std::is_void_v<Answer>) {
-    const auto visits = [&]<class One>(const One* one) RINGDOWN_REALTIME {
+    const auto visits = [&]<class One>(const One* one) REALTIME {
       if (place++ != index) return false;
       visitor(*one);
       return true;
@@ -230,7 +230,7 @@ auto visit_now(Visitor&& visitor, Types<First, Rest...>, std::size_t index, cons
     static_cast<void>(visits(static_cast<const First*>(address)) || (visits(static_cast<const Rest*>(address)) || ...));
   } else {
     Answer answer{};
-    const auto visits = [&]<class One>(const One* one) RINGDOWN_REALTIME {
+    const auto visits = [&]<class One>(const One* one) REALTIME {
       if (place++ != index) return false;
       answer = visitor(*one);
       return true;
@@ -240,7 +240,7 @@ auto visit_now(Visitor&& visitor, Types<First, Rest...>, std::size_t index, cons
   }
 }
 template <class Visitor, class List>
-auto visit_now(Visitor&& visitor, const OneOf<List>& one) RINGDOWN_REALTIME {
+auto visit_now(Visitor&& visitor, const OneOf<List>& one) REALTIME {
   return visit_now(visitor, List(), one.index(), one.address());
 }
 

@@ -1,26 +1,25 @@
 // Marks the functions that the audio thread may run, so that the compiler can check them.
 //
-// Every function that the audio thread may call carries RINGDOWN_REALTIME after its parameter list. Under
+// Every function that the audio thread may call carries REALTIME after its parameter list. Under
 // clang >= 20 that is [[clang::nonblocking]]: -Wfunction-effects checks at compile time that nothing below it
 // allocates, locks or throws, and RealtimeSanitizer checks the same at run time (preset `rtsan`). Under other
 // compilers it is empty, and tests/support/realtime_guard.h watches malloc, locks and system calls instead.
 #pragma once
 
 #if defined(__clang__) && __clang_major__ >= 20
-#define RINGDOWN_REALTIME [[clang::nonblocking]]
+#define REALTIME [[clang::nonblocking]]
 #else
-#define RINGDOWN_REALTIME
+#define REALTIME
 #endif
 
 // Between these two macros the compile-time check is off, for a call into a library whose functions are not marked.
 // Each use says why the call is safe; RealtimeSanitizer still checks it at run time.
 #if defined(__clang__) && __clang_major__ >= 20
-#define RINGDOWN_TRUST_REALTIME_BEGIN \
-  _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wfunction-effects\"")
-#define RINGDOWN_TRUST_REALTIME_END _Pragma("clang diagnostic pop")
+#define TRUST_REALTIME_BEGIN _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wfunction-effects\"")
+#define TRUST_REALTIME_END _Pragma("clang diagnostic pop")
 #else
-#define RINGDOWN_TRUST_REALTIME_BEGIN
-#define RINGDOWN_TRUST_REALTIME_END
+#define TRUST_REALTIME_BEGIN
+#define TRUST_REALTIME_END
 #endif
 
 #if defined(__SSE2__)
@@ -34,18 +33,18 @@ namespace ringdown {
 class DenormalGuard {
  public:
 #if defined(__SSE2__)
-  DenormalGuard() RINGDOWN_REALTIME : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | kFlushToZero | kDenormalsAreZero); }
-  ~DenormalGuard() RINGDOWN_REALTIME { _mm_setcsr(saved_); }
+  DenormalGuard() REALTIME : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | kFlushToZero | kDenormalsAreZero); }
+  ~DenormalGuard() REALTIME { _mm_setcsr(saved_); }
 
  private:
   static constexpr unsigned kFlushToZero = 0x8000, kDenormalsAreZero = 0x0040;
   unsigned saved_;
 #elif defined(__aarch64__)
-  DenormalGuard() RINGDOWN_REALTIME {
+  DenormalGuard() REALTIME {
     asm volatile("mrs %0, fpcr" : "=r"(saved_));
     asm volatile("msr fpcr, %0" ::"r"(saved_ | kFlushToZero));
   }
-  ~DenormalGuard() RINGDOWN_REALTIME { asm volatile("msr fpcr, %0" ::"r"(saved_)); }
+  ~DenormalGuard() REALTIME { asm volatile("msr fpcr, %0" ::"r"(saved_)); }
 
  private:
   static constexpr unsigned long kFlushToZero = 1ul << 24;

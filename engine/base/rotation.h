@@ -15,17 +15,15 @@ struct Rotation {
   double x = 0, y = 0, z = 0, w = 1;
 
   constexpr Rotation() = default;
-  static constexpr Rotation from_xyzw(double x, double y, double z, double w) RINGDOWN_REALTIME {
+  static constexpr Rotation from_xyzw(double x, double y, double z, double w) REALTIME {
     Rotation made;
     made.x = x, made.y = y, made.z = z, made.w = w;
     return made;
   }
-  static constexpr Rotation from_xyzw(const std::array<double, 4>& q) RINGDOWN_REALTIME {
+  static constexpr Rotation from_xyzw(const std::array<double, 4>& q) REALTIME {
     return from_xyzw(q[0], q[1], q[2], q[3]);
   }
-  static constexpr Rotation from_wxyz(double w, double x, double y, double z) RINGDOWN_REALTIME {
-    return from_xyzw(x, y, z, w);
-  }
+  static constexpr Rotation from_wxyz(double w, double x, double y, double z) REALTIME { return from_xyzw(x, y, z, w); }
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };
 
@@ -72,18 +70,16 @@ inline Matrix3 inverse(const Matrix3& m) {
   return {{{k * yz.x, k * yz.y, k * yz.z}, {k * zx.x, k * zx.y, k * zx.z}, {k * xy.x, k * xy.y, k * xy.z}}};
 }
 
-inline double norm(const Rotation& q) RINGDOWN_REALTIME {
-  return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-}
+inline double norm(const Rotation& q) REALTIME { return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w); }
 
 // Returns the quaternion scaled to unit norm; its norm must not be zero.
-inline Rotation normalized(const Rotation& q) RINGDOWN_REALTIME {
+inline Rotation normalized(const Rotation& q) REALTIME {
   const double scale = 1 / norm(q);
   return Rotation::from_xyzw(q.x * scale, q.y * scale, q.z * scale, q.w * scale);
 }
 
 // The rotation by b, followed by a.
-inline Rotation operator*(const Rotation& a, const Rotation& b) RINGDOWN_REALTIME {
+inline Rotation operator*(const Rotation& a, const Rotation& b) REALTIME {
   return Rotation::from_xyzw(
       a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
       a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z);
@@ -96,22 +92,22 @@ inline Rotation about(Vec3 axis, double angle_rad) {
 }
 
 // The inverse of a unit quaternion.
-inline Rotation inverse(const Rotation& q) RINGDOWN_REALTIME { return Rotation::from_xyzw(-q.x, -q.y, -q.z, q.w); }
+inline Rotation inverse(const Rotation& q) REALTIME { return Rotation::from_xyzw(-q.x, -q.y, -q.z, q.w); }
 
 // Returns the vector rotated by a unit quaternion.
-inline Vec3 rotated(const Rotation& q, Vec3 v) RINGDOWN_REALTIME {
+inline Vec3 rotated(const Rotation& q, Vec3 v) REALTIME {
   const Vec3 axis{q.x, q.y, q.z}, twice = 2.0 * cross(axis, v);
   return v + q.w * twice + cross(axis, twice);
 }
 
 // Convert between rotations and rotation vectors, which have the direction of the axis and the length of the angle
 // [rad]. to_rotation_vector() returns the shorter way round, at most pi.
-inline Rotation from_rotation_vector(Vec3 v) RINGDOWN_REALTIME {
+inline Rotation from_rotation_vector(Vec3 v) REALTIME {
   const double angle = length(v), half = 0.5 * angle;
   const double scale = angle > 1e-9 ? std::sin(half) / angle : 0.5;
   return Rotation::from_xyzw(scale * v.x, scale * v.y, scale * v.z, std::cos(half));
 }
-inline Vec3 to_rotation_vector(const Rotation& q) RINGDOWN_REALTIME {
+inline Vec3 to_rotation_vector(const Rotation& q) REALTIME {
   const double sine = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z), sign = q.w < 0 ? -1 : 1;
   const double scale = sine > 1e-12 ? 2 * std::atan2(sine, sign * q.w) / sine : 2.0;
   return sign * scale * Vec3{q.x, q.y, q.z};

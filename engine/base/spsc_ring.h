@@ -25,32 +25,32 @@ class SpscRing {
   explicit SpscRing(std::size_t capacity) : slots_(std::bit_ceil(capacity)) { assert(capacity > 0); }
 
   // Returns false if the queue is full; the element is then not taken, and the caller counts or reports it. [producer]
-  [[nodiscard]] bool push(const T& element) RINGDOWN_REALTIME {
+  [[nodiscard]] bool push(const T& element) REALTIME {
     const std::size_t write = write_.load(std::memory_order_relaxed);
     if (write - read_.load(std::memory_order_acquire) == slots_.size()) return false;
-    slots_.data()[write & (slots_.size() - 1)] = element;
+    slots_[write & (slots_.size() - 1)] = element;
     write_.store(write + 1, std::memory_order_release);
     return true;
   }
 
   // Returns the oldest element, or nullptr if the queue is empty. The element stays valid until pop(). [consumer]
-  [[nodiscard]] const T* front() const RINGDOWN_REALTIME {
+  [[nodiscard]] const T* front() const REALTIME {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (read == write_.load(std::memory_order_acquire)) return nullptr;
     return slots_.data() + (read & (slots_.size() - 1));
   }
 
   // Removes the element that front() returned. [consumer]
-  void pop() RINGDOWN_REALTIME { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
+  void pop() REALTIME { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
 
   // The number of waiting elements. The other thread may change it meanwhile: for the consumer the result is a lower
   // bound, for the producer an upper bound. [producer, consumer]
-  [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME {
+  [[nodiscard]] std::size_t size() const REALTIME {
     const std::size_t read = read_.load(std::memory_order_acquire);
     return write_.load(std::memory_order_acquire) - read;
   }
 
-  [[nodiscard]] std::size_t capacity() const RINGDOWN_REALTIME { return slots_.size(); }
+  [[nodiscard]] std::size_t capacity() const REALTIME { return slots_.size(); }
 
  private:
   std::vector<T> slots_;

@@ -13,12 +13,12 @@
 namespace ringdown {
 
 // The point with the barycentric weights `w`.
-inline Vec3 at_weights(const std::array<Vec3, 3>& v, const std::array<double, 3>& w) RINGDOWN_REALTIME {
+inline Vec3 at_weights(const std::array<Vec3, 3>& v, const std::array<double, 3>& w) REALTIME {
   return w[0] * v[0] + (w[1] * v[1] + w[2] * v[2]);
 }
 
 // Barycentric weights of the point of a triangle's edges nearest to `p`.
-inline std::array<double, 3> nearest_on_edges(Vec3 p, const std::array<Vec3, 3>& corners) RINGDOWN_REALTIME {
+inline std::array<double, 3> nearest_on_edges(Vec3 p, const std::array<Vec3, 3>& corners) REALTIME {
   std::array<double, 3> best{};
   double best_squared = std::numeric_limits<double>::infinity();
   for (std::size_t edge = 0; edge < 3; ++edge) {
@@ -40,7 +40,7 @@ inline std::array<double, 3> nearest_on_edges(Vec3 p, const std::array<Vec3, 3>&
 // beyond an edge, or over the triangle; dot products tell which, and only then is anything divided (C. Ericson,
 // Real-Time Collision Detection, 2005, section 5.1.5). For a triangle so thin that rounding errors decide, the nearest
 // point on the edges is returned.
-inline std::array<double, 3> nearest_on_triangle(Vec3 p, const std::array<Vec3, 3>& corners) RINGDOWN_REALTIME {
+inline std::array<double, 3> nearest_on_triangle(Vec3 p, const std::array<Vec3, 3>& corners) REALTIME {
   const auto& [a, b, c] = corners;
   const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
   const double ab_a = dot(ab, ap), ac_a = dot(ac, ap);

@@ -23,14 +23,12 @@ struct Trial {
   double speed_m_s = 0;
 };
 
-double size_of(const Along& a) RINGDOWN_REALTIME {
-  return a[1] == 0 ? std::abs(a[0]) : std::sqrt(a[0] * a[0] + a[1] * a[1]);
-}
+double size_of(const Along& a) REALTIME { return a[1] == 0 ? std::abs(a[0]) : std::sqrt(a[0] * a[0] + a[1] * a[1]); }
 
 }  // namespace
 
 Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const Along& free_m,
-                                 const AlongCompliance& compliance_m_n, double step_s) RINGDOWN_REALTIME {
+                                 const AlongCompliance& compliance_m_n, double step_s) REALTIME {
   const double max_n = law.static_coefficient * normal_n;
   constexpr double kMin_n = 1e-12;  // less would bend bristles by denormal numbers
   if (!(max_n > kMin_n)) {
@@ -51,7 +49,7 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
   const double damping = law.bristle_ns_m / (1 + swept * swept);
 
   // The step with `rate` in place of a.
-  const auto slide = [&](double rate) RINGDOWN_REALTIME {
+  const auto slide = [&](double rate) REALTIME {
     Trial trial{.rate = rate};
     const double sigma1 = rate > 0 ? std::min(damping, 4 * law.bristle_n_m / rate) : damping;
     const double held = (law.bristle_n_m - sigma1 * rate) / (1 + rate * step_s);
@@ -71,7 +69,7 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
   // Returns a for loaded bristles at a speed. Bristles are weakened by the slip speed of their roots, not by the speed
   // of their own bending: a slow creep holds until its limit.
   double slip = rate_ * bend;
-  const auto rate_at = [&](double speed) RINGDOWN_REALTIME {
+  const auto rate_at = [&](double speed) REALTIME {
     const double ratio = slip / law.stribeck_m_s;
     const double g =
         normal_n * (law.sliding_coefficient + (law.static_coefficient - law.sliding_coefficient) / (1 + ratio * ratio));
@@ -118,14 +116,14 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
           {trial.at_rest[0] + trial.per_m * trial.slide_m[0], trial.at_rest[1] + trial.per_m * trial.slide_m[1]}};
 }
 
-void Friction::advance(const Along& by_m, double step_s) RINGDOWN_REALTIME {
+void Friction::advance(const Along& by_m, double step_s) REALTIME {
   if (!rubs_) return;
   const double keep = 1 / (1 + rate_ * step_s);
   bend_ = {keep * (bend_[0] + by_m[0]), keep * (bend_[1] + by_m[1])};
   slip_m_s_ = size_of(by_m) / step_s;
 }
 
-void Friction::stiffen(double by) RINGDOWN_REALTIME {
+void Friction::stiffen(double by) REALTIME {
   const double keep = std::min(1 / by, 1 / std::sqrt(by));
   bend_ = {keep * bend_[0], keep * bend_[1]};
 }

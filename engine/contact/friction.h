@@ -44,17 +44,17 @@ class Friction {
   // Predicts the force in a step in which the surfaces would slide by `free_m` without friction. `normal_n` >= 0
   // presses them together.
   [[nodiscard]] Step foresee(const FrictionLaw& law, double normal_n, const Along& free_m,
-                             const AlongCompliance& compliance_m_n, double step_s) RINGDOWN_REALTIME;
+                             const AlongCompliance& compliance_m_n, double step_s) REALTIME;
   // Ends the predicted step, in which the surfaces have slid by `by_m`.
-  void advance(const Along& by_m, double step_s) RINGDOWN_REALTIME;
+  void advance(const Along& by_m, double step_s) REALTIME;
   // Makes the bristles `by` times as stiff. The force is kept, or lowered if keeping it would add energy.
-  void stiffen(double by) RINGDOWN_REALTIME;
-  void release() RINGDOWN_REALTIME { bend_ = {}, slip_m_s_ = 0, rate_ = 0, rubs_ = false; }
+  void stiffen(double by) REALTIME;
+  void release() REALTIME { bend_ = {}, slip_m_s_ = 0, rate_ = 0, rubs_ = false; }
 
-  [[nodiscard]] double energy_j(const FrictionLaw& law) const RINGDOWN_REALTIME {
+  [[nodiscard]] double energy_j(const FrictionLaw& law) const REALTIME {
     return 0.5 * law.bristle_n_m * (bend_[0] * bend_[0] + bend_[1] * bend_[1]);
   }
-  [[nodiscard]] double slip_m_s() const RINGDOWN_REALTIME { return slip_m_s_; }
+  [[nodiscard]] double slip_m_s() const REALTIME { return slip_m_s_; }
 
  private:
   Along bend_{};         // z [m]

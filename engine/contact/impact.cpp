@@ -16,23 +16,21 @@
 namespace ringdown::contact {
 namespace {
 
-double power(double depth, double exponent) RINGDOWN_REALTIME {
+double power(double depth, double exponent) REALTIME {
   if (depth <= 0) return 0;
   if (exponent == 1.5) return depth * std::sqrt(depth);
   if (exponent == 1) return depth;
   return std::pow(depth, exponent);
 }
-double force_at(const ImpactLaw& law, double depth) RINGDOWN_REALTIME {
-  return law.stiffness * power(depth, law.exponent);
-}
-double energy_at(const ImpactLaw& law, double depth) RINGDOWN_REALTIME {
+double force_at(const ImpactLaw& law, double depth) REALTIME { return law.stiffness * power(depth, law.exponent); }
+double energy_at(const ImpactLaw& law, double depth) REALTIME {
   return depth > 0 ? force_at(law, depth) * depth / (law.exponent + 1) : 0.0;
 }
-double root_at(const ImpactLaw& law, double depth) RINGDOWN_REALTIME { return std::sqrt(2 * energy_at(law, depth)); }
+double root_at(const ImpactLaw& law, double depth) REALTIME { return std::sqrt(2 * energy_at(law, depth)); }
 
 // ((1 + t)^1.25 - 1) / t to 1e-13 for |t| <= kSmall: the binomial series.
 constexpr double kSmall = 0.02;
-double secant_of_small(double t) RINGDOWN_REALTIME {
+double secant_of_small(double t) REALTIME {
   return 1.25 +
          t * (0.15625 + t * (-0.0390625 + t * (0.01708984375 + t * (-0.0093994140625 + t * (0.005874633789062 +
                                                                                             t * -0.003986358642578)))));
@@ -40,8 +38,7 @@ double secant_of_small(double t) RINGDOWN_REALTIME {
 
 }  // namespace
 
-Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double compliance_m_n,
-                             double step_s) RINGDOWN_REALTIME {
+Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double compliance_m_n, double step_s) REALTIME {
   constexpr double kTiny = 1e-4;  // of the depth: a change below it makes differences of energies inexact
   const double d = depth_m_, share = 1 / (law.exponent + 1);
   touches_ = d > 0 || d + free_m > 0;
@@ -93,25 +90,25 @@ Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double complia
 
 // A change that is a small share of the depth: the force over the depth is straight, and the secant a series.
 Impact::Step Impact::foresee_small(double straight_n_m, double share, double free_m, double compliance_m_n,
-                                   double loss) RINGDOWN_REALTIME {
+                                   double loss) REALTIME {
   const double root_per_m = std::sqrt(0.8 * straight_n_m);
   psi_ = std::min(psi_, root_per_m * depth_m_);
   secant_ = root_per_m * secant_of_small(share);
   return closed(free_m, compliance_m_n, loss);
 }
 
-Impact::Step Impact::closed(double free_m, double compliance_m_n, double loss) const RINGDOWN_REALTIME {
+Impact::Step Impact::closed(double free_m, double compliance_m_n, double loss) const REALTIME {
   const Line line{secant_ * psi_, 0.5 * secant_ * secant_ + loss};
   return {line, std::max(0.0, (line.at_rest + line.per_m * free_m) / (1 + line.per_m * compliance_m_n)), true};
 }
 
-void Impact::advance(const ImpactLaw& law, double change_m, bool released) RINGDOWN_REALTIME {
+void Impact::advance(const ImpactLaw& law, double change_m, bool released) REALTIME {
   if (touches_ && released) psi_ = std::min(psi_, root_at(law, depth_m_ + change_m));
   if (touches_ && !released) psi_ += secant_ * change_m;
   depth_m_ += change_m;
 }
 
-void Impact::shift(const ImpactLaw& law, double by_m) RINGDOWN_REALTIME {
+void Impact::shift(const ImpactLaw& law, double by_m) REALTIME {
   depth_m_ += by_m;
   psi_ = std::min(psi_, root_at(law, depth_m_));
 }

@@ -36,23 +36,22 @@ class Impact {
 
   // Predicts a step of `step_s` in which the depth would change by `free_m` without force. A force lowers the change by
   // `compliance_m_n` per newton.
-  [[nodiscard]] Step foresee(const ImpactLaw& law, double free_m, double compliance_m_n,
-                             double step_s) RINGDOWN_REALTIME;
+  [[nodiscard]] Step foresee(const ImpactLaw& law, double free_m, double compliance_m_n, double step_s) REALTIME;
   // Ends the predicted step, in which the depth has changed by `change_m`, under the line's force, or, with `released`,
   // without force because the line's was negative.
-  void advance(const ImpactLaw& law, double change_m, bool released) RINGDOWN_REALTIME;
+  void advance(const ImpactLaw& law, double change_m, bool released) REALTIME;
 
-  [[nodiscard]] double depth_m() const RINGDOWN_REALTIME { return depth_m_; }
+  [[nodiscard]] double depth_m() const REALTIME { return depth_m_; }
   // Starts without a contact. If `depth_m` > 0 the surfaces are pressed together, without speed.
-  void place(double depth_m) RINGDOWN_REALTIME { depth_m_ = depth_m, psi_ = damping_s_m_ = 0; }
+  void place(double depth_m) REALTIME { depth_m_ = depth_m, psi_ = damping_s_m_ = 0; }
   // Shifts the zero of depths without doing work, for a change of the contact's stiffness or place.
-  void shift(const ImpactLaw& law, double by_m) RINGDOWN_REALTIME;
-  [[nodiscard]] double energy_j() const RINGDOWN_REALTIME { return 0.5 * psi_ * psi_; }
+  void shift(const ImpactLaw& law, double by_m) REALTIME;
+  [[nodiscard]] double energy_j() const REALTIME { return 0.5 * psi_ * psi_; }
 
  private:
   [[nodiscard]] Step foresee_small(double straight_n_m, double share, double free_m, double compliance_m_n,
-                                   double loss) RINGDOWN_REALTIME;
-  [[nodiscard]] Step closed(double free_m, double compliance_m_n, double loss) const RINGDOWN_REALTIME;
+                                   double loss) REALTIME;
+  [[nodiscard]] Step closed(double free_m, double compliance_m_n, double loss) const REALTIME;
 
   double depth_m_ = -1;     // negative: distance between the surfaces
   double psi_ = 0;          // sqrt(2 energy)

@@ -15,7 +15,7 @@
 
 namespace ringdown::contact {
 
-std::optional<std::size_t> Network::add(Contact& contact) RINGDOWN_REALTIME {
+std::optional<std::size_t> Network::add(Contact& contact) REALTIME {
   const std::size_t wanted = contact.freedoms();
   if (contacts_ == kMaxContacts || freedoms_ + wanted > kMaxFreedoms) return std::nullopt;
   const std::size_t first = freedoms_;
@@ -31,15 +31,14 @@ std::optional<std::size_t> Network::add(Contact& contact) RINGDOWN_REALTIME {
 // Returns by how much [m] freedom i would change under the other contacts' forces: all but `skip_count` freedoms from
 // `skip` on.
 double Network::free_of(std::size_t i, std::span<const double> free_m, std::span<const double> force_n,
-                        std::size_t skip, std::size_t skip_count) const RINGDOWN_REALTIME {
+                        std::size_t skip, std::size_t skip_count) const REALTIME {
   double change = free_m[i];
   for (std::size_t j = 0; j < skip; ++j) change -= compliance_[i][j] * force_n[j];
   for (std::size_t j = skip + skip_count; j < freedoms_; ++j) change -= compliance_[i][j] * force_n[j];
   return change;
 }
 
-void Network::foresee(Place& place, std::span<const double> free_m, double step_s,
-                      std::span<double> force_n) RINGDOWN_REALTIME {
+void Network::foresee(Place& place, std::span<const double> free_m, double step_s, std::span<double> force_n) REALTIME {
   Contact& contact = *place.contact;
   double normal_n = contact.load_n;
   std::size_t at = place.first;
@@ -68,11 +67,11 @@ void Network::foresee(Place& place, std::span<const double> free_m, double step_
   if (two) force_n[at + 1] = place.friction.force_n[1];
 }
 
-void Network::close(std::span<const double> free_m, std::span<double> force_n) RINGDOWN_REALTIME {
+void Network::close(std::span<const double> free_m, std::span<double> force_n) REALTIME {
   std::array<double, kMaxFreedoms> slope;
   std::array<std::size_t, kMaxFreedoms> row;
   std::size_t rows = 0;
-  const auto put = [&](std::size_t i, double at_rest, double per_m) RINGDOWN_REALTIME {
+  const auto put = [&](std::size_t i, double at_rest, double per_m) REALTIME {
     row[rows] = i;
     slope[rows] = per_m;
     force_n[i] = at_rest + per_m * free_m[i];
@@ -109,7 +108,7 @@ void Network::close(std::span<const double> free_m, std::span<double> force_n) R
   }
 }
 
-bool Network::step(std::span<const double> free_m, double step_s, std::span<double> force_n) RINGDOWN_REALTIME {
+bool Network::step(std::span<const double> free_m, double step_s, std::span<double> force_n) REALTIME {
   std::copy_n(last_.begin(), freedoms_, force_n.begin());
   const int sweeps = fresh_ && freedoms_ > 1 ? 2 : 1;
   bool works = false, fresh = false;
@@ -148,7 +147,7 @@ bool Network::step(std::span<const double> free_m, double step_s, std::span<doub
     if (!contact.on) continue;
     std::size_t at = place.first;
     const auto change_of = [&](std::size_t i)
-                               RINGDOWN_REALTIME { return works ? free_of(i, free_m, force_n, 0, 0) : free_m[i]; };
+                               REALTIME { return works ? free_of(i, free_m, force_n, 0, 0) : free_m[i]; };
     if (contact.impact) contact.pressed.advance(*contact.impact, change_of(at++), place.released);
     if (place.rubs && !place.released) {
       contact.sliding.advance({change_of(at), contact.directions == 2 ? change_of(at + 1) : 0}, step_s);

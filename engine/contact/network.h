@@ -35,22 +35,22 @@ struct Contact {
   Friction sliding;
   bool on = true;  // false: the contact neither touches nor rubs
 
-  [[nodiscard]] std::size_t freedoms() const RINGDOWN_REALTIME { return (impact ? 1 : 0) + directions; }
+  [[nodiscard]] std::size_t freedoms() const REALTIME { return (impact ? 1 : 0) + directions; }
 };
 
 class Network {
  public:
-  void clear() RINGDOWN_REALTIME { contacts_ = freedoms_ = 0, fresh_ = true; }
+  void clear() REALTIME { contacts_ = freedoms_ = 0, fresh_ = true; }
   // Adds a contact and returns its first freedom: its normal, then its directions along the surface. The contact must
   // outlive the network or its next clear(). Returns nullopt if there is no room.
-  [[nodiscard]] std::optional<std::size_t> add(Contact& contact) RINGDOWN_REALTIME;
-  [[nodiscard]] std::size_t freedoms() const RINGDOWN_REALTIME { return freedoms_; }
-  void set_compliance(std::size_t i, std::size_t j, double m_n) RINGDOWN_REALTIME {
+  [[nodiscard]] std::optional<std::size_t> add(Contact& contact) REALTIME;
+  [[nodiscard]] std::size_t freedoms() const REALTIME { return freedoms_; }
+  void set_compliance(std::size_t i, std::size_t j, double m_n) REALTIME {
     compliance_[i][j] = compliance_[j][i] = m_n;
   }
 
   // Computes the forces of a step from the changes of the freedoms without forces. Returns false if all forces are 0.
-  bool step(std::span<const double> free_m, double step_s, std::span<double> force_n) RINGDOWN_REALTIME;
+  bool step(std::span<const double> free_m, double step_s, std::span<double> force_n) REALTIME;
 
  private:
   struct Place {
@@ -60,11 +60,10 @@ class Network {
     Friction::Step friction;
     bool works = false, rubs = false, released = false;
   };
-  void foresee(Place& place, std::span<const double> free_m, double step_s,
-               std::span<double> force_n) RINGDOWN_REALTIME;
+  void foresee(Place& place, std::span<const double> free_m, double step_s, std::span<double> force_n) REALTIME;
   [[nodiscard]] double free_of(std::size_t i, std::span<const double> free_m, std::span<const double> force_n,
-                               std::size_t skip, std::size_t skip_count) const RINGDOWN_REALTIME;
-  void close(std::span<const double> free_m, std::span<double> force_n) RINGDOWN_REALTIME;
+                               std::size_t skip, std::size_t skip_count) const REALTIME;
+  void close(std::span<const double> free_m, std::span<double> force_n) REALTIME;
 
   std::array<Place, kMaxContacts> places_;
   std::size_t contacts_ = 0, freedoms_ = 0;

@@ -8,13 +8,13 @@ namespace {
 
 constexpr double kZero_k = 273.15, kReference_k = 293.15, kTriplePoint_k = 273.16;
 
-double kelvin(const AirConditions& conditions) RINGDOWN_REALTIME {
+double kelvin(const AirConditions& conditions) REALTIME {
   return kZero_k + std::clamp(conditions.temperature_c, -50.0, 60.0);
 }
 
 }  // namespace
 
-AirAbsorption::AirAbsorption(const AirConditions& conditions) RINGDOWN_REALTIME {
+AirAbsorption::AirAbsorption(const AirConditions& conditions) REALTIME {
   const double t = kelvin(conditions), ratio = t / kReference_k;
   // Molar concentration of water vapour in percent, by the standard's annex B.
   const double saturation = std::pow(10, -6.8346 * std::pow(kTriplePoint_k / t, 1.261) + 4.6151);
@@ -27,7 +27,7 @@ AirAbsorption::AirAbsorption(const AirConditions& conditions) RINGDOWN_REALTIME 
   nitrogen = relaxation * 0.1068 * std::exp(-3352.0 / t);
 }
 
-double sound_speed_m_s(const AirConditions& conditions) RINGDOWN_REALTIME {
+double sound_speed_m_s(const AirConditions& conditions) REALTIME {
   return 343.2 * std::sqrt(kelvin(conditions) / kReference_k);
 }
 

@@ -23,9 +23,9 @@ struct AirAbsorption {
 
   AirAbsorption() = default;
   // Conditions outside their ranges are clamped.
-  explicit AirAbsorption(const AirConditions& conditions) RINGDOWN_REALTIME;
+  explicit AirAbsorption(const AirConditions& conditions) REALTIME;
 
-  [[nodiscard]] double nepers_per_m(double frequency_hz) const RINGDOWN_REALTIME {
+  [[nodiscard]] double nepers_per_m(double frequency_hz) const REALTIME {
     const double f2 = frequency_hz * frequency_hz;
     return f2 * (classical + oxygen / (oxygen_relaxation_hz + f2 / oxygen_relaxation_hz) +
                  nitrogen / (nitrogen_relaxation_hz + f2 / nitrogen_relaxation_hz));
@@ -33,6 +33,6 @@ struct AirAbsorption {
 };
 
 // The speed of sound [m/s] in dry air at the temperature of `conditions`; 343.2 at 20 degrees.
-double sound_speed_m_s(const AirConditions& conditions) RINGDOWN_REALTIME;
+double sound_speed_m_s(const AirConditions& conditions) REALTIME;
 
 }  // namespace ringdown::modal

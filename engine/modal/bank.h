@@ -127,8 +127,8 @@ struct Bank {
 
   [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }
   [[nodiscard]] std::size_t point_count() const { return positions.size(); }
-  [[nodiscard]] const Vec3f& shape(std::size_t mode, std::size_t point) const RINGDOWN_REALTIME {
-    return shapes.data()[mode * positions.size() + point];
+  [[nodiscard]] const Vec3f& shape(std::size_t mode, std::size_t point) const REALTIME {
+    return shapes[mode * positions.size() + point];
   }
 };
 

@@ -28,8 +28,8 @@ struct DampedMode {
   double decay_per_s = 0;   // amplitude falls by 1/e in 1/decay seconds
 };
 
-constexpr double hz_to_rad_per_s(double frequency_hz) RINGDOWN_REALTIME { return 2 * std::numbers::pi * frequency_hz; }
-constexpr double rad_per_s_to_hz(double omega_rad_s) RINGDOWN_REALTIME { return omega_rad_s / (2 * std::numbers::pi); }
+constexpr double hz_to_rad_per_s(double frequency_hz) REALTIME { return 2 * std::numbers::pi * frequency_hz; }
+constexpr double rad_per_s_to_hz(double omega_rad_s) REALTIME { return omega_rad_s / (2 * std::numbers::pi); }
 
 // Eigenvalue lambda [rad^2/s^2] -> the mode as heard.
 inline DampedMode damp(double lambda, RayleighDamping damping) {

@@ -28,19 +28,19 @@ class DirectionMap {
   // `by_frequency`: the numbers of the modes, by ascending frequency. [worker]
   DirectionMap(const RadiationMaps& maps, std::span<const std::uint32_t> by_frequency);
 
-  [[nodiscard]] bool empty() const RINGDOWN_REALTIME { return first_.empty(); }
-  [[nodiscard]] std::size_t groups() const RINGDOWN_REALTIME { return first_.empty() ? 0 : first_.size() - 1; }
-  [[nodiscard]] int degree() const RINGDOWN_REALTIME { return degree_; }  // the highest degree, for real_harmonics()
+  [[nodiscard]] bool empty() const REALTIME { return first_.empty(); }
+  [[nodiscard]] std::size_t groups() const REALTIME { return first_.empty() ? 0 : first_.size() - 1; }
+  [[nodiscard]] int degree() const REALTIME { return degree_; }  // the highest degree, for real_harmonics()
   // The fastest change of any mode's gain with direction, in multiples of its rms per radian: the root of the mean
   // l (l + 1) of its harmonics.
-  [[nodiscard]] double sharpness() const RINGDOWN_REALTIME { return sharpness_; }
+  [[nodiscard]] double sharpness() const REALTIME { return sharpness_; }
 
-  [[nodiscard]] std::size_t terms() const RINGDOWN_REALTIME { return harmonics_.size(); }
+  [[nodiscard]] std::size_t terms() const REALTIME { return harmonics_.size(); }
   // Group g has the terms first()[g] ... first()[g + 1] - 1. Term t has a harmonic, and from position 2 kGroup t on
   // 2 kGroup numbers: the real parts of the group's modes, then their imaginary parts.
-  [[nodiscard]] const std::uint32_t* first() const RINGDOWN_REALTIME { return first_.data(); }
-  [[nodiscard]] const std::uint16_t* harmonics() const RINGDOWN_REALTIME { return harmonics_.data(); }
-  [[nodiscard]] const float* values() const RINGDOWN_REALTIME { return values_.data(); }
+  [[nodiscard]] const std::uint32_t* first() const REALTIME { return first_.data(); }
+  [[nodiscard]] const std::uint16_t* harmonics() const REALTIME { return harmonics_.data(); }
+  [[nodiscard]] const float* values() const REALTIME { return values_.data(); }
 
  private:
   std::vector<std::uint32_t> first_;

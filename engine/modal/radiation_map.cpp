@@ -9,9 +9,9 @@
 
 namespace ringdown::modal {
 
-int degree_of(const FarField& field) RINGDOWN_REALTIME {
+int degree_of(const FarField& field) REALTIME {
   if (field.terms.empty()) return -1;
-  const int harmonic = field.terms.data()[field.terms.size() - 1].harmonic;
+  const int harmonic = field.terms[field.terms.size() - 1].harmonic;
   int degree = static_cast<int>(std::sqrt(static_cast<double>(harmonic)));
   while (degree * degree > harmonic) --degree;
   while (harmonic_count(degree) <= harmonic) ++degree;
@@ -49,7 +49,7 @@ const Legendre kLegendre;
 //                                                     b = sqrt(((l - 1)^2 - m^2) / (4 (l - 1)^2 - 1))
 //
 // which is stable upward in l. (Holmes & Featherstone, A unified approach to the Clenshaw summation, J. Geodesy 2002.)
-void real_harmonics(const Vec3& direction, int degree, std::span<float> values) RINGDOWN_REALTIME {
+void real_harmonics(const Vec3& direction, int degree, std::span<float> values) REALTIME {
   const double scale = 1 / length(direction);
   const double x = direction.x * scale, y = direction.y * scale, z = direction.z * scale;
   float* const out = values.data();
@@ -57,13 +57,13 @@ void real_harmonics(const Vec3& direction, int degree, std::span<float> values) 
   double re = 1, im = 0;  // (x + iy)^m
   for (int m = 0; m <= degree; ++m) {
     if (m > 0) {
-      diagonal *= kLegendre.diagonal.data()[m];
+      diagonal *= kLegendre.diagonal[m];
       const double next = re * x - im * y;
       im = re * y + im * x;
       re = next;
     }
     const double factor = m == 0 ? 1 : std::numbers::sqrt2;
-    const double *const a = kLegendre.a.data()[m].data(), *const b = kLegendre.b.data()[m].data();
+    const double *const a = kLegendre.a[m].data(), *const b = kLegendre.b[m].data();
     double before = 0, now = diagonal;
     for (int l = m; l <= degree; ++l) {
       if (l > m) {
@@ -77,18 +77,18 @@ void real_harmonics(const Vec3& direction, int degree, std::span<float> values) 
   }
 }
 
-std::complex<float> far_field(const FarField& field, std::span<const float> harmonics) RINGDOWN_REALTIME {
+std::complex<float> far_field(const FarField& field, std::span<const float> harmonics) REALTIME {
   float re = 0, im = 0;
   const FarField::Term* const terms = field.terms.data();
   for (std::size_t t = 0; t < field.terms.size(); ++t) {
-    const float at = harmonics.data()[terms[t].harmonic];
+    const float at = harmonics[terms[t].harmonic];
     re += at * terms[t].value.real();
     im += at * terms[t].value.imag();
   }
   return {re, im};
 }
 
-double rms(const FarField& field) RINGDOWN_REALTIME {
+double rms(const FarField& field) REALTIME {
   double sum = 0;
   const FarField::Term* const terms = field.terms.data();
   for (std::size_t t = 0; t < field.terms.size(); ++t) {
@@ -98,19 +98,19 @@ double rms(const FarField& field) RINGDOWN_REALTIME {
   return std::sqrt(sum / (4 * std::numbers::pi));
 }
 
-bool covers(const FarField& field, double wavenumber_rad_m) RINGDOWN_REALTIME {
+bool covers(const FarField& field, double wavenumber_rad_m) REALTIME {
   constexpr double kSlack = 1e-3;  // share of k; levels are floats
   const double own = field.wavenumber_rad_m;
   const std::size_t count = field.levels.size();
-  const double low = count == 0 ? own : std::min<double>(own, field.levels.data()[0].wavenumber_rad_m);
-  const double high = count == 0 ? own : std::max<double>(own, field.levels.data()[count - 1].wavenumber_rad_m);
+  const double low = count == 0 ? own : std::min<double>(own, field.levels[0].wavenumber_rad_m);
+  const double high = count == 0 ? own : std::max<double>(own, field.levels[count - 1].wavenumber_rad_m);
   return wavenumber_rad_m >= low * (1 - kSlack) && wavenumber_rad_m <= high * (1 + kSlack);
 }
 
 namespace {
 
 // Returns log rms at a wavenumber between the levels, linear in the logarithm of the wavenumber.
-double log_level(const FarField& field, double wavenumber) RINGDOWN_REALTIME {
+double log_level(const FarField& field, double wavenumber) REALTIME {
   const FarField::Level* const levels = field.levels.data();
   const std::size_t count = field.levels.size();
   if (wavenumber <= levels[0].wavenumber_rad_m) return std::log(levels[0].rms);
@@ -125,16 +125,16 @@ double log_level(const FarField& field, double wavenumber) RINGDOWN_REALTIME {
 
 }  // namespace
 
-double level_ratio(const FarField& field, double wavenumber_rad_m) RINGDOWN_REALTIME {
+double level_ratio(const FarField& field, double wavenumber_rad_m) REALTIME {
   if (field.levels.empty()) return 1;
   return std::exp(log_level(field, wavenumber_rad_m) - log_level(field, field.wavenumber_rad_m));
 }
 
-double radiated_power(double rms, double omega_rad_s, const Air& air) RINGDOWN_REALTIME {
+double radiated_power(double rms, double omega_rad_s, const Air& air) REALTIME {
   return 2 * std::numbers::pi * air.density_kg_m3 * omega_rad_s * omega_rad_s * rms * rms / air.sound_speed_m_s;
 }
 
-double radiation_decay_per_s(double rms, double omega_rad_s, const Air& air) RINGDOWN_REALTIME {
+double radiation_decay_per_s(double rms, double omega_rad_s, const Air& air) REALTIME {
   return radiated_power(rms, omega_rad_s, air);
 }
 

@@ -64,34 +64,34 @@ inline constexpr int kMaxHarmonicDegree = 63;
 inline constexpr int harmonic_count(int degree) { return (degree + 1) * (degree + 1); }
 
 // The highest degree among the terms; -1 when there are none.
-int degree_of(const FarField& field) RINGDOWN_REALTIME;
+int degree_of(const FarField& field) REALTIME;
 
 // Writes Y_0 ... Y of the given degree towards a direction, which need not have length 1 but must not be 0.
 // `values` has room for harmonic_count(degree). About 3 ns each. [audio]
-void real_harmonics(const Vec3& direction, int degree, std::span<float> values) RINGDOWN_REALTIME;
+void real_harmonics(const Vec3& direction, int degree, std::span<float> values) REALTIME;
 
 // Returns F at the mode's own wavenumber, towards the direction for which `harmonics` were computed, to at least
 // degree_of(field). Takes one multiplication for each term. [audio]
-std::complex<float> far_field(const FarField& field, std::span<const float> harmonics) RINGDOWN_REALTIME;
+std::complex<float> far_field(const FarField& field, std::span<const float> harmonics) REALTIME;
 
 // The rms of F over all directions, at the mode's own wavenumber. [audio]
-double rms(const FarField& field) RINGDOWN_REALTIME;
+double rms(const FarField& field) REALTIME;
 
 // Returns the ratio of F at another wavenumber to F at the mode's own, rms over directions. A change of material or air
 // needs it: k changes by sqrt(stiffness ratio / density ratio) and the ratio of c, while the shape stays. (The changed
 // normalisation of the shape is not included.) Between levels, log rms is interpolated linearly over log k. Outside the
 // range of levels the nearest level is used, independent of k; without levels the ratio is 1. Ask covers() where that
 // matters. [any]
-double level_ratio(const FarField& field, double wavenumber_rad_m) RINGDOWN_REALTIME;
-bool covers(const FarField& field, double wavenumber_rad_m) RINGDOWN_REALTIME;
+double level_ratio(const FarField& field, double wavenumber_rad_m) REALTIME;
+bool covers(const FarField& field, double wavenumber_rad_m) REALTIME;
 
 // The mean radiated power at a modal velocity of amplitude 1 kg^1/2 m/s [W], from the rms of F: 2 pi rho omega^2 rms^2
 // / c.
-double radiated_power(double rms, double omega_rad_s, const Air& air) RINGDOWN_REALTIME;
+double radiated_power(double rms, double omega_rad_s, const Air& air) REALTIME;
 
 // The rate at which a mode's amplitude decays because of radiation [1/s]. The energy at amplitude 1 is 1/2, and
 // amplitude falls half as fast as energy, so the rate is the same number as radiated_power().
-double radiation_decay_per_s(double rms, double omega_rad_s, const Air& air) RINGDOWN_REALTIME;
+double radiation_decay_per_s(double rms, double omega_rad_s, const Air& air) REALTIME;
 
 // Returns the terms of a far field from the coefficients of all harmonics, without those below `smallest` times the
 // largest.

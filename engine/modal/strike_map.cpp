@@ -26,7 +26,7 @@ StrikeMap::StrikeMap(std::shared_ptr<const Bank> bank)
   }
 }
 
-void StrikeMap::excite(Vec3 point_m, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME {
+void StrikeMap::excite(Vec3 point_m, Vec3 impulse_ns, std::span<double> amplitudes) const REALTIME {
   const SurfacePoint hit = surface_.nearest(point_m);
   std::fill(amplitudes.begin(), amplitudes.end(), 0.0);
   for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -34,13 +34,12 @@ void StrikeMap::excite(Vec3 point_m, Vec3 impulse_ns, std::span<double> amplitud
   }
 }
 
-void StrikeMap::excite_vertex(std::size_t vertex, Vec3 impulse_ns,
-                              std::span<double> amplitudes) const RINGDOWN_REALTIME {
+void StrikeMap::excite_vertex(std::size_t vertex, Vec3 impulse_ns, std::span<double> amplitudes) const REALTIME {
   std::fill(amplitudes.begin(), amplitudes.end(), 0.0);
   add(vertex, impulse_ns, amplitudes);
 }
 
-void StrikeMap::add(std::size_t point, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME {
+void StrikeMap::add(std::size_t point, Vec3 impulse_ns, std::span<double> amplitudes) const REALTIME {
   const std::size_t modes = amplitudes.size();
   assert(modes == bank_->mode_count() && point < bank_->point_count());
   const float* x = shapes_.data() + 3 * point * modes;

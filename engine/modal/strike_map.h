@@ -22,31 +22,31 @@ class StrikeMap {
   // The bank must have passed read_bank's checks. [worker]
   explicit StrikeMap(std::shared_ptr<const Bank> bank);
 
-  [[nodiscard]] const Bank& bank() const RINGDOWN_REALTIME { return *bank_; }
+  [[nodiscard]] const Bank& bank() const REALTIME { return *bank_; }
 
   // The index of the surface, which finds where a strike lands.
-  [[nodiscard]] const SurfaceIndex& surface() const RINGDOWN_REALTIME { return surface_; }
+  [[nodiscard]] const SurfaceIndex& surface() const REALTIME { return surface_; }
 
   // by_frequency(): the bank's modes by ascending frequency; modes of equal frequency are in the bank's order. rank():
   // the place of a mode in that list.
-  [[nodiscard]] const std::vector<std::uint32_t>& by_frequency() const RINGDOWN_REALTIME { return by_frequency_; }
-  [[nodiscard]] std::uint32_t rank(std::size_t mode) const RINGDOWN_REALTIME { return rank_.data()[mode]; }
+  [[nodiscard]] const std::vector<std::uint32_t>& by_frequency() const REALTIME { return by_frequency_; }
+  [[nodiscard]] std::uint32_t rank(std::size_t mode) const REALTIME { return rank_[mode]; }
 
   // The loudness of the bank's modes.
   [[nodiscard]] const Loudness& loudness() const { return loudness_; }
 
   // The directional gains of the modes; empty when the bank has no radiation maps.
-  [[nodiscard]] const DirectionMap& directions() const RINGDOWN_REALTIME { return directions_; }
+  [[nodiscard]] const DirectionMap& directions() const REALTIME { return directions_; }
 
   // amplitudes[m] = phi_m(p) . j [J^1/2]: the modal velocity that the impulse gives mode m. `amplitudes` has one
   // element per mode of the bank. Cost O(modes), plus finding the surface point. [audio]
-  void excite(Vec3 point_m, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME;
+  void excite(Vec3 point_m, Vec3 impulse_ns, std::span<double> amplitudes) const REALTIME;
 
   // Excites at a sample point, `vertex` < bank().point_count(). [audio]
-  void excite_vertex(std::size_t vertex, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME;
+  void excite_vertex(std::size_t vertex, Vec3 impulse_ns, std::span<double> amplitudes) const REALTIME;
 
  private:
-  void add(std::size_t point, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME;
+  void add(std::size_t point, Vec3 impulse_ns, std::span<double> amplitudes) const REALTIME;
 
   std::shared_ptr<const Bank> bank_;
   SurfaceIndex surface_;

@@ -19,7 +19,7 @@ constexpr std::size_t kMaxTree = 48;  // halving 2^20 points or 2 * 2^20 triangl
 Vec3 lowest(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
 Vec3 highest(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 
-double squared_distance_to_box(Vec3 p, Vec3 low, Vec3 high) RINGDOWN_REALTIME {
+double squared_distance_to_box(Vec3 p, Vec3 low, Vec3 high) REALTIME {
   const double dx = std::max({low.x - p.x, 0.0, p.x - high.x});
   const double dy = std::max({low.y - p.y, 0.0, p.y - high.y});
   const double dz = std::max({low.z - p.z, 0.0, p.z - high.z});
@@ -77,14 +77,14 @@ double SurfaceIndex::distance_m(Vec3 query) const {
   return std::sqrt(squared_distance_to_box(query, nodes_.front().low, nodes_.front().high));
 }
 
-SurfacePoint SurfaceIndex::nearest(Vec3 query) const RINGDOWN_REALTIME {
+SurfacePoint SurfaceIndex::nearest(Vec3 query) const REALTIME {
   struct Pending {
     std::uint32_t node;
     double squared;
   };
   const Node* nodes = nodes_.data();
   const Triangle* triangles = triangles_.data();
-  const auto pending = [nodes, query](std::uint32_t n) RINGDOWN_REALTIME {
+  const auto pending = [nodes, query](std::uint32_t n) REALTIME {
     return Pending{n, squared_distance_to_box(query, nodes[n].low, nodes[n].high)};
   };
   std::array<Pending, kMaxTree> stack;

@@ -28,7 +28,7 @@ class SurfaceIndex {
   explicit SurfaceIndex(const Bank& bank);
 
   // The nearest point of the surface; `query` is in the object frame and finite. [audio]
-  [[nodiscard]] SurfacePoint nearest(Vec3 query) const RINGDOWN_REALTIME;
+  [[nodiscard]] SurfacePoint nearest(Vec3 query) const REALTIME;
 
   // The size of the surface: the diagonal of its bounding box. [any]
   [[nodiscard]] double size_m() const;

@@ -64,8 +64,8 @@ Result<SurfaceTrack> SurfaceTrack::make(std::span<const float> heights_m, double
   return track;
 }
 
-SurfaceTrack::Blend SurfaceTrack::blend(double width_m, double step_m) const RINGDOWN_REALTIME {
-  const double spacing_m = length_m_ / static_cast<double>(levels_.data()[0].size());
+SurfaceTrack::Blend SurfaceTrack::blend(double width_m, double step_m) const REALTIME {
+  const double spacing_m = length_m_ / static_cast<double>(levels_[0].size());
   const double wanted_m = std::max(width_m, kStepsPerWidth * step_m) / kStepsPerWidth;
   if (!(wanted_m > spacing_m)) return {};
   const double level = std::log2(wanted_m / spacing_m), last = static_cast<double>(levels_.size() - 1);
@@ -73,14 +73,14 @@ SurfaceTrack::Blend SurfaceTrack::blend(double width_m, double step_m) const RIN
   return {static_cast<std::size_t>(level), level - std::floor(level)};
 }
 
-double SurfaceTrack::slope_at(double at_m, Blend blend) const RINGDOWN_REALTIME {
+double SurfaceTrack::slope_at(double at_m, Blend blend) const REALTIME {
   const double fine = slope_in(blend.level, at_m);
   return blend.coarser == 0 ? fine : (1 - blend.coarser) * fine + blend.coarser * slope_in(blend.level + 1, at_m);
 }
 
 // The derivative of the cubic of Catmull and Rom (1974), which goes through the heights.
-double SurfaceTrack::slope_in(std::size_t level, double at_m) const RINGDOWN_REALTIME {
-  const std::vector<float>& heights = levels_.data()[level];
+double SurfaceTrack::slope_in(std::size_t level, double at_m) const REALTIME {
+  const std::vector<float>& heights = levels_[level];
   const auto count = static_cast<double>(heights.size());
   const double per_m = count / length_m_;
   double at = at_m * per_m;
@@ -88,7 +88,7 @@ double SurfaceTrack::slope_in(std::size_t level, double at_m) const RINGDOWN_REA
   const double floor = std::floor(at), t = at - floor;
   const auto n = heights.size();
   const std::size_t k = std::min(static_cast<std::size_t>(floor), n - 1);
-  const auto height = [&](std::size_t j) { return static_cast<double>(heights.data()[j < n ? j : j - n]); };
+  const auto height = [&](std::size_t j) { return static_cast<double>(heights[j < n ? j : j - n]); };
   const double p0 = height(k + n - 1), p1 = height(k), p2 = height(k + 1), p3 = height(k + 2);
   const double slope = 0.5 * (p2 - p0) + t * (2 * p0 - 5 * p1 + 4 * p2 - p3) + 1.5 * t * t * (p3 - p0 + 3 * (p1 - p2));
   return slope * per_m;

@@ -29,10 +29,10 @@ class SurfaceTrack {
     std::size_t level = 0;
     double coarser = 0;  // share of level + 1
   };
-  [[nodiscard]] Blend blend(double width_m, double step_m) const RINGDOWN_REALTIME;
+  [[nodiscard]] Blend blend(double width_m, double step_m) const REALTIME;
 
   // The slope of the heights at any distance `at_m` from the first height. [audio]
-  [[nodiscard]] double slope_at(double at_m, Blend blend) const RINGDOWN_REALTIME;
+  [[nodiscard]] double slope_at(double at_m, Blend blend) const REALTIME;
 
   [[nodiscard]] double length_m() const { return length_m_; }
   [[nodiscard]] double rms_slope() const { return rms_slope_; }  // of the heights themselves
@@ -40,7 +40,7 @@ class SurfaceTrack {
 
  private:
   SurfaceTrack() = default;
-  [[nodiscard]] double slope_in(std::size_t level, double at_m) const RINGDOWN_REALTIME;
+  [[nodiscard]] double slope_in(std::size_t level, double at_m) const REALTIME;
 
   std::vector<std::vector<float>> levels_;  // each has at least kMinHeights heights; the last is flat
   double length_m_ = 0, rms_slope_ = 0;

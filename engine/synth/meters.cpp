@@ -11,18 +11,18 @@ constexpr std::size_t kMaxObjectsPerChunk = 64, kMaxModesPerChunk = 2048;
 
 }  // namespace
 
-void Meters::measure(const Stage& stage, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
+void Meters::measure(const Stage& stage, Frame now, double sample_rate_hz) REALTIME {
   if (watches_objects_.load(std::memory_order_relaxed)) measure_objects(stage, now);
   if (mode_watch.watches()) measure_modes(stage, now, sample_rate_hz);
 }
 
 // Measures some objects after those of the last chunk.
-void Meters::measure_objects(const Stage& stage, Frame now) RINGDOWN_REALTIME {
+void Meters::measure_objects(const Stage& stage, Frame now) REALTIME {
   std::size_t modes = 0;
   const std::size_t max = std::min(kMaxObjectsPerChunk, stage.object_limit());
   for (std::size_t n = 0; n < max && modes < kMaxModesPerChunk; ++n) {
     if (next_object_ >= stage.object_limit()) next_object_ = 0;
-    PeakLevel& level = peak_levels_.data()[next_object_];
+    PeakLevel& level = peak_levels_[next_object_];
     const Object* const object = stage.object(next_object_++);
     const auto measured = object ? static_cast<float>(object->peak_level(now, modes)) : 0.0f;
     level.now.store(measured, std::memory_order_relaxed);
@@ -33,7 +33,7 @@ void Meters::measure_objects(const Stage& stage, Frame now) RINGDOWN_REALTIME {
 }
 
 // Writes some slots after those of the last chunk, each at most every ModeWatch::kEvery_s.
-void Meters::measure_modes(const Stage& stage, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
+void Meters::measure_modes(const Stage& stage, Frame now, double sample_rate_hz) REALTIME {
   if (next_slot_ == 0) {
     if (now - slots_began_ < static_cast<Frame>(ModeWatch::kEvery_s * sample_rate_hz)) return;
     slots_began_ = now;
@@ -57,7 +57,7 @@ float Meters::take_peak_level(ObjectNumber object) {
   return std::max(now, level.since.exchange(0, std::memory_order_relaxed));
 }
 
-void Meters::note_peak(float peak) RINGDOWN_REALTIME {
+void Meters::note_peak(float peak) REALTIME {
   counters.peak.store(peak, std::memory_order_relaxed);
   if (peak > counters.peak_since.load(std::memory_order_relaxed)) {
     counters.peak_since.store(peak, std::memory_order_relaxed);

@@ -30,13 +30,13 @@ class Meters {
   [[nodiscard]] float take_peak() { return counters.peak_since.exchange(0, std::memory_order_relaxed); }
 
   // Measures peak levels and amplitudes at the end of a chunk; `now` is the frame after it. [audio]
-  void measure(const Stage& stage, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
+  void measure(const Stage& stage, Frame now, double sample_rate_hz) REALTIME;
   // Records the largest |sample| of a block. [audio]
-  void note_peak(float peak) RINGDOWN_REALTIME;
+  void note_peak(float peak) REALTIME;
 
  private:
-  void measure_objects(const Stage& stage, Frame now) RINGDOWN_REALTIME;
-  void measure_modes(const Stage& stage, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
+  void measure_objects(const Stage& stage, Frame now) REALTIME;
+  void measure_modes(const Stage& stage, Frame now, double sample_rate_hz) REALTIME;
 
   struct PeakLevel {
     std::atomic<float> now{0}, since{0};

@@ -97,14 +97,13 @@ bool Mixer::disconnect_input(std::size_t input) {
   return timeline_.push(Command{.kind = Command::Kind::disconnect, .input = static_cast<std::uint32_t>(input)});
 }
 
-void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) RINGDOWN_REALTIME {
+void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) REALTIME {
   const DenormalGuard guard;
   MixerCounters& counters = meters_.counters;
   const double rate_hz = sample_rate_hz();
   shedding_.begin_block(frames, rate_hz, deadlines_);
-  count(counters.late, timeline_.events().accept(now_, [&](const Event& placing) RINGDOWN_REALTIME {
-    stage_.place(placing, now_, rate_hz);
-  }));
+  count(counters.late,
+        timeline_.events().accept(now_, [&](const Event& placing) REALTIME { stage_.place(placing, now_, rate_hz); }));
   output_.begin_block(outputs, frames);
   renderer_.main().counts = {};
   for (std::size_t done = 0; done < frames;) {
@@ -136,14 +135,14 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   counters.frames.store(now_, std::memory_order_release);
 }
 
-void Mixer::execute_commands(Frame until) RINGDOWN_REALTIME {
+void Mixer::execute_commands(Frame until) REALTIME {
   for (; const Command* command = timeline_.due_command(until); timeline_.pop_command()) {
     const bool connects = command->kind == Command::Kind::connect;
     stage_.execute(*command, connects ? timeline_.take_impulse() : verb::Strike{}, now_);
   }
 }
 
-void Mixer::render_chunk(Chunk& chunk) RINGDOWN_REALTIME {
+void Mixer::render_chunk(Chunk& chunk) REALTIME {
   shedding_.begin_chunk(chunk.frames);
   renderer_.open(chunk.frames);
   if (stage_.idle() && !timeline_.events().next_before(chunk.end())) return;

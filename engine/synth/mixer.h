@@ -100,9 +100,7 @@ class Mixer {
 
   // Hands an event over. False when the producer's ring is full: the event was not taken. The event's object is
   // < kMaxObjects and its numbers are finite. [the producer's thread]
-  [[nodiscard]] bool push(Producer producer, const Event& event) RINGDOWN_REALTIME {
-    return timeline_.push(producer, event);
-  }
+  [[nodiscard]] bool push(Producer producer, const Event& event) REALTIME { return timeline_.push(producer, event); }
 
   // The table that voices of this bank, material, dampers and choice of modes share; a new one if there is none.
   // Objects whose voices share a table can share their states too (instance_group.h). [worker]
@@ -147,12 +145,12 @@ class Mixer {
   [[nodiscard]] bool in_use(ObjectNumber object) const { return voices_.in_use(object); }
 
   // Says whether blocks are due at a certain time, as by default; otherwise the time budget is not kept. [audio]
-  void keep_deadlines(bool on) RINGDOWN_REALTIME { deadlines_ = on; }
+  void keep_deadlines(bool on) REALTIME { deadlines_ = on; }
 
   // Writes the next frames; any number of frames. [audio]
-  void render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) RINGDOWN_REALTIME;
-  void render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME { render(outputs, {}, frames); }
-  void render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME {  // the mix only
+  void render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) REALTIME;
+  void render(const Outputs& outputs, std::size_t frames) REALTIME { render(outputs, {}, frames); }
+  void render(std::span<float> left, std::span<float> right) REALTIME {  // the mix only
     render(Outputs(left.data(), right.data()), left.size());
   }
 
@@ -164,8 +162,8 @@ class Mixer {
 
  private:
   void make_object(ObjectNumber object);  // before the first command about it [worker]
-  void execute_commands(Frame until) RINGDOWN_REALTIME;
-  void render_chunk(Chunk& chunk) RINGDOWN_REALTIME;
+  void execute_commands(Frame until) REALTIME;
+  void render_chunk(Chunk& chunk) REALTIME;
 
   std::atomic<double> sample_rate_hz_;
   MixerSettings settings_;

@@ -18,12 +18,12 @@ void Renderer::set_threads(std::size_t threads) {
   if (has_room_) make_room();
   if (threads < 2) return;
   helpers_ = std::make_unique<WorkerPool>(
-      threads - 1, [this](std::size_t which, std::size_t thread) RINGDOWN_REALTIME { render_source(which, thread); });
+      threads - 1, [this](std::size_t which, std::size_t thread) REALTIME { render_source(which, thread); });
 }
 
-void Renderer::open(std::size_t frames) RINGDOWN_REALTIME { main().sums.open(frames); }
+void Renderer::open(std::size_t frames) REALTIME { main().sums.open(frames); }
 
-bool Renderer::prefers_moments(std::size_t frames) const RINGDOWN_REALTIME {
+bool Renderer::prefers_moments(std::size_t frames) const REALTIME {
   return slow_modes_ * frames > kFramesPerMode * (kMomentsFixed + slow_modes_);
 }
 
@@ -32,7 +32,7 @@ bool Renderer::prefers_moments(std::size_t frames) const RINGDOWN_REALTIME {
 // renders a source decides in which order numbers are added, so with helpers two renders agree only to rounding; on one
 // thread they agree bit for bit. Few modes are not shared among threads: handing them over would take longer than
 // rendering them.
-void Renderer::render(std::span<Source* const> sources, const Chunk& chunk) RINGDOWN_REALTIME {
+void Renderer::render(std::span<Source* const> sources, const Chunk& chunk) REALTIME {
   sources_ = sources;
   chunk_ = &chunk;
   for (Workspace& workspace : workspaces().subspan(1)) {
@@ -54,9 +54,9 @@ void Renderer::render(std::span<Source* const> sources, const Chunk& chunk) RING
   slow_modes_ = main().counts.slow_modes;
 }
 
-void Renderer::render_source(std::size_t which, std::size_t thread) RINGDOWN_REALTIME {
+void Renderer::render_source(std::size_t which, std::size_t thread) REALTIME {
   Source& source = *sources_[which];
-  Workspace& workspace = workspaces_.data()[thread];
+  Workspace& workspace = workspaces_[thread];
   if (chunk_->shedding->may_render(source, *chunk_, workspace)) {
     source.render(*chunk_, workspace);
   } else {

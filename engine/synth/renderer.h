@@ -21,7 +21,7 @@ class Renderer {
  public:
   // Renders on `threads` threads, the audio thread among them. [worker, while nothing is rendered]
   void set_threads(std::size_t threads);
-  [[nodiscard]] std::size_t threads() const RINGDOWN_REALTIME { return workspaces_.size(); }
+  [[nodiscard]] std::size_t threads() const REALTIME { return workspaces_.size(); }
   // Makes room for ambisonic channels in each thread. Must be repeated after set_threads(). [worker, while nothing is
   // rendered]
   void have_field(bool on) {
@@ -37,19 +37,19 @@ class Renderer {
   // All functions below: [audio]
 
   // Begins a chunk; more than kChunkFrames only if nothing is rendered in it.
-  void open(std::size_t frames) RINGDOWN_REALTIME;
+  void open(std::size_t frames) REALTIME;
   // Returns whether moments are cheaper than tables in a chunk of `frames`.
-  [[nodiscard]] bool prefers_moments(std::size_t frames) const RINGDOWN_REALTIME;
-  void render(std::span<Source* const> sources, const Chunk& chunk) RINGDOWN_REALTIME;
+  [[nodiscard]] bool prefers_moments(std::size_t frames) const REALTIME;
+  void render(std::span<Source* const> sources, const Chunk& chunk) REALTIME;
   // Turns the sums into samples, after everything was added; the samples are in sums() until the next open().
-  void close() RINGDOWN_REALTIME { main().sums.close(); }
+  void close() REALTIME { main().sums.close(); }
 
   // Return the audio thread's own workspace, and all workspaces.
-  [[nodiscard]] Workspace& main() RINGDOWN_REALTIME { return workspaces_.data()[0]; }
-  [[nodiscard]] std::span<Workspace> workspaces() RINGDOWN_REALTIME { return {workspaces_.data(), workspaces_.size()}; }
+  [[nodiscard]] Workspace& main() REALTIME { return workspaces_[0]; }
+  [[nodiscard]] std::span<Workspace> workspaces() REALTIME { return {workspaces_.data(), workspaces_.size()}; }
 
  private:
-  void render_source(std::size_t which, std::size_t thread) RINGDOWN_REALTIME;
+  void render_source(std::size_t which, std::size_t thread) REALTIME;
 
   std::vector<Workspace> workspaces_ = std::vector<Workspace>(1);  // the audio thread's, then its helpers' workspaces
   std::unique_ptr<WorkerPool> helpers_;                            // null: the audio thread works alone

@@ -15,10 +15,9 @@ constexpr double kStruckDrift = 0.1;
 constexpr double kMaxClickImpulse_ns = 1e9, kMaxClick_s = 1;
 
 // Not-a-number lies in no range.
-bool is_sane(const Contact& contact) RINGDOWN_REALTIME {
+bool is_sane(const Contact& contact) REALTIME {
   const Texture& t = contact.texture;
-  const auto within = [](double value, double min, double max)
-                          RINGDOWN_REALTIME { return value >= min && value <= max; };
+  const auto within = [](double value, double min, double max) REALTIME { return value >= min && value <= max; };
   return within(dot(contact.force_n, contact.force_n), 0, kMaxEventValue * kMaxEventValue) &&
          within(contact.slip_m_s, 0, kMaxEventValue) && within(contact.roll_m_s, 0, kMaxEventValue) &&
          within(t.roughness_m, 0, 1) && within(t.correlation_m, 1e-9, 1e3) && within(t.spectral_slope, -10, 0) &&
@@ -46,7 +45,7 @@ void Stage::make_object(ObjectNumber number) {
   objects_.make(number);
 }
 
-void Stage::execute(const Command& command, const verb::Strike& impulse, Frame now) RINGDOWN_REALTIME {
+void Stage::execute(const Command& command, const verb::Strike& impulse, Frame now) REALTIME {
   using Kind = Command::Kind;
   if (command.kind == Kind::found_group) {
     command.group->found();
@@ -74,9 +73,9 @@ void Stage::execute(const Command& command, const verb::Strike& impulse, Frame n
 }
 
 // Carries out a verb that places something.
-void Stage::place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
-  const auto refuse = [this]() RINGDOWN_REALTIME { count(counters_.refused); };
-  const auto place = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+void Stage::place(const Event& event, Frame now, double sample_rate_hz) REALTIME {
+  const auto refuse = [this]() REALTIME { count(counters_.refused); };
+  const auto place = [&]<class One>(const One& one) REALTIME {
     if constexpr (std::is_same_v<One, verb::Pose>) {
       if (!is_sane(one.pose)) return refuse();
       Object* const found = objects_.find(event.object);
@@ -108,14 +107,14 @@ void Stage::place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN
   visit_now(place, event.verb);
 }
 
-std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REALTIME {
+std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) REALTIME {
   for (std::size_t input = 0; input < kMaxInputs && object_limit_ > 0; ++input) {
     const float* const samples = chunk.inputs[input];
     const std::optional<ObjectNumber> target = forces_->exciters.target_of(input);
     chunk.input_sounds[input] = false;
     if (!samples || !target) continue;
     rest = std::min(rest, kChunkFrames);
-    chunk.input_sounds[input] = std::any_of(samples, samples + rest, [](float x) RINGDOWN_REALTIME { return x != 0; });
+    chunk.input_sounds[input] = std::any_of(samples, samples + rest, [](float x) REALTIME { return x != 0; });
     if (chunk.input_sounds[input]) active_objects_.add(*objects_.find(*target));
   }
   return rest;
@@ -126,8 +125,7 @@ std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REA
 // must be done before anything is rendered: it starts clicks, contact pulses and lasting contacts, and takes an object
 // out of its instance group when the event needs the object alone. Only when all events of the chunk are accepted are
 // those that remain appended to their sources, because an object that leaves or joins a group changes its source.
-void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shedding,
-                         Workspace& workspace) RINGDOWN_REALTIME {
+void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shedding, Workspace& workspace) REALTIME {
   if (chunk.listening) part_drifted(chunk);
   events_waited_ = false;
   std::size_t count = 0, sent_on = 0;
@@ -154,7 +152,7 @@ void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shed
     }
     events_waited_ = !shedding.may_accept(object.units_of(next->event.verb));
     if (events_waited_) break;
-    DueEvent& due = due_.data()[count];
+    DueEvent& due = due_[count];
     due = {events_.event_of(next->event), &object, 0, *next, false, nullptr};
     due.event.frame = std::max(due.event.frame, chunk.begin);  // it may have waited since an earlier chunk
     due.offset = static_cast<std::size_t>(due.event.frame - chunk.begin);
@@ -167,12 +165,12 @@ void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shed
   }
   due_count_ = count;
   if (object_limit_ > 0) forces_->touches.regroup();
-  for (std::size_t i = 0; i < count; ++i) give_to_source(due_.data()[i], chunk, shedding, workspace);
+  for (std::size_t i = 0; i < count; ++i) give_to_source(due_[i], chunk, shedding, workspace);
 }
 
 // Frames for which the sound of an event travels: it leaves where the object is then, and the object's track is late by
 // that time (Listening::set_travel_time()), so the time is found by going there and looking again.
-Frame Stage::travels(const QueuedEvent& event, const Object& object, const Chunk& chunk) const RINGDOWN_REALTIME {
+Frame Stage::travels(const QueuedEvent& event, const Object& object, const Chunk& chunk) const REALTIME {
   const PoseTrack& track = object.placement.track;
   if (!chunk.listening || !chunk.listening->travel_time() || !is_sound(effect_of(event.verb)) || !track.known())
     return 0;
@@ -190,14 +188,14 @@ Frame Stage::travels(const QueuedEvent& event, const Object& object, const Chunk
 
 // Begins what an event begins at once. True when the event is for its object or group to play.
 bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
-                   Workspace& workspace) RINGDOWN_REALTIME {
+                   Workspace& workspace) REALTIME {
   Object& object = *due.object;
-  const auto rings_alone = [&]() RINGDOWN_REALTIME {
+  const auto rings_alone = [&]() REALTIME {
     if (object.member.shares_states) shedding.worked(object.units_to_share(), workspace);
     part(object, chunk.begin);
     return true;
   };
-  const auto begins = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+  const auto begins = [&]<class One>(const One& one) REALTIME {
     if constexpr (std::is_same_v<One, verb::Strike> || std::is_same_v<One, verb::StrikeVertex>) {
       return !(exact_contacts && !shedding.tight() && starts_pulse(one, due, chunk));
     } else if constexpr (TwoWay<One>) {
@@ -240,7 +238,7 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
   return visit_now(begins, due.event.verb);
 }
 
-bool Stage::accept_contact(const verb::Contact& contact, const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME {
+bool Stage::accept_contact(const verb::Contact& contact, const DueEvent& due, const Chunk& chunk) REALTIME {
   Object& object = *due.object;
   if (is_sane(contact.contact)) {
     return forces_->exciters.open_contact(contact, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
@@ -253,7 +251,7 @@ bool Stage::accept_contact(const verb::Contact& contact, const DueEvent& due, co
 // A mallet for which there is no place or time becomes a strike, and a rub a one-way contact, which it then stays; a
 // bow or a coupling is refused.
 Stage::Felt Stage::accept_touch(const Touch& how, const DueEvent& due, const Chunk& chunk,
-                                const Shedding& shedding) RINGDOWN_REALTIME {
+                                const Shedding& shedding) REALTIME {
   Object& object = *due.object;
   const bool rubs = how.kind == Touch::Kind::rub;
   Object* const other = objects_.find(how.other);
@@ -277,7 +275,7 @@ Stage::Felt Stage::accept_touch(const Touch& how, const DueEvent& due, const Chu
 }
 
 template <class Strike>
-bool Stage::starts_pulse(const Strike& strike, const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME {
+bool Stage::starts_pulse(const Strike& strike, const DueEvent& due, const Chunk& chunk) REALTIME {
   Object& object = *due.object;
   if (!forces_->exciters.start_pulse(strike, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
                                      object.exciters)) {
@@ -291,7 +289,7 @@ bool Stage::starts_pulse(const Strike& strike, const DueEvent& due, const Chunk&
 
 // Returns true if a silent object may share its states from the beginning of the chunk on. First updates the gains by
 // which it is heard.
-bool Stage::settles(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
+bool Stage::settles(Object& object, const Chunk& chunk) REALTIME {
   if (!object.placement.heard(chunk)) return true;
   if (object.active) return false;
   object.placement.begin_chunk(chunk, object.voices, object.strip);
@@ -300,7 +298,7 @@ bool Stage::settles(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
 
 // Members of groups that are heard differently now ring alone again, unless they have fallen by 60 dB since they were
 // struck. A part of the objects is looked at in each chunk.
-void Stage::part_drifted(const Chunk& chunk) RINGDOWN_REALTIME {
+void Stage::part_drifted(const Chunk& chunk) REALTIME {
   constexpr std::size_t kTurns = 8;
   next_looked_at_ = (next_looked_at_ + 1) % kTurns;
   for (std::size_t i = next_looked_at_; i < object_limit_; i += kTurns) {
@@ -315,8 +313,7 @@ void Stage::part_drifted(const Chunk& chunk) RINGDOWN_REALTIME {
 }
 
 // Strikes on objects that share their states go to their group. An object that is struck begins to share if it can.
-void Stage::give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding,
-                           Workspace& workspace) RINGDOWN_REALTIME {
+void Stage::give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding, Workspace& workspace) REALTIME {
   Object& object = *due.object;
   if (object.member.shares_states && chunk.listening &&
       object.placement.drifted(chunk, *object.voices.current(), kStruckDrift)) {
@@ -338,19 +335,19 @@ void Stage::give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& sh
   }
 }
 
-std::span<Source* const> Stage::sources() RINGDOWN_REALTIME {
+std::span<Source* const> Stage::sources() REALTIME {
   std::size_t count = 0;
-  for (InstanceGroup* group : active_groups_.all()) sources_.data()[count++] = group;
+  for (InstanceGroup* group : active_groups_.all()) sources_[count++] = group;
   if (object_limit_ > 0) {
-    for (TouchGroup* group : forces_->touches.groups()) sources_.data()[count++] = group;
+    for (TouchGroup* group : forces_->touches.groups()) sources_[count++] = group;
   }
   for (Object* object : active_objects_.all()) {
-    if (!object->touched) sources_.data()[count++] = object;
+    if (!object->touched) sources_[count++] = object;
   }
   return {sources_.data(), count};
 }
 
-void Stage::join(Object& object, Frame now, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME {
+void Stage::join(Object& object, Frame now, const Shedding& shedding, Workspace& workspace) REALTIME {
   InstanceGroup& group = *object.voices.current()->table().instances;
   if (!group.join(object, now)) return;
   shedding.worked(object.units_to_share(), workspace);
@@ -358,7 +355,7 @@ void Stage::join(Object& object, Frame now, const Shedding& shedding, Workspace&
 }
 
 // The object rings alone from frame `now` on.
-void Stage::part(Object& object, Frame now) RINGDOWN_REALTIME {
+void Stage::part(Object& object, Frame now) REALTIME {
   object.left_group = now;
   if (!object.member.shares_states) return;
   object.voices.current()->table().instances->leave(object, now);
@@ -366,7 +363,7 @@ void Stage::part(Object& object, Frame now) RINGDOWN_REALTIME {
 }
 
 // Events for which there was no time happen in the next chunk.
-void Stage::put_back(DueList& due) RINGDOWN_REALTIME {
+void Stage::put_back(DueList& due) REALTIME {
   for (; due.first; due.first = due.first->next) {
     EventQueue::Pending pending = due.first->queued;
     pending.travelled = true;
@@ -376,14 +373,14 @@ void Stage::put_back(DueList& due) RINGDOWN_REALTIME {
   }
 }
 
-void Stage::finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME {
+void Stage::finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace& workspace) REALTIME {
   // Silent groups leave their list before a voice whose table holds one can be retired.
-  active_groups_.keep_if([&](InstanceGroup& group) RINGDOWN_REALTIME {
+  active_groups_.keep_if([&](InstanceGroup& group) REALTIME {
     put_back(group.due);
     if (!group.ringing()) group.end_round();
     return group.ringing();
   });
-  active_objects_.keep_if([&](Object& object) RINGDOWN_REALTIME {
+  active_objects_.keep_if([&](Object& object) REALTIME {
     const bool waits = object.due.first != nullptr;  // and would leave its group again
     put_back(object.due);
     if (!stays_active(object, chunk)) return false;
@@ -395,16 +392,16 @@ void Stage::finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace
     return false;
   });
   for (std::size_t i = 0; i < due_count_; ++i) {
-    const DueEvent& due = due_.data()[i];
+    const DueEvent& due = due_[i];
     if (!due.waits) events_.release(due.queued.event);
   }
   due_count_ = 0;
 }
 
-bool Stage::stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
+bool Stage::stays_active(Object& object, const Chunk& chunk) REALTIME {
   const bool had_tails = object.voices.has_tails();
   const bool pulse = object.voices.current() && object.exciters.has_pulse();
-  object.voices.drop_silent_tails([&](Voice* voice, bool last) RINGDOWN_REALTIME {
+  object.voices.drop_silent_tails([&](Voice* voice, bool last) REALTIME {
     if (last)
       object.strip.reset(), object.placement.forget();  // before the worker learns that the number is free again
     voices_.retire(object.number, voice);
@@ -415,7 +412,7 @@ bool Stage::stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
 }
 
 void Stage::start_click(const verb::Click& click, const DueEvent& due, const Chunk& chunk,
-                        const Shedding& shedding) RINGDOWN_REALTIME {
+                        const Shedding& shedding) REALTIME {
   const Voice* const voice = due.object->voices.current();
   const double impulse_ns = length(click.impulse_ns);
   const std::optional<ClickShape> shape = voice ? voice->table().click() : std::nullopt;
@@ -430,7 +427,7 @@ void Stage::start_click(const verb::Click& click, const DueEvent& due, const Chu
 }
 
 // Clicks are few and soon over: the audio thread renders them alone.
-void Stage::render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Stage::render_clicks(const Chunk& chunk, Workspace& workspace) REALTIME {
   for (std::size_t i = 0; i < clicks_.size(); ++i) {
     Clicks::One& one = clicks_[i];
     const auto begin = static_cast<std::size_t>(std::max<Frame>(one.begin - chunk.begin, 0));

@@ -35,7 +35,7 @@ class Objects {
     by_number_[number].store(owned_.back().get(), std::memory_order_release);
   }
   // Null: there has never been an object of this number. [audio, worker]
-  [[nodiscard]] Object* find(std::size_t number) const RINGDOWN_REALTIME {
+  [[nodiscard]] Object* find(std::size_t number) const REALTIME {
     return number < kMaxObjects ? by_number_[number].load(std::memory_order_acquire) : nullptr;
   }
   // [worker, while nothing is rendered]
@@ -57,41 +57,40 @@ class Stage {
   void make_object(ObjectNumber number);
 
   // Carries out a command at frame `now`; `impulse` is that of Command::Kind::connect.
-  void execute(const Command& command, const verb::Strike& impulse, Frame now) RINGDOWN_REALTIME;
+  void execute(const Command& command, const verb::Strike& impulse, Frame now) REALTIME;
 
   // Takes up where something is (is_placing()).
-  void place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
+  void place(const Event& event, Frame now, double sample_rate_hz) REALTIME;
   void set_travel_time(bool on) { listening_.set_travel_time(on); }  // [worker, while nothing is rendered]
   // The listener for a chunk; null when there has never been one.
-  [[nodiscard]] const Listening* begin_listening(const Chunk& chunk) RINGDOWN_REALTIME {
+  [[nodiscard]] const Listening* begin_listening(const Chunk& chunk) REALTIME {
     if (!listening_.used()) return nullptr;
     listening_.begin_cell(chunk.cell_begin(), chunk.cell_end(), chunk.sample_rate_hz);
     return &listening_;
   }
   // Returns true if there has ever been a listener.
-  [[nodiscard]] bool has_listened() const RINGDOWN_REALTIME { return listening_.used(); }
+  [[nodiscard]] bool has_listened() const REALTIME { return listening_.used(); }
 
   // Finds which inputs are not silent in the chunk's first frames, and activates what they excite. Returns how many of
   // `rest` frames were looked at: kChunkFrames at most when an input is connected.
-  [[nodiscard]] std::size_t listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REALTIME;
+  [[nodiscard]] std::size_t listen_to_inputs(Chunk& chunk, std::size_t rest) REALTIME;
 
   // Returns true if nothing sounds or is about to.
-  [[nodiscard]] bool idle() const RINGDOWN_REALTIME {
+  [[nodiscard]] bool idle() const REALTIME {
     return active_objects_.size() + active_groups_.size() + clicks_.size() == 0;
   }
 
   // Gives the events of the chunk to their objects and groups. With `exact_contacts` strikes play their contact sample
   // by sample where they can.
-  void route_events(const Chunk& chunk, bool exact_contacts, Shedding& shedding,
-                    Workspace& workspace) RINGDOWN_REALTIME;
+  void route_events(const Chunk& chunk, bool exact_contacts, Shedding& shedding, Workspace& workspace) REALTIME;
   // The sources to render in this chunk, after its events have been routed: groups, then objects.
-  [[nodiscard]] std::span<Source* const> sources() RINGDOWN_REALTIME;
-  void render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  [[nodiscard]] std::span<Source* const> sources() REALTIME;
+  void render_clicks(const Chunk& chunk, Workspace& workspace) REALTIME;
   // After the chunk: takes what has fallen silent off the lists, hands silent voices back, lets objects share states,
   // and returns events that had to wait to the queue.
-  void finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME;
+  void finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace& workspace) REALTIME;
   // Returns true if events of the chunk were postponed because time was short.
-  [[nodiscard]] bool events_waited() const RINGDOWN_REALTIME { return events_waited_; }
+  [[nodiscard]] bool events_waited() const REALTIME { return events_waited_; }
 
   // Parts all objects that share states, and ends clicks, before the sample rate changes. [worker, while nothing is
   // rendered]
@@ -111,9 +110,9 @@ class Stage {
   }
 
   // Null: there has never been an object of this number.
-  [[nodiscard]] const Object* object(std::size_t number) const RINGDOWN_REALTIME { return objects_.find(number); }
+  [[nodiscard]] const Object* object(std::size_t number) const REALTIME { return objects_.find(number); }
   // One past the highest object number in use so far.
-  [[nodiscard]] std::size_t object_limit() const RINGDOWN_REALTIME { return object_limit_; }
+  [[nodiscard]] std::size_t object_limit() const REALTIME { return object_limit_; }
 
  private:
   // The forces that act on objects for some time.
@@ -128,20 +127,20 @@ class Stage {
   class ActiveList {
    public:
     explicit ActiveList(std::size_t capacity) : list_(capacity) {}
-    [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME { return count_; }
-    [[nodiscard]] std::span<Kind* const> all() const RINGDOWN_REALTIME { return {list_.data(), count_}; }
-    void add(Kind& source) RINGDOWN_REALTIME {
+    [[nodiscard]] std::size_t size() const REALTIME { return count_; }
+    [[nodiscard]] std::span<Kind* const> all() const REALTIME { return {list_.data(), count_}; }
+    void add(Kind& source) REALTIME {
       if (source.active) return;
       source.active = true;
-      list_.data()[count_++] = &source;
+      list_[count_++] = &source;
     }
     template <class Stays>
-    void keep_if(const Stays& stays) RINGDOWN_REALTIME {
+    void keep_if(const Stays& stays) REALTIME {
       std::size_t kept = 0;
       for (std::size_t i = 0; i < count_; ++i) {
-        Kind& source = *list_.data()[i];
+        Kind& source = *list_[i];
         if (stays(source)) {
-          list_.data()[kept++] = &source;
+          list_[kept++] = &source;
         } else {
           source.active = false;
         }
@@ -154,27 +153,24 @@ class Stage {
     std::size_t count_ = 0;
   };
 
-  [[nodiscard]] Frame travels(const QueuedEvent& event, const Object& object,
-                              const Chunk& chunk) const RINGDOWN_REALTIME;
+  [[nodiscard]] Frame travels(const QueuedEvent& event, const Object& object, const Chunk& chunk) const REALTIME;
   [[nodiscard]] bool accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
-                            Workspace& workspace) RINGDOWN_REALTIME;
-  [[nodiscard]] bool accept_contact(const verb::Contact& contact, const DueEvent& due,
-                                    const Chunk& chunk) RINGDOWN_REALTIME;
+                            Workspace& workspace) REALTIME;
+  [[nodiscard]] bool accept_contact(const verb::Contact& contact, const DueEvent& due, const Chunk& chunk) REALTIME;
   enum class Felt { taken, as_strike, one_way, not_at_all };
   [[nodiscard]] Felt accept_touch(const Touch& how, const DueEvent& due, const Chunk& chunk,
-                                  const Shedding& shedding) RINGDOWN_REALTIME;
+                                  const Shedding& shedding) REALTIME;
   template <class Strike>
-  [[nodiscard]] bool starts_pulse(const Strike& strike, const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME;
+  [[nodiscard]] bool starts_pulse(const Strike& strike, const DueEvent& due, const Chunk& chunk) REALTIME;
   void start_click(const verb::Click& click, const DueEvent& due, const Chunk& chunk,
-                   const Shedding& shedding) RINGDOWN_REALTIME;
-  void give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding,
-                      Workspace& workspace) RINGDOWN_REALTIME;
-  void join(Object& object, Frame now, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME;
-  void part(Object& object, Frame now) RINGDOWN_REALTIME;
-  [[nodiscard]] bool settles(Object& object, const Chunk& chunk) RINGDOWN_REALTIME;
-  void part_drifted(const Chunk& chunk) RINGDOWN_REALTIME;
-  void put_back(DueList& due) RINGDOWN_REALTIME;
-  [[nodiscard]] bool stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME;
+                   const Shedding& shedding) REALTIME;
+  void give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding, Workspace& workspace) REALTIME;
+  void join(Object& object, Frame now, const Shedding& shedding, Workspace& workspace) REALTIME;
+  void part(Object& object, Frame now) REALTIME;
+  [[nodiscard]] bool settles(Object& object, const Chunk& chunk) REALTIME;
+  void part_drifted(const Chunk& chunk) REALTIME;
+  void put_back(DueList& due) REALTIME;
+  [[nodiscard]] bool stays_active(Object& object, const Chunk& chunk) REALTIME;
 
   EventQueue& events_;
   VoiceRegistry& voices_;

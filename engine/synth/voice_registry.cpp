@@ -37,7 +37,7 @@ void VoiceRegistry::count_installed(ObjectNumber object) {
   ++voices_of_[object];
 }
 
-void VoiceRegistry::retire(ObjectNumber object, Voice* voice) RINGDOWN_REALTIME {
+void VoiceRegistry::retire(ObjectNumber object, Voice* voice) REALTIME {
   [[maybe_unused]] const bool handed_over = retired_.push({object, voice});
   assert(handed_over);
 }

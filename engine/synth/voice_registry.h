@@ -45,7 +45,7 @@ class VoiceRegistry {
 
   // Returns a voice that has fallen silent to the worker. There is always room, because has_room() limits the number.
   // [audio]
-  void retire(ObjectNumber object, Voice* voice) RINGDOWN_REALTIME;
+  void retire(ObjectNumber object, Voice* voice) REALTIME;
   // Frees voices that have been returned. [worker]
   void collect();
 

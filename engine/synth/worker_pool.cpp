@@ -16,7 +16,7 @@ namespace {
 constexpr auto kSpin = std::chrono::milliseconds(20);  // after the last work: a few blocks
 constexpr auto kNap = std::chrono::microseconds(500);
 
-void pause() RINGDOWN_REALTIME {
+void pause() REALTIME {
 #if defined(__SSE2__)
   _mm_pause();
 #endif
@@ -54,9 +54,9 @@ void WorkerPool::help(std::size_t who, const std::stop_token& stop) {
   }
 }
 
-bool WorkerPool::take_some(std::size_t who) RINGDOWN_REALTIME {
+bool WorkerPool::take_some(std::size_t who) REALTIME {
   for (std::size_t i = 0; i < shares_.size(); ++i) {
-    if (take_some_of(shares_.data()[(who + i) % shares_.size()], who)) return true;
+    if (take_some_of(shares_[(who + i) % shares_.size()], who)) return true;
   }
   return false;
 }
@@ -67,8 +67,8 @@ bool WorkerPool::take_some(std::size_t who) RINGDOWN_REALTIME {
 // form of guided self-scheduling (Polychronopoulos & Kuck, IEEE Trans. Comput. 36, 1987).
 //
 // work_ was given to the constructor, whose caller promises that it is fit for the audio thread.
-RINGDOWN_TRUST_REALTIME_BEGIN
-bool WorkerPool::take_some_of(Share& share, std::size_t who) RINGDOWN_REALTIME {
+TRUST_REALTIME_BEGIN
+bool WorkerPool::take_some_of(Share& share, std::size_t who) REALTIME {
   constexpr std::size_t kHelpings = 8;  // of what is left of a share
   const auto end_of = [](std::uint64_t word) { return static_cast<std::size_t>(word >> kItemBits & kItemMask); };
   const auto item_of = [](std::uint64_t word) { return static_cast<std::size_t>(word & kItemMask); };
@@ -82,14 +82,14 @@ bool WorkerPool::take_some_of(Share& share, std::size_t who) RINGDOWN_REALTIME {
   done_.fetch_add(end - begin, std::memory_order_release);
   return true;
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
-void WorkerPool::run(std::size_t count) RINGDOWN_REALTIME {
+void WorkerPool::run(std::size_t count) REALTIME {
   done_.store(0, std::memory_order_relaxed);
   ++round_;
   for (std::size_t i = 0; i < shares_.size(); ++i) {
     const std::uint64_t begin = count * i / shares_.size(), end = count * (i + 1) / shares_.size();
-    shares_.data()[i].next.store(round_ << 2 * kItemBits | end << kItemBits | begin, std::memory_order_release);
+    shares_[i].next.store(round_ << 2 * kItemBits | end << kItemBits | begin, std::memory_order_release);
   }
   while (take_some(0)) {
   }

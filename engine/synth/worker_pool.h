@@ -29,7 +29,7 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   // Does items 0 ... count - 1, count <= kMaxItems, on all threads and returns when all are done. [audio]
-  void run(std::size_t count) RINGDOWN_REALTIME;
+  void run(std::size_t count) REALTIME;
 
  private:
   // Round, end of the share and next item in one word: an item is taken from the round it belongs to or not at all.
@@ -41,8 +41,8 @@ class WorkerPool {
   };
 
   void help(std::size_t who, const std::stop_token& stop);
-  [[nodiscard]] bool take_some(std::size_t who) RINGDOWN_REALTIME;
-  [[nodiscard]] bool take_some_of(Share& share, std::size_t who) RINGDOWN_REALTIME;
+  [[nodiscard]] bool take_some(std::size_t who) REALTIME;
+  [[nodiscard]] bool take_some_of(Share& share, std::size_t who) REALTIME;
 
   std::function<void(std::size_t, std::size_t)> work_;
   std::vector<Share> shares_;  // the audio thread's share, then those of the helpers

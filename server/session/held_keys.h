@@ -28,27 +28,27 @@ class HeldKeys {
   // sustain keeps every key that is released while the pedal is down; sostenuto keeps the keys that were down when the
   // pedal went down; damp keeps no key, even if another pedal would.
   enum class Pedal : std::uint8_t { sustain, sostenuto, damp };
-  static std::optional<Pedal> pedal_of(std::uint8_t controller) RINGDOWN_REALTIME;
+  static std::optional<Pedal> pedal_of(std::uint8_t controller) REALTIME;
 
-  void press(std::size_t key, std::size_t channel) RINGDOWN_REALTIME;
+  void press(std::size_t key, std::size_t channel) REALTIME;
 
   // The outcome of a release on a channel. absent: the channel does not hold the key, and nothing changes; down:
   // another channel still holds it; kept: it is up, but a pedal keeps it sounding; free: nothing holds it any more.
   enum class Release : std::uint8_t { absent, down, kept, free };
-  Release release(std::size_t key, std::size_t channel) RINGDOWN_REALTIME;
+  Release release(std::size_t key, std::size_t channel) REALTIME;
 
   // Moves a pedal on a channel. Returns the keys that nothing holds any more.
-  Keys move(Pedal pedal, std::size_t channel, bool down) RINGDOWN_REALTIME;
+  Keys move(Pedal pedal, std::size_t channel, bool down) REALTIME;
   // Lifts all pedals of a channel.
-  Keys lift_pedals(std::size_t channel) RINGDOWN_REALTIME;
+  Keys lift_pedals(std::size_t channel) REALTIME;
 
-  [[nodiscard]] bool is_down(std::size_t key) const RINGDOWN_REALTIME { return channels_.data()[key] != 0; }
-  [[nodiscard]] bool is_down(std::size_t key, std::size_t channel) const RINGDOWN_REALTIME;
-  [[nodiscard]] bool is_held(std::size_t key) const RINGDOWN_REALTIME { return is_down(key) || kept_[key]; }
-  [[nodiscard]] bool is_down(Pedal pedal) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool is_down(std::size_t key) const REALTIME { return channels_[key] != 0; }
+  [[nodiscard]] bool is_down(std::size_t key, std::size_t channel) const REALTIME;
+  [[nodiscard]] bool is_held(std::size_t key) const REALTIME { return is_down(key) || kept_[key]; }
+  [[nodiscard]] bool is_down(Pedal pedal) const REALTIME;
 
   // The lowest channel that holds the key, which must be down.
-  [[nodiscard]] std::size_t channel_of(std::size_t key) const RINGDOWN_REALTIME;
+  [[nodiscard]] std::size_t channel_of(std::size_t key) const REALTIME;
 
  private:
   using Channels = std::uint16_t;  // one bit per channel

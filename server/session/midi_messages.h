@@ -19,6 +19,6 @@ inline constexpr std::uint8_t kExpression = 11, kSustainPedal = 64, kSostenutoPe
                               kBrightness = 74, kAllSoundOff = 120, kResetControllers = 121, kAllNotesOff = 123;
 
 // Returns true for all notes off and for the four changes of mode (omni off and on, mono, poly), which also end notes.
-constexpr bool ends_notes(std::uint8_t controller) RINGDOWN_REALTIME { return controller >= kAllNotesOff; }
+constexpr bool ends_notes(std::uint8_t controller) REALTIME { return controller >= kAllNotesOff; }
 
 }  // namespace ringdown::session::midi

@@ -13,12 +13,12 @@ using synth::Event;
 constexpr double kMaxContact_s = 0.1;
 constexpr float kFirstPressure = 0.5F;  // pressure of a bow before any message
 
-float share_of(std::uint8_t value) RINGDOWN_REALTIME { return static_cast<float>(value) / 127.0F; }
+float share_of(std::uint8_t value) REALTIME { return static_cast<float>(value) / 127.0F; }
 
 }  // namespace
 
 void MidiPlayer::play(std::span<const std::uint8_t> message, synth::Frame frame, const NoteTable& table,
-                      synth::Mixer& mixer, SpscRing<Event>& played) RINGDOWN_REALTIME {
+                      synth::Mixer& mixer, SpscRing<Event>& played) REALTIME {
   if (message.empty()) return;
   const Playing playing{frame, table, mixer, played};
   const std::uint8_t* const bytes = message.data();
@@ -27,7 +27,7 @@ void MidiPlayer::play(std::span<const std::uint8_t> message, synth::Frame frame,
   const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0), channel = static_cast<std::uint8_t>(bytes[0] & 0x0f);
   if (kind == midi::kChannelPressure) {
     const float share = share_of(bytes[1] & 0x7f);
-    return change_bows(channel, playing, [share](Bow& bow) RINGDOWN_REALTIME { bow.force = share; });
+    return change_bows(channel, playing, [share](Bow& bow) REALTIME { bow.force = share; });
   }
   if (message.size() < 3) return;
   const auto first = static_cast<std::uint8_t>(bytes[1] & 0x7f), second = static_cast<std::uint8_t>(bytes[2] & 0x7f);
@@ -43,10 +43,9 @@ void MidiPlayer::play(std::span<const std::uint8_t> message, synth::Frame frame,
   }
 }
 
-void MidiPlayer::press(std::size_t note, std::uint8_t velocity, std::uint8_t channel,
-                       const Playing& playing) RINGDOWN_REALTIME {
+void MidiPlayer::press(std::size_t note, std::uint8_t velocity, std::uint8_t channel, const Playing& playing) REALTIME {
   keys_.press(note, channel);
-  const auto& strike = playing.table.notes.data()[note];
+  const auto& strike = playing.table.notes[note];
   if (!strike) return;
   if (strike->bow) {
     const float speed = share_of(velocity);
@@ -61,7 +60,7 @@ void MidiPlayer::press(std::size_t note, std::uint8_t velocity, std::uint8_t cha
        playing);
 }
 
-void MidiPlayer::release(std::size_t note, std::uint8_t channel, const Playing& playing) RINGDOWN_REALTIME {
+void MidiPlayer::release(std::size_t note, std::uint8_t channel, const Playing& playing) REALTIME {
   switch (keys_.release(note, channel)) {
     case HeldKeys::Release::absent:
       return;
@@ -79,19 +78,19 @@ void MidiPlayer::release(std::size_t note, std::uint8_t channel, const Playing& 
 }
 
 void MidiPlayer::control(std::uint8_t channel, std::uint8_t number, std::uint8_t value,
-                         const Playing& playing) RINGDOWN_REALTIME {
+                         const Playing& playing) REALTIME {
   if (const auto pedal = HeldKeys::pedal_of(number)) {
     const bool was_damped = keys_.is_down(HeldKeys::Pedal::damp);
     damp_released(keys_.move(*pedal, channel, value >= 64), playing);
     if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(playing.table.damp_s, playing);
   } else if (number == midi::kExpression || number == midi::kBrightness) {
-    change_bows(channel, playing, [value](Bow& bow) RINGDOWN_REALTIME { bow.speed = share_of(value); });
+    change_bows(channel, playing, [value](Bow& bow) REALTIME { bow.speed = share_of(value); });
   } else if (number == midi::kAllSoundOff) {
     for (std::size_t note = 0; note < kNotes; ++note) lift(note, playing);
     damp_all(0, playing);
   } else if (number == midi::kResetControllers) {
     damp_released(keys_.lift_pedals(channel), playing);
-    change_bows(channel, playing, [](Bow& bow) RINGDOWN_REALTIME {
+    change_bows(channel, playing, [](Bow& bow) REALTIME {
       bow.speed = bow.first_speed;
       bow.force = kFirstPressure;
     });
@@ -100,13 +99,13 @@ void MidiPlayer::control(std::uint8_t channel, std::uint8_t number, std::uint8_t
   }
 }
 
-void MidiPlayer::reset(const Playing& playing) RINGDOWN_REALTIME {
+void MidiPlayer::reset(const Playing& playing) REALTIME {
   for (std::size_t note = 0; note < kNotes; ++note) lift(note, playing);
   keys_ = {};
   damp_all(0, playing);
 }
 
-void MidiPlayer::damp_released(const HeldKeys::Keys& keys, const Playing& playing) RINGDOWN_REALTIME {
+void MidiPlayer::damp_released(const HeldKeys::Keys& keys, const Playing& playing) REALTIME {
   if (!playing.table.release_s) return;
   for (std::size_t note = 0; note < kNotes; ++note) {
     if (keys[note]) damp(note, *playing.table.release_s, playing);
@@ -114,30 +113,30 @@ void MidiPlayer::damp_released(const HeldKeys::Keys& keys, const Playing& playin
 }
 
 // Damps what one note struck, unless another note keeps the object ringing.
-void MidiPlayer::damp(std::size_t note, double within_s, const Playing& playing) RINGDOWN_REALTIME {
-  const auto& strike = playing.table.notes.data()[note];
+void MidiPlayer::damp(std::size_t note, double within_s, const Playing& playing) REALTIME {
+  const auto& strike = playing.table.notes[note];
   if (!strike || kept(strike->object, playing.table)) return;
   push({.object = strike->object, .verb = synth::verb::Clear{within_s}}, playing);
 }
 
-bool MidiPlayer::kept(synth::ObjectNumber object, const NoteTable& table) const RINGDOWN_REALTIME {
+bool MidiPlayer::kept(synth::ObjectNumber object, const NoteTable& table) const REALTIME {
   for (std::size_t note = 0; note < kNotes; ++note) {
-    const auto& strike = table.notes.data()[note];
+    const auto& strike = table.notes[note];
     if (strike && strike->object == object && keys_.is_held(note)) return true;
   }
   return false;
 }
 
-void MidiPlayer::damp_all(double within_s, const Playing& playing) RINGDOWN_REALTIME {
+void MidiPlayer::damp_all(double within_s, const Playing& playing) REALTIME {
   for (std::size_t note = 0; note < kNotes; ++note) {
-    const auto& strike = playing.table.notes.data()[note];
+    const auto& strike = playing.table.notes[note];
     if (strike) push({.object = strike->object, .verb = synth::verb::Clear{within_s}}, playing);
   }
 }
 
 // Sets the note's bow to its speed and force.
-void MidiPlayer::draw(std::size_t note, const Playing& playing) RINGDOWN_REALTIME {
-  const auto& strike = playing.table.notes.data()[note];
+void MidiPlayer::draw(std::size_t note, const Playing& playing) REALTIME {
+  const auto& strike = playing.table.notes[note];
   if (!strike || !strike->bow) return;
   const Bow& bow = bows_[note];
   const synth::verb::Bow drawn{.point_m = strike->point_m,
@@ -148,14 +147,14 @@ void MidiPlayer::draw(std::size_t note, const Playing& playing) RINGDOWN_REALTIM
   push({.object = strike->object, .verb = drawn}, playing);
 }
 
-void MidiPlayer::lift(std::size_t note, const Playing& playing) RINGDOWN_REALTIME {
+void MidiPlayer::lift(std::size_t note, const Playing& playing) REALTIME {
   if (!bows_[note].drawn) return;
   bows_[note].drawn = false;
   draw(note, playing);
 }
 
 template <class Change>
-void MidiPlayer::change_bows(std::uint8_t channel, const Playing& playing, const Change& change) RINGDOWN_REALTIME {
+void MidiPlayer::change_bows(std::uint8_t channel, const Playing& playing, const Change& change) REALTIME {
   for (std::size_t note = 0; note < kNotes; ++note) {
     if (!bows_[note].drawn || bows_[note].channel != channel) continue;
     change(bows_[note]);
@@ -163,7 +162,7 @@ void MidiPlayer::change_bows(std::uint8_t channel, const Playing& playing, const
   }
 }
 
-void MidiPlayer::push(const Event& event, const Playing& playing) RINGDOWN_REALTIME {
+void MidiPlayer::push(const Event& event, const Playing& playing) REALTIME {
   Event timed = event;
   timed.frame = playing.frame;
   if (playing.mixer.push(synth::Producer::midi, timed)) {

@@ -29,7 +29,7 @@ class MidiPlayer {
   // Plays one message at `frame`. Messages other than notes, pedals, bows and resets are ignored. Each event that the
   // mixer took is also put into `played`, as long as there is room.
   void play(std::span<const std::uint8_t> message, synth::Frame frame, const NoteTable& table, synth::Mixer& mixer,
-            SpscRing<synth::Event>& played) RINGDOWN_REALTIME;
+            SpscRing<synth::Event>& played) REALTIME;
 
   // Events lost because the mixer's queue was full. [any]
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
@@ -41,19 +41,19 @@ class MidiPlayer {
     synth::Mixer& mixer;
     SpscRing<synth::Event>& played;
   };
-  void press(std::size_t note, std::uint8_t velocity, std::uint8_t channel, const Playing& playing) RINGDOWN_REALTIME;
-  void release(std::size_t note, std::uint8_t channel, const Playing& playing) RINGDOWN_REALTIME;
-  void control(std::uint8_t channel, std::uint8_t number, std::uint8_t value, const Playing& playing) RINGDOWN_REALTIME;
-  void reset(const Playing& playing) RINGDOWN_REALTIME;
-  void damp(std::size_t note, double within_s, const Playing& playing) RINGDOWN_REALTIME;
-  void damp_released(const HeldKeys::Keys& keys, const Playing& playing) RINGDOWN_REALTIME;
-  void damp_all(double within_s, const Playing& playing) RINGDOWN_REALTIME;
-  [[nodiscard]] bool kept(synth::ObjectNumber object, const NoteTable& table) const RINGDOWN_REALTIME;
-  void draw(std::size_t note, const Playing& playing) RINGDOWN_REALTIME;
-  void lift(std::size_t note, const Playing& playing) RINGDOWN_REALTIME;
+  void press(std::size_t note, std::uint8_t velocity, std::uint8_t channel, const Playing& playing) REALTIME;
+  void release(std::size_t note, std::uint8_t channel, const Playing& playing) REALTIME;
+  void control(std::uint8_t channel, std::uint8_t number, std::uint8_t value, const Playing& playing) REALTIME;
+  void reset(const Playing& playing) REALTIME;
+  void damp(std::size_t note, double within_s, const Playing& playing) REALTIME;
+  void damp_released(const HeldKeys::Keys& keys, const Playing& playing) REALTIME;
+  void damp_all(double within_s, const Playing& playing) REALTIME;
+  [[nodiscard]] bool kept(synth::ObjectNumber object, const NoteTable& table) const REALTIME;
+  void draw(std::size_t note, const Playing& playing) REALTIME;
+  void lift(std::size_t note, const Playing& playing) REALTIME;
   template <class Change>
-  void change_bows(std::uint8_t channel, const Playing& playing, const Change& change) RINGDOWN_REALTIME;
-  void push(const synth::Event& event, const Playing& playing) RINGDOWN_REALTIME;
+  void change_bows(std::uint8_t channel, const Playing& playing, const Change& change) REALTIME;
+  void push(const synth::Event& event, const Playing& playing) REALTIME;
 
   HeldKeys keys_;
   struct Bow {

@@ -29,8 +29,8 @@ TEST(LibraryOnTheAudioThread, NeitherEventsNorBlocksAllocateLockOrCallTheSystem)
   bool good = true;
   ringdown_error error;
   // RealtimeSanitizer watches it as code of the audio thread, the guard where that is not there.
-  RINGDOWN_TRUST_REALTIME_BEGIN
-  const auto play = [&](int block) RINGDOWN_REALTIME {
+  TRUST_REALTIME_BEGIN
+  const auto play = [&](int block) REALTIME {
     const std::int64_t frame = ringdown_now(mixer.get()) + block % 64;
     const auto object = static_cast<std::uint32_t>(block % 4);
     good = good && ringdown_strike(mixer.get(), frame, object, point.data(), impulse.data(), 0.001, &error) == 0;
@@ -49,7 +49,7 @@ TEST(LibraryOnTheAudioThread, NeitherEventsNorBlocksAllocateLockOrCallTheSystem)
     if (block % 50 == 0) good = good && ringdown_clear(mixer.get(), frame, object, 0.01, &error) == 0;
     ringdown_render(mixer.get(), left.data(), right.data(), left.size());
   };
-  RINGDOWN_TRUST_REALTIME_END
+  TRUST_REALTIME_END
   const RealtimeScope watch;
   for (int block = 0; block < 2000; ++block) play(block);
   EXPECT_TRUE(good) << error.sentence;

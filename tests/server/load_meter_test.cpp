@@ -14,7 +14,7 @@ using synth::test::fake_now_ns;
 constexpr double kPeriod_s = 1e-3;
 
 // The clock of the mixer's own tests: it moves when a test says so, and when the mixer has worked.
-LoadMeter::Clock::time_point fake_now() RINGDOWN_REALTIME {
+LoadMeter::Clock::time_point fake_now() REALTIME {
   return LoadMeter::Clock::time_point(std::chrono::nanoseconds(fake_now_ns));
 }
 

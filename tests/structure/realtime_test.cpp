@@ -50,7 +50,7 @@ std::map<std::string, int> uses_of(const std::vector<std::string>& words) {
 }
 
 TEST(RealTime, WhatTheRealTimeChecksTrustIsListed) {
-  std::map<std::string, int> uses = uses_of({"RINGDOWN_TRUST_REALTIME_BEGIN"});
+  std::map<std::string, int> uses = uses_of({"TRUST_REALTIME_BEGIN"});
   EXPECT_EQ(uses.erase("engine/base/realtime.h"), 1u) << "where it is defined";
   EXPECT_EQ(uses, kTrusted);
 }

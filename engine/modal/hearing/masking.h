@@ -26,6 +26,6 @@ double bark(double frequency_hz);
 
 // The level below which a tone at `bark_masked` is hidden by one of frequency_hz, bark_masker = bark(frequency_hz) and
 // level level_db SPL.
-double masked_below_db(double level_db, double frequency_hz, double bark_masker, double bark_masked) RINGDOWN_REALTIME;
+double masked_below_db(double level_db, double frequency_hz, double bark_masker, double bark_masked) REALTIME;
 
 }  // namespace ringdown::modal

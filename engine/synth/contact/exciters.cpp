@@ -13,7 +13,7 @@ namespace ringdown::synth {
 namespace {
 
 // An impulse of 1 along the force of a contact.
-verb::Strike unit_impulse(const verb::Contact& event) RINGDOWN_REALTIME {
+verb::Strike unit_impulse(const verb::Contact& event) REALTIME {
   const Vec3& force_n = event.contact.force_n;
   return {.point_m = event.point_m, .impulse_ns = (1 / length(force_n)) * force_n, .contact_time_s = 0};
 }
@@ -22,19 +22,19 @@ verb::Strike unit_impulse(const verb::Contact& event) RINGDOWN_REALTIME {
 
 // The scale is one over the sum of sin(pi n / frames) for 0 <= n <= frames, in closed form as a geometric sum of
 // exponentials: the samples of a pulse then add up to 1, whatever its length.
-HalfSine::HalfSine(double frames) RINGDOWN_REALTIME : frames_(frames) {
+HalfSine::HalfSine(double frames) REALTIME : frames_(frames) {
   const double half_step = 0.5 * std::numbers::pi / frames, last = std::floor(frames);
   scale_ = std::sin(half_step) / (std::sin(half_step * last) * std::sin(half_step * (last + 1)));
 }
 
-void HalfSine::fill(Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME {
+void HalfSine::fill(Frame first, std::size_t count, double* impulses) const REALTIME {
   for (std::size_t i = 0; i < count; ++i) {
     const double n = static_cast<double>(first) + static_cast<double>(i);
     impulses[i] = n >= 0 && n < frames_ ? scale_ * std::sin(std::numbers::pi * n / frames_) : 0.0;
   }
 }
 
-void Exciter::fill(Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME {
+void Exciter::fill(Frame first, std::size_t count, const float* samples, double* impulses) REALTIME {
   if (!input) {
     const auto left = std::clamp<Frame>(end - first, 0, static_cast<Frame>(count));
     if (contact) {
@@ -65,18 +65,18 @@ void Exciter::rescale(Frame now, double ratio) {
   }
 }
 
-Exciter* ExciterSlots::find_contact(std::uint32_t number, Frame frame) const RINGDOWN_REALTIME {
+Exciter* ExciterSlots::find_contact(std::uint32_t number, Frame frame) const REALTIME {
   for (Exciter* exciter : all()) {
     if (exciter->contact == number && !exciter->input && exciter->over_from() > frame) return exciter;
   }
   return nullptr;
 }
 
-void ExciterSlots::stop_at(Frame end) RINGDOWN_REALTIME {
+void ExciterSlots::stop_at(Frame end) REALTIME {
   for (Exciter* exciter : all()) exciter->end = std::min(exciter->end, end);
 }
 
-Exciter* Exciters::take(Frame from) RINGDOWN_REALTIME {
+Exciter* Exciters::take(Frame from) REALTIME {
   for (std::uint32_t rest = free_; rest != 0; rest &= rest - 1) {
     const auto place = static_cast<std::size_t>(std::countr_zero(rest));
     if (kept_until_[place] > from) continue;
@@ -91,12 +91,12 @@ Exciter* Exciters::take(Frame from) RINGDOWN_REALTIME {
   return nullptr;
 }
 
-void Exciters::give_back(Exciter& exciter) RINGDOWN_REALTIME { free_ |= 1u << (&exciter - exciters_.data()); }
+void Exciters::give_back(Exciter& exciter) REALTIME { free_ |= 1u << (&exciter - exciters_.data()); }
 
 // Finds what an impulse of 1 gives the voice's modes, and adds the exciter to the slots. False when it cannot act.
-bool Exciters::fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME {
+bool Exciters::fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) REALTIME {
   if (!voice || voice->table().columns() > kMaxDrivenColumns) return false;
-  const auto finds = [voice](const auto& impulse) RINGDOWN_REALTIME { return voice->find_sane_amplitudes(impulse); };
+  const auto finds = [voice](const auto& impulse) REALTIME { return voice->find_sane_amplitudes(impulse); };
   if (!visit_now(finds, exciter.impulse)) return false;
   std::copy_n(voice->amplitudes().re, voice->table().columns(), exciter.amplitudes.get());
   slots.add(exciter);
@@ -108,7 +108,7 @@ bool Exciters::fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN
 // the contact is over; sample by sample, the onset is right, too. When too many forces act, or the pulse is shorter
 // than kMinPulse_frames, false tells the caller to use the spectrum.
 bool Exciters::play_pulse(const decltype(Exciter::impulse)& impulse, double frames, Frame frame, Voice* voice,
-                          ExciterSlots& slots) RINGDOWN_REALTIME {
+                          ExciterSlots& slots) REALTIME {
   if (!voice || !(frames >= kMinPulse_frames) || slots.full_at(frame)) return false;
   Exciter* const exciter = take(frame);
   if (!exciter) return false;
@@ -127,7 +127,7 @@ bool Exciters::play_pulse(const decltype(Exciter::impulse)& impulse, double fram
 }
 
 bool Exciters::open_contact(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
-                            ExciterSlots& slots) RINGDOWN_REALTIME {
+                            ExciterSlots& slots) REALTIME {
   const Contact& contact = event.contact;
   Exciter* const open = slots.find_contact(contact.number, frame);
   if (length(contact.force_n) == 0) return open != nullptr;
@@ -150,7 +150,7 @@ bool Exciters::open_contact(const verb::Contact& event, Frame frame, double samp
 }
 
 void Exciters::update_contact(const verb::Contact& event, Frame frame, Voice* voice,
-                              const ExciterSlots& slots) RINGDOWN_REALTIME {
+                              const ExciterSlots& slots) REALTIME {
   Exciter* const exciter = slots.find_contact(event.contact.number, frame);
   if (!exciter) return;
   exciter->awaits_update = false;
@@ -164,12 +164,12 @@ void Exciters::update_contact(const verb::Contact& event, Frame frame, Voice* vo
 }
 
 void Exciters::connect(std::size_t input, ObjectNumber object, const verb::Strike& impulse, Voice* voice,
-                       ExciterSlots& slots) RINGDOWN_REALTIME {
+                       ExciterSlots& slots) REALTIME {
   if (!voice) return;
   if (slots.full()) {  // an input stays; a pulse or contact would soon have ended
     const auto all = slots.all();
     const auto pulse =
-        std::find_if(all.begin(), all.end(), [](const Exciter* exciter) RINGDOWN_REALTIME { return !exciter->input; });
+        std::find_if(all.begin(), all.end(), [](const Exciter* exciter) REALTIME { return !exciter->input; });
     if (pulse != all.end()) drop(static_cast<std::size_t>(pulse - all.begin()), slots);
   }
   Exciter* const exciter = take(kNever);
@@ -183,13 +183,13 @@ void Exciters::connect(std::size_t input, ObjectNumber object, const verb::Strik
   }
 }
 
-void Exciters::disconnect(std::size_t input, ExciterSlots& slots) RINGDOWN_REALTIME {
+void Exciters::disconnect(std::size_t input, ExciterSlots& slots) REALTIME {
   for (std::size_t i = 0; i < slots.all().size(); ++i) {
     if (slots.all()[i]->input == input) return drop(i, slots);
   }
 }
 
-void Exciters::refit(Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME {
+void Exciters::refit(Voice* voice, ExciterSlots& slots) REALTIME {
   const ExciterSlots before = slots;
   slots.clear();
   for (Exciter* exciter : before.all()) {
@@ -199,7 +199,7 @@ void Exciters::refit(Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME {
   }
 }
 
-void Exciters::drop_finished(Frame frame, ExciterSlots& slots) RINGDOWN_REALTIME {
+void Exciters::drop_finished(Frame frame, ExciterSlots& slots) REALTIME {
   for (std::size_t i = 0; i < slots.all().size();) {
     if (const Frame over = slots.all()[i]->over_from(); over <= frame) {
       drop(i, slots, over + static_cast<Frame>(kChunkFrames));
@@ -209,7 +209,7 @@ void Exciters::drop_finished(Frame frame, ExciterSlots& slots) RINGDOWN_REALTIME
   }
 }
 
-void Exciters::drop(std::size_t which, ExciterSlots& slots, Frame keep_until) RINGDOWN_REALTIME {
+void Exciters::drop(std::size_t which, ExciterSlots& slots, Frame keep_until) REALTIME {
   Exciter& exciter = slots.take_out(which, keep_until);
   kept_until_[static_cast<std::size_t>(&exciter - exciters_.data())] = keep_until;
   if (exciter.input) targets_[*exciter.input].reset();

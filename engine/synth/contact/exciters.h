@@ -37,7 +37,7 @@ inline constexpr double kMinPulse_frames = 4;           // a shorter pulse is no
 class HalfSine {
  public:
   HalfSine() = default;
-  explicit HalfSine(double frames) RINGDOWN_REALTIME;  // >= kMinPulse_frames
+  explicit HalfSine(double frames) REALTIME;  // >= kMinPulse_frames
 
   // This contact in frames of another length. [worker]
   [[nodiscard]] HalfSine stretched(double ratio) const {
@@ -45,8 +45,8 @@ class HalfSine {
   }
 
   // The impulse in frames first ... first + count - 1; the sum over all frames is 1.
-  void fill(Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME;
-  [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME { return static_cast<Frame>(std::ceil(frames_)); }
+  void fill(Frame first, std::size_t count, double* impulses) const REALTIME;
+  [[nodiscard]] Frame over_from() const REALTIME { return static_cast<Frame>(std::ceil(frames_)); }
 
  private:
   double frames_ = 0, scale_ = 0;
@@ -67,9 +67,9 @@ struct Exciter {
   void rescale(Frame now, double ratio);
 
   // The impulse in frames first ... first + count - 1 of the mixer; `samples` are the input's, or null.
-  void fill(Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME;
+  void fill(Frame first, std::size_t count, const float* samples, double* impulses) REALTIME;
   // The first frame without force; kNever where that is not known yet.
-  [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME {
+  [[nodiscard]] Frame over_from() const REALTIME {
     if (input) return kNever;
     if (awaits_update) return end;
     return std::min(end, contact ? rubbing.over_from() : begin + pulse.over_from());
@@ -79,36 +79,35 @@ struct Exciter {
 // The exciters that act on one object.
 class ExciterSlots {
  public:
-  [[nodiscard]] std::span<Exciter* const> all() const RINGDOWN_REALTIME { return {slots_.data(), count_}; }
-  [[nodiscard]] bool full() const RINGDOWN_REALTIME { return count_ == kMaxForces; }
+  [[nodiscard]] std::span<Exciter* const> all() const REALTIME { return {slots_.data(), count_}; }
+  [[nodiscard]] bool full() const REALTIME { return count_ == kMaxForces; }
   // Returns true if there is no place for a force that begins at this frame.
-  [[nodiscard]] bool full_at(Frame frame) const RINGDOWN_REALTIME {
-    const auto kept = std::ranges::count_if(kept_until_, [=](Frame until) RINGDOWN_REALTIME { return until > frame; });
+  [[nodiscard]] bool full_at(Frame frame) const REALTIME {
+    const auto kept = std::ranges::count_if(kept_until_, [=](Frame until) REALTIME { return until > frame; });
     return count_ + static_cast<std::size_t>(kept) >= kMaxForces;
   }
-  void add(Exciter& exciter) RINGDOWN_REALTIME { slots_[count_++] = &exciter; }
+  void add(Exciter& exciter) REALTIME { slots_[count_++] = &exciter; }
   // The last one moves to its place, which is kept free until a frame.
-  Exciter& take_out(std::size_t which, Frame keep_until) RINGDOWN_REALTIME {
+  Exciter& take_out(std::size_t which, Frame keep_until) REALTIME {
     Exciter* const exciter = slots_[which];
     slots_[which] = slots_[--count_];
     *std::ranges::min_element(kept_until_) = keep_until;
     return *exciter;
   }
-  void clear() RINGDOWN_REALTIME { count_ = 0; }
+  void clear() REALTIME { count_ = 0; }
 
   // The contact of this number that is not over at a frame; null: none.
-  [[nodiscard]] Exciter* find_contact(std::uint32_t number, Frame frame) const RINGDOWN_REALTIME;
+  [[nodiscard]] Exciter* find_contact(std::uint32_t number, Frame frame) const REALTIME;
   // Returns true if a pulse or a contact acts: anything but an input.
-  [[nodiscard]] bool has_pulse() const RINGDOWN_REALTIME {
-    return std::ranges::any_of(all(), [](const Exciter* exciter) RINGDOWN_REALTIME { return !exciter->input; });
+  [[nodiscard]] bool has_pulse() const REALTIME {
+    return std::ranges::any_of(all(), [](const Exciter* exciter) REALTIME { return !exciter->input; });
   }
   // Returns true if a force acts in a chunk in which these inputs are not silent.
-  [[nodiscard]] bool act(const std::array<bool, kMaxInputs>& input_sounds) const RINGDOWN_REALTIME {
-    return std::ranges::any_of(all(), [&](const Exciter* exciter) RINGDOWN_REALTIME {
-      return !exciter->input || input_sounds[*exciter->input];
-    });
+  [[nodiscard]] bool act(const std::array<bool, kMaxInputs>& input_sounds) const REALTIME {
+    return std::ranges::any_of(
+        all(), [&](const Exciter* exciter) REALTIME { return !exciter->input || input_sounds[*exciter->input]; });
   }
-  void stop_at(Frame end) RINGDOWN_REALTIME;  // cuts off every pulse and contact
+  void stop_at(Frame end) REALTIME;  // cuts off every pulse and contact
 
  private:
   std::array<Exciter*, kMaxForces> slots_{};
@@ -126,38 +125,35 @@ class Exciters {
   // short, or too many forces act already.
   template <class Strike>
   [[nodiscard]] bool start_pulse(const Strike& strike, Frame frame, double sample_rate_hz, Voice* voice,
-                                 ExciterSlots& slots) RINGDOWN_REALTIME {
+                                 ExciterSlots& slots) REALTIME {
     Strike impulse = strike;
     impulse.contact_time_s = 0;
     return play_pulse(impulse, strike.contact_time_s * sample_rate_hz, frame, voice, slots);
   }
   // Makes room for a contact, unless the object has it already. False when there is no force, or no room.
   [[nodiscard]] bool open_contact(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
-                                  ExciterSlots& slots) RINGDOWN_REALTIME;
+                                  ExciterSlots& slots) REALTIME;
   // The contact is as the event says from the event's frame on.
-  static void update_contact(const verb::Contact& event, Frame frame, Voice* voice,
-                             const ExciterSlots& slots) RINGDOWN_REALTIME;
+  static void update_contact(const verb::Contact& event, Frame frame, Voice* voice, const ExciterSlots& slots) REALTIME;
 
   // Lets an input excite an object, whose voice and slots these are.
   void connect(std::size_t input, ObjectNumber object, const verb::Strike& impulse, Voice* voice,
-               ExciterSlots& slots) RINGDOWN_REALTIME;
-  void disconnect(std::size_t input, ExciterSlots& slots) RINGDOWN_REALTIME;
-  [[nodiscard]] std::optional<ObjectNumber> target_of(std::size_t input) const RINGDOWN_REALTIME {
-    return targets_[input];
-  }
+               ExciterSlots& slots) REALTIME;
+  void disconnect(std::size_t input, ExciterSlots& slots) REALTIME;
+  [[nodiscard]] std::optional<ObjectNumber> target_of(std::size_t input) const REALTIME { return targets_[input]; }
 
   // Fits what acts on an object to its new voice; drops what does not fit.
-  void refit(Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
+  void refit(Voice* voice, ExciterSlots& slots) REALTIME;
   // Gives back the exciters that are over at a frame.
-  void drop_finished(Frame frame, ExciterSlots& slots) RINGDOWN_REALTIME;
+  void drop_finished(Frame frame, ExciterSlots& slots) REALTIME;
 
  private:
   [[nodiscard]] bool play_pulse(const decltype(Exciter::impulse)& impulse, double frames, Frame frame, Voice* voice,
-                                ExciterSlots& slots) RINGDOWN_REALTIME;
-  [[nodiscard]] Exciter* take(Frame from) RINGDOWN_REALTIME;  // null: none is free from that frame on
-  void give_back(Exciter& exciter) RINGDOWN_REALTIME;
-  void drop(std::size_t which, ExciterSlots& slots, Frame keep_until = 0) RINGDOWN_REALTIME;
-  [[nodiscard]] bool fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
+                                ExciterSlots& slots) REALTIME;
+  [[nodiscard]] Exciter* take(Frame from) REALTIME;  // null: none is free from that frame on
+  void give_back(Exciter& exciter) REALTIME;
+  void drop(std::size_t which, ExciterSlots& slots, Frame keep_until = 0) REALTIME;
+  [[nodiscard]] bool fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) REALTIME;
 
   static_assert(kMaxDrives == 32);
   std::uint32_t free_ = ~0u;  // bit i: exciter i

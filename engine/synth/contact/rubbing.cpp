@@ -16,7 +16,7 @@ constexpr double kFullOctave = 0.25, kNoOctave = 0.45;  // of the sample rate: a
 constexpr double kSplineVariance = 151.0 / 945;
 
 // A number in [-1, 1) for each place. The mixing steps are those of SplitMix64 (Steele, Lea & Flood, OOPSLA 2014).
-double random_at(std::uint64_t seed, std::int64_t place) RINGDOWN_REALTIME {
+double random_at(std::uint64_t seed, std::int64_t place) REALTIME {
   std::uint64_t x = seed * 0xd1342543de82ef95u ^ static_cast<std::uint64_t>(place) * 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
@@ -26,14 +26,14 @@ double random_at(std::uint64_t seed, std::int64_t place) RINGDOWN_REALTIME {
 
 }  // namespace
 
-Rubbing::Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME : rate_hz_(sample_rate_hz) {
+Rubbing::Rubbing(std::uint32_t seed, double sample_rate_hz) REALTIME : rate_hz_(sample_rate_hz) {
   for (std::size_t i = 0; i < kMaxOctaves; ++i) {
     sliding_.octaves[i].seed = (2 * kOctaves * std::uint64_t{seed} + i % kOctaves) ^ std::uint64_t{i / kOctaves} << 48;
     rolling_.octaves[i].seed = sliding_.octaves[i].seed + kOctaves;
   }
 }
 
-void Rubbing::update(Frame at, const Contact& contact) RINGDOWN_REALTIME {
+void Rubbing::update(Frame at, const Contact& contact) REALTIME {
   const double force = length(contact.force_n);
   if (force == 0 && force_n_.to == 0) return;  // it is ending already
   const bool changes = force > 0 && heights_m_.count > 0;
@@ -61,7 +61,7 @@ void Rubbing::update(Frame at, const Contact& contact) RINGDOWN_REALTIME {
 }
 
 // The levels of the tracks follow the speed at the time of the event, so that they do not depend on where blocks end.
-void Rubbing::know(const Contact& contact, Frame at, Frame ramp) RINGDOWN_REALTIME {
+void Rubbing::know(const Contact& contact, Frame at, Frame ramp) REALTIME {
   has_profile_ = has_relief_ = false;
   for (std::size_t k = 0; k < known_.size(); ++k) {
     Known& known = known_[k];
@@ -82,7 +82,7 @@ void Rubbing::know(const Contact& contact, Frame at, Frame ramp) RINGDOWN_REALTI
 }
 
 // The slopes of the surfaces whose heights are known; the contact moves on over them for a frame.
-double Rubbing::pass_known(Frame frame) RINGDOWN_REALTIME {
+double Rubbing::pass_known(Frame frame) REALTIME {
   double slope = 0;
   for (Known& known : known_) {
     if (!known.relief) continue;
@@ -94,7 +94,7 @@ double Rubbing::pass_known(Frame frame) RINGDOWN_REALTIME {
 }
 
 // The derivative of the spline.
-double Rubbing::Spline::slope_at(double u) RINGDOWN_REALTIME {
+double Rubbing::Spline::slope_at(double u) REALTIME {
   const double floor = std::floor(u), t = u - floor, rest = 1 - t;
   const auto wanted = static_cast<std::int64_t>(floor);
   if (!fresh && wanted == place + 1) {
@@ -108,7 +108,7 @@ double Rubbing::Spline::slope_at(double u) RINGDOWN_REALTIME {
          0.5 * t * t * around[3];
 }
 
-double Rubbing::Track::pass(const Heights& heights_m, double speed_m_s, double sample_rate_hz) RINGDOWN_REALTIME {
+double Rubbing::Track::pass(const Heights& heights_m, double speed_m_s, double sample_rate_hz) REALTIME {
   double slope = 0, spacing_m = 0.5 * longest_m;
   for (std::size_t i = 0; i < heights_m.count; ++i, spacing_m *= 0.5) {
     const double passing = speed_m_s / (2 * spacing_m * sample_rate_hz);  // waves in a frame
@@ -122,7 +122,7 @@ double Rubbing::Track::pass(const Heights& heights_m, double speed_m_s, double s
 
 // The impulse of a frame is the force's magnitude, times the slope of the profiles under the contact, times the
 // length of the frame. Force and speeds follow the last update by ramps (Ramp).
-void Rubbing::fill(Frame first, std::size_t count, double* impulses) RINGDOWN_REALTIME {
+void Rubbing::fill(Frame first, std::size_t count, double* impulses) REALTIME {
   const double seconds = 1 / rate_hz_;
   fill_slopes(first, count, impulses);
   for (std::size_t i = 0; i < count; ++i) {
@@ -134,7 +134,7 @@ void Rubbing::fill(Frame first, std::size_t count, double* impulses) RINGDOWN_RE
 
 // Each profile moves on by its speed (Track::pass). The running mean of the slope, with a time constant of
 // 1 / (2 pi kMinAudible_hz), is subtracted, because a constant part would push the modes aside without being heard.
-void Rubbing::fill_slopes(Frame first, std::size_t count, double* slopes) RINGDOWN_REALTIME {
+void Rubbing::fill_slopes(Frame first, std::size_t count, double* slopes) REALTIME {
   const double forget = 1 - std::exp(-2 * std::numbers::pi * kMinAudible_hz / rate_hz_);
   for (std::size_t i = 0; i < count; ++i) {
     const Frame frame = first + static_cast<Frame>(i);

@@ -32,21 +32,21 @@ class Rubbing {
  public:
   Rubbing() = default;
   // At rest, without force. Contacts with the same seed have the same profile. [audio]
-  Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME;
+  Rubbing(std::uint32_t seed, double sample_rate_hz) REALTIME;
 
   // Sets the contact from frame `at` on. Force and speeds get there in a straight line, as long as the time since the
   // last update but at least 2 ms and at most 50 ms; the first time, and when the contact ends, in 5 ms. [audio]
-  void update(Frame at, const Contact& contact) RINGDOWN_REALTIME;
+  void update(Frame at, const Contact& contact) REALTIME;
 
   // The impulse [N s] in frames first ... first + count - 1, along the contact's force. Frames are asked for once, in
   // order. [audio]
-  void fill(Frame first, std::size_t count, double* impulses) RINGDOWN_REALTIME;
+  void fill(Frame first, std::size_t count, double* impulses) REALTIME;
 
   // The slope of the profiles under the contact in these frames, without its running mean. [audio]
-  void fill_slopes(Frame first, std::size_t count, double* slopes) RINGDOWN_REALTIME;
+  void fill_slopes(Frame first, std::size_t count, double* slopes) REALTIME;
 
   // The first frame without force, once the contact has ended; kNever before. [audio]
-  [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME { return force_n_.to == 0 ? force_n_.end : kNever; }
+  [[nodiscard]] Frame over_from() const REALTIME { return force_n_.to == 0 ? force_n_.end : kNever; }
 
   // Frames are of another length from `now` on. [worker]
   void rescale(Frame now, double ratio);
@@ -63,14 +63,14 @@ class Rubbing {
     std::int64_t place = -1;
     std::array<double, 4> around{};  // of places place - 1 ... place + 2; none known yet where `fresh`
     bool fresh = true;
-    [[nodiscard]] double slope_at(double u) RINGDOWN_REALTIME;
+    [[nodiscard]] double slope_at(double u) REALTIME;
   };
   struct Track {
     double at_m = 0;
     double longest_m = 1;
     std::array<Spline, kMaxOctaves> octaves;
     // The profile's slope under the contact, which moves on at `speed_m_s` for a frame.
-    [[nodiscard]] double pass(const Heights& heights_m, double speed_m_s, double sample_rate_hz) RINGDOWN_REALTIME;
+    [[nodiscard]] double pass(const Heights& heights_m, double speed_m_s, double sample_rate_hz) REALTIME;
   };
 
   // A surface whose heights are known.
@@ -80,8 +80,8 @@ class Rubbing {
     double at_m = 0;
     modal::SurfaceTrack::Blend profile, mesoscale;
   };
-  void know(const Contact& contact, Frame at, Frame ramp) RINGDOWN_REALTIME;
-  [[nodiscard]] double pass_known(Frame frame) RINGDOWN_REALTIME;
+  void know(const Contact& contact, Frame at, Frame ramp) REALTIME;
+  [[nodiscard]] double pass_known(Frame frame) REALTIME;
 
   double rate_hz_ = 1;
   Ramp force_n_, slip_m_s_, roll_m_s_;

@@ -36,23 +36,21 @@ inline constexpr auto kEffects = effects_of(Verbs());
 }  // namespace detail
 
 // The effect of the verb with this place in Verbs.
-constexpr Effect effect_of(std::size_t index) RINGDOWN_REALTIME { return detail::kEffects[index]; }
-inline Effect effect_of(const Event& event) RINGDOWN_REALTIME { return effect_of(event.verb.index()); }
+constexpr Effect effect_of(std::size_t index) REALTIME { return detail::kEffects[index]; }
+inline Effect effect_of(const Event& event) REALTIME { return effect_of(event.verb.index()); }
 
 // Returns true if the event only adds to the states of modes.
-inline bool excites(const Event& event) RINGDOWN_REALTIME { return effect_of(event) == Effect::excites; }
+inline bool excites(const Event& event) REALTIME { return effect_of(event) == Effect::excites; }
 
 // Returns true if a verb of this effect is heard, false if it only sets something.
-constexpr bool is_sound(Effect effect) RINGDOWN_REALTIME {
+constexpr bool is_sound(Effect effect) REALTIME {
   return effect == Effect::excites || effect == Effect::begins || effect == Effect::damps;
 }
 
 // Returns true if a verb of this effect acts as soon as it is received, before its frame.
-constexpr bool is_placing(Effect effect) RINGDOWN_REALTIME {
-  return effect == Effect::places || effect == Effect::listens;
-}
+constexpr bool is_placing(Effect effect) REALTIME { return effect == Effect::places || effect == Effect::listens; }
 
 // Returns true if the event concerns the listener and no object.
-inline bool is_of_listener(const Event& event) RINGDOWN_REALTIME { return effect_of(event) == Effect::listens; }
+inline bool is_of_listener(const Event& event) REALTIME { return effect_of(event) == Effect::listens; }
 
 }  // namespace ringdown::synth

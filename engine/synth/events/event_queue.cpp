@@ -20,7 +20,7 @@ void EventQueue::Lane::make_room() {
   for (std::size_t i = 0; i < large.size(); ++i) static_cast<void>(free.push(static_cast<std::uint16_t>(i)));
 }
 
-bool EventQueue::push(Producer producer, const Event& event) RINGDOWN_REALTIME {
+bool EventQueue::push(Producer producer, const Event& event) REALTIME {
   Lane& lane = lanes_[static_cast<std::size_t>(producer)];
   QueuedEvent queued;
   queued.frame = event.frame;
@@ -28,7 +28,7 @@ bool EventQueue::push(Producer producer, const Event& event) RINGDOWN_REALTIME {
   queued.verb = static_cast<std::uint8_t>(event.verb.index());
   queued.producer = producer;
   bool has_place = true, large = false;
-  const auto keep = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+  const auto keep = [&]<class One>(const One& one) REALTIME {
     if constexpr (kWaitsInside<One>) {
       std::memcpy(queued.small.data(), &one, sizeof one);
     } else {
@@ -37,7 +37,7 @@ bool EventQueue::push(Producer producer, const Event& event) RINGDOWN_REALTIME {
       has_place = place != nullptr;
       if (!has_place) return;
       queued.place = *place;
-      std::memcpy(lane.large.data()[*place].bytes.data(), &one, sizeof one);
+      std::memcpy(lane.large[*place].bytes.data(), &one, sizeof one);
     }
   };
   visit_now(keep, event.verb);
@@ -46,12 +46,12 @@ bool EventQueue::push(Producer producer, const Event& event) RINGDOWN_REALTIME {
   return true;
 }
 
-Event EventQueue::event_of(const QueuedEvent& queued) const RINGDOWN_REALTIME {
+Event EventQueue::event_of(const QueuedEvent& queued) const REALTIME {
   Event event{.frame = queued.frame, .object = queued.object};
   const Lane& lane = lanes_[static_cast<std::size_t>(queued.producer)];
-  const auto copy = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+  const auto copy = [&]<class One>(const One& one) REALTIME {
     const void* from = &one;
-    if constexpr (!kWaitsInside<One>) from = lane.large.data()[queued.place].bytes.data();
+    if constexpr (!kWaitsInside<One>) from = lane.large[queued.place].bytes.data();
     One made;
     std::memcpy(&made, from, sizeof made);
     event.verb = made;
@@ -60,8 +60,8 @@ Event EventQueue::event_of(const QueuedEvent& queued) const RINGDOWN_REALTIME {
   return event;
 }
 
-void EventQueue::release(const QueuedEvent& queued) RINGDOWN_REALTIME {
-  const auto give_back = [&]<class One>(const One&) RINGDOWN_REALTIME {
+void EventQueue::release(const QueuedEvent& queued) REALTIME {
+  const auto give_back = [&]<class One>(const One&) REALTIME {
     if constexpr (!kWaitsInside<One>) {
       static_cast<void>(lanes_[static_cast<std::size_t>(queued.producer)].free.push(queued.place));
     }
@@ -71,7 +71,7 @@ void EventQueue::release(const QueuedEvent& queued) RINGDOWN_REALTIME {
 
 // A binary heap by frame, and among events of one frame by the order in which they came. The audio thread moves events
 // into it from the rings at each chunk; what finds it full stays in its ring, so nothing is lost.
-bool EventQueue::wait(const QueuedEvent& queued, Frame now) RINGDOWN_REALTIME {
+bool EventQueue::wait(const QueuedEvent& queued, Frame now) REALTIME {
   Pending* const heap = heap_.data();
   heap[count_] = {queued, next_order_++, false};
   heap[count_].event.frame = std::max(queued.frame, now);
@@ -91,14 +91,14 @@ void EventQueue::rescale_pending(Frame now, double ratio) {
   });
 }
 
-void EventQueue::pop() RINGDOWN_REALTIME {
+void EventQueue::pop() REALTIME {
   std::pop_heap(heap_.data(), heap_.data() + count_, Later{});
   --count_;
 }
 
-void EventQueue::put_back(const Pending& pending) RINGDOWN_REALTIME {
+void EventQueue::put_back(const Pending& pending) REALTIME {
   assert(count_ < heap_.size());
-  heap_.data()[count_++] = pending;
+  heap_[count_++] = pending;
   std::push_heap(heap_.data(), heap_.data() + count_, Later{});
 }
 

@@ -53,12 +53,12 @@ class EventQueue {
 
   // Hands an event over. False when the producer's ring or its places are full: the event was not taken. [the
   // producer's thread]
-  [[nodiscard]] bool push(Producer producer, const Event& event) RINGDOWN_REALTIME;
+  [[nodiscard]] bool push(Producer producer, const Event& event) REALTIME;
 
   // Takes what the producers pushed; an event whose frame has passed gets frame `now`. Events that say where something
   // is (is_placing()) wait for no frame: `place(event)` is called for each. Returns how many events were late. [audio]
   template <class Place>
-  std::size_t accept(Frame now, const Place& place) RINGDOWN_REALTIME {
+  std::size_t accept(Frame now, const Place& place) REALTIME {
     std::size_t late = 0, placed = 0;
     for (Lane& lane : lanes_) {
       for (; count_ < kMaxPendingEvents && placed < kMaxPlacings; lane.ring.pop()) {
@@ -72,18 +72,18 @@ class EventQueue {
 
   // The earliest event, if it happens before frame `end`, else null; of events at one frame the one pushed first.
   // [audio]
-  [[nodiscard]] const Pending* next_before(Frame end) const RINGDOWN_REALTIME {
-    return count_ > 0 && heap_.data()[0].event.frame < end ? heap_.data() : nullptr;
+  [[nodiscard]] const Pending* next_before(Frame end) const REALTIME {
+    return count_ > 0 && heap_[0].event.frame < end ? heap_.data() : nullptr;
   }
   // Takes the earliest event off the queue. Whoever pops an event puts it back or releases it. [audio]
-  void pop() RINGDOWN_REALTIME;
+  void pop() REALTIME;
   // Returns an event that was popped since the last accept() to its place among the others. [audio]
-  void put_back(const Pending& pending) RINGDOWN_REALTIME;
+  void put_back(const Pending& pending) REALTIME;
   // The event is over. [audio]
-  void release(const QueuedEvent& event) RINGDOWN_REALTIME;
+  void release(const QueuedEvent& event) REALTIME;
 
   // The event that waits. [audio, until it is released]
-  [[nodiscard]] Event event_of(const QueuedEvent& queued) const RINGDOWN_REALTIME;
+  [[nodiscard]] Event event_of(const QueuedEvent& queued) const REALTIME;
 
   // Changes the length of a frame: every pending event, in the rings too, then comes `ratio` times as many frames after
   // `now` as before. Calls `place(event)` as accept() does. Returns how many events were late. [worker, while nothing
@@ -104,7 +104,7 @@ class EventQueue {
  private:
   static constexpr std::size_t kLargestVerb = Verbs::kMaxSize;
   struct Later {
-    bool operator()(const Pending& a, const Pending& b) const RINGDOWN_REALTIME {
+    bool operator()(const Pending& a, const Pending& b) const REALTIME {
       return a.event.frame != b.event.frame ? a.event.frame > b.event.frame : a.order > b.order;
     }
   };
@@ -123,7 +123,7 @@ class EventQueue {
   };
   // Returns true when the event was late.
   template <class Place>
-  bool take(const QueuedEvent& queued, Frame now, const Place& place, std::size_t& placed) RINGDOWN_REALTIME {
+  bool take(const QueuedEvent& queued, Frame now, const Place& place, std::size_t& placed) REALTIME {
     if (!is_placing(effect_of(queued.verb))) return wait(queued, now);
     Event event = event_of(queued);
     event.frame = std::max(event.frame, now);
@@ -131,7 +131,7 @@ class EventQueue {
     ++placed;
     return false;
   }
-  bool wait(const QueuedEvent& queued, Frame now) RINGDOWN_REALTIME;
+  bool wait(const QueuedEvent& queued, Frame now) REALTIME;
   void rescale_pending(Frame now, double ratio);
 
   // Control and scene may fill their rings and the heap with contacts. MIDI notes bow, and the worker sends no

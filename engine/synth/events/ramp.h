@@ -12,13 +12,13 @@ struct Ramp {
   double from = 0, to = 0;
   Frame begin = 0, end = 0;
 
-  [[nodiscard]] double at(Frame frame) const RINGDOWN_REALTIME {
+  [[nodiscard]] double at(Frame frame) const REALTIME {
     if (frame >= end) return to;
     if (frame <= begin) return from;
     return from + (to - from) * (static_cast<double>(frame - begin) / static_cast<double>(end - begin));
   }
-  [[nodiscard]] bool still_at(Frame frame) const RINGDOWN_REALTIME { return frame >= end; }
-  void aim(double target, Frame now, Frame length) RINGDOWN_REALTIME { *this = {at(now), target, now, now + length}; }
+  [[nodiscard]] bool still_at(Frame frame) const REALTIME { return frame >= end; }
+  void aim(double target, Frame now, Frame length) REALTIME { *this = {at(now), target, now, now + length}; }
 };
 
 // Converts a frame after a change of the sample rate at frame `now`: it comes `ratio` times as many frames after `now`.

@@ -40,25 +40,23 @@ class Timeline {
   explicit Timeline(std::size_t command_capacity) : commands_(command_capacity) {}
 
   // False when the ring is full: nothing was taken. [the producer's thread; the worker]
-  [[nodiscard]] bool push(Producer producer, const Event& event) RINGDOWN_REALTIME {
-    return events_.push(producer, event);
-  }
+  [[nodiscard]] bool push(Producer producer, const Event& event) REALTIME { return events_.push(producer, event); }
   [[nodiscard]] bool push(const Command& command) { return commands_.push(command); }
   [[nodiscard]] bool connect(const Command& command, const verb::Strike& impulse) {
     if (commands_.size() == commands_.capacity() || !impulses_.push(impulse)) return false;
     return commands_.push(command);
   }
 
-  [[nodiscard]] EventQueue& events() RINGDOWN_REALTIME { return events_; }  // [audio]
+  [[nodiscard]] EventQueue& events() REALTIME { return events_; }  // [audio]
 
   // The next command, if its frame is not after `now`, until pop_command(). [audio]
-  [[nodiscard]] const Command* due_command(Frame now) const RINGDOWN_REALTIME {
+  [[nodiscard]] const Command* due_command(Frame now) const REALTIME {
     const Command* const next = commands_.front();
     return next && next->at <= now ? next : nullptr;
   }
-  void pop_command() RINGDOWN_REALTIME { commands_.pop(); }  // [audio]
+  void pop_command() REALTIME { commands_.pop(); }  // [audio]
   // The impulse of the due command, which is Command::Kind::connect. [audio]
-  [[nodiscard]] verb::Strike take_impulse() RINGDOWN_REALTIME {
+  [[nodiscard]] verb::Strike take_impulse() REALTIME {
     const verb::Strike impulse = *impulses_.front();
     impulses_.pop();
     return impulse;
@@ -67,8 +65,7 @@ class Timeline {
   // Returns how many of the next `rest` frames can be rendered at once, after all due commands have been applied: up to
   // the next command, and to kChunkFrames unless nothing sounds (`idle`) and nothing happens; with `in_cells` up to the
   // next multiple of kChunkFrames. [audio]
-  [[nodiscard]] std::size_t chunk_frames(Frame now, std::size_t rest, bool idle,
-                                         bool in_cells) const RINGDOWN_REALTIME {
+  [[nodiscard]] std::size_t chunk_frames(Frame now, std::size_t rest, bool idle, bool in_cells) const REALTIME {
     if (const Command* const next = commands_.front()) rest = std::min(rest, static_cast<std::size_t>(next->at - now));
     if (idle && !events_.next_before(now + static_cast<Frame>(rest))) return rest;
     return std::min(rest, in_cells ? kChunkFrames - static_cast<std::size_t>(now) % kChunkFrames : kChunkFrames);

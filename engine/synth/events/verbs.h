@@ -49,7 +49,7 @@ struct Texture {
 
   // The octaves of wavelengths that the roughness has, from the longest down.
   static constexpr std::size_t kOctaves = 5, kMaxOctaves = 12;  // without a shortest wavelength, and at most
-  [[nodiscard]] std::size_t octaves() const RINGDOWN_REALTIME {
+  [[nodiscard]] std::size_t octaves() const REALTIME {
     if (!(shortest_m > 0)) return kOctaves;
     const double count = 1 + std::round(std::log2(correlation_m / shortest_m));
     return static_cast<std::size_t>(std::clamp(count, 1.0, static_cast<double>(kMaxOctaves)));

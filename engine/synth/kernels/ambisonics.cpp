@@ -7,7 +7,7 @@ namespace ringdown::synth {
 
 // Real spherical harmonics without the Condon-Shortley phase, as homogeneous polynomials of the direction's components.
 // See M. Chapman et al., "A standard for interchange of ambisonic signal sets", Ambisonics Symposium, Graz, 2009.
-AmbisonicGains encode(Vec3 towards) RINGDOWN_REALTIME {
+AmbisonicGains encode(Vec3 towards) REALTIME {
   const auto& [x, y, z] = towards;
   constexpr double k3 = std::numbers::sqrt3;
   const double across = x * x + y * y;

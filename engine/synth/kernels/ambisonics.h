@@ -20,6 +20,6 @@ using AmbisonicGains = std::array<double, kMaxAmbisonicChannels>;
 // Returns the gain of a source at each channel. `towards` is the unit vector from the listener to the source: x to the
 // front, y to the left, z up. With a shorter vector the sound comes less from that direction and more from all around.
 // [any]
-AmbisonicGains encode(Vec3 towards) RINGDOWN_REALTIME;
+AmbisonicGains encode(Vec3 towards) REALTIME;
 
 }  // namespace ringdown::synth

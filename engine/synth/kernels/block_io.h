@@ -29,18 +29,16 @@ inline constexpr ChannelSet kAllAmbisonic = ambisonic_set(kMaxAmbisonicChannels)
 class Outputs {
  public:
   Outputs() = default;
-  Outputs(float* left, float* right) RINGDOWN_REALTIME { listen(kLeft, left), listen(kRight, right); }
-  void listen_to_mix(std::size_t side, float* samples) RINGDOWN_REALTIME { listen(side, samples); }  // 0 left, 1 right
-  void listen_to_bus(std::size_t bus, float* samples) RINGDOWN_REALTIME { listen(kFirstBus + bus, samples); }
-  void listen_to_ambisonics(std::size_t acn, float* samples) RINGDOWN_REALTIME {
-    listen(kFirstAmbisonic + acn, samples);
-  }
+  Outputs(float* left, float* right) REALTIME { listen(kLeft, left), listen(kRight, right); }
+  void listen_to_mix(std::size_t side, float* samples) REALTIME { listen(side, samples); }  // 0 left, 1 right
+  void listen_to_bus(std::size_t bus, float* samples) REALTIME { listen(kFirstBus + bus, samples); }
+  void listen_to_ambisonics(std::size_t acn, float* samples) REALTIME { listen(kFirstAmbisonic + acn, samples); }
 
-  [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return wanted_; }
-  [[nodiscard]] float* at(std::size_t channel) const RINGDOWN_REALTIME { return samples_[channel]; }
+  [[nodiscard]] ChannelSet wanted() const REALTIME { return wanted_; }
+  [[nodiscard]] float* at(std::size_t channel) const REALTIME { return samples_[channel]; }
 
  private:
-  void listen(std::size_t channel, float* samples) RINGDOWN_REALTIME {
+  void listen(std::size_t channel, float* samples) REALTIME {
     samples_[channel] = samples;
     wanted_ |= only(channel);
   }

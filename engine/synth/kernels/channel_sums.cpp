@@ -8,30 +8,30 @@
 
 namespace ringdown::synth {
 
-void ChannelSums::open(std::size_t frames) RINGDOWN_REALTIME {
+void ChannelSums::open(std::size_t frames) REALTIME {
   has_samples_ = has_moments_ = 0;
   frames_ = frames;
   if (field_) field_->open();
 }
 
-double* ChannelSums::samples(std::size_t channel) RINGDOWN_REALTIME {
-  Channel& c = channels_.data()[channel];
+double* ChannelSums::samples(std::size_t channel) REALTIME {
+  Channel& c = channels_[channel];
   if (!contains(has_samples_, channel)) std::fill_n(c.samples.data(), frames_, 0.0);
   has_samples_ |= only(channel);
   return c.samples.data();
 }
 
-MomentSums* ChannelSums::moments(std::size_t channel) RINGDOWN_REALTIME {
-  Channel& c = channels_.data()[channel];
+MomentSums* ChannelSums::moments(std::size_t channel) REALTIME {
+  Channel& c = channels_[channel];
   if (!contains(has_moments_, channel)) c.moments.of.fill(0);
   has_moments_ |= only(channel);
   return &c.moments;
 }
 
-void ChannelSums::add(const ChannelSums& other) RINGDOWN_REALTIME {
+void ChannelSums::add(const ChannelSums& other) REALTIME {
   for (std::size_t c = 0; c < kMaxChannels; ++c) {
     if (!contains(other.has_samples_ | other.has_moments_, c)) continue;
-    const Channel& from = other.channels_.data()[c];
+    const Channel& from = other.channels_[c];
     if (contains(other.has_samples_, c)) add_scaled(from.samples.data(), 1, samples(c), frames_);
     if (!contains(other.has_moments_, c)) continue;
     float* const to = moments(c)->of.data();
@@ -41,10 +41,10 @@ void ChannelSums::add(const ChannelSums& other) RINGDOWN_REALTIME {
 }
 
 // A complex transform turns the moments of two channels at once.
-void ChannelSums::close() RINGDOWN_REALTIME {
+void ChannelSums::close() REALTIME {
   std::array<double, kChunkFrames> unused;
   for (ChannelSet rest = has_moments_; rest != 0;) {
-    const auto take = [&rest]() RINGDOWN_REALTIME {
+    const auto take = [&rest]() REALTIME {
       const auto channel = static_cast<std::size_t>(std::countr_zero(rest));
       rest &= rest - 1;
       return channel;
@@ -53,7 +53,7 @@ void ChannelSums::close() RINGDOWN_REALTIME {
     const bool alone = rest == 0;
     const std::size_t second = alone ? first : take();
     if (alone) unused.fill(0);
-    synthesis_.add(channels_.data()[first].moments, channels_.data()[second].moments, samples(first),
+    synthesis_.add(channels_[first].moments, channels_[second].moments, samples(first),
                    alone ? unused.data() : samples(second), frames_);
   }
   if (!field_ || field_->channels() == 0) return;
@@ -65,8 +65,8 @@ void ChannelSums::close() RINGDOWN_REALTIME {
   field_->close(out, frames_);
 }
 
-const double* ChannelSums::result(std::size_t channel) const RINGDOWN_REALTIME {
-  return contains(has_samples_, channel) ? channels_.data()[channel].samples.data() : nullptr;
+const double* ChannelSums::result(std::size_t channel) const REALTIME {
+  return contains(has_samples_, channel) ? channels_[channel].samples.data() : nullptr;
 }
 
 }  // namespace ringdown::synth

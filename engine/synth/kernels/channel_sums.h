@@ -26,22 +26,22 @@ class ChannelSums {
   }
 
   // Begins a chunk of `frames` and drops earlier sums. More than kChunkFrames only if nothing is added.
-  void open(std::size_t frames) RINGDOWN_REALTIME;
+  void open(std::size_t frames) REALTIME;
 
   // Return the samples or moments of a channel, to which callers add.
-  double* samples(std::size_t channel) RINGDOWN_REALTIME;
-  MomentSums* moments(std::size_t channel) RINGDOWN_REALTIME;
+  double* samples(std::size_t channel) REALTIME;
+  MomentSums* moments(std::size_t channel) REALTIME;
   // Returns the sums that take an object for all of its channels together; null if there are no ambisonic channels.
-  [[nodiscard]] FieldSums* field() RINGDOWN_REALTIME { return field_.get(); }
+  [[nodiscard]] FieldSums* field() REALTIME { return field_.get(); }
 
   // Adds the sums of `other` for the present chunk.
-  void add(const ChannelSums& other) RINGDOWN_REALTIME;
+  void add(const ChannelSums& other) REALTIME;
 
   // Turns moments into samples, after everything was added.
-  void close() RINGDOWN_REALTIME;
+  void close() REALTIME;
 
   // Returns the channel's samples; null if nothing was added.
-  [[nodiscard]] const double* result(std::size_t channel) const RINGDOWN_REALTIME;
+  [[nodiscard]] const double* result(std::size_t channel) const REALTIME;
 
  private:
   struct Channel {

@@ -115,11 +115,11 @@ namespace ringdown::synth {
 HWY_EXPORT(coupled_forces_here);
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
-RINGDOWN_TRUST_REALTIME_BEGIN
-double coupled_forces(const CoupledArrays& terms, const float* q, float* gradient) RINGDOWN_REALTIME {
+TRUST_REALTIME_BEGIN
+double coupled_forces(const CoupledArrays& terms, const float* q, float* gradient) REALTIME {
   return HWY_DYNAMIC_DISPATCH(coupled_forces_here)(terms, q, gradient);
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 }  // namespace ringdown::synth
 #endif

@@ -22,6 +22,6 @@ struct CoupledArrays {
 
 // For displacements q (`stride` floats): the gradient of V = sum over k of [ (g_k . q) t_k + 1/2 t_k^2 ],
 // t_k = q^T H^k q, into `gradient`; returns V. [audio]
-double coupled_forces(const CoupledArrays& terms, const float* q, float* gradient) RINGDOWN_REALTIME;
+double coupled_forces(const CoupledArrays& terms, const float* q, float* gradient) REALTIME;
 
 }  // namespace ringdown::synth

@@ -72,15 +72,15 @@ HWY_EXPORT(look_up_here);
 HWY_EXPORT(find_absorption_here);
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
-RINGDOWN_TRUST_REALTIME_BEGIN
-void look_up(const modal::DirectionMap& map, const float* harmonics, float* re, float* im) RINGDOWN_REALTIME {
+TRUST_REALTIME_BEGIN
+void look_up(const modal::DirectionMap& map, const float* harmonics, float* re, float* im) REALTIME {
   HWY_DYNAMIC_DISPATCH(look_up_here)(map, harmonics, re, im);
 }
 void find_absorption(const modal::AirAbsorption& air, double distance_m, const float* frequency_hz, std::size_t count,
-                     float* out) RINGDOWN_REALTIME {
+                     float* out) REALTIME {
   HWY_DYNAMIC_DISPATCH(find_absorption_here)(air, distance_m, frequency_hz, count, out);
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 }  // namespace ringdown::synth
 #endif

@@ -302,24 +302,23 @@ HWY_EXPORT(free_motion_here);
 HWY_EXPORT(add_taps_here);
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
-RINGDOWN_TRUST_REALTIME_BEGIN
+TRUST_REALTIME_BEGIN
 double drive_modes(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces, double* out,
-                   std::size_t frames) RINGDOWN_REALTIME {
+                   std::size_t frames) REALTIME {
   return HWY_DYNAMIC_DISPATCH(drive_modes_here)(modes, columns, forces, out, frames);
 }
 double drive_touched(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
-                     std::span<const PortForce> ports, double* out, std::size_t frames,
-                     std::size_t substeps) RINGDOWN_REALTIME {
+                     std::span<const PortForce> ports, double* out, std::size_t frames, std::size_t substeps) REALTIME {
   return HWY_DYNAMIC_DISPATCH(drive_touched_here)(modes, columns, forces, ports, out, frames, substeps);
 }
 void free_motion(const ModeArrays& modes, std::size_t columns, std::span<const double* const> weights,
-                 std::span<double* const> out, std::size_t count) RINGDOWN_REALTIME {
+                 std::span<double* const> out, std::size_t count) REALTIME {
   HWY_DYNAMIC_DISPATCH(free_motion_here)(modes, columns, weights, out, count);
 }
-void add_taps(std::span<const TapRow> rows, std::size_t count) RINGDOWN_REALTIME {
+void add_taps(std::span<const TapRow> rows, std::size_t count) REALTIME {
   HWY_DYNAMIC_DISPATCH(add_taps_here)(rows, count);
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 }  // namespace ringdown::synth
 #endif

@@ -23,7 +23,7 @@ inline constexpr std::size_t kMaxForces = 4;  // forces on one object at a time
 // `frames` <= kChunkFrames. An impulse in frame n sounds from frame n + 1 on. Returns the sum of |z|^2 of the final
 // states. [audio]
 double drive_modes(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces, double* out,
-                   std::size_t frames) RINGDOWN_REALTIME;
+                   std::size_t frames) REALTIME;
 
 // A two-way contact's force at one place in one direction, constant over each step.
 struct PortForce {
@@ -36,14 +36,13 @@ inline constexpr std::size_t kMaxPortForces = 24;  // ports on one object
 // Like drive_modes(), but every frame is `substeps` steps, for which `modes` has the poles, and `ports` push as well.
 // `forces` act at the beginning of each frame, and `out` gets a sample for each frame. [audio]
 double drive_touched(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
-                     std::span<const PortForce> ports, double* out, std::size_t frames,
-                     std::size_t substeps) RINGDOWN_REALTIME;
+                     std::span<const PortForce> ports, double* out, std::size_t frames, std::size_t substeps) REALTIME;
 
 // out[k][n] = sum over modes of weights[k] Re(z p^n) for n = 0 ... count - 1 <= kChunkFrames: the free motion of the
 // surface at a few places. Does not change the states. [audio]
 inline constexpr std::size_t kMaxPlaces = 24;
 void free_motion(const ModeArrays& modes, std::size_t columns, std::span<const double* const> weights,
-                 std::span<double* const> out, std::size_t count) RINGDOWN_REALTIME;
+                 std::span<double* const> out, std::size_t count) REALTIME;
 
 // to[i] -= force * taps[i] for each of `rows`, i < count. [audio]
 struct TapRow {
@@ -51,6 +50,6 @@ struct TapRow {
   double* to = nullptr;
   double force = 0;
 };
-void add_taps(std::span<const TapRow> rows, std::size_t count) RINGDOWN_REALTIME;
+void add_taps(std::span<const TapRow> rows, std::size_t count) REALTIME;
 
 }  // namespace ringdown::synth

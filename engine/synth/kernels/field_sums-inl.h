@@ -118,7 +118,7 @@ FieldSums::FieldSums() : spread_{}, grid_{nullptr, spread_.data()}, waiting_{}, 
   }
 }
 
-void FieldSums::open() RINGDOWN_REALTIME {
+void FieldSums::open() REALTIME {
   waiting_.count = 0;
   waiting_.slopes = false;
   in_field_ = {};
@@ -126,19 +126,19 @@ void FieldSums::open() RINGDOWN_REALTIME {
   field_channels_ = other_channels_ = 0;
 }
 
-MomentTarget FieldSums::begin_object() RINGDOWN_REALTIME {
+MomentTarget FieldSums::begin_object() REALTIME {
   Lines& lines = waiting_.objects[waiting_.count];
   lines.fill(0);
   grid_.lines = lines.data();
   return {.grid = &grid_};
 }
 
-void FieldSums::add_to(std::size_t channel, const GainLine& gain) RINGDOWN_REALTIME {
+void FieldSums::add_to(std::size_t channel, const GainLine& gain) REALTIME {
   add_lines(waiting_.objects[waiting_.count], gain.middle, channel, middle);
   if (gain.slope != 0) add_lines(waiting_.objects[waiting_.count], gain.slope, channel, slope);
 }
 
-void FieldSums::end_object(const FieldGains& gains, ChannelSet wanted) RINGDOWN_REALTIME {
+void FieldSums::end_object(const FieldGains& gains, ChannelSet wanted) REALTIME {
   waiting_.gains[middle][waiting_.count] = gains.middle;
   waiting_.gains[slope][waiting_.count] = gains.slope;
   waiting_.slopes = waiting_.slopes || gains.moves;
@@ -149,7 +149,7 @@ void FieldSums::end_object(const FieldGains& gains, ChannelSet wanted) RINGDOWN_
   waiting_.slopes = false;
 }
 
-void FieldSums::add(const FieldSums& other) RINGDOWN_REALTIME {
+void FieldSums::add(const FieldSums& other) REALTIME {
   add_waiting(other.waiting_);
   field_channels_ |= other.field_channels_;
   for (const Part part : {middle, slope}) {
@@ -164,14 +164,14 @@ void FieldSums::add(const FieldSums& other) RINGDOWN_REALTIME {
   }
 }
 
-float* FieldSums::part_of_field(Part part) RINGDOWN_REALTIME {
+float* FieldSums::part_of_field(Part part) REALTIME {
   if (!in_field_[part]) field_[part].fill(0);
   in_field_[part] = true;
   return field_[part].data();
 }
 
 // Synthesises the ambisonic channels first, then the others in bundles of up to kWidth.
-void FieldSums::close(const std::array<double*, kMaxChannels>& out, std::size_t frames) RINGDOWN_REALTIME {
+void FieldSums::close(const std::array<double*, kMaxChannels>& out, std::size_t frames) REALTIME {
   add_waiting(waiting_);
   std::array<double*, kWidth> to;
   std::copy_n(out.data() + kFirstAmbisonic, kWidth, to.data());
@@ -193,8 +193,8 @@ void FieldSums::close(const std::array<double*, kMaxChannels>& out, std::size_t 
 }
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
-RINGDOWN_TRUST_REALTIME_BEGIN
-void FieldSums::add_waiting(const Waiting& waiting) RINGDOWN_REALTIME {
+TRUST_REALTIME_BEGIN
+void FieldSums::add_waiting(const Waiting& waiting) REALTIME {
   if (waiting.count == 0) return;
   for (const Part part : {middle, slope}) {
     if (part == slope && !waiting.slopes) continue;
@@ -203,7 +203,7 @@ void FieldSums::add_waiting(const Waiting& waiting) RINGDOWN_REALTIME {
   }
 }
 
-void FieldSums::add_lines(const Lines& lines, float gain, std::size_t channel, Part part) RINGDOWN_REALTIME {
+void FieldSums::add_lines(const Lines& lines, float gain, std::size_t channel, Part part) REALTIME {
   Lines& to = others_[channel][part];
   if (!contains(in_others_[part], channel)) to.fill(0);
   in_others_[part] |= only(channel);
@@ -211,7 +211,7 @@ void FieldSums::add_lines(const Lines& lines, float gain, std::size_t channel, P
   HWY_DYNAMIC_DISPATCH(add_lines_here)(lines.data(), gain, to.data());
 }
 
-void FieldSums::synthesize(const std::array<double*, kWidth>& out, std::size_t frames) RINGDOWN_REALTIME {
+void FieldSums::synthesize(const std::array<double*, kWidth>& out, std::size_t frames) REALTIME {
   bool first = true;
   for (const Part part : {middle, slope}) {
     if (!in_field_[part]) continue;
@@ -226,7 +226,7 @@ void FieldSums::synthesize(const std::array<double*, kWidth>& out, std::size_t f
     for (std::size_t j = 0; j < frames; ++j) out[c][j] += static_cast<double>(samples_[j * kWidth + c]);
   }
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 }  // namespace ringdown::synth
 #endif

@@ -28,23 +28,23 @@ class FieldSums {
   FieldSums();
 
   // Begins a chunk and drops earlier sums.
-  void open() RINGDOWN_REALTIME;
+  void open() REALTIME;
 
   // Begins an object. Kernels add the object's modes at full level to the returned target, which must be the only
   // target of a call.
-  [[nodiscard]] MomentTarget begin_object() RINGDOWN_REALTIME;
+  [[nodiscard]] MomentTarget begin_object() REALTIME;
   // add_to() adds the object to a channel that is not ambisonic; end_object() then adds it to the ambisonic channels,
   // of which `wanted` are listened to.
-  void add_to(std::size_t channel, const GainLine& gain) RINGDOWN_REALTIME;
-  void end_object(const FieldGains& gains, ChannelSet wanted) RINGDOWN_REALTIME;
+  void add_to(std::size_t channel, const GainLine& gain) REALTIME;
+  void end_object(const FieldGains& gains, ChannelSet wanted) REALTIME;
 
   // Adds the sums of `other` for the present chunk.
-  void add(const FieldSums& other) RINGDOWN_REALTIME;
+  void add(const FieldSums& other) REALTIME;
 
   // channels() returns the channels to which something was added. close() adds their samples to `out` and uses up the
   // sums.
-  [[nodiscard]] ChannelSet channels() const RINGDOWN_REALTIME { return field_channels_ | other_channels_; }
-  void close(const std::array<double*, kMaxChannels>& out, std::size_t frames) RINGDOWN_REALTIME;
+  [[nodiscard]] ChannelSet channels() const REALTIME { return field_channels_ | other_channels_; }
+  void close(const std::array<double*, kMaxChannels>& out, std::size_t frames) REALTIME;
 
  private:
   static constexpr std::size_t kWidth = kMaxAmbisonicChannels;
@@ -59,10 +59,10 @@ class FieldSums {
     bool slopes = false;
   };
 
-  void add_waiting(const Waiting& waiting) RINGDOWN_REALTIME;
-  float* part_of_field(Part part) RINGDOWN_REALTIME;
-  void add_lines(const Lines& lines, float gain, std::size_t channel, Part part) RINGDOWN_REALTIME;
-  void synthesize(const std::array<double*, kWidth>& out, std::size_t frames) RINGDOWN_REALTIME;
+  void add_waiting(const Waiting& waiting) REALTIME;
+  float* part_of_field(Part part) REALTIME;
+  void add_lines(const Lines& lines, float gain, std::size_t channel, Part part) REALTIME;
+  void synthesize(const std::array<double*, kWidth>& out, std::size_t frames) REALTIME;
 
   alignas(64) std::array<float, 2 * kMoments * 2 * kGridReach> spread_;
   MomentGrid grid_;

@@ -282,16 +282,16 @@ namespace ringdown::synth {
 HWY_EXPORT(add_heard_moments_here);
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
-RINGDOWN_TRUST_REALTIME_BEGIN
+TRUST_REALTIME_BEGIN
 bool add_heard_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                       const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) RINGDOWN_REALTIME {
+                       const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) REALTIME {
   const double per_frame = static_cast<double>(fade.to - fade.from) / static_cast<double>(frames);
   const float level_and_slope[2] = {static_cast<float>(static_cast<double>(fade.from) + per_frame * kMomentMiddle),
                                     static_cast<float>(per_frame * kMomentScale)};
   return HWY_DYNAMIC_DISPATCH(add_heard_moments_here)(modes, moments, active, frames, limits, targets.data(),
                                                       targets.size(), fade.none() ? nullptr : level_and_slope);
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 }  // namespace ringdown::synth
 #endif

@@ -82,20 +82,20 @@ HWY_EXPORT(add_filtered_here);
 HWY_EXPORT(write_samples_here);
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
-RINGDOWN_TRUST_REALTIME_BEGIN
-void add_scaled(const double* from, double gain, double* out, std::size_t frames) RINGDOWN_REALTIME {
+TRUST_REALTIME_BEGIN
+void add_scaled(const double* from, double gain, double* out, std::size_t frames) REALTIME {
   HWY_DYNAMIC_DISPATCH(add_scaled_here)(from, gain, out, frames);
 }
 
 void add_filtered(const float* samples, std::size_t taps, const FilterOutput& first, const FilterOutput& second,
-                  std::size_t frames) RINGDOWN_REALTIME {
+                  std::size_t frames) REALTIME {
   HWY_DYNAMIC_DISPATCH(add_filtered_here)(samples, taps, first, second, frames);
 }
 
-float write_samples(const double* from, float* to, std::size_t frames) RINGDOWN_REALTIME {
+float write_samples(const double* from, float* to, std::size_t frames) REALTIME {
   return HWY_DYNAMIC_DISPATCH(write_samples_here)(from, to, frames);
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 }  // namespace ringdown::synth
 #endif

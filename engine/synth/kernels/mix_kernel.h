@@ -8,7 +8,7 @@
 namespace ringdown::synth {
 
 // out += gain * from.
-void add_scaled(const double* from, double gain, double* out, std::size_t frames) RINGDOWN_REALTIME;
+void add_scaled(const double* from, double gain, double* out, std::size_t frames) REALTIME;
 
 // Applies two filters to the samples, from the last tap on, each with its own result: out[n] += sum over j < taps of
 // reversed[j] * samples[n + j]. Reads and writes up to kFilterOverrun frames beyond `frames`.
@@ -18,9 +18,9 @@ struct FilterOutput {
   float* out;
 };
 void add_filtered(const float* samples, std::size_t taps, const FilterOutput& first, const FilterOutput& second,
-                  std::size_t frames) RINGDOWN_REALTIME;
+                  std::size_t frames) REALTIME;
 
 // to = from; returns the largest |to|. If a sample would not be finite, sets to = 0 throughout and returns infinity.
-float write_samples(const double* from, float* to, std::size_t frames) RINGDOWN_REALTIME;
+float write_samples(const double* from, float* to, std::size_t frames) REALTIME;
 
 }  // namespace ringdown::synth

@@ -212,21 +212,21 @@ std::array<float, 2 * kRun> run_of(std::complex<double> s) {
 }
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
-RINGDOWN_TRUST_REALTIME_BEGIN
+TRUST_REALTIME_BEGIN
 bool render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
-                  std::size_t frames) RINGDOWN_REALTIME {
+                  std::size_t frames) REALTIME {
   return HWY_DYNAMIC_DISPATCH(render_modes_here)(modes, active, limits, out, frames);
 }
 
 void fill_advances(const ModeArrays& modes, std::size_t count, std::size_t frames, double* to_re,
-                   double* to_im) RINGDOWN_REALTIME {
+                   double* to_im) REALTIME {
   HWY_DYNAMIC_DISPATCH(fill_advances_here)(modes, count, frames, to_re, to_im);
 }
 
-void skip_modes(const ModeArrays& modes, std::size_t count, std::uint64_t frames) RINGDOWN_REALTIME {
+void skip_modes(const ModeArrays& modes, std::size_t count, std::uint64_t frames) REALTIME {
   HWY_DYNAMIC_DISPATCH(skip_modes_here)(modes, count, frames);
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 const char* kernel_target() { return HWY_DYNAMIC_DISPATCH(target_here)(); }
 

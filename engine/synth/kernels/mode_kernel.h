@@ -80,15 +80,15 @@ inline constexpr EnergyLimits kKeepAllGroups{-1, kAbsurdEnergy};
 // Adds the modes' sum to out[0, frames) and moves their states on by `frames` <= kChunkFrames. Returns false, without
 // adding anything, if the energy of a new state exceeds `max` or is NaN. [audio]
 bool render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
-                  std::size_t frames) RINGDOWN_REALTIME;
+                  std::size_t frames) REALTIME;
 
 // to = p^frames for the first `count` modes, a multiple of kModePadding. [audio]
 void fill_advances(const ModeArrays& modes, std::size_t count, std::size_t frames, double* to_re,
-                   double* to_im) RINGDOWN_REALTIME;
+                   double* to_im) REALTIME;
 
 // z *= p^frames for the first `count` modes, a multiple of kModePadding: at most 2 log2(frames) products a mode,
 // relative error about 1e-16 frames. [audio]
-void skip_modes(const ModeArrays& modes, std::size_t count, std::uint64_t frames) RINGDOWN_REALTIME;
+void skip_modes(const ModeArrays& modes, std::size_t count, std::uint64_t frames) REALTIME;
 
 // Returns the instruction set in use: "AVX3", "AVX2", "NEON", ... [any]
 const char* kernel_target();

@@ -170,19 +170,19 @@ MomentSynthesis::MomentSynthesis() : re_{}, im_{} {
   }
 }
 
-RINGDOWN_TRUST_REALTIME_BEGIN
-void ChunkTransform::run(float* re, float* im, std::size_t frames) const RINGDOWN_REALTIME {
+TRUST_REALTIME_BEGIN
+void ChunkTransform::run(float* re, float* im, std::size_t frames) const REALTIME {
   HWY_DYNAMIC_DISPATCH(transform_here)(re, im, cosine_.data(), sine_.data(), kPoints, frames);
 }
 
 void MomentSynthesis::add(const MomentSums& left, const MomentSums& right, double* out_left, double* out_right,
-                          std::size_t frames) RINGDOWN_REALTIME {
+                          std::size_t frames) REALTIME {
   HWY_DYNAMIC_DISPATCH(fill_spectrum_here)(left.of.data(), right.of.data(), re_.data(), im_.data());
   transform_.run(re_.data(), im_.data(), frames);
   HWY_DYNAMIC_DISPATCH(shape_here)(re_.data(), transform_.places(), shape_.data(), out_left, frames);
   HWY_DYNAMIC_DISPATCH(shape_here)(im_.data(), transform_.places(), shape_.data(), out_right, frames);
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 }  // namespace ringdown::synth
 #endif

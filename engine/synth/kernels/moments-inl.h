@@ -174,9 +174,9 @@ std::array<float, 2 * kMoments> moment_weights(std::complex<double> s) {
 }
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
-RINGDOWN_TRUST_REALTIME_BEGIN
+TRUST_REALTIME_BEGIN
 bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                 const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) RINGDOWN_REALTIME {
+                 const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) REALTIME {
   if (modes.hearing != nullptr) return add_heard_moments(modes, moments, active, frames, limits, targets, fade);
   // Frame j is at t = (j - kMomentMiddle) / kMomentScale.
   const double per_frame = static_cast<double>(fade.to - fade.from) / static_cast<double>(frames);
@@ -185,7 +185,7 @@ bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGro
   return HWY_DYNAMIC_DISPATCH(add_moments_here)(modes, moments, active, frames, limits, targets.data(), targets.size(),
                                                 fade.none() ? nullptr : level_and_slope);
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
 }  // namespace ringdown::synth
 #endif

@@ -77,7 +77,7 @@ struct MomentTarget {
 // A gain that moves in a straight line from the first frame of a chunk to the one after its last.
 struct Fade {
   float from = 1, to = 1;
-  [[nodiscard]] bool none() const RINGDOWN_REALTIME { return from == 1 && to == 1; }
+  [[nodiscard]] bool none() const REALTIME { return from == 1 && to == 1; }
 };
 
 // Adds the moments of the active groups to each target and moves their states on by `frames` <= kChunkFrames; groups
@@ -85,10 +85,10 @@ struct Fade {
 // remaining groups are then not processed, and the wrong values are not added. A fade multiplies the sound of these
 // modes (not their states); the truncation error is then 20 dB larger. [audio]
 bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                 const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade = {}) RINGDOWN_REALTIME;
+                 const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade = {}) REALTIME;
 // Does this for modes whose `hearing` is set; called by add_moments().
 bool add_heard_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                       const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) RINGDOWN_REALTIME;
+                       const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) REALTIME;
 
 // The transform of a chunk, sum over k of x_k exp(2 pi i j k / kPoints), for eight sequences at once. [audio, after
 // construction]
@@ -98,8 +98,8 @@ class ChunkTransform {
   ChunkTransform();
   // Transforms in place. Each point holds the eight sequences' numbers, 64-byte aligned. Only the first `frames` <=
   // kChunkFrames frames are computed; frame j is at point places()[j].
-  void run(float* re, float* im, std::size_t frames) const RINGDOWN_REALTIME;
-  [[nodiscard]] const std::uint16_t* places() const RINGDOWN_REALTIME { return places_.data(); }
+  void run(float* re, float* im, std::size_t frames) const REALTIME;
+  [[nodiscard]] const std::uint16_t* places() const REALTIME { return places_.data(); }
 
  private:
   std::array<float, kPoints> cosine_, sine_;
@@ -113,7 +113,7 @@ class MomentSynthesis {
 
   // Adds the first `frames` samples of two outputs. Uses up the sums: they are not zero afterwards.
   void add(const MomentSums& left, const MomentSums& right, double* out_left, double* out_right,
-           std::size_t frames) RINGDOWN_REALTIME;
+           std::size_t frames) REALTIME;
 
  private:
   static_assert(kMoments == 8, "one for each sequence of the transform");

@@ -21,7 +21,7 @@ constexpr double kMaxCellsAhead = 8;
 constexpr double kMaxAhead_s = 0.3;  // limit under pressure
 
 // The cost of a look-up, in terms of its map.
-double terms_of(const ModeTable& table) RINGDOWN_REALTIME {
+double terms_of(const ModeTable& table) REALTIME {
   const modal::DirectionMap& map = table.directions();
   const double harmonics = 0.5 * static_cast<double>(modal::harmonic_count(std::max(map.degree(), 0)));
   return static_cast<double>(map.terms()) + harmonics + static_cast<double>(table.columns());
@@ -33,7 +33,7 @@ constexpr double kTermsPerMode = 0.3;  // with more modes: terms for each soundi
 
 }  // namespace
 
-void LookPressure::update(double terms, double modes, const Chunk& chunk) RINGDOWN_REALTIME {
+void LookPressure::update(double terms, double modes, const Chunk& chunk) REALTIME {
   constexpr double kShare = 0.1, kMaxPressure = 1000;
   terms_ += terms;
   if (chunk.end() < chunk.cell_end()) return;
@@ -42,7 +42,7 @@ void LookPressure::update(double terms, double modes, const Chunk& chunk) RINGDO
   pressure_ = std::clamp(mean_ / budget, 1.0, kMaxPressure);
 }
 
-double Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
+double Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) REALTIME {
   if (!heard(chunk)) return 0;
   double terms = 0;
   if (!chunk.listening->on() || !track.known()) {
@@ -50,7 +50,7 @@ double Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStr
     if (state_ == State::absent) return 0;
   } else {
     bool rings = false;
-    voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME { rings = rings || voice.ringing(); });
+    voices.for_each([&](const Voice& voice) REALTIME { rings = rings || voice.ringing(); });
     track.advance(chunk.cell_begin(), chunk.sample_rate_hz);
     const Entry entry = enter(chunk, rings);
     const State next = sight(chunk, entry, voices);
@@ -71,7 +71,7 @@ double Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStr
   return terms;
 }
 
-Placement::Entry Placement::enter(const Chunk& chunk, bool rings) RINGDOWN_REALTIME {
+Placement::Entry Placement::enter(const Chunk& chunk, bool rings) REALTIME {
   const bool follows = heard_until_ == chunk.begin;
   const std::uint32_t now = track.jumps() + chunk.listening->jumps();
   const bool jumped = std::exchange(jumps_, now) != now;
@@ -89,10 +89,10 @@ Placement::Entry Placement::enter(const Chunk& chunk, bool rings) RINGDOWN_REALT
 
 // Finds how the object is seen at both ends of the cell, and returns the state for the cell. An earlier chunk of the
 // cell may have done so; then a voice that has no gains yet needs the direction of an object that turns.
-Placement::State Placement::sight(const Chunk& chunk, Entry entry, const VoiceStack& voices) RINGDOWN_REALTIME {
+Placement::State Placement::sight(const Chunk& chunk, Entry entry, const VoiceStack& voices) REALTIME {
   bool looked_up = true;
   const Voice* source = nullptr;
-  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&](const Voice& voice) REALTIME {
     looked_up = looked_up && voice.gains.on();
     source = source ? source : &voice;
   });
@@ -114,7 +114,7 @@ Placement::State Placement::sight(const Chunk& chunk, Entry entry, const VoiceSt
 }
 
 // Looks gains up where it is time to.
-void Placement::aim(const Chunk& chunk, Entry entry, VoiceStack& voices) RINGDOWN_REALTIME {
+void Placement::aim(const Chunk& chunk, Entry entry, VoiceStack& voices) REALTIME {
   const Listening& listening = *chunk.listening;
   const Frame cell = chunk.cell_begin();
   const bool fresh = entry == Entry::afresh, within = entry == Entry::same_cell,
@@ -124,12 +124,12 @@ void Placement::aim(const Chunk& chunk, Entry entry, VoiceStack& voices) RINGDOW
   const double turn = length(last_.toward_listener - first_.toward_listener);
   const double glide = std::max(static_cast<double>(glide_end_ - cell), 0.0), min = std::max(kCell, glide);
   const auto passed = static_cast<double>(chunk.begin - cell);  // of what is counted from the cell's beginning
-  const auto go_to = [&](ModeGains& gains, const Sighting& at, double frames) RINGDOWN_REALTIME {
+  const auto go_to = [&](ModeGains& gains, const Sighting& at, double frames) REALTIME {
     gains.aim(at.toward_listener, std::max(at.distance_m, kReferenceDistance_m), listening.absorption(), frames);
   };
   double ahead = min;
   if (look) look_rate_ = 0;
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&](Voice& voice) REALTIME {
     ModeGains& gains = voice.gains;
     const bool first = !gains.on(), begins = fresh || (first && glide == 0);
     if (begins) go_to(gains, first_, 0);
@@ -162,8 +162,7 @@ void Placement::aim(const Chunk& chunk, Entry entry, VoiceStack& voices) RINGDOW
 // The source time that passes in a cell follows from the change of distance, up to terms of second order. Its deviation
 // from a straight line in the middle follows from the rates at both ends. Parts of the cell follow the parabola through
 // these values, so that the result does not depend on where chunks end.
-void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
-                     VoiceStack& voices) const RINGDOWN_REALTIME {
+void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk, VoiceStack& voices) const REALTIME {
   ModeStates::HeardTime time{.offset = offset};
   if (state_ != State::leaving && (first_.rate != 1 || last_.rate != 1)) {
     const double way_m = last_.distance_m - first_.distance_m;
@@ -176,15 +175,15 @@ void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
     time.rate = rate + 4 * bend * (1 - from - to) / kCell;
     time.bend = bend * (to - from) * (to - from);
   }
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.hear(&time); });
+  voices.for_each([&](Voice& voice) REALTIME { voice.hear(&time); });
 }
 
-void Placement::end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALTIME {
+void Placement::end_chunk(const Chunk& chunk, VoiceStack& voices) REALTIME {
   if (!begun(chunk)) return;
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.gains.advance(chunk.frames); });
+  voices.for_each([&](Voice& voice) REALTIME { voice.gains.advance(chunk.frames); });
 }
 
-bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME {
+bool Placement::may_share(const Chunk& chunk, const Voice& voice) const REALTIME {
   if (!heard(chunk)) return true;
   if ((state_ != State::still && state_ != State::moving) || glide_end_ > chunk.end() || !begun(chunk)) return false;
   const Motion source = track.at(chunk.end(), chunk.sample_rate_hz), &listener = chunk.listening->at_end();
@@ -196,7 +195,7 @@ bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN
          std::abs(last_.rate - 1) <= kMaxShift;
 }
 
-bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) RINGDOWN_REALTIME {
+bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) REALTIME {
   if (!heard(chunk)) return false;
   const Listening& listening = *chunk.listening;
   if (!listening.on() || track.jumps() + listening.jumps() != jumps_) return true;
@@ -211,16 +210,16 @@ bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) RI
 }
 
 // Glides back to being heard without a place. The glide ends at once if nothing was heard in the last chunk.
-void Placement::leave(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
+void Placement::leave(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) REALTIME {
   if (heard_until_ != chunk.begin || (state_ == State::leaving && glide_end_ <= chunk.begin)) {
-    voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.hear(nullptr); });
+    voices.for_each([](Voice& voice) REALTIME { voice.hear(nullptr); });
     strip.unplace();
     state_ = State::absent;
     return;
   }
   if (state_ != State::leaving) {
     glide_end_ = chunk.begin + kGlide;
-    voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.gains.aim_at_one(static_cast<double>(kGlide)); });
+    voices.for_each([](Voice& voice) REALTIME { voice.gains.aim_at_one(static_cast<double>(kGlide)); });
     state_ = State::leaving;
   }
   const auto n = static_cast<double>(chunk.frames), left = static_cast<double>(glide_end_ - chunk.begin);

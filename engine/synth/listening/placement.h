@@ -23,10 +23,10 @@ class VoiceStack;
 // renders repeat.
 class LookPressure {
  public:
-  [[nodiscard]] double now() const RINGDOWN_REALTIME { return pressure_; }
+  [[nodiscard]] double now() const REALTIME { return pressure_; }
   // Call once per chunk with the number of sounding modes and the look-up cost (in terms) without any pressure. The
   // unpressured cost is used because the real one lags one line behind and would make the control loop oscillate.
-  void update(double terms, double modes, const Chunk& chunk) RINGDOWN_REALTIME;
+  void update(double terms, double modes, const Chunk& chunk) REALTIME;
 
  private:
   double pressure_ = 1, mean_ = 0;
@@ -41,17 +41,17 @@ class Placement {
   PoseTrack track;
 
   // Returns whether the object should be heard from its place in this chunk.
-  [[nodiscard]] bool heard(const Chunk& chunk) const RINGDOWN_REALTIME {
+  [[nodiscard]] bool heard(const Chunk& chunk) const REALTIME {
     return chunk.listening != nullptr && (state_ != State::absent || (chunk.listening->on() && track.known()));
   }
   // Sets strip and voices for the chunk if the object is heard from its place. Returns the cost of its gain lines in
   // the chunk, in terms of maps, if they were looked up as often as exactness requires.
-  double begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
+  double begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) REALTIME;
   // Call in the chunk before its frames `offset` ... `end` - 1 are rendered.
-  void hear(std::size_t offset, std::size_t end, const Chunk& chunk, VoiceStack& voices) const RINGDOWN_REALTIME;
-  void end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALTIME;
+  void hear(std::size_t offset, std::size_t end, const Chunk& chunk, VoiceStack& voices) const REALTIME;
+  void end_chunk(const Chunk& chunk, VoiceStack& voices) REALTIME;
   // Returns whether begin_chunk() found that the object is heard from its place in this chunk.
-  [[nodiscard]] bool begun(const Chunk& chunk) const RINGDOWN_REALTIME {
+  [[nodiscard]] bool begun(const Chunk& chunk) const REALTIME {
     return state_ != State::absent && heard_until_ == chunk.end();
   }
 
@@ -61,14 +61,14 @@ class Placement {
   // maps), changes its distance by less than kMaxDrift of that distance, and has a pitch shift of less than kMaxShift
   // (shared states are not pitch-shifted).
   static constexpr double kMaxDrift = 0.12, kMaxShift = 0.003;  // 1 dB, 5 cents
-  [[nodiscard]] bool may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool may_share(const Chunk& chunk, const Voice& voice) const REALTIME;
   // Returns whether the hearing of a member of an instance group has changed since it joined by at least `share` of
   // these limits.
-  [[nodiscard]] bool drifted(const Chunk& chunk, const Voice& voice, double share) RINGDOWN_REALTIME;
+  [[nodiscard]] bool drifted(const Chunk& chunk, const Voice& voice, double share) REALTIME;
   // Makes the next chunk begin with the gains of the present place, instead of gliding there from the last one.
-  void begin_anew() RINGDOWN_REALTIME { state_ = State::renewed; }
+  void begin_anew() REALTIME { state_ = State::renewed; }
 
-  void forget() RINGDOWN_REALTIME {
+  void forget() REALTIME {
     const double spread = spread_;
     *this = {};
     spread_ = spread;
@@ -86,10 +86,10 @@ class Placement {
   // place or from none (`gliding`), begins after chunks that an instance group rendered (`resumed`), or follows the
   // last chunk of a cell (`next_cell`) or an earlier chunk of its own cell (`same_cell`).
   enum class Entry : std::uint8_t { afresh, gliding, resumed, next_cell, same_cell };
-  Entry enter(const Chunk& chunk, bool rings) RINGDOWN_REALTIME;
-  State sight(const Chunk& chunk, Entry entry, const VoiceStack& voices) RINGDOWN_REALTIME;
-  void aim(const Chunk& chunk, Entry entry, VoiceStack& voices) RINGDOWN_REALTIME;
-  void leave(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
+  Entry enter(const Chunk& chunk, bool rings) REALTIME;
+  State sight(const Chunk& chunk, Entry entry, const VoiceStack& voices) REALTIME;
+  void aim(const Chunk& chunk, Entry entry, VoiceStack& voices) REALTIME;
+  void leave(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) REALTIME;
 
   State state_ = State::absent;
   Frame heard_until_ = -1;   // end of the last chunk in which the object was heard

@@ -18,34 +18,32 @@ struct Cubic {
 };
 
 // Hermite's polynomials over `length` frames at the share t of the way, and their derivatives per frame.
-Cubic cubic(double t, double length) RINGDOWN_REALTIME {
+Cubic cubic(double t, double length) REALTIME {
   const double t2 = t * t, t3 = t2 * t;
   return {2 * t3 - 3 * t2 + 1, 3 * t2 - 2 * t3, (t3 - 2 * t2 + t) * length, (t3 - t2) * length};
 }
-Cubic cubic_slope(double t, double length) RINGDOWN_REALTIME {
+Cubic cubic_slope(double t, double length) REALTIME {
   const double t2 = t * t;
   return {6 * (t2 - t) / length, 6 * (t - t2) / length, 3 * t2 - 4 * t + 1, 3 * t2 - 2 * t};
 }
 
-Vec3 mix(const Cubic& c, Vec3 from, Vec3 to, Vec3 begin, Vec3 end) RINGDOWN_REALTIME {
+Vec3 mix(const Cubic& c, Vec3 from, Vec3 to, Vec3 begin, Vec3 end) REALTIME {
   return c.from * from + c.to * to + c.begin * begin + c.end * end;
 }
 
 // The way from one rotation to another, in the axes of the first.
-Vec3 turn_between(const Rotation& from, const Rotation& to) RINGDOWN_REALTIME {
-  return to_rotation_vector(inverse(from) * to);
-}
+Vec3 turn_between(const Rotation& from, const Rotation& to) REALTIME { return to_rotation_vector(inverse(from) * to); }
 
 }  // namespace
 
-bool is_sane(const Pose& pose) RINGDOWN_REALTIME {
+bool is_sane(const Pose& pose) REALTIME {
   const Vec3& p = pose.position_m;
   const double size = norm(pose.rotation);
   return std::abs(p.x) <= kMaxPosition_m && std::abs(p.y) <= kMaxPosition_m && std::abs(p.z) <= kMaxPosition_m &&
          size >= 1e-6 && size <= 1e6;
 }
 
-void PoseTrack::add(Frame at, const Pose& pose, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
+void PoseTrack::add(Frame at, const Pose& pose, Frame now, double sample_rate_hz) REALTIME {
   const Key key{at, {pose.position_m, normalized(pose.rotation)}};
   if (!known_) {
     known_ = true;
@@ -60,21 +58,21 @@ void PoseTrack::add(Frame at, const Pose& pose, Frame now, double sample_rate_hz
     now_ = now;
   }
   std::size_t place = count_;
-  while (place > 0 && pending_.data()[place - 1].at > at) --place;
-  if (place > 0 && pending_.data()[place - 1].at == at) {
-    pending_.data()[place - 1] = key;
+  while (place > 0 && pending_[place - 1].at > at) --place;
+  if (place > 0 && pending_[place - 1].at == at) {
+    pending_[place - 1] = key;
     return;
   }
   if (count_ == kMaxPending) {
-    pending_.data()[kMaxPending - 1] = key;
+    pending_[kMaxPending - 1] = key;
     return;
   }
   std::move_backward(pending_.data() + place, pending_.data() + count_, pending_.data() + count_ + 1);
-  pending_.data()[place] = key;
+  pending_[place] = key;
   ++count_;
 }
 
-void PoseTrack::advance(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
+void PoseTrack::advance(Frame now, double sample_rate_hz) REALTIME {
   if (known_ && static_cast<double>(now - now_) > kMaxInterval_s * sample_rate_hz) catch_up(now, sample_rate_hz);
   now_ = now;
   while (known_ && end_ <= now && (count_ > 0 || !still_)) {
@@ -85,11 +83,11 @@ void PoseTrack::advance(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
 
 // Skips the time in which the track was not read. It continues from the last pose that was due, at that pose's own
 // frame; otherwise it would lag behind for as long as poses come.
-void PoseTrack::catch_up(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
+void PoseTrack::catch_up(Frame now, double sample_rate_hz) REALTIME {
   std::size_t passed = 0;
-  for (; passed < count_ && pending_.data()[passed].at <= now; ++passed) {
+  for (; passed < count_ && pending_[passed].at <= now; ++passed) {
     reached_[1] = reached_[0];
-    reached_[0] = pending_.data()[passed];
+    reached_[0] = pending_[passed];
   }
   if (passed == 0 && still_) return;
   std::move(pending_.data() + passed, pending_.data() + count_, pending_.data());
@@ -109,23 +107,23 @@ void PoseTrack::catch_up(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
 }
 
 // The track has come to the end of its curve: chooses the next one.
-void PoseTrack::begin_curve(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
+void PoseTrack::begin_curve(Frame now, double sample_rate_hz) REALTIME {
   const double longest = kMaxInterval_s * sample_rate_hz;
   from_ = to_;
   const bool moves = dot(from_.velocity, from_.velocity) + dot(from_.spin, from_.spin) > 0;
-  const Frame gap = count_ > 0 ? pending_.data()[0].at - reached_[0].at : 0;
+  const Frame gap = count_ > 0 ? pending_[0].at - reached_[0].at : 0;
   const bool alone = gap <= 0 || static_cast<double>(gap) > longest;
   Frame interval = gap;
   if (alone) {  // how fast its thing moves is told by the pose after it
     interval = static_cast<Frame>(kLonePose_s * sample_rate_hz);
-    if (count_ > 1) interval = std::min(interval, pending_.data()[1].at - pending_.data()[0].at);
+    if (count_ > 1) interval = std::min(interval, pending_[1].at - pending_[0].at);
   }
-  if (count_ == 0 || (alone && moves && pending_.data()[0].at - interval > now)) {
+  if (count_ == 0 || (alone && moves && pending_[0].at - interval > now)) {
     come_to_rest(now);
     return;
   }
   if (still_) now = std::max(now, now_);  // it has stood since the last curve
-  const Key key = pending_.data()[0];
+  const Key key = pending_[0];
   const double speed =
       sample_rate_hz * length(key.pose.position_m - from_.pose.position_m) / static_cast<double>(interval);
   const bool jumps = speed > kMaxSpeed_m_s;
@@ -154,7 +152,7 @@ void PoseTrack::begin_curve(Frame now, double sample_rate_hz) RINGDOWN_REALTIME 
 }
 
 // A curve that ends at rest, as long as the one before.
-void PoseTrack::come_to_rest(Frame now) RINGDOWN_REALTIME {
+void PoseTrack::come_to_rest(Frame now) REALTIME {
   const Frame frames = std::max<Frame>(end_ - begin_, 1);
   still_ = dot(from_.velocity, from_.velocity) + dot(from_.spin, from_.spin) == 0;
   begin_ = now;
@@ -168,7 +166,7 @@ void PoseTrack::come_to_rest(Frame now) RINGDOWN_REALTIME {
 }
 
 // The motion that the track should have when it reaches a pose.
-PoseTrack::End PoseTrack::end_at(const Key& key, const Key* next, double longest) const RINGDOWN_REALTIME {
+PoseTrack::End PoseTrack::end_at(const Key& key, const Key* next, double longest) const REALTIME {
   End end{key.pose, {}, {}};
   const auto before = static_cast<double>(key.at - reached_[0].at);
   if (!(before > 0 && before <= longest)) return end;
@@ -194,7 +192,7 @@ PoseTrack::End PoseTrack::end_at(const Key& key, const Key* next, double longest
   return end;
 }
 
-PoseTrack::End PoseTrack::state_at(Frame frame) const RINGDOWN_REALTIME {
+PoseTrack::End PoseTrack::state_at(Frame frame) const REALTIME {
   if (frame >= end_ || end_ <= begin_) {
     if (still_) return {to_.pose, {}, {}};
     const auto beyond = static_cast<double>(frame - end_);
@@ -213,7 +211,7 @@ PoseTrack::End PoseTrack::state_at(Frame frame) const RINGDOWN_REALTIME {
           mix(slope, {}, turn_, from_.spin, to_.spin)};
 }
 
-Motion PoseTrack::at(Frame frame, double sample_rate_hz) const RINGDOWN_REALTIME {
+Motion PoseTrack::at(Frame frame, double sample_rate_hz) const REALTIME {
   const End state = state_at(frame);
   return {state.pose, sample_rate_hz * state.velocity, sample_rate_hz * state.spin};
 }

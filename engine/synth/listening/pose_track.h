@@ -25,7 +25,7 @@ struct Motion {
 // Returns whether every number of a pose is finite, positions are at most kMaxPosition_m, and the rotation has a
 // direction.
 inline constexpr double kMaxPosition_m = 1e6;
-[[nodiscard]] bool is_sane(const Pose& pose) RINGDOWN_REALTIME;
+[[nodiscard]] bool is_sane(const Pose& pose) REALTIME;
 
 class PoseTrack {
  public:
@@ -34,24 +34,24 @@ class PoseTrack {
   static constexpr double kLonePose_s = 0.03;     // duration of the motion to an isolated pose
   static constexpr std::size_t kMaxPending = 96;  // poses waiting for their frames: 500 a second in a block of 8,192
 
-  [[nodiscard]] bool known() const RINGDOWN_REALTIME { return known_; }
+  [[nodiscard]] bool known() const REALTIME { return known_; }
 
   // Adds a sane pose for frame `at`, at frame `now`. The track starts at the first pose. If the track has not been read
   // for a while, poses in the past make room. If kMaxPending poses wait already, the new one replaces the last.
-  void add(Frame at, const Pose& pose, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
+  void add(Frame at, const Pose& pose, Frame now, double sample_rate_hz) REALTIME;
 
   // Advances to frame `now`, which never decreases.
-  void advance(Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
+  void advance(Frame now, double sample_rate_hz) REALTIME;
   // Returns the motion at a frame from the last advance() on, as far as it was known then.
-  [[nodiscard]] Motion at(Frame frame, double sample_rate_hz) const RINGDOWN_REALTIME;
+  [[nodiscard]] Motion at(Frame frame, double sample_rate_hz) const REALTIME;
   // Returns whether the track stands still from the last advance() until another pose comes.
-  [[nodiscard]] bool still() const RINGDOWN_REALTIME { return still_ && count_ == 0; }
+  [[nodiscard]] bool still() const REALTIME { return still_ && count_ == 0; }
   // Returns whether the position is constant until the next advance(); the track may turn.
-  [[nodiscard]] bool stays_in_place() const RINGDOWN_REALTIME {
+  [[nodiscard]] bool stays_in_place() const REALTIME {
     return from_.pose.position_m == to_.pose.position_m && from_.velocity == Vec3{} && to_.velocity == Vec3{};
   }
   // Returns the number of jumps so far.
-  [[nodiscard]] std::uint32_t jumps() const RINGDOWN_REALTIME { return jumps_; }
+  [[nodiscard]] std::uint32_t jumps() const REALTIME { return jumps_; }
 
   // Call after a change of the sample rate at frame `now`. The track then stands at its latest pose. [worker]
   void rescale(Frame now);
@@ -66,11 +66,11 @@ class PoseTrack {
     Pose pose;
     Vec3 velocity, spin;
   };
-  void begin_curve(Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
-  void catch_up(Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
-  void come_to_rest(Frame now) RINGDOWN_REALTIME;
-  [[nodiscard]] End end_at(const Key& key, const Key* next, double longest) const RINGDOWN_REALTIME;
-  [[nodiscard]] End state_at(Frame frame) const RINGDOWN_REALTIME;
+  void begin_curve(Frame now, double sample_rate_hz) REALTIME;
+  void catch_up(Frame now, double sample_rate_hz) REALTIME;
+  void come_to_rest(Frame now) REALTIME;
+  [[nodiscard]] End end_at(const Key& key, const Key* next, double longest) const REALTIME;
+  [[nodiscard]] End state_at(Frame frame) const REALTIME;
 
   std::array<Key, kMaxPending> pending_{};  // sorted by frame
   std::size_t count_ = 0;

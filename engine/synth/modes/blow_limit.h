@@ -15,6 +15,6 @@ inline constexpr double kCrest = 1.7;  // of the sixteen lowest modes of a struc
 // blow, and `amplitudes` what the blow gives every column. The deflection is kCrest times the root of the sum of
 // squares of each mode's largest one, at the pitch that the mode has then: stiffened modes move less far. What rings
 // and the blow are taken to be unrelated. [audio]
-double blow_limit(const GlideMatrix& matrix, const float* squares, const double* amplitudes) RINGDOWN_REALTIME;
+double blow_limit(const GlideMatrix& matrix, const float* squares, const double* amplitudes) REALTIME;
 
 }  // namespace ringdown::synth

@@ -35,11 +35,11 @@ struct Chunk {
   const Listening* listening = nullptr;  // null: there has never been a listener
   double look_pressure = 1;              // factor by which maps are looked up less often than ideal (placement.h)
 
-  [[nodiscard]] Frame end() const RINGDOWN_REALTIME { return begin + static_cast<Frame>(frames); }
+  [[nodiscard]] Frame end() const REALTIME { return begin + static_cast<Frame>(frames); }
   // The cell in which the chunk lies if there is a listener (Timeline). Moving things are evaluated at the boundaries
   // of cells, which do not depend on the size of blocks.
-  [[nodiscard]] Frame cell_begin() const RINGDOWN_REALTIME { return begin - begin % static_cast<Frame>(kChunkFrames); }
-  [[nodiscard]] Frame cell_end() const RINGDOWN_REALTIME { return cell_begin() + static_cast<Frame>(kChunkFrames); }
+  [[nodiscard]] Frame cell_begin() const REALTIME { return begin - begin % static_cast<Frame>(kChunkFrames); }
+  [[nodiscard]] Frame cell_end() const REALTIME { return cell_begin() + static_cast<Frame>(kChunkFrames); }
 };
 
 // Counts of what sounds in a chunk, for status and for the next chunk's choices.
@@ -53,7 +53,7 @@ struct ChunkCounts {
   float psi_over_truth = 1;          // value farthest from 1 among these voices
   bool shed = false;                 // whether something was left out for lack of time
 
-  void add(const ChunkCounts& other) RINGDOWN_REALTIME {
+  void add(const ChunkCounts& other) REALTIME {
     voices += other.voices;
     modes += other.modes;
     muted_modes += other.muted_modes;
@@ -65,10 +65,10 @@ struct ChunkCounts {
     note_psi(other.psi_over_truth);
     shed = shed || other.shed;
   }
-  void note_psi(float value) RINGDOWN_REALTIME {
+  void note_psi(float value) REALTIME {
     if (std::abs(value - 1) > std::abs(psi_over_truth - 1)) psi_over_truth = value;
   }
-  void add(const ModeStates::Counts& states) RINGDOWN_REALTIME {
+  void add(const ModeStates::Counts& states) REALTIME {
     modes += static_cast<std::uint32_t>(states.sounding);
     muted_modes += static_cast<std::uint32_t>(states.muted);
     slow_modes += states.slow;

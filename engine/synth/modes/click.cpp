@@ -12,7 +12,7 @@ using Complex = std::complex<double>;
 constexpr double kMinClick_frames = 4;  // of a pulse: what is shorter would fold back from beyond Nyquist
 constexpr double kDecays = 16;          // decay times, after which it is 139 dB down
 
-Complex polar(double log_size, double angle) RINGDOWN_REALTIME {
+Complex polar(double log_size, double angle) REALTIME {
   const double size = std::exp(log_size);
   return {size * std::cos(angle), size * std::sin(angle)};
 }
@@ -27,8 +27,7 @@ double radius_of(const modal::MassProperties& mass) {
 // With a = c/R the filter is H(s) = 2as / ((s + a)^2 + a^2). To a force sin(wt) from t = 0 it answers with
 // Im(H(iw) exp(iwt)) + Re(B exp((-a + ia) t)), where B lets answer and derivative be 0 at t = 0. A half-sine is that
 // force and the same again half a period later.
-Click::Click(const ClickShape& shape, double impulse_ns, double contact_time_s,
-             double sample_rate_hz) RINGDOWN_REALTIME {
+Click::Click(const ClickShape& shape, double impulse_ns, double contact_time_s, double sample_rate_hz) REALTIME {
   const double frames = std::max(contact_time_s * sample_rate_hz, kMinClick_frames);
   const double a = shape.corner_per_s / sample_rate_hz, w = std::numbers::pi / frames;
   const double peak = shape.gain * impulse_ns * 0.5 * w * sample_rate_hz;
@@ -48,8 +47,8 @@ Click::Click(const ClickShape& shape, double impulse_ns, double contact_time_s,
   end_ = release_ + static_cast<std::int64_t>(kDecays / a);
 }
 
-void Click::fill(std::size_t count, double* out) RINGDOWN_REALTIME {
-  const auto turn = [](Complex& z, const Complex& by) RINGDOWN_REALTIME {
+void Click::fill(std::size_t count, double* out) REALTIME {
+  const auto turn = [](Complex& z, const Complex& by) REALTIME {
     z = {z.real() * by.real() - z.imag() * by.imag(), z.real() * by.imag() + z.imag() * by.real()};
   };
   for (std::size_t i = 0; i < count; ++i, ++at_) {

@@ -39,12 +39,12 @@ class Click {
 
   // The click of a half-sine of `impulse_ns` that begins at frame 0 and lasts `contact_time_s`, but 4 frames at least.
   // [audio]
-  Click(const ClickShape& shape, double impulse_ns, double contact_time_s, double sample_rate_hz) RINGDOWN_REALTIME;
+  Click(const ClickShape& shape, double impulse_ns, double contact_time_s, double sample_rate_hz) REALTIME;
 
   // Writes the click's next `count` samples to `out`. [audio]
-  void fill(std::size_t count, double* out) RINGDOWN_REALTIME;
+  void fill(std::size_t count, double* out) REALTIME;
 
-  [[nodiscard]] Frame length() const RINGDOWN_REALTIME { return end_; }  // frames from its begin to its end
+  [[nodiscard]] Frame length() const REALTIME { return end_; }  // frames from its begin to its end
 
  private:
   std::complex<double> push_, push_pole_;  // the part of the response that follows the force
@@ -61,26 +61,24 @@ class Clicks {
     Click click;
     ObjectNumber object = 0;
     Frame begin = 0;
-    [[nodiscard]] Frame free_from() const RINGDOWN_REALTIME {
-      return begin + click.length() + static_cast<Frame>(kChunkFrames);
-    }
+    [[nodiscard]] Frame free_from() const REALTIME { return begin + click.length() + static_cast<Frame>(kChunkFrames); }
   };
 
-  [[nodiscard]] bool empty() const RINGDOWN_REALTIME { return count_ == 0; }
-  [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME { return count_; }
-  [[nodiscard]] One& operator[](std::size_t i) RINGDOWN_REALTIME { return all_.data()[i]; }
+  [[nodiscard]] bool empty() const REALTIME { return count_ == 0; }
+  [[nodiscard]] std::size_t size() const REALTIME { return count_; }
+  [[nodiscard]] One& operator[](std::size_t i) REALTIME { return all_[i]; }
   // False when there is no place for it at the frame at which it begins.
-  [[nodiscard]] bool add(const One& one) RINGDOWN_REALTIME {
+  [[nodiscard]] bool add(const One& one) REALTIME {
     drop_before(one.begin);
     if (count_ == kMaxClicks) return false;
-    all_.data()[count_++] = one;
+    all_[count_++] = one;
     return true;
   }
   // Takes out those whose places are free from `frame` on.
-  void drop_before(Frame frame) RINGDOWN_REALTIME {
+  void drop_before(Frame frame) REALTIME {
     for (std::size_t i = 0; i < count_;) {
-      if (all_.data()[i].free_from() <= frame) {
-        all_.data()[i] = all_.data()[--count_];
+      if (all_[i].free_from() <= frame) {
+        all_[i] = all_[--count_];
       } else {
         ++i;
       }

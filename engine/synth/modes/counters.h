@@ -27,7 +27,7 @@ struct MixerCounters {
   std::atomic<float> peak_since{0};              // largest |sample| since Meters::take_peak()
 };
 
-inline void count(std::atomic<std::uint64_t>& counter, std::size_t times = 1) RINGDOWN_REALTIME {
+inline void count(std::atomic<std::uint64_t>& counter, std::size_t times = 1) REALTIME {
   if (times > 0) counter.fetch_add(times, std::memory_order_relaxed);
 }
 

@@ -92,72 +92,71 @@ CoupledModes::CoupledModes(const CoupledTable& table)
   }
 }
 
-double CoupledModes::strength(const double* re, const double* im) const RINGDOWN_REALTIME {
+double CoupledModes::strength(const double* re, const double* im) const REALTIME {
   double sum = 0;
   const CoupledTable& t = table_;
   for (std::size_t m = 0; m < modes_; ++m) {
-    const std::size_t c = t.columns.data()[m];
+    const std::size_t c = t.columns[m];
     double z_re = re[c], z_im = im[c];
-    if (running_) z_re += t.output.data()[m] * now_.data()[m], z_im += state_im(m);
-    sum += t.detuning.data()[m] * (z_re * z_re + z_im * z_im);
+    if (running_) z_re += t.output[m] * now_[m], z_im += state_im(m);
+    sum += t.detuning[m] * (z_re * z_re + z_im * z_im);
   }
   return sum;
 }
 
-double CoupledModes::state_im(std::size_t m) const RINGDOWN_REALTIME {
-  const double kept = keep_.data()[m] * before_.data()[m] - table_.pole_re.data()[m] * now_.data()[m];
-  return table_.output.data()[m] * kept / table_.pole_im.data()[m];
+double CoupledModes::state_im(std::size_t m) const REALTIME {
+  const double kept = keep_[m] * before_[m] - table_.pole_re[m] * now_[m];
+  return table_.output[m] * kept / table_.pole_im[m];
 }
 
-double CoupledModes::amplitude() const RINGDOWN_REALTIME {
+double CoupledModes::amplitude() const REALTIME {
   double sum = 0;
   for (std::size_t m = 0; m < modes_; ++m) {
-    const double re = table_.output.data()[m] * now_.data()[m], im = state_im(m);
+    const double re = table_.output[m] * now_[m], im = state_im(m);
     sum += std::sqrt(re * re + im * im);
   }
   return sum;
 }
 
-void CoupledModes::add_squares(float* squares) const RINGDOWN_REALTIME {
+void CoupledModes::add_squares(float* squares) const REALTIME {
   for (std::size_t m = 0; m < modes_; ++m) {
-    const double re = table_.output.data()[m] * now_.data()[m], im = state_im(m);
-    const std::int32_t place = table_.gliding.data()[m];
+    const double re = table_.output[m] * now_[m], im = state_im(m);
+    const std::int32_t place = table_.gliding[m];
     if (place >= 0) squares[place] += static_cast<float>(re * re + im * im);
   }
 }
 
-double CoupledModes::linear_energy() const RINGDOWN_REALTIME {
+double CoupledModes::linear_energy() const REALTIME {
   double sum = 0;
   const double per_s = 1 / table_.frame_s;
   for (std::size_t m = 0; m < modes_; ++m) {
-    const double q = now_.data()[m], last = before_.data()[m], v = (q - last) * per_s;
-    sum += 0.5 * (v * v + stiff_.data()[m] * q * last);
+    const double q = now_[m], last = before_[m], v = (q - last) * per_s;
+    sum += 0.5 * (v * v + stiff_[m] * q * last);
   }
   return sum;
 }
 
-double CoupledModes::energy_j() const RINGDOWN_REALTIME { return linear_energy() + 0.5 * (psi_ * psi_ - shift_); }
+double CoupledModes::energy_j() const REALTIME { return linear_energy() + 0.5 * (psi_ * psi_ - shift_); }
 
 // V halfway between the last two samples, where psi stands.
-double CoupledModes::potential_at_middle() RINGDOWN_REALTIME {
-  for (std::size_t m = 0; m < modes_; ++m)
-    place_.get()[m] = static_cast<float>(0.5 * (now_.data()[m] + before_.data()[m]));
+double CoupledModes::potential_at_middle() REALTIME {
+  for (std::size_t m = 0; m < modes_; ++m) place_.get()[m] = static_cast<float>(0.5 * (now_[m] + before_[m]));
   return coupled_forces(table_.arrays, place_.get(), gradient_.get());
 }
 
-void CoupledModes::take(double* re, double* im) RINGDOWN_REALTIME {
+void CoupledModes::take(double* re, double* im) REALTIME {
   const CoupledTable& t = table_;
   bool any = false;
-  for (std::size_t m = 0; m < modes_; ++m) any = any || re[t.columns.data()[m]] != 0 || im[t.columns.data()[m]] != 0;
+  for (std::size_t m = 0; m < modes_; ++m) any = any || re[t.columns[m]] != 0 || im[t.columns[m]] != 0;
   if (!any) return;
   const double before_v = running_ ? potential_at_middle() : 0;
   const double off = running_ ? psi_ - std::sqrt(std::max(2 * before_v + shift_, 0.0)) : 0;
   for (std::size_t m = 0; m < modes_; ++m) {
-    const std::size_t c = t.columns.data()[m];
-    const double p_re = t.pole_re.data()[m], p_im = t.pole_im.data()[m], output = t.output.data()[m];
-    if (!running_) now_.data()[m] = before_.data()[m] = 0;
-    now_.data()[m] += re[c] / output;
-    before_.data()[m] += (re[c] * p_re + im[c] * p_im) / (keep_.data()[m] * output);
+    const std::size_t c = t.columns[m];
+    const double p_re = t.pole_re[m], p_im = t.pole_im[m], output = t.output[m];
+    if (!running_) now_[m] = before_[m] = 0;
+    now_[m] += re[c] / output;
+    before_[m] += (re[c] * p_re + im[c] * p_im) / (keep_[m] * output);
     re[c] = im[c] = 0;
   }
   const double v = potential_at_middle();
@@ -168,7 +167,7 @@ void CoupledModes::take(double* re, double* im) RINGDOWN_REALTIME {
 }
 
 // Returns what the forces add to the sound at the sample that is left.
-double CoupledModes::step() RINGDOWN_REALTIME {
+double CoupledModes::step() REALTIME {
   double *const now = now_.data(), *const before = before_.data();
   float *const place = place_.get(), *const gradient = gradient_.get();
   for (std::size_t m = 0; m < modes_; ++m) place[m] = static_cast<float>(now[m]);
@@ -210,13 +209,13 @@ double CoupledModes::step() RINGDOWN_REALTIME {
   return forced;
 }
 
-bool CoupledModes::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
+bool CoupledModes::render(double* out, std::size_t frames) REALTIME {
   const double* const output = table_.output.data();
   std::array<double, kChunkFrames> samples;
   assert(frames <= samples.size());
   for (std::size_t n = 0; n < frames; ++n) {
     double sum = 0;
-    for (std::size_t m = 0; m < modes_; ++m) sum += output[m] * now_.data()[m];
+    for (std::size_t m = 0; m < modes_; ++m) sum += output[m] * now_[m];
     const double forced = step();
     if (taken_) fading_ += forced_ - forced;
     taken_ = false;
@@ -236,7 +235,7 @@ bool CoupledModes::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
   return running_;
 }
 
-void CoupledModes::fade(double* out, std::size_t frames) RINGDOWN_REALTIME {
+void CoupledModes::fade(double* out, std::size_t frames) REALTIME {
   constexpr double kSilent = 1e-9;
   fading_ += std::exchange(forced_, 0.0);
   if (std::abs(fading_) < kSilent) fading_ = 0;
@@ -246,11 +245,11 @@ void CoupledModes::fade(double* out, std::size_t frames) RINGDOWN_REALTIME {
   }
 }
 
-void CoupledModes::give_back(double* re, double* im) RINGDOWN_REALTIME {
+void CoupledModes::give_back(double* re, double* im) REALTIME {
   const CoupledTable& t = table_;
   for (std::size_t m = 0; m < modes_; ++m) {
-    const std::size_t c = t.columns.data()[m];
-    re[c] += t.output.data()[m] * now_.data()[m];
+    const std::size_t c = t.columns[m];
+    re[c] += t.output[m] * now_[m];
     im[c] += state_im(m);
   }
   running_ = false;
@@ -260,8 +259,7 @@ Coupling::Coupling(const ModeTable& table) {
   if (table.coupled) modes_ = std::make_unique<CoupledModes>(*table.coupled);
 }
 
-Coupling::Outcome Coupling::render(double* re, double* im, bool allowed, double* out,
-                                   std::size_t frames) RINGDOWN_REALTIME {
+Coupling::Outcome Coupling::render(double* re, double* im, bool allowed, double* out, std::size_t frames) REALTIME {
   constexpr double kBegin = 0.004, kEnd = 0.001;  // relative detuning: 7 and 1.7 cents
   if (!modes_) return Outcome::nothing;
   if (!allowed || !affordable || !(modes_->strength(re, im) > (modes_->running() ? kEnd : kBegin))) {
@@ -273,7 +271,7 @@ Coupling::Outcome Coupling::render(double* re, double* im, bool allowed, double*
   return modes_->render(out, frames) ? Outcome::rendered : Outcome::absurd;
 }
 
-bool Coupling::give_back(double* re, double* im) RINGDOWN_REALTIME {
+bool Coupling::give_back(double* re, double* im) REALTIME {
   if (!running()) return false;
   modes_->give_back(re, im);
   return true;

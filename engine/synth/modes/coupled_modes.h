@@ -55,36 +55,36 @@ class CoupledModes {
   explicit CoupledModes(const CoupledTable& table);
 
   // From here on: [audio]
-  [[nodiscard]] bool running() const RINGDOWN_REALTIME { return running_; }
+  [[nodiscard]] bool running() const REALTIME { return running_; }
 
   // Returns the relative detuning of its modes by each other, from the mixer's states and its own.
-  [[nodiscard]] double strength(const double* re, const double* im) const RINGDOWN_REALTIME;
+  [[nodiscard]] double strength(const double* re, const double* im) const REALTIME;
 
   // Takes what rings in its modes' states, which become zero.
-  void take(double* re, double* im) RINGDOWN_REALTIME;
+  void take(double* re, double* im) REALTIME;
   // Adds `frames` <= kChunkFrames samples to `out` and moves on. False when a state or a sample is absurd
   // (kAbsurdEnergy, kAbsurdSample): nothing was added then, and the modes have come to rest.
-  bool render(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool render(double* out, std::size_t frames) REALTIME;
   // While it is at rest: adds what is left of the forces' sound, or cuts it off.
-  void fade(double* out, std::size_t frames) RINGDOWN_REALTIME;
-  void cut_off() RINGDOWN_REALTIME { forced_ = fading_ = 0; }
+  void fade(double* out, std::size_t frames) REALTIME;
+  void cut_off() REALTIME { forced_ = fading_ = 0; }
   // Gives everything back to the states and comes to rest.
-  void give_back(double* re, double* im) RINGDOWN_REALTIME;
+  void give_back(double* re, double* im) REALTIME;
 
   // The sum of its modes' amplitudes at the output.
-  [[nodiscard]] double amplitude() const RINGDOWN_REALTIME;
+  [[nodiscard]] double amplitude() const REALTIME;
   // Adds |z|^2 of its modes to those of the table's gliding modes.
-  void add_squares(float* squares) const RINGDOWN_REALTIME;
+  void add_squares(float* squares) const REALTIME;
   // The energy of its modes [J], that of psi included; and psi over its true value at the last sample.
-  [[nodiscard]] double energy_j() const RINGDOWN_REALTIME;
-  [[nodiscard]] double psi_over_truth() const RINGDOWN_REALTIME { return psi_over_truth_; }
-  [[nodiscard]] double units_per_frame() const RINGDOWN_REALTIME { return table_.units_per_frame; }
+  [[nodiscard]] double energy_j() const REALTIME;
+  [[nodiscard]] double psi_over_truth() const REALTIME { return psi_over_truth_; }
+  [[nodiscard]] double units_per_frame() const REALTIME { return table_.units_per_frame; }
 
  private:
-  [[nodiscard]] double state_im(std::size_t m) const RINGDOWN_REALTIME;
-  [[nodiscard]] double linear_energy() const RINGDOWN_REALTIME;
-  double potential_at_middle() RINGDOWN_REALTIME;
-  double step() RINGDOWN_REALTIME;
+  [[nodiscard]] double state_im(std::size_t m) const REALTIME;
+  [[nodiscard]] double linear_energy() const REALTIME;
+  double potential_at_middle() REALTIME;
+  double step() REALTIME;
 
   const CoupledTable& table_;
   std::size_t modes_;
@@ -102,15 +102,15 @@ class Coupling {
  public:
   explicit Coupling(const ModeTable& table);
 
-  [[nodiscard]] bool possible() const RINGDOWN_REALTIME { return modes_ != nullptr; }
-  [[nodiscard]] bool running() const RINGDOWN_REALTIME { return modes_ && modes_->running(); }
-  [[nodiscard]] double amplitude() const RINGDOWN_REALTIME { return running() ? modes_->amplitude() : 0.0; }
-  void add_squares(float* squares) const RINGDOWN_REALTIME {
+  [[nodiscard]] bool possible() const REALTIME { return modes_ != nullptr; }
+  [[nodiscard]] bool running() const REALTIME { return modes_ && modes_->running(); }
+  [[nodiscard]] double amplitude() const REALTIME { return running() ? modes_->amplitude() : 0.0; }
+  void add_squares(float* squares) const REALTIME {
     if (running()) modes_->add_squares(squares);
   }
-  [[nodiscard]] double psi_over_truth() const RINGDOWN_REALTIME { return running() ? modes_->psi_over_truth() : 1.0; }
+  [[nodiscard]] double psi_over_truth() const REALTIME { return running() ? modes_->psi_over_truth() : 1.0; }
   // The work of `frames` samples while it runs (work_cost.h).
-  [[nodiscard]] double units(std::size_t frames) const RINGDOWN_REALTIME {
+  [[nodiscard]] double units(std::size_t frames) const REALTIME {
     return modes_ ? modes_->units_per_frame() * static_cast<double>(frames) : 0.0;
   }
   // False if there is no time for it: then it ends, or does not begin.
@@ -119,12 +119,12 @@ class Coupling {
   // Takes over what rings in the states while that is loud enough and `allowed`, and adds its sound to `out`; else
   // gives it back, and says `ended` when it did.
   enum class Outcome : std::uint8_t { nothing, rendered, ended, absurd };
-  Outcome render(double* re, double* im, bool allowed, double* out, std::size_t frames) RINGDOWN_REALTIME;
-  void cut_off() RINGDOWN_REALTIME {
+  Outcome render(double* re, double* im, bool allowed, double* out, std::size_t frames) REALTIME;
+  void cut_off() REALTIME {
     if (modes_) modes_->cut_off();
   }
   // True when something was given back, whose modes are to sound from the states again.
-  bool give_back(double* re, double* im) RINGDOWN_REALTIME;
+  bool give_back(double* re, double* im) REALTIME;
 
  private:
   std::unique_ptr<CoupledModes> modes_;

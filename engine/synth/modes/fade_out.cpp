@@ -10,13 +10,13 @@ FadeOut::FadeOut(const ModeTable& table) : states_(table), all_groups_(table.gro
   std::iota(all_groups_.begin(), all_groups_.end(), 0);
 }
 
-double FadeOut::level() const RINGDOWN_REALTIME {
+double FadeOut::level() const REALTIME {
   const double left = static_cast<double>(left_) / static_cast<double>(frames_);
   if (nepers_ == 0) return left;
   return std::exp(-nepers_ * (1 - left)) * std::min(1.0, static_cast<double>(left_) / static_cast<double>(kMinFrames));
 }
 
-void FadeOut::begin(StateArray& from, const Fading& fade) RINGDOWN_REALTIME {
+void FadeOut::begin(StateArray& from, const Fading& fade) REALTIME {
   const double before = level();
   double *re = states_.re(), *im = states_.im();
   for (std::size_t i = 0; i < states_.table().columns(); ++i) {
@@ -29,19 +29,18 @@ void FadeOut::begin(StateArray& from, const Fading& fade) RINGDOWN_REALTIME {
   nepers_ = abrupt ? 0 : fade.nepers;
 }
 
-bool FadeOut::move_from(FadeOut& other) RINGDOWN_REALTIME {
+bool FadeOut::move_from(FadeOut& other) REALTIME {
   const bool left = states_.move_from(other.states_);
   const double ratio = states_.table().sample_rate_hz() / other.states_.table().sample_rate_hz();
-  const auto scaled = [ratio](std::size_t frames) RINGDOWN_REALTIME {
-    return static_cast<std::size_t>(std::ceil(static_cast<double>(frames) * ratio));
-  };
+  const auto scaled = [ratio](std::size_t frames)
+                          REALTIME { return static_cast<std::size_t>(std::ceil(static_cast<double>(frames) * ratio)); };
   frames_ = scaled(other.frames_);
   left_ = std::min(scaled(other.left_), frames_);
   nepers_ = other.nepers_;
   return left;
 }
 
-bool FadeOut::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
+bool FadeOut::render(double* out, std::size_t frames) REALTIME {
   double sum[kChunkFrames] = {};
   ActiveGroups all{all_groups_.data(), all_groups_.size()};
   const bool sane = render_modes(states_.for_kernel(frames), all, kKeepAllGroups, sum, frames);
@@ -60,13 +59,13 @@ bool FadeOut::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
   return sane;
 }
 
-void FadeOut::skip(std::size_t frames) RINGDOWN_REALTIME {
+void FadeOut::skip(std::size_t frames) REALTIME {
   states_.skip(frames);
   left_ -= std::min(frames, left_);
   if (left_ == 0) states_.clear();
 }
 
-void FadeOut::clear() RINGDOWN_REALTIME {
+void FadeOut::clear() REALTIME {
   states_.clear();
   left_ = 0;
 }

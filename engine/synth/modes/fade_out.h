@@ -27,23 +27,23 @@ class FadeOut {
 
   // Takes what `from` holds, leaves zeros there, and lets it fade, within at least kMinFrames if by a straight line.
   // The rest of a fade that runs already joins the new one at its present level.
-  void begin(StateArray& from, const Fading& fade) RINGDOWN_REALTIME;
+  void begin(StateArray& from, const Fading& fade) REALTIME;
 
   // Goes on with a fade of another table of the same bank (StateArray::move_from). True when some of it is left there.
-  bool move_from(FadeOut& other) RINGDOWN_REALTIME;
+  bool move_from(FadeOut& other) REALTIME;
 
   // Adds the next `frames` <= kChunkFrames samples to `out`. False when a state is absurd: nothing was added. Runs only
   // while running().
-  bool render(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool render(double* out, std::size_t frames) REALTIME;
   // Moves on as render() does, without a sound.
-  void skip(std::size_t frames) RINGDOWN_REALTIME;
-  void clear() RINGDOWN_REALTIME;
+  void skip(std::size_t frames) REALTIME;
+  void clear() REALTIME;
 
-  [[nodiscard]] bool running() const RINGDOWN_REALTIME { return left_ > 0; }
+  [[nodiscard]] bool running() const REALTIME { return left_ > 0; }
   // The present gain of states().
-  [[nodiscard]] double level() const RINGDOWN_REALTIME;
-  void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { states_.hear_by(hearing); }
-  [[nodiscard]] const StateArray& states() const RINGDOWN_REALTIME { return states_; }
+  [[nodiscard]] double level() const REALTIME;
+  void hear_by(const Hearing* hearing) REALTIME { states_.hear_by(hearing); }
+  [[nodiscard]] const StateArray& states() const REALTIME { return states_; }
 
  private:
   StateArray states_;

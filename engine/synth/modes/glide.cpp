@@ -35,7 +35,7 @@ double largest_shape(const modal::Bank& bank, std::size_t mode) {
 
 }  // namespace
 
-double stiffened(double x0) RINGDOWN_REALTIME {
+double stiffened(double x0) REALTIME {
   if (x0 <= 0) return std::max(x0, kMinX);
   return 0.75 * (std::sqrt(1 + 8.0 / 3 * x0) - 1);
 }
@@ -98,12 +98,12 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
   return matrix;
 }
 
-std::array<float, kModePadding> GlideMatrix::detuned(std::size_t block, const float* reached) const RINGDOWN_REALTIME {
+std::array<float, kModePadding> GlideMatrix::detuned(std::size_t block, const float* reached) const REALTIME {
   const std::size_t n = columns.size();
   const std::int8_t* const at = shares.data() + block * n * kModePadding;
   constexpr std::size_t kSums = 4;  // so that additions need not wait for each other
   float sums[kSums][kModePadding] = {};
-  const auto add = [&](std::size_t l, std::size_t to) RINGDOWN_REALTIME {
+  const auto add = [&](std::size_t l, std::size_t to) REALTIME {
     for (std::size_t i = 0; i < kModePadding; ++i)
       sums[to][i] += static_cast<float>(at[l * kModePadding + i]) * reached[l];
   };
@@ -114,7 +114,7 @@ std::array<float, kModePadding> GlideMatrix::detuned(std::size_t block, const fl
   for (; l < n; ++l) add(l, 0);
   std::array<float, kModePadding> x0;
   for (std::size_t i = 0; i < kModePadding; ++i)
-    x0.data()[i] = (2 / kMaxShare) * ((sums[0][i] + sums[1][i]) + (sums[2][i] + sums[3][i]));
+    x0[i] = (2 / kMaxShare) * ((sums[0][i] + sums[1][i]) + (sums[2][i] + sums[3][i]));
   return x0;
 }
 
@@ -145,7 +145,7 @@ Glide::Glide(const ModeTable& table)
   std::copy_n(moments.band, columns_, band_.data());
 }
 
-void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_REALTIME {
+void Glide::follow(const double* re, const double* im, bool moments) REALTIME {
   if (wait_ > 0 && (!active_ || moments == moments_)) {
     --wait_;
     return;
@@ -186,16 +186,16 @@ void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_RE
   }
 }
 
-void Glide::look_at_block(std::size_t block, bool anew) RINGDOWN_REALTIME {
+void Glide::look_at_block(std::size_t block, bool anew) REALTIME {
   const std::array<float, kModePadding> x0 = matrix_.detuned(block, reached_.data());
   const std::size_t first = block * kModePadding, end = std::min(first + kModePadding, reached_.size());
   const double* const own_im = table_.exponents().second;
   std::size_t group = columns_;  // none
   for (std::size_t m = first; m < end; ++m) {
-    const std::size_t c = matrix_.columns.data()[m];
-    const double omega = own_im[c], x = std::min(stiffened(static_cast<double>(x0.data()[m - first])), kMaxX);
+    const std::size_t c = matrix_.columns[m];
+    const double omega = own_im[c], x = std::min(stiffened(static_cast<double>(x0[m - first])), kMaxX);
     const double delta = std::min(omega * (std::sqrt(1 + x) - 1), 0.999 * std::numbers::pi - omega);
-    const double moved = std::abs(delta - delta_.data()[c]);
+    const double moved = std::abs(delta - delta_[c]);
     moved_ = std::max(moved_, static_cast<float>(moved / omega));
     if (!anew && moved < kSamePitch * omega) continue;
     move(c, delta);
@@ -207,25 +207,25 @@ void Glide::look_at_block(std::size_t block, bool anew) RINGDOWN_REALTIME {
 }
 
 // The kernel takes a group to lie in one band when its first and last modes do.
-void Glide::share_band(std::size_t group) RINGDOWN_REALTIME {
+void Glide::share_band(std::size_t group) REALTIME {
   if (!moments_ || group >= table_.slow_groups()) return;
   const std::size_t first = group * kModePadding;
   const std::uint16_t* const band = band_.data() + first;
   if (band[0] != band[kModePadding - 1]) return;
-  if (std::all_of(band, band + kModePadding, [&](std::uint16_t b) RINGDOWN_REALTIME { return b == band[0]; })) return;
+  if (std::all_of(band, band + kModePadding, [&](std::uint16_t b) REALTIME { return b == band[0]; })) return;
   const bool above = row(exponent_im)[first] > band[0] * kPerBand;
   const std::uint16_t other = above || band[0] == 0 ? band[0] + 1 : band[0] - 1;
   weigh(first, std::min<std::uint16_t>(other, kBands - 1));
 }
 
 // Moves a mode to `delta` above its own pitch: its pole, and what the kind of call in use reads.
-void Glide::move(std::size_t c, double delta) RINGDOWN_REALTIME {
+void Glide::move(std::size_t c, double delta) REALTIME {
   using Phasor = std::complex<double>;
-  delta_.data()[c] = delta;
+  delta_[c] = delta;
   const ModeArrays own = table_.modes(nullptr, nullptr, kChunkFrames);
   const auto [own_re, own_im] = table_.exponents();
   const auto times = [](double a_re, double a_im, double b_re, double b_im)
-                         RINGDOWN_REALTIME { return Phasor(a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re); };
+                         REALTIME { return Phasor(a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re); };
   const double turn_re = std::cos(delta), turn_im = std::sin(delta);
   Phasor turn(turn_re, turn_im), stride_turn, full_turn;
   for (std::size_t power = 2; power <= kChunkFrames; power *= 2) {
@@ -260,7 +260,7 @@ void Glide::move(std::size_t c, double delta) RINGDOWN_REALTIME {
 }
 
 // The weights of moments.h for the mode's exponent, seen from the centre of `band`.
-void Glide::weigh(std::size_t c, std::uint16_t band) RINGDOWN_REALTIME {
+void Glide::weigh(std::size_t c, std::uint16_t band) REALTIME {
   const double delta_re = row(exponent_re)[c] * kMomentScale;
   const double delta_im = (row(exponent_im)[c] - band * kPerBand) * kMomentScale;
   const double size = std::exp(delta_re * (kMomentMiddle / kMomentScale));
@@ -275,10 +275,10 @@ void Glide::weigh(std::size_t c, std::uint16_t band) RINGDOWN_REALTIME {
     im = re * delta_im + im * x_re;
     re = next;
   }
-  band_.data()[c] = band;
+  band_[c] = band;
 }
 
-void Glide::apply(ModeArrays& modes, std::size_t frames) const RINGDOWN_REALTIME {
+void Glide::apply(ModeArrays& modes, std::size_t frames) const REALTIME {
   modes.pole_re = row(pole_re), modes.pole_im = row(pole_im);
   const bool full = frames == kChunkFrames;
   modes.advance_re = full ? row(full_re) : nullptr;

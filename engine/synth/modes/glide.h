@@ -50,7 +50,7 @@ struct GlideMatrix {
   std::vector<float> bend;  // n: (largest deflection / thickness)^2 at |z| = 1; 0 where it is not known
 
   // x0 of the gliding modes from kModePadding * `block` on, of which there may be fewer, for these n reach |z|^2.
-  std::array<float, kModePadding> detuned(std::size_t block, const float* reached) const RINGDOWN_REALTIME;
+  std::array<float, kModePadding> detuned(std::size_t block, const float* reached) const REALTIME;
 
   // Nothing where the bank has no terms or none of their modes is played. `output_per_velocity` has one number for each
   // playable mode of the table. [worker]
@@ -63,7 +63,7 @@ struct GlideMatrix {
 };
 
 // x from x0, as above, at least -1/2.
-double stiffened(double x0) RINGDOWN_REALTIME;
+double stiffened(double x0) REALTIME;
 
 class Glide {
  public:
@@ -76,25 +76,25 @@ class Glide {
   // When the sound grows all modes are looked at, else a few groups at a time, more while pitches move fast; where they
   // hardly move, few calls look. How fast they move is what they were seen to do in the last round, beside the sum of
   // what each mode that fades could do.
-  void follow(const double* re, const double* im, bool moments) RINGDOWN_REALTIME;
+  void follow(const double* re, const double* im, bool moments) REALTIME;
   // The states have been added to: the next call looks.
-  void excite() RINGDOWN_REALTIME { wait_ = 0; }
+  void excite() REALTIME { wait_ = 0; }
 
-  [[nodiscard]] bool active() const RINGDOWN_REALTIME { return active_; }
+  [[nodiscard]] bool active() const REALTIME { return active_; }
   // Gives a kernel the moved poles and tables for a call of `frames`. While active().
-  void apply(ModeArrays& modes, std::size_t frames) const RINGDOWN_REALTIME;
-  [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME { return {band_.data(), weights_.get()}; }
-  [[nodiscard]] std::pair<const double*, const double*> exponents() const RINGDOWN_REALTIME {
+  void apply(ModeArrays& modes, std::size_t frames) const REALTIME;
+  [[nodiscard]] MomentArrays moments() const REALTIME { return {band_.data(), weights_.get()}; }
+  [[nodiscard]] std::pair<const double*, const double*> exponents() const REALTIME {
     return {row(exponent_re), row(exponent_im)};
   }
 
  private:
   enum Row { pole_re, pole_im, full_re, full_im, exponent_re, exponent_im, kRows };
-  [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
-  void look_at_block(std::size_t block, bool anew) RINGDOWN_REALTIME;
-  void share_band(std::size_t group) RINGDOWN_REALTIME;
-  void move(std::size_t column, double delta) RINGDOWN_REALTIME;
-  void weigh(std::size_t column, std::uint16_t band) RINGDOWN_REALTIME;
+  [[nodiscard]] double* row(Row which) const REALTIME { return rows_.get() + which * columns_; }
+  void look_at_block(std::size_t block, bool anew) REALTIME;
+  void share_band(std::size_t group) REALTIME;
+  void move(std::size_t column, double delta) REALTIME;
+  void weigh(std::size_t column, std::uint16_t band) REALTIME;
 
   // The members that every call reads stand first, in as few cache lines as possible.
   std::uint32_t wait_ = 0, waited_ = 0;  // calls until the next look, and from the last one to it

@@ -12,8 +12,8 @@ namespace ringdown::synth {
 // The most that mode l detunes any mode at |z_l|^2 = `square`, relative. It is kept below a million, where pitches have
 // long ceased to move, so that sums over all modes stay numbers whatever a bank holds. What is not a number counts as
 // that million.
-[[nodiscard]] inline float reached(const GlideMatrix& matrix, std::size_t l, float square) RINGDOWN_REALTIME {
-  return std::min(1e6F, matrix.reach.data()[l] * square);
+[[nodiscard]] inline float reached(const GlideMatrix& matrix, std::size_t l, float square) REALTIME {
+  return std::min(1e6F, matrix.reach[l] * square);
 }
 
 }  // namespace ringdown::synth

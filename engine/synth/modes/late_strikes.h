@@ -19,22 +19,22 @@ class LateStrikes {
   explicit LateStrikes(const ModeTable& table);  // [worker]
 
   // Adds a strike's amplitudes, times `gain`, at the present frame: to all groups, or to one.
-  void add(BlowAmplitudes blow, double gain, const ModeFactors* each) RINGDOWN_REALTIME;
-  void add(BlowAmplitudes blow, double gain, std::uint32_t group, const ModeFactors* each) RINGDOWN_REALTIME;
+  void add(BlowAmplitudes blow, double gain, const ModeFactors* each) REALTIME;
+  void add(BlowAmplitudes blow, double gain, std::uint32_t group, const ModeFactors* each) REALTIME;
 
   // Adds the next `frames` <= kChunkFrames samples to `out`: ringing freely, or under forces. False when a state is
   // absurd.
-  bool render(double* out, std::size_t frames) RINGDOWN_REALTIME;
-  bool drive(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool render(double* out, std::size_t frames) REALTIME;
+  bool drive(std::span<const Force> forces, double* out, std::size_t frames) REALTIME;
 
-  [[nodiscard]] bool has(std::uint32_t group) const RINGDOWN_REALTIME { return listed_.data()[group] != 0; }
-  [[nodiscard]] const GroupList& groups() const RINGDOWN_REALTIME { return groups_; }  // that have been struck
-  void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { states_.hear_by(hearing); }
-  [[nodiscard]] const StateArray& states() const RINGDOWN_REALTIME { return states_; }
-  void clear() RINGDOWN_REALTIME;
+  [[nodiscard]] bool has(std::uint32_t group) const REALTIME { return listed_[group] != 0; }
+  [[nodiscard]] const GroupList& groups() const REALTIME { return groups_; }  // that have been struck
+  void hear_by(const Hearing* hearing) REALTIME { states_.hear_by(hearing); }
+  [[nodiscard]] const StateArray& states() const REALTIME { return states_; }
+  void clear() REALTIME;
 
  private:
-  void list_all() RINGDOWN_REALTIME;
+  void list_all() REALTIME;
 
   StateArray states_;
   GroupList groups_;

@@ -21,7 +21,7 @@ ModeGains::ModeGains(const ModeTable& table)
   by_rank_ = aligned_zeros<float>(2 * ranks_ + kModePadding);
 }
 
-void ModeGains::begin() RINGDOWN_REALTIME {
+void ModeGains::begin() REALTIME {
   if (!on_) {
     std::fill_n(row(gain_re), columns_, 1.0f);
     std::fill_n(row(gain_im), columns_, 0.0f);
@@ -34,7 +34,7 @@ void ModeGains::begin() RINGDOWN_REALTIME {
 }
 
 // Sets out for the goal.
-void ModeGains::go(double frames) RINGDOWN_REALTIME {
+void ModeGains::go(double frames) REALTIME {
   passed_ = 0;
   length_ = frames;
   moving_ = frames > 0;
@@ -55,7 +55,7 @@ void ModeGains::go(double frames) RINGDOWN_REALTIME {
 }
 
 void ModeGains::aim(const Vec3& toward, double distance_m, const modal::AirAbsorption& absorption,
-                    double frames) RINGDOWN_REALTIME {
+                    double frames) REALTIME {
   begin();
   if (!(std::abs(distance_m - air_distance_m_) <= kSameDistance * distance_m) || !(absorption == air_)) {
     find_absorption(absorption, distance_m, table_.frequencies_hz(), columns_, row(air));
@@ -82,14 +82,14 @@ void ModeGains::aim(const Vec3& toward, double distance_m, const modal::AirAbsor
   go(frames);
 }
 
-void ModeGains::aim_at_one(double frames) RINGDOWN_REALTIME {
+void ModeGains::aim_at_one(double frames) REALTIME {
   begin();
   std::fill_n(row(goal_re), columns_, 1.0f);
   std::fill_n(row(goal_im), columns_, 0.0f);
   go(frames);
 }
 
-const ModeFactors* ModeGains::freeze() RINGDOWN_REALTIME {
+const ModeFactors* ModeGains::freeze() REALTIME {
   if (!on_) return nullptr;
   begin();
   moving_ = false;
@@ -97,7 +97,7 @@ const ModeFactors* ModeGains::freeze() RINGDOWN_REALTIME {
   return &factors_;
 }
 
-void ModeGains::put(Hearing& hearing, std::size_t offset) const RINGDOWN_REALTIME {
+void ModeGains::put(Hearing& hearing, std::size_t offset) const REALTIME {
   if (!on_) {
     hearing.gain_re = hearing.gain_im = hearing.step_re = hearing.step_im = nullptr;
     return;

@@ -19,34 +19,34 @@ class ModeGains {
   explicit ModeGains(const ModeTable& table);  // [worker]
 
   // Returns true if each mode has a gain of its own; otherwise all gains are 1.
-  [[nodiscard]] bool on() const RINGDOWN_REALTIME { return on_; }
-  void switch_off() RINGDOWN_REALTIME { on_ = moving_ = false; }
+  [[nodiscard]] bool on() const REALTIME { return on_; }
+  void switch_off() REALTIME { on_ = moving_ = false; }
 
   // From the present frame on, gains move in straight lines and reach within `frames` what they are towards the unit
   // vector `toward`, in the object's frame, at a distance; with 0 frames, at once. Gains that are off begin at 1.
-  void aim(const Vec3& toward, double distance_m, const modal::AirAbsorption& air, double frames) RINGDOWN_REALTIME;
+  void aim(const Vec3& toward, double distance_m, const modal::AirAbsorption& air, double frames) REALTIME;
   // The same, back to gains of 1.
-  void aim_at_one(double frames) RINGDOWN_REALTIME;
+  void aim_at_one(double frames) REALTIME;
 
   // Moves on. Gains that have reached their goal go on beyond it until the next aim().
-  void advance(std::size_t frames) RINGDOWN_REALTIME { passed_ += static_cast<double>(frames); }
-  [[nodiscard]] bool moves() const RINGDOWN_REALTIME { return moving_; }
+  void advance(std::size_t frames) REALTIME { passed_ += static_cast<double>(frames); }
+  [[nodiscard]] bool moves() const REALTIME { return moving_; }
   // Frames that are left until the goal; negative beyond it, 0 where nothing moves.
-  [[nodiscard]] double left() const RINGDOWN_REALTIME { return moving_ ? length_ - passed_ : 0; }
+  [[nodiscard]] double left() const REALTIME { return moving_ ? length_ - passed_ : 0; }
 
   // Fills in the gains of a call that begins `offset` frames from now.
-  void put(Hearing& hearing, std::size_t offset) const RINGDOWN_REALTIME;
+  void put(Hearing& hearing, std::size_t offset) const REALTIME;
 
   // Lets gains stand as they are now, and returns them; null when each is 1.
-  const ModeFactors* freeze() RINGDOWN_REALTIME;
+  const ModeFactors* freeze() REALTIME;
   // The last result of freeze(), as long as nothing has moved since.
-  [[nodiscard]] const ModeFactors* frozen() const RINGDOWN_REALTIME { return on_ ? &factors_ : nullptr; }
+  [[nodiscard]] const ModeFactors* frozen() const REALTIME { return on_ ? &factors_ : nullptr; }
 
  private:
   enum Row { gain_re, gain_im, step_re, step_im, goal_re, goal_im, air, kRows };
-  [[nodiscard]] float* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
-  void begin() RINGDOWN_REALTIME;
-  void go(double frames) RINGDOWN_REALTIME;
+  [[nodiscard]] float* row(Row which) const REALTIME { return rows_.get() + which * columns_; }
+  void begin() REALTIME;
+  void go(double frames) REALTIME;
 
   const ModeTable& table_;
   std::size_t columns_;

@@ -30,7 +30,7 @@ constexpr Level kHysteresis = 3;  // 1.1 dB: what wavers about the threshold doe
 
 // Adds a strike's amplitudes to a group as the strike will be after `frames_left` frames.
 void add_decayed(BlowAmplitudes blow, double gain, std::uint32_t group, std::size_t frames_left,
-                 const ModeFactors* each, StateArray& states) RINGDOWN_REALTIME {
+                 const ModeFactors* each, StateArray& states) REALTIME {
   alignas(64) double re[kModePadding], im[kModePadding];
   const std::size_t first = std::size_t{group} * kModePadding;
   for (std::size_t i = 0; i < kModePadding; ++i) {
@@ -47,7 +47,7 @@ void add_decayed(BlowAmplitudes blow, double gain, std::uint32_t group, std::siz
 }
 
 // Tables cannot shift pitches: all fast modes are moved on sample by sample.
-bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std::size_t frames) RINGDOWN_REALTIME {
+bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std::size_t frames) REALTIME {
   const std::size_t first = kModePadding * table.slow_groups();
   Hearing hearing = *all.hearing;
   for (const float** row : {&hearing.gain_re, &hearing.gain_im, &hearing.step_re, &hearing.step_im}) {
@@ -63,7 +63,7 @@ bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std:
 // Renders the modes that exchange energy, whose states are zero meanwhile. Modes that are heard by gains of their own
 // stay in the kernels, and so do all while modes are muted.
 Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, double* out,
-                         std::size_t frames) RINGDOWN_REALTIME {
+                         std::size_t frames) REALTIME {
   const bool allowed = !muting && states.for_kernel(0).hearing == nullptr;
   return coupling.render(states.re(), states.im(), allowed, out, frames);
 }
@@ -85,7 +85,7 @@ ModeStates::ModeStates(const ModeTable& table)
   fast_.list = sounding_.data() + table.slow_groups();
 }
 
-void ModeStates::hear(const HeardTime* time) RINGDOWN_REALTIME {
+void ModeStates::hear(const HeardTime* time) REALTIME {
   if (time) {
     gains.put(hearing_, time->offset);
     hearing_.rate = time->rate;
@@ -100,32 +100,32 @@ void ModeStates::hear(const HeardTime* time) RINGDOWN_REALTIME {
   late_.hear_by(hearing);
 }
 
-void ModeStates::add(BlowAmplitudes blow, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+void ModeStates::add(BlowAmplitudes blow, double gain, const ModeFactors* each) REALTIME {
   if (selective()) {
-    return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add_strike(blow, gain, group, each); });
+    return add_to_groups([&](std::uint32_t group) REALTIME { states_.add_strike(blow, gain, group, each); });
   }
   states_.add_strike(blow, gain, each);
   wake();
 }
 
-double ModeStates::blow_limit(const double* amplitudes) const RINGDOWN_REALTIME {
+double ModeStates::blow_limit(const double* amplitudes) const REALTIME {
   if (!table_.glide) return 1;
   std::array<float, kMaxGlidingModes> squares{};
   const std::vector<std::uint32_t>& columns = table_.glide->columns;
   for (std::size_t m = 0; m < columns.size(); ++m) {
-    const double re = states_.re()[columns.data()[m]], im = states_.im()[columns.data()[m]];
-    squares.data()[m] = static_cast<float>(re * re + im * im);
+    const double re = states_.re()[columns[m]], im = states_.im()[columns[m]];
+    squares[m] = static_cast<float>(re * re + im * im);
   }
   coupling.add_squares(squares.data());
   return synth::blow_limit(*table_.glide, squares.data(), amplitudes);
 }
 
-void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) REALTIME {
   assert(&table_ == &other.table_);
   other.unmute();
   if (other.coupling.give_back(other.states_.re(), other.states_.im())) other.wake();
   if (selective()) {
-    return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add(other.states_, gain, group, each); });
+    return add_to_groups([&](std::uint32_t group) REALTIME { states_.add(other.states_, gain, group, each); });
   }
   states_.add(other.states_, gain, each);
   wake();
@@ -134,12 +134,12 @@ void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) RI
 // Adds something to every group while some are muted: what sounded goes on sounding, and any other group sounds if it
 // is now loud enough, and is muted if it is not.
 template <class Add>
-void ModeStates::add_to_groups(const Add& add_to) RINGDOWN_REALTIME {
+void ModeStates::add_to_groups(const Add& add_to) REALTIME {
   settle();
   mark();
   muting_.muted.clear();
   for (std::uint32_t group = 0; group < table_.groups(); ++group) {
-    const Is before = is_.data()[group];
+    const Is before = is_[group];
     if (before == Is::muted) muting_.catch_up(states_, group);
     add_to(group);
     if (before == Is::sounding) continue;
@@ -151,7 +151,7 @@ void ModeStates::add_to_groups(const Add& add_to) RINGDOWN_REALTIME {
   }
 }
 
-bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
+bool ModeStates::take_over(ModeStates& other) REALTIME {
   unmute();
   other.unmute();
   if (coupling.give_back(states_.re(), states_.im())) wake();
@@ -162,14 +162,14 @@ bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
   return left;
 }
 
-void ModeStates::fade_out(const Fading& fade) RINGDOWN_REALTIME {
+void ModeStates::fade_out(const Fading& fade) REALTIME {
   unmute();
   if (coupling.give_back(states_.re(), states_.im())) wake();
   fade_.begin(states_, fade);
   rest();
 }
 
-bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
+bool ModeStates::render(double* out, std::size_t frames, double floor) REALTIME {
   const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames);
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(false);
@@ -185,7 +185,7 @@ bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_
 }
 
 bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
-                                double floor) RINGDOWN_REALTIME {
+                                double floor) REALTIME {
   const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames);
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(true);
@@ -204,8 +204,7 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   return sane;
 }
 
-void ModeStates::add_late(BlowAmplitudes blow, double gain, std::size_t frames_left,
-                          const ModeFactors* each) RINGDOWN_REALTIME {
+void ModeStates::add_late(BlowAmplitudes blow, double gain, std::size_t frames_left, const ModeFactors* each) REALTIME {
   if (!selective()) return late_.add(blow, gain, each);
   mark();
   for (std::uint32_t group = 0; group < table_.groups(); ++group) {
@@ -215,11 +214,11 @@ void ModeStates::add_late(BlowAmplitudes blow, double gain, std::size_t frames_l
       const double* const of_group = a + std::size_t{group} * kModePadding;
       for (std::size_t i = 0; i < kModePadding; ++i) energy += gain * gain * of_group[i] * of_group[i];
     }
-    const bool sounds = is_.data()[group] == Is::sounding || late_.has(group) || group >= table_.slow_groups() ||
+    const bool sounds = is_[group] == Is::sounding || late_.has(group) || group >= table_.slow_groups() ||
                         level_of(energy) >= threshold_;
     if (sounds) {
       late_.add(blow, gain, group, each);
-    } else if (is_.data()[group] == Is::muted) {  // muting_ has reached the end of the chunk
+    } else if (is_[group] == Is::muted) {  // muting_ has reached the end of the chunk
       muting_.catch_up(states_, group);
       add_decayed(blow, gain, group, frames_left, each, states_);
       muting_.measure(states_, group);
@@ -230,27 +229,26 @@ void ModeStates::add_late(BlowAmplitudes blow, double gain, std::size_t frames_l
   }
 }
 
-bool ModeStates::render_late(double* out, std::size_t frames,
-                             std::optional<std::span<const Force>> forces) RINGDOWN_REALTIME {
+bool ModeStates::render_late(double* out, std::size_t frames, std::optional<std::span<const Force>> forces) REALTIME {
   const bool sane = forces ? late_.drive(*forces, out, frames) : late_.render(out, frames);
   if (!sane) silence();
   return sane;
 }
 
-void ModeStates::merge_late() RINGDOWN_REALTIME {
+void ModeStates::merge_late() REALTIME {
   mark();
   for (const std::uint32_t group : late_.groups()) {
-    if (is_.data()[group] == Is::muted) muting_.catch_up(states_, group);
+    if (is_[group] == Is::muted) muting_.catch_up(states_, group);
     states_.add(late_.states(), 1, group);
-    if (is_.data()[group] == Is::sounding) continue;
+    if (is_[group] == Is::sounding) continue;
     list(group);
-    is_.data()[group] = Is::sounding;
+    is_[group] = Is::sounding;
   }
-  muting_.muted.keep_if([this](std::uint32_t group) RINGDOWN_REALTIME { return is_.data()[group] == Is::muted; });
+  muting_.muted.keep_if([this](std::uint32_t group) REALTIME { return is_[group] == Is::muted; });
   late_.clear();
 }
 
-void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_REALTIME {
+void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) REALTIME {
   applied_ = threshold_;
   if (!selective()) return;
   cut_short_ = cut_short_ || at_once;
@@ -267,7 +265,7 @@ void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_
   }
   slow_.count = kept;
   if (allowance < kModePadding) return;
-  muting_.muted.keep_if([&](std::uint32_t group) RINGDOWN_REALTIME {
+  muting_.muted.keep_if([&](std::uint32_t group) REALTIME {
     if (allowance < kModePadding) return true;
     if (threshold_ != kNoThreshold && muting_.level(group) < threshold_ + kHysteresis) return true;
     allowance -= kModePadding;
@@ -278,7 +276,7 @@ void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_
   cut_short_ = cut_short_ && allowance < kModePadding;
 }
 
-void ModeStates::mute_all(std::size_t frames) RINGDOWN_REALTIME {
+void ModeStates::mute_all(std::size_t frames) REALTIME {
   settle();
   if (coupling.give_back(states_.re(), states_.im())) wake();
   cut_short_ = true;
@@ -289,13 +287,13 @@ void ModeStates::mute_all(std::size_t frames) RINGDOWN_REALTIME {
   muting_.advance(states_, frames, slow_);
 }
 
-void ModeStates::count_levels(LevelHistogram& histogram, Level gain, double floor) RINGDOWN_REALTIME {
+void ModeStates::count_levels(LevelHistogram& histogram, Level gain, double floor) REALTIME {
   settle();
   for (const ActiveGroups* groups : {&slow_, &fast_}) {
     for (std::size_t i = 0; i < groups->count; ++i) histogram.add(level_of(states_.energy(groups->list[i])) + gain);
   }
   const Level lowest = level_of(floor * floor);
-  muting_.muted.keep_if([&](std::uint32_t group) RINGDOWN_REALTIME {
+  muting_.muted.keep_if([&](std::uint32_t group) REALTIME {
     const Level level = muting_.level(group);
     if (level >= lowest) return histogram.add(level + gain), true;
     muting_.forget(states_, group);
@@ -303,20 +301,20 @@ void ModeStates::count_levels(LevelHistogram& histogram, Level gain, double floo
   });
 }
 
-void ModeStates::skip(Frame frames) RINGDOWN_REALTIME {
+void ModeStates::skip(Frame frames) REALTIME {
   unmute();
   if (coupling.give_back(states_.re(), states_.im())) wake();
   if (frames > 0) states_.skip(static_cast<std::uint64_t>(frames));
 }
 
-void ModeStates::rest() RINGDOWN_REALTIME {
+void ModeStates::rest() REALTIME {
   unmute();
   if (coupling.give_back(states_.re(), states_.im())) wake();
   threshold_ = applied_ = kNoThreshold;
   slow_.count = fast_.count = 0;
 }
 
-void ModeStates::wake() RINGDOWN_REALTIME {
+void ModeStates::wake() REALTIME {
   unmute();
   states_.excited();
   slow_.count = table_.slow_groups();
@@ -324,13 +322,13 @@ void ModeStates::wake() RINGDOWN_REALTIME {
   std::iota(slow_.list, slow_.list + table_.groups(), 0);
 }
 
-void ModeStates::list(std::uint32_t group) RINGDOWN_REALTIME {
+void ModeStates::list(std::uint32_t group) REALTIME {
   ActiveGroups& groups = group < table_.slow_groups() ? slow_ : fast_;
   groups.list[groups.count++] = group;
 }
 
 // Lets groups that were about to leave or enter by a ramp sound from now on.
-void ModeStates::settle() RINGDOWN_REALTIME {
+void ModeStates::settle() REALTIME {
   for (GroupList* groups : {&muting_.leaving, &muting_.entering}) {
     for (const std::uint32_t group : *groups) list(group);
     groups->clear();
@@ -338,7 +336,7 @@ void ModeStates::settle() RINGDOWN_REALTIME {
 }
 
 // Lets all groups that are muted sound from now on.
-void ModeStates::unmute() RINGDOWN_REALTIME {
+void ModeStates::unmute() REALTIME {
   settle();
   for (const std::uint32_t group : muting_.muted) {
     muting_.catch_up(states_, group);
@@ -348,15 +346,15 @@ void ModeStates::unmute() RINGDOWN_REALTIME {
 }
 
 // Notes in is_ what each group does.
-void ModeStates::mark() RINGDOWN_REALTIME {
+void ModeStates::mark() REALTIME {
   std::fill_n(is_.data(), is_.size(), Is::resting);
   for (const ActiveGroups* groups : {&slow_, &fast_}) {
-    for (std::size_t i = 0; i < groups->count; ++i) is_.data()[groups->list[i]] = Is::sounding;
+    for (std::size_t i = 0; i < groups->count; ++i) is_[groups->list[i]] = Is::sounding;
   }
-  for (const std::uint32_t group : muting_.muted) is_.data()[group] = Is::muted;
+  for (const std::uint32_t group : muting_.muted) is_[group] = Is::muted;
 }
 
-void ModeStates::silence() RINGDOWN_REALTIME {
+void ModeStates::silence() REALTIME {
   if (coupling.give_back(states_.re(), states_.im())) wake();
   coupling.cut_off();
   states_.clear();
@@ -366,9 +364,9 @@ void ModeStates::silence() RINGDOWN_REALTIME {
   slow_.count = fast_.count = 0;
 }
 
-double ModeStates::peak_level(Frame rested) const RINGDOWN_REALTIME {
+double ModeStates::peak_level(Frame rested) const REALTIME {
   double sum = 0;
-  const auto add = [&](std::uint32_t group, Frame behind) RINGDOWN_REALTIME {
+  const auto add = [&](std::uint32_t group, Frame behind) REALTIME {
     const double decay = static_cast<double>(behind) * table_.slowest_decay(group);
     sum += (behind > 0 ? std::exp(-decay) : 1.0) * states_.amplitude(group);
   };
@@ -387,9 +385,9 @@ double ModeStates::peak_level(Frame rested) const RINGDOWN_REALTIME {
   return sum;
 }
 
-void ModeStates::add_amplitudes(double gain, Frame rested, ModeWatch::Slot& to) const RINGDOWN_REALTIME {
+void ModeStates::add_amplitudes(double gain, Frame rested, ModeWatch::Slot& to) const REALTIME {
   const ModeArrays all = states_.for_kernel(0), fading = fade_.states().for_kernel(0);
-  const auto square = [](double re, double im) RINGDOWN_REALTIME { return re * re + im * im; };
+  const auto square = [](double re, double im) REALTIME { return re * re + im * im; };
   const double fade = fade_.running() ? fade_.level() : 0.0;
   for (std::size_t i = 0; i < table_.playable_modes(); ++i) {
     const std::size_t c = table_.column(i);

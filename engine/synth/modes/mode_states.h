@@ -40,30 +40,29 @@ class ModeStates {
 
   // Adds a strike's amplitudes (ModeTable::strike), times `gain`, at the current frame; they sound from the next
   // rendered frame on. With `each`, every mode is multiplied by a gain of its own as well.
-  void add(BlowAmplitudes blow, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  void add(BlowAmplitudes blow, double gain, const ModeFactors* each = nullptr) REALTIME;
   // Returns the share of a strike's amplitudes that may be added (blow_limit.h); 1 for all but thin objects struck very
   // hard.
-  [[nodiscard]] double blow_limit(const double* amplitudes) const RINGDOWN_REALTIME;
+  [[nodiscard]] double blow_limit(const double* amplitudes) const REALTIME;
   // Adds what rings in `other`, of the same table, times `gain` and `each`. What fades out is left alone.
-  void add(ModeStates& other, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  void add(ModeStates& other, double gain, const ModeFactors* each = nullptr) REALTIME;
   // Takes over from `other`, of the same bank, the modes that are in this table too: phase and amplitude continue;
   // pitch, decay and sample rate are this table's from here on. True when other modes still ring in `other`.
-  bool take_over(ModeStates& other) RINGDOWN_REALTIME;
+  bool take_over(ModeStates& other) REALTIME;
 
   // Lets what rings now fade out (FadeOut::begin); later strikes ring in full.
-  void fade_out(const Fading& fade = {}) RINGDOWN_REALTIME;
+  void fade_out(const Fading& fade = {}) REALTIME;
   // Ends everything at once, with the click that this makes if it rings.
-  void silence() RINGDOWN_REALTIME;
+  void silence() REALTIME;
 
   // Adds `frames` <= kChunkFrames samples to `out` and moves on. A group whose modes have all fallen below the
   // amplitude `floor` rests until the next strike. False when a state is absurd (kAbsurdEnergy): nothing of it was
   // added, and all states have been silenced.
-  bool render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME;
+  bool render(double* out, std::size_t frames, double floor) REALTIME;
   // Renders as render() does, with moments for slow modes; `out` gets the rest, which is nothing unless needs_samples()
   // said so before.
-  bool render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
-                      double floor) RINGDOWN_REALTIME;
-  [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME {
+  bool render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames, double floor) REALTIME;
+  [[nodiscard]] bool needs_samples() const REALTIME {
     return fast_.count > 0 || fade_.running() || coupling.possible();
   }
 
@@ -78,41 +77,39 @@ class ModeStates {
     std::size_t offset = 0;
     double rate = 1, bend = 0;
   };
-  void hear(const HeardTime* time) RINGDOWN_REALTIME;
+  void hear(const HeardTime* time) REALTIME;
 
   // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() adds
   // what it sounds from there on (LateStrikes), driven sample by sample where there are `forces`, if only an empty
   // list; merge_late() ends the chunk.
-  void add_late(BlowAmplitudes blow, double gain, std::size_t frames_left,
-                const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
-  bool render_late(double* out, std::size_t frames,
-                   std::optional<std::span<const Force>> forces = {}) RINGDOWN_REALTIME;
-  void merge_late() RINGDOWN_REALTIME;
+  void add_late(BlowAmplitudes blow, double gain, std::size_t frames_left, const ModeFactors* each = nullptr) REALTIME;
+  bool render_late(double* out, std::size_t frames, std::optional<std::span<const Force>> forces = {}) REALTIME;
+  void merge_late() REALTIME;
 
   // Groups whose level lies below `threshold` may be muted; kNoThreshold: none may.
   static constexpr Level kNoThreshold = -100000;
   // True when the threshold has risen since it was last applied.
-  bool set_threshold(Level threshold) RINGDOWN_REALTIME {
+  bool set_threshold(Level threshold) REALTIME {
     threshold_ = threshold;
     return threshold_ > applied_;
   }
   // Mutes what lies below the threshold, by a ramp over the next chunk or `at_once`; brings back what lies well above,
   // at most `allowance` modes, which is lowered by what came back.
-  void apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_REALTIME;
+  void apply_threshold(std::size_t& allowance, bool at_once) REALTIME;
   // In place of rendering `frames`, when there is no time: mutes all that can be muted, at once.
-  void mute_all(std::size_t frames) RINGDOWN_REALTIME;
+  void mute_all(std::size_t frames) REALTIME;
   // Counts every group that sounds or is muted, `gain` above the level of its states. Muted groups that have fallen
   // below the amplitude `floor` rest from now on.
-  void count_levels(LevelHistogram& histogram, Level gain, double floor) RINGDOWN_REALTIME;
+  void count_levels(LevelHistogram& histogram, Level gain, double floor) REALTIME;
 
   // Moves the states on without a sound, however far; not what fades.
-  void skip(Frame frames) RINGDOWN_REALTIME;
+  void skip(Frame frames) REALTIME;
   // rest() keeps the states as they are and renders none of them until wake().
-  void rest() RINGDOWN_REALTIME;
-  void wake() RINGDOWN_REALTIME;
+  void rest() REALTIME;
+  void wake() REALTIME;
 
   // False once everything has died away below the floor; rendering would then add nothing.
-  [[nodiscard]] bool ringing() const RINGDOWN_REALTIME {
+  [[nodiscard]] bool ringing() const REALTIME {
     return slow_.count + fast_.count + muting_.groups() > 0 || fade_.running() || coupling.running();
   }
   struct Counts {
@@ -121,7 +118,7 @@ class ModeStates {
     bool fading = false;                  // something fades out (fade_out())
     bool cut_short = false;               // modes above the threshold are muted, because there was no time for them
   };
-  [[nodiscard]] Counts counts() const RINGDOWN_REALTIME {
+  [[nodiscard]] Counts counts() const REALTIME {
     const std::size_t slow = std::min(kModePadding * slow_.count, table_.slow_modes());
     const std::size_t fast = std::min(kModePadding * fast_.count, table_.playable_modes() - table_.slow_modes());
     return {slow + fast, kModePadding * muting_.groups(), kModePadding * slow_.count, fade_.running(), cut_short_};
@@ -130,19 +127,19 @@ class ModeStates {
   // An upper bound of every sample: the sum of the modes' amplitudes, muted and fading ones included. The states
   // have rested for `rested` frames, 0 unless rest() was called; resting modes are taken to decay as the slowest of
   // their group.
-  [[nodiscard]] double peak_level(Frame rested) const RINGDOWN_REALTIME;
+  [[nodiscard]] double peak_level(Frame rested) const REALTIME;
   // Adds each mode's amplitude, times `gain`, to where the mode stands in the bank's order. The states have rested as
   // above.
-  void add_amplitudes(double gain, Frame rested, ModeWatch::Slot& to) const RINGDOWN_REALTIME;
+  void add_amplitudes(double gain, Frame rested, ModeWatch::Slot& to) const REALTIME;
 
  private:
-  [[nodiscard]] bool selective() const RINGDOWN_REALTIME { return threshold_ != kNoThreshold || muting_.groups() > 0; }
+  [[nodiscard]] bool selective() const REALTIME { return threshold_ != kNoThreshold || muting_.groups() > 0; }
   template <class Add>
-  void add_to_groups(const Add& add_to) RINGDOWN_REALTIME;
-  void list(std::uint32_t group) RINGDOWN_REALTIME;
-  void settle() RINGDOWN_REALTIME;
-  void unmute() RINGDOWN_REALTIME;
-  void mark() RINGDOWN_REALTIME;
+  void add_to_groups(const Add& add_to) REALTIME;
+  void list(std::uint32_t group) REALTIME;
+  void settle() REALTIME;
+  void unmute() REALTIME;
+  void mark() REALTIME;
 
   const ModeTable& table_;
   StateArray states_;

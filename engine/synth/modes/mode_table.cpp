@@ -89,12 +89,12 @@ struct Playable {
 
 // Turns what a blow gives each mode of the bank into the amplitudes of the columns; returns the sum of their squares.
 double weigh(const Playable& playable, std::span<const double> excited, double contact_time_s,
-             double* amplitudes) RINGDOWN_REALTIME {
+             double* amplitudes) REALTIME {
   const std::uint32_t *mode = playable.mode.data(), *column = playable.column.data();
   const double *weight = playable.weight.data(), *frequency = playable.frequency_hz.data();
   double energy = 0;
   for (std::size_t i = 0; i < playable.mode.size(); ++i) {
-    const double a = weight[i] * excited.data()[mode[i]] * modal::pulse_spectrum(frequency[i], contact_time_s);
+    const double a = weight[i] * excited[mode[i]] * modal::pulse_spectrum(frequency[i], contact_time_s);
     amplitudes[column[i]] = a;
     energy += a * a;
   }
@@ -179,14 +179,14 @@ void ModeTable::add_mode(std::uint32_t mode, const modal::DampedMode& damped, st
   if (line_weights_) std::ranges::copy(grid_weights(s), line_weights_.get() + std::size_t{at} * 2 * kGridReach);
 }
 
-std::optional<std::size_t> ModeTable::column_of(std::size_t mode) const RINGDOWN_REALTIME {
-  const std::int32_t column = column_of_.data()[mode];
+std::optional<std::size_t> ModeTable::column_of(std::size_t mode) const REALTIME {
+  const std::int32_t column = column_of_[mode];
   if (column < 0) return std::nullopt;
   return static_cast<std::size_t>(column);
 }
 
 std::optional<double> ModeTable::strike(const verb::Ring& ring, std::span<double> /*scratch*/,
-                                        double* amplitudes) const RINGDOWN_REALTIME {
+                                        double* amplitudes) const REALTIME {
   const modal::ModeRange range{ring.first, ring.count};
   double energy = 0;
   for (std::size_t i = 0; i < playable_modes(); ++i) {
@@ -198,39 +198,39 @@ std::optional<double> ModeTable::strike(const verb::Ring& ring, std::span<double
 }
 
 std::optional<double> ModeTable::strike(const verb::Impart& impart, std::span<double> /*scratch*/,
-                                        double* amplitudes) const RINGDOWN_REALTIME {
+                                        double* amplitudes) const REALTIME {
   std::fill_n(amplitudes, 2 * columns_, 0.0);
   if (impart.mode >= bank().mode_count()) return std::nullopt;
   // A mode that is not playable at this rate or in this material takes the motion and is not heard.
   const auto at = std::find(mode_of_.begin(), mode_of_.end(), map_->by_frequency()[impart.mode]);
   if (at == mode_of_.end()) return 0;
   const auto i = static_cast<std::size_t>(at - mode_of_.begin());
-  const double amplitude = weight_.data()[i] / modal::shape_factor(material_) * impart.velocity;
+  const double amplitude = weight_[i] / modal::shape_factor(material_) * impart.velocity;
   amplitudes[column(i)] = amplitude * std::cos(impart.phase_rad);
   amplitudes[columns_ + column(i)] = amplitude * std::sin(impart.phase_rad);
   return amplitude * amplitude;
 }
 
 std::optional<double> ModeTable::strike(const verb::StrikeVertex& strike, std::span<double> scratch,
-                                        double* amplitudes) const RINGDOWN_REALTIME {
+                                        double* amplitudes) const REALTIME {
   if (strike.vertex >= bank().point_count()) return std::nullopt;
   map_->excite_vertex(strike.vertex, strike.impulse_ns, scratch);
   return weigh({mode_of_, column_, weight_, frequency_hz_}, scratch, strike.contact_time_s, amplitudes);
 }
 
 std::optional<double> ModeTable::strike(const verb::Strike& strike, std::span<double> scratch,
-                                        double* amplitudes) const RINGDOWN_REALTIME {
+                                        double* amplitudes) const REALTIME {
   map_->excite(per_size_ * strike.point_m, strike.impulse_ns, scratch);
   return weigh({mode_of_, column_, weight_, frequency_hz_}, scratch, strike.contact_time_s, amplitudes);
 }
 
-void ModeTable::prepare(std::size_t frames) RINGDOWN_REALTIME {
+void ModeTable::prepare(std::size_t frames) REALTIME {
   if (frames == kChunkFrames || frames == rest_frames_) return;
   rest_frames_ = frames;
   fill_advances(modes(nullptr, nullptr, 0), columns_, frames, row(rest_re), row(rest_im));
 }
 
-ModeArrays ModeTable::modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME {
+ModeArrays ModeTable::modes(double* z_re, double* z_im, std::size_t frames) const REALTIME {
   ModeArrays modes{.z_re = z_re,
                    .z_im = z_im,
                    .pole_re = row(pole_re),

@@ -49,66 +49,66 @@ class ModeTable {
   [[nodiscard]] std::shared_ptr<ModeTable> at_rate(double sample_rate_hz) const {
     return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, dampers_, modes_, settings_);
   }
-  [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
+  [[nodiscard]] double sample_rate_hz() const REALTIME { return sample_rate_hz_; }
 
   [[nodiscard]] bool is_of(const std::shared_ptr<const modal::StrikeMap>& map, const modal::MaterialScale& material,
                            const modal::Dampers& dampers = {}, modal::ModeRange modes = {}) const {
     return map == map_ && material == material_ && dampers == dampers_ && modes == modes_;
   }
 
-  [[nodiscard]] const modal::Bank& bank() const RINGDOWN_REALTIME { return map_->bank(); }
-  [[nodiscard]] std::size_t playable_modes() const RINGDOWN_REALTIME { return mode_of_.size(); }
-  [[nodiscard]] std::size_t slow_modes() const RINGDOWN_REALTIME { return slow_modes_; }  // that take moments
-  [[nodiscard]] std::size_t columns() const RINGDOWN_REALTIME { return columns_; }
-  [[nodiscard]] std::size_t groups() const RINGDOWN_REALTIME { return columns_ / kModePadding; }
-  [[nodiscard]] std::size_t slow_groups() const RINGDOWN_REALTIME { return slow_groups_; }
+  [[nodiscard]] const modal::Bank& bank() const REALTIME { return map_->bank(); }
+  [[nodiscard]] std::size_t playable_modes() const REALTIME { return mode_of_.size(); }
+  [[nodiscard]] std::size_t slow_modes() const REALTIME { return slow_modes_; }  // that take moments
+  [[nodiscard]] std::size_t columns() const REALTIME { return columns_; }
+  [[nodiscard]] std::size_t groups() const REALTIME { return columns_ / kModePadding; }
+  [[nodiscard]] std::size_t slow_groups() const REALTIME { return slow_groups_; }
 
   // The column of mode `mode` of the bank; nullopt where it is not playable.
-  [[nodiscard]] std::optional<std::size_t> column_of(std::size_t mode) const RINGDOWN_REALTIME;
+  [[nodiscard]] std::optional<std::size_t> column_of(std::size_t mode) const REALTIME;
   // The mode of the bank that is playable mode `i`, and its column.
-  [[nodiscard]] std::size_t mode_of(std::size_t i) const RINGDOWN_REALTIME { return mode_of_.data()[i]; }
-  [[nodiscard]] std::size_t column(std::size_t i) const RINGDOWN_REALTIME { return column_.data()[i]; }
+  [[nodiscard]] std::size_t mode_of(std::size_t i) const REALTIME { return mode_of_[i]; }
+  [[nodiscard]] std::size_t column(std::size_t i) const REALTIME { return column_[i]; }
 
   // The least decay among the modes of a group [nepers per frame].
-  [[nodiscard]] double slowest_decay(std::size_t group) const RINGDOWN_REALTIME { return slowest_decay_.data()[group]; }
+  [[nodiscard]] double slowest_decay(std::size_t group) const REALTIME { return slowest_decay_[group]; }
 
   // Finds the output amplitude that a strike gives the mode of each column, and returns the sum of their squares;
   // nullopt when the vertex does not exist. Points are in the frame of the object in its size. `scratch` has one
   // element per mode of the bank, `amplitudes` one per column; padding columns stay as they were. [audio]
   [[nodiscard]] std::optional<double> strike(const verb::Strike& strike, std::span<double> scratch,
-                                             double* amplitudes) const RINGDOWN_REALTIME;
+                                             double* amplitudes) const REALTIME;
   [[nodiscard]] std::optional<double> strike(const verb::StrikeVertex& strike, std::span<double> scratch,
-                                             double* amplitudes) const RINGDOWN_REALTIME;
+                                             double* amplitudes) const REALTIME;
   [[nodiscard]] std::optional<double> strike(const verb::Ring& ring, std::span<double> scratch,
-                                             double* amplitudes) const RINGDOWN_REALTIME;
+                                             double* amplitudes) const REALTIME;
   // Writes 2 x columns() amplitudes: the sines of all columns, then the cosines (BlowAmplitudes).
   [[nodiscard]] std::optional<double> strike(const verb::Impart& impart, std::span<double> scratch,
-                                             double* amplitudes) const RINGDOWN_REALTIME;
+                                             double* amplitudes) const REALTIME;
 
   // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
-  void prepare(std::size_t frames) RINGDOWN_REALTIME;
+  void prepare(std::size_t frames) REALTIME;
 
   // In which directions the bank's modes are heard, and for each column the rank of its mode there, its frequency, and
   // log p of its pole. Padding columns have a rank of 0.
-  [[nodiscard]] const modal::DirectionMap& directions() const RINGDOWN_REALTIME { return map_->directions(); }
-  [[nodiscard]] const std::uint32_t* ranks() const RINGDOWN_REALTIME { return rank_.data(); }
-  [[nodiscard]] const float* frequencies_hz() const RINGDOWN_REALTIME { return column_hz_.get(); }
-  [[nodiscard]] std::pair<const double*, const double*> exponents() const RINGDOWN_REALTIME {
+  [[nodiscard]] const modal::DirectionMap& directions() const REALTIME { return map_->directions(); }
+  [[nodiscard]] const std::uint32_t* ranks() const REALTIME { return rank_.data(); }
+  [[nodiscard]] const float* frequencies_hz() const REALTIME { return column_hz_.get(); }
+  [[nodiscard]] std::pair<const double*, const double*> exponents() const REALTIME {
     return {row(exponent_re), row(exponent_im)};
   }
   // The time in which its longest mode falls by 20 dB [s].
-  [[nodiscard]] double ring_s() const RINGDOWN_REALTIME { return ring_s_; }
+  [[nodiscard]] double ring_s() const REALTIME { return ring_s_; }
   // The place that the sound comes from, in the frame of the object in its size.
-  [[nodiscard]] const Vec3& origin_m() const RINGDOWN_REALTIME { return origin_m_; }
+  [[nodiscard]] const Vec3& origin_m() const REALTIME { return origin_m_; }
 
   // The arrays that a kernel needs to render chunks of `frames`, with states of columns() numbers each.
-  [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME;
-  [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME {
+  [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const REALTIME;
+  [[nodiscard]] MomentArrays moments() const REALTIME {
     return {band_.data(), moment_weights_.get(), line_weights_.get()};
   }
 
   // The click of the object as a whole; nothing if the bank does not state its mass, or if it is too large to click.
-  [[nodiscard]] const std::optional<ClickShape>& click() const RINGDOWN_REALTIME { return click_; }
+  [[nodiscard]] const std::optional<ClickShape>& click() const REALTIME { return click_; }
 
   // The detuning of its modes by each other, and the modes that may exchange energy; null if the bank has no such data.
   std::shared_ptr<const GlideMatrix> glide;
@@ -120,7 +120,7 @@ class ModeTable {
   enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, exponent_re, exponent_im, kRows };
 
   void add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s);
-  [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
+  [[nodiscard]] double* row(Row which) const REALTIME { return rows_.get() + which * columns_; }
 
   std::shared_ptr<const modal::StrikeMap> map_;
   modal::MaterialScale material_;

@@ -52,12 +52,12 @@ bool ModeWatch::read(ObjectNumber object, const modal::Bank& bank, std::vector<f
   return false;
 }
 
-void ModeWatch::Slot::begin() RINGDOWN_REALTIME {
+void ModeWatch::Slot::begin() REALTIME {
   number.store(number.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   std::atomic_thread_fence(std::memory_order_release);
 }
 
-void ModeWatch::Slot::end() RINGDOWN_REALTIME {
+void ModeWatch::Slot::end() REALTIME {
   number.store(number.load(std::memory_order_relaxed) + 1, std::memory_order_release);
 }
 

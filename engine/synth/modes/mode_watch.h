@@ -40,15 +40,15 @@ class ModeWatch {
     std::atomic<const modal::Bank*> bank{nullptr};
     std::unique_ptr<std::atomic<float>[]> amplitudes;  // one per mode of any bank; there when the object first is
 
-    void begin() RINGDOWN_REALTIME;
-    void end() RINGDOWN_REALTIME;
-    void add(std::size_t mode, double amplitude) RINGDOWN_REALTIME {
+    void begin() REALTIME;
+    void end() REALTIME;
+    void add(std::size_t mode, double amplitude) REALTIME {
       std::atomic<float>& sum = amplitudes.get()[mode];
       sum.store(sum.load(std::memory_order_relaxed) + static_cast<float>(amplitude), std::memory_order_relaxed);
     }
   };
-  [[nodiscard]] bool watches() const RINGDOWN_REALTIME { return count_.load(std::memory_order_relaxed) > 0; }
-  [[nodiscard]] Slot& slot(std::size_t which) RINGDOWN_REALTIME { return slots_.data()[which]; }
+  [[nodiscard]] bool watches() const REALTIME { return count_.load(std::memory_order_relaxed) > 0; }
+  [[nodiscard]] Slot& slot(std::size_t which) REALTIME { return slots_[which]; }
 
  private:
   [[nodiscard]] const Slot* find(ObjectNumber object) const;

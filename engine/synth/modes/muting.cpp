@@ -11,7 +11,7 @@ namespace ringdown::synth {
 // upper bound, and finding it costs one product; catch_up() moves the states by p^n, in about 2 log2(n) products.
 //
 // The exponent and the three leading bits of the mantissa of a float count eighths of an octave, nearly.
-Level level_of(double energy) RINGDOWN_REALTIME {
+Level level_of(double energy) REALTIME {
   constexpr std::uint32_t kOne = 127u << 3;  // the level of an energy of 1 is 0
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(static_cast<float>(energy)) & 0x7fffffffu;
   return static_cast<Level>(bits >> 20) - static_cast<Level>(kOne);
@@ -29,28 +29,28 @@ Muting::Muting(const ModeTable& table)
   }
 }
 
-void Muting::measure(const StateArray& states, std::uint32_t group) RINGDOWN_REALTIME {
-  muted_at_.data()[group] = clock_;
-  muted_level_.data()[group] = level_of(states.energy(group));
+void Muting::measure(const StateArray& states, std::uint32_t group) REALTIME {
+  muted_at_[group] = clock_;
+  muted_level_[group] = level_of(states.energy(group));
 }
 
-Level Muting::level(std::uint32_t group) const RINGDOWN_REALTIME {
+Level Muting::level(std::uint32_t group) const REALTIME {
   const auto behind = static_cast<float>(frames_behind(group));
-  const float fall = behind * fall_.data()[group];
-  return muted_level_.data()[group] - static_cast<Level>(std::min(fall, 1e5f));
+  const float fall = behind * fall_[group];
+  return muted_level_[group] - static_cast<Level>(std::min(fall, 1e5f));
 }
 
-void Muting::catch_up(StateArray& states, std::uint32_t group) RINGDOWN_REALTIME {
+void Muting::catch_up(StateArray& states, std::uint32_t group) REALTIME {
   states.skip(static_cast<std::uint64_t>(frames_behind(group)), group);
-  muted_at_.data()[group] = kNotMuted;
+  muted_at_[group] = kNotMuted;
 }
 
-void Muting::forget(StateArray& states, std::uint32_t group) RINGDOWN_REALTIME {
+void Muting::forget(StateArray& states, std::uint32_t group) REALTIME {
   states.clear(group);
-  muted_at_.data()[group] = kNotMuted;
+  muted_at_[group] = kNotMuted;
 }
 
-bool Muting::render_changes(StateArray& states, double* out, std::size_t frames) RINGDOWN_REALTIME {
+bool Muting::render_changes(StateArray& states, double* out, std::size_t frames) REALTIME {
   double down[kChunkFrames] = {}, up[kChunkFrames] = {};
   ActiveGroups going = leaving.active(), coming = entering.active();
   bool sane = render_modes(states.for_kernel(frames), going, kKeepAllGroups, down, frames);
@@ -62,8 +62,7 @@ bool Muting::render_changes(StateArray& states, double* out, std::size_t frames)
   return sane;
 }
 
-bool Muting::render_changes(StateArray& states, std::span<const MomentTarget> targets,
-                            std::size_t frames) RINGDOWN_REALTIME {
+bool Muting::render_changes(StateArray& states, std::span<const MomentTarget> targets, std::size_t frames) REALTIME {
   const ModeArrays all = states.for_kernel(frames);
   const MomentArrays moments = states.moments();
   ActiveGroups going = leaving.active(), coming = entering.active();
@@ -71,15 +70,15 @@ bool Muting::render_changes(StateArray& states, std::span<const MomentTarget> ta
   return add_moments(all, moments, coming, frames, kKeepAllGroups, targets, {0, 1}) && sane;
 }
 
-void Muting::finish_changes(const StateArray& states, ActiveGroups& sounding) RINGDOWN_REALTIME {
+void Muting::finish_changes(const StateArray& states, ActiveGroups& sounding) REALTIME {
   for (const std::uint32_t group : leaving) mute(states, group);
   for (const std::uint32_t group : entering) sounding.list[sounding.count++] = group;
   leaving.clear();
   entering.clear();
 }
 
-void Muting::clear() RINGDOWN_REALTIME {
-  for (const std::uint32_t group : muted) muted_at_.data()[group] = kNotMuted;
+void Muting::clear() REALTIME {
+  for (const std::uint32_t group : muted) muted_at_[group] = kNotMuted;
   for (GroupList* groups : {&muted, &leaving, &entering}) groups->clear();
 }
 

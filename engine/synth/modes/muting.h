@@ -20,28 +20,28 @@ namespace ringdown::synth {
 // a number lies above everything.
 using Level = std::int32_t;
 inline constexpr double kStep_db = 0.37628749457997270;  // 10 log10(2) / 8
-Level level_of(double energy) RINGDOWN_REALTIME;
+Level level_of(double energy) REALTIME;
 
 // Some groups of a table.
 class GroupList {
  public:
   explicit GroupList(std::size_t capacity) : groups_(capacity) {}
-  [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME { return count_; }
-  [[nodiscard]] const std::uint32_t* begin() const RINGDOWN_REALTIME { return groups_.data(); }
-  [[nodiscard]] const std::uint32_t* end() const RINGDOWN_REALTIME { return groups_.data() + count_; }
-  void push(std::uint32_t group) RINGDOWN_REALTIME { groups_.data()[count_++] = group; }
-  void clear() RINGDOWN_REALTIME { count_ = 0; }
+  [[nodiscard]] std::size_t size() const REALTIME { return count_; }
+  [[nodiscard]] const std::uint32_t* begin() const REALTIME { return groups_.data(); }
+  [[nodiscard]] const std::uint32_t* end() const REALTIME { return groups_.data() + count_; }
+  void push(std::uint32_t group) REALTIME { groups_[count_++] = group; }
+  void clear() REALTIME { count_ = 0; }
   // Keeps the groups of which `wanted(group)` is true, in their order.
   template <class Wanted>
-  void keep_if(const Wanted& wanted) RINGDOWN_REALTIME {
+  void keep_if(const Wanted& wanted) REALTIME {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count_; ++i) {
-      const std::uint32_t group = groups_.data()[i];
-      if (wanted(group)) groups_.data()[kept++] = group;
+      const std::uint32_t group = groups_[i];
+      if (wanted(group)) groups_[kept++] = group;
     }
     count_ = kept;
   }
-  [[nodiscard]] ActiveGroups active() RINGDOWN_REALTIME { return {groups_.data(), count_}; }
+  [[nodiscard]] ActiveGroups active() REALTIME { return {groups_.data(), count_}; }
 
  private:
   std::vector<std::uint32_t> groups_;
@@ -53,42 +53,42 @@ class Muting {
   explicit Muting(const ModeTable& table);  // [worker]
 
   // Mutes a group from the present frame on.
-  void mute(const StateArray& states, std::uint32_t group) RINGDOWN_REALTIME {
+  void mute(const StateArray& states, std::uint32_t group) REALTIME {
     measure(states, group);
     muted.push(group);
   }
   // Notes the level of a group whose states are those of the present frame.
-  void measure(const StateArray& states, std::uint32_t group) RINGDOWN_REALTIME;
+  void measure(const StateArray& states, std::uint32_t group) REALTIME;
   // The level of a muted group now: what measure() found, less the slowest decay among its modes.
-  [[nodiscard]] Level level(std::uint32_t group) const RINGDOWN_REALTIME;
+  [[nodiscard]] Level level(std::uint32_t group) const REALTIME;
   // By how many frames the states of a group are behind; 0 unless it is muted.
-  [[nodiscard]] Frame frames_behind(std::uint32_t group) const RINGDOWN_REALTIME {
-    return group < muted_at_.size() && muted_at_.data()[group] != kNotMuted ? clock_ - muted_at_.data()[group] : 0;
+  [[nodiscard]] Frame frames_behind(std::uint32_t group) const REALTIME {
+    return group < muted_at_.size() && muted_at_[group] != kNotMuted ? clock_ - muted_at_[group] : 0;
   }
   // Moves a muted group's states to the present frame. The caller takes the group off the list, or measures it.
-  void catch_up(StateArray& states, std::uint32_t group) RINGDOWN_REALTIME;
+  void catch_up(StateArray& states, std::uint32_t group) REALTIME;
   // Gives a muted group up: it has died away. The caller takes it off the list.
-  void forget(StateArray& states, std::uint32_t group) RINGDOWN_REALTIME;
+  void forget(StateArray& states, std::uint32_t group) REALTIME;
 
   // Returns true if groups leave or enter in the next rendered frames.
-  [[nodiscard]] bool changing() const RINGDOWN_REALTIME { return leaving.size() + entering.size() > 0; }
+  [[nodiscard]] bool changing() const REALTIME { return leaving.size() + entering.size() > 0; }
   // Adds the sound of the groups that leave and enter: as samples, by tables, or as moments. Their states move on by
   // `frames`. False when a state is absurd.
-  bool render_changes(StateArray& states, double* out, std::size_t frames) RINGDOWN_REALTIME;
-  bool render_changes(StateArray& states, std::span<const MomentTarget> targets, std::size_t frames) RINGDOWN_REALTIME;
+  bool render_changes(StateArray& states, double* out, std::size_t frames) REALTIME;
+  bool render_changes(StateArray& states, std::span<const MomentTarget> targets, std::size_t frames) REALTIME;
   // Ends a chunk of `frames`. What has left is muted, and what has entered is appended to `sounding`.
-  void advance(const StateArray& states, std::size_t frames, ActiveGroups& sounding) RINGDOWN_REALTIME {
+  void advance(const StateArray& states, std::size_t frames, ActiveGroups& sounding) REALTIME {
     clock_ += static_cast<Frame>(frames);
     if (changing()) finish_changes(states, sounding);
   }
 
-  [[nodiscard]] std::size_t groups() const RINGDOWN_REALTIME { return muted.size() + leaving.size() + entering.size(); }
-  void clear() RINGDOWN_REALTIME;
+  [[nodiscard]] std::size_t groups() const REALTIME { return muted.size() + leaving.size() + entering.size(); }
+  void clear() REALTIME;
 
   GroupList muted, leaving, entering;  // the latter two by a ramp in the next rendered frames
 
  private:
-  void finish_changes(const StateArray& states, ActiveGroups& sounding) RINGDOWN_REALTIME;
+  void finish_changes(const StateArray& states, ActiveGroups& sounding) REALTIME;
 
   static constexpr Frame kNotMuted = -1;
   std::vector<Frame> muted_at_;     // by clock_

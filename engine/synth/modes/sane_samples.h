@@ -14,9 +14,9 @@ namespace ringdown::synth {
 inline constexpr double kAbsurdSample = 1e18;
 
 // False when a sample is larger, or is not a number.
-[[nodiscard]] inline bool are_sane(std::span<const double> samples) RINGDOWN_REALTIME {
+[[nodiscard]] inline bool are_sane(std::span<const double> samples) REALTIME {
   bool sane = true;
-  for (std::size_t n = 0; n < samples.size(); ++n) sane &= std::abs(samples.data()[n]) <= kAbsurdSample;
+  for (std::size_t n = 0; n < samples.size(); ++n) sane &= std::abs(samples[n]) <= kAbsurdSample;
   return sane;
 }
 

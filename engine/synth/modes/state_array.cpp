@@ -8,7 +8,7 @@ namespace ringdown::synth {
 
 // Adds -i times the amplitudes, each times its factor.
 void StateArray::add_strike(BlowAmplitudes blow, double gain, std::size_t first, std::size_t end,
-                            const ModeFactors* each) RINGDOWN_REALTIME {
+                            const ModeFactors* each) REALTIME {
   excited();
   double *const re = this->re(), *const im = this->im();
   if (each == nullptr) {
@@ -28,18 +28,17 @@ void StateArray::add_strike(BlowAmplitudes blow, double gain, std::size_t first,
   }
 }
 
-void StateArray::add_strike(BlowAmplitudes blow, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+void StateArray::add_strike(BlowAmplitudes blow, double gain, const ModeFactors* each) REALTIME {
   add_strike(blow, gain, 0, table_.columns(), each);
 }
 
-void StateArray::add_strike(BlowAmplitudes blow, double gain, std::uint32_t group,
-                            const ModeFactors* each) RINGDOWN_REALTIME {
+void StateArray::add_strike(BlowAmplitudes blow, double gain, std::uint32_t group, const ModeFactors* each) REALTIME {
   const std::size_t first = std::size_t{group} * kModePadding;
   add_strike(blow, gain, first, first + kModePadding, each);
 }
 
 void StateArray::add(const StateArray& other, double gain, std::size_t first, std::size_t end,
-                     const ModeFactors* each) RINGDOWN_REALTIME {
+                     const ModeFactors* each) REALTIME {
   excited();
   double *const re = this->re(), *const im = this->im();
   const double *const from_re = other.re(), *const from_im = other.im();
@@ -55,17 +54,16 @@ void StateArray::add(const StateArray& other, double gain, std::size_t first, st
   }
 }
 
-void StateArray::add(const StateArray& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+void StateArray::add(const StateArray& other, double gain, const ModeFactors* each) REALTIME {
   add(other, gain, 0, table_.columns(), each);
 }
 
-void StateArray::add(const StateArray& other, double gain, std::uint32_t group,
-                     const ModeFactors* each) RINGDOWN_REALTIME {
+void StateArray::add(const StateArray& other, double gain, std::uint32_t group, const ModeFactors* each) REALTIME {
   const std::size_t first = std::size_t{group} * kModePadding;
   add(other, gain, first, first + kModePadding, each);
 }
 
-bool StateArray::move_from(StateArray& other) RINGDOWN_REALTIME {
+bool StateArray::move_from(StateArray& other) REALTIME {
   excited();
   bool left = false;
   for (const auto& [mine, theirs] : {std::pair{re(), other.re()}, std::pair{im(), other.im()}}) {
@@ -78,24 +76,24 @@ bool StateArray::move_from(StateArray& other) RINGDOWN_REALTIME {
   return left;
 }
 
-void StateArray::skip(std::uint64_t frames) RINGDOWN_REALTIME { skip_modes(for_kernel(0), table_.columns(), frames); }
+void StateArray::skip(std::uint64_t frames) REALTIME { skip_modes(for_kernel(0), table_.columns(), frames); }
 
-void StateArray::skip(std::uint64_t frames, std::uint32_t group) RINGDOWN_REALTIME {
+void StateArray::skip(std::uint64_t frames, std::uint32_t group) REALTIME {
   const std::size_t first = std::size_t{group} * kModePadding;
   ModeArrays here = for_kernel(0);
   here.z_re += first, here.z_im += first, here.pole_re += first, here.pole_im += first;
   skip_modes(here, kModePadding, frames);
 }
 
-void StateArray::clear() RINGDOWN_REALTIME { std::fill_n(numbers_.get(), 2 * table_.columns(), 0.0); }
+void StateArray::clear() REALTIME { std::fill_n(numbers_.get(), 2 * table_.columns(), 0.0); }
 
-void StateArray::clear(std::uint32_t group) RINGDOWN_REALTIME {
+void StateArray::clear(std::uint32_t group) REALTIME {
   const std::size_t first = std::size_t{group} * kModePadding;
   std::fill_n(re() + first, kModePadding, 0.0);
   std::fill_n(im() + first, kModePadding, 0.0);
 }
 
-double StateArray::energy(std::uint32_t group) const RINGDOWN_REALTIME {
+double StateArray::energy(std::uint32_t group) const REALTIME {
   const std::size_t first = std::size_t{group} * kModePadding;
   const double *re = this->re() + first, *im = this->im() + first;
   double sum = 0;
@@ -103,14 +101,14 @@ double StateArray::energy(std::uint32_t group) const RINGDOWN_REALTIME {
   return sum;
 }
 
-double StateArray::amplitude(std::uint32_t group) const RINGDOWN_REALTIME {
+double StateArray::amplitude(std::uint32_t group) const REALTIME {
   const std::size_t first = std::size_t{group} * kModePadding;
   double sum = 0;
   for (std::size_t i = first; i < first + kModePadding; ++i) sum += std::sqrt(re()[i] * re()[i] + im()[i] * im()[i]);
   return sum;
 }
 
-double StateArray::amplitude() const RINGDOWN_REALTIME {
+double StateArray::amplitude() const REALTIME {
   double sum = 0;
   for (std::uint32_t group = 0; group < table_.groups(); ++group) sum += amplitude(group);
   return sum;

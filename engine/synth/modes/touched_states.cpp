@@ -2,7 +2,7 @@
 
 namespace ringdown::synth {
 
-bool TouchedStates::render(const TouchForces& touch, double* out, std::size_t frames) RINGDOWN_REALTIME {
+bool TouchedStates::render(const TouchForces& touch, double* out, std::size_t frames) REALTIME {
   states_.wake();
   states_.threshold_ = states_.applied_ = ModeStates::kNoThreshold;
   ModeArrays all = states_.states_.for_kernel(0);

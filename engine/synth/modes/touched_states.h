@@ -22,15 +22,15 @@ struct TouchForces {
 
 class TouchedStates {
  public:
-  explicit TouchedStates(ModeStates& states) RINGDOWN_REALTIME : states_(states) {}
+  explicit TouchedStates(ModeStates& states) REALTIME : states_(states) {}
 
   // All states, of muted modes too, which sound again.
-  [[nodiscard]] const StateArray& open() RINGDOWN_REALTIME {
+  [[nodiscard]] const StateArray& open() REALTIME {
     states_.unmute();
     return states_.states_;
   }
   // Adds samples to `out` and moves on, as drive_touched() does. False when a state is absurd, as of render().
-  bool render(const TouchForces& touch, double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool render(const TouchForces& touch, double* out, std::size_t frames) REALTIME;
 
  private:
   ModeStates& states_;

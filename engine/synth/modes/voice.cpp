@@ -23,14 +23,14 @@ std::unique_ptr<Voice> Voice::with_table(std::shared_ptr<ModeTable> table) {
 }
 
 // An absurd strike becomes not-a-number, because modes that die within the chunk would hide a merely huge one.
-double Voice::gain_for(double energy, MixerCounters* counters) const RINGDOWN_REALTIME {
+double Voice::gain_for(double energy, MixerCounters* counters) const REALTIME {
   if (!(energy <= kAbsurdEnergy)) return std::numeric_limits<double>::quiet_NaN();
   const double limit = blow_limit(amplitudes_.get());
   if (limit < 1 && counters) count(counters->limited);
   return limit;
 }
 
-void VoiceStack::replace(Voice* voice, bool retune) RINGDOWN_REALTIME {
+void VoiceStack::replace(Voice* voice, bool retune) REALTIME {
   Voice* const old = std::exchange(current_, voice);
   if (!old) return;
   if (retune) {
@@ -44,8 +44,8 @@ void VoiceStack::replace(Voice* voice, bool retune) RINGDOWN_REALTIME {
   tails_ = old;
 }
 
-void VoiceStack::fade_out(const Fading& fade) RINGDOWN_REALTIME {
-  for_each([&fade](Voice& voice) RINGDOWN_REALTIME { voice.fade_out(fade); });
+void VoiceStack::fade_out(const Fading& fade) REALTIME {
+  for_each([&fade](Voice& voice) REALTIME { voice.fade_out(fade); });
 }
 
 void VoiceStack::free_all() {

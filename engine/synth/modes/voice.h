@@ -28,13 +28,13 @@ class Voice : public ModeStates {
   // end of the chunk. Counts in `counters` when it was limited (blow_limit.h). False when the vertex does not exist.
   // [audio]
   template <class Blow>
-  bool strike(const Blow& blow, MixerCounters* counters = nullptr) RINGDOWN_REALTIME {
+  bool strike(const Blow& blow, MixerCounters* counters = nullptr) REALTIME {
     const std::optional<double> energy = find_amplitudes(blow);
     if (energy) add(amplitudes(), gain_for(*energy, counters));
     return energy.has_value();
   }
   template <class Blow>
-  bool strike_late(const Blow& blow, std::size_t frames_left, MixerCounters* counters = nullptr) RINGDOWN_REALTIME {
+  bool strike_late(const Blow& blow, std::size_t frames_left, MixerCounters* counters = nullptr) REALTIME {
     const std::optional<double> energy = find_amplitudes(blow);
     if (energy) add_late(amplitudes(), gain_for(*energy, counters), frames_left);
     return energy.has_value();
@@ -43,18 +43,18 @@ class Voice : public ModeStates {
   // Finds the amplitude that a strike gives each mode, for amplitudes(), and returns the sum of their squares; nullopt
   // when the vertex does not exist. [audio]
   template <class Blow>
-  [[nodiscard]] std::optional<double> find_amplitudes(const Blow& blow) RINGDOWN_REALTIME {
+  [[nodiscard]] std::optional<double> find_amplitudes(const Blow& blow) REALTIME {
     displaced_ = std::is_same_v<Blow, verb::Impart>;
     return table_->strike(blow, {scratch_.data(), scratch_.size()}, amplitudes_.get());
   }
   // As above, and false when the amplitudes are absurd, too (kAbsurdEnergy). [audio]
   template <class Blow>
-  [[nodiscard]] bool find_sane_amplitudes(const Blow& blow) RINGDOWN_REALTIME {
+  [[nodiscard]] bool find_sane_amplitudes(const Blow& blow) REALTIME {
     const std::optional<double> energy = find_amplitudes(blow);
     return energy && *energy <= kAbsurdEnergy;
   }
   // The last result of find_amplitudes(). [audio]
-  [[nodiscard]] BlowAmplitudes amplitudes() const RINGDOWN_REALTIME {
+  [[nodiscard]] BlowAmplitudes amplitudes() const REALTIME {
     return {amplitudes_.get(), displaced_ ? amplitudes_.get() + table_->columns() : nullptr};
   }
 
@@ -62,14 +62,14 @@ class Voice : public ModeStates {
   // renders either]
   [[nodiscard]] std::unique_ptr<Voice> with_table(std::shared_ptr<ModeTable> table);
 
-  [[nodiscard]] ModeTable& table() const RINGDOWN_REALTIME { return *table_; }
+  [[nodiscard]] ModeTable& table() const REALTIME { return *table_; }
   [[nodiscard]] const std::shared_ptr<ModeTable>& shared_table() const { return table_; }
 
   Voice* next = nullptr;  // in a list of voices, which must not allocate
 
  private:
   // The factor on a strike's amplitudes, whose squares add up to `energy`.
-  [[nodiscard]] double gain_for(double energy, MixerCounters* counters) const RINGDOWN_REALTIME;
+  [[nodiscard]] double gain_for(double energy, MixerCounters* counters) const REALTIME;
 
   std::shared_ptr<ModeTable> table_;
   std::vector<double> scratch_;      // one per mode of the bank
@@ -80,17 +80,17 @@ class Voice : public ModeStates {
 // An object's voices: the current one, which takes strikes, and older ones that ring out.
 class VoiceStack {
  public:
-  [[nodiscard]] Voice* current() const RINGDOWN_REALTIME { return current_; }
-  [[nodiscard]] bool has_tails() const RINGDOWN_REALTIME { return tails_ != nullptr; }
+  [[nodiscard]] Voice* current() const REALTIME { return current_; }
+  [[nodiscard]] bool has_tails() const REALTIME { return tails_ != nullptr; }
 
   // Makes `voice`, or none, the current one. With `retune` it takes over what rings of its modes in the old one, whose
   // other modes fade out; otherwise the old one rings out.
-  void replace(Voice* voice, bool retune) RINGDOWN_REALTIME;
-  void fade_out(const Fading& fade) RINGDOWN_REALTIME;
+  void replace(Voice* voice, bool retune) REALTIME;
+  void fade_out(const Fading& fade) REALTIME;
   // Takes silent tails off, oldest last, and hands each to `retire(voice, last)`; `last` tells that the object has no
   // voice any more.
   template <class Retire>
-  void drop_silent_tails(const Retire& retire) RINGDOWN_REALTIME {
+  void drop_silent_tails(const Retire& retire) REALTIME {
     for (Voice** link = &tails_; *link;) {
       Voice* const voice = *link;
       if (voice->ringing()) {
@@ -104,7 +104,7 @@ class VoiceStack {
     }
   }
   template <class Act>
-  void for_each(const Act& act) const RINGDOWN_REALTIME {
+  void for_each(const Act& act) const REALTIME {
     if (current_) act(*current_);
     for (Voice* voice = tails_; voice; voice = voice->next) act(*voice);
   }

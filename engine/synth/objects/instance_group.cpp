@@ -24,13 +24,13 @@ InstanceGroup::InstanceGroup(ModeTable& table, std::size_t ambisonic_channels) :
 }
 
 // Adds, or with `sign` -1 subtracts, what rings in a member.
-void InstanceGroup::add(Voice& voice, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME {
+void InstanceGroup::add(Voice& voice, const ChannelStrip::Shares& shares, double sign) REALTIME {
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (shares[i] != 0) sums_[i].add(voice, sign * shares[i], voice.gains.frozen());
   }
 }
 
-bool InstanceGroup::join(Object& object, Frame now) RINGDOWN_REALTIME {
+bool InstanceGroup::join(Object& object, Frame now) REALTIME {
   Voice& voice = *object.voices.current();
   object.member.shares_states = true;
   voice.gains.freeze();
@@ -48,7 +48,7 @@ bool InstanceGroup::join(Object& object, Frame now) RINGDOWN_REALTIME {
   return true;
 }
 
-void InstanceGroup::leave(Object& object, Frame now) RINGDOWN_REALTIME {
+void InstanceGroup::leave(Object& object, Frame now) REALTIME {
   GroupMember& member = object.member;
   member.shares_states = false;
   catch_up(object, now);
@@ -59,28 +59,27 @@ void InstanceGroup::leave(Object& object, Frame now) RINGDOWN_REALTIME {
 }
 
 // Moves the states that a member keeps for itself on to frame `now`.
-void InstanceGroup::catch_up(Object& object, Frame now) RINGDOWN_REALTIME {
+void InstanceGroup::catch_up(Object& object, Frame now) REALTIME {
   GroupMember& member = object.member;
   if (std::exchange(member.losses_seen, losses_) != losses_) object.voices.current()->silence();
   object.voices.current()->skip(now - std::exchange(member.anchor, now));
 }
 
-void InstanceGroup::note_struck(GroupMember& member) RINGDOWN_REALTIME {
+void InstanceGroup::note_struck(GroupMember& member) REALTIME {
   if (std::exchange(member.struck_in, round_) != round_) ++struck_;
 }
 
-void InstanceGroup::end_round() RINGDOWN_REALTIME {
+void InstanceGroup::end_round() REALTIME {
   struck_ = 0;
   lowest_level_ = 1;
   ++round_;
 }
 
-void InstanceGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void InstanceGroup::render(const Chunk& chunk, Workspace& workspace) REALTIME {
   if (chunk.shedding->active()) {
-    for_outputs([&](ModeStates& sum, std::size_t)
-                    RINGDOWN_REALTIME { chunk.shedding->apply(sum, 0, look_again, workspace); });
+    for_outputs([&](ModeStates& sum, std::size_t) REALTIME { chunk.shedding->apply(sum, 0, look_again, workspace); });
   }
-  const auto may_play = [&]() RINGDOWN_REALTIME {
+  const auto may_play = [&]() REALTIME {
     return chunk.shedding->may_play(due.first->object->units_of(due.first->event.verb.index()), workspace);
   };
   for (; due.first && due.first->offset == 0 && may_play(); due.first = due.first->next) {
@@ -89,7 +88,7 @@ void InstanceGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_RE
   if (chunk.moments) render_by_moments(chunk, workspace);
   std::size_t at = 0;
   bool struck_late = false;
-  const auto render_to = [&](std::size_t end) RINGDOWN_REALTIME {
+  const auto render_to = [&](std::size_t end) REALTIME {
     if (!chunk.moments) render_segment(at, end, chunk, workspace);
     if (struck_late) render_late(at, end, chunk, workspace);
     at = end;
@@ -100,7 +99,7 @@ void InstanceGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_RE
     struck_late = struck_late || (struck && chunk.moments);
   }
   render_to(chunk.frames);
-  for_outputs([&](ModeStates& sum, std::size_t) RINGDOWN_REALTIME {
+  for_outputs([&](ModeStates& sum, std::size_t) REALTIME {
     if (struck_late) sum.merge_late();
     const ModeStates::Counts counts = sum.counts();
     workspace.counts.add(counts);
@@ -110,11 +109,11 @@ void InstanceGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_RE
 }
 
 // Strikes a member: as a late strike `frames_left` frames before the end of the chunk, or at once if that is 0.
-bool InstanceGroup::strike(const DueEvent& struck, std::size_t frames_left, const Chunk& chunk) RINGDOWN_REALTIME {
+bool InstanceGroup::strike(const DueEvent& struck, std::size_t frames_left, const Chunk& chunk) REALTIME {
   Voice& voice = *struck.object->voices.current();
   GroupMember& member = struck.object->member;
   std::optional<double> energy;
-  const auto find = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+  const auto find = [&]<class One>(const One& one) REALTIME {
     if constexpr (One::kEffect == Effect::excites) energy = voice.find_amplitudes(one);
   };
   visit_now(find, struck.event.verb);
@@ -138,8 +137,8 @@ bool InstanceGroup::strike(const DueEvent& struck, std::size_t frames_left, cons
   return true;
 }
 
-void InstanceGroup::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
-  for_outputs([&](ModeStates& sum, std::size_t channel) RINGDOWN_REALTIME {
+void InstanceGroup::render_by_moments(const Chunk& chunk, Workspace& workspace) REALTIME {
+  for_outputs([&](ModeStates& sum, std::size_t channel) REALTIME {
     if (!sum.ringing()) return;
     const bool wanted = contains(chunk.wanted, channel);
     const MomentTarget target{wanted ? workspace.sums.moments(channel) : nullptr, 1.0f};
@@ -149,48 +148,47 @@ void InstanceGroup::render_by_moments(const Chunk& chunk, Workspace& workspace) 
 }
 
 void InstanceGroup::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
-                                   Workspace& workspace) RINGDOWN_REALTIME {
+                                   Workspace& workspace) REALTIME {
   if (begin == end) return;
-  for_outputs([&](ModeStates& sum, std::size_t channel) RINGDOWN_REALTIME {
+  for_outputs([&](ModeStates& sum, std::size_t channel) REALTIME {
     if (!sum.ringing()) return;
     double* const out = contains(chunk.wanted, channel) ? workspace.sums.samples(channel) : workspace.mono.data();
     keep_if(sum.render(out + begin, end - begin, floor(chunk)), chunk);
   });
 }
 
-void InstanceGroup::render_late(std::size_t begin, std::size_t end, const Chunk& chunk,
-                                Workspace& workspace) RINGDOWN_REALTIME {
+void InstanceGroup::render_late(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME {
   if (begin == end) return;
-  for_outputs([&](ModeStates& sum, std::size_t channel) RINGDOWN_REALTIME {
+  for_outputs([&](ModeStates& sum, std::size_t channel) REALTIME {
     double* const out = contains(chunk.wanted, channel) ? workspace.sums.samples(channel) : workspace.mono.data();
     keep_if(sum.render_late(out + begin, end - begin), chunk);
   });
 }
 
 // A sum that was no longer sensible has been silenced: what its members keep for themselves goes too.
-void InstanceGroup::keep_if(bool sane, const Chunk& chunk) RINGDOWN_REALTIME {
+void InstanceGroup::keep_if(bool sane, const Chunk& chunk) REALTIME {
   if (sane) return;
   silence();
   ++losses_;
   count(chunk.counters->not_finite);
 }
 
-void InstanceGroup::silence() RINGDOWN_REALTIME {
+void InstanceGroup::silence() REALTIME {
   for (ModeStates& sum : sums_) sum.silence();
 }
 
-void InstanceGroup::skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
-  for_outputs([&](ModeStates& sum, std::size_t) RINGDOWN_REALTIME {
+void InstanceGroup::skip(const Chunk& chunk, Workspace& workspace) REALTIME {
+  for_outputs([&](ModeStates& sum, std::size_t) REALTIME {
     if (sum.ringing()) sum.mute_all(chunk.frames), workspace.counts.shed = true;
     workspace.counts.add(sum.counts());
   });
 }
 
-void InstanceGroup::count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME {
-  for_outputs([&](ModeStates& sum, std::size_t) RINGDOWN_REALTIME { sum.count_levels(histogram, 0, floor(chunk)); });
+void InstanceGroup::count_levels(const Chunk& chunk, LevelHistogram& histogram) REALTIME {
+  for_outputs([&](ModeStates& sum, std::size_t) REALTIME { sum.count_levels(histogram, 0, floor(chunk)); });
 }
 
-ModeStates::Counts InstanceGroup::counts() const RINGDOWN_REALTIME {
+ModeStates::Counts InstanceGroup::counts() const REALTIME {
   ModeStates::Counts all;
   for (const ModeStates& sum : sums_) {
     const ModeStates::Counts counts = sum.counts();

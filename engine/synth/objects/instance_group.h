@@ -38,49 +38,49 @@ class InstanceGroup final : public Source {
   InstanceGroup(ModeTable& table, std::size_t ambisonic_channels);
 
   // Lets voices of the table join from now on.
-  void found() RINGDOWN_REALTIME { table_.instances = this; }
+  void found() REALTIME { table_.instances = this; }
 
-  void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
-  void skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
-  [[nodiscard]] bool can_skip(const Chunk&) const RINGDOWN_REALTIME override { return true; }
-  void prepare(const Chunk& chunk) RINGDOWN_REALTIME override { table_.prepare(chunk.frames); }
-  void count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME override;
-  [[nodiscard]] ModeStates::Counts counts() const RINGDOWN_REALTIME override;
+  void render(const Chunk& chunk, Workspace& workspace) REALTIME override;
+  void skip(const Chunk& chunk, Workspace& workspace) REALTIME override;
+  [[nodiscard]] bool can_skip(const Chunk&) const REALTIME override { return true; }
+  void prepare(const Chunk& chunk) REALTIME override { table_.prepare(chunk.frames); }
+  void count_levels(const Chunk& chunk, LevelHistogram& histogram) REALTIME override;
+  [[nodiscard]] ModeStates::Counts counts() const REALTIME override;
 
   // Returns whether an object at this bus may join: all members share one bus.
-  [[nodiscard]] bool accepts(std::size_t bus) const RINGDOWN_REALTIME { return members_ == 0 || bus_ == bus; }
+  [[nodiscard]] bool accepts(std::size_t bus) const REALTIME { return members_ == 0 || bus_ == bus; }
   // Takes over the object's states, which must have reached frame `now`. Returns true if they ring.
-  [[nodiscard]] bool join(Object& object, Frame now) RINGDOWN_REALTIME;
+  [[nodiscard]] bool join(Object& object, Frame now) REALTIME;
   // Gives the object its states back at frame `now`.
-  void leave(Object& object, Frame now) RINGDOWN_REALTIME;
+  void leave(Object& object, Frame now) REALTIME;
   // Returns whether the member's own states are still its part of the sums.
-  [[nodiscard]] bool keeps_states_of(const GroupMember& member) const RINGDOWN_REALTIME {
+  [[nodiscard]] bool keeps_states_of(const GroupMember& member) const REALTIME {
     return active && member.losses_seen == losses_;
   }
 
-  [[nodiscard]] bool ringing() const RINGDOWN_REALTIME { return std::ranges::any_of(sums_, &ModeStates::ringing); }
+  [[nodiscard]] bool ringing() const REALTIME { return std::ranges::any_of(sums_, &ModeStates::ringing); }
   // Call when the group has fallen silent. No member counts as struck any more.
-  void end_round() RINGDOWN_REALTIME;
+  void end_round() REALTIME;
 
  private:
   // Calls `each(sum, channel)` for the outputs that the group has.
   template <class Each>
-  void for_outputs(const Each& each) RINGDOWN_REALTIME {
+  void for_outputs(const Each& each) REALTIME {
     each(sums_[0], kLeft);
     each(sums_[1], kRight);
     if (bus_ != kNoBus) each(sums_[2], bus_);
     for (std::size_t i = 3; i < sums_.size(); ++i) each(sums_[i], kFirstAmbisonic + i - 3);
   }
-  void add(Voice& voice, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME;
-  [[nodiscard]] double floor(const Chunk& chunk) const RINGDOWN_REALTIME { return lowest_level_ * chunk.floor; }
-  void catch_up(Object& object, Frame now) RINGDOWN_REALTIME;
-  void note_struck(GroupMember& member) RINGDOWN_REALTIME;
-  [[nodiscard]] bool strike(const DueEvent& struck, std::size_t frames_left, const Chunk& chunk) RINGDOWN_REALTIME;
-  void render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  void render_late(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  void keep_if(bool sane, const Chunk& chunk) RINGDOWN_REALTIME;
-  void silence() RINGDOWN_REALTIME;
+  void add(Voice& voice, const ChannelStrip::Shares& shares, double sign) REALTIME;
+  [[nodiscard]] double floor(const Chunk& chunk) const REALTIME { return lowest_level_ * chunk.floor; }
+  void catch_up(Object& object, Frame now) REALTIME;
+  void note_struck(GroupMember& member) REALTIME;
+  [[nodiscard]] bool strike(const DueEvent& struck, std::size_t frames_left, const Chunk& chunk) REALTIME;
+  void render_by_moments(const Chunk& chunk, Workspace& workspace) REALTIME;
+  void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME;
+  void render_late(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME;
+  void keep_if(bool sane, const Chunk& chunk) REALTIME;
+  void silence() REALTIME;
 
   ModeTable& table_;
   std::vector<ModeStates> sums_;  // left, right, bus, and the existing ambisonic channels

@@ -30,19 +30,19 @@ constexpr double kChokeNepers = 3 * std::numbers::ln10;  // 60 dB
 
 // Returns whether the samples of a segment may be added to the outputs. Absurd ones (sane_samples.h) silence the
 // object's voices, and are counted.
-bool keep_sane(std::span<const double> samples, const VoiceStack& voices, const Chunk& chunk) RINGDOWN_REALTIME {
+bool keep_sane(std::span<const double> samples, const VoiceStack& voices, const Chunk& chunk) REALTIME {
   if (are_sane(samples)) return true;
-  voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.silence(); });
+  voices.for_each([](Voice& voice) REALTIME { voice.silence(); });
   count(chunk.counters->not_finite);
   return false;
 }
 
 }  // namespace
 
-void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Object::render(const Chunk& chunk, Workspace& workspace) REALTIME {
   workspace.counts.look_terms += placement.begin_chunk(chunk, voices, strip);
   apply_threshold(chunk, workspace);
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&](Voice& voice) REALTIME {
     if (voice.coupling.possible())
       voice.coupling.affordable = chunk.shedding->may_couple(voice.coupling, chunk, workspace);
   });
@@ -54,7 +54,7 @@ void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME 
     render_by_tables(chunk, workspace);
   }
   placement.end_chunk(chunk, voices);
-  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&](const Voice& voice) REALTIME {
     if (!voice.ringing()) return;
     const ModeStates::Counts counts = voice.counts();
     ++workspace.counts.voices;
@@ -68,7 +68,7 @@ void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME 
 }
 
 // Returns true if an event ends some of its sound in this chunk; moments cannot be cut at an event.
-bool Object::is_cleared() const RINGDOWN_REALTIME {
+bool Object::is_cleared() const REALTIME {
   for (const DueEvent* event = due.first; event; event = event->next) {
     if (effect_of(event->event) == Effect::damps) return true;
   }
@@ -76,7 +76,7 @@ bool Object::is_cleared() const RINGDOWN_REALTIME {
 }
 
 // Returns true if only strikes happen to it in the chunk, and no gain or pan is moving.
-bool Object::only_struck(const Chunk& chunk) const RINGDOWN_REALTIME {
+bool Object::only_struck(const Chunk& chunk) const REALTIME {
   for (const DueEvent* event = due.first; event; event = event->next) {
     if (!excites(event->event)) return false;
   }
@@ -84,12 +84,12 @@ bool Object::only_struck(const Chunk& chunk) const RINGDOWN_REALTIME {
 }
 
 // The amplitude of states below which modes rest. A force that acts may yet make a weak mode loud, little by little.
-double Object::floor(const Chunk& chunk) const RINGDOWN_REALTIME {
+double Object::floor(const Chunk& chunk) const REALTIME {
   return driven(chunk) ? 0 : chunk.floor / std::max(1.0, strip.max_gain());
 }
 
 // Takes the next event off the list. False when there is none, or no time for it: then it waits for the next chunk.
-bool Object::play_next(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+bool Object::play_next(const Chunk& chunk, Workspace& workspace) REALTIME {
   if (!due.first || !chunk.shedding->may_play(units_of(due.first->event.verb.index()), workspace)) return false;
   due.first = due.first->next;
   return true;
@@ -106,49 +106,49 @@ struct Object::Play {
   const Chunk& chunk;
 
   template <class Blow>
-  requires(Blow::kEffect == Effect::excites) void operator()(const Blow& blow) const RINGDOWN_REALTIME {
+  requires(Blow::kEffect == Effect::excites) void operator()(const Blow& blow) const REALTIME {
     Voice* const voice = object.voices.current();
     const bool struck = is_sane(blow) && voice && voice->strike(blow, chunk.counters);
     count(struck ? chunk.counters->strikes : chunk.counters->refused);
   }
-  void operator()(const verb::Contact& contact) const RINGDOWN_REALTIME {
+  void operator()(const verb::Contact& contact) const REALTIME {
     Exciters::update_contact(contact, frame, object.voices.current(), object.exciters);
   }
-  void operator()(const verb::Gain& gain) const RINGDOWN_REALTIME {
+  void operator()(const verb::Gain& gain) const REALTIME {
     if (!(std::abs(gain.gain) <= kMaxEventValue)) return count(chunk.counters->refused);
     object.strip.set_gain(gain.gain, frame, frames_of(gain.ramp_s));
   }
-  void operator()(const verb::Pan& pan) const RINGDOWN_REALTIME {
+  void operator()(const verb::Pan& pan) const REALTIME {
     if (!(std::abs(pan.pan) <= kMaxEventValue)) return count(chunk.counters->refused);
     object.strip.set_pan(pan.pan, frame, frames_of(0));
   }
-  void operator()(const verb::Clear& clear) const RINGDOWN_REALTIME {
+  void operator()(const verb::Clear& clear) const REALTIME {
     object.voices.fade_out({static_cast<std::size_t>(frames_of(clear.ramp_s))});
   }
-  void operator()(const verb::Choke& choke) const RINGDOWN_REALTIME {
+  void operator()(const verb::Choke& choke) const REALTIME {
     object.voices.fade_out({static_cast<std::size_t>(frames_of(choke.within_s, kMinChoke_s)), kChokeNepers});
   }
   template <class One>
-  requires(Elsewhere::kHas<One>) void operator()(const One&) const RINGDOWN_REALTIME {}
+  requires(Elsewhere::kHas<One>) void operator()(const One&) const REALTIME {}
 
  private:
-  static bool is_sane(const verb::Ring& ring) RINGDOWN_REALTIME { return std::abs(ring.amplitude) <= kMaxEventValue; }
-  static bool is_sane(const verb::Impart& impart) RINGDOWN_REALTIME {
+  static bool is_sane(const verb::Ring& ring) REALTIME { return std::abs(ring.amplitude) <= kMaxEventValue; }
+  static bool is_sane(const verb::Impart& impart) REALTIME {
     return std::abs(impart.velocity) <= kMaxEventValue && std::abs(impart.phase_rad) <= kMaxEventValue;
   }
-  static bool is_sane(const auto&) RINGDOWN_REALTIME { return true; }
+  static bool is_sane(const auto&) REALTIME { return true; }
   // Written so that a ramp that is not a number becomes the shortest.
-  [[nodiscard]] Frame frames_of(double ramp_s, double min_s = kMinGainRamp_s) const RINGDOWN_REALTIME {
+  [[nodiscard]] Frame frames_of(double ramp_s, double min_s = kMinGainRamp_s) const REALTIME {
     const double within_s = std::min(ramp_s > min_s ? ramp_s : min_s, kMaxGainRamp_s);
     return static_cast<Frame>(within_s * chunk.sample_rate_hz);
   }
 };
 
-void Object::play(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME {
+void Object::play(const Event& event, const Chunk& chunk) REALTIME {
   visit_now(Play{*this, event.frame, chunk}, event.verb);
 }
 
-void Object::render_by_tables(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Object::render_by_tables(const Chunk& chunk, Workspace& workspace) REALTIME {
   std::size_t at = 0;
   for (const DueEvent* event = due.first; play_next(chunk, workspace); event = due.first) {
     render_segment(at, event->offset, chunk, workspace);
@@ -158,14 +158,13 @@ void Object::render_by_tables(const Chunk& chunk, Workspace& workspace) RINGDOWN
   render_segment(at, chunk.frames, chunk, workspace);
 }
 
-void Object::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
-                            Workspace& workspace) RINGDOWN_REALTIME {
+void Object::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME {
   if (begin == end) return;
   bool sounds = false;
   double* const mono = workspace.mono.data();
   std::fill_n(mono + begin, end - begin, 0.0);
   hear(begin, end, chunk);
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&](Voice& voice) REALTIME {
     if (!voice.ringing()) return;
     if (!voice.render(mono + begin, end - begin, floor(chunk))) count(chunk.counters->not_finite);
     sounds = true;
@@ -180,7 +179,7 @@ void Object::render_segment(std::size_t begin, std::size_t end, const Chunk& chu
   }
 }
 
-void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) REALTIME {
   for (const DueEvent* event = due.first; event && event->offset == 0 && play_next(chunk, workspace);
        event = due.first) {
     play(event->event, chunk);
@@ -195,10 +194,10 @@ void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOW
   }
   const bool late = due.first || driven(chunk);
   bool samples = late;
-  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME { samples = samples || voice.needs_samples(); });
+  voices.for_each([&](const Voice& voice) REALTIME { samples = samples || voice.needs_samples(); });
   double* const mono = workspace.mono.data();
   if (samples) std::fill_n(mono, chunk.frames, 0.0);
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&](Voice& voice) REALTIME {
     if (!voice.ringing()) return;
     if (!voice.render_moments(targets, mono, chunk.frames, floor(chunk))) count(chunk.counters->not_finite);
   });
@@ -210,12 +209,12 @@ void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOW
 }
 
 // The chunk's remaining strikes, and what drives the object.
-void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Object::render_late(const Chunk& chunk, Workspace& workspace) REALTIME {
   Voice* const voice = voices.current();
   const bool driven = this->driven(chunk);
   bool struck = driven;
   std::size_t at = 0;
-  const auto render_to = [&](std::size_t end) RINGDOWN_REALTIME {
+  const auto render_to = [&](std::size_t end) REALTIME {
     hear(at, end, chunk);
     if (driven) {
       drive(at, end, chunk, workspace);
@@ -231,7 +230,7 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
       continue;
     }
     bool played = false;
-    const auto strike = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+    const auto strike = [&]<class One>(const One& one) REALTIME {
       if constexpr (One::kEffect == Effect::excites) {
         played = voice && voice->strike_late(one, chunk.frames - at, chunk.counters);
       }
@@ -244,16 +243,16 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
   if (struck) voice->merge_late();
 }
 
-void Object::begin_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Object::begin_touched(const Chunk& chunk, Workspace& workspace) REALTIME {
   workspace.counts.look_terms += placement.begin_chunk(chunk, voices, strip);
 }
 
 void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace,
-                            const TouchForces& touch) RINGDOWN_REALTIME {
+                            const TouchForces& touch) REALTIME {
   double* const mono = workspace.mono.data();
   std::fill_n(mono + begin, end - begin, 0.0);
   hear(begin, end, chunk);
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&](Voice& voice) REALTIME {
     const bool current = &voice == voices.current();
     if (!current && !voice.ringing()) return;
     const bool sane = current ? TouchedStates(voice).render(touch, mono + begin, end - begin)
@@ -266,16 +265,16 @@ void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chu
   }
 }
 
-void Object::end_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Object::end_touched(const Chunk& chunk, Workspace& workspace) REALTIME {
   placement.end_chunk(chunk, voices);
-  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&](const Voice& voice) REALTIME {
     if (!voice.ringing()) return;
     ++workspace.counts.voices;
     workspace.counts.add(voice.counts());
   });
 }
 
-void Object::drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Object::drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME {
   if (begin == end) return;
   std::array<Force, kMaxForces> forces;
   std::size_t acting = 0;
@@ -292,44 +291,43 @@ void Object::drive(std::size_t begin, std::size_t end, const Chunk& chunk, Works
   if (!sane) count(chunk.counters->not_finite);
 }
 
-void Object::apply_threshold(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Object::apply_threshold(const Chunk& chunk, Workspace& workspace) REALTIME {
   if (!chunk.shedding->active()) return;
   const double gain = strip.max_gain();
   const Level level = level_of(gain * gain);
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { chunk.shedding->apply(voice, level, look_again, workspace); });
+  voices.for_each([&](Voice& voice) REALTIME { chunk.shedding->apply(voice, level, look_again, workspace); });
 }
 
-void Object::skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+void Object::skip(const Chunk& chunk, Workspace& workspace) REALTIME {
+  voices.for_each([&](Voice& voice) REALTIME {
     if (voice.ringing()) voice.mute_all(chunk.frames), workspace.counts.shed = true;
     workspace.counts.add(voice.counts());
   });
 }
 
-void Object::prepare(const Chunk& chunk) RINGDOWN_REALTIME {
-  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME { voice.table().prepare(chunk.frames); });
+void Object::prepare(const Chunk& chunk) REALTIME {
+  voices.for_each([&](const Voice& voice) REALTIME { voice.table().prepare(chunk.frames); });
 }
 
-void Object::count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME {
+void Object::count_levels(const Chunk& chunk, LevelHistogram& histogram) REALTIME {
   const double gain = strip.max_gain();
-  voices.for_each([&](Voice& voice)
-                      RINGDOWN_REALTIME { voice.count_levels(histogram, level_of(gain * gain), floor(chunk)); });
+  voices.for_each([&](Voice& voice) REALTIME { voice.count_levels(histogram, level_of(gain * gain), floor(chunk)); });
 }
 
-ModeStates::Counts Object::counts() const RINGDOWN_REALTIME {
+ModeStates::Counts Object::counts() const REALTIME {
   ModeStates::Counts all;
-  voices.for_each([&all](const Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&all](const Voice& voice) REALTIME {
     const ModeStates::Counts counts = voice.counts();
     all.sounding += counts.sounding, all.muted += counts.muted, all.slow += counts.slow;
   });
   return all;
 }
 
-bool Object::ringing() const RINGDOWN_REALTIME {
+bool Object::ringing() const REALTIME {
   return voices.has_tails() || (voices.current() && voices.current()->ringing());
 }
 
-bool Object::can_share(Frame now) const RINGDOWN_REALTIME {
+bool Object::can_share(Frame now) const REALTIME {
   const Voice* const voice = voices.current();
   const InstanceGroup* const group = voice ? voice->table().instances : nullptr;
   if (voice && voice->table().glide) return false;  // its pitch depends on its own amplitude
@@ -339,18 +337,18 @@ bool Object::can_share(Frame now) const RINGDOWN_REALTIME {
   return group->accepts(strip.bus()) && strip.still_at(now);
 }
 
-double Object::units_of(std::size_t verb) const RINGDOWN_REALTIME {
+double Object::units_of(std::size_t verb) const REALTIME {
   if (!voices.current() || verb == Verbs::index_of<verb::Click>()) return 0;
   const auto modes = static_cast<double>(voices.current()->table().columns());
   if (effect_of(verb) == Effect::excites) return (member.shares_states ? kSharedStrikePerMode : kStrikePerMode) * modes;
   return member.shares_states ? kJoinPerMode * modes : 0.0;
 }
 
-double Object::units_to_share() const RINGDOWN_REALTIME {
+double Object::units_to_share() const REALTIME {
   return kJoinPerMode * static_cast<double>(voices.current()->table().columns());
 }
 
-double Object::peak_level(Frame now, std::size_t& looked_at) const RINGDOWN_REALTIME {
+double Object::peak_level(Frame now, std::size_t& looked_at) const REALTIME {
   const double gain = std::abs(strip.gain_at(now));
   if (member.shares_states) {
     const Voice& voice = *voices.current();
@@ -359,7 +357,7 @@ double Object::peak_level(Frame now, std::size_t& looked_at) const RINGDOWN_REAL
     return gain * voice.peak_level(std::max<Frame>(now - member.anchor, 1));
   }
   double sum = 0;
-  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
+  voices.for_each([&](const Voice& voice) REALTIME {
     if (!voice.ringing()) return;
     looked_at += voice.table().columns();
     sum += voice.peak_level(0);
@@ -367,7 +365,7 @@ double Object::peak_level(Frame now, std::size_t& looked_at) const RINGDOWN_REAL
   return gain * sum;
 }
 
-std::size_t Object::write_amplitudes(Frame now, ModeWatch::Slot& to) const RINGDOWN_REALTIME {
+std::size_t Object::write_amplitudes(Frame now, ModeWatch::Slot& to) const REALTIME {
   const Voice* const voice = voices.current();
   to.bank.store(voice ? &voice->table().bank() : nullptr, std::memory_order_relaxed);
   if (!voice) return 0;

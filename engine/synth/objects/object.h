@@ -27,29 +27,29 @@ class Object final : public Source {
  public:
   explicit Object(ObjectNumber own_number) : number(own_number) { placement.spread_looks(own_number); }  // [worker]
 
-  void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
-  void skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
-  [[nodiscard]] bool can_skip(const Chunk& chunk) const RINGDOWN_REALTIME override { return !driven(chunk); }
-  void prepare(const Chunk& chunk) RINGDOWN_REALTIME override;
-  void count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME override;
-  [[nodiscard]] ModeStates::Counts counts() const RINGDOWN_REALTIME override;
+  void render(const Chunk& chunk, Workspace& workspace) REALTIME override;
+  void skip(const Chunk& chunk, Workspace& workspace) REALTIME override;
+  [[nodiscard]] bool can_skip(const Chunk& chunk) const REALTIME override { return !driven(chunk); }
+  void prepare(const Chunk& chunk) REALTIME override;
+  void count_levels(const Chunk& chunk, LevelHistogram& histogram) REALTIME override;
+  [[nodiscard]] ModeStates::Counts counts() const REALTIME override;
 
   // Returns true if it may share its states from frame `now` on: it has one voice, no force acts, and its gains stand
   // still.
-  [[nodiscard]] bool can_share(Frame now) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool can_share(Frame now) const REALTIME;
   // Returns true if some of it still has to be rendered.
-  [[nodiscard]] bool ringing() const RINGDOWN_REALTIME;
+  [[nodiscard]] bool ringing() const REALTIME;
 
   // Work (work_cost.h) of an event on the object, whose verb has this place in Verbs, and of beginning or ending to
   // share states.
-  [[nodiscard]] double units_of(std::size_t verb) const RINGDOWN_REALTIME;
-  [[nodiscard]] double units_to_share() const RINGDOWN_REALTIME;
+  [[nodiscard]] double units_of(std::size_t verb) const REALTIME;
+  [[nodiscard]] double units_to_share() const REALTIME;
 
   // An upper bound of the object's samples at frame `now`, at its gain, for meters. Adds the number of modes that it
   // looked at to `looked_at`.
-  [[nodiscard]] double peak_level(Frame now, std::size_t& looked_at) const RINGDOWN_REALTIME;
+  [[nodiscard]] double peak_level(Frame now, std::size_t& looked_at) const REALTIME;
   // Writes the amplitudes of the current voice's modes; returns how many they are.
-  std::size_t write_amplitudes(Frame now, ModeWatch::Slot& to) const RINGDOWN_REALTIME;
+  std::size_t write_amplitudes(Frame now, ModeWatch::Slot& to) const REALTIME;
 
   const ObjectNumber number;
   VoiceStack voices;
@@ -61,28 +61,28 @@ class Object final : public Source {
   Frame left_group = -1;  // the chunk in which something else than strikes happens to it
 
  private:
-  [[nodiscard]] bool driven(const Chunk& chunk) const RINGDOWN_REALTIME { return exciters.act(chunk.input_sounds); }
-  [[nodiscard]] bool only_struck(const Chunk& chunk) const RINGDOWN_REALTIME;
-  [[nodiscard]] double floor(const Chunk& chunk) const RINGDOWN_REALTIME;
-  [[nodiscard]] bool play_next(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  [[nodiscard]] bool driven(const Chunk& chunk) const REALTIME { return exciters.act(chunk.input_sounds); }
+  [[nodiscard]] bool only_struck(const Chunk& chunk) const REALTIME;
+  [[nodiscard]] double floor(const Chunk& chunk) const REALTIME;
+  [[nodiscard]] bool play_next(const Chunk& chunk, Workspace& workspace) REALTIME;
   struct Play;
-  void play(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME;
-  void apply_threshold(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  void render_by_tables(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  void render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  [[nodiscard]] bool is_cleared() const RINGDOWN_REALTIME;
-  void hear(std::size_t begin, std::size_t end, const Chunk& chunk) RINGDOWN_REALTIME {
+  void play(const Event& event, const Chunk& chunk) REALTIME;
+  void apply_threshold(const Chunk& chunk, Workspace& workspace) REALTIME;
+  void render_by_tables(const Chunk& chunk, Workspace& workspace) REALTIME;
+  void render_by_moments(const Chunk& chunk, Workspace& workspace) REALTIME;
+  [[nodiscard]] bool is_cleared() const REALTIME;
+  void hear(std::size_t begin, std::size_t end, const Chunk& chunk) REALTIME {
     if (placement.begun(chunk) && begin < end) placement.hear(begin, end, chunk, voices);
   }
-  void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  void render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  void drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME;
+  void render_late(const Chunk& chunk, Workspace& workspace) REALTIME;
+  void drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME;
 
   // In place of render() while a TouchGroup renders it (touch_group.h): begin, segments with events between, end.
-  void begin_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void begin_touched(const Chunk& chunk, Workspace& workspace) REALTIME;
   void render_touched(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace,
-                      const TouchForces& touch) RINGDOWN_REALTIME;
-  void end_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+                      const TouchForces& touch) REALTIME;
+  void end_touched(const Chunk& chunk, Workspace& workspace) REALTIME;
 };
 
 }  // namespace ringdown::synth

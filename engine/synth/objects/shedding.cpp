@@ -51,23 +51,21 @@ void Shedding::configure(double share, WorkClock clock, std::size_t threads) {
   threads_ = threads;
 }
 
-void Shedding::begin_chunk(std::size_t frames) RINGDOWN_REALTIME {
+void Shedding::begin_chunk(std::size_t frames) REALTIME {
   budget_.begin_chunk(frames);
   event_units_ = 0;
 }
 
-bool Shedding::may_accept(double units) RINGDOWN_REALTIME {
+bool Shedding::may_accept(double units) REALTIME {
   if (!budget_.limited()) return true;
   if (event_units_ > 0 && units > 0 && event_units_ + units > kEventsShare * budget_.affordable()) return false;
   event_units_ += units;
   return true;
 }
 
-bool Shedding::may_join(double units) const RINGDOWN_REALTIME {
-  return !budget_.limited() || units <= budget_.units_left(0, 1);
-}
+bool Shedding::may_join(double units) const REALTIME { return !budget_.limited() || units <= budget_.units_left(0, 1); }
 
-bool Shedding::may_play(double units, Workspace& workspace) const RINGDOWN_REALTIME {
+bool Shedding::may_play(double units, Workspace& workspace) const REALTIME {
   if (!budget_.limited()) return true;
   const double needed = std::min(units, kMaxEvent * budget_.affordable());
   if (units > 0 && needed > budget_.units_left(workspace.counts.units - workspace.units_before, threads_)) return false;
@@ -75,13 +73,12 @@ bool Shedding::may_play(double units, Workspace& workspace) const RINGDOWN_REALT
   return true;
 }
 
-void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
-                    std::span<Workspace> workspaces) RINGDOWN_REALTIME {
+void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk, std::span<Workspace> workspaces) REALTIME {
   const bool limited = budget_.limited();
-  if (chunk.moments) worked(static_cast<double>(kMomentsFixed), workspaces.data()[0]);
+  if (chunk.moments) worked(static_cast<double>(kMomentsFixed), workspaces[0]);
   active_ = limited ? tight_ || threshold_ != kNoThreshold || last_.muted_modes > 0 : last_.muted_modes > 0;
   if (limited && active_) {
-    survey(sources, chunk, workspaces.data()[0]);
+    survey(sources, chunk, workspaces[0]);
     set_threshold(chunk);
   } else {
     threshold_ = kNoThreshold;
@@ -92,7 +89,7 @@ void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
     for (Source* source : sources) source->look_again = active_;  // without a limit everything comes back
   }
   const double rendering = render_units(last_.modes, chunk.frames, chunk.moments);
-  const double overhead = std::max(overhead_ - workspaces.data()[0].counts.units, 0.0);  // of which some is done
+  const double overhead = std::max(overhead_ - workspaces[0].counts.units, 0.0);  // of which some is done
   planned_units_ = rendering + event_units_ + overhead;
   rendering_share_ = rendering / std::max(planned_units_, 1.0);
   for (Workspace& workspace : workspaces) {  // may_render() sets them anew where there is a limit
@@ -108,7 +105,7 @@ void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
 }
 
 // Counts the levels of some sources after those of the last chunk; what has been counted decides once all have been.
-void Shedding::survey(std::span<Source* const> sources, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void Shedding::survey(std::span<Source* const> sources, const Chunk& chunk, Workspace& workspace) REALTIME {
   if (next_surveyed_ == 0) counting_.clear();
   const double max = kSurveyShare * budget_.affordable();
   double units = 0;
@@ -131,7 +128,7 @@ void Shedding::survey(std::span<Source* const> sources, const Chunk& chunk, Work
 }
 
 // The threshold that leaves as many modes as can be afforded: it rises at once and falls slowly.
-void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
+void Shedding::set_threshold(const Chunk& chunk) REALTIME {
   const double units = std::max(budget_.affordable() - overhead_ - event_average_, 0.0);
   const double modes = units / render_units(1, chunk.frames, chunk.moments);
   Level needed = counted_.threshold_for(modes, kNoThreshold);
@@ -156,7 +153,7 @@ void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
 
 // Compares the chunk's work at the pace so far with the time left. Work that does not fit is taken from the quietest
 // modes of the remaining sources; spare time lets muted modes enter.
-bool Shedding::may_render(const Source& source, const Chunk& chunk, Workspace& workspace) const RINGDOWN_REALTIME {
+bool Shedding::may_render(const Source& source, const Chunk& chunk, Workspace& workspace) const REALTIME {
   if (!budget_.limited() || little_) return true;
   const double done = workspace.counts.units - workspace.units_before;
   const double left = budget_.units_left(done, threads_);
@@ -183,7 +180,7 @@ bool Shedding::may_render(const Source& source, const Chunk& chunk, Workspace& w
   return looking + share * render_units(counts.sounding, chunk.frames, chunk.moments) <= left;
 }
 
-bool Shedding::may_couple(const Coupling& coupling, const Chunk& chunk, Workspace& workspace) const RINGDOWN_REALTIME {
+bool Shedding::may_couple(const Coupling& coupling, const Chunk& chunk, Workspace& workspace) const REALTIME {
   if (!budget_.limited()) return true;
   if (threshold_ != kNoThreshold) return false;
   if (coupling.running()) return last_.units <= budget_.affordable();
@@ -194,12 +191,12 @@ bool Shedding::may_couple(const Coupling& coupling, const Chunk& chunk, Workspac
   return true;
 }
 
-std::size_t Shedding::modes_that_may_enter(double units, const Chunk& chunk) const RINGDOWN_REALTIME {
+std::size_t Shedding::modes_that_may_enter(double units, const Chunk& chunk) const REALTIME {
   return static_cast<std::size_t>(std::max(units, 0.0) /
                                   (kEnterPerMode + render_units(1, chunk.frames, chunk.moments)));
 }
 
-void Shedding::apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const RINGDOWN_REALTIME {
+void Shedding::apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const REALTIME {
   const bool rose =
       states.set_threshold(workspace.threshold == kNoThreshold ? kNoThreshold : workspace.threshold - gain);
   const ModeStates::Counts before = states.counts();
@@ -217,7 +214,7 @@ void Shedding::apply(ModeStates& states, Level gain, bool look_again, Workspace&
   worked(kLookPerMode * static_cast<double>(before.slow) + kLookPerMuted * muted + cost, workspace);
 }
 
-void Shedding::end_chunk(const ChunkCounts& counts, const Chunk& chunk, bool events_waited) RINGDOWN_REALTIME {
+void Shedding::end_chunk(const ChunkCounts& counts, const Chunk& chunk, bool events_waited) REALTIME {
   last_ = counts;
   shed_ = tight_ = little_ = false;
   if (!budget_.limited()) return;

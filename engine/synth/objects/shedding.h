@@ -31,47 +31,46 @@ class Shedding {
   void configure(double share, WorkClock clock, std::size_t threads);
 
   // All functions below: [audio]
-  void begin_block(std::size_t frames, double sample_rate_hz, bool deadline) RINGDOWN_REALTIME {
+  void begin_block(std::size_t frames, double sample_rate_hz, bool deadline) REALTIME {
     budget_.begin_block(frames, sample_rate_hz, deadline);
   }
-  void begin_chunk(std::size_t frames) RINGDOWN_REALTIME;
+  void begin_chunk(std::size_t frames) REALTIME;
   // Call after events have been assigned to their sources: surveys some sources, sets the threshold, and opens the
   // workspaces.
-  void plan(std::span<Source* const> sources, const Chunk& chunk, std::span<Workspace> workspaces) RINGDOWN_REALTIME;
-  void end_chunk(const ChunkCounts& counts, const Chunk& chunk, bool events_waited) RINGDOWN_REALTIME;
+  void plan(std::span<Source* const> sources, const Chunk& chunk, std::span<Workspace> workspaces) REALTIME;
+  void end_chunk(const ChunkCounts& counts, const Chunk& chunk, bool events_waited) REALTIME;
 
   // Returns whether modes may have to be muted, or brought back, in this chunk.
-  [[nodiscard]] bool active() const RINGDOWN_REALTIME { return active_; }
+  [[nodiscard]] bool active() const REALTIME { return active_; }
   // Returns whether time is short, so that embellishments should be left out.
-  [[nodiscard]] bool tight() const RINGDOWN_REALTIME { return tight_; }
+  [[nodiscard]] bool tight() const REALTIME { return tight_; }
   // Returns whether something was shed in the last chunk.
-  [[nodiscard]] bool shed() const RINGDOWN_REALTIME { return shed_; }
+  [[nodiscard]] bool shed() const REALTIME { return shed_; }
 
   // Returns whether an event that costs `units` may happen in this chunk. The first event of a chunk always may,
   // whatever it costs.
-  [[nodiscard]] bool may_accept(double units) RINGDOWN_REALTIME;
+  [[nodiscard]] bool may_accept(double units) REALTIME;
   // Returns whether an object may begin to share its states.
-  [[nodiscard]] bool may_join(double units) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool may_join(double units) const REALTIME;
   // Returns whether an event may happen, now that its turn has come. One that costs more than a chunk happens late
   // rather than never.
-  [[nodiscard]] bool may_play(double units, Workspace& workspace) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool may_play(double units, Workspace& workspace) const REALTIME;
   // Returns whether a source may be rendered, and sets the threshold for it.
-  [[nodiscard]] bool may_render(const Source& source, const Chunk& chunk, Workspace& workspace) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool may_render(const Source& source, const Chunk& chunk, Workspace& workspace) const REALTIME;
   // Returns whether modes that exchange energy may do so, or continue. Once they have been stopped they begin again
   // only when there is plenty of time.
-  [[nodiscard]] bool may_couple(const Coupling& coupling, const Chunk& chunk,
-                                Workspace& workspace) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool may_couple(const Coupling& coupling, const Chunk& chunk, Workspace& workspace) const REALTIME;
   // Mutes modes of a source and brings others back; the source's sound is `gain` above its states.
-  void apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const RINGDOWN_REALTIME;
-  void worked(double units, Workspace& workspace) const RINGDOWN_REALTIME {
+  void apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const REALTIME;
+  void worked(double units, Workspace& workspace) const REALTIME {
     workspace.counts.units += units;
     budget_.worked(units);
   }
 
  private:
-  void survey(std::span<Source* const> sources, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  void set_threshold(const Chunk& chunk) RINGDOWN_REALTIME;
-  [[nodiscard]] std::size_t modes_that_may_enter(double units, const Chunk& chunk) const RINGDOWN_REALTIME;
+  void survey(std::span<Source* const> sources, const Chunk& chunk, Workspace& workspace) REALTIME;
+  void set_threshold(const Chunk& chunk) REALTIME;
+  [[nodiscard]] std::size_t modes_that_may_enter(double units, const Chunk& chunk) const REALTIME;
 
   TimeBudget budget_;
   std::size_t threads_ = 1;

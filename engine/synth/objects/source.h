@@ -28,7 +28,7 @@ struct DueEvent {
 // The events of one source in this chunk, by frame. What is left on the list after the chunk had to wait for the next.
 struct DueList {
   DueEvent *first = nullptr, *last = nullptr;
-  void append(DueEvent& due) RINGDOWN_REALTIME {
+  void append(DueEvent& due) REALTIME {
     (first ? last->next : first) = &due;
     last = &due;
   }
@@ -38,19 +38,19 @@ class Source {
  public:
   // Plays the events of the chunk at their frames, adds what sounds to the workspace, and moves the states on.
   // Different sources may be rendered by different threads at the same time.
-  virtual void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME = 0;
+  virtual void render(const Chunk& chunk, Workspace& workspace) REALTIME = 0;
 
   // In place of render() when there is no time: mutes everything for this chunk. Events wait on the list.
-  virtual void skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME = 0;
+  virtual void skip(const Chunk& chunk, Workspace& workspace) REALTIME = 0;
 
   // False while a force acts, which must not be interrupted.
-  [[nodiscard]] virtual bool can_skip(const Chunk& chunk) const RINGDOWN_REALTIME = 0;
+  [[nodiscard]] virtual bool can_skip(const Chunk& chunk) const REALTIME = 0;
 
   // Finds what chunks of chunk.frames need, before several threads use it.
-  virtual void prepare(const Chunk& chunk) RINGDOWN_REALTIME = 0;
+  virtual void prepare(const Chunk& chunk) REALTIME = 0;
 
-  virtual void count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME = 0;
-  [[nodiscard]] virtual ModeStates::Counts counts() const RINGDOWN_REALTIME = 0;
+  virtual void count_levels(const Chunk& chunk, LevelHistogram& histogram) REALTIME = 0;
+  [[nodiscard]] virtual ModeStates::Counts counts() const REALTIME = 0;
 
   DueList due;
   bool active = false;      // on the list of what is rendered

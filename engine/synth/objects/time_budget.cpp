@@ -21,15 +21,15 @@ constexpr double kMinPace = 0.05;  // of affordable(): after less work the price
 }  // namespace
 
 // glibc's clock_gettime reads the vDSO's page here: no system call.
-RINGDOWN_TRUST_REALTIME_BEGIN
-std::int64_t monotonic_ns() RINGDOWN_REALTIME {
+TRUST_REALTIME_BEGIN
+std::int64_t monotonic_ns() REALTIME {
   timespec time{};
   clock_gettime(CLOCK_MONOTONIC, &time);
   return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
-RINGDOWN_TRUST_REALTIME_END
+TRUST_REALTIME_END
 
-void TimeBudget::begin_block(std::size_t frames, double sample_rate_hz, bool deadline) RINGDOWN_REALTIME {
+void TimeBudget::begin_block(std::size_t frames, double sample_rate_hz, bool deadline) REALTIME {
   limited_ = share_ > 0 && deadline;
   if (!limited_) return;
   frames_left_ = frames;
@@ -40,7 +40,7 @@ void TimeBudget::begin_block(std::size_t frames, double sample_rate_hz, bool dea
 
 // A chunk gets a share, by frames, of the time left until the block's deadline. So gains and losses of earlier chunks
 // are spread over all remaining ones.
-void TimeBudget::begin_chunk(std::size_t frames) RINGDOWN_REALTIME {
+void TimeBudget::begin_chunk(std::size_t frames) REALTIME {
   if (!limited_) return;
   chunk_begin_ns_ = render_begin_ns_ = clock_.now_ns();
   const double left_ns = static_cast<double>(std::max<std::int64_t>(deadline_ns_ - chunk_begin_ns_, 0));
@@ -51,11 +51,11 @@ void TimeBudget::begin_chunk(std::size_t frames) RINGDOWN_REALTIME {
   frames_left_ -= std::min(frames, frames_left_);
 }
 
-void TimeBudget::begin_rendering() RINGDOWN_REALTIME {
+void TimeBudget::begin_rendering() REALTIME {
   if (limited_) render_begin_ns_ = clock_.now_ns();
 }
 
-double TimeBudget::units_left(double done, std::size_t threads) const RINGDOWN_REALTIME {
+double TimeBudget::units_left(double done, std::size_t threads) const REALTIME {
   const std::int64_t now_ns = clock_.now_ns();
   const double mine = affordable() / static_cast<double>(threads);
   double price_ns = kTarget * chunk_ns_ / std::max(mine, kMinAffordable);
@@ -70,7 +70,7 @@ double TimeBudget::units_left(double done, std::size_t threads) const RINGDOWN_R
 //
 // A machine that pauses for a moment says little about the cost of work, so an answer that is much smaller than the
 // mean counts only if the next one confirms it.
-void TimeBudget::end_chunk(double units) RINGDOWN_REALTIME {
+void TimeBudget::end_chunk(double units) REALTIME {
   if (!limited_) return;
   if (units < kMinUnits * chunk_share_) {
     const double typical = kTarget * frame_ns_ * static_cast<double>(kChunkFrames) / kTypical_ns;

@@ -19,12 +19,12 @@
 namespace ringdown::synth {
 
 // CLOCK_MONOTONIC, which Linux reads without a system call. [any]
-std::int64_t monotonic_ns() RINGDOWN_REALTIME;
+std::int64_t monotonic_ns() REALTIME;
 
 // The clock of the budget. Both functions are real-time safe, and are also called by the helper threads.
 struct WorkClock {
-  std::int64_t (*now_ns)() RINGDOWN_REALTIME = monotonic_ns;  // from any origin
-  void (*worked)(double units) RINGDOWN_REALTIME = nullptr;   // for clocks that count work: reports the units done
+  std::int64_t (*now_ns)() REALTIME = monotonic_ns;  // from any origin
+  void (*worked)(double units) REALTIME = nullptr;   // for clocks that count work: reports the units done
 };
 
 class TimeBudget {
@@ -41,18 +41,18 @@ class TimeBudget {
   // All functions below: [audio]
 
   // Begins a block. Without a deadline the block's time is unlimited.
-  void begin_block(std::size_t frames, double sample_rate_hz, bool deadline) RINGDOWN_REALTIME;
-  void begin_chunk(std::size_t frames) RINGDOWN_REALTIME;
-  void begin_rendering() RINGDOWN_REALTIME;
-  void end_chunk(double units) RINGDOWN_REALTIME;  // units worked since begin_chunk()
+  void begin_block(std::size_t frames, double sample_rate_hz, bool deadline) REALTIME;
+  void begin_chunk(std::size_t frames) REALTIME;
+  void begin_rendering() REALTIME;
+  void end_chunk(double units) REALTIME;  // units worked since begin_chunk()
 
-  [[nodiscard]] bool limited() const RINGDOWN_REALTIME { return limited_; }
+  [[nodiscard]] bool limited() const REALTIME { return limited_; }
   // Returns the units that take kTarget of the time of a chunk like this one, without disturbance.
-  [[nodiscard]] double affordable() const RINGDOWN_REALTIME { return affordable_ * chunk_share_; }
+  [[nodiscard]] double affordable() const REALTIME { return affordable_ * chunk_share_; }
   // Returns the units that one of `threads` threads can still do in this chunk's time, having done `done` since
   // begin_rendering(): at the learnt price, or at the price of this chunk if that is higher.
-  [[nodiscard]] double units_left(double done, std::size_t threads) const RINGDOWN_REALTIME;
-  void worked(double units) const RINGDOWN_REALTIME {
+  [[nodiscard]] double units_left(double done, std::size_t threads) const REALTIME;
+  void worked(double units) const REALTIME {
     if (clock_.worked) clock_.worked(units);
   }
 

@@ -15,7 +15,7 @@ Binaural::Binaural(std::shared_ptr<const HeadFilters> head)
   silent_.fill(head_->taps);
 }
 
-std::array<const double*, 2> Binaural::process(const ChannelSums& sums, std::size_t frames) RINGDOWN_REALTIME {
+std::array<const double*, 2> Binaural::process(const ChannelSums& sums, std::size_t frames) REALTIME {
   const std::size_t past = head_->taps - 1;
   std::array<float, kChunkFrames + kFilterOverrun> left{}, right{};
   bool heard = false;

@@ -30,7 +30,7 @@ class Binaural {
   // Returns the signals at both ears for the next chunk, <= kChunkFrames frames, from the ambisonic channels in `sums`.
   // Returns null if nothing has sounded for as long as the filters ring. The result is valid until the next call.
   // [audio]
-  std::array<const double*, 2> process(const ChannelSums& sums, std::size_t frames) RINGDOWN_REALTIME;
+  std::array<const double*, 2> process(const ChannelSums& sums, std::size_t frames) REALTIME;
 
  private:
   std::shared_ptr<const HeadFilters> head_;

@@ -14,18 +14,18 @@ constexpr double kLoudspeaker_rad = std::numbers::pi / 6;
 
 }  // namespace
 
-void ChannelStrip::set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME {
+void ChannelStrip::set_gain(double gain, Frame at, Frame length) REALTIME {
   set_gain_ = gain;
   if (!silent_) gain_.aim(gain, at, length);
 }
 
-void ChannelStrip::set_silent(bool silent, Frame at, Frame length) RINGDOWN_REALTIME {
+void ChannelStrip::set_silent(bool silent, Frame at, Frame length) REALTIME {
   if (silent == silent_) return;
   silent_ = silent;
   gain_.aim(silent ? 0 : set_gain_, at, length);
 }
 
-void ChannelStrip::set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME {
+void ChannelStrip::set_pan(double pan, Frame at, Frame length) REALTIME {
   const double angle = 0.25 * std::numbers::pi * (1 + pan);
   left_.aim(std::cos(angle), at, length);
   right_.aim(std::sin(angle), at, length);
@@ -33,7 +33,7 @@ void ChannelStrip::set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME
   set_direction({std::cos(azimuth), std::sin(azimuth), 0}, at, length);
 }
 
-void ChannelStrip::set_direction(Vec3 towards, Frame at, Frame length) RINGDOWN_REALTIME {
+void ChannelStrip::set_direction(Vec3 towards, Frame at, Frame length) REALTIME {
   const AmbisonicGains gains = encode(towards);
   for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) {
     encoded_[c].aim(gains[c], at, length);
@@ -41,7 +41,7 @@ void ChannelStrip::set_direction(Vec3 towards, Frame at, Frame length) RINGDOWN_
   }
 }
 
-ChannelStrip::ChannelStrip() RINGDOWN_REALTIME {
+ChannelStrip::ChannelStrip() REALTIME {
   const AmbisonicGains gains = encode({1, 0, 0});
   for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) {
     encoded_[c] = {gains[c], gains[c]};
@@ -50,7 +50,7 @@ ChannelStrip::ChannelStrip() RINGDOWN_REALTIME {
 }
 
 // Stereo hears left and right only: what is in front and what is behind sound alike.
-ChannelStrip::Shares ChannelStrip::shares_at(const Place& place, Frame frame) const RINGDOWN_REALTIME {
+ChannelStrip::Shares ChannelStrip::shares_at(const Place& place, Frame frame) const REALTIME {
   const double level = gain_.at(frame) * place.level;
   const double angle = 0.25 * std::numbers::pi * (1 - std::clamp(place.toward.y, -1.0, 1.0));
   Shares shares{level * std::cos(angle), level * std::sin(angle), level};
@@ -59,7 +59,7 @@ ChannelStrip::Shares ChannelStrip::shares_at(const Place& place, Frame frame) co
   return shares;
 }
 
-ChannelStrip::Shares ChannelStrip::shares_at(Frame frame) const RINGDOWN_REALTIME {
+ChannelStrip::Shares ChannelStrip::shares_at(Frame frame) const REALTIME {
   const double gain = gain_.at(frame);
   Shares shares{gain * left_.at(frame), gain * right_.at(frame), gain};
   for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) shares[kFirstField + c] = gain * encoded_[c].at(frame);
@@ -67,7 +67,7 @@ ChannelStrip::Shares ChannelStrip::shares_at(Frame frame) const RINGDOWN_REALTIM
 }
 
 // Returns the gains on the straight line from one place to another; after its end, those of the end.
-ChannelStrip::Shares ChannelStrip::line_at(Frame frame) const RINGDOWN_REALTIME {
+ChannelStrip::Shares ChannelStrip::line_at(Frame frame) const REALTIME {
   if (frame >= line_.end) return to_;
   const double share = static_cast<double>(frame - line_.begin) / static_cast<double>(line_.end - line_.begin);
   Shares shares;
@@ -75,7 +75,7 @@ ChannelStrip::Shares ChannelStrip::line_at(Frame frame) const RINGDOWN_REALTIME 
   return shares;
 }
 
-void ChannelStrip::place(const Place& from, const Place& to, Span span, double share) RINGDOWN_REALTIME {
+void ChannelStrip::place(const Place& from, const Place& to, Span span, double share) REALTIME {
   const double gain = gain_.at(span.end);
   const bool stays = placed_ && share == 1 && to == place_ && gain == place_gain_;
   const Shares then = stays ? to_ : shares_at(to, span.end);
@@ -87,21 +87,21 @@ void ChannelStrip::place(const Place& from, const Place& to, Span span, double s
   place_gain_ = share < 1 ? std::numeric_limits<double>::quiet_NaN() : gain;
 }
 
-bool ChannelStrip::placed_until(Frame end) const RINGDOWN_REALTIME {
+bool ChannelStrip::placed_until(Frame end) const REALTIME {
   return placed_ && line_.end == end && (std::isnan(place_gain_) || gain_.at(end) == place_gain_);
 }
 
-void ChannelStrip::place_nowhere(Span span, double share) RINGDOWN_REALTIME {
+void ChannelStrip::place_nowhere(Span span, double share) REALTIME {
   go(line_at(span.begin), shares_at(span.end), span, share);
   place_gain_ = std::numeric_limits<double>::quiet_NaN();
 }
 
-void ChannelStrip::stand(Frame now) RINGDOWN_REALTIME {
+void ChannelStrip::stand(Frame now) REALTIME {
   if (now < line_.end) place_gain_ = std::numeric_limits<double>::quiet_NaN();
   from_ = to_ = line_at(now);
 }
 
-void ChannelStrip::go(const Shares& from, const Shares& to, Span span, double share) RINGDOWN_REALTIME {
+void ChannelStrip::go(const Shares& from, const Shares& to, Span span, double share) REALTIME {
   from_ = from;
   for (std::size_t i = 0; i < kOutputs; ++i) to_[i] = share < 1 ? from[i] + share * (to[i] - from[i]) : to[i];
   line_ = span;
@@ -117,13 +117,13 @@ void ChannelStrip::rescale(Frame now, double ratio) {
   for (Ramp& ramp : encoded_) rescale(ramp);
 }
 
-double ChannelStrip::max_gain() const RINGDOWN_REALTIME { return std::max(std::abs(gain_.from), std::abs(gain_.to)); }
+double ChannelStrip::max_gain() const REALTIME { return std::max(std::abs(gain_.from), std::abs(gain_.to)); }
 
-bool ChannelStrip::heard(ChannelSet wanted) const RINGDOWN_REALTIME {
+bool ChannelStrip::heard(ChannelSet wanted) const REALTIME {
   return (wanted & (only(kLeft) | only(kRight) | kAllAmbisonic | (bus_ == kNoBus ? 0 : only(bus_)))) != 0;
 }
 
-ChannelStrip::Shares ChannelStrip::shares() const RINGDOWN_REALTIME {
+ChannelStrip::Shares ChannelStrip::shares() const REALTIME {
   Shares shares{gain_.to * left_.to, gain_.to * right_.to, gain_.to};
   for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) shares[kFirstField + c] = gain_.to * encoded_[c].to;
   if (placed_) shares = to_;
@@ -132,12 +132,12 @@ ChannelStrip::Shares ChannelStrip::shares() const RINGDOWN_REALTIME {
 }
 
 void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_t end, const Chunk& chunk,
-                               ChannelSums& sums) const RINGDOWN_REALTIME {
+                               ChannelSums& sums) const REALTIME {
   const Frame first = chunk.begin + static_cast<Frame>(begin);
   if (placed_) {
     const double per_frame = 1 / static_cast<double>(line_.end - line_.begin);
     const auto passed = static_cast<double>(chunk.begin - line_.begin);
-    const auto add_line = [&](std::size_t channel, std::size_t i) RINGDOWN_REALTIME {
+    const auto add_line = [&](std::size_t channel, std::size_t i) REALTIME {
       if (!contains(chunk.wanted, channel)) return;
       double* const out = sums.samples(channel);
       if (from_[i] == to_[i]) return add_scaled(mono + begin, to_[i], out + begin, end - begin);
@@ -153,7 +153,7 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
     return;
   }
   const Ramp unity{1, 1};
-  const auto add_to = [&](std::size_t channel, const Ramp& share) RINGDOWN_REALTIME {
+  const auto add_to = [&](std::size_t channel, const Ramp& share) REALTIME {
     if (!contains(chunk.wanted, channel)) return;
     double* const out = sums.samples(channel);
     if (gain_.still_at(first) && share.still_at(first)) {
@@ -171,7 +171,7 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
   for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) add_to(kFirstAmbisonic + c, encoded_[c]);
 }
 
-GainLine ChannelStrip::gain_line(std::size_t output, Frame chunk_begin) const RINGDOWN_REALTIME {
+GainLine ChannelStrip::gain_line(std::size_t output, Frame chunk_begin) const REALTIME {
   if (!placed_) return {static_cast<float>(gain_.to * (output == 0 ? left_.to : output == 1 ? right_.to : 1)), 0};
   const double step = (to_[output] - from_[output]) / static_cast<double>(line_.end - line_.begin);
   const double middle = static_cast<double>(chunk_begin - line_.begin) + kMomentMiddle;
@@ -179,9 +179,9 @@ GainLine ChannelStrip::gain_line(std::size_t output, Frame chunk_begin) const RI
 }
 
 std::span<const MomentTarget> ChannelStrip::moment_targets(
-    const Chunk& chunk, ChannelSums& sums, std::array<MomentTarget, kMaxTargets>& targets) const RINGDOWN_REALTIME {
+    const Chunk& chunk, ChannelSums& sums, std::array<MomentTarget, kMaxTargets>& targets) const REALTIME {
   std::size_t count = 0;
-  const auto aim = [&](std::size_t channel, std::size_t output) RINGDOWN_REALTIME {
+  const auto aim = [&](std::size_t channel, std::size_t output) REALTIME {
     if (!contains(chunk.wanted, channel)) return;
     const GainLine gain = gain_line(output, chunk.begin);
     targets[count++] = {sums.moments(channel), gain.middle, gain.slope};
@@ -192,7 +192,7 @@ std::span<const MomentTarget> ChannelStrip::moment_targets(
   return {targets.data(), count};
 }
 
-void ChannelStrip::add_to_field(const Chunk& chunk, FieldSums& field) const RINGDOWN_REALTIME {
+void ChannelStrip::add_to_field(const Chunk& chunk, FieldSums& field) const REALTIME {
   const ChannelSet wanted = chunk.wanted;
   if (contains(wanted, kLeft)) field.add_to(kLeft, gain_line(0, chunk.begin));
   if (contains(wanted, kRight)) field.add_to(kRight, gain_line(1, chunk.begin));

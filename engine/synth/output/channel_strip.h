@@ -16,17 +16,17 @@ namespace ringdown::synth {
 
 class ChannelStrip {
  public:
-  ChannelStrip() RINGDOWN_REALTIME;
+  ChannelStrip() REALTIME;
 
   // Moves the gain or the pan (-1 left ... +1 right, equal power) to a value within `length` frames from frame `at` on.
-  void set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME;
+  void set_gain(double gain, Frame at, Frame length) REALTIME;
   // In ambisonic channels a pan is a direction between two loudspeakers at 30 degrees from the front.
-  void set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME;
+  void set_pan(double pan, Frame at, Frame length) REALTIME;
   // Silences the object at all outputs, or restores the gain that was set last, including one set in the meantime.
-  void set_silent(bool silent, Frame at, Frame length) RINGDOWN_REALTIME;
+  void set_silent(bool silent, Frame at, Frame length) REALTIME;
   // Sets the channel of a bus that gets the object's sound at its gain, in addition to the mix. kNoBus: none.
-  void set_bus(std::size_t channel) RINGDOWN_REALTIME { bus_ = channel; }
-  void reset() RINGDOWN_REALTIME { *this = {}; }
+  void set_bus(std::size_t channel) REALTIME { bus_ = channel; }
+  void reset() REALTIME { *this = {}; }
   // Adapts to a new sample rate: ramps end `ratio` times as many frames after `now`. [worker]
   void rescale(Frame now, double ratio);
 
@@ -42,52 +42,52 @@ class ChannelStrip {
   };
   // In the frames of a span, moves the object from its present place towards `to`, by this share of the way. A share
   // above 1 means that it was not heard before; it then begins at `from`.
-  void place(const Place& from, const Place& to, Span span, double share) RINGDOWN_REALTIME;
+  void place(const Place& from, const Place& to, Span span, double share) REALTIME;
   // Returns whether place() has already set the line that ends at frame `end`, with the gain of that frame.
-  [[nodiscard]] bool placed_until(Frame end) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool placed_until(Frame end) const REALTIME;
   // Moves the object back to its own pan, in the way of place().
-  void place_nowhere(Span span, double share) RINGDOWN_REALTIME;
-  void stand(Frame now) RINGDOWN_REALTIME;  // keeps the object in place from now on
-  void unplace() RINGDOWN_REALTIME { placed_ = false; }
+  void place_nowhere(Span span, double share) REALTIME;
+  void stand(Frame now) REALTIME;  // keeps the object in place from now on
+  void unplace() REALTIME { placed_ = false; }
   // Returns the gain due to distance; 1 without a place.
-  [[nodiscard]] double place_level() const RINGDOWN_REALTIME { return placed_ ? place_.level : 1; }
+  [[nodiscard]] double place_level() const REALTIME { return placed_ ? place_.level : 1; }
 
-  [[nodiscard]] bool still_at(Frame frame) const RINGDOWN_REALTIME {
+  [[nodiscard]] bool still_at(Frame frame) const REALTIME {
     return gain_.still_at(frame) && left_.still_at(frame) && right_.still_at(frame) && encoded_.back().still_at(frame);
   }
-  [[nodiscard]] double gain_at(Frame frame) const RINGDOWN_REALTIME { return gain_.at(frame); }
-  [[nodiscard]] double final_gain() const RINGDOWN_REALTIME { return gain_.to; }
-  [[nodiscard]] double max_gain() const RINGDOWN_REALTIME;  // largest |gain| of the present or last ramp
-  [[nodiscard]] std::size_t bus() const RINGDOWN_REALTIME { return bus_; }
-  [[nodiscard]] bool heard(ChannelSet wanted) const RINGDOWN_REALTIME;
+  [[nodiscard]] double gain_at(Frame frame) const REALTIME { return gain_.at(frame); }
+  [[nodiscard]] double final_gain() const REALTIME { return gain_.to; }
+  [[nodiscard]] double max_gain() const REALTIME;  // largest |gain| of the present or last ramp
+  [[nodiscard]] std::size_t bus() const REALTIME { return bus_; }
+  [[nodiscard]] bool heard(ChannelSet wanted) const REALTIME;
 
   // Returns the final gains of left, right, bus (0 without one), and ambisonic channels.
   static constexpr std::size_t kFirstField = 3, kOutputs = kFirstField + kMaxAmbisonicChannels;
   using Shares = std::array<double, kOutputs>;
-  [[nodiscard]] Shares shares() const RINGDOWN_REALTIME;
+  [[nodiscard]] Shares shares() const REALTIME;
 
   // Adds frames begin ... end - 1 of the chunk from `mono`, whose index is the frame in the chunk.
   void add_samples(const double* mono, std::size_t begin, std::size_t end, const Chunk& chunk,
-                   ChannelSums& sums) const RINGDOWN_REALTIME;
+                   ChannelSums& sums) const REALTIME;
   // Returns the sums, except those of ambisonic channels, to which moments are added while gain and pan are constant:
   // the part of `targets` that it filled in.
   static constexpr std::size_t kMaxTargets = 3;
   std::span<const MomentTarget> moment_targets(const Chunk& chunk, ChannelSums& sums,
-                                               std::array<MomentTarget, kMaxTargets>& targets) const RINGDOWN_REALTIME;
+                                               std::array<MomentTarget, kMaxTargets>& targets) const REALTIME;
   // Used instead if ambisonic channels are wanted: adds to all channels everything that was added since
   // FieldSums::begin_object().
-  void add_to_field(const Chunk& chunk, FieldSums& field) const RINGDOWN_REALTIME;
+  void add_to_field(const Chunk& chunk, FieldSums& field) const REALTIME;
 
  private:
-  void set_direction(Vec3 towards, Frame at, Frame length) RINGDOWN_REALTIME;
+  void set_direction(Vec3 towards, Frame at, Frame length) REALTIME;
   static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
   // Returns the gains at left, right, bus and field.
-  [[nodiscard]] Shares shares_at(const Place& place, Frame frame) const RINGDOWN_REALTIME;
-  [[nodiscard]] Shares shares_at(Frame frame) const RINGDOWN_REALTIME;
-  [[nodiscard]] Shares line_at(Frame frame) const RINGDOWN_REALTIME;
-  void go(const Shares& from, const Shares& to, Span span, double share) RINGDOWN_REALTIME;
+  [[nodiscard]] Shares shares_at(const Place& place, Frame frame) const REALTIME;
+  [[nodiscard]] Shares shares_at(Frame frame) const REALTIME;
+  [[nodiscard]] Shares line_at(Frame frame) const REALTIME;
+  void go(const Shares& from, const Shares& to, Span span, double share) REALTIME;
   // Returns the gain in a chunk at left, right, or the bus.
-  [[nodiscard]] GainLine gain_line(std::size_t output, Frame chunk_begin) const RINGDOWN_REALTIME;
+  [[nodiscard]] GainLine gain_line(std::size_t output, Frame chunk_begin) const REALTIME;
 
   bool placed_ = false;
   Shares from_{}, to_{};  // gains at the ends of line_, while placed_

@@ -30,8 +30,8 @@ Limiter::Limiter(double sample_rate_hz, double ceiling_db)
       late_left_(delay_ + 1, 0.0f),
       late_right_(delay_ + 1, 0.0f) {}
 
-Limiter::Gain Limiter::Sum::push(Gain value) RINGDOWN_REALTIME {
-  Gain& oldest = values_.data()[at_];
+Limiter::Gain Limiter::Sum::push(Gain value) REALTIME {
+  Gain& oldest = values_[at_];
   sum_ += value - oldest;
   oldest = value;
   at_ = at_ + 1 == values_.size() ? 0 : at_ + 1;
@@ -41,11 +41,10 @@ Limiter::Gain Limiter::Sum::push(Gain value) RINGDOWN_REALTIME {
 // The minimum of a sliding window by a monotonic queue. An entry followed by a smaller or equal value can never be the
 // minimum again, so it is dropped. Values in the queue ascend, and the first one is the minimum of the window; it is
 // removed when the window has moved past its frame. Each value enters and leaves once, so the mean cost is constant.
-Limiter::Gain Limiter::Least::push(Gain value) RINGDOWN_REALTIME {
+Limiter::Gain Limiter::Least::push(Gain value) REALTIME {
   Entry* const ring = entries_.data();
   const std::size_t size = entries_.size();
-  const auto place = [&](std::size_t i)
-                         RINGDOWN_REALTIME { return first_ + i < size ? first_ + i : first_ + i - size; };
+  const auto place = [&](std::size_t i) REALTIME { return first_ + i < size ? first_ + i : first_ + i - size; };
   ++frame_;
   if (count_ > 0 && ring[first_].frame + length_ <= frame_) first_ = place(1), --count_;
   while (count_ > 0 && ring[place(count_ - 1)].value >= value) --count_;
@@ -58,7 +57,7 @@ Limiter::Gain Limiter::Least::push(Gain value) RINGDOWN_REALTIME {
 // to 1 that the minimum interrupts; and two successive means of about half the delay each, which together weight the
 // delay like a triangle and turn steps into smooth curves. While nothing is loud and all stages have settled at 1,
 // there is nothing to do.
-double Limiter::gain_for(float peak) RINGDOWN_REALTIME {
+double Limiter::gain_for(float peak) REALTIME {
   const bool loud = peak > ceiling_;
   if (!loud && unsettled_ == 0) return 1;
   const double needed = static_cast<double>(ceiling_) / static_cast<double>(peak);
@@ -73,11 +72,11 @@ double Limiter::gain_for(float peak) RINGDOWN_REALTIME {
   return static_cast<double>(sum) / static_cast<double>(kUnity * first_box_ * second_box_);
 }
 
-float Limiter::process(float* left, float* right, std::size_t frames) RINGDOWN_REALTIME {
+float Limiter::process(float* left, float* right, std::size_t frames) REALTIME {
   float highest = 0;
   for (std::size_t n = 0; n < frames; ++n) {
-    float& late_left = late_left_.data()[at_];
-    float& late_right = late_right_.data()[at_];
+    float& late_left = late_left_[at_];
+    float& late_right = late_right_[at_];
     late_left = left ? left[n] : 0.0f;
     late_right = right ? right[n] : 0.0f;
     const float peak = std::max(std::abs(late_left), std::abs(late_right));
@@ -86,8 +85,8 @@ float Limiter::process(float* left, float* right, std::size_t frames) RINGDOWN_R
     }
     const double gain = gain_for(late_left == 0 && late_right == 0 ? 0.0f : peak);
     at_ = at_ == delay_ ? 0 : at_ + 1;
-    const auto limited_left = static_cast<float>(gain * static_cast<double>(late_left_.data()[at_]));
-    const auto limited_right = static_cast<float>(gain * static_cast<double>(late_right_.data()[at_]));
+    const auto limited_left = static_cast<float>(gain * static_cast<double>(late_left_[at_]));
+    const auto limited_right = static_cast<float>(gain * static_cast<double>(late_right_[at_]));
     if (left) left[n] = limited_left;
     if (right) right[n] = limited_right;
     highest = std::max({highest, std::abs(limited_left), std::abs(limited_right)});

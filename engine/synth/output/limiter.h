@@ -34,7 +34,7 @@ class Limiter {
 
   // Processes any number of frames in place. Both channels get one common gain. A null channel counts as silent; a
   // frame with a NaN or infinity comes out silent. Returns the largest |sample| written. [audio]
-  float process(float* left, float* right, std::size_t frames) RINGDOWN_REALTIME;
+  float process(float* left, float* right, std::size_t frames) REALTIME;
 
  private:
   using Gain = std::uint64_t;
@@ -44,7 +44,7 @@ class Limiter {
   class Sum {
    public:
     Sum(std::size_t length, Gain value) : values_(length, value), sum_(length * value) {}
-    Gain push(Gain value) RINGDOWN_REALTIME;
+    Gain push(Gain value) REALTIME;
 
    private:
     std::vector<Gain> values_;
@@ -56,7 +56,7 @@ class Limiter {
   class Least {
    public:
     explicit Least(std::size_t length) : entries_(length + 1), length_(length) {}
-    Gain push(Gain value) RINGDOWN_REALTIME;
+    Gain push(Gain value) REALTIME;
 
    private:
     struct Entry {
@@ -68,7 +68,7 @@ class Limiter {
     std::uint64_t frame_ = 0;
   };
 
-  [[nodiscard]] double gain_for(float peak) RINGDOWN_REALTIME;
+  [[nodiscard]] double gain_for(float peak) REALTIME;
 
   const float ceiling_;
   const std::size_t first_box_, second_box_;  // lengths of the two successive means

@@ -21,12 +21,12 @@ void MixOutput::wear(std::shared_ptr<const HeadFilters> head) {
   if (head) binaural_.emplace(std::move(head));
 }
 
-ChannelSet MixOutput::to_render() const RINGDOWN_REALTIME {
+ChannelSet MixOutput::to_render() const REALTIME {
   constexpr ChannelSet kMix = only(kLeft) | only(kRight);
   return binaural_ && (wanted() & kMix) != 0 ? (wanted() & ~kMix) | kAllAmbisonic : wanted();
 }
 
-void MixOutput::begin_block(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME {
+void MixOutput::begin_block(const Outputs& outputs, std::size_t frames) REALTIME {
   outputs_ = outputs;
   mix_peak_ = bus_peak_ = 0;
   if (!(sound_tap.watched() || capture_tap.watched()) || frames > kMaxSpare) return;
@@ -35,13 +35,13 @@ void MixOutput::begin_block(const Outputs& outputs, std::size_t frames) RINGDOWN
 }
 
 // Only a chunk in which nothing is added is longer than kChunkFrames; what a head's filters still hold is heard in it.
-void MixOutput::write(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME {
+void MixOutput::write(const ChannelSums& sums, std::size_t at, std::size_t frames) REALTIME {
   for (std::size_t done = 0; done < frames; done += kChunkFrames) {
     write_piece(sums, at + done, std::min(frames - done, kChunkFrames));
   }
 }
 
-void MixOutput::write_piece(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME {
+void MixOutput::write_piece(const ChannelSums& sums, std::size_t at, std::size_t frames) REALTIME {
   std::array<const double*, 2> mix = {sums.result(kLeft), sums.result(kRight)};
   if (binaural_) mix = binaural_->process(sums, frames);
   for (ChannelSet rest = wanted(); rest != 0; rest &= rest - 1) {
@@ -56,9 +56,9 @@ void MixOutput::write_piece(const ChannelSums& sums, std::size_t at, std::size_t
   }
 }
 
-float MixOutput::end_block(Frame begin, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME {
+float MixOutput::end_block(Frame begin, std::size_t frames, double sample_rate_hz) REALTIME {
   const auto side = [this](std::size_t channel)
-                        RINGDOWN_REALTIME { return contains(wanted(), channel) ? outputs_.at(channel) : nullptr; };
+                        REALTIME { return contains(wanted(), channel) ? outputs_.at(channel) : nullptr; };
   float* const left = side(kLeft);
   float* const right = side(kRight);
   const bool spoilt = std::isinf(std::max(mix_peak_, bus_peak_));

@@ -34,18 +34,18 @@ class MixOutput {
   // All functions below: [audio]
 
   // Begins a block. If no output takes the mix but a tap is watched, the mix is rendered nevertheless.
-  void begin_block(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
-  [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return outputs_.wanted(); }
+  void begin_block(const Outputs& outputs, std::size_t frames) REALTIME;
+  [[nodiscard]] ChannelSet wanted() const REALTIME { return outputs_.wanted(); }
   // Returns the channels that objects must be added to in order to produce the wanted channels.
-  [[nodiscard]] ChannelSet to_render() const RINGDOWN_REALTIME;
+  [[nodiscard]] ChannelSet to_render() const REALTIME;
   // Writes a chunk's sums to frames at ... at + frames - 1 of the block.
-  void write(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME;
+  void write(const ChannelSums& sums, std::size_t at, std::size_t frames) REALTIME;
   // Ends the block, whose first frame is `begin`. Returns the largest |sample| of the outputs, or infinity if a piece
   // of a channel was silenced because a sample of it would not have been finite.
-  [[nodiscard]] float end_block(Frame begin, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
+  [[nodiscard]] float end_block(Frame begin, std::size_t frames, double sample_rate_hz) REALTIME;
 
  private:
-  void write_piece(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME;
+  void write_piece(const ChannelSums& sums, std::size_t at, std::size_t frames) REALTIME;
 
   std::optional<Limiter> limiter_;
   std::optional<Binaural> binaural_;

@@ -14,7 +14,7 @@ void SoundTap::watch(bool on) {
   watched_.store(on, std::memory_order_release);
 }
 
-bool SoundTap::takes(std::size_t frames) const RINGDOWN_REALTIME {
+bool SoundTap::takes(std::size_t frames) const REALTIME {
   if (!watched()) return true;
   const SpscRing<Piece>& ring = *ring_.load(std::memory_order_acquire);
   const std::size_t pieces = (frames + kTappedFrames - 1) / kTappedFrames;
@@ -22,7 +22,7 @@ bool SoundTap::takes(std::size_t frames) const RINGDOWN_REALTIME {
 }
 
 void SoundTap::put(Frame frame, double sample_rate_hz, const float* left, const float* right,
-                   std::size_t frames) RINGDOWN_REALTIME {
+                   std::size_t frames) REALTIME {
   for (std::size_t done = 0; done < frames;) {
     Piece piece;
     piece.frame = frame + static_cast<Frame>(done);

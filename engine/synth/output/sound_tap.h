@@ -29,15 +29,14 @@ class SoundTap {
 
   // The ring is made when somebody watches for the first time. [any but audio]
   void watch(bool on);
-  [[nodiscard]] bool watched() const RINGDOWN_REALTIME { return watched_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool watched() const REALTIME { return watched_.load(std::memory_order_acquire); }
 
   // Returns false if the tap is watched and put() would drop a piece of a block of `frames` that an empty ring would
   // hold. [audio]
-  [[nodiscard]] bool takes(std::size_t frames) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool takes(std::size_t frames) const REALTIME;
 
   // Puts a block whose first frame is `frame`. [audio]
-  void put(Frame frame, double sample_rate_hz, const float* left, const float* right,
-           std::size_t frames) RINGDOWN_REALTIME;
+  void put(Frame frame, double sample_rate_hz, const float* left, const float* right, std::size_t frames) REALTIME;
 
   // Returns the oldest piece, valid until pop(), or null if there is none. [one thread that is not audio]
   [[nodiscard]] const Piece* front() const {

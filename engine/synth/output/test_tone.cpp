@@ -6,8 +6,7 @@
 
 namespace ringdown::synth {
 
-std::optional<float> TestTone::add(float* left, float* right, std::size_t frames,
-                                   double sample_rate_hz) RINGDOWN_REALTIME {
+std::optional<float> TestTone::add(float* left, float* right, std::size_t frames, double sample_rate_hz) REALTIME {
   const double frequency_hz = frequency_hz_.load(std::memory_order_relaxed);
   const bool playable = frequency_hz < 0.5 * sample_rate_hz;
   const double target = playable ? amplitude_.load(std::memory_order_relaxed) : 0;

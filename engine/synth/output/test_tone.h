@@ -23,7 +23,7 @@ class TestTone {
 
   // Adds the tone's next frames to the sides that are not null. Returns the largest |sample| of these sides afterwards,
   // or nothing if there is no tone. [audio]
-  std::optional<float> add(float* left, float* right, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
+  std::optional<float> add(float* left, float* right, std::size_t frames, double sample_rate_hz) REALTIME;
 
  private:
   std::atomic<double> amplitude_{0}, frequency_hz_{440};

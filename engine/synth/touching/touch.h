@@ -35,11 +35,11 @@ struct Touch {
   Contact contact;                 // rub: how it sounds one-way
 };
 
-[[nodiscard]] Touch touch_of(const verb::Bow& bow) RINGDOWN_REALTIME;
-[[nodiscard]] Touch touch_of(const verb::Mallet& mallet) RINGDOWN_REALTIME;
-[[nodiscard]] Touch touch_of(const verb::Couple& couple) RINGDOWN_REALTIME;
-[[nodiscard]] Touch touch_of(const verb::Collision& collision) RINGDOWN_REALTIME;
-[[nodiscard]] Touch touch_of(const verb::Rub& rub) RINGDOWN_REALTIME;
+[[nodiscard]] Touch touch_of(const verb::Bow& bow) REALTIME;
+[[nodiscard]] Touch touch_of(const verb::Mallet& mallet) REALTIME;
+[[nodiscard]] Touch touch_of(const verb::Couple& couple) REALTIME;
+[[nodiscard]] Touch touch_of(const verb::Collision& collision) REALTIME;
+[[nodiscard]] Touch touch_of(const verb::Rub& rub) REALTIME;
 
 template <class One>
 concept TwoWay = requires(const One& one) {

@@ -20,22 +20,21 @@ constexpr double kMaxMallet_s = 2;         // and at the latest after that time
 constexpr double kRubFade_s = 0.005;       // in which the load goes when no event of a rub has come for long
 
 // Returns the index of a pair of freedoms in the triangle of all pairs.
-std::size_t pair_of(std::size_t i, std::size_t j) RINGDOWN_REALTIME {
+std::size_t pair_of(std::size_t i, std::size_t j) REALTIME {
   const std::size_t low = std::min(i, j), high = std::max(i, j);
   return high * (high + 1) / 2 + low;
 }
 
 // A row of numbers for each freedom.
-double* row_of(const AlignedArray<double>& rows, std::size_t freedom) RINGDOWN_REALTIME {
+double* row_of(const AlignedArray<double>& rows, std::size_t freedom) REALTIME {
   return rows.get() + freedom * kTapRow;
 }
 
-void end_touch(TouchSlot& touch) RINGDOWN_REALTIME { touch.used = touch.open = touch.contact.on = false; }
+void end_touch(TouchSlot& touch) REALTIME { touch.used = touch.open = touch.contact.on = false; }
 
 // Adds the samples of static bending to `to`. The sound of a surface follows its acceleration, and a surface that a
 // lasting force only bends does not sound. A sample lies between two steps.
-void lean(TouchPort& port, const double* force_n, std::size_t frames, std::size_t substeps,
-          double* to) RINGDOWN_REALTIME {
+void lean(TouchPort& port, const double* force_n, std::size_t frames, std::size_t substeps, double* to) REALTIME {
   double before = port.last_n;
   for (std::size_t n = 0; n < frames; ++n) {
     to[n] += 0.5 * port.leaning * (before + force_n[n * substeps]);
@@ -48,7 +47,7 @@ void lean(TouchPort& port, const double* force_n, std::size_t frames, std::size_
 
 TouchGroup::TouchGroup() : taps_(aligned_zeros<double>(kFreedoms * (kFreedoms + 1) / 2 * kTapRow)) {}
 
-void TouchGroup::set(std::span<TouchSlot* const> touches) RINGDOWN_REALTIME {
+void TouchGroup::set(std::span<TouchSlot* const> touches) REALTIME {
   bool fresh = false;
   for (TouchSlot* touch : touches) fresh = std::exchange(touch->fresh, false) || fresh;
   if (!fresh && std::ranges::equal(touches, this->touches())) return;
@@ -57,7 +56,7 @@ void TouchGroup::set(std::span<TouchSlot* const> touches) RINGDOWN_REALTIME {
   stale_ = true;
 }
 
-ModeStates::Counts TouchGroup::counts() const RINGDOWN_REALTIME {
+ModeStates::Counts TouchGroup::counts() const REALTIME {
   ModeStates::Counts all;
   for (std::size_t b = 0; b < body_count_; ++b) {
     const ModeStates::Counts counts = bodies_[b].object->counts();
@@ -66,23 +65,23 @@ ModeStates::Counts TouchGroup::counts() const RINGDOWN_REALTIME {
   return all;
 }
 
-TouchGroup::Body& TouchGroup::body_of(const Object& object) RINGDOWN_REALTIME {
+TouchGroup::Body& TouchGroup::body_of(const Object& object) REALTIME {
   return *std::find_if(bodies_.begin(), bodies_.begin() + static_cast<std::ptrdiff_t>(body_count_),
-                       [&](const Body& body) RINGDOWN_REALTIME { return body.object == &object; });
+                       [&](const Body& body) REALTIME { return body.object == &object; });
 }
 
-ModeArrays TouchGroup::modes_of(const Body& body, const StateArray& states) const RINGDOWN_REALTIME {
+ModeArrays TouchGroup::modes_of(const Body& body, const StateArray& states) const REALTIME {
   ModeArrays modes = states.for_kernel(0);
   if (substeps_ > 1) modes.pole_re = body.poles, modes.pole_im = body.poles + kMaxTouchColumns;
   return modes;
 }
 
-void TouchGroup::play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_REALTIME {
+void TouchGroup::play_events(std::size_t offset, const Chunk& chunk) REALTIME {
   for (std::size_t b = 0; b < body_count_; ++b) {
     Object& object = *bodies_[b].object;
     for (; object.due.first && object.due.first->offset <= offset; object.due.first = object.due.first->next) {
       const Event& event = object.due.first->event;
-      const auto plays = [&]<class One>(const One& one) RINGDOWN_REALTIME {
+      const auto plays = [&]<class One>(const One& one) REALTIME {
         if constexpr (TwoWay<One>) play_touch(touch_of(one), event.frame, object, chunk);
         if constexpr (!TwoWay<One>) object.play(event, chunk);
         return kEndsContacts<One>;
@@ -95,8 +94,8 @@ void TouchGroup::play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_RE
   }
 }
 
-void TouchGroup::play_touch(const Touch& how, Frame frame, const Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
-  const auto slot = std::ranges::find_if(touches(), [&](const TouchSlot* touch) RINGDOWN_REALTIME {
+void TouchGroup::play_touch(const Touch& how, Frame frame, const Object& object, const Chunk& chunk) REALTIME {
+  const auto slot = std::ranges::find_if(touches(), [&](const TouchSlot* touch) REALTIME {
     return touch->used && touch->sides[0].object == &object && touch->touch.kind == how.kind &&
            touch->touch.number == how.number &&
            (how.kind != Touch::Kind::mallet || (!touch->open && touch->since == frame));
@@ -155,8 +154,7 @@ void TouchGroup::play_touch(const Touch& how, Frame frame, const Object& object,
 
 // Moves the contact's coordinates through a segment without contact forces. `which` selects normal or tangential ones,
 // or both; tangential ones may follow later, only if something touches.
-void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk,
-                             Directions which) RINGDOWN_REALTIME {
+void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, Directions which) REALTIME {
   const bool along = which == Directions::along;
   const std::size_t steps = frames * substeps_;
   for (std::size_t i = 0; i < network_.freedoms() && !along; ++i) std::fill_n(row_of(approach_, i), steps + 1, 0.0);
@@ -179,7 +177,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
         }
       }
     }
-    const auto to_move = [&](ModeArrays modes, std::size_t points) RINGDOWN_REALTIME {
+    const auto to_move = [&](ModeArrays modes, std::size_t points) REALTIME {
       free_motion(modes, body.table->columns(), {weights.data(), count}, {out.data(), count}, points);
     };
     if (count > 0) to_move(modes_of(body, TouchedStates(voice).open()), steps + 1);
@@ -196,7 +194,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
         exciter->fill(chunk.begin + static_cast<Frame>(begin), frames, samples ? samples + begin : nullptr, impulses);
       }
       body.exciting[body.exciting_count++] = {exciter->amplitudes.get(), impulses};
-      if (count == 0 || std::all_of(impulses, impulses + frames, [](double j) RINGDOWN_REALTIME { return j == 0; })) {
+      if (count == 0 || std::all_of(impulses, impulses + frames, [](double j) REALTIME { return j == 0; })) {
         continue;
       }
       // The states of an impulse of 1 i: Re (i A p^n) = -(answer to an impulse of 1).
@@ -224,7 +222,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
 }
 
 // Returns true if nothing touches in a segment, which is then complete.
-bool TouchGroup::stays_apart(std::size_t steps) RINGDOWN_REALTIME {
+bool TouchGroup::stays_apart(std::size_t steps) REALTIME {
   for (const TouchSlot* touch : touches()) {
     if (!touch->open) continue;
     if (!touch->contact.impact || touch->touch.kind == Touch::Kind::rub) return false;
@@ -246,7 +244,7 @@ bool TouchGroup::stays_apart(std::size_t steps) RINGDOWN_REALTIME {
 // Lets the profiles under a rub press its surfaces together. Of profiles the slope is known; a surface that keeps still
 // shall push what rubs by the load times the slope, as a one-way contact does. A spring that the load presses down by d
 // does so when the surface is raised by 2/3 d times the slope.
-void TouchGroup::raise(TouchSlot& touch, Frame begin, std::size_t frames) RINGDOWN_REALTIME {
+void TouchGroup::raise(TouchSlot& touch, Frame begin, std::size_t frames) REALTIME {
   std::array<double, kMaxTouchSteps> slopes;
   touch.relief.fill_slopes(begin, frames, slopes.data());
   double* const row = row_of(approach_, touch.first);
@@ -264,7 +262,7 @@ void TouchGroup::raise(TouchSlot& touch, Frame begin, std::size_t frames) RINGDO
 
 // The load of a rub acts on both surfaces as its force does, the other way: what lies still neither falls nor bends the
 // surface, and where it is carried to no step of the load is heard. Network and laws see the whole force.
-void TouchGroup::find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME {
+void TouchGroup::find_forces(Frame begin, std::size_t steps) REALTIME {
   const std::size_t freedoms = network_.freedoms();
   std::array<double, kFreedoms> load{};
   std::array<double, kFreedoms> free{}, force{};
@@ -307,7 +305,7 @@ void TouchGroup::find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME {
   move_masses(steps);
 }
 
-void TouchGroup::move_masses(std::size_t steps) RINGDOWN_REALTIME {
+void TouchGroup::move_masses(std::size_t steps) REALTIME {
   for (TouchSlot* touch : touches()) {
     RigidMass& rigid = touch->rigid;
     if (rigid.kg == 0 || !touch->open) continue;
@@ -320,8 +318,7 @@ void TouchGroup::move_masses(std::size_t steps) RINGDOWN_REALTIME {
   }
 }
 
-void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
-                                Workspace& workspace) RINGDOWN_REALTIME {
+void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME {
   const std::size_t frames = end - begin, steps = frames * substeps_;
   // A contact that touched will mostly touch again, so all directions are computed at once, which visits the modes
   // once.
@@ -375,7 +372,7 @@ void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk&
                          workspace);
 }
 
-void TouchGroup::close_finished(Frame now) RINGDOWN_REALTIME {
+void TouchGroup::close_finished(Frame now) REALTIME {
   for (TouchSlot* touch : touches()) {
     if (!touch->open) continue;
     const Touch& how = touch->touch;
@@ -395,7 +392,7 @@ void TouchGroup::close_finished(Frame now) RINGDOWN_REALTIME {
   }
 }
 
-void TouchGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+void TouchGroup::render(const Chunk& chunk, Workspace& workspace) REALTIME {
   refresh(chunk);
   for (std::size_t b = 0; b < body_count_; ++b) bodies_[b].object->begin_touched(chunk, workspace);
   for (std::size_t at = 0; at < chunk.frames;) {

@@ -74,7 +74,7 @@ struct TouchSlot {
   double raised_m = 0;            // and by how much they press the two together
   Frame since = 0;
 
-  [[nodiscard]] bool involves(const Object& object) const RINGDOWN_REALTIME {
+  [[nodiscard]] bool involves(const Object& object) const REALTIME {
     return sides[0].object == &object || sides[1].object == &object;
   }
 };
@@ -82,16 +82,16 @@ struct TouchSlot {
 class TouchGroup final : public Source {
  public:
   TouchGroup();
-  void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
-  void skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override { render(chunk, workspace); }
-  [[nodiscard]] bool can_skip(const Chunk& /*chunk*/) const RINGDOWN_REALTIME override { return false; }
-  void prepare(const Chunk& /*chunk*/) RINGDOWN_REALTIME override {}
-  void count_levels(const Chunk& /*chunk*/, LevelHistogram& /*histogram*/) RINGDOWN_REALTIME override {}
-  [[nodiscard]] ModeStates::Counts counts() const RINGDOWN_REALTIME override;
+  void render(const Chunk& chunk, Workspace& workspace) REALTIME override;
+  void skip(const Chunk& chunk, Workspace& workspace) REALTIME override { render(chunk, workspace); }
+  [[nodiscard]] bool can_skip(const Chunk& /*chunk*/) const REALTIME override { return false; }
+  void prepare(const Chunk& /*chunk*/) REALTIME override {}
+  void count_levels(const Chunk& /*chunk*/, LevelHistogram& /*histogram*/) REALTIME override {}
+  [[nodiscard]] ModeStates::Counts counts() const REALTIME override;
 
   // Before a chunk: these touch each other. What is known of contacts stays while they remain the same.
-  void set(std::span<TouchSlot* const> touches) RINGDOWN_REALTIME;
-  [[nodiscard]] bool empty() const RINGDOWN_REALTIME { return touch_count_ == 0; }
+  void set(std::span<TouchSlot* const> touches) REALTIME;
+  [[nodiscard]] bool empty() const REALTIME { return touch_count_ == 0; }
 
  private:
   struct Body {
@@ -106,29 +106,26 @@ class TouchGroup final : public Source {
   static constexpr std::size_t kFreedoms = contact::kMaxFreedoms;
   static_assert(kMaxPlaces >= kFreedoms && kMaxPortForces >= kFreedoms, "all of them may act on one object");
 
-  [[nodiscard]] std::span<TouchSlot* const> touches() const RINGDOWN_REALTIME {
-    return {touches_.data(), touch_count_};
-  }
-  void play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_REALTIME;
-  void play_touch(const Touch& how, Frame frame, const Object& object, const Chunk& chunk) RINGDOWN_REALTIME;
-  void refresh(const Chunk& chunk) RINGDOWN_REALTIME;
-  void find_poles(Body& body) RINGDOWN_REALTIME;
+  [[nodiscard]] std::span<TouchSlot* const> touches() const REALTIME { return {touches_.data(), touch_count_}; }
+  void play_events(std::size_t offset, const Chunk& chunk) REALTIME;
+  void play_touch(const Touch& how, Frame frame, const Object& object, const Chunk& chunk) REALTIME;
+  void refresh(const Chunk& chunk) REALTIME;
+  void find_poles(Body& body) REALTIME;
   // Returns the sum of the modes' squared shapes: one over the mass that a short push feels [1/kg].
-  double find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m,
-                   TouchPort& port) RINGDOWN_REALTIME;
-  void find_ports(TouchSlot& touch) RINGDOWN_REALTIME;
-  void find_taps() RINGDOWN_REALTIME;
-  void find_laws(TouchSlot& touch) RINGDOWN_REALTIME;
-  [[nodiscard]] ModeArrays modes_of(const Body& body, const StateArray& states) const RINGDOWN_REALTIME;
-  [[nodiscard]] Body& body_of(const Object& object) RINGDOWN_REALTIME;
-  void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  [[nodiscard]] bool stays_apart(std::size_t steps) RINGDOWN_REALTIME;
+  double find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m, TouchPort& port) REALTIME;
+  void find_ports(TouchSlot& touch) REALTIME;
+  void find_taps() REALTIME;
+  void find_laws(TouchSlot& touch) REALTIME;
+  [[nodiscard]] ModeArrays modes_of(const Body& body, const StateArray& states) const REALTIME;
+  [[nodiscard]] Body& body_of(const Object& object) REALTIME;
+  void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME;
+  [[nodiscard]] bool stays_apart(std::size_t steps) REALTIME;
   enum class Directions { all, normal, along };  // along the surface
-  void move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, Directions which) RINGDOWN_REALTIME;
-  void move_masses(std::size_t steps) RINGDOWN_REALTIME;
-  void raise(TouchSlot& touch, Frame begin, std::size_t frames) RINGDOWN_REALTIME;
-  void find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME;
-  void close_finished(Frame now) RINGDOWN_REALTIME;
+  void move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, Directions which) REALTIME;
+  void move_masses(std::size_t steps) REALTIME;
+  void raise(TouchSlot& touch, Frame begin, std::size_t frames) REALTIME;
+  void find_forces(Frame begin, std::size_t steps) REALTIME;
+  void close_finished(Frame now) REALTIME;
 
   std::array<TouchSlot*, kMaxTouches> touches_{};
   std::size_t touch_count_ = 0;

@@ -16,23 +16,23 @@ constexpr double kStepsOfContact = 8;  // that an impact should last
 constexpr double kRubDamping = 0.02;  // of critical, of what rubs on its spring
 
 // The mass that a short push moves.
-double mass_of(const TouchSlot& slot) RINGDOWN_REALTIME {
+double mass_of(const TouchSlot& slot) REALTIME {
   return 1 / ((slot.rigid.kg > 0 ? 1 / slot.rigid.kg : 0.0) + std::max(slot.per_kg, 1e-3));
 }
 
 // By how much the load of a rub presses the surfaces together.
-double rub_depth_m(const Touch& rub) RINGDOWN_REALTIME {
+double rub_depth_m(const Touch& rub) REALTIME {
   const double load = rub.force_n / rub.stiffness;
   return std::cbrt(load * load);
 }
 
 // Steps in a sample, for a mass that hits at a speed: Hertz's contact time in samples; for one that rubs, half a
 // period.
-std::size_t substeps_for(const TouchSlot& slot, double sample_rate_hz) RINGDOWN_REALTIME {
+std::size_t substeps_for(const TouchSlot& slot, double sample_rate_hz) REALTIME {
   const Touch& touch = slot.touch;
   if (touch.kind == Touch::Kind::bow || !(touch.stiffness > 0)) return 1;
   const double kg = mass_of(slot);
-  const auto in_a_sample = [](double samples) RINGDOWN_REALTIME {
+  const auto in_a_sample = [](double samples) REALTIME {
     return static_cast<std::size_t>(std::clamp(std::ceil(kStepsOfContact / samples), 1.0, double{kMaxSubsteps}));
   };
   if (touch.kind == Touch::Kind::rub) {
@@ -45,7 +45,7 @@ std::size_t substeps_for(const TouchSlot& slot, double sample_rate_hz) RINGDOWN_
 
 }  // namespace
 
-void TouchGroup::find_poles(Body& body) RINGDOWN_REALTIME {
+void TouchGroup::find_poles(Body& body) REALTIME {
   const auto [re, im] = body.table->exponents();
   const double part = 1.0 / static_cast<double>(substeps_);
   for (std::size_t i = 0; i < body.table->columns(); ++i) {
@@ -59,7 +59,7 @@ void TouchGroup::find_poles(Body& body) RINGDOWN_REALTIME {
 // by its shape phi: q = Re z / (W w) is displaced by 1 N, constant in a step, towards phi (w - i s) / (w^2 + s^2) W, of
 // which 1 - p is reached.
 double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m,
-                             TouchPort& port) RINGDOWN_REALTIME {
+                             TouchPort& port) REALTIME {
   Voice& voice = *body.object->voices.current();
   const ModeTable& table = *body.table;
   std::fill_n(port.weight.get(), table.columns(), 0.0);
@@ -83,7 +83,7 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
   const ModeArrays poles = modes_of(body, TouchedStates(voice).open());
   for (std::size_t i = 0; i < table.playable_modes(); ++i) {
     const std::size_t c = table.column(i);
-    const double w = log_im[c] * rate_hz, s = -log_re[c] * rate_hz, output = table.weight_.data()[i] / shape;
+    const double w = log_im[c] * rate_hz, s = -log_re[c] * rate_hz, output = table.weight_[i] / shape;
     const double amplitude = port.weight[c];
     port.weight[c] = 0;
     if (!(std::abs(output) > 0)) continue;  // a mode that nobody hears has no state
@@ -97,12 +97,11 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
   return per_kg;
 }
 
-void TouchGroup::find_ports(TouchSlot& touch) RINGDOWN_REALTIME {
+void TouchGroup::find_ports(TouchSlot& touch) REALTIME {
   const Touch& how = touch.touch;
   const bool rubs = how.kind == Touch::Kind::rub, slides = rubs || how.kind == Touch::Kind::couple;
   const std::array<Vec3, 2> along = across(how.direction);
-  const auto on_other = [&](const Vec3& push)
-                            RINGDOWN_REALTIME { return rubs ? rotated(how.to_other, -1 * push) : -1 * push; };
+  const auto on_other = [&](const Vec3& push) REALTIME { return rubs ? rotated(how.to_other, -1 * push) : -1 * push; };
   touch.per_kg = 0;
   for (std::size_t s = 0; s < touch.sides.size(); ++s) {
     TouchSlot::Side& side = touch.sides[s];
@@ -120,7 +119,7 @@ void TouchGroup::find_ports(TouchSlot& touch) RINGDOWN_REALTIME {
 
 // The step and the bodies' compliance limit how stiff bristles can be: stiffer ones than half of 1 / Z would ring from
 // step to step.
-void TouchGroup::find_laws(TouchSlot& touch) RINGDOWN_REALTIME {
+void TouchGroup::find_laws(TouchSlot& touch) REALTIME {
   const Touch& how = touch.touch;
   touch.contact.on = touch.open;
   if (how.kind != Touch::Kind::bow) {
@@ -146,7 +145,7 @@ void TouchGroup::find_laws(TouchSlot& touch) RINGDOWN_REALTIME {
                            .bristle_ns_m = 0.3 * step_s_ * std::min(1 / compliance, std::sqrt(bristle / compliance))};
 }
 
-void TouchGroup::find_taps() RINGDOWN_REALTIME {
+void TouchGroup::find_taps() REALTIME {
   coupled_.fill(false);
   std::fill_n(taps_.get(), kFreedoms * (kFreedoms + 1) / 2 * kTapRow, 0.0);
   struct Place {
@@ -198,7 +197,7 @@ void TouchGroup::find_taps() RINGDOWN_REALTIME {
 }
 
 // Finds again what has changed: who takes part, an object's voice, a point.
-void TouchGroup::refresh(const Chunk& chunk) RINGDOWN_REALTIME {
+void TouchGroup::refresh(const Chunk& chunk) REALTIME {
   std::size_t wanted = 1;
   for (const TouchSlot* touch : touches()) {
     if (touch->used) wanted = std::max(wanted, substeps_for(*touch, chunk.sample_rate_hz));

@@ -9,9 +9,8 @@ namespace {
 constexpr double kMaxTouchForce_n = 1e6, kMaxTouchSpeed_m_s = 1e3;
 
 // Not-a-number lies in no range.
-bool is_sane(const Touch& t) RINGDOWN_REALTIME {
-  const auto within = [](double value, double min, double max)
-                          RINGDOWN_REALTIME { return value >= min && value <= max; };
+bool is_sane(const Touch& t) REALTIME {
+  const auto within = [](double value, double min, double max) REALTIME { return value >= min && value <= max; };
   if (t.kind == Touch::Kind::rub && t.force_n == 0) return true;  // it ends, wherever it was
   const bool common = std::abs(dot(t.direction, t.direction) - 1) < 1e-6 && within(t.force_n, 0, kMaxTouchForce_n) &&
                       within(t.friction, 0, 10) && within(t.bounce, 0.01, 1);
@@ -33,14 +32,14 @@ bool is_sane(const Touch& t) RINGDOWN_REALTIME {
 
 }  // namespace
 
-Touch touch_of(const verb::Bow& bow) RINGDOWN_REALTIME {
+Touch touch_of(const verb::Bow& bow) REALTIME {
   Touch touch{.kind = Touch::Kind::bow, .number = bow.number, .point_m = bow.point_m, .direction = bow.direction};
   touch.speed_m_s = bow.speed_m_s, touch.force_n = bow.force_n;
   touch.friction = bow.rosin, touch.width_m = bow.width_m;
   return touch;
 }
 
-Touch touch_of(const verb::Mallet& mallet) RINGDOWN_REALTIME {
+Touch touch_of(const verb::Mallet& mallet) REALTIME {
   Touch touch{.kind = Touch::Kind::mallet, .point_m = mallet.point_m};
   touch.speed_m_s = length(mallet.velocity_m_s);
   touch.direction = (1 / touch.speed_m_s) * mallet.velocity_m_s;
@@ -48,7 +47,7 @@ Touch touch_of(const verb::Mallet& mallet) RINGDOWN_REALTIME {
   return touch;
 }
 
-Touch touch_of(const verb::Couple& couple) RINGDOWN_REALTIME {
+Touch touch_of(const verb::Couple& couple) REALTIME {
   Touch touch{.kind = Touch::Kind::couple, .number = couple.number, .point_m = couple.point_m};
   touch.direction = couple.direction;
   touch.force_n = couple.weight_n, touch.mass_kg = couple.mass_kg, touch.gap_m = couple.gap_m;
@@ -57,7 +56,7 @@ Touch touch_of(const verb::Couple& couple) RINGDOWN_REALTIME {
   return touch;
 }
 
-Touch touch_of(const verb::Collision& hit) RINGDOWN_REALTIME {
+Touch touch_of(const verb::Collision& hit) REALTIME {
   Touch touch{.kind = Touch::Kind::mallet, .point_m = hit.point_m, .direction = hit.direction};
   touch.speed_m_s = hit.speed_m_s;
   touch.mass_kg = hit.mass_kg, touch.stiffness = hit.stiffness, touch.bounce = hit.bounce;
@@ -65,7 +64,7 @@ Touch touch_of(const verb::Collision& hit) RINGDOWN_REALTIME {
   return touch;
 }
 
-Touch touch_of(const verb::Rub& rub) RINGDOWN_REALTIME {
+Touch touch_of(const verb::Rub& rub) REALTIME {
   Touch touch{.kind = Touch::Kind::rub, .number = rub.contact.number, .point_m = rub.point_m};
   touch.direction = rub.direction, touch.slide_m_s = rub.slide_m_s, touch.force_n = rub.load_n;
   touch.mass_kg = rub.mass_kg, touch.friction = rub.friction, touch.sliding = rub.sliding;
@@ -75,12 +74,11 @@ Touch touch_of(const verb::Rub& rub) RINGDOWN_REALTIME {
   return touch;
 }
 
-Touches::Answer Touches::accept(const Touch& how, Frame frame, Object& object, Object* other,
-                                bool tight) RINGDOWN_REALTIME {
+Touches::Answer Touches::accept(const Touch& how, Frame frame, Object& object, Object* other, bool tight) REALTIME {
   if (!is_sane(how) || !std::isfinite(dot(how.point_m, how.point_m))) return Answer::refused;
   const bool couple = how.kind == Touch::Kind::couple, two = couple || other;
   if (how.kind != Touch::Kind::mallet) {
-    const bool known = std::ranges::any_of(slots_, [&](const TouchSlot& slot) RINGDOWN_REALTIME {
+    const bool known = std::ranges::any_of(slots_, [&](const TouchSlot& slot) REALTIME {
       return slot.used && slot.sides[0].object == &object && slot.touch.kind == how.kind &&
              slot.touch.number == how.number && (!couple || how.stiffness == 0 || slot.sides[1].object == other);
     });
@@ -89,7 +87,7 @@ Touches::Answer Touches::accept(const Touch& how, Frame frame, Object& object, O
   const bool ends = couple ? how.stiffness == 0 : how.kind != Touch::Kind::mallet && how.force_n == 0;
   if (ends) return Answer::nothing;
   if (tight || !can_touch(&object) || (two && (!can_touch(other) || other == &object))) return Answer::one_way;
-  const auto slot = std::ranges::find_if(slots_, [](const TouchSlot& one) RINGDOWN_REALTIME { return !one.used; });
+  const auto slot = std::ranges::find_if(slots_, [](const TouchSlot& one) REALTIME { return !one.used; });
   if (slot == slots_.end()) return Answer::one_way;
   slot->used = slot->stale = slot->fresh = true;
   slot->open = false;
@@ -111,7 +109,7 @@ Touches::Answer Touches::accept(const Touch& how, Frame frame, Object& object, O
 }
 
 // Contacts that share an object belong to one group, and so do those that share one with any of these.
-void Touches::regroup() RINGDOWN_REALTIME {
+void Touches::regroup() REALTIME {
   active_count_ = 0;
   if (!any_) return;
   for (TouchSlot& slot : slots_) {
@@ -127,7 +125,7 @@ void Touches::regroup() RINGDOWN_REALTIME {
     for (std::size_t i = 0; i < kMaxTouches; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         if (!slots_[i].used || !slots_[j].used || group[i] == group[j]) continue;
-        const bool share = std::ranges::any_of(slots_[j].sides, [&](const TouchSlot::Side& side) RINGDOWN_REALTIME {
+        const bool share = std::ranges::any_of(slots_[j].sides, [&](const TouchSlot::Side& side) REALTIME {
           return side.object && slots_[i].involves(*side.object);
         });
         if (!share) continue;
@@ -157,7 +155,7 @@ void Touches::regroup() RINGDOWN_REALTIME {
   }
 }
 
-verb::Strike Touches::strike_of(const Touch& mallet, const Object& object) RINGDOWN_REALTIME {
+verb::Strike Touches::strike_of(const Touch& mallet, const Object& object) REALTIME {
   const Voice* const voice = object.voices.current();
   double kg = mallet.mass_kg;
   if (voice && voice->table().bank().mass && voice->table().bank().mass->mass_kg > 0) {

@@ -20,22 +20,21 @@ class Touches {
   };
   // Makes room for a two-way contact of `object`, and of `other` for a coupling, unless it is there already. The
   // objects ring alone from now on. `tight`: there is no time for more contacts.
-  [[nodiscard]] Answer accept(const Touch& how, Frame frame, Object& object, Object* other,
-                              bool tight) RINGDOWN_REALTIME;
+  [[nodiscard]] Answer accept(const Touch& how, Frame frame, Object& object, Object* other, bool tight) REALTIME;
 
   // After the events of a chunk have been accepted: ends contacts whose objects are gone, and sorts the others into
   // groups that share no object. Objects in a group are marked as touched.
-  void regroup() RINGDOWN_REALTIME;
+  void regroup() REALTIME;
   // Returns true if there is any contact.
-  [[nodiscard]] bool any() const RINGDOWN_REALTIME { return any_; }
+  [[nodiscard]] bool any() const REALTIME { return any_; }
   // The groups to render in this chunk.
-  [[nodiscard]] std::span<TouchGroup* const> groups() RINGDOWN_REALTIME { return {active_.data(), active_count_}; }
+  [[nodiscard]] std::span<TouchGroup* const> groups() REALTIME { return {active_.data(), active_count_}; }
 
   // The strike that stands in for a mallet of which nothing is felt.
-  [[nodiscard]] static verb::Strike strike_of(const Touch& mallet, const Object& object) RINGDOWN_REALTIME;
+  [[nodiscard]] static verb::Strike strike_of(const Touch& mallet, const Object& object) REALTIME;
 
  private:
-  [[nodiscard]] static bool can_touch(const Object* object) RINGDOWN_REALTIME {
+  [[nodiscard]] static bool can_touch(const Object* object) REALTIME {
     const Voice* const voice = object ? object->voices.current() : nullptr;
     return voice && voice->table().columns() <= kMaxTouchColumns;
   }
