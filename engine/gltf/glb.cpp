@@ -191,7 +191,8 @@ std::size_t GlbWriter::add_packed(const MeshoptLayout& layout, std::span<const s
 }
 
 std::size_t GlbWriter::add_floats(std::span<const float> values, std::size_t width, Use use) {
-  return add(append(std::as_bytes(values)), float_accessor(values, width, use == Use::vertices), use);
+  const bool bounds = use == Use::vertices || use == Use::times;
+  return add(append(std::as_bytes(values)), float_accessor(values, width, bounds), use);
 }
 
 std::size_t GlbWriter::add_packed_floats(std::span<const float> values, std::size_t width, Use use) {

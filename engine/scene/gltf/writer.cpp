@@ -6,6 +6,7 @@
 #include "engine/modal/scaled_bank.h"
 #include "engine/scene/fixed_contacts.h"
 #include "engine/scene/gltf/document.h"
+#include "engine/scene/gltf/keyframes.h"
 #include "engine/scene/gltf/scene.h"
 #include "engine/scene/gltf/shapes.h"
 #include "engine/scene/rotation.h"
@@ -23,13 +24,6 @@ namespace ringdown::scene {
 namespace {
 
 using modal::Json;
-
-// The file's y points up: our (x, y, z) is its (x, z, -y).
-Vec3 to_file(Vec3 v) { return {v.x, v.z, -v.y}; }
-Rotation to_file(const Rotation& q) {
-  const double h = std::sqrt(0.5);
-  return normalized(Rotation::from_xyzw(-h, 0, 0, h) * q);
-}
 
 Json json_of(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
 Json json_of(const Rotation& q) { return Json::array({q.x, q.y, q.z, q.w}); }
