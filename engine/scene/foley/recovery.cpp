@@ -16,10 +16,21 @@ namespace {
 using Indices = std::pair<std::size_t, std::size_t>;  // of two bodies
 
 // The contacts of a pair in one interval, and the impulses at its points around the frames before and after.
+struct Closing {
+  double approach_m_s = 0, parting_m_s = 0;  // along the normal, before and after, at the fastest point
+  Vec3 normal;
+  double inverse_mass = 0;
+};
+
 struct Touch {
   Indices pair;
   Meeting met;
   std::vector<Vec3> before_ns, after_ns;
+  Closing closing;
+  bool blow = false, answers = false;  // the two strike each other; or another body strikes one of them
+  double share = 0;                    // of the interval, when that happens
+  std::vector<Vec3> blow_ns;           // its impulses at the points
+  std::size_t contacts = 0, loads_before = 0, loads_after = 0;  // their first contacts in the system of pushes
 };
 
 struct Span {
@@ -61,7 +72,7 @@ class Recoverer {
       series_.clear();
       unexplained_.assign(count(), 0);
       for (std::size_t k = 0; k + 1 < frames_; ++k) find_touches(k);
-      for (std::size_t k = 1; k + 1 < frames_; ++k) solve(k);
+      solve();
       for (FoleyBody& body : result_.bodies) body.motion.begin_explaining();
       result_.blows.clear();
       result_.touches.clear();
@@ -135,7 +146,7 @@ class Recoverer {
         find_meeting(colliders_, {one.id, &one.motion}, {two.id, &two.motion}, k, relative(k), relative(k + 1), gap_m);
     if (met.points.empty()) return;
     const std::size_t points = met.points.size();
-    touches_[k].push_back({pair, std::move(met), std::vector<Vec3>(points), std::vector<Vec3>(points)});
+    touches_[k].push_back({pair, std::move(met), std::vector<Vec3>(points), std::vector<Vec3>(points), {}, false, false, 0, {}, 0, 0, 0});
   }
 
   // True if the pair touched in the interval before.
@@ -148,44 +159,122 @@ class Recoverer {
     return found == touches_[k].end() ? nullptr : &*found;
   }
 
-  // Around a frame act the contacts of the intervals before and after it.
-  void solve(std::size_t k) {
-    std::vector<PushedBody> pushed(count());
-    for (std::size_t n = 0; n < count(); ++n) {
-      if (!motion(n).moves()) continue;
-      pushed[n] = {motion(n).inverse_mass(), motion(n).inverse_inertia(k), motion(n).push(k)};
-      if (motion(n).turns_fast(k)) pushed[n].inverse_inertia = {}, pushed[n].push.angular_nms = {};
-    }
-    std::vector<PushContact> contacts;
-    std::vector<Vec3*> results;
-    const auto gather = [&](std::vector<Touch>& touches, std::vector<Vec3> Touch::*impulses) {
-      for (Touch& touch : touches) {
-        const auto [one, two] = touch.pair;
-        const double friction = combine(body(one).surface, body(two).surface).friction;
-        for (std::size_t p = 0; p < touch.met.points.size(); ++p) {
-          const PosedContact& point = touch.met.points[p];
-          contacts.push_back({one,
-                              two,
-                              point.point_m - touch.met.first.position_m,
-                              point.point_m - touch.met.second.position_m,
-                              point.normal,
-                              friction,
-                              {}});
-          results.push_back(&(touch.*impulses)[p]);
-        }
+  // Finds out which touches of interval `k` are blows. A blow on a body is one for all that the body touches then.
+  void find_blows(std::size_t k) {
+    std::map<std::size_t, const Touch*> struck;  // the fastest blow on each body
+    for (Touch& touch : touches_[k]) {
+      touch.closing = closing(touch, k);
+      touch.blow = touch.closing.inverse_mass > 0 && touch.closing.approach_m_s > limits_.strike_m_s;
+      touch.share = touch.met.share;
+      if (!touch.blow) continue;
+      for (const std::size_t n : {touch.pair.first, touch.pair.second}) {
+        if (!motion(n).moves()) continue;
+        const Touch*& fastest = struck[n];
+        if (!fastest || fastest->closing.approach_m_s < touch.closing.approach_m_s) fastest = &touch;
       }
-    };
-    gather(touches_[k - 1], &Touch::after_ns);
-    gather(touches_[k], &Touch::before_ns);
-    solve_pushes(pushed, contacts);
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      *results[c] = contacts[c].impulse_ns;
-      Vec3& sum = series_[{contacts[c].first, contacts[c].second}][k];
-      sum = sum + contacts[c].impulse_ns;
     }
-    for (std::size_t n = 0; n < count(); ++n) {
-      if (pushed[n].inverse_mass * length(pushed[n].push.linear_ns) > kUnexplained_m_s) ++unexplained_[n];
+    for (Touch& touch : touches_[k]) {
+      if (touch.blow) continue;
+      const Touch* cause = nullptr;
+      for (const std::size_t n : {touch.pair.first, touch.pair.second}) {
+        const auto found = struck.find(n);
+        if (found == struck.end()) continue;
+        if (!cause || cause->closing.approach_m_s < found->second->closing.approach_m_s) cause = found->second;
+      }
+      if (cause) touch.share = cause->share, touch.answers = true;
     }
+  }
+
+  [[nodiscard]] std::vector<PushContact> contacts_of(const Touch& touch, std::size_t k) const {
+    const auto [one, two] = touch.pair;
+    const double friction = combine(body(one).surface, body(two).surface).friction;
+    std::vector<PushContact> contacts;
+    for (const PosedContact& point : touch.met.points) {
+      contacts.push_back({.frame = k,
+                          .first = one,
+                          .second = two,
+                          .first_arm_m = point.point_m - touch.met.first.position_m,
+                          .second_arm_m = point.point_m - touch.met.second.position_m,
+                          .normal = point.normal,
+                          .friction = friction});
+    }
+    return contacts;
+  }
+
+  // Around a frame act the contacts of the intervals before and after it.
+  void solve() {
+    PushSystem system(frames_, count());
+    for (std::size_t k = 1; k + 1 < frames_; ++k) {
+      for (std::size_t n = 0; n < count(); ++n) {
+        if (!motion(n).moves()) continue;
+        PushedBody& pushed = system.body(k, n) = {motion(n).inverse_mass(), motion(n).inverse_inertia(k),
+                                                  motion(n).push(k)};
+        if (motion(n).turns_fast(k)) pushed.inverse_inertia = {}, pushed.push.angular_nms = {};
+      }
+    }
+    for (std::size_t k = 0; k + 1 < frames_; ++k) {
+      find_blows(k);
+      for (Touch& touch : touches_[k]) {
+        std::vector<PushContact> before = contacts_of(touch, k), after = before;
+        for (PushContact& contact : after) contact.before = 0, contact.after = 1;
+        touch.loads_before = system.add_load(before);
+        touch.loads_after = system.add_load(std::move(after));
+        if (touch.blow || touch.answers) touch.contacts = system.add_blow(std::move(before), touch.share);
+      }
+    }
+    system.solve();
+    for (std::size_t k = 0; k + 1 < frames_; ++k) {
+      for (Touch& touch : touches_[k]) take_solution(system, k, touch);
+    }
+    for (std::size_t k = 1; k + 1 < frames_; ++k) {
+      for (std::size_t n = 0; n < count(); ++n) {
+        const PushedBody& pushed = system.body(k, n);
+        if (pushed.inverse_mass * length(pushed.push.linear_ns) > kUnexplained_m_s) ++unexplained_[n];
+      }
+    }
+  }
+
+  void take_solution(const PushSystem& system, std::size_t k, Touch& touch) {
+    Vec3 before, after;
+    touch.blow_ns.clear();
+    for (std::size_t p = 0; p < touch.met.points.size(); ++p) {
+      touch.before_ns[p] = system.contact(touch.loads_before + p).impulse_ns;
+      touch.after_ns[p] = system.contact(touch.loads_after + p).impulse_ns;
+      if (touch.blow || touch.answers) {
+        const PushContact& blow = system.contact(touch.contacts + p);
+        touch.before_ns[p] = touch.before_ns[p] + blow.before * blow.impulse_ns;
+        touch.after_ns[p] = touch.after_ns[p] + blow.after * blow.impulse_ns;
+        touch.blow_ns.push_back(blow.impulse_ns);
+        touch.share = blow.after;
+      }
+      before = before + touch.before_ns[p];
+      after = after + touch.after_ns[p];
+    }
+    PushSeries& series = series_[touch.pair];
+    if (k > 0) series[k] = series[k] + before;
+    if (k + 2 < frames_) series[k + 1] = series[k + 1] + after;
+  }
+
+  // The speed at which other blows of the interval send the two against each other.
+  [[nodiscard]] double sent_m_s(const Touch& touch, std::size_t k) const {
+    Vec3 apart_m_s;
+    const Vec3 point = mean_point(touch), n = touch.closing.normal;
+    for (const Touch& other : touches_[k]) {
+      if (&other == &touch) continue;
+      for (std::size_t p = 0; p < other.blow_ns.size(); ++p) {
+        const auto add = [&](std::size_t body, double sign, Vec3 arm_m) {
+          const Vec3 turning = motion(body).inverse_inertia(k) * cross(arm_m, other.blow_ns[p]);
+          const auto speed = [&](const Motion& moving) {
+            return sign * (motion(body).inverse_mass() * other.blow_ns[p] + cross(turning, point - moving.position_m));
+          };
+          if (body == touch.pair.first) apart_m_s = apart_m_s + speed(touch.met.first);
+          if (body == touch.pair.second) apart_m_s = apart_m_s - speed(touch.met.second);
+        };
+        add(other.pair.first, 1, other.met.points[p].point_m - other.met.first.position_m);
+        add(other.pair.second, -1, other.met.points[p].point_m - other.met.second.position_m);
+      }
+    }
+    return -dot(apart_m_s, n);
   }
 
   void divide(Indices pair, PushSeries series) {
@@ -196,11 +285,12 @@ class Recoverer {
       for (const std::size_t k : {std::max<std::size_t>(frame, 1) - 1, frame}) {
         const Touch* touch = touch_of(pair, k);
         if (!touch || approaches.contains(k)) continue;
-        const auto [approach_m_s, parting_m_s, normal, inverse_mass] = closing(*touch, k);
-        const bool strikes = approach_m_s > limits_.strike_m_s;
+        const auto [approach_m_s, parting_m_s, normal, inverse_mass] = touch->closing;
+        const double fastest_m_s = touch->answers ? std::max(approach_m_s, sent_m_s(*touch, k)) : approach_m_s;
+        const bool strikes = fastest_m_s > limits_.strike_m_s;
         if (!(inverse_mass > 0) || !(strikes || parting_m_s > kBurst_m_s)) continue;
-        approaches[k] = {normal, (strikes ? approach_m_s : 2 * kBurst_m_s) / inverse_mass, touch->met.share};
-        speeds[k] = std::max(approach_m_s, kBurst_m_s);
+        approaches[k] = {normal, (strikes ? fastest_m_s : 2 * kBurst_m_s) / inverse_mass, touch->share};
+        speeds[k] = std::max(fastest_m_s, kBurst_m_s);
       }
     }
     for (const Blow& blow : take_blows(series, approaches, weight_ns(pair))) {
@@ -245,11 +335,6 @@ class Recoverer {
     tell(pair.second, touch.met.second, -1);
   }
 
-  struct Closing {
-    double approach_m_s = 0, parting_m_s = 0;  // along the normal, before and after
-    Vec3 normal;
-    double inverse_mass = 0;
-  };
   // The fastest point at which the two come together.
   [[nodiscard]] Closing closing(const Touch& touch, std::size_t k) const {
     Closing fastest{.approach_m_s = -1e300};

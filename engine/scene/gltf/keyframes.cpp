@@ -1,21 +1,14 @@
 #include "engine/scene/gltf/keyframes.h"
 
+#include "engine/scene/gltf/file_axes.h"
 #include "engine/scene/rotation.h"
 
-#include <cmath>
 #include <utility>
 #include <vector>
 
 namespace ringdown::scene {
 
 using modal::Json;
-
-Vec3 to_file(Vec3 v) { return {v.x, v.z, -v.y}; }
-
-Rotation to_file(const Rotation& q) {
-  const double h = std::sqrt(0.5);
-  return normalized(Rotation::from_xyzw(-h, 0, 0, h) * q);
-}
 
 void KeyframeWriter::add(std::size_t node, const MotionPath& path, double start_s) {
   std::vector<float> places, turns;

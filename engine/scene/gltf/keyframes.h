@@ -1,7 +1,6 @@
 // Writes paths of bodies as an animation of glTF nodes. For the writer of scenes (gltf/writer.h). [worker]
 #pragma once
 
-#include "engine/base/rotation.h"
 #include "engine/gltf/glb.h"
 #include "engine/scene/motion_path.h"
 
@@ -10,10 +9,6 @@
 #include <utility>
 
 namespace ringdown::scene {
-
-// Converts to the axes of a glTF file, in which y points up: our (x, y, z) is its (x, z, -y).
-Vec3 to_file(Vec3 v);
-Rotation to_file(const Rotation& q);
 
 class KeyframeWriter {
  public:
