@@ -7,7 +7,7 @@
 namespace ringdown::scene {
 namespace {
 
-constexpr int kMaxSweeps = 60;     // of one frame at a time
+constexpr int kMaxSweeps = 30;     // of one frame at a time
 constexpr int kBlowPasses = 6;     // over all frames, with blows alone
 constexpr int kPasses = 3;         // with loads
 constexpr double kEnough = 1e-4;   // change of an impulse in a sweep, of the largest impulse

@@ -159,13 +159,36 @@ class Recoverer {
     return found == touches_[k].end() ? nullptr : &*found;
   }
 
-  // Finds out which touches of interval `k` are blows. A blow on a body is one for all that the body touches then.
+  // Returns true if a blow on a body, before or after the touch, leads the body away from where the touch was seen: the
+  // touch lies on the body's way as it would have been without the blow, and only there.
+  [[nodiscard]] bool is_led_away(const Touch& touch, std::size_t k) const {
+    if (touch.met.onward == touch.met.backward) return false;
+    return std::ranges::any_of(touches_[k], [&](const Touch& other) {
+      if (!other.blow || !other.met.onward || !other.met.backward || other.pair == touch.pair) return false;
+      const bool shares = [&] {
+        for (const std::size_t n : {touch.pair.first, touch.pair.second}) {
+          if (motion(n).moves() && (n == other.pair.first || n == other.pair.second)) return true;
+        }
+        return false;
+      }();
+      return shares && (touch.met.onward ? other.share < touch.share : other.share > touch.share);
+    });
+  }
+
+  // Finds out which touches of interval `k` are blows. A blow on a body is one for what carries the body, too.
   void find_blows(std::size_t k) {
     std::map<std::size_t, const Touch*> struck;  // the fastest blow on each body
     for (Touch& touch : touches_[k]) {
       touch.closing = closing(touch, k);
       touch.blow = touch.closing.inverse_mass > 0 && touch.closing.approach_m_s > limits_.strike_m_s;
       touch.share = touch.met.share;
+    }
+    std::vector<bool> led_away;
+    for (const Touch& touch : touches_[k]) led_away.push_back(is_led_away(touch, k));
+    std::erase_if(touches_[k], [&](const Touch& touch) {
+      return led_away[static_cast<std::size_t>(&touch - touches_[k].data())];
+    });
+    for (const Touch& touch : touches_[k]) {
       if (!touch.blow) continue;
       for (const std::size_t n : {touch.pair.first, touch.pair.second}) {
         if (!motion(n).moves()) continue;
@@ -174,7 +197,7 @@ class Recoverer {
       }
     }
     for (Touch& touch : touches_[k]) {
-      if (touch.blow) continue;
+      if (touch.blow || motion(touch.pair.second).moves()) continue;
       const Touch* cause = nullptr;
       for (const std::size_t n : {touch.pair.first, touch.pair.second}) {
         const auto found = struck.find(n);
