@@ -42,19 +42,20 @@ Result<scene::SceneDescription> read(const std::filesystem::path& path) {
   return std::move(read->scene);
 }
 
-// Simulates the scene, and writes its poses as keyframes.
-Result<std::vector<std::byte>> animate(scene::SceneDescription scene, const SceneArguments& arguments,
-                                       const std::vector<modal::Bank>& banks, const std::stop_token& stop) {
+// Simulates the scene, which then has its poses as keyframes.
+Result<void> animate(scene::SceneDescription& scene, const SceneArguments& arguments,
+                     const std::vector<modal::Bank>& banks, const std::stop_token& stop) {
   if (arguments.seconds) scene.duration_s = *arguments.seconds;
   std::vector<scene::SoundingObject> objects;
   for (std::size_t k = 0; k < banks.size(); ++k)
     objects.push_back({scene.objects[k].name, static_cast<synth::ObjectNumber>(k),
                        std::make_shared<const modal::Bank>(banks[k])});
-  const auto recording = scene::record(scene, objects, *arguments.animate_fps,
+  auto recording = scene::record(scene, objects, *arguments.animate_fps,
                                        [&stop](double) { return !stop.stop_requested(); });
   if (!recording) return fail(recording.error());
   for (const std::string& notice : recording->notices) complain(notice, ExitCode::ok);
-  return arguments.plain ? scene::to_picture_glb(recording->scene, banks) : scene::to_glb(recording->scene, banks);
+  scene = std::move(recording->scene);
+  return {};
 }
 
 ExitCode export_scene(const SceneArguments& arguments, const std::stop_token& stop) {
@@ -63,7 +64,7 @@ ExitCode export_scene(const SceneArguments& arguments, const std::stop_token& st
                     ExitCode::usage);
   const auto path = preset_or_file(arguments.scene, PresetKind::scene);
   if (!path) return complain(path.error());
-  const auto scene = read(*path);
+  auto scene = read(*path);
   if (!scene) return complain(scene.error());
   std::vector<modal::Bank> banks;
   for (const scene::ObjectDescription& object : scene->objects) {
@@ -71,8 +72,10 @@ ExitCode export_scene(const SceneArguments& arguments, const std::stop_token& st
     if (!bank) return complain(bank.error());
     banks.push_back(*std::move(bank));
   }
-  const auto bytes =
-      arguments.animate_fps ? animate(*scene, arguments, banks, stop) : scene::to_glb(*scene, banks);
+  if (arguments.animate_fps) {
+    if (const auto animated = animate(*scene, arguments, banks, stop); !animated) return complain(animated.error());
+  }
+  const auto bytes = arguments.plain ? scene::to_picture_glb(*scene, banks) : scene::to_glb(*scene, banks);
   if (!bytes) return complain(bytes.error());
   if (const auto written = write_output(arguments.output, *bytes); !written) return complain(written.error());
   std::printf("%s: %zu bodies, %zu objects\n", arguments.output.c_str(), scene->bodies.size(), scene->objects.size());

@@ -33,6 +33,7 @@ std::vector<scene::HeardContact> play(const scene::SceneDescription& animated,
 
 struct Comparison {
   std::size_t alone = 0, found = 0, false_ones = 0;  // blows that lie apart from the pair's others; of them found
+  std::size_t pushes = 0;                // false ones where the pair's lasting contact has that impulse
   double time_ms = 0, worst_ms = 0;                  // error of time: 90th percentile, largest
   double impulse_db = 0;                             // median of the error's size
   std::size_t groups = 0;

@@ -31,6 +31,7 @@ double GltfAnimations::frame_s() const {
   double shortest_s = 1e300, span_s = 0;
   for (const auto& [node, channels] : channels_) {
     for (const Channel& channel : channels) {
+      if (channel.target == Target::scale) continue;  // two keys that hide a body until it starts lie anywhere
       for (std::size_t k = 0; k + 1 < channel.times_s.size(); ++k) {
         const double apart_s = static_cast<double>(channel.times_s[k + 1]) - static_cast<double>(channel.times_s[k]);
         if (apart_s < 0.99 * shortest_s) shortest_s = apart_s, span_s = 0;
@@ -128,7 +129,10 @@ std::vector<double> GltfAnimations::value_at(const Channel& channel, double time
   const std::vector<float>& times = channel.times_s;
   const std::size_t width = channel.target == Target::rotation ? 4 : 3;
   const std::size_t each = width * (channel.way == Way::cubic ? 3 : 1), value = channel.way == Way::cubic ? width : 0;
-  const auto after = std::ranges::upper_bound(times, time_s, {}, [](float t) { return static_cast<double>(t); });
+  // A frame whose time is that of a key but for rounding has the key's value.
+  constexpr double kRounding_s = 1e-5;
+  const double reached_s = channel.way == Way::step ? time_s + kRounding_s : time_s;
+  const auto after = std::ranges::upper_bound(times, reached_s, {}, [](float t) { return static_cast<double>(t); });
   const std::size_t k = after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin()) - 1;
   const auto at = [&](std::size_t key, std::size_t offset, std::size_t c) {
     return static_cast<double>(channel.values[key * each + offset + c]);
