@@ -37,6 +37,7 @@ const std::map<std::string, Words> kNeeded = {
     {"ringdown-compare", {"my-bowl"}},
     {"ringdown-fit", {"cup.wav"}},
     {"ringdown foley", {"fall.glb", "-o", "fall.wav"}},
+    {"ringdown scene export", {"demo", "-o", "demo.glb"}},
     {"ringdown strike", {"bell", "--impulse", "1,0,0"}},
 };
 

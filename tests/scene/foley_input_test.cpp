@@ -243,7 +243,8 @@ TEST(FoleyInput, MirroredAndUnevenlyScaledNodesStrikeAndTheirBakeIsRefused) {
   const std::size_t node = add_falling_cube(room, 0, "glass");
   room.json["materials"] = {{{"name", "glass"}}};
   room.json["meshes"][1]["primitives"][0]["material"] = 0;
-  for (const auto& [scale, part] : {std::pair(std::vector<double>{-1, 1, 1}, 1.0), {{2, 1, 0.5}, 1.0}, {{2, 1, 2}, 4.0}}) {
+  for (const auto& [scale, part] :
+       {std::pair(std::vector<double>{-1, 1, 1}, 1.0), {{2, 1, 0.5}, 1.0}, {{2, 1, 2}, 4.0}}) {
     room.json["nodes"][node]["scale"] = scale;
     expect_one_landing(hear(room), part);
     const std::string bytes = room.glb();
@@ -304,7 +305,7 @@ TEST(FoleyInput, ARecordedSceneThroughItsFileGivesTheImpactsOfItsSimulation) {
     numbers.push_back(number(one.name));
     if (!one.path) continue;
     const BodyDescription& two = truth.animated.bodies.at(numbers.back());
-    EXPECT_NEAR(one.start_s, two.start_s, 1e-6);
+    EXPECT_NEAR(one.start_s, std::min(two.start_s, preset.scene.duration_s), 1e-6);
     ASSERT_TRUE(two.path);
     ASSERT_EQ(one.path->poses.size(), two.path->poses.size());
     EXPECT_LT(length(one.path->poses.back().position_m - two.path->poses.back().position_m), 1e-6);

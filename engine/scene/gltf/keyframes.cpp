@@ -3,6 +3,7 @@
 #include "engine/scene/gltf/file_axes.h"
 #include "engine/scene/rotation.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -26,8 +27,10 @@ void KeyframeWriter::add(std::size_t node, const MotionPath& path, double start_
   const std::size_t times = times_of(path);
   add_channel(node, "translation", times, writer_.add_floats(places, 3), "LINEAR");
   add_channel(node, "rotation", times, writer_.add_floats(turns, 4), "LINEAR");
-  if (!(start_s > 0)) return;
-  const std::vector<float> moments{0, static_cast<float>(start_s)}, scales{0, 0, 0, 1, 1, 1};
+  if (!(start_s > 0) || path.poses.size() < 2) return;
+  // What starts after the end appears in the last frame, so that the animation does not become longer.
+  const double end_s = path.every_s * static_cast<double>(path.poses.size() - 1);
+  const std::vector<float> moments{0, static_cast<float>(std::min(start_s, end_s))}, scales{0, 0, 0, 1, 1, 1};
   add_channel(node, "scale", writer_.add_floats(moments, 1, modal::GlbWriter::Use::times),
               writer_.add_floats(scales, 3), "STEP");
 }

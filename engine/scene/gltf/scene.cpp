@@ -292,7 +292,8 @@ class GltfSceneReader {
       made.rotation = path->poses[0].rotation;
       made.path = std::move(path);
       made.start_s = animations_.appears_s(frame_node(body));
-      if (scene_.foley && !made.mass && (made.object.empty() || !has_mass_)) made.mass = mass_of(made.shape, kUsualDensity_kg_m3);
+      if (scene_.foley && !made.mass && (made.object.empty() || !has_mass_))
+        made.mass = mass_of(made.shape, kUsualDensity_kg_m3);
     }
     names_[body.node] = made.name;
     scene_.bodies.push_back(std::move(made));
