@@ -288,8 +288,7 @@ class GltfSceneReader {
     if (auto path = animations_.path_of(frame_node(body))) {
       made.fixed = true;
       made.velocity_m_s = made.spin_rad_s = {};
-      made.position_m = path->poses[0].position_m;
-      made.rotation = path->poses[0].rotation;
+      made.position_m = path->poses[0].position_m, made.rotation = path->poses[0].rotation;
       made.path = std::move(path);
       made.start_s = animations_.appears_s(frame_node(body));
       if (scene_.foley && !made.mass && (made.object.empty() || !has_mass_))
