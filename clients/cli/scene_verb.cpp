@@ -9,7 +9,7 @@
 #include "engine/scene/gltf/picture_writer.h"
 #include "engine/scene/gltf/scene.h"
 #include "engine/scene/gltf/writer.h"
-#include "engine/scene/recording.h"
+#include "engine/scene/foley/recording.h"
 #include "engine/scene/scene_file.h"
 #include "packaging/manual/command_line.h"
 

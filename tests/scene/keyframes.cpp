@@ -2,7 +2,7 @@
 
 #include "engine/modal/bank_file.h"
 #include "engine/scene/contact/contact_life.h"
-#include "engine/scene/recording.h"
+#include "engine/scene/foley/recording.h"
 #include "engine/scene/scene_file.h"
 
 #include <algorithm>

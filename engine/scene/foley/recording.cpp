@@ -1,4 +1,4 @@
-#include "engine/scene/recording.h"
+#include "engine/scene/foley/recording.h"
 
 #include "engine/scene/motion_path.h"
 #include "engine/scene/rotation.h"
