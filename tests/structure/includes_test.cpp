@@ -147,6 +147,7 @@ const std::vector<LibraryRule> kLibraryRules = {
       "engine/synth/kernels/moment_synthesis-inl.h", "engine/synth/kernels/moments-inl.h"}},
     {"nlohmann/", {"engine/gltf/glb.h"}, 1, {"engine/gltf/glb.h"}},
     {"tl/", {"engine/base/"}, 1, {"engine/base/"}},
+    {"fmt/", {"engine/base/formatted.h"}, 1, {"engine/base/formatted.h"}},
     {"toml++/", {"engine/base/"}, 1},
     {"xxhash.h", {"engine/base/"}, 1},
     {"CLI/", {"packaging/manual/command_line.cpp"}, 1},
