@@ -8,12 +8,12 @@
 #include "engine/bake/heard_modes.h"
 #include "engine/bake/sample_points.h"
 #include "engine/bake/solve_body.h"
+#include "engine/base/formatted.h"
 #include "engine/fem/shape_change.h"
 #include "engine/mesh/boundary.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -203,7 +203,7 @@ Result<std::optional<Sounding>> find_above_band(const Task& task, const Eigen::V
   for (double top_hz = kStep * task.options.band_high_hz; top_hz < kHighest_hz; top_hz *= kStep) {
     if (!(task.makeup.highest_lambda(top_hz) > 0)) break;
     Result<Sounding> found = modes_up_to(top_hz, task, gaps_m, report, progress);
-    if (!found) return fail(found.error());
+    if (!found) return fail(found);
     if (found->heard.empty()) continue;
     const double limit_hz = kThird * found->heard.front().mode.frequency_hz;
     std::erase_if(found->heard, [limit_hz](const HeardMode& mode) { return mode.mode.frequency_hz > limit_hz; });
@@ -215,11 +215,11 @@ Result<std::optional<Sounding>> find_above_band(const Task& task, const Eigen::V
 
 // The sentence about a body without a mode in its band.
 Error no_mode(const std::string& name, const BakeOptions& options, std::optional<double> lowest_hz) {
-  char lowest[48] = "";
-  if (lowest_hz) std::snprintf(lowest, sizeof lowest, "; its lowest is at %.4g kHz", *lowest_hz / 1000);
-  return {ErrorKind::bad_input, name + " has no mode between " + std::to_string(std::lround(options.band_low_hz)) +
-                                    " and " + std::to_string(std::lround(options.band_high_hz)) + " Hz" + lowest +
-                                    "; it may be too small or too large (check the unit of its mesh)"};
+  const std::string lowest = lowest_hz ? formatted("; its lowest is at {:.4g} kHz", *lowest_hz / 1000) : "";
+  return {
+      ErrorKind::bad_input,
+      formatted("{} has no mode between {} and {} Hz{}; it may be too small or too large (check the unit of its mesh)",
+                name, std::lround(options.band_low_hz), std::lround(options.band_high_hz), lowest)};
 }
 
 Result<void> check_request(const modal::Material& material, const BakeOptions& options, const std::string& name) {
@@ -272,13 +272,13 @@ Result<Sounding> find_modes(const Task& task, const Eigen::VectorXd& gaps_m, Bak
   Result<Sounding> found = modes_up_to(options.band_high_hz, task, gaps_m, report, progress);
   if (!found) return found;
   if (found->modes.nonlinear) {
-    if (auto shallow = check_shallow(*found->modes.nonlinear, task.name); !shallow) return fail(shallow.error());
+    if (auto shallow = check_shallow(*found->modes.nonlinear, task.name); !shallow) return fail(shallow);
   }
   const LeftOut& left_out = found->left_out;
   if (!found->heard.empty() || left_out.below_band > 0 || left_out.over_damped > 0) return found;
   if (options.may_be_silent) return found;
   Result<std::optional<Sounding>> above = find_above_band(task, gaps_m, report, progress);
-  if (!above) return fail(above.error());
+  if (!above) return fail(above);
   if (!*above) return fail(no_mode(task.name, options, {}));
   if (!options.raise_band) return fail(no_mode(task.name, options, (*above)->heard.front().mode.frequency_hz));
   (*above)->left_out = left_out;
@@ -382,16 +382,16 @@ Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional
 
 Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress) {
-  if (auto good = check_request(material, options, name); !good) return fail(good.error());
+  if (auto good = check_request(material, options, name); !good) return fail(good);
   if (progress && !progress("assemble", 0)) return fail_cancelled();
   const Result<Task> task = prepare(checked, material, options, name);
-  if (!task) return fail(task.error());
+  if (!task) return fail(task);
   Baked baked;
   Result<Sounding> sounding = find_modes(*task, checked.gaps_m, baked.report, progress);
-  if (!sounding) return fail(sounding.error());
+  if (!sounding) return fail(sounding);
   report_modes(*task, *sounding, baked.report);
   const Result<std::optional<Vec3>> origin_m = add_radiation(*task, *sounding, baked.report, progress);
-  if (!origin_m) return fail(origin_m.error());
+  if (!origin_m) return fail(origin_m);
   if (sounding->heard.empty()) {
     if (!options.may_be_silent) return fail(no_mode(name, options, {}));
     fill_silent(*task, *sounding, baked);
@@ -399,7 +399,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   }
   if (progress && !progress("finish", 0)) return fail_cancelled();
   Stopwatch watch;
-  if (auto filled = fill_bank(*task, *sounding, *origin_m, baked, progress); !filled) return fail(filled.error());
+  if (auto filled = fill_bank(*task, *sounding, *origin_m, baked, progress); !filled) return fail(filled);
   baked.report.finish_seconds = watch.lap();
   return baked;
 }

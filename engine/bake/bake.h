@@ -1,7 +1,7 @@
 // Mesh + material -> bank. [worker]
 //
 //   Result<Baked> baked = bake(mesh, material, {}, "bell");
-//   if (!baked) return fail(baked.error());
+//   if (!baked) return fail(baked);
 //   return modal::write_bank(baked->bank, "bell.glb");
 #pragma once
 

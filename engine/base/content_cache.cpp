@@ -2,6 +2,7 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/base/byte_stream.h"
+#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -63,7 +64,7 @@ std::vector<Kept> files_in(const fs::path& folder) {
 }  // namespace
 
 fs::path ContentCache::file_of(std::string_view kind, const ContentHash& key) const {
-  return folder_ / (std::string(kind) + "-" + key.text());
+  return folder_ / formatted("{}-{}", kind, key.text());
 }
 
 std::optional<std::string> ContentCache::find(std::string_view kind, const ContentHash& key) const {

@@ -1,5 +1,6 @@
 #include "engine/modal/bank_extras.h"
 
+#include "engine/base/formatted.h"
 #include "engine/base/version.h"
 #include "engine/modal/nonlinear_limits.h"
 
@@ -221,12 +222,12 @@ Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const JsonPl
   constexpr std::size_t kMaxBytes = 32768;   // for each mode
   if (!field["maps"].present()) return std::nullopt;
   const auto bytes = read_bytes(glb, field["maps"], kMaxBytes * (modes + 1));
-  if (!bytes) return fail(bytes.error());
+  if (!bytes) return fail(bytes);
   auto maps = unpack(*bytes, field["maps"].path());
-  if (!maps) return fail(maps.error());
+  if (!maps) return fail(maps);
   if (maps->modes.size() != modes) {
-    return fail(ErrorKind::bad_input, field["maps"].path() + " is of " + std::to_string(maps->modes.size()) +
-                                          " modes, expected " + std::to_string(modes) + " as in frequencies");
+    return fail(ErrorKind::bad_input, "{} is of {} modes, expected {} as in frequencies", field["maps"].path(),
+                maps->modes.size(), modes);
   }
   BankRadiation radiation{.maps = std::move(*maps), .error_db = read_numbers(field["errors"], modes)};
   Air& air = radiation.air;
@@ -272,25 +273,24 @@ Result<std::optional<NonlinearTerms>> NonlinearReader::operator()() const {
     terms.modes.push_back(static_cast<std::uint32_t>(mode));
   }
   if (terms.modes.empty() || terms.modes.size() > kMaxNonlinearModes)
-    return list.wrong("a list of 1 to " + std::to_string(kMaxNonlinearModes) + " modes");
+    return list.wrong(formatted("a list of 1 to {} modes", kMaxNonlinearModes));
   auto curving = read_floats(glb, field["curving"], 1, kMaxNonlinearFunctions * terms.mode_count());
-  if (!curving) return fail(curving.error());
+  if (!curving) return fail(curving);
   terms.curving = std::move(*curving);
   auto bending = read_floats(glb, field["bending"], 1, kMaxNonlinearFunctions * terms.pairs());
-  if (!bending) return fail(bending.error());
+  if (!bending) return fail(bending);
   terms.bending = std::move(*bending);
   const std::size_t functions = terms.function_count();
   if (functions == 0 || terms.curving.size() != functions * terms.mode_count() ||
       terms.bending.size() != functions * terms.pairs()) {
-    return fail(ErrorKind::bad_input, field["bending"].path() + " has " + std::to_string(terms.bending.size()) +
-                                          " elements, expected " + std::to_string(functions * terms.pairs()) +
-                                          " (functions times pairs of modes)");
+    return fail(ErrorKind::bad_input, "{} has {} elements, expected {} (functions times pairs of modes)",
+                field["bending"].path(), terms.bending.size(), functions * terms.pairs());
   }
   terms.thickness_m = field["thickness"].number().value_or(0);
   terms.residual = number_in(field["residual"].number(), 0, 1, 0);
   terms.coupled = static_cast<std::uint32_t>(std::min<std::size_t>(field["coupled"].index().value_or(0), kMaxCoupled));
   terms.errors = read_numbers(field["errors"], terms.mode_count());
-  if (const auto checked = check(terms, bank, field.path()); !checked) return fail(checked.error());
+  if (const auto checked = check(terms, bank, field.path()); !checked) return fail(checked);
   return terms;
 }
 
@@ -348,10 +348,10 @@ Result<void> read_extras(const Glb& glb, const JsonPlace& extras, Bank& bank) {
   if (kStatedPitch_hz.holds(pitch_hz)) bank.pitch_hz = pitch_hz;
   bank.provenance = read_provenance(extras);
   auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());
-  if (!radiation) return fail(radiation.error());
+  if (!radiation) return fail(radiation);
   bank.radiation = std::move(*radiation);
   auto nonlinear = NonlinearReader{glb, extras["nonlinear"], bank}();
-  if (!nonlinear) return fail(nonlinear.error());
+  if (!nonlinear) return fail(nonlinear);
   bank.nonlinear = std::move(*nonlinear);
   return {};
 }

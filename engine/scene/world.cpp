@@ -1,5 +1,6 @@
 #include "engine/scene/world.h"
 
+#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/scene/body_store.h"
 #include "engine/scene/check.h"
@@ -118,7 +119,7 @@ Result<BodyId> World::State::add(BodyDescription description, bool spawned) {
   if (store.bodies().at(*added).description.breaks) {
     if (const auto ready = breaking.add(*added, store.bodies().at(*added)); !ready) {
       store.remove(*added);
-      return fail(ready.error());
+      return fail(ready);
     }
   }
   if (has_path) driven.push_back(*added);
@@ -130,8 +131,8 @@ Result<BodyId> World::State::add(BodyDescription description, bool spawned) {
 Result<void> World::State::add_all(const EmitterDescription& emitter) {
   BodyDescription body = emitter.body;
   for (std::uint64_t k = 1; k <= emitter.count; ++k) {
-    body.name = emitter.name + "-" + std::to_string(k);
-    if (const auto added = add(body, false); !added) return fail(added.error());
+    body.name = formatted("{}-{}", emitter.name, k);
+    if (const auto added = add(body, false); !added) return fail(added);
     body.start_s += emitter.every_s;
   }
   return {};
@@ -257,7 +258,7 @@ World::~World() = default;
 
 Result<World> World::create(const SceneDescription& scene, std::span<const SoundingObject> objects,
                             double sample_rate_hz) {
-  if (const auto ok = check(scene); !ok) return fail(ok.error());
+  if (const auto ok = check(scene); !ok) return fail(ok);
   if (!(sample_rate_hz >= 1 && sample_rate_hz <= 1e7))
     return fail(ErrorKind::bad_input, "a scene needs a sample rate from 1 to 1e7 Hz");
   auto state = std::make_unique<State>(scene, sample_rate_hz);
@@ -267,14 +268,14 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
   }
   state->add_statics(scene);
   for (const BodyDescription& body : scene.bodies) {
-    if (const auto added = state->add(body, false); !added) return fail(added.error());
+    if (const auto added = state->add(body, false); !added) return fail(added);
   }
   for (const EmitterDescription& emitter : scene.emitters) {
-    if (const auto added = state->add_all(emitter); !added) return fail(added.error());
+    if (const auto added = state->add_all(emitter); !added) return fail(added);
   }
   if (scene.foley) {
     auto recovered = recover_contacts(scene, state->store);
-    if (!recovered) return fail(recovered.error());
+    if (!recovered) return fail(recovered);
     state->first_notices = recovered->notes;
     state->recovered.emplace(*std::move(recovered));
   }
@@ -318,7 +319,7 @@ Result<BodyId> World::spawn(BodyDescription body) {
   if (!body.object.empty() && !state_->store.find_object(body.object)) {
     return fail(ErrorKind::bad_input, "cannot spawn: no object " + quote(body.object) + " is loaded");
   }
-  body.name += "-" + std::to_string(state_->store.next_id());
+  body.name += formatted("-{}", state_->store.next_id());
   return state_->add(std::move(body), true);
 }
 
@@ -337,7 +338,7 @@ void World::clear() {
 Result<void> World::set_object(const SoundingObject& object) {
   if (!object.bank) return fail(ErrorKind::bad_input, "object " + quote(object.name) + " has no bank");
   const auto solids = state_->store.solids_of(object);
-  if (!solids) return fail(solids.error());
+  if (!solids) return fail(solids);
   state_->store.put_object(object);
   for (const auto& [id, solid] : *solids) {
     Body& body = state_->store.bodies().at(id);
@@ -358,8 +359,7 @@ void World::remove_object(synth::ObjectNumber number) {
 Result<void> World::push(BodyId id, Vec3 impulse_ns) {
   auto& bodies = state_->store.bodies();
   const auto found = bodies.find(id);
-  if (found == bodies.end())
-    return fail(ErrorKind::bad_input, "cannot push: the scene has no body " + std::to_string(id));
+  if (found == bodies.end()) return fail(ErrorKind::bad_input, "cannot push: the scene has no body {}", id);
   Body& body = found->second;
   const std::string who = "body " + quote(body.description.name);
   if (!within(impulse_ns, range::kPush_ns))

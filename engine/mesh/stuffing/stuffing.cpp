@@ -1,5 +1,6 @@
 #include "engine/mesh/stuffing/stuffing.h"
 
+#include "engine/base/formatted.h"
 #include "engine/base/in_parallel.h"
 #include "engine/mesh/mesh_check.h"
 #include "engine/mesh/mesh_joints.h"
@@ -13,7 +14,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -309,12 +309,6 @@ class Stuffing {
   TetMesh mesh_;
 };
 
-std::string text(const char* format, double a, double b) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof buffer, format, a, b);
-  return buffer;
-}
-
 }  // namespace
 
 double Solid::exit_fraction(const Vector3d& a, const Vector3d& b) const {
@@ -337,9 +331,9 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   if (!(points < kMaxLatticePoints)) {
     return fail(
         ErrorKind::too_large,
-        text("a mesh size of %.3g mm would need a lattice of %.2g million points, above 30 million", size * 1e3,
-             points / 1e6) +
-            text("; %.3g mm is the finest that fits", 1.05 * size * std::cbrt(points / kMaxLatticePoints) * 1e3, 0));
+        "a mesh size of {:.3g} mm would need a lattice of {:.2g} million points, above 30 million; {:.3g} mm is "
+        "the finest that fits",
+        size * 1e3, points / 1e6, 1.05 * size * std::cbrt(points / kMaxLatticePoints) * 1e3);
   }
   const Vector3d origin = (solid.low + solid.high - size * cubes) / 2;
   Stuffing stuffing(solid, BccLattice(origin, size, cubes.cast<int>()), options.threads, progress);
@@ -350,9 +344,10 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   stuffed.crumbs = trimmed.crumbs;
   stuffed.hinges = trimmed.hinges;
   if (stuffed.mesh.elements.rows() == 0) {
-    return fail(ErrorKind::bad_input, text("a mesh size of %.3g mm finds nothing inside the surface: it is open, or "
-                                           "its walls are thinner; close it, or choose a smaller mesh size",
-                                           size * 1e3, 0));
+    return fail(ErrorKind::bad_input,
+                "a mesh size of {:.3g} mm finds nothing inside the surface: it is open, or its walls are thinner; "
+                "close it, or choose a smaller mesh size",
+                size * 1e3);
   }
   return stuffed;
 }

@@ -2,6 +2,7 @@
 
 #include "engine/base/content_hash.h"
 #include "engine/base/file_format.h"
+#include "engine/base/formatted.h"
 #include "engine/base/object_name.h"
 #include "engine/base/quote.h"
 #include "engine/base/within_memory.h"
@@ -82,12 +83,11 @@ class GltfSceneReader {
     collect();
     for (const GatheredBody& body : bodies_) add(body);
     if (scene_.foley && animations_.length_s() > 0) scene_.duration_s = std::max(animations_.length_s(), 0.01);
-    if (const auto good = document_.result(); !good) return fail(good.error());
+    if (const auto good = document_.result(); !good) return fail(good);
     add_joints();
     add_camera();
-    if (const auto good = document_.result(); !good) return fail(good.error());
-    if (const auto good = check(scene_); !good)
-      return fail(good.error().kind, path_.string() + ": " + good.error().message);
+    if (const auto good = document_.result(); !good) return fail(good);
+    if (const auto good = check(scene_); !good) return fail(path_.string(), good);
     return GltfScene{std::move(scene_), document_.notes.sentences()};
   }
 
@@ -311,7 +311,7 @@ class GltfSceneReader {
     StaticDescription plane = place_plane(collider.geometry, nodes()[collider.node].world);
     plane.name = nodes()[collider.node].name;
     for (int k = 2; std::ranges::count(scene_.statics, plane.name, &StaticDescription::name) > 0; ++k)
-      plane.name = nodes()[collider.node].name + "-" + std::to_string(k);
+      plane.name = formatted("{}-{}", nodes()[collider.node].name, k);
     plane.surface = collider.surface;
     plane.filter = collider.filter;
     scene_.statics.push_back(std::move(plane));
@@ -361,7 +361,7 @@ class GltfSceneReader {
     if (motion["mass"].present()) {
       double wanted_kg = document_.number(motion["mass"], 1);
       if (wanted_kg == 0)
-        note("an infinite mass is replaced by " + std::to_string(static_cast<int>(range::kMass_kg.high)) + " kg");
+        note(formatted("an infinite mass is replaced by {} kg", static_cast<int>(range::kMass_kg.high)));
       if (wanted_kg == 0) wanted_kg = range::kMass_kg.high;
       if (!range::kMass_kg.holds(wanted_kg)) return document_.refuse(motion["mass"].wrong("0, or 1e-7 to 1e7 kg"));
       mass.inertia_kg_m2 = (wanted_kg / mass.mass_kg) * mass.inertia_kg_m2;
@@ -432,7 +432,7 @@ class GltfSceneReader {
   std::string unique_body(const std::string& wanted) const {
     std::string name = wanted;
     for (int k = 2; std::ranges::count(scene_.bodies, name, &BodyDescription::name) > 0; ++k)
-      name = wanted + "-" + std::to_string(k);
+      name = formatted("{}-{}", wanted, k);
     return name;
   }
 
@@ -445,7 +445,7 @@ class GltfSceneReader {
     if (!is_object_name(plain)) plain = "n" + plain;
     std::string name = plain;
     for (int k = 2; std::ranges::count(scene_.objects, name, &ObjectDescription::name) > 0; ++k)
-      name = plain + "-" + std::to_string(k);
+      name = formatted("{}-{}", plain, k);
     return name;
   }
 
@@ -480,9 +480,9 @@ Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::
                                    const modal::ReadBeside& read_beside, const std::optional<FoleyLimits>& foley) {
   return within_memory("read " + path.string(), [&]() -> Result<GltfScene> {
     const auto glb = modal::parse_gltf(bytes, path.string(), read_beside);
-    if (!glb) return fail(glb.error());
+    if (!glb) return fail(glb);
     auto document = GltfDocument::read(*glb);
-    if (!document) return fail(document.error());
+    if (!document) return fail(document);
     auto read = GltfSceneReader(*document, path, read_beside, foley).read();
     const JsonPlace own = glb->root()["extras"]["ringdown"];
     if (!read || !own["scene"].present() || foley) return read;
@@ -492,7 +492,7 @@ Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::
       return read;
     }
     auto exact = parse_scene(own["scene"].text_or(""), path, {});
-    if (!exact) return fail(exact.error());
+    if (!exact) return fail(exact);
     return GltfScene{*std::move(exact), {}};
   });
 }
