@@ -1,6 +1,7 @@
 #include "protocol/exit_codes.h"
 
 #include "engine/base/blas_memory.h"
+#include "engine/base/formatted.h"
 #include "engine/base/process/signals.h"
 #include "engine/base/within_memory.h"
 
@@ -13,7 +14,7 @@ namespace ringdown::protocol {
 std::string exit_code_help() {
   std::string text;
   for (const auto& [code, meaning] : kExitMeanings) {
-    text += (text.empty() ? "Exit codes: " : ", ") + std::to_string(static_cast<int>(code)) + " ";
+    text += formatted("{}{} ", text.empty() ? "Exit codes: " : ", ", static_cast<int>(code));
     text += meaning;
   }
   return text + ".";

@@ -1,5 +1,6 @@
 #include "server/zeroconf.h"
 
+#include "engine/base/formatted.h"
 #include "server/log.h"
 
 #include <avahi-client/client.h>
@@ -41,7 +42,7 @@ struct Zeroconf::Avahi {
 
   void complain(int error) {
     if (!std::exchange(complained, true)) {
-      log_warning("not announced by Zeroconf: " + std::string(avahi_strerror(error)) + "; is avahi-daemon running?");
+      log_warning(formatted("not announced by Zeroconf: {}; is avahi-daemon running?", avahi_strerror(error)));
     }
   }
 

@@ -1,5 +1,6 @@
 #include "server/session/offline.h"
 
+#include "engine/base/formatted.h"
 #include "engine/modal/nonlinear.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
@@ -46,11 +47,11 @@ class PieceFile {
   static Result<PieceFile> create(const std::filesystem::path& path, double sample_rate_hz, const Piece& first,
                                   std::size_t frames) {
     const auto target = output_target(path);
-    if (!target) return fail(target.error());
+    if (!target) return fail(target);
     SoundFormat format{.channels = written_channels(first).size(), .frames = frames};
     if (!first.ambisonics.empty()) format.comment = "AmbiX: channels in ACN order, SN3D";
     auto file = SoundFile::create(*target, sample_rate_hz, format);
-    if (!file) return fail(file.error());
+    if (!file) return fail(file);
     return PieceFile(std::move(*file));
   }
 
@@ -99,7 +100,7 @@ class Run {
     settings.max_coupled = modal::kMaxCoupled;
     session_.rack().mixer().configure(settings);
     for (const auto& [name, bank] : options_.objects) {
-      if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
+      if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded);
     }
     if (options_.foley) {
       session_.scene().set_watched(true);  // contacts are reported even if nothing can sound
@@ -107,7 +108,7 @@ class Run {
           *options_.foley, [this](std::span<const scene::HeardContact> contacts) { contacts_.add(contacts); });
     }
     if (options_.scene) {
-      if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded.error());
+      if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded);
     }
     if (options_.foley) name_contacts();
     const double score_s = take_score_length();
@@ -292,7 +293,7 @@ class Run {
   }
 
   void warn(const wire::ScoreEvent& event, const std::string& sentence) {
-    warnings_.push_back("at " + std::to_string(event.time_s) + " s: " + event.message.address + ": " + sentence);
+    warnings_.push_back(formatted("at {:f} s: {}: {}", event.time_s, event.message.address, sentence));
   }
 
   const OfflineOptions& options_;
@@ -322,7 +323,7 @@ void append(std::vector<float>& samples, std::span<const float> more) {
 Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress) {
   Recording recording{.sample_rate_hz = options.sample_rate_hz};
   Run run(options, recording.warnings);
-  if (const auto ready = run.prepare(); !ready) return fail(ready.error());
+  if (const auto ready = run.prepare(); !ready) return fail(ready);
   recording.left.reserve(run.frames());
   recording.right.reserve(run.frames());
   recording.ambisonics.resize(run.silence().ambisonics.size());
@@ -334,7 +335,7 @@ Result<Recording> render_offline(const OfflineOptions& options, const Progress& 
     recording.peak = std::max(recording.peak, peak_of(piece));
     return {};
   };
-  if (const auto rendered = run.render(keep, progress); !rendered) return fail(rendered.error());
+  if (const auto rendered = run.render(keep, progress); !rendered) return fail(rendered);
   return recording;
 }
 
@@ -342,15 +343,15 @@ Result<Rendering> render_to_file(const OfflineOptions& options, const std::files
                                  const Progress& progress) {
   Rendering rendering;
   Run run(options, rendering.warnings);
-  if (const auto ready = run.prepare(); !ready) return fail(ready.error());
+  if (const auto ready = run.prepare(); !ready) return fail(ready);
   auto file = PieceFile::create(path, options.sample_rate_hz, run.silence(), run.frames());
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   const auto write = [&](const Piece& piece) {
     rendering.peak = std::max(rendering.peak, peak_of(piece));
     return file->take(piece);
   };
-  if (const auto rendered = run.render(write, progress); !rendered) return fail(rendered.error());
-  if (const auto finished = file->finish(); !finished) return fail(finished.error());
+  if (const auto rendered = run.render(write, progress); !rendered) return fail(rendered);
+  if (const auto finished = file->finish(); !finished) return fail(finished);
   rendering.contacts = run.contacts();
   rendering.seconds = static_cast<double>(run.frames()) / options.sample_rate_hz;
   return rendering;
@@ -366,7 +367,7 @@ Result<void> write_audio(const Recording& recording, const std::filesystem::path
     return piece;
   };
   auto file = PieceFile::create(path, recording.sample_rate_hz, piece_at(0, 0), frames);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   for (std::size_t begin = 0; begin < frames; begin += kPiece) {
     const std::size_t count = std::min(kPiece, frames - begin);
     if (const auto written = file->take(piece_at(begin, count)); !written) return written;

@@ -1,7 +1,7 @@
 // The objects that can be struck: their names and numbers, their banks, and the mixer they ring in.
 //
 //   rack.load("bell", "bell.glb");                                // worker: a bank, and a voice in the mixer
-//   rack.push(Producer::control, {.object = number, ...});        // any thread: the bell is struck
+//   rack.push(synth::Producer::control, {.object = number, ...}); // any thread: the bell is struck
 //   rack.set_material({.name = "bell"}, {.stiffness = 1.1});      // worker: what rings is retuned
 //   rack.free({.name = "bell"});                                  // worker: fades out
 //   rack.collect();                                               // worker, several times a second

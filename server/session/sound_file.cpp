@@ -1,6 +1,7 @@
 #include "server/session/sound_file.h"
 
 #include "engine/base/file_format.h"
+#include "engine/base/formatted.h"
 
 #include <sndfile.h>
 #include <unistd.h>
@@ -19,7 +20,7 @@ namespace {
 constexpr std::size_t kMaxWavBytes = 0xffff'0000;  // limit for samples; a length has 32 bits and includes the header
 
 tl::unexpected<Error> cannot_write(const std::filesystem::path& path, const std::string& why) {
-  return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + why);
+  return fail(ErrorKind::input_output, "cannot write {}: {}", path.string(), why);
 }
 
 }  // namespace
@@ -38,7 +39,7 @@ struct SoundFile::Open {
       nameless = std::tmpfile();
       if (nameless) file = sf_open_fd(::fileno(nameless), SFM_WRITE, &info, SF_FALSE);
     } else {
-      temporary = target.path.string() + "." + std::to_string(::getpid()) + ".part";
+      temporary = formatted("{}.{}.part", target.path.string(), ::getpid());
       file = sf_open(temporary.c_str(), SFM_WRITE, &info);
     }
     return file != nullptr;
@@ -47,7 +48,7 @@ struct SoundFile::Open {
   // Copies the finished sound to the stream.
   [[nodiscard]] Result<void> copy() const {
     const auto stream = open_stream(target.path);
-    if (!stream) return fail(stream.error());
+    if (!stream) return fail(stream);
     Result<void> outcome;
     std::vector<std::byte> piece(std::size_t{1} << 16);
     std::rewind(nameless);
