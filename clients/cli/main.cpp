@@ -1,5 +1,6 @@
 // The `ringdown` program: one command with verbs.
 #include "clients/cli/verb.h"
+#include "engine/base/formatted.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/help.h"
 
@@ -25,9 +26,9 @@ ExitCode become(const std::string& name, std::vector<std::string> arguments) {
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
   ::execv(program.c_str(), words.data());
-  return complain({ErrorKind::refused,
-                   "cannot run " + program + ": " + std::strerror(errno) + "; it is a separate program: ./run build " +
-                       name.substr(name.find('-') + 1) + " builds it, and there are packages (docs/use/start.md)"});
+  return complain({ErrorKind::refused, formatted("cannot run {}: {}; it is a separate program: ./run build {} builds "
+                                                 "it, and there are packages (docs/use/start.md)",
+                                                 program, std::strerror(errno), name.substr(name.find('-') + 1))});
 }
 
 // A verb that is a program of its own, ringdown-NAME, because it links what this program should not.

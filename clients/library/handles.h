@@ -92,8 +92,9 @@ template <class Struct>
 Result<Struct> taken(const Struct* given, std::size_t size, Struct defaults) {
   if (!given) return missing("the struct");
   if (size < sizeof(std::size_t) || size > 4096) {
-    return fail(ErrorKind::bad_input, "the first member of the struct is " + std::to_string(size) +
-                                          "; set it to sizeof the struct, as the struct's _init function does");
+    return fail(
+        ErrorKind::bad_input,
+        "the first member of the struct is {}; set it to sizeof the struct, as the struct's _init function does", size);
   }
   const auto* bytes = reinterpret_cast<const unsigned char*>(given);
   const std::size_t known = std::min(size, sizeof(Struct));

@@ -31,8 +31,8 @@ Result<void> choose_folder(const manual::App& app, const std::filesystem::path& 
   for (const char* name : is_folder ? kForOne : kForFolders) {
     if (app.count(name) == 0) continue;
     if (!is_there) return fail(ErrorKind::bad_input, "there is no folder " + input.string());
-    return fail(ErrorKind::usage, std::string(name) + " is for " + (is_folder ? "one input, and " : "a folder, and ") +
-                                      input.string() + (is_folder ? " is a folder" : " is none"));
+    return fail(ErrorKind::usage, "{} is for {}{}{}", name, is_folder ? "one input, and " : "a folder, and ",
+                input.string(), is_folder ? " is a folder" : " is none");
   }
   if (is_folder) request.folder = input;
   return {};

@@ -14,6 +14,7 @@
 #include "engine/base/content_cache.h"
 #include "engine/base/file_format.h"
 #include "engine/base/folders.h"
+#include "engine/base/formatted.h"
 #include "engine/base/output_file.h"
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
@@ -89,11 +90,12 @@ manual::Option* add_recipe_option(manual::App& app, const RecipeOption& row, Arg
 }
 
 void add_options(manual::App& app, Arguments& arguments) {
-  app.add_option("input", arguments.input,
-                 "an object (.toml), a surface (" + example_endings({FileKind::surface, FileKind::gltf}) +
-                     "), a geometry (" + example_endings({FileKind::program, FileKind::geometry}) + "), a mesh (" +
-                     example_endings({FileKind::gmsh_mesh}) +
-                     " ...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
+  app.add_option(
+         "input", arguments.input,
+         formatted("an object (.toml), a surface ({}), a geometry ({}), a mesh ({} ...), a folder of them, or a scene "
+                   "(.glb .gltf) whose bodies have acoustic materials",
+                   example_endings({FileKind::surface, FileKind::gltf}),
+                   example_endings({FileKind::program, FileKind::geometry}), example_endings({FileKind::gmsh_mesh})))
       ->type_name("FILE");
   app.add_option("-o,--output", arguments.output,
                  "the bank to write (.glb); for a folder, the folder of its banks (default: beside the inputs); for a "
@@ -141,7 +143,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   const double scale = recipe.scale;
   for (const auto& [option, value] : arguments.given) {
     if (option->has(RecipeOption::kOtherBody)) recipe.pitch_hz.reset();
-    if (auto set = option->set(recipe, value); !set) return fail(set.error());
+    if (auto set = option->set(recipe, value); !set) return fail(set);
   }
   if (recipe.preview) recipe.error = 0;
   if (recipe.pitch_hz) *recipe.pitch_hz *= scale / recipe.scale;
@@ -161,7 +163,7 @@ cli::ProgressLine::Style progress_style(const Arguments& arguments) {
 ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments& arguments,
                   const std::stop_token& stop) {
   const Result<bake::ObjectRecipe> recipe = recipe_for(input, arguments);
-  if (!recipe) return complain(recipe.error());
+  if (!recipe) return complain(recipe);
   const std::string hash = bake::input_hash({.object = input,
                                              .geometry = recipe->geometry,
                                              .material = arguments.materials / (recipe->material + ".toml"),
@@ -183,7 +185,7 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
   if (!object) return cli::complain_unwritten(object.error(), output);
   const auto compression = arguments.compress ? modal::Compression::meshopt : modal::Compression::none;
   if (auto written = modal::write_bank(object->baked.bank, output, hash, compression); !written)
-    return complain(written.error());
+    return complain(written);
   if (!arguments.quiet) cli::print_report(*recipe, *object, output);
   return ExitCode::ok;
 }
@@ -202,7 +204,7 @@ Result<std::map<std::string, std::string>> body_materials(const std::vector<std:
 
 ExitCode bake_scene(const Arguments& arguments, const std::stop_token& stop) {
   const auto bodies = body_materials(arguments.bodies);
-  if (!bodies) return complain(bodies.error());
+  if (!bodies) return complain(bodies);
   const cli::SceneBake request{.input = arguments.input,
                                .output = arguments.output.empty() ? arguments.input : arguments.output,
                                .materials = arguments.materials,
@@ -253,7 +255,7 @@ ExitCode run(int argc, char** argv) {
   if (arguments.input.empty()) return complain_of_usage(app, "give an input, or a folder of them");
   if (auto chosen = cli::choose_folder(app, arguments.input, arguments.folder); !chosen) {
     const bool is_usage = chosen.error().kind == ErrorKind::usage;
-    return is_usage ? complain_of_usage(app, chosen.error().message) : complain(chosen.error());
+    return is_usage ? complain_of_usage(app, chosen.error().message) : complain(chosen);
   }
   const bool in_scene = arguments.folder.folder.empty() && !arguments.material && cli::has_surfaces(arguments.input);
   std::vector<std::string> not_for_scenes = {"--compress", "--update"};
@@ -279,7 +281,7 @@ ExitCode run(int argc, char** argv) {
     if (is_on) arguments.given.push_back({option, {.text = "", .number = 1}});
   }
   const Result<fs::path> materials = material_folder(arguments.materials);
-  if (!materials) return complain(materials.error());
+  if (!materials) return complain(materials);
   arguments.materials = *materials;
   if (!arguments.progress_lines) cli::warn_of_open_sandbox();  // a folder's parent has said it
   if (!arguments.folder.folder.empty()) return bake_folder(app, arguments);

@@ -1,8 +1,9 @@
 #include "clients/cli/picture/axis.h"
 
+#include "engine/base/formatted.h"
+
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace ringdown::cli {
@@ -30,10 +31,7 @@ Axis linear_axis(double low, double high, double step, std::string title) {
 }
 
 std::string tick_label(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), std::abs(value) >= 1000 ? "%gk" : "%g",
-                std::abs(value) >= 1000 ? value / 1000 : value);
-  return text.data();
+  return std::abs(value) >= 1000 ? formatted("{:g}k", value / 1000) : formatted("{:g}", value);
 }
 
 Dot Chart::at(double horizontal, double vertical) const {

@@ -2,13 +2,13 @@
 
 #include "clients/cli/picture/bank_page.h"
 #include "clients/cli/picture/shape_view.h"
+#include "engine/base/formatted.h"
 #include "engine/base/note.h"
 #include "engine/modal/damping.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <utility>
 
@@ -26,18 +26,18 @@ std::string fitting(Canvas& canvas, std::string text, double size, double width,
 }
 
 std::string frequency_text(double hz) {
-  return hz >= 10000  ? format("%.2f kHz", hz / 1000)
-         : hz >= 1000 ? format("%.3f kHz", hz / 1000)
-                      : format("%.1f Hz", hz);
+  return hz >= 10000  ? formatted("{:.2f} kHz", hz / 1000)
+         : hz >= 1000 ? formatted("{:.3f} kHz", hz / 1000)
+                      : formatted("{:.1f} Hz", hz);
 }
 
-std::string t60_text(double decay) { return decay > 0 ? format("T60 %.3g s", modal::t60_s(decay)) : "no decay"; }
+std::string t60_text(double decay) { return decay > 0 ? formatted("T60 {:.3g} s", modal::t60_s(decay)) : "no decay"; }
 
 std::string subtitle(const modal::Bank& bank) {
   const auto [low, high] = std::ranges::minmax(bank.frequency_hz);
   std::string text = bank.material && !bank.material->name.empty() ? clean_text(bank.material->name) + "  ·  " : "";
-  text += format("%zu modes, ", bank.mode_count()) + frequency_text(low) + " to " + frequency_text(high);
-  if (bank.mass) text += format("  ·  %.3g kg", bank.mass->mass_kg);
+  text += formatted("{} modes, {} to {}", bank.mode_count(), frequency_text(low), frequency_text(high));
+  if (bank.mass) text += formatted("  ·  {:.3g} kg", bank.mass->mass_kg);
   return text;
 }
 
@@ -110,7 +110,8 @@ void draw_decays(Canvas& canvas, const Box& box, const modal::Bank& bank, const 
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     loudest = std::max(loudest, std::abs(answer.amplitude[m]));
     if (bank.decay_per_s[m] <= 0) continue;
-    low = std::min(low, modal::t60_s(bank.decay_per_s[m])), high = std::max(high, modal::t60_s(bank.decay_per_s[m]));
+    low = std::min(low, modal::t60_s(bank.decay_per_s[m]));
+    high = std::max(high, modal::t60_s(bank.decay_per_s[m]));
   }
   if (high <= 0) low = high = 1;
   const Chart chart{box, frequency_axis(bank, "frequency [Hz]"), log_axis(low / 1.6, high * 1.6, "T60 [s]")};
@@ -138,7 +139,7 @@ void draw_legend(Canvas& canvas, Dot corner, double width, double size) {
 std::string struck_text(const modal::Bank& bank, const Answer& answer) {
   const auto& p = bank.positions[answer.point];
   const auto to_microns = [](double metres) { return std::round(metres * 1e6) / 1e6 + 0.0; };
-  return format("Struck at (%.4g, %.4g, %.4g) m", to_microns(p[0]), to_microns(p[1]), to_microns(p[2]));
+  return formatted("Struck at ({:.4g}, {:.4g}, {:.4g}) m", to_microns(p[0]), to_microns(p[1]), to_microns(p[2]));
 }
 
 constexpr std::size_t kShown = 4;
@@ -169,7 +170,7 @@ void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   for (const std::size_t m : modes_to_show(bank)) {
     left += side;
     draw_shape(canvas, {left, 84, side, 214}, bank, m, &answer.point);
-    canvas.text({left + side / 2, 318}, format("mode %zu  ·  ", m) + frequency_text(bank.frequency_hz[m]), 13, kInk,
+    canvas.text({left + side / 2, 318}, formatted("mode {}  ·  {}", m, frequency_text(bank.frequency_hz[m])), 13, kInk,
                 Align::centre, true);
     canvas.text({left + side / 2, 336}, note_name(bank.frequency_hz[m]) + "  ·  " + t60_text(bank.decay_per_s[m]), 12,
                 kFaint, Align::centre);

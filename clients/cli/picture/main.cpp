@@ -45,9 +45,9 @@ void add_options(manual::App& app, Arguments& arguments) {
 
 ExitCode draw(const Arguments& arguments, const std::string& ending, const std::stop_token& stop) {
   const auto path = preset_or_file(arguments.bank, PresetKind::bank);
-  if (!path) return complain(path.error());
+  if (!path) return complain(path);
   const auto bank = modal::read_bank(*path);
-  if (!bank) return complain(bank.error());
+  if (!bank) return complain(bank);
   std::optional<Vec3> at;
   if (!arguments.at.empty()) at = Vec3{arguments.at[0], arguments.at[1], arguments.at[2]};
   const cli::Answer answer = cli::answer_of(*bank, at);
@@ -59,7 +59,7 @@ ExitCode draw(const Arguments& arguments, const std::string& ending, const std::
   }
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
   const auto written = write_output(arguments.output, std::string_view(bytes));
-  return written ? ExitCode::ok : complain(written.error());
+  return written ? ExitCode::ok : complain(written);
 }
 
 // The text of the man page in addition to the options.

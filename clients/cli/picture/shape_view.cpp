@@ -41,8 +41,10 @@ View view_of(const modal::Bank& bank, std::size_t mode, const Box& box) {
     const Vec3 phi = wide(bank.shape(mode, p));
     view.points.push_back(seen(wide(bank.positions[p]) + bend * phi));
     view.move.push_back(max > 0 ? length(phi) / max : 0);
-    low[0] = std::min(low[0], view.points[p].x), high[0] = std::max(high[0], view.points[p].x);
-    low[1] = std::min(low[1], view.points[p].y), high[1] = std::max(high[1], view.points[p].y);
+    low[0] = std::min(low[0], view.points[p].x);
+    high[0] = std::max(high[0], view.points[p].x);
+    low[1] = std::min(low[1], view.points[p].y);
+    high[1] = std::max(high[1], view.points[p].y);
   }
   const double width = std::max(high[0] - low[0], 1e-9), height = std::max(high[1] - low[1], 1e-9);
   const double scale = 0.9 * std::min(box.width / width, box.height / height);

@@ -1,6 +1,7 @@
 #include "clients/cli/slepc/krylov_schur.h"
 
 #include "clients/cli/slepc/failure.h"
+#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <numeric>
@@ -136,7 +137,7 @@ Solved solve_band(const Pencil& pencil, const SolveProgress& progress) {
   set_up(solver, solved);
   const int expected = inertia_of(solver).counted;
   if (expected > pencil.header.max_modes) {
-    give_up(std::to_string(expected) + " modes lie in the band; narrow the band or allow more modes");
+    give_up(formatted("{} modes lie in the band; narrow the band or allow more modes", expected));
   }
   KSP solve = nullptr;
   check(EPSKrylovSchurGetKSP(solver, &solve));
@@ -145,8 +146,7 @@ Solved solve_band(const Pencil& pencil, const SolveProgress& progress) {
   solved.factorizations = inertia.shifts;
   take_values(pencil, solved);
   if (static_cast<int>(solved.lambda.size()) != inertia.counted) {
-    give_up("found " + std::to_string(solved.lambda.size()) + " of " + std::to_string(inertia.counted) +
-            " modes in the band");
+    give_up(formatted("found {} of {} modes in the band", solved.lambda.size(), inertia.counted));
   }
   return solved;
 }

@@ -7,6 +7,7 @@
 // standard error, with exit code 1.
 #include "clients/cli/slepc/failure.h"
 #include "clients/cli/slepc/krylov_schur.h"
+#include "engine/base/formatted.h"
 
 #include <cstdio>
 #include <cstring>
@@ -30,7 +31,7 @@ int rank() {
 
 PetscErrorCode on_error(MPI_Comm, int, const char* function, const char*, PetscErrorCode code, PetscErrorType type,
                         const char* message, void*) {
-  if (type == PETSC_ERROR_INITIAL) give_up(std::string(message) + " (in " + function + ")");
+  if (type == PETSC_ERROR_INITIAL) give_up(formatted("{} (in {})", message, function));
   return code;
 }
 
