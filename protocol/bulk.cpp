@@ -1,6 +1,5 @@
 #include "protocol/bulk.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/convert.h"
 #include "protocol/names.h"
 #include "protocol/schema.h"

@@ -1,6 +1,5 @@
 #include "protocol/convert.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/names.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
 #include "protocol/exit_codes.h"
 
 #include "engine/base/blas_memory.h"
-#include "engine/base/formatted.h"
 #include "engine/base/process/signals.h"
 #include "engine/base/within_memory.h"
 

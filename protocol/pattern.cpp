@@ -1,6 +1,5 @@
 #include "protocol/pattern.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/names.h"
 #include "protocol/schema.h"
 

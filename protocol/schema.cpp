@@ -1,6 +1,5 @@
 #include "protocol/schema.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/convert.h"
 #include "protocol/fields.h"
 #include "protocol/names.h"

@@ -1,7 +1,6 @@
 #include "server/daemon.h"
 
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/output_file.h"
 #include "protocol/wire/score.h"
 #include "server/latency.h"
@@ -168,10 +167,9 @@ Result<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   const auto endpoint = wire::resolve(options.address, options.port);
   if (!endpoint) return fail(ErrorKind::usage, endpoint.error().message);
   if (endpoint->is_multicast()) {
-    return fail(ErrorKind::usage,
-                "--address " + options.address +
-                    " is a multicast address, which the daemon does not join; name an address of this "
-                    "computer, or 0.0.0.0 for all of them");
+    return fail(ErrorKind::usage, "--address " + options.address +
+                                      " is a multicast address, which the daemon does not join; name an address of "
+                                      "this computer, or 0.0.0.0 for all of them");
   }
   auto socket = wire::OscSocket::serve(*endpoint);
   if (!socket) return fail(socket);

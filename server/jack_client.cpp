@@ -1,6 +1,5 @@
 #include "server/jack_client.h"
 
-#include "engine/base/formatted.h"
 #include "server/log.h"
 
 #include <jack/jack.h>

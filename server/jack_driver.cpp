@@ -6,7 +6,6 @@
 // A server that still exists but no longer calls is left and joined again in the same way: PipeWire 0.3.65 was seen to
 // forget a client when it changed its quantum on a busy machine. While it does not call a new client either, the driver
 // retries at intervals that grow to half a minute.
-#include "engine/base/formatted.h"
 #include "server/call_watch.h"
 #include "server/driver.h"
 #include "server/jack_client.h"

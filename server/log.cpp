@@ -1,7 +1,5 @@
 #include "server/log.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <atomic>
 #include <cerrno>

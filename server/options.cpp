@@ -1,7 +1,6 @@
 #include "server/options.h"
 
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/object_name.h"
 #include "packaging/manual/command_line.h"
 #include "server/sound_options.h"

@@ -1,6 +1,5 @@
 #include "server/osc_namespace.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/convert.h"
 #include "protocol/help.h"
 #include "protocol/names.h"

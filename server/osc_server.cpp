@@ -1,7 +1,6 @@
 #include "server/osc_server.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/formatted.h"
 #include "engine/base/within_memory.h"
 #include "protocol/defaults.h"
 #include "protocol/pattern.h"

@@ -1,6 +1,5 @@
 #include "server/osc_stream.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/wire/framing.h"
 #include "protocol/wire/packet.h"
 #include "server/log.h"

@@ -1,6 +1,5 @@
 #include "server/program.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/process/signals.h"
 #include "engine/base/within_memory.h"
 #include "packaging/manual/command_line.h"

@@ -1,6 +1,5 @@
 #include "server/query_server.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/wire/endpoint.h"
 
 #include <microhttpd.h>

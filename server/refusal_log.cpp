@@ -1,6 +1,5 @@
 #include "server/refusal_log.h"
 
-#include "engine/base/formatted.h"
 #include "server/log.h"
 
 #include <utility>

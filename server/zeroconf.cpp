@@ -1,6 +1,5 @@
 #include "server/zeroconf.h"
 
-#include "engine/base/formatted.h"
 #include "server/log.h"
 
 #include <avahi-client/client.h>

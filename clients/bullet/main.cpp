@@ -3,7 +3,6 @@
 #include "clients/bullet/bullet_world.h"
 #include "clients/cli/daemon_link.h"
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/output_file.h"
 #include "engine/modal/bank_file.h"
 #include "engine/scene/scene_file.h"

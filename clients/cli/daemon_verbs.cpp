@@ -1,7 +1,6 @@
 // The verbs that talk to a running daemon.
 #include "clients/cli/daemon_link.h"
 #include "clients/cli/verb.h"
-#include "engine/base/formatted.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/defaults.h"
 #include "protocol/help.h"

@@ -1,6 +1,5 @@
 #include "clients/cli/verb.h"
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/note.h"
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"

@@ -1,6 +1,5 @@
 #include "clients/cli/verb.h"
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/note.h"
 #include "engine/base/output_file.h"
 #include "engine/materials/material_bar.h"

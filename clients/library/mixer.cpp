@@ -1,6 +1,5 @@
 #include "clients/library/handles.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/names.h"
 #include "protocol/schema.h"
 #include "server/session/head.h"

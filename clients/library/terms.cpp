@@ -1,7 +1,5 @@
 #include "clients/library/terms.h"
 
-#include "engine/base/formatted.h"
-
 #include <array>
 #include <string>
 #include <string_view>

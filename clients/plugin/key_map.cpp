@@ -1,7 +1,5 @@
 #include "clients/plugin/key_map.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -148,8 +146,7 @@ std::string notice_of(const Body& body, const ringdown_bank* bank, const Source&
   if (std::abs(std::log2(body.pitch_hz / before_hz)) < kTolerance_octaves) return "";
   return formatted(
       "{}: at concert pitch its keys are tuned by {:.1f} Hz; earlier versions took {:.1f} Hz, so a session saved by "
-      "them "
-      "sounds {:.1f} semitones {}",
+      "them sounds {:.1f} semitones {}",
       source.path.string(), body.pitch_hz, before_hz, 12 * std::abs(std::log2(body.pitch_hz / before_hz)),
       body.pitch_hz < before_hz ? "higher" : "lower");
 }

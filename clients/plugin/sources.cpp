@@ -2,7 +2,6 @@
 
 #include "engine/base/file_format.h"
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <cstdlib>

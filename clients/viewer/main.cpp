@@ -1,7 +1,6 @@
 // ringdown-viewer: a window onto a daemon, here or on another computer.
 #include "clients/viewer/app.h"
 #include "clients/viewer/screenshot.h"
-#include "engine/base/formatted.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/defaults.h"
 

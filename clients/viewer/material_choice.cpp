@@ -1,7 +1,6 @@
 #include "clients/viewer/material_choice.h"
 
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/range.h"
 #include "engine/materials/material_library.h"
 

@@ -1,6 +1,5 @@
 #include "clients/viewer/settings.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/output_file.h"
 #include "engine/base/quote.h"
 #include "engine/base/toml_table.h"

@@ -8,7 +8,6 @@
 #include "engine/bake/heard_modes.h"
 #include "engine/bake/sample_points.h"
 #include "engine/bake/solve_body.h"
-#include "engine/base/formatted.h"
 #include "engine/fem/shape_change.h"
 #include "engine/mesh/boundary.h"
 

@@ -1,7 +1,5 @@
 #include "engine/bake/bake_cost.h"
 
-#include "engine/base/formatted.h"
-
 #include <Eigen/Core>
 
 #include <algorithm>

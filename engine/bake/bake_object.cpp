@@ -3,7 +3,6 @@
 #include "engine/bake/fitted_makeup.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
-#include "engine/base/formatted.h"
 #include "engine/base/free_memory.h"
 #include "engine/base/range.h"
 #include "engine/materials/material_library.h"

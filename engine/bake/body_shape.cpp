@@ -1,6 +1,5 @@
 #include "engine/bake/body_shape.h"
 
-#include "engine/base/formatted.h"
 #include "engine/dense/decompositions.h"
 #include "engine/mesh/boundary.h"
 
@@ -242,22 +241,20 @@ Result<void> check_place(const mesh::Points& nodes, double length_m) {
   constexpr double kMaxDistance = 1e4;
   const double reach = nodes.cwiseAbs().maxCoeff();
   if (reach < kMaxDistance * length_m) return {};
-  return fail(
-      ErrorKind::bad_input,
-      " is {:.3g} m long and lies {:.3g} m from the origin, too far for the 32-bit positions of a bank; move it "
-      "to the origin",
-      length_m, reach);
+  return fail(ErrorKind::bad_input,
+              " is {:.3g} m long and lies {:.3g} m from the origin, too far for the 32-bit positions of a bank; move "
+              "it to the origin",
+              length_m, reach);
 }
 
 Result<void> check_count(double volume_m3, const modal::Material& material, double lambda, double band_high_hz,
                          int max_modes) {
   const double count = debye_count(volume_m3, material, lambda);
   if (count <= 4.0 * max_modes) return {};
-  return fail(
-      ErrorKind::too_large,
-      "about {:.2g} modes lie below {} Hz, and a bank holds {}: check the unit of its lengths (--unit 0.001 for "
-      "millimetres), or narrow the band (--band)",
-      count, std::lround(band_high_hz), max_modes);
+  return fail(ErrorKind::too_large,
+              "about {:.2g} modes lie below {} Hz, and a bank holds {}: check the unit of its lengths (--unit 0.001 "
+              "for millimetres), or narrow the band (--band)",
+              count, std::lround(band_high_hz), max_modes);
 }
 
 }  // namespace ringdown::bake

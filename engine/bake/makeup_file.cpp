@@ -1,7 +1,5 @@
 #include "engine/bake/makeup_file.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>

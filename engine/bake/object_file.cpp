@@ -2,7 +2,6 @@
 
 #include "engine/bake/liquid/filling.h"
 #include "engine/bake/makeup_file.h"
-#include "engine/base/formatted.h"
 #include "engine/base/note.h"
 #include "engine/base/toml_table.h"
 

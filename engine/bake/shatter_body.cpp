@@ -1,6 +1,5 @@
 #include "engine/bake/shatter_body.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/in_parallel.h"
 #include "engine/base/rotation.h"
 #include "engine/fem/blas_threads.h"

@@ -2,7 +2,6 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/base/byte_stream.h"
-#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <cstdlib>

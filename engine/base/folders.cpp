@@ -1,6 +1,5 @@
 #include "engine/base/folders.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 
 #include <array>

@@ -1,6 +1,6 @@
 // Writes values into a pattern, checked by the compiler: formatted("{} of {} bodies at {:.3g} s", done, all, time_s).
 // fmt has the patterns (https://fmt.dev/latest/syntax); its header that costs least is included here and nowhere else.
-// Allocates. [any thread but audio]
+// base/result.h brings this header. Allocates. [any thread but audio]
 #pragma once
 
 #include <fmt/core.h>

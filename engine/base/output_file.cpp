@@ -1,7 +1,6 @@
 #include "engine/base/output_file.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/formatted.h"
 
 #include <cerrno>
 #include <charconv>

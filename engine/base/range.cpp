@@ -1,4 +1,3 @@
-#include "engine/base/formatted.h"
 #include "engine/base/range.h"
 
 #include <cmath>

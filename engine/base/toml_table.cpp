@@ -1,7 +1,6 @@
 #include "engine/base/toml_table.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/base/range.h"
 #include "engine/base/version.h"

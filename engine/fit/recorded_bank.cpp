@@ -1,6 +1,5 @@
 #include "engine/fit/recorded_bank.h"
 
-#include "engine/base/formatted.h"
 #include "engine/modal/damping.h"
 #include "engine/modal/hearing/contact_pulse.h"
 #include "engine/modal/hearing/loudness.h"

@@ -1,6 +1,5 @@
 #include "engine/gltf/glb.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/within_memory.h"
 #include "engine/gltf/glb_format.h"
 

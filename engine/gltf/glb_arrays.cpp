@@ -1,4 +1,3 @@
-#include "engine/base/formatted.h"
 #include "engine/gltf/glb.h"
 #include "engine/gltf/glb_format.h"
 

@@ -2,7 +2,6 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/base/base64.h"
-#include "engine/base/formatted.h"
 #include "engine/base/within_memory.h"
 
 #include <array>

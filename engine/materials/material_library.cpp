@@ -1,6 +1,5 @@
 #include "engine/materials/material_library.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
 #include "engine/fem/elastic.h"
@@ -302,19 +301,17 @@ Result<std::string> table_of(const std::filesystem::path& folder, std::string he
 }  // namespace
 
 Result<std::string> grains_as_markdown(const std::filesystem::path& folder) {
-  return table_of(
-      folder,
-      "| material | E1 [GPa] | E2 | E3 | nu12 | nu13 | nu23 | G12 [GPa] | G13 | G23 | losses of E1 E2 E3 G12 G13 G23 "
-      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n",
-      [](const MaterialEntry& entry) { return entry.material.orthotropy ? grain_row(entry) : ""; });
+  return table_of(folder,
+                  "| material | E1 [GPa] | E2 | E3 | nu12 | nu13 | nu23 | G12 [GPa] | G13 | G23 | losses of E1 E2 E3 "
+                  "G12 G13 G23 |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+                  [](const MaterialEntry& entry) { return entry.material.orthotropy ? grain_row(entry) : ""; });
 }
 
 Result<std::string> strengths_as_markdown(const std::filesystem::path& folder) {
-  return table_of(
-      folder,
-      "| material | strength [MPa] | Weibull modulus | toughness [MPa m^1/2] | area [cm^2] | energy of a crack [J/m^2] "
-      "|\n|---|---|---|---|---|---|\n",
-      [](const MaterialEntry& entry) { return entry.material.brittleness ? strength_row(entry) : ""; });
+  return table_of(folder,
+                  "| material | strength [MPa] | Weibull modulus | toughness [MPa m^1/2] | area [cm^2] | energy of a "
+                  "crack [J/m^2] |\n|---|---|---|---|---|---|\n",
+                  [](const MaterialEntry& entry) { return entry.material.brittleness ? strength_row(entry) : ""; });
 }
 
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {

@@ -1,7 +1,6 @@
 #include "engine/mesh/body_maker.h"
 
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/files/file_kinds.h"
 #include "engine/mesh/files/surface_file.h"
@@ -55,10 +54,9 @@ Error unknown_format(const std::filesystem::path& path) {
 
 Result<void> check_takes_parts(const std::filesystem::path& path, const GmshOptions& options) {
   if (options.parts.empty()) return {};
-  return fail(ErrorKind::bad_input,
-              path.string() +
-                  " is not a surface, so that its parts cannot be surfaces inside it; name groups "
-                  "of the geometry or mesh: group = \"...\"");
+  return fail(ErrorKind::bad_input, path.string() +
+                                        " is not a surface, so that its parts cannot be surfaces inside it; name "
+                                        "groups of the geometry or mesh: group = \"...\"");
 }
 
 }  // namespace

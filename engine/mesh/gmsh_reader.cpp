@@ -2,7 +2,6 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 #include "engine/mesh/cone_tips.h"
 #include "engine/mesh/face_points.h"
 #include "engine/mesh/files/file_kinds.h"
@@ -417,8 +416,7 @@ Result<void> check_element_count(const std::filesystem::path& path, const Extent
   if (elements <= kMaxElements) return {};
   return fail(ErrorKind::too_large,
               "{}: a mesh size of {:.3g} m is far too small for a body {:.3g} m long: it means about {:.1e} elements, "
-              "more than "
-              "{:.0e}; choose a larger one, or check the unit of its lengths",
+              "more than {:.0e}; choose a larger one, or check the unit of its lengths",
               path.string(), mesh_size_m, extent.diagonal_m, elements, kMaxElements);
 }
 

@@ -1,6 +1,5 @@
 #include "engine/mesh/mesh_check.h"
 
-#include "engine/base/formatted.h"
 #include "engine/mesh/mesh_joints.h"
 
 #include <Eigen/Geometry>

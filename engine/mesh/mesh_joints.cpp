@@ -1,6 +1,5 @@
 #include "engine/mesh/mesh_joints.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/groups.h"
 
 #include <algorithm>

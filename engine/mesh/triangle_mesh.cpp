@@ -1,6 +1,5 @@
 #include "engine/mesh/triangle_mesh.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/output_file.h"
 
 #include <Eigen/Geometry>

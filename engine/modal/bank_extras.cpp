@@ -1,6 +1,5 @@
 #include "engine/modal/bank_extras.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/version.h"
 #include "engine/modal/nonlinear_limits.h"
 

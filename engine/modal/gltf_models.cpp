@@ -1,7 +1,6 @@
 #include "engine/modal/gltf_models.h"
 
 #include "engine/base/content_hash.h"
-#include "engine/base/formatted.h"
 #include "engine/base/within_memory.h"
 #include "engine/gltf/glb.h"
 #include "engine/modal/bank_model.h"

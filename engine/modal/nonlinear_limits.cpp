@@ -1,7 +1,5 @@
 #include "engine/modal/nonlinear_limits.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -1,7 +1,5 @@
 #include "engine/modal/radiation_map.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

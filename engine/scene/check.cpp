@@ -1,6 +1,5 @@
 #include "engine/scene/check.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/object_name.h"
 #include "engine/base/quote.h"
 #include "engine/base/range.h"

@@ -1,6 +1,5 @@
 #include "engine/scene/world.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/scene/body_store.h"
 #include "engine/scene/check.h"

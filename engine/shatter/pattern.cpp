@@ -1,6 +1,5 @@
 #include "engine/shatter/pattern.h"
 
-#include "engine/base/formatted.h"
 #include "engine/mesh/boundary.h"
 
 #include <Eigen/Geometry>

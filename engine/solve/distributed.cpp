@@ -1,7 +1,6 @@
 #include "engine/solve/distributed.h"
 
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/solve/distributed_files.h"
 #include "engine/solve/methods.h"
 

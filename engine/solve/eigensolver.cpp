@@ -1,6 +1,5 @@
 #include "engine/solve/eigensolver.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/in_parallel.h"
 #include "engine/base/quote.h"
 #include "engine/dense/decompositions.h"

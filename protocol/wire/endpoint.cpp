@@ -1,7 +1,5 @@
 #include "protocol/wire/endpoint.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <arpa/inet.h>
 #include <cerrno>

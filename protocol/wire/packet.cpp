@@ -1,7 +1,5 @@
 #include "protocol/wire/packet.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <bit>
 #include <optional>

@@ -1,7 +1,6 @@
 #include "protocol/wire/score.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/formatted.h"
 #include "engine/base/within_memory.h"
 #include "protocol/wire/codec.h"
 

@@ -1,7 +1,6 @@
 #include "server/session/bank_reader.h"
 
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 #include "engine/base/within_memory.h"
 
 #include <span>

@@ -1,6 +1,5 @@
 #include "server/session/breakage.h"
 
-#include "engine/base/formatted.h"
 #include "engine/modal/fracture/modal_state.h"
 #include "engine/modal/material_scale.h"
 #include "engine/synth/events/verbs.h"
@@ -262,8 +261,7 @@ Result<void> Breakage::set_strength(const ObjectRef& ref, double strength_pa) {
   const modal::Bank& bank = (*found)->map->bank();
   if (strength_pa > 0 && bank.fracture && bank.fracture->stress.positions.empty()) {
     return refuse("\"" + (*found)->name +
-                  "\" cannot break by itself: its bank does not say how blows strain it; bake "
-                  "it again");
+                  "\" cannot break by itself: its bank does not say how blows strain it; bake it again");
   }
   if (auto armed = arm(ref); strength_pa > 0 && !armed) return fail(armed);
   const std::scoped_lock lock(mutex_);

@@ -1,6 +1,5 @@
 #include "server/session/contact_report.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/output_file.h"
 
 #include <algorithm>

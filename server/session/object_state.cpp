@@ -1,7 +1,5 @@
 #include "server/session/object_state.h"
 
-#include "engine/base/formatted.h"
-
 #include <array>
 
 namespace ringdown::session {

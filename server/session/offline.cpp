@@ -1,6 +1,5 @@
 #include "server/session/offline.h"
 
-#include "engine/base/formatted.h"
 #include "engine/modal/nonlinear.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"

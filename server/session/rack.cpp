@@ -1,6 +1,5 @@
 #include "server/session/rack.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/names.h"
 
 #include <utility>

@@ -1,6 +1,5 @@
 #include "server/session/recorder.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/schema.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "server/session/request_events.h"
 
-#include "engine/base/formatted.h"
 #include "protocol/bulk.h"
 
 #include <cmath>

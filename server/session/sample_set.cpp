@@ -1,7 +1,6 @@
 #include "server/session/sample_set.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/formatted.h"
 #include "engine/base/note.h"
 #include "engine/base/version.h"
 #include "engine/modal/hearing/pitch.h"

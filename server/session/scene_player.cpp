@@ -1,7 +1,6 @@
 #include "server/session/scene_player.h"
 
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/toml_table.h"
 #include "engine/gltf/gltf_file.h"
 #include "engine/modal/bank_file.h"

@@ -1,6 +1,5 @@
 #include "server/session/session.h"
 
-#include "engine/base/formatted.h"
 #include "server/session/request_events.h"
 
 namespace ringdown::session {

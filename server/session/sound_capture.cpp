@@ -1,6 +1,5 @@
 #include "server/session/sound_capture.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/within_memory.h"
 
 #include <algorithm>

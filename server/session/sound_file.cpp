@@ -1,7 +1,6 @@
 #include "server/session/sound_file.h"
 
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 
 #include <sndfile.h>
 #include <unistd.h>

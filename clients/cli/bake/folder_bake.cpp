@@ -5,7 +5,6 @@
 #include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 #include "engine/base/in_parallel.h"
 #include "engine/base/process/child_process.h"
 #include "engine/modal/bank_file.h"

@@ -3,7 +3,6 @@
 #include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 #include "engine/mesh/files/file_kinds.h"
 
 #include <algorithm>

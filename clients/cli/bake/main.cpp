@@ -14,7 +14,6 @@
 #include "engine/base/content_cache.h"
 #include "engine/base/file_format.h"
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/output_file.h"
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"

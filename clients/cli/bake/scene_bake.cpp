@@ -4,7 +4,6 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/file_format.h"
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/output_file.h"
 #include "engine/base/quote.h"
 #include "engine/gltf/gltf_file.h"

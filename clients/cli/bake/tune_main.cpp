@@ -5,7 +5,6 @@
 // are out of reach or a file cannot be written; cancelled. Nothing is written of an object whose targets were missed.
 #include "clients/cli/long_work.h"
 #include "clients/cli/bake/tune_options.h"
-#include "engine/base/formatted.h"
 #include "engine/base/note.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/atomic_file.h"

@@ -4,7 +4,6 @@
 #include "clients/cli/long_work.h"
 #include "engine/base/file_format.h"
 #include "engine/base/folders.h"
-#include "engine/base/formatted.h"
 #include "engine/base/output_file.h"
 #include "engine/base/process/child_process.h"
 #include "engine/fit/band_powers.h"

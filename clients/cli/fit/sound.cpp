@@ -1,6 +1,5 @@
 #include "clients/cli/fit/sound.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/within_memory.h"
 #include "server/session/offline.h"
 

@@ -2,7 +2,6 @@
 
 #include "clients/cli/picture/bank_picture.h"
 #include "clients/cli/picture/view_data.h"
-#include "engine/base/formatted.h"
 #include "engine/base/note.h"
 #include "engine/modal/damping.h"
 #include "engine/modal/material_scale.h"
@@ -126,8 +125,7 @@ std::string bank_page(const modal::Bank& bank, const Answer& answer) {
          "<p><span id=\"view-title\"></span> <label><input type=\"checkbox\" id=\"move\" checked> "
          "vibrate</label></p>\n" +
          "<canvas width=\"900\" height=\"600\"></canvas>\n<p class=\"hint\">Drag to turn, wheel to zoom; arrow keys or "
-         "a row "
-         "of the table choose a mode.</p>\n</div>\n<h2>Modes</h2>\n" +
+         "a row of the table choose a mode.</p>\n</div>\n<h2>Modes</h2>\n" +
          facts_of(bank) + table_of(bank, answer) + "<script type=\"application/json\" id=\"view-data\">" +
          view_data(bank) + "</script>\n<script>" + kViewScript + "</script>\n</body>\n</html>\n";
 }

@@ -2,7 +2,6 @@
 
 #include "clients/cli/picture/bank_page.h"
 #include "clients/cli/picture/shape_view.h"
-#include "engine/base/formatted.h"
 #include "engine/base/note.h"
 #include "engine/modal/damping.h"
 

@@ -1,7 +1,6 @@
 #include "clients/cli/slepc/krylov_schur.h"
 
 #include "clients/cli/slepc/failure.h"
-#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <numeric>

@@ -7,7 +7,6 @@
 // standard error, with exit code 1.
 #include "clients/cli/slepc/failure.h"
 #include "clients/cli/slepc/krylov_schur.h"
-#include "engine/base/formatted.h"
 
 #include <cstdio>
 #include <cstring>

@@ -1,7 +1,6 @@
 #include "clients/viewer/link/bank_transfer.h"
 
 #include "engine/base/content_hash.h"
-#include "engine/base/formatted.h"
 #include "engine/modal/bank_file.h"
 
 #include <algorithm>

@@ -1,7 +1,5 @@
 #include "clients/viewer/render/gl.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <array>
 

@@ -1,7 +1,6 @@
 #include "engine/bake/tuning/tune_object.h"
 
 #include "engine/bake/bake_object.h"
-#include "engine/base/formatted.h"
 #include "engine/base/range.h"
 #include "engine/materials/material_library.h"
 

@@ -2,7 +2,6 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "engine/mesh/files/gltf_mesh.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/gltf/gltf_file.h"
 

@@ -1,7 +1,5 @@
 #include "engine/mesh/files/inp_file.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -186,9 +184,8 @@ class Reader {
     if (name == "ELEMENT") return read_elements(keyword);
     if (name == "INCLUDE") return deck_.wrong(keyword.line, "*INCLUDE is not followed; write one file");
     if (is_generator(name)) {
-      return deck_.wrong(keyword.line, "*" + name +
-                                           " is not followed; generate nodes and elements in the program that "
-                                           "wrote it");
+      return deck_.wrong(keyword.line,
+                         "*" + name + " is not followed; generate nodes and elements in the program that wrote it");
     }
     if (name == "SYSTEM") return deck_.wrong(keyword.line, "*SYSTEM is not followed; write all nodes in one frame");
     return enter(keyword);

@@ -1,4 +1,3 @@
-#include "engine/base/formatted.h"
 #include "engine/mesh/files/surface_formats.h"
 #include "engine/mesh/files/text_lines.h"
 

@@ -2,7 +2,6 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 #include "engine/mesh/files/gltf_mesh.h"
 #include "engine/mesh/files/surface_formats.h"
 

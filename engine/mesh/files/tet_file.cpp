@@ -1,7 +1,6 @@
 #include "engine/mesh/files/tet_file.h"
 
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 #include "engine/mesh/files/inp_file.h"
 #include "engine/mesh/files/text_lines.h"
 

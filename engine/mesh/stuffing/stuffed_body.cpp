@@ -1,6 +1,5 @@
 #include "engine/mesh/stuffing/stuffed_body.h"
 
-#include "engine/base/formatted.h"
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/mesh_check.h"
 #include "engine/mesh/stuffing/stuffing.h"
@@ -87,15 +86,13 @@ class StuffedBody {
     const bool vanish = wall_m_ < kVanishing * finest_forced_m();
     if (force_ && !vanish) return {};
     const double elements = kElementsPerCell * volume_m3_ / std::pow(cells.wanted_m, 3);
-    return fail(
-        ErrorKind::too_large,
-        "{} has walls of {:.3g} mm, which cells of {:.3g} mm would follow: about {:.1e} elements, more than {:.0e}; "
-        "the "
-        "finest possible cells, {:.3g} mm, would tear them. Mend the faults that `ringdown check mesh` lists, so that "
-        "gmsh can fill it{}",
-        name_, 1000 * wall_m_, 1000 * cells.wanted_m, elements, max_elements, 1000 * cells.size_m,
-        vanish ? "; with --force-coarse nothing would be left of such walls"
-               : ", or accept a wrong sound with --force-coarse");
+    return fail(ErrorKind::too_large,
+                "{} has walls of {:.3g} mm, which cells of {:.3g} mm would follow: about {:.1e} elements, more than "
+                "{:.0e}; the finest possible cells, {:.3g} mm, would tear them. Mend the faults that `ringdown check "
+                "mesh` lists, so that gmsh can fill it{}",
+                name_, 1000 * wall_m_, 1000 * cells.wanted_m, elements, max_elements, 1000 * cells.size_m,
+                vanish ? "; with --force-coarse nothing would be left of such walls"
+                       : ", or accept a wrong sound with --force-coarse");
   }
 
   // Stuffs a body whose walls are thinner than a cell, which is done only with force_coarse. Most or all of such a wall

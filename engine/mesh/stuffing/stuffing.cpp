@@ -1,6 +1,5 @@
 #include "engine/mesh/stuffing/stuffing.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/in_parallel.h"
 #include "engine/mesh/mesh_check.h"
 #include "engine/mesh/mesh_joints.h"
@@ -329,11 +328,10 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   const Vector3d cubes = (extent / size).array().ceil() + 2 * kMargin;
   const double points = 2 * cubes.prod();
   if (!(points < kMaxLatticePoints)) {
-    return fail(
-        ErrorKind::too_large,
-        "a mesh size of {:.3g} mm would need a lattice of {:.2g} million points, above 30 million; {:.3g} mm is "
-        "the finest that fits",
-        size * 1e3, points / 1e6, 1.05 * size * std::cbrt(points / kMaxLatticePoints) * 1e3);
+    return fail(ErrorKind::too_large,
+                "a mesh size of {:.3g} mm would need a lattice of {:.2g} million points, above 30 million; {:.3g} mm "
+                "is the finest that fits",
+                size * 1e3, points / 1e6, 1.05 * size * std::cbrt(points / kMaxLatticePoints) * 1e3);
   }
   const Vector3d origin = (solid.low + solid.high - size * cubes) / 2;
   Stuffing stuffing(solid, BccLattice(origin, size, cubes.cast<int>()), options.threads, progress);

@@ -1,6 +1,5 @@
 #include "engine/mesh/surface/parted_surface.h"
 
-#include "engine/base/formatted.h"
 #include "engine/mesh/surface/surface_check.h"
 #include "engine/mesh/surface/surface_distance.h"
 

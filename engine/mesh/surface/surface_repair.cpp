@@ -1,6 +1,5 @@
 #include "engine/mesh/surface/surface_repair.h"
 
-#include "engine/base/formatted.h"
 #include "engine/mesh/surface/denoise.h"
 #include "engine/mesh/surface/flat_triangles.h"
 #include "engine/mesh/surface/remesh.h"

@@ -16,7 +16,6 @@
 // below the first of the three [Terhardt & Seewann, Acustica 54, 129, 1984].
 #include "engine/modal/hearing/pitch.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/note.h"
 #include "engine/modal/hearing/contact_pulse.h"
 #include "engine/modal/hearing/loudness.h"

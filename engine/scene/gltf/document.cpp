@@ -1,7 +1,5 @@
 #include "engine/scene/gltf/document.h"
 
-#include "engine/base/formatted.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,5 @@
 #include "engine/scene/gltf/joints.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/scene/solid.h"
 

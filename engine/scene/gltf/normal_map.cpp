@@ -1,6 +1,5 @@
 #include "engine/scene/gltf/normal_map.h"
 
-#include "engine/base/formatted.h"
 #include "engine/gltf/gltf_file.h"
 #include "engine/scene/description.h"
 

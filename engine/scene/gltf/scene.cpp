@@ -2,7 +2,6 @@
 
 #include "engine/base/content_hash.h"
 #include "engine/base/file_format.h"
-#include "engine/base/formatted.h"
 #include "engine/base/object_name.h"
 #include "engine/base/quote.h"
 #include "engine/base/within_memory.h"

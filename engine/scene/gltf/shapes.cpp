@@ -1,6 +1,5 @@
 #include "engine/scene/gltf/shapes.h"
 
-#include "engine/base/formatted.h"
 #include "engine/scene/hull.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "engine/scene/gltf/silent.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/scene/gltf/document.h"
 #include "engine/scene/gltf/mesh_bodies.h"

@@ -1,6 +1,5 @@
 #include "engine/scene/gltf/writer.h"
 
-#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/base/version.h"
 #include "engine/modal/bank_model.h"
