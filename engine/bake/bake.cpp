@@ -8,6 +8,7 @@
 #include "engine/bake/heard_modes.h"
 #include "engine/bake/sample_points.h"
 #include "engine/bake/solve_body.h"
+#include "engine/base/range.h"
 #include "engine/fem/shape_change.h"
 #include "engine/mesh/boundary.h"
 
@@ -369,7 +370,7 @@ Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional
   if (sounding.modes.interior) body = solved_body(task, sounding.modes, kept);
   bank.triangles = points->triangles;
   if (sounding.modes.nonlinear) add_nonlinear(task, sounding.modes, kept, baked);
-  for (const double error : points->errors) bank.shape_error.push_back(rounded_error(error));
+  for (const double error : points->errors) bank.shape_error.push_back(to_digits(error, 3));
   report.over_damped = sounding.left_out.over_damped;
   report.below_band = sounding.left_out.below_band;
   report.inaudible = reduced.inaudible;

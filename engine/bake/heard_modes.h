@@ -62,7 +62,4 @@ Eigen::MatrixXd shapes_of(const std::vector<HeardMode>& heard, const BodyModes& 
 void add_modes(modal::Bank& bank, const std::vector<HeardMode>& heard, const Eigen::MatrixXd& shapes,
                const modal::Air* air = nullptr);
 
-// An error rounded to three digits, which is all that an estimate may claim.
-double rounded_error(double error);
-
 }  // namespace ringdown::bake
