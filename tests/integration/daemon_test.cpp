@@ -203,7 +203,7 @@ TEST_F(DaemonTest, ARecordedSessionRendersToTheSameSamples) {
   }
   const auto render = [&](const std::filesystem::path& to) {
     const Outcome rendered =
-        run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "-o", to.string()});
+        run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "--fade", "0", "-o", to.string()});
     EXPECT_EQ(rendered.exit_code, 0) << rendered.output;
     return read_frames(to);
   };

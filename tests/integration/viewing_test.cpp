@@ -183,7 +183,7 @@ TEST_F(Viewing, ARecordedSessionOfRungAndChosenModesRendersToTheSameSamples) {
     EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
   }
   const Outcome rendered =
-      run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "-o", replay.string()});
+      run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "--fade", "0", "-o", replay.string()});
   EXPECT_EQ(rendered.exit_code, 0) << rendered.output;
   const auto heard = read_frames(live);
   auto again = read_frames(replay);
