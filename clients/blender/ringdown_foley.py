@@ -49,7 +49,7 @@ def materials():
     """The names of `ringdown materials`, asked once."""
     if not _materials:
         listed = subprocess.run([program(), "materials"], capture_output=True, text=True, check=True).stdout
-        _materials.extend(name for name in re.findall(r"^([a-z][a-z0-9-]*)\s", listed, re.MULTILINE))
+        _materials.extend(re.findall(r"^([a-z][a-z0-9-]*) +[0-9]", listed, re.MULTILINE))
     return _materials
 
 

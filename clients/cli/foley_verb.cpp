@@ -25,18 +25,16 @@ struct FoleyArguments {
 
 // Why nothing is heard, and what to do.
 std::string why_silent(const session::Rendering& rendering, const std::string& file) {
-  const std::string bake =
-      "`ringdown bake " + file + "` gives them banks, and says which materials it understood";
+  const std::string bake = "`ringdown bake " + file + "` gives them banks, and says which materials it understood";
   const session::BodyCounts& bodies = rendering.bodies;
-  if (bodies.all == 0)
-    return "there is no body in " + file + ": every mesh of its scene would be one, so export the objects with their meshes";
   if (bodies.moved == 0)
     return "nothing moves in " + file +
-           ": no mesh is moved by keyframes of location or rotation, so export the file with its animation (a "
-           "simulation has to be baked to keyframes first)";
+           ": no mesh of its scene is moved by keyframes of location or rotation. Export the objects with their meshes "
+           "and their animation; a simulation has to be baked to keyframes first";
   if (rendering.contacts.empty())
     return "no two bodies of " + file +
-           " push each other. Bodies are meshes, and what pushes them is told by their keyframes: at least two objects, "
+           " push each other. Bodies are meshes, and what pushes them is told by their keyframes: at least two "
+           "objects, "
            "of which one is animated by location and rotation, have to touch within --gap";
   if (bodies.sounding == 0) return "bodies touch, but none of " + file + " has a bank; " + bake;
   return "bodies touch, but none that touches has a bank; " + bake;

@@ -3,6 +3,7 @@
 #include "clients/cli/verb.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
+#include "engine/scene/gltf/scene.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/wire/score.h"
 
@@ -45,9 +46,9 @@ ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
   const auto judge = [&](const session::Rendering& rendering, const std::string& path) {
     if (rendering.peak > 0 || !asked_for_sound) return ExitCode::ok;
     std::string why = path + " is digital silence: nothing that sounds was struck";
-    if (rendering.bodies.moved > 0)
-      why += "; bodies that keyframes move strike each other in `ringdown foley " + arguments.options.scene->string() +
-             "`, and only simulated ones here";
+    if (arguments.options.scene && scene::is_gltf(*arguments.options.scene))
+      why += ". What bodies do that only keyframes move is heard by `ringdown foley " +
+             arguments.options.scene->string() + "`";
     return complain(why, ExitCode::silence);
   };
   return write_sound(arguments.options, arguments.output, stop, {}, judge);

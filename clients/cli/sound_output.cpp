@@ -40,11 +40,13 @@ Result<void> check_mux(const SoundOutput& output) {
   if (!std::filesystem::is_regular_file(picture))
     return fail(ErrorKind::bad_input, "--mux: there is no file " + picture.string());
   const std::filesystem::path sound = output.path, target = muxed_path(sound, picture);
-  if (sound.extension().empty() || target == sound || std::filesystem::weakly_canonical(target) == std::filesystem::weakly_canonical(picture))
+  if (sound.extension().empty() || target == sound ||
+      std::filesystem::weakly_canonical(target) == std::filesystem::weakly_canonical(picture))
     return fail(ErrorKind::usage, "--mux: the result would be " + target.string() +
                                       ", which is there already; give the sound (-o) another name");
   if (!run_child({.command = {"ffmpeg", "-version"}}))
-    return fail(ErrorKind::refused, "--mux needs ffmpeg, which is not installed: install the package ffmpeg, or leave out --mux");
+    return fail(ErrorKind::refused,
+                "--mux needs ffmpeg, which is not installed: install the package ffmpeg, or leave out --mux");
   return {};
 }
 
@@ -54,11 +56,27 @@ Result<std::filesystem::path> mux(const std::filesystem::path& picture, const st
   const std::filesystem::path target = muxed_path(sound, picture);
   std::filesystem::path part = target;
   part.replace_extension("." + std::to_string(::getpid()) + ".part" + picture.extension().string());
-  const auto done = run_child(
-      {.command = {"ffmpeg", "-nostdin", "-v", "error", "-y", "-i", picture.string(), "-itsoffset",
-                   std::to_string(from_s), "-i", sound.string(), "-map", "0:v", "-map", "1:a", "-c:v", "copy", "-b:a",
-                   "320k", part.string()},
-       .keep_going = [&stop] { return !stop.stop_requested(); }});
+  const auto done = run_child({.command = {"ffmpeg",
+                                           "-nostdin",
+                                           "-v",
+                                           "error",
+                                           "-y",
+                                           "-i",
+                                           picture.string(),
+                                           "-itsoffset",
+                                           std::to_string(from_s),
+                                           "-i",
+                                           sound.string(),
+                                           "-map",
+                                           "0:v",
+                                           "-map",
+                                           "1:a",
+                                           "-c:v",
+                                           "copy",
+                                           "-b:a",
+                                           "320k",
+                                           part.string()},
+                               .keep_going = [&stop] { return !stop.stop_requested(); }});
   std::error_code error;
   if (done && done->exit_code == 0) std::filesystem::rename(part, target, error);
   if (done && done->exit_code == 0 && !error) return target;
@@ -120,9 +138,10 @@ void add_sound_output(manual::App& app, session::OfflineOptions& options, SoundO
   app.add_choice("--bits", output.file.bits, {{"24", 24}, {"32", 32}}, "Bits of a sample in a .wav; 32 are floats")
       ->type_name("24|32")
       ->default_str("32");
-  app.add_option("--tail", options.tail_s,
-                 "Seconds after the last event, faded at their end, 0 or more; default: until the sound is silent, below "
-                 "-96 dBFS.")
+  app.add_option(
+         "--tail", options.tail_s,
+         "Seconds after the last event, faded at their end, 0 or more; default: until the sound is silent, below "
+         "-96 dBFS.")
       ->check(manual::between(0.0, 3600.0));
   options.fade_s = session::kFade_s;
   app.add_option("--fade", options.fade_s, "Seconds within which the sound fades away at its end; 0: it is cut off.")
@@ -147,7 +166,8 @@ void add_sound_output(manual::App& app, session::OfflineOptions& options, SoundO
   app.add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")
       ->check(manual::between(8000.0, 768000.0))
       ->capture_default_str();
-  app.add_flag("--progress-lines", output.progress_lines, "For programs: progress as lines 'FRACTION STAGE' on stdout.");
+  app.add_flag("--progress-lines", output.progress_lines,
+               "For programs: progress as lines 'FRACTION STAGE' on stdout.");
   server::add_sound_options(app, options.mixer);
 }
 

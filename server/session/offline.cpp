@@ -75,7 +75,7 @@ class Run {
   [[nodiscard]] BodyCounts bodies() const {
     const auto scene = session_.scene().description();
     if (!scene) return {};
-    BodyCounts counts{.all = scene->bodies.size() + scene->statics.size() + scene->emitters.size()};
+    BodyCounts counts;
     for (const scene::BodyDescription& body : scene->bodies) {
       counts.moved += body.path != nullptr;
       counts.sounding += !body.object.empty();
@@ -255,10 +255,10 @@ class Run {
   Session session_;
   std::vector<wire::ScoreEvent> score_;
   std::size_t next_ = 0, pushed_ = 0;
-  Frame now_ = 0;                   // frames rendered so far
-  Cut cut_;                         // in frames without the limiter's delay; its end may grow ...
-  Frame longest_ = 0;               // ... up to this one
-  Frame second_ = 0;                // frames in a second
+  Frame now_ = 0;                    // frames rendered so far
+  Cut cut_;                          // in frames without the limiter's delay; its end may grow ...
+  Frame longest_ = 0;                // ... up to this one
+  Frame second_ = 0;                 // frames in a second
   Frame scene_end_ = synth::kNever;  // the scene stands still from this frame on
   ContactReport contacts_;
   std::optional<StemLog> stems_;
@@ -325,9 +325,8 @@ Result<Rendering> render_to_file(const OfflineOptions& options, const std::files
   }
   if (file_options.stems) {
     const StemSettings settings{*file_options.stems, options.sample_rate_hz, format.bits, run.mixer(), run.cut()};
-    const auto stems = write_stems(*run.stems(), settings, [&](double done) {
-      return progress(share + (1 - share) * done);
-    });
+    const auto stems =
+        write_stems(*run.stems(), settings, [&](double done) { return progress(share + (1 - share) * done); });
     if (!stems) return fail(stems.error());
     rendering.stems = *stems;
   }

@@ -28,13 +28,13 @@ struct OfflineOptions {
   // The length, exactly. By default the scene and the score are rendered up to the scene's own duration, the score's
   // end mark /c_set or its last event, and then what still sounds for tail_s, or until it is silent (kSilence_db).
   std::optional<double> seconds;
-  std::optional<double> tail_s;                     // an end mark is a tail of 0
-  std::optional<double> from_s, to_s;               // the part of the scene that is written, before its tail
+  std::optional<double> tail_s;        // an end mark is a tail of 0
+  std::optional<double> from_s, to_s;  // the part of the scene that is written, before its tail
   double sample_rate_hz = 48000;
   std::optional<scene::FoleyLimits> foley;  // set: contacts of animated bodies are recovered from their motion
-  std::optional<std::string> camera;          // of a glTF scene, which is the listener; default: the first
-  std::optional<VariationRange> variation;    // what is played otherwise than described
-  double fade_s = 0;                          // within the end of the sound
+  std::optional<std::string> camera;        // of a glTF scene, which is the listener; default: the first
+  std::optional<VariationRange> variation;  // what is played otherwise than described
+  double fade_s = 0;                        // within the end of the sound
   std::size_t block_frames = 256;
   synth::MixerSettings mixer;  // the limiter's delay is removed from the result; the budget is not used
 };
@@ -62,9 +62,8 @@ using Progress = std::function<bool(double done)>;
 // Renders into memory.
 Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress);
 
-// The bodies of a scene as its file describes them, those that stand still too.
+// The bodies of a scene as its file describes them.
 struct BodyCounts {
-  std::size_t all = 0;
   std::size_t moved = 0;     // by keyframes
   std::size_t sounding = 0;  // with an object
 };
@@ -72,11 +71,11 @@ struct BodyCounts {
 // The outcome of render_to_file().
 struct Rendering {
   double seconds = 0;
-  float peak = 0;                // as in a Recording
-  std::optional<double> lufs;    // loudness of left and right by EBU R 128; nothing: silent, or too short
-  double true_peak = 0;          // of left and right, between samples too; 1 is full scale
-  double gain = 1;               // that gave the file its loudness
-  std::size_t stems = 0;         // files in the stems' folder
+  float peak = 0;              // as in a Recording
+  std::optional<double> lufs;  // loudness of left and right by EBU R 128; nothing: silent, or too short
+  double true_peak = 0;        // of left and right, between samples too; 1 is full scale
+  double gain = 1;             // that gave the file its loudness
+  std::size_t stems = 0;       // files in the stems' folder
   std::vector<std::string> warnings;
   std::vector<ContactRow> contacts;  // of foley
   BodyCounts bodies;

@@ -1,4 +1,5 @@
-// Sends the poses of a scene's bodies, and of a listener that moves, to the mixer while there is a listener. [scene, worker; one at a time]
+// Sends the poses of a scene's bodies, and of a listener that moves, to the mixer while there is a listener. [scene,
+// worker; one at a time]
 #pragma once
 
 #include "engine/base/rotation.h"

@@ -26,10 +26,10 @@ struct SoundFormat {
 
 class SoundFile {
  public:
-  // Creates a WAV of 32-bit floats or 24 bits, or a 24-bit FLAC if the name ends in .flac. WAV that is known to exceed 4 GiB, the
-  // limit of its length fields, is written as RF64 (EBU Tech 3306), which programs that read WAV also read. Fails for
-  // other endings, except those of streams, and if no file can be made. Use a path from a message as the target itself,
-  // and output_target() for a user's path.
+  // Creates a WAV of 32-bit floats or 24 bits, or a 24-bit FLAC if the name ends in .flac. WAV that is known to exceed
+  // 4 GiB, the limit of its length fields, is written as RF64 (EBU Tech 3306), which programs that read WAV also read.
+  // Fails for other endings, except those of streams, and if no file can be made. Use a path from a message as the
+  // target itself, and output_target() for a user's path.
   static Result<SoundFile> create(OutputTarget target, double sample_rate_hz, const SoundFormat& format = {});
   SoundFile(SoundFile&&) noexcept;
   SoundFile& operator=(SoundFile&&) noexcept;

@@ -16,9 +16,9 @@ namespace {
 using synth::Frame;
 
 tl::unexpected<Error> no_room() {
-  return fail(ErrorKind::input_output,
-              std::string("cannot keep the sound in a temporary file until its loudness is known: ") +
-                  std::strerror(errno));
+  return fail(
+      ErrorKind::input_output,
+      std::string("cannot keep the sound in a temporary file until its loudness is known: ") + std::strerror(errno));
 }
 
 }  // namespace

@@ -27,9 +27,7 @@ bool ends(const synth::Contact& contact) { return length(contact.force_n) == 0; 
 
 // The object whose vibration an event lets its own object feel.
 std::optional<ObjectNumber> felt_in(const Event& event) {
-  const auto known = [](ObjectNumber other) {
-    return other == synth::kNoObject ? std::nullopt : std::optional(other);
-  };
+  const auto known = [](ObjectNumber other) { return other == synth::kNoObject ? std::nullopt : std::optional(other); };
   if (const auto* rub = event.verb.get_if<synth::verb::Rub>()) return known(rub->other);
   if (const auto* hit = event.verb.get_if<synth::verb::Collision>()) return known(hit->other);
   return {};
@@ -100,7 +98,8 @@ std::set<ObjectNumber> company_of(ObjectNumber object, const StemLog& log) {
   for (std::size_t before = 0; before != all.size();) {
     before = all.size();
     for (const auto& [number, track] : log.tracks()) {
-      const bool meets = all.contains(number) || std::ranges::any_of(track.felt, [&](auto n) { return all.contains(n); });
+      const bool meets =
+          all.contains(number) || std::ranges::any_of(track.felt, [&](auto n) { return all.contains(n); });
       if (!meets) continue;
       all.insert(number);
       all.insert(track.felt.begin(), track.felt.end());
@@ -232,12 +231,12 @@ class ObjectStems {
     std::optional<Stem>& stem = stems_[kind];
     if (!stem) {
       constexpr std::array kKinds = {"impact", "slide", "roll"};
-      auto file = PieceFile::create(settings_.folder / (track_.name + "-" + kKinds[kind] + ".wav"),
-                                    settings_.sample_rate_hz,
-                                    {.channels = written_channels(piece).size(),
-                                     .ambisonic = !piece.ambisonics.empty(),
-                                     .frames = static_cast<std::size_t>(cut.end - cut.first),
-                                     .bits = settings_.bits});
+      auto file =
+          PieceFile::create(settings_.folder / (track_.name + "-" + kKinds[kind] + ".wav"), settings_.sample_rate_hz,
+                            {.channels = written_channels(piece).size(),
+                             .ambisonic = !piece.ambisonics.empty(),
+                             .frames = static_cast<std::size_t>(cut.end - cut.first),
+                             .bits = settings_.bits});
       if (!file) return fail(file.error());
       stem.emplace(Stem{*std::move(file)});
     }
@@ -291,8 +290,8 @@ void StemLog::changed(const ObjectState* before, const ObjectState* after, Frame
   if (!retuned) return;
   const auto how = new_bank ? Mixer::Install::replace : Mixer::Install::retune;
   track.entries.push_back({.block = blocks_.size(),
-                           .change = std::make_shared<const Change>(Change{after->map, after->material, after->dampers,
-                                                                           after->modes, how, at})});
+                           .change = std::make_shared<const Change>(
+                               Change{after->map, after->material, after->dampers, after->modes, how, at})});
 }
 
 Result<std::size_t> write_stems(const StemLog& log, const StemSettings& settings,

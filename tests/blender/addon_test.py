@@ -1,6 +1,6 @@
 """The add-on of clients/blender in a Blender without a window: addon_test.py, by blender --background --python.
 
-A cube of steel falls on a table of oak by keyframes. The sound must begin at the frame at which it lands.
+A bar of steel falls on a board of oak by keyframes. The sound must begin at the moment at which it lands.
 """
 import importlib.util
 import os
@@ -31,13 +31,13 @@ def build(fps_base=1.0):
     scene = bpy.context.scene
     scene.render.fps, scene.render.fps_base = FPS, fps_base
     scene.frame_start, scene.frame_end = FIRST, LAST
-    box("Table", (0.5, 0.5, 0.03), -0.015, "Oak board")
-    cube = box("Cube", (0.06, 0.05, 0.04), 0.02 + HEIGHT_M, "no known material")
-    cube.ringdown_material = "steel"
+    box("Board", (0.2, 0.2, 0.03), -0.015, "Oak board")
+    bar = box("Bar", (0.12, 0.04, 0.01), 0.005 + HEIGHT_M, "no known material")
+    bar.ringdown_material = "steel"
     for frame in range(FIRST, LAST + 1):
         time = (frame - FIRST) * fps_base / FPS
-        cube.location.z = 0.02 + height_at(time)
-        cube.keyframe_insert("location", frame=frame)
+        bar.location.z = 0.005 + height_at(time)
+        bar.keyframe_insert("location", frame=frame)
     bpy.ops.object.camera_add(location=(0, -1, 0.4), rotation=(1.2, 0, 0))
     scene.camera = bpy.context.object
     return scene
@@ -87,13 +87,14 @@ def check(fps_base):
     with tempfile.TemporaryDirectory() as folder:
         scene = build(fps_base)
         addon = sys.modules["ringdown_foley"]
-        assert "steel" in addon.materials() and "oak" in addon.materials(), addon.materials()
+        assert "steel" in addon.materials() and "wood" in addon.materials(), addon.materials()
         assert addon.search_materials(None, bpy.context, "STEE"), "the search finds no steel"
         bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "fall.blend"))
-        assert bpy.ops.ringdown.bake() == {"FINISHED"}
-        assert os.path.exists(os.path.join(folder, "fall-ringdown.glb"))
+        if fps_base == 1:
+            assert bpy.ops.ringdown.bake() == {"FINISHED"}
+            assert os.path.exists(os.path.join(folder, "fall-ringdown.glb"))
         scene.ringdown.stems = scene.ringdown.normalize = True
-        for _ in range(2):  # the second replaces the first
+        for _ in range(2 if fps_base == 1 else 1):  # the second replaces the first
             assert bpy.ops.ringdown.render_sound() == {"FINISHED"}
         sound = os.path.join(folder, "fall-ringdown.wav")
         strips = [s for s in scene.sequence_editor.sequences if s.type == "SOUND"]
@@ -103,12 +104,12 @@ def check(fps_base):
         # A blow is placed within 2 ms, and sound that comes from a metre away has no delay by default.
         assert abs(onset_s(sound) - landing_s()) < 0.003, (onset_s(sound), landing_s())
         stems = sorted(os.listdir(os.path.join(folder, "fall-ringdown-stems")))
-        assert "Cube-impact.wav" in stems and "Table-impact.wav" in stems, stems
+        assert "Bar-impact.wav" in stems and "Board-impact.wav" in stems, stems
 
 
 def check_errors():
     scene = build()
-    bpy.context.scene.objects["Cube"].ringdown_material = "unobtainium"
+    bpy.context.scene.objects["Bar"].ringdown_material = "unobtainium"
     try:
         bpy.ops.ringdown.bake()
     except RuntimeError as error:

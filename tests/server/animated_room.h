@@ -59,7 +59,8 @@ class AnimatedRoom {
     std::string bytes = room.glb();
     if (parts.banks) {
       const modal::Bank banks[] = {bank(table_m, 30, 180), bank(cube_m, 1, 950), bank(sled_m, 0.3, 1700)};
-      const std::vector<modal::AddedModel> models = {{&banks[0], {table}, {}}, {&banks[1], {cube}, {}}, {&banks[2], {sled}, {}}};
+      const std::vector<modal::AddedModel> models = {
+          {&banks[0], {table}, {}}, {&banks[1], {cube}, {}}, {&banks[2], {sled}, {}}};
       auto extended = modal::add_models(bytes, path.string(), "room", models);
       EXPECT_TRUE(extended) << extended.error().message;
       bytes = extended->file;
@@ -73,7 +74,7 @@ class AnimatedRoom {
     modal::Bank made = box_bank(size_m, mass_kg);
     made.frequency_hz = {frequency_hz};
     made.decay_per_s = {20};
-    for (auto& shape : made.shapes) shape = {0, static_cast<float>(1 / std::sqrt(mass_kg)), 0};
+    for (auto& shape : made.shapes) shape = {0, static_cast<float>(0.4 / std::sqrt(mass_kg)), 0};
     return made;
   }
   static double height_at(double t) {
@@ -103,7 +104,8 @@ class AnimatedRoom {
     modal::Json& animation = room.json["animations"][0];
     animation["channels"].push_back(
         {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", "translation"}}}});
-    const std::size_t input = room.add_array(times, 5126, "SCALAR", 1), output = room.add_array(values, 5126, "VEC3", 3);
+    const std::size_t input = room.add_array(times, 5126, "SCALAR", 1),
+                      output = room.add_array(values, 5126, "VEC3", 3);
     room.json["accessors"][input]["min"] = {times.front()};
     room.json["accessors"][input]["max"] = {times.back()};
     animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});

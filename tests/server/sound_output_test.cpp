@@ -38,7 +38,7 @@ class SoundOutput : public testing::Test {
     EXPECT_TRUE(modal::write_bank(test::random_bank(1, 60, 40), folder_ / "a.glb"));
     EXPECT_TRUE(modal::write_bank(test::random_bank(2, 35, 40), folder_ / "b.glb"));
     EXPECT_TRUE(modal::write_bank(test::random_bank(3, 25, 40), folder_ / "c.glb"));
-    std::ofstream(folder_ / "scene.toml") << R"(
+    std::ofstream(folder_ / "scene.toml") << R"([scene]
 duration_s = 1.5
 [listener]
 position_m = [0, -1.5, 0.4]
@@ -54,10 +54,13 @@ gain = 0.3
 name = "floor"
 bank = "c.glb"
 pan = 0.4
-[[static]]
+[[body]]
 name = "floor"
 object = "floor"
-shape = "plane"
+shape = "box"
+size_m = [4, 4, 0.1]
+position_m = [0, 0, -0.05]
+fixed = true
 [[body]]
 name = "ball"
 object = "ball"
@@ -262,7 +265,8 @@ TEST_F(SoundOutput, LoudnessIsThatOfTheTestSignalsOfTheEbu) {
 TEST_F(SoundOutput, TruePeaksLieBetweenSamples) {
   for (const auto& [share, phase] : {std::pair(0.25, 45.0), {1.0 / 6, 60.0}, {1.0 / 8, 67.5}}) {
     Loudness loudness(48000);
-    const auto tone = sine(48000 * share, 0.5, 0.5, phase * std::numbers::pi / 180);
+    auto tone = sine(48000 * share, 0.5, 0.5, phase * std::numbers::pi / 180);
+    for (std::size_t n = 0; n < 4800; ++n) tone[n] *= static_cast<float>(n) / 4800;
     loudness.add(tone, tone);
     const double peak_db = 20 * std::log10(loudness.true_peak());
     EXPECT_GT(peak_db, -6.4) << share;
@@ -340,15 +344,16 @@ TEST_F(SoundOutput, ANearerCameraHearsMore) {
     for (std::size_t n = at; n < at + 2400; ++n) sum += sound.left[n] * sound.left[n] + sound.right[n] * sound.right[n];
     return std::sqrt(sum);
   };
-  for (const double time_s : AnimatedRoom::landings_s()) {
+  for (std::size_t k = 0; k < 2; ++k) {  // the third blow comes while the second rings, and the camera shifts its phase
+    const double time_s = AnimatedRoom::landings_s()[k];
     const auto distance = [](double z) { return std::hypot(z, 0.5); };
     const double expected = distance(2) / distance(8 - 4 * (time_s + 0.01));
-    EXPECT_NEAR(level(*ride, time_s) / level(*wide, time_s), expected, 0.12 * expected) << time_s;
+    EXPECT_NEAR(level(*ride, time_s) / level(*wide, time_s), expected, 0.04 * expected) << time_s;
   }
   options.camera = "Nobody";
   const auto none = render_offline(options, kGoOn);
   ASSERT_FALSE(none);
-  EXPECT_NE(none.error().message.find("no camera \"Nobody\"; its cameras are \"Wide\", \"Ride\""), std::string::npos)
+  EXPECT_NE(none.error().message.find("no camera 'Nobody'; its cameras are 'Wide', 'Ride'"), std::string::npos)
       << none.error().message;
 }
 
@@ -377,7 +382,8 @@ TEST(Variation, PointsLieWithinTheBallAndOneBlowIsVariedAlike) {
   constexpr int kBlows = 1000;
   for (int k = 0; k < kBlows; ++k) {
     synth::verb::Strike strike{.point_m = {0.3, -0.2, 0.1}, .impulse_ns = {0, 0, 2}, .contact_time_s = 0.001};
-    synth::Event one{.frame = 100 * k, .object = 3, .verb = strike}, other{.frame = 100 * k, .object = 4, .verb = strike};
+    synth::Event one{.frame = 100 * k, .object = 3, .verb = strike},
+        other{.frame = 100 * k, .object = 4, .verb = strike};
     vary(one), vary(other);
     const auto &a = *one.verb.get_if<synth::verb::Strike>(), &b = *other.verb.get_if<synth::verb::Strike>();
     const double aside_m = length(a.point_m - strike.point_m), longer = a.contact_time_s / 0.001;

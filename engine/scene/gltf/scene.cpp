@@ -73,7 +73,11 @@ class GltfSceneReader {
  public:
   GltfSceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside,
                   const std::optional<FoleyLimits>& foley, const std::optional<std::string>& camera)
-      : document_(document), path_(std::move(path)), read_beside_(read_beside), camera_(camera), animations_(document, foley) {
+      : document_(document),
+        path_(std::move(path)),
+        read_beside_(read_beside),
+        camera_(camera),
+        animations_(document, foley) {
     scene_.foley = foley;
   }
 
@@ -416,7 +420,8 @@ class GltfSceneReader {
   std::vector<std::string> names_of_camera(const GltfNode& node) {
     std::vector<std::string> names = {node.name};
     for (auto at = node.parent; at; at = nodes()[*at].parent) names.push_back(nodes()[*at].name);
-    names.push_back(std::string(document_.element(node.field["camera"], document_.root()["cameras"])["name"].text_or("")));
+    names.push_back(
+        std::string(document_.element(node.field["camera"], document_.root()["cameras"])["name"].text_or("")));
     return names;
   }
 
