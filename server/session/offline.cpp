@@ -22,8 +22,6 @@ tl::unexpected<Error> cancelled() { return fail(ErrorKind::cancelled, "cancelled
 
 // One rendering: a session, the score that is played on it, and the block that is being rendered.
 class Run {
-  static constexpr double kMinTail_s = 1;  // of a sound of unknown length
-
  public:
   using Take = std::function<Result<void>(const Piece&)>;
 
@@ -118,7 +116,8 @@ class Run {
     const double last_s = options_.to_s ? std::min(*options_.to_s, scene_s) : scene_s;
     const double all_s = options_.seconds.value_or(std::max(score_s, last_s));
     const std::optional<double> tail_s = options_.seconds || (marked_ && !options_.tail_s) ? 0 : options_.tail_s;
-    const double sure_s = all_s + tail_s.value_or(kMinTail_s), from_s = options_.from_s.value_or(0);
+    const double min_tail_s = options_.score.empty() ? kMinTail_s : kMinScoreTail_s;
+    const double sure_s = all_s + tail_s.value_or(min_tail_s), from_s = options_.from_s.value_or(0);
     const bool given = options_.scene || !options_.score.empty() || options_.seconds;
     if (!given || !(sure_s > 0 && sure_s <= kMaxRender_s)) {
       return fail(ErrorKind::bad_input,
@@ -129,7 +128,7 @@ class Run {
                                         " s, and the scene or the part ends at " + std::to_string(all_s) + " s");
     }
     second_ = frames_of(1);
-    if (!options_.seconds) scene_end_ = frames_of(all_s);
+    if (!options_.seconds && options_.scene) scene_end_ = frames_of(all_s);
     cut_ = {.first = frames_of(from_s), .end = frames_of(sure_s), .rise = from_s > 0 ? frames_of(kRise_s) : 0};
     cut_.fall = std::min(frames_of(options_.fade_s), cut_.end - cut_.first);
     tail_ = !tail_s;

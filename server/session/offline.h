@@ -40,8 +40,9 @@ struct OfflineOptions {
 };
 
 // A sound of unknown length ends when the peak of its last second is below kSilence_db of full scale and kTail_db below
-// the peak of the whole: a whole number of seconds after the last event, from one to kMaxTail_s, and a fade later.
-inline constexpr double kSilence_db = -96, kTail_db = 60, kMaxTail_s = 60;
+// the peak of the whole: a whole number of seconds after the scene, at least kMinTail_s, or after a score's last event,
+// at least kMinScoreTail_s, and a fade later; after kMaxTail_s in any case.
+inline constexpr double kSilence_db = -96, kTail_db = 60, kMinTail_s = 1, kMinScoreTail_s = 5, kMaxTail_s = 60;
 
 // Fades of what programs render: within the end, and within the beginning of a part that does not begin at 0.
 inline constexpr double kFade_s = 0.03, kRise_s = 0.005;
