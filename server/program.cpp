@@ -78,6 +78,7 @@ ExitCode render_to_file(const DaemonOptions& options, Log& log) {
                                                   .objects = options.objects,
                                                   .seconds = options.seconds,
                                                   .sample_rate_hz = options.sample_rate_hz,
+                                                  .fade_s = session::kFade_s,
                                                   .block_frames = options.block_frames,
                                                   .mixer = options.mixer},
                                                  options.output, [](double) { return !signal_came(0ms); });

@@ -29,7 +29,9 @@ Result<ObjectSnapshot> Rack::find(const ObjectRef& ref) const {
   return fail(ErrorKind::bad_input, "there is no object " + shown(ref) + "; it was never loaded, or has been removed");
 }
 
-bool Rack::push(synth::Producer producer, const Event& event) {
+bool Rack::push(synth::Producer producer, const Event& described) {
+  Event event = described;
+  if (vary_) vary_(event);
   if (!mixer_.push(producer, event)) return false;
   const auto* const gain = event.verb.get_if<synth::verb::Gain>();
   const auto* const pan = event.verb.get_if<synth::verb::Pan>();

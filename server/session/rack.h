@@ -68,6 +68,9 @@ class Rack {
   // producer's thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
 
+  // Lets `vary` change every event before it is handed to the mixer. [main, before anything is loaded]
+  void vary_by(std::function<void(synth::Event&)> vary) { vary_ = std::move(vary); }
+
   // The listener's last pose and air, if there is a listener. [any but audio]
   [[nodiscard]] const ListenerMemory& listener() const { return listener_; }
 
@@ -144,6 +147,7 @@ class Rack {
   Observers observers_;
   ObjectTable objects_;
   std::function<void(const std::string&)> on_warning_;
+  std::function<void(synth::Event&)> vary_;
   Buses buses_;
   Excitations excitations_;  // worker
   std::atomic<std::uint32_t> inputs_ = 0;

@@ -74,12 +74,15 @@ modal::ReadBeside beside(const FileRoots& roots, const std::filesystem::path& pa
 // Reads a scene, and warns of parts of the file that a scene cannot have.
 Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::filesystem::path& path,
                                            const std::optional<scene::FoleyLimits>& foley,
+                                           const std::optional<std::string>& camera,
                                            const std::function<void(const std::string&)>& warn) {
   const bool is_gltf = scene::is_gltf(path);
   const auto text = roots.read(path, is_gltf ? modal::kMaxBankFileBytes : kMaxTomlFileBytes);
   if (!text) return fail(text);
+  if (!is_gltf && camera)
+    return fail(ErrorKind::bad_input, "{} has no cameras to listen by; its [listener] says where one is", path.string());
   if (!is_gltf) return scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
-  auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside(roots, path), foley);
+  auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside(roots, path), foley, camera);
   if (!read) return fail(read);
   for (const std::string& note : read->notes) warn("scene: " + note);
   return std::move(read->scene);
@@ -111,7 +114,7 @@ void warn_of_silence(const scene::SceneDescription& scene, std::span<const scene
 // Reads a scene of either format.
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
   const auto warn = [this](const std::string& sentence) { rack_.warn(sentence); };
-  auto description = read_below(roots_, path, foley_, warn);
+  auto description = read_below(roots_, path, foley_, camera_, warn);
   if (!description) return fail(description);
   if (const auto kept = reliefs_.keep(*description); !kept) return fail(kept);
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // read before anything changes
@@ -161,7 +164,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     duration_s_ = description->duration_s;
     body_count_ = world_->bodies().size();
     poses_.forget();
-    if (!sink_) dropped_ += poses_.send(*world_, frame, rack_);
+    if (!sink_) dropped_ += poses_.send(*world_, description_.listener, frame, rack_);
   }
   pieces_.keep_loaded();
   set_dampers(removed);
@@ -297,7 +300,8 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
     if (reported_until() < frame) {
       pass_on(world_->step(&given_up_), dampings);
       if (!sink_)
-        dropped_ += poses_.send(*world_, position() + pose_delay(*world_, rack_.mixer().sample_rate_hz()), rack_);
+        dropped_ += poses_.send(*world_, description_.listener,
+                                position() + pose_delay(*world_, rack_.mixer().sample_rate_hz()), rack_);
     }
     more = reported_until() < frame;
   }

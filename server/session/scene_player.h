@@ -68,6 +68,9 @@ class ScenePlayer {
     watch_ = std::move(watch);
   }
 
+  // Lets the scenes to come be heard from their camera of this name. [main]
+  void listen_by(std::string camera) { camera_ = std::move(camera); }
+
   // Sets the function that hands tasks to the worker and returns whether the worker took them. The tasks retune
   // objects, which bodies resting on them damp; without the function they are carried out at once. Call while the scene
   // thread does not run. [main]
@@ -170,6 +173,7 @@ class ScenePlayer {
   const FileRoots& roots_;
   Sink sink_;
   std::optional<scene::FoleyLimits> foley_;
+  std::optional<std::string> camera_;
   Watch watch_;
   Post post_;
   ScenePieces pieces_{rack_};  // worker

@@ -78,10 +78,12 @@ Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz, 
   if (ending != ".wav" && ending != ".flac" && !target.is_stream) {
     return cannot_write(path, "its name must end in .wav or .flac, which decides the format");
   }
-  const int wav = sizeof(float) * format.channels * format.frames > kMaxWavBytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
+  const std::size_t bytes = static_cast<std::size_t>(format.bits) / 8;
+  const int wav = bytes * format.channels * format.frames > kMaxWavBytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
+  const int samples = format.bits == 24 ? SF_FORMAT_PCM_24 : SF_FORMAT_FLOAT;
   SF_INFO info{.samplerate = static_cast<int>(sample_rate_hz),
                .channels = static_cast<int>(format.channels),
-               .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : wav | SF_FORMAT_FLOAT};
+               .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : wav | samples};
   auto open = std::make_unique<Open>();
   open->target = std::move(target);
   if (!open->open(info)) {

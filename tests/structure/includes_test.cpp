@@ -116,6 +116,7 @@ struct LibraryRule {
 const std::vector<LibraryRule> kLibraryRules = {
     {"jack/", {"server/jack_client.cpp"}, 1},
     {"lo/", {"protocol/wire/codec.cpp"}, 1},
+    {"ebur128.h", {"server/session/loudness.cpp"}, 1},
     {"microhttpd.h", {"server/query_server.cpp"}, 1},
     {"Distrho", {"clients/plugin/plugin.cpp"}, 1},
     {"src/clap/", {"clients/plugin/clap_entry.cpp"}, 1},
