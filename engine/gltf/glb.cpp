@@ -48,7 +48,9 @@ class JsonCounter {
 };
 
 Json accessor_json(std::size_t component_type, std::size_t count, std::size_t width) {
-  return {{"componentType", component_type}, {"count", count}, {"type", width == 1 ? "SCALAR" : "VEC3"}};
+  return {{"componentType", component_type},
+          {"count", count},
+          {"type", width == 1 ? "SCALAR" : width == 4 ? "VEC4" : "VEC3"}};
 }
 
 Json float_accessor(std::span<const float> values, std::size_t width, bool with_bounds) {
@@ -202,7 +204,8 @@ std::size_t GlbWriter::add_packed(const MeshoptLayout& layout, std::span<const s
 }
 
 std::size_t GlbWriter::add_floats(std::span<const float> values, std::size_t width, Use use) {
-  return add(append(std::as_bytes(values)), float_accessor(values, width, use == Use::vertices), use);
+  const bool bounds = use == Use::vertices || use == Use::times;
+  return add(append(std::as_bytes(values)), float_accessor(values, width, bounds), use);
 }
 
 std::size_t GlbWriter::add_packed_floats(std::span<const float> values, std::size_t width, Use use) {

@@ -88,9 +88,9 @@ Result<std::span<const std::byte>> read_view(const Glb& glb, const JsonPlace& re
 // Collects arrays into one buffer, then writes the container.
 class GlbWriter {
  public:
-  enum class Use { data, vertices, indices };
+  enum class Use { data, vertices, indices, times };
 
-  // Add an array and return its accessor's number. Vertex arrays get the bounds that glTF requires.
+  // Add an array and return its accessor's number. Vertices and times get the bounds that glTF requires.
   std::size_t add_floats(std::span<const float> values, std::size_t width, Use use = Use::data);
   std::size_t add_indices(std::span<const std::uint32_t> values);
   std::size_t add_bytes(std::span<const std::byte> bytes);

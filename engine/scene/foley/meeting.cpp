@@ -19,7 +19,7 @@ class Search {
 
   // The contacts at the share `s` of the interval, with the first body moved by `shift_m`.
   [[nodiscard]] Meeting at(Way way, double s, Vec3 shift_m = {}) const {
-    Meeting met{{}, motion_of(first_, way, s), motion_of(second_, way, s), s};
+    Meeting met{.first = motion_of(first_, way, s), .second = motion_of(second_, way, s), .share = s};
     Motion moved = met.first;
     moved.position_m = moved.position_m + shift_m;
     met.points = colliders_.find(first_.id, moved, second_.id, met.second);
@@ -86,8 +86,10 @@ Meeting find_meeting(PosedColliders& colliders, const Meeter& first, const Meete
   const Search search(colliders, first, second, k);
   Meeting met = search.first_touch(Way::onward, 0, share);
   const Meeting later = search.first_touch(Way::backward, 1, share);
+  met.onward = !met.points.empty(), met.backward = !later.points.empty();
   if (met.points.empty() && !later.points.empty()) {
     met = later;
+    met.backward = true;
     met.first = first.motion->onward(k, share);
     met.second = second.motion->onward(k, share);
     return met;

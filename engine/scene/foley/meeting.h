@@ -21,6 +21,7 @@ struct Meeting {
   std::vector<PosedContact> points;  // normals into the first body
   Motion first, second;              // as the two come to each other
   double share = 0;                  // of the interval, where the points were found
+  bool onward = false, backward = false;  // on which of both ways the two were found to touch
 };
 
 // Looks where two bodies touch in interval `k`. `pushed` tells which way the contact must have pushed the first body

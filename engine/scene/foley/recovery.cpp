@@ -4,6 +4,7 @@
 #include "engine/scene/contact/contact_rules.h"
 #include "engine/scene/foley/push_solver.h"
 #include "engine/scene/foley/series.h"
+#include "engine/scene/foley/touches.h"
 #include "engine/scene/rotation.h"
 
 #include <algorithm>
@@ -12,15 +13,6 @@
 
 namespace ringdown::scene {
 namespace {
-
-using Indices = std::pair<std::size_t, std::size_t>;  // of two bodies
-
-// The contacts of a pair in one interval, and the impulses at its points around the frames before and after.
-struct Touch {
-  Indices pair;
-  Meeting met;
-  std::vector<Vec3> before_ns, after_ns;
-};
 
 struct Span {
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
@@ -33,11 +25,6 @@ struct Span {
            other.low.y <= high.y + gap_m && low.z <= other.high.z + gap_m && other.low.z <= high.z + gap_m;
   }
 };
-
-double inverse_mass_at(const KeyedMotion& motion, std::size_t k, Vec3 arm_m, Vec3 way) {
-  const Vec3 turning = cross(arm_m, way);
-  return motion.inverse_mass() + dot(turning, motion.inverse_inertia(k) * turning);
-}
 
 class Recoverer {
  public:
@@ -61,7 +48,7 @@ class Recoverer {
       series_.clear();
       unexplained_.assign(count(), 0);
       for (std::size_t k = 0; k + 1 < frames_; ++k) find_touches(k);
-      for (std::size_t k = 1; k + 1 < frames_; ++k) solve(k);
+      solve();
       for (FoleyBody& body : result_.bodies) body.motion.begin_explaining();
       result_.blows.clear();
       result_.touches.clear();
@@ -119,7 +106,7 @@ class Recoverer {
     }
   }
 
-  void find_touch(std::size_t k, Indices pair) {
+  void find_touch(std::size_t k, BodyIndices pair) {
     const FoleyBody &one = body(pair.first), &two = body(pair.second);
     double gap_m = (touched(pair, k) ? 2 : 1) * limits_.gap_m;
     for (const std::size_t n : {pair.first, pair.second}) {
@@ -135,60 +122,93 @@ class Recoverer {
         find_meeting(colliders_, {one.id, &one.motion}, {two.id, &two.motion}, k, relative(k), relative(k + 1), gap_m);
     if (met.points.empty()) return;
     const std::size_t points = met.points.size();
-    touches_[k].push_back({pair, std::move(met), std::vector<Vec3>(points), std::vector<Vec3>(points)});
+    touches_[k].push_back({.pair = pair,
+                           .met = std::move(met),
+                           .before_ns = std::vector<Vec3>(points),
+                           .after_ns = std::vector<Vec3>(points)});
   }
 
   // True if the pair touched in the interval before.
-  [[nodiscard]] bool touched(Indices pair, std::size_t k) const {
+  [[nodiscard]] bool touched(BodyIndices pair, std::size_t k) const {
     return k > 0 && std::ranges::any_of(touches_[k - 1], [&](const Touch& touch) { return touch.pair == pair; });
   }
-  [[nodiscard]] const Touch* touch_of(Indices pair, std::size_t k) const {
+  [[nodiscard]] const Touch* touch_of(BodyIndices pair, std::size_t k) const {
     if (k >= touches_.size()) return nullptr;
     const auto found = std::ranges::find(touches_[k], pair, &Touch::pair);
     return found == touches_[k].end() ? nullptr : &*found;
   }
 
-  // Around a frame act the contacts of the intervals before and after it.
-  void solve(std::size_t k) {
-    std::vector<PushedBody> pushed(count());
-    for (std::size_t n = 0; n < count(); ++n) {
-      if (!motion(n).moves()) continue;
-      pushed[n] = {motion(n).inverse_mass(), motion(n).inverse_inertia(k), motion(n).push(k)};
-      if (motion(n).turns_fast(k)) pushed[n].inverse_inertia = {}, pushed[n].push.angular_nms = {};
-    }
+  [[nodiscard]] std::vector<PushContact> contacts_of(const Touch& touch, std::size_t k) const {
+    const auto [one, two] = touch.pair;
+    const double friction = combine(body(one).surface, body(two).surface).friction;
     std::vector<PushContact> contacts;
-    std::vector<Vec3*> results;
-    const auto gather = [&](std::vector<Touch>& touches, std::vector<Vec3> Touch::*impulses) {
-      for (Touch& touch : touches) {
-        const auto [one, two] = touch.pair;
-        const double friction = combine(body(one).surface, body(two).surface).friction;
-        for (std::size_t p = 0; p < touch.met.points.size(); ++p) {
-          const PosedContact& point = touch.met.points[p];
-          contacts.push_back({one,
-                              two,
-                              point.point_m - touch.met.first.position_m,
-                              point.point_m - touch.met.second.position_m,
-                              point.normal,
-                              friction,
-                              {}});
-          results.push_back(&(touch.*impulses)[p]);
-        }
-      }
-    };
-    gather(touches_[k - 1], &Touch::after_ns);
-    gather(touches_[k], &Touch::before_ns);
-    solve_pushes(pushed, contacts);
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      *results[c] = contacts[c].impulse_ns;
-      Vec3& sum = series_[{contacts[c].first, contacts[c].second}][k];
-      sum = sum + contacts[c].impulse_ns;
+    for (const PosedContact& point : touch.met.points) {
+      contacts.push_back({.frame = k,
+                          .first = one,
+                          .second = two,
+                          .first_arm_m = point.point_m - touch.met.first.position_m,
+                          .second_arm_m = point.point_m - touch.met.second.position_m,
+                          .normal = point.normal,
+                          .friction = friction});
     }
-    for (std::size_t n = 0; n < count(); ++n) {
-      if (pushed[n].inverse_mass * length(pushed[n].push.linear_ns) > kUnexplained_m_s) ++unexplained_[n];
+    return contacts;
+  }
+
+  // Around a frame act the contacts of the intervals before and after it.
+  void solve() {
+    PushSystem system(frames_, count());
+    for (std::size_t k = 1; k + 1 < frames_; ++k) {
+      for (std::size_t n = 0; n < count(); ++n) {
+        if (!motion(n).moves()) continue;
+        PushedBody& pushed = system.body(k, n) = {motion(n).inverse_mass(), motion(n).inverse_inertia(k),
+                                                  motion(n).push(k)};
+        if (motion(n).turns_fast(k)) pushed.inverse_inertia = {}, pushed.push.angular_nms = {};
+      }
+    }
+    for (std::size_t k = 0; k + 1 < frames_; ++k) {
+      find_blows(result_.bodies, touches_[k], k, limits_.strike_m_s);
+      for (Touch& touch : touches_[k]) {
+        std::vector<PushContact> before = contacts_of(touch, k), after = before;
+        for (PushContact& contact : after) contact.before = 0, contact.after = 1;
+        touch.loads_before = system.add_load(before);
+        touch.loads_after = system.add_load(std::move(after));
+        if (touch.blow || touch.answers) touch.contacts = system.add_blow(std::move(before), touch.share);
+      }
+    }
+    system.solve();
+    for (std::size_t k = 0; k + 1 < frames_; ++k) {
+      for (Touch& touch : touches_[k]) take_solution(system, k, touch);
+    }
+    for (std::size_t k = 1; k + 1 < frames_; ++k) {
+      for (std::size_t n = 0; n < count(); ++n) {
+        const PushedBody& pushed = system.body(k, n);
+        if (pushed.inverse_mass * length(pushed.push.linear_ns) > kUnexplained_m_s) ++unexplained_[n];
+      }
     }
   }
 
-  void divide(Indices pair, PushSeries series) {
+  void take_solution(const PushSystem& system, std::size_t k, Touch& touch) {
+    Vec3 before, after;
+    touch.blow_ns.clear();
+    for (std::size_t p = 0; p < touch.met.points.size(); ++p) {
+      touch.before_ns[p] = system.contact(touch.loads_before + p).impulse_ns;
+      touch.after_ns[p] = system.contact(touch.loads_after + p).impulse_ns;
+      if (touch.blow || touch.answers) {
+        const PushContact& blow = system.contact(touch.contacts + p);
+        touch.before_ns[p] = touch.before_ns[p] + blow.before * blow.impulse_ns;
+        touch.after_ns[p] = touch.after_ns[p] + blow.after * blow.impulse_ns;
+        touch.blow_ns.push_back(blow.impulse_ns);
+        touch.share = blow.after;
+      }
+      before = before + touch.before_ns[p];
+      after = after + touch.after_ns[p];
+    }
+    PushSeries& series = series_[touch.pair];
+    if (k > 0) series[k] = series[k] + before;
+    if (k + 2 < frames_) series[k + 1] = series[k + 1] + after;
+  }
+
+  void divide(BodyIndices pair, PushSeries series) {
     hold_ends(series);
     std::map<std::size_t, Approach> approaches;
     std::map<std::size_t, double> speeds;
@@ -196,11 +216,12 @@ class Recoverer {
       for (const std::size_t k : {std::max<std::size_t>(frame, 1) - 1, frame}) {
         const Touch* touch = touch_of(pair, k);
         if (!touch || approaches.contains(k)) continue;
-        const auto [approach_m_s, parting_m_s, normal, inverse_mass] = closing(*touch, k);
-        const bool strikes = approach_m_s > limits_.strike_m_s;
+        const auto [approach_m_s, parting_m_s, normal, inverse_mass] = touch->closing;
+        const double fastest_m_s = touch->answers ? std::max(approach_m_s, sent_m_s(result_.bodies, touches_[k], *touch, k)) : approach_m_s;
+        const bool strikes = fastest_m_s > limits_.strike_m_s;
         if (!(inverse_mass > 0) || !(strikes || parting_m_s > kBurst_m_s)) continue;
-        approaches[k] = {normal, (strikes ? approach_m_s : 2 * kBurst_m_s) / inverse_mass, touch->met.share};
-        speeds[k] = std::max(approach_m_s, kBurst_m_s);
+        approaches[k] = {normal, (strikes ? fastest_m_s : 2 * kBurst_m_s) / inverse_mass, touch->share};
+        speeds[k] = std::max(fastest_m_s, kBurst_m_s);
       }
     }
     for (const Blow& blow : take_blows(series, approaches, weight_ns(pair))) {
@@ -231,7 +252,7 @@ class Recoverer {
   }
 
   // Tells both bodies what a contact of interval `k` did to them, around the frames before and after it.
-  void explain(Indices pair, std::size_t k, Vec3 before_ns, Vec3 after_ns) {
+  void explain(BodyIndices pair, std::size_t k, Vec3 before_ns, Vec3 after_ns) {
     const Touch& touch = *touch_of(pair, k);
     const std::vector<double> shares = shares_of(touch);
     const auto tell = [&](std::size_t n, const Motion& moving, double sign) {
@@ -245,55 +266,7 @@ class Recoverer {
     tell(pair.second, touch.met.second, -1);
   }
 
-  struct Closing {
-    double approach_m_s = 0, parting_m_s = 0;  // along the normal, before and after
-    Vec3 normal;
-    double inverse_mass = 0;
-  };
-  // The fastest point at which the two come together.
-  [[nodiscard]] Closing closing(const Touch& touch, std::size_t k) const {
-    Closing fastest{.approach_m_s = -1e300};
-    const Motion first = motion(touch.pair.first).backward(k, touch.met.share);
-    const Motion second = motion(touch.pair.second).backward(k, touch.met.share);
-    for (const PosedContact& point : touch.met.points) {
-      const Vec3 apart = touch.met.first.velocity_at(point.point_m) - touch.met.second.velocity_at(point.point_m);
-      const double approach = -dot(apart, point.normal);
-      if (!(approach > fastest.approach_m_s)) continue;
-      const double inverse_mass =
-          inverse_mass_at(motion(touch.pair.first), k, point.point_m - touch.met.first.position_m, point.normal) +
-          inverse_mass_at(motion(touch.pair.second), k, point.point_m - touch.met.second.position_m, point.normal);
-      const double parting = dot(first.velocity_at(point.point_m) - second.velocity_at(point.point_m), point.normal);
-      fastest = {approach, parting, point.normal, inverse_mass};
-      const double max = kMaxGuess * seen_m_s(touch.pair, k, point);
-      fastest.approach_m_s = std::min(approach, max), fastest.parting_m_s = std::min(parting, max);
-    }
-    return fastest;
-  }
-
-  // The fastest that the two go towards or away from each other at a point, by the frames around interval k alone.
-  [[nodiscard]] double seen_m_s(Indices pair, std::size_t k, const PosedContact& point) const {
-    double fastest = 0;
-    for (std::size_t near = k == 0 ? 0 : k - 1; near <= k + 1; ++near) {
-      const Motion first = motion(pair.first).between(near, 0.5), second = motion(pair.second).between(near, 0.5);
-      const Vec3 apart = first.velocity_at(point.point_m) - second.velocity_at(point.point_m);
-      fastest = std::max(fastest, std::abs(dot(apart, point.normal)));
-    }
-    return fastest;
-  }
-
-  // The part of a pair's impulse that each point carries.
-  static std::vector<double> shares_of(const Touch& touch) {
-    std::vector<double> shares;
-    double sum = 0;
-    for (std::size_t p = 0; p < touch.met.points.size(); ++p) {
-      shares.push_back(length(touch.before_ns[p] + touch.after_ns[p]));
-      sum += shares.back();
-    }
-    for (double& share : shares) share = sum > 0 ? share / sum : 1 / static_cast<double>(shares.size());
-    return shares;
-  }
-
-  void add_blow(Indices pair, const Blow& found, double approach_m_s) {
+  void add_blow(BodyIndices pair, const Blow& found, double approach_m_s) {
     const Touch& touch = *touch_of(pair, found.interval);
     RecoveredBlow blow{.time_s = (static_cast<double>(found.interval) + found.share) * every_s_,
                        .first = body(pair.first).id,
@@ -309,20 +282,12 @@ class Recoverer {
     result_.blows.push_back(std::move(blow));
   }
 
-  // The mean point of a contact, weighted by force.
-  static Vec3 mean_point(const Touch& touch) {
-    const std::vector<double> shares = shares_of(touch);
-    Vec3 mean;
-    for (std::size_t p = 0; p < shares.size(); ++p) mean = mean + shares[p] * touch.met.points[p].point_m;
-    return mean;
-  }
-
-  [[nodiscard]] double lighter_kg(Indices pair) const {
+  [[nodiscard]] double lighter_kg(BodyIndices pair) const {
     return 1 / std::max(motion(pair.first).inverse_mass(), motion(pair.second).inverse_mass());
   }
-  [[nodiscard]] double weight_ns(Indices pair) const { return lighter_kg(pair) * gravity_m_s2_ * every_s_; }
+  [[nodiscard]] double weight_ns(BodyIndices pair) const { return lighter_kg(pair) * gravity_m_s2_ * every_s_; }
 
-  void add_touches(Indices pair, const PushSeries& series) {
+  void add_touches(BodyIndices pair, const PushSeries& series) {
     const auto force_at = [&](std::size_t k) {
       const auto found = series.find(k);
       return found == series.end() ? Vec3{} : (1 / every_s_) * found->second;
@@ -370,7 +335,6 @@ class Recoverer {
     }
   }
 
-  static constexpr double kMaxGuess = 2;     // approach before a blow, of the fastest that the frames show
   static constexpr double kFastGap = 0.5;    // of the radius of a body whose rotation between the frames is not known
   static constexpr double kBurst_m_s = 0.2;  // a change of velocity beside a steady load that is a blow, or several
   static constexpr int kRounds = 3;          // of search and solution; each knows the velocities better
@@ -383,7 +347,7 @@ class Recoverer {
   std::size_t frames_;
   std::vector<Span> fixed_, spans_;          // of the bodies, in the interval that is looked at
   std::vector<std::vector<Touch>> touches_;  // of the intervals
-  std::map<Indices, PushSeries> series_;
+  std::map<BodyIndices, PushSeries> series_;
   std::vector<std::size_t> unexplained_;
   Recovery result_;
 };

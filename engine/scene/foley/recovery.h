@@ -3,8 +3,9 @@
 //
 // 1. keyed_motion.h tells what acted on every body around every frame.
 // 2. meeting.h finds where a body that something acts on touches another one, in every interval between two frames.
-// 3. push_solver.h divides what acted on the bodies among these contacts, frame by frame.
-// 4. For every pair of bodies, series.h takes the blows out of what the frames tell; the rest is a contact that lasts.
+// 3. touches.h finds out which of these touches are blows.
+// 4. push_solver.h divides what acted on the bodies among blows and lasting contacts.
+// 5. For every pair of bodies, series.h takes the blows out of what the frames tell; the rest is a contact that lasts.
 #pragma once
 
 #include "engine/scene/foley/keyed_motion.h"

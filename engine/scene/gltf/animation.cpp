@@ -1,12 +1,15 @@
 #include "engine/scene/gltf/animation.h"
 
 #include "engine/base/formatted.h"
+#include "engine/base/quote.h"
 #include "engine/scene/description.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <string>
 #include <utility>
 
 namespace ringdown::scene {
@@ -17,6 +20,8 @@ GltfAnimations::GltfAnimations(GltfDocument& document, const std::optional<Foley
     : document_(document), once_(foley.has_value()) {
   const JsonPlace animations = document.root()["animations"];
   for (std::size_t k = 0; k < animations.size(); ++k) add(animations[k]);
+  if (!channels_.empty() && !(length_s_ > 0))
+    document_.notes.add("the animations have keys at one moment only, so that nothing moves");
   if (foley) every_s_ = foley->frames_per_s > 0 ? 1 / foley->frames_per_s : frame_s();
 }
 
@@ -27,6 +32,7 @@ double GltfAnimations::frame_s() const {
   double shortest_s = 1e300, span_s = 0;
   for (const auto& [node, channels] : channels_) {
     for (const Channel& channel : channels) {
+      if (channel.target == Target::scale) continue;  // two keys that hide a body until it starts lie anywhere
       for (std::size_t k = 0; k + 1 < channel.times_s.size(); ++k) {
         const double apart_s = static_cast<double>(channel.times_s[k + 1]) - static_cast<double>(channel.times_s[k]);
         if (apart_s < 0.99 * shortest_s) {
@@ -65,18 +71,61 @@ void GltfAnimations::add(const JsonPlace& animation) {
       return document_.notes.add("the animations have too many keys; further channels are not played");
     auto times = modal::read_floats(document_.glb(), sampler["input"], 1, kMaxKeys);
     auto values = modal::read_floats(document_.glb(), sampler["output"], width, 3 * kMaxKeys);
-    if (!times) return document_.refuse(fail(times));
-    if (!values) return document_.notes.add("an animation whose values are not floats is not played");
     const std::size_t each = width * (channel.way == Way::cubic ? 3 : 1);
-    const bool rises = std::ranges::adjacent_find(*times, std::greater_equal<>()) == times->end();
-    if (values->size() != each * times->size() || !rises || !(times->front() >= 0))
-      return document_.refuse(sampler["input"].wrong("times from 0 that rise, with a value for each"));
-    keys_ += times->size();
-    length_s_ = std::max(length_s_, static_cast<double>(times->back()));
-    channel.times_s = *std::move(times);
-    channel.values = *std::move(values);
-    channels_[*node].push_back(std::move(channel));
+    const auto leave_out = [&](const std::string& why) {
+      document_.notes.add(std::string("the animated ") + *path + " of " + quote(document_.nodes()[*node].name) +
+                          " is not played: " + why);
+    };
+    if (!times || !values) {
+      leave_out((times ? values.error() : times.error()).message);
+    } else if (times->empty() || values->size() != each * times->size()) {
+      leave_out("it does not have a value for each of its " + std::to_string(times->size()) + " keys");
+    } else if (std::ranges::adjacent_find(*times, std::greater_equal<>()) != times->end() || !(times->front() >= 0)) {
+      leave_out("its keys do not lie at times from 0 that rise");
+    } else {
+      keys_ += times->size();
+      length_s_ = std::max(length_s_, static_cast<double>(times->back()));
+      channel.times_s = *std::move(times);
+      channel.values = *std::move(values);
+      channels_[*node].push_back(std::move(channel));
+    }
   }
+}
+
+// Returns true if a body is put on the scene by its scale, which is 0 until then.
+bool GltfAnimations::is_hidden(const Channel& channel, std::size_t key) {
+  constexpr float kHidden = 1e-3F;
+  const std::size_t at = channel.way == Way::cubic ? 9 * key + 3 : 3 * key;
+  return std::ranges::all_of(std::span(channel.values).subspan(at, 3),
+                             [](float scale) { return std::abs(scale) < kHidden; });
+}
+
+bool GltfAnimations::changes_size(const Channel& channel) {
+  constexpr float kSame = 1e-3F;
+  const std::size_t step = channel.way == Way::cubic ? 9 : 3, from = channel.way == Way::cubic ? 3 : 0;
+  std::size_t first = 0;
+  while (first + 1 < channel.times_s.size() && is_hidden(channel, first)) ++first;
+  for (std::size_t k = first; k < channel.times_s.size(); ++k) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float size = channel.values[first * step + from + c];
+      if (std::abs(channel.values[k * step + from + c] - size) > kSame * std::abs(size)) return true;
+    }
+  }
+  return false;
+}
+
+double GltfAnimations::appears_s(std::size_t node) const {
+  double from_s = 0;
+  for (std::optional<std::size_t> at = node; at; at = document_.nodes()[*at].parent) {
+    const auto found = channels_.find(*at);
+    if (found == channels_.end()) continue;
+    for (const Channel& channel : found->second) {
+      std::size_t key = 0;
+      while (channel.target == Target::scale && key + 1 < channel.times_s.size() && is_hidden(channel, key)) ++key;
+      if (key > 0) from_s = std::max(from_s, static_cast<double>(channel.times_s[key]));
+    }
+  }
+  return from_s;
 }
 
 // Follows glTF's appendix C.
@@ -84,7 +133,10 @@ std::vector<double> GltfAnimations::value_at(const Channel& channel, double time
   const std::vector<float>& times = channel.times_s;
   const std::size_t width = channel.target == Target::rotation ? 4 : 3;
   const std::size_t each = width * (channel.way == Way::cubic ? 3 : 1), value = channel.way == Way::cubic ? width : 0;
-  const auto after = std::ranges::upper_bound(times, time_s, {}, [](float t) { return static_cast<double>(t); });
+  // A frame whose time is that of a key but for rounding has the key's value.
+  constexpr double kRounding_s = 1e-5;
+  const double reached_s = channel.way == Way::step ? time_s + kRounding_s : time_s;
+  const auto after = std::ranges::upper_bound(times, reached_s, {}, [](float t) { return static_cast<double>(t); });
   const std::size_t k = after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin()) - 1;
   const auto at = [&](std::size_t key, std::size_t offset, std::size_t c) {
     return static_cast<double>(channel.values[key * each + offset + c]);
@@ -129,7 +181,8 @@ Affine GltfAnimations::local_at(std::size_t node, double time_s) const {
   for (const Channel& channel : found->second) {
     const std::vector<double> v = value_at(channel, time_s);
     if (channel.target == Target::translation) place = {v[0], v[1], v[2]};
-    if (channel.target == Target::scale) scale = {v[0], v[1], v[2]};
+    const bool hidden = channel.target == Target::scale && std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]) < 3e-3;
+    if (channel.target == Target::scale && !hidden) scale = {v[0], v[1], v[2]};
     if (channel.target == Target::rotation) {
       const Rotation q = Rotation::from_xyzw(v[0], v[1], v[2], v[3]);
       turn = norm(q) > 1e-6 ? normalized(q) : Rotation{};
@@ -152,10 +205,12 @@ std::shared_ptr<const MotionPath> GltfAnimations::path_of(std::size_t node) {
     const auto found = channels_.find(*at);
     if (found == channels_.end()) continue;
     animated = true;
-    for (const Channel& channel : found->second) scales = scales || channel.target == Target::scale;
+    for (const Channel& channel : found->second) scales = scales || (channel.target == Target::scale && changes_size(channel));
   }
   if (!animated || !(length_s_ > 0)) return nullptr;
-  if (scales) document_.notes.add("an animation changes a body's scale, which collisions do not follow");
+  if (scales)
+    document_.notes.add("an animation changes the scale of " + quote(document_.nodes()[node].name) +
+                        ", which collisions do not follow");
   const double count = std::ceil(length_s_ / every_s_ - 1e-3) + 1;
   const double nodes = static_cast<double>(chain.size());
   if (!(count <= static_cast<double>(kMaxPathPoses)) || !(count * nodes <= static_cast<double>(kMaxPoses - poses_))) {

@@ -23,7 +23,7 @@ class GltfAnimations {
   static constexpr std::size_t kMaxKeys = std::size_t{1} << 16;     // keys of one channel
   static constexpr std::size_t kMaxAllKeys = std::size_t{1} << 22;  // keys of all channels together
 
-  // Reads the channels that move or turn nodes. The document's notes name everything refused or left out. With `foley`,
+  // Reads the channels that move or turn nodes. The document's notes name everything that is left out. With `foley`,
   // paths are played once, and have their poses at the frames of the file or as often as its limits say.
   explicit GltfAnimations(GltfDocument& document, const std::optional<FoleyLimits>& foley = {});
 
@@ -32,6 +32,9 @@ class GltfAnimations {
   // Returns the path of a node's frame in the world. Null if neither the node nor any node above it is animated. Also
   // null, with a note, if the scene's paths already have too many poses.
   std::shared_ptr<const MotionPath> path_of(std::size_t node);
+
+  // Returns from when on a node is to be seen: programs scale what is not there yet to nothing. 0: from the beginning.
+  [[nodiscard]] double appears_s(std::size_t node) const;
 
  private:
   enum class Target { translation, rotation, scale };
@@ -42,6 +45,8 @@ class GltfAnimations {
     std::vector<float> times_s, values;
   };
   void add(const modal::JsonPlace& animation);
+  static bool is_hidden(const Channel& channel, std::size_t key);  // of a channel of scales, as changes_size()
+  static bool changes_size(const Channel& channel);
   [[nodiscard]] Affine local_at(std::size_t node, double time_s) const;
   static std::vector<double> value_at(const Channel& channel, double time_s);
 

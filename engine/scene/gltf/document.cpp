@@ -1,5 +1,7 @@
 #include "engine/scene/gltf/document.h"
 
+#include "engine/base/quote.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,7 @@ namespace {
 using modal::JsonPlace;
 
 constexpr std::size_t kMaxNotes = 64;
+constexpr std::size_t kMaxSkinPoints = std::size_t{1} << 20;
 constexpr double kMaxShear = 1e-6;  // cosine of the angle between columns, as far as rounding makes it
 
 Vec3 column(const Matrix3& m, int k) { return {m[0][k], m[1][k], m[2][k]}; }
@@ -104,6 +107,8 @@ Result<GltfDocument> GltfDocument::read(const modal::Glb& glb) {
   if (const auto good = document.result(); !good) return fail(good);
   document.place_nodes();
   if (const auto good = document.result(); !good) return fail(good);
+  document.place_skins();
+  if (const auto good = document.result(); !good) return fail(good);
   return document;
 }
 
@@ -176,6 +181,59 @@ void GltfDocument::place_nodes() {
       nodes_[child].world = node.world * nodes_[child].local;
       open.push_back(child);
     }
+  }
+}
+
+// Returns which joint of its skin all points of a node's mesh follow.
+std::optional<std::size_t> GltfDocument::only_bone(std::size_t node, const JsonPlace& skin) {
+  constexpr double kWeight = 0.01;  // smaller ones are the rounding of a program that has blurred them
+  if (skin["joints"].size() == 1) return 0;
+  const JsonPlace mesh = element(nodes_[node].field["mesh"], root()["meshes"]);
+  std::optional<std::size_t> only;
+  for (std::size_t k = 0; k < mesh["primitives"].size(); ++k) {
+    const JsonPlace attributes = mesh["primitives"][k]["attributes"];
+    const auto joints = modal::read_numbers(*glb_, attributes["JOINTS_0"], 4, kMaxSkinPoints);
+    const auto weights = modal::read_numbers(*glb_, attributes["WEIGHTS_0"], 4, kMaxSkinPoints);
+    if (!joints || !weights || joints->size() != weights->size()) return {};
+    for (std::size_t c = 0; c < joints->size(); ++c) {
+      if (!((*weights)[c] > kWeight)) continue;
+      const auto joint = static_cast<std::size_t>((*joints)[c]);
+      if (only.value_or(joint) != joint) return {};
+      only = joint;
+    }
+  }
+  return only;
+}
+
+// A skinned mesh lies in the frame that its bone makes of the bone's inverse bind matrix, wherever its own node is.
+void GltfDocument::place_skins() {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    GltfNode& node = nodes_[k];
+    if (!node.in_scene || !node.field["skin"].present() || !node.field["mesh"].present() || !node.children.empty())
+      continue;
+    const JsonPlace skin = element(node.field["skin"], root()["skins"]);
+    if (!skin.present()) return;
+    const auto only = only_bone(k, skin);
+    const auto bone = only ? skin["joints"][*only].index() : Result<std::size_t>(nodes_.size());
+    if (!bone || *bone >= nodes_.size() || *bone == k || !nodes_[*bone].in_scene) {
+      notes.add("the mesh of " + quote(node.name) +
+                " is bent by several bones, which is not followed; give each rigid part an object of its own");
+      continue;
+    }
+    Affine bind;
+    if (skin["inverseBindMatrices"].present()) {
+      const auto matrices = modal::read_numbers(*glb_, skin["inverseBindMatrices"], 16, kMaxNodes);
+      if (!matrices || matrices->size() < 16 * (*only + 1))
+        return refuse(skin["inverseBindMatrices"].wrong("a matrix for each joint"));
+      const double* m = matrices->data() + 16 * *only;
+      bind = {from_columns({m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}), {m[12], m[13], m[14]}};
+    }
+    if (node.parent) std::erase(nodes_[*node.parent].children, k);
+    node.parent = *bone;
+    nodes_[*bone].children.push_back(k);
+    node.local = bind;
+    node.world = nodes_[*bone].world * bind;
+    if (!is_finite(node.world)) return refuse(node.field.wrong("a node at a finite place"));
   }
 }
 

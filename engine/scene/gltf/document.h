@@ -66,7 +66,8 @@ class GltfNotes {
 
 class GltfDocument {
  public:
-  // Reads the nodes. Fails on indices that refer to nothing, on nodes with two parents or within themselves, and on
+  // Reads the nodes. A mesh whose skin follows one bone rigidly becomes a node below that bone; a mesh that several bones
+  // bend stays where it is, which the notes say. Fails on indices that refer to nothing, on nodes with two parents or within themselves, and on
   // poses that are not finite.
   static Result<GltfDocument> read(const modal::Glb& glb);
 
@@ -94,6 +95,8 @@ class GltfDocument {
   explicit GltfDocument(const modal::Glb& glb) : glb_(&glb) {}
   void link_nodes();
   void place_nodes();
+  void place_skins();
+  std::optional<std::size_t> only_bone(std::size_t node, const modal::JsonPlace& skin);
   [[nodiscard]] Affine local_of(std::size_t number_of_node);
   std::vector<std::size_t> roots();
 

@@ -64,17 +64,22 @@ bool is_closed(const ShapeMesh& mesh) {
   return std::ranges::all_of(edges, [](const auto& edge) { return edge.second == 0; });
 }
 
-// A flat mesh with a lower side, so that it has a thickness.
-ShapeMesh slab_of(const ShapeMesh& mesh) {
-  Vec3 normal, low = mesh.points_m.front(), high = low;
-  for (const auto& [a, b, c] : mesh.triangles)
-    normal = normal + cross(mesh.points_m[b] - mesh.points_m[a], mesh.points_m[c] - mesh.points_m[a]);
+// A flat mesh with a lower side, so that it has a thickness; nothing if it has no area. A sheet with two sides has no
+// mean normal, and takes that of its largest triangle.
+std::optional<ShapeMesh> slab_of(const ShapeMesh& mesh) {
+  Vec3 sum, largest, low = mesh.points_m.front(), high = low;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 twice = cross(mesh.points_m[b] - mesh.points_m[a], mesh.points_m[c] - mesh.points_m[a]);
+    sum = sum + twice;
+    if (length(twice) > length(largest)) largest = twice;
+  }
   for (const Vec3& p : mesh.points_m) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
+  const Vec3 normal = length(sum) > 0.5 * length(largest) ? sum : largest;
+  if (!(length(normal) > 0)) return {};
   ShapeMesh slab = mesh;
-  if (!(length(normal) > 0)) return slab;
   const Vec3 down = (-kSlabShare * length(high - low) / length(normal)) * normal;
   for (const Vec3& p : mesh.points_m) slab.points_m.push_back(p + down);
   return slab;
@@ -121,8 +126,13 @@ std::optional<Shape> shape_of_meshes(GltfDocument& document, const MeshBody& bod
   Shape shape{.type = ShapeType::trimesh};
   const auto hull = convex_hull(mesh.points_m);
   if (!hull) {
+    auto slab = slab_of(mesh);
+    if (!slab) {
+      document.notes.add(who + " has no area, and touches nothing");
+      return {};
+    }
     document.notes.add(who + " is flat, and is taken for a slab below it");
-    mesh = slab_of(mesh);
+    mesh = *std::move(slab);
     shape.type = ShapeType::convex;
   } else if (is_closed(mesh) &&
              volume_of(mesh.points_m, mesh.triangles) > kFull * volume_of(hull->points, hull->triangles)) {

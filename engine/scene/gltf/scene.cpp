@@ -295,7 +295,8 @@ class GltfSceneReader {
       made.position_m = path->poses[0].position_m;
       made.rotation = path->poses[0].rotation;
       made.path = std::move(path);
-      if (scene_.foley && (made.object.empty() || !has_mass_)) made.mass = mass_of(made.shape, kUsualDensity_kg_m3);
+      made.start_s = animations_.appears_s(frame_node(body));
+      if (scene_.foley && !made.mass && (made.object.empty() || !has_mass_)) made.mass = mass_of(made.shape, kUsualDensity_kg_m3);
     }
     names_[body.node] = made.name;
     scene_.bodies.push_back(std::move(made));
@@ -352,11 +353,10 @@ class GltfSceneReader {
     if (document_.flag(motion["isKinematic"], false)) {
       made.fixed = true;
       if (made.velocity_m_s != Vec3{} || made.spin_rad_s != Vec3{}) {
-        const MotionPath path{.velocity_m_s = made.velocity_m_s, .spin_rad_s = made.spin_rad_s};
-        made.path = std::make_shared<MotionPath>(path);
+        made.path = std::make_shared<MotionPath>(MotionPath{{}, 0, false, made.velocity_m_s, made.spin_rad_s});
         made.velocity_m_s = made.spin_rad_s = {};
       }
-      return;
+      if (!scene_.foley) return;
     }
     const bool own =
         motion["mass"].present() || motion["inertiaDiagonal"].present() || motion["centerOfMass"].present();

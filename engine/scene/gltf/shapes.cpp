@@ -263,6 +263,8 @@ Shape mesh_shape(ShapeMesh mesh, ShapeType type) {
 // A hull from one whose corners were moved by a linear map, which keeps it a hull.
 Shape hull_shape(const ShapeMesh& hull, const Affine& map) { return mesh_shape(moved(hull, map), ShapeType::convex); }
 
+}  // namespace
+
 ShapeMesh mesh_of(const Shape& shape) {
   if (shape.mesh) return *shape.mesh;
   const Affine shift{.shift_m = shape.center_m.value_or(Vec3{})};
@@ -270,8 +272,6 @@ ShapeMesh mesh_of(const Shape& shape) {
   const auto hull = hull_of(ball(shape.radius_m));
   return moved(hull ? *hull : box_mesh(2 * shape.radius_m * Vec3{1, 1, 1}), shift);
 }
-
-}  // namespace
 
 JsonPlace geometry_of(const JsonPlace& collider) {
   return collider["geometry"].present() || !collider["shape"].present() ? collider["geometry"] : collider;

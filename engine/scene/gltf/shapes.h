@@ -51,6 +51,9 @@ StaticDescription place_plane(const GltfGeometry& geometry, const Affine& map);
 // in the world and then by `map`; corners in one place are joined.
 ShapeMesh surface_of(GltfDocument& document, std::span<const std::size_t> nodes, const Affine& map);
 
+// Returns the surface of a shape that is a box or a sphere with a size or has a mesh. A sphere becomes a hull.
+ShapeMesh mesh_of(const Shape& shape);
+
 // Joins several shapes of one body into one mesh.
 Shape join(std::span<const Shape> shapes);
 

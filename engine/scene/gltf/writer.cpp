@@ -6,6 +6,8 @@
 #include "engine/modal/scaled_bank.h"
 #include "engine/scene/fixed_contacts.h"
 #include "engine/scene/gltf/document.h"
+#include "engine/scene/gltf/file_axes.h"
+#include "engine/scene/gltf/keyframes.h"
 #include "engine/scene/gltf/scene.h"
 #include "engine/scene/gltf/shapes.h"
 #include "engine/scene/rotation.h"
@@ -24,23 +26,6 @@ namespace {
 
 using modal::Json;
 
-// The file's y points up: our (x, y, z) is its (x, z, -y).
-Vec3 to_file(Vec3 v) { return {v.x, v.z, -v.y}; }
-Rotation to_file(const Rotation& q) {
-  const double h = std::sqrt(0.5);
-  return normalized(Rotation::from_xyzw(-h, 0, 0, h) * q);
-}
-
-Json json_of(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
-Json json_of(const Rotation& q) { return Json::array({q.x, q.y, q.z, q.w}); }
-
-// The rotation that takes an axis, given as a unit vector, to another unit vector.
-Rotation turn(Vec3 from, Vec3 to) {
-  const Vec3 axis = cross(from, to);
-  if (length(axis) < 1e-12) return dot(from, to) > 0 ? Rotation{} : about(any_across(from), std::numbers::pi);
-  return about(axis, std::atan2(length(axis), dot(from, to)));
-}
-
 class GlbScene {
  public:
   GlbScene(const SceneDescription& scene, std::span<const modal::Bank> banks) : scene_(scene), banks_(banks) {}
@@ -57,6 +42,7 @@ class GlbScene {
     for (const JointDescription& joint : scene_.joints) add(joint);
     if (scene_.camera) add(*scene_.camera);
     Json document = finished();
+    if (!keyframes_.finished().empty()) return std::move(writer_).finish(std::move(document));
     const auto seen = parse_gltf_scene(modal::GlbWriter(writer_).finish(document), "scene.glb", {});
     if (!seen) return fail(seen);
     SceneDescription own = scene_;
@@ -165,7 +151,7 @@ class GlbScene {
     if (item.type == StaticType::plane) {
       const Vec3 normal = (1 / length(item.normal)) * item.normal;
       node["translation"] = json_of(to_file(item.offset_m * normal));
-      node["rotation"] = json_of(normalized(turn({0, 1, 0}, to_file(normal))));
+      node["rotation"] = json_of(normalized(turn_between({0, 1, 0}, to_file(normal))));
     } else {
       node["translation"] = json_of(to_file(item.position_m));
       node["rotation"] = json_of(to_file(normalized(item.rotation)));
@@ -195,7 +181,7 @@ class GlbScene {
                                              {"gain", object->gain * banks_[number].gain},
                                              {"acousticSurface", add_finish(body.surface)}};
     }
-    if (!body.fixed) physics["motion"] = motion(body, solid->mass);
+    if (!body.fixed || body.path) physics["motion"] = motion(body, solid->mass);
     const CollisionShape& shape = solid->shape;
     const std::size_t self = nodes_.size();
     if (shape.type == ShapeType::box || shape.type == ShapeType::sphere) {
@@ -213,7 +199,7 @@ class GlbScene {
                   {"translation", json_of(center)},
                   {"extensions", {{kPhysicsExtension, {{"collider", std::move(made)}}}}}},
                  false);
-        body_nodes_[body.name] = self;
+        place(body, self);
         return {};
       }
     } else {
@@ -221,8 +207,13 @@ class GlbScene {
       physics["collider"] =
           collider({{"node", mesh_node}, {"convexHull", shape.type == ShapeType::convex}}, body.surface, body.filter);
     }
-    body_nodes_[body.name] = add_node(std::move(node));
+    place(body, add_node(std::move(node)));
     return {};
+  }
+
+  void place(const BodyDescription& body, std::size_t node) {
+    body_nodes_[body.name] = node;
+    if (body.path) keyframes_.add(node, *body.path, body.start_s);
   }
 
   static Json motion(const BodyDescription& body, const RigidMass& mass) {
@@ -235,7 +226,8 @@ class GlbScene {
             {"inertiaOrientation", principal.orientation},
             {"linearVelocity", json_of(rotated(back, body.velocity_m_s))},
             {"angularVelocity", json_of(rotated(back, body.spin_rad_s))},
-            {"gravityFactor", body.gravity_factor}};
+            {"gravityFactor", body.gravity_factor},
+            {"isKinematic", body.path != nullptr}};
   }
 
   // A node at a place of the joint, in the file's axes, below the node of a body, or below none.
@@ -293,7 +285,7 @@ class GlbScene {
     if (joint.type == JointType::free) return add_free(joint);
     const bool hinge = joint.type == JointType::hinge, slider = joint.type == JointType::slider;
     const Rotation axes =
-        hinge || slider ? normalized(turn({1, 0, 0}, to_file((1 / length(joint.axis)) * joint.axis))) : Rotation{};
+        hinge || slider ? normalized(turn_between({1, 0, 0}, to_file((1 / length(joint.axis)) * joint.axis))) : Rotation{};
     const auto limit = [](const char* kind, std::vector<int> held) {
       return Json{{kind, held}, {"min", 0}, {"max", 0}};
     };
@@ -320,15 +312,8 @@ class GlbScene {
   }
 
   void add(const CameraDescription& camera) {
-    const Vec3 way = to_file(camera.target_m - camera.position_m);
-    const double yaw = std::atan2(-way.x, -way.z), pitch = std::atan2(way.y, std::hypot(way.x, way.z));
-    cameras_.push_back(
-        {{"type", "perspective"},
-         {"perspective", {{"yfov", camera.field_of_view_degrees * std::numbers::pi / 180}, {"znear", 0.01}}}});
-    add_node({{"name", "camera"},
-              {"camera", 0},
-              {"translation", json_of(to_file(camera.position_m))},
-              {"rotation", json_of(normalized(about({0, 1, 0}, yaw) * about({1, 0, 0}, pitch)))}});
+    cameras_.push_back(camera_of(camera));
+    add_node(camera_node_of(camera));
   }
 
   Json finished() {
@@ -349,6 +334,7 @@ class GlbScene {
     put(document, "nodes", nodes_);
     put(document, "meshes", meshes_);
     put(document, "cameras", cameras_);
+    put(document, "animations", keyframes_.finished());
     put(document["scenes"][0], "nodes", roots_);
     const auto use = [&document](const char* name, const Json& content) {
       if (content.empty()) return;
@@ -364,6 +350,7 @@ class GlbScene {
   const SceneDescription& scene_;
   std::span<const modal::Bank> banks_;
   modal::GlbWriter writer_;
+  KeyframeWriter keyframes_{writer_};
   std::vector<std::size_t> model_of_;              // of each object's bank
   std::vector<std::size_t> played_model_of_;       // of the bank in the object's material and size
   std::map<std::string, std::size_t> body_nodes_;  // by the body's name

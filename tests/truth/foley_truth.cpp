@@ -1,0 +1,97 @@
+// Impacts, slides and rolls that are recovered from keyframes, against those of the simulation that the keyframes were
+// recorded from: the table of docs/use/film.md.
+//
+//   foley_truth                             every scene at 24, 30 and 60 frames a second
+//   foley_truth [--each] SCENE [FPS ...]    one scene; with --each, every impact as well
+//   foley_truth --cost                      time and memory for a minute of 50 bodies at 30 frames a second
+#include "tests/scene/keyframes.h"
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <sys/resource.h>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace ringdown;
+
+void add_row(const std::string& name, double fps, bool each) {
+  const test::Preset preset = test::preset_scene(name);
+  const test::Played truth = test::simulate(preset.scene, preset.objects, fps);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto recovered = test::play(truth.animated, preset.objects);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  const test::Comparison c = test::compare(truth.contacts, recovered, fps, each);
+  std::printf("| %s | %.0f | %zu of %zu | %zu (%zu) | %.1f ms | %.1f ms | %.2f dB | %zu groups, %.1f dB | %zu of %zu |\n",
+              name.c_str(), fps, c.found, c.alone, c.false_ones, c.pushes, c.time_ms, c.worst_ms, c.impulse_db, c.groups,
+              c.group_db, c.ends_found, c.ends);
+  std::fprintf(stderr, "%s at %.0f: %.1f s\n", name.c_str(), fps, took.count());
+}
+
+// Fifty boxes fall into a tray, one after the other, and lie there in a heap.
+scene::SceneDescription tray() {
+  scene::SceneDescription made;
+  made.duration_s = 60;
+  made.statics.push_back({.name = "floor"});
+  for (int side = 0; side < 4; ++side) {
+    const double sign = side % 2 == 0 ? 1 : -1;
+    const bool along = side < 2;
+    made.statics.push_back({.name = "wall-" + std::to_string(side),
+                            .type = scene::StaticType::box,
+                            .size_m = along ? Vec3{0.02, 0.44, 0.2} : Vec3{0.44, 0.02, 0.2},
+                            .position_m = along ? Vec3{0.21 * sign, 0, 0.1} : Vec3{0, 0.21 * sign, 0.1}});
+  }
+  for (int k = 0; k < 50; ++k) {
+    scene::BodyDescription box{.name = "box-" + std::to_string(k), .density_kg_m3 = 2500};
+    box.shape = {.type = scene::ShapeType::box, .size_m = {0.04, 0.05, 0.06}};
+    box.position_m = {0.11 * ((k * 7) % 3 - 1), 0.11 * ((k * 5) % 3 - 1), 0.5};
+    box.spin_rad_s = {3.0 + k % 4, -2.0 + k % 5, 1};
+    box.start_s = 1.1 * k;
+    made.bodies.push_back(box);
+  }
+  return made;
+}
+
+int cost() {
+  const test::Played truth = test::simulate(tray(), {}, 30);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto world = scene::World::create(truth.animated, {}, 48000);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  std::printf("a minute of 50 bodies at 30 frames a second: contacts in %.1f s, the process has %.0f MiB at most\n",
+              took.count(), static_cast<double>(usage.ru_maxrss) / 1024);
+  return world ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  std::vector<std::string> scenes;
+  std::vector<double> rates;
+  bool each = false;
+  for (int k = 1; k < count; ++k) {
+    const std::string text = arguments[k];
+    char* end = nullptr;
+    const double rate = std::strtod(text.c_str(), &end);
+    if (text == "--cost") return cost();
+    if (text == "--each") {
+      each = true;
+    } else if (*end == '\0' && rate > 0) {
+      rates.push_back(rate);
+    } else {
+      scenes.push_back(text);
+    }
+  }
+  if (scenes.empty()) scenes = {"demo", "cutlery", "marble-rain", "dominoes"};
+  if (rates.empty()) rates = {24, 30, 60};
+  std::printf(
+      "| scene | frames a second | found | false (pushes) | 90 %% of the times within | all within | impulse, median error | "
+      "dense blows | ends of slides |\n|---|---|---|---|---|---|---|---|---|\n");
+  for (const std::string& scene : scenes) {
+    for (const double rate : rates) add_row(scene, rate, each);
+  }
+  return 0;
+}
