@@ -52,7 +52,7 @@ class BreakingBodies {
   [[nodiscard]] bool empty() const { return bodies_.empty(); }
 
   // Decides whether a body breaks under the blows of one pair (BlowJudge).
-  bool judge(BodyId body, BodyId other, std::span<const BodyBlow> blows);
+  std::optional<double> judge(BodyId body, BodyId other, const BodyBlows& blows);
 
   // Replaces the bodies that judge() has let break since the last call by their pieces. `points` are the contact points
   // of the part. Adds events, in no order, and a sentence for each body. Returns the numbers of the bodies that are
