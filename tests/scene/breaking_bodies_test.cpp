@@ -172,6 +172,11 @@ TEST(BreakingBodies, TheBlowIsHeardOnce) {
   EXPECT_LT(length(strikes[0].impulse_ns - share * all_ns), 1e-12);
   EXPECT_GT(share, 0.3) << "the body breaks when the force is largest";
   EXPECT_LT(share, 0.7);
+  for (const BodyState& body : world.bodies()) {
+    if (body.name != "ball") continue;
+    const double taken_ns = kBallMass_kg * (body.velocity_m_s.z + 3);
+    EXPECT_NEAR(taken_ns, strikes[0].impulse_ns.z, 1e-9) << "what the ball has got beyond that is taken back";
+  }
 
   const auto chokes = only<synth::verb::Choke>(*events);
   ASSERT_EQ(chokes.size(), 1u);

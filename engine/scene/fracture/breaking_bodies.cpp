@@ -212,15 +212,16 @@ std::optional<double> BreakingBodies::judge(BodyId body, BodyId other, const Bod
                                                                .pieces = pattern.objects});
   const bool at_once = blows.strikes.front().contact_time_s <= 0;  // an ideal impulse
   const double share = at_once || !(pressed_ns > 0) ? 1 : std::min(moment.impulse_ns / pressed_ns, 1.0);
-  broken_.push_back({body, other, std::move(entry), level, share, std::move(moment.state), std::move(shattered)});
+  broken_.push_back(
+      {body, other, object, std::move(entry), level, share, std::move(moment.state), std::move(shattered)});
   bodies_.erase(found);
   return share;
 }
 
-std::vector<BodyId> BreakingBodies::replace_broken(std::span<const ContactPoint> points,
-                                                   std::vector<synth::Event>& events,
-                                                   std::vector<std::string>& notices) {
-  std::vector<BodyId> gone;
+std::vector<synth::ObjectNumber> BreakingBodies::replace_broken(std::span<const ContactPoint> points,
+                                                                std::vector<synth::Event>& events,
+                                                                std::vector<std::string>& notices) {
+  std::vector<synth::ObjectNumber> gone;
   for (std::string& sentence : std::exchange(crowded_, {})) notices.push_back(std::move(sentence));
   if (broken_.empty()) return gone;
   const std::vector<Broken> all = std::exchange(broken_, {});
@@ -231,7 +232,7 @@ std::vector<BodyId> BreakingBodies::replace_broken(std::span<const ContactPoint>
   for (const Broken& broken : all) {
     events.insert(events.end(), broken.shattered.events.begin(), broken.shattered.events.end());
     replace(broken, notices);
-    gone.push_back(broken.body);
+    gone.push_back(broken.object);
   }
   return gone;
 }
