@@ -95,6 +95,7 @@ struct World::State {
   std::vector<HeardContact> contacts;
   std::vector<RestDamping> rest_dampings;
   std::vector<std::string> notices;
+  std::vector<synth::ObjectNumber> broken;
   std::vector<std::string> first_notices;  // for the report of the first step
   std::size_t dropped_events = 0, dropped_contacts = 0;
 };
@@ -220,7 +221,8 @@ void World::State::do_part() {
   if (asleep) return;
   dropped_contacts += simulation.dropped_contacts();
   check_bodies();
-  breaking.replace_broken(points, events, notices);
+  const std::vector<synth::ObjectNumber> gone = breaking.replace_broken(found, events, notices);
+  broken.insert(broken.end(), gone.begin(), gone.end());
 }
 
 // Stores the motion of bodies that moved. A body with an unreal motion goes back to its start, and is removed if that
@@ -295,14 +297,15 @@ StepReport World::step(const std::atomic<int>* given_up) {
   state.notices = std::exchange(state.first_notices, {});
   state.contacts.clear();
   state.rest_dampings.clear();
+  state.broken.clear();
   state.dropped_events = state.dropped_contacts = 0;
   for (state.part = 0; state.part < state.parts; ++state.part) state.do_part();
   state.part = 0;
   ++state.steps;
   if (!std::ranges::is_sorted(state.events, {}, &synth::Event::frame))
     std::ranges::stable_sort(state.events, {}, &synth::Event::frame);
-  return {state.events,  state.rest_dampings,  state.contacts,
-          state.notices, state.dropped_events, state.dropped_contacts};
+  return {state.events, state.rest_dampings,  state.contacts,        state.notices,
+          state.broken, state.dropped_events, state.dropped_contacts};
 }
 
 bool World::sounds() const {

@@ -123,6 +123,7 @@ void ScenePieces::keep_loaded() {
   {
     const std::scoped_lock lock(mutex_);
     std::swap(before, pieces_);
+    broken_.clear();
     for (const synth::ObjectNumber number : pieces_) before.erase(number);
   }
   free(before);
@@ -140,6 +141,17 @@ void ScenePieces::forget_loaded() {
 void ScenePieces::free() {
   loaded_.clear();
   keep_loaded();
+}
+
+void ScenePieces::note_broken(std::span<const synth::ObjectNumber> objects) {
+  if (objects.empty()) return;
+  const std::scoped_lock lock(mutex_);
+  broken_.insert(objects.begin(), objects.end());
+}
+
+bool ScenePieces::is_broken(synth::ObjectNumber object) const {
+  const std::scoped_lock lock(mutex_);
+  return broken_.contains(object);
 }
 
 bool ScenePieces::contains(synth::ObjectNumber object) const {

@@ -383,6 +383,7 @@ void ScenePlayer::pass_on(const scene::StepReport& report, std::vector<scene::Re
       dampings.push_back(damping);
     }
   }
+  pieces_.note_broken(report.broken);
   for (const std::string& notice : report.notices) rack_.warn("scene: " + notice);
   if (report.notices.empty()) return;
   const std::size_t left = world_->bodies().size();

@@ -149,6 +149,9 @@ class ScenePlayer {
   // Returns true if the object is a piece of one of the scene's bodies. [any but audio]
   [[nodiscard]] bool is_piece(synth::ObjectNumber object) const { return pieces_.contains(object); }
 
+  // Returns true if the object's body in the scene has broken. [any but audio]
+  [[nodiscard]] bool is_broken(synth::ObjectNumber object) const { return pieces_.is_broken(object); }
+
   [[nodiscard]] std::size_t body_count() const { return body_count_; }  // [any]
 
   // The duration of the scene by its file; 0 without a scene. [any]

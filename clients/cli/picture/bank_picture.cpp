@@ -4,6 +4,7 @@
 #include "clients/cli/picture/shape_view.h"
 #include "engine/base/note.h"
 #include "engine/modal/damping.h"
+#include "engine/modal/fracture/strength.h"
 
 #include <algorithm>
 #include <array>
@@ -153,6 +154,34 @@ std::vector<std::size_t> modes_to_show(const modal::Bank& bank) {
   return modes;
 }
 
+std::string pieces_text(const modal::Fracture& fracture, const modal::BreakPattern& pattern) {
+  const auto silent =
+      std::ranges::count_if(pattern.pieces, [](const auto& piece) { return piece.bank.mode_count() == 0; });
+  std::string text = format("%zu pieces", pattern.pieces.size());
+  if (silent > 0) text += format(", %zu only click", static_cast<std::size_t>(silent));
+  text += format("  ·  %.3g cm² of cracks", 1e4 * pattern.crack_area_m2);
+  if (const double cost_j = modal::crack_cost_j(pattern.crack_area_m2, fracture.crack_energy_j_m2); cost_j > 0)
+    text += format(" take %.2g J", cost_j);
+  return text;
+}
+
+// The first patterns, together and apart.
+void draw_fracture(Canvas& canvas, const modal::Fracture& fracture, double top, double margin) {
+  constexpr double kApart = 0.5, kHeight = 224;
+  const std::size_t shown = std::min<std::size_t>(fracture.patterns.size(), 2);
+  const double side = (kPictureWidth - 2 * margin) / 4;
+  std::string title = "The pieces where the marked place is struck; grey ones only click";
+  if (fracture.patterns.size() > shown) title += format(" (%zu of %zu patterns)", shown, fracture.patterns.size());
+  canvas.text({margin, top}, title, 14, kInk, Align::left, true);
+  for (std::size_t p = 0; p < shown; ++p) {
+    const double left = margin + 2 * side * static_cast<double>(p);
+    draw_pieces(canvas, {left, top + 14, side, kHeight}, fracture.patterns[p], 0);
+    draw_pieces(canvas, {left + side, top + 14, side, kHeight}, fracture.patterns[p], kApart);
+    canvas.text({left + side, top + kHeight + 34}, pieces_text(fracture, fracture.patterns[p]), 12, kFaint,
+                Align::centre);
+  }
+}
+
 void draw_small(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   draw_shape(canvas, {4, 4, 222, 192}, bank, 0);
   draw_spectrum(canvas, {262, 12, 206, 160}, bank, answer, 9, false);
@@ -180,12 +209,14 @@ void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   draw_spectrum(canvas, {kMargin + 36, 428, width - 36, 190}, bank, answer, kSize, true);
   canvas.text({kMargin, 684}, "T60 of each mode; larger dots are louder at this point", 14, kInk, Align::left, true);
   draw_decays(canvas, {kMargin + 36, 714, width - 36, 130}, bank, answer, kSize);
+  if (bank.fracture) draw_fracture(canvas, *bank.fracture, kPictureHeight + 12, kMargin);
 }
 
 }  // namespace
 
 std::string draw_bank(Canvas::Kind kind, const modal::Bank& bank, const Answer& answer, bool small) {
-  Canvas canvas(kind, small ? kSmallWidth : kPictureWidth, small ? kSmallHeight : kPictureHeight);
+  const double height = kPictureHeight + (bank.fracture ? kPiecesHeight : 0);
+  Canvas canvas(kind, small ? kSmallWidth : kPictureWidth, small ? kSmallHeight : height);
   small ? draw_small(canvas, bank, answer) : draw_large(canvas, bank, answer);
   return std::move(canvas).finish();
 }
