@@ -50,6 +50,9 @@ struct WetUnits {
 Result<WetPlan> plan_liquids(const Liquids& liquids, const mesh::TetMesh& unit_mesh, const mesh::Boundary& surface,
                              const WetUnits& units);
 
+// Adds a filling to a plan whose skin is set, with lengths in that skin's unit; fails as plan_liquids() does.
+Result<void> plan_filling(const Filling& filling, const WetUnits& units, WetPlan& plan);
+
 // Changes of each of m modes by the liquids.
 struct WetEffects {
   Eigen::VectorXd strain, motion;  // m: shares of the energy of strain and of motion that are in the body
