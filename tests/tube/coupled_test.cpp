@@ -76,7 +76,9 @@ TEST(CoupledModes, SumOfTheModesIsTheMotion) {
           sum += modes.mixing.col(n) * modes.mixing(0, n) *
                  std::exp(Complex(0, -1) * (modes.omega_rad_s[n] - kOmega) * time);
         }
-        if (!modes.detuned) ASSERT_LT((sum - state).norm(), 1e-7) << bond << " " << detuning;
+        if (!modes.detuned) {
+          ASSERT_LT((sum - state).norm(), 1e-7) << bond << " " << detuning;
+        }
         const double energy = sum.squaredNorm();
         ASSERT_LE(energy, before * (1 + 1e-12));
         before = energy;

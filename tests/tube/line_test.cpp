@@ -7,7 +7,7 @@
 #include <complex>
 #include <numbers>
 
-namespace ringdown::tube {
+namespace ringdown::tube::line_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -80,4 +80,4 @@ TEST(Line, TunedTubeRingsAtItsFrequency) {
 }
 
 }  // namespace
-}  // namespace ringdown::tube
+}  // namespace ringdown::tube::line_test

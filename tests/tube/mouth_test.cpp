@@ -10,7 +10,7 @@
 #include <complex>
 #include <numbers>
 
-namespace ringdown::tube {
+namespace ringdown::tube::mouth_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -90,4 +90,4 @@ TEST(Mouth, TubeThatCutsTheBodyIsRefused) {
 }
 
 }  // namespace
-}  // namespace ringdown::tube
+}  // namespace ringdown::tube::mouth_test

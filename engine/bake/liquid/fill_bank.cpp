@@ -26,8 +26,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kLiquidBand = 4;  // highest frequency of the liquid's modes over the band's top
-constexpr double kFewer = 4;       // nodes of the wall over those of the coarser one
 constexpr double kMapError_db = 3;  // stated of fields that are mixed from those of the dry body
 
 mesh::TriangleMesh surface_of(const modal::Bank& bank) {
@@ -66,7 +64,6 @@ MatrixXd rigid_motions(const modal::MassProperties& mass, const mesh::TriangleMe
 Result<void> check(const modal::Bank& bank) {
   const char* const why = bank.triangles.empty()                  ? "it has no surface"
                           : bank.nonlinear                        ? "its modes bend each other's pitch"
-                          : bank.fracture                         ? "its body can break"
                           : !bank.provenance.liquids.empty()      ? "it has a liquid already"
                           : !bank.provenance.resonators.empty()   ? "it has a tube"
                           : !bank.held && !bank.mass              ? "it does not state its mass and inertia"
@@ -215,6 +212,7 @@ class BankFiller {
     bank.frequency_hz.clear(), bank.decay_per_s.clear(), bank.losses.clear(), bank.heat.clear();
     bank.frequency_error.clear(), bank.shape_error.clear(), bank.shapes.clear();
     bank.pitch_hz.reset();
+    bank.fracture.reset();
     if (bank.radiation) bank.radiation->maps.modes.clear(), bank.radiation->error_db.clear(), bank.radiation->reason.clear();
     bank.provenance.liquids = plan_.notes;
     bank.provenance.counted_modes = 0;

@@ -21,8 +21,8 @@ struct FilledBank {
   std::size_t left_out = 0;  // modes of the band whose error would exceed kMaxFillError
 };
 
-// Fills the basin. Fails with one sentence if the bank has no surface, no mass, nonlinear terms, pieces, a liquid or a
-// tube already, or if the level cannot be (wet_body.h).
+// Fills the basin; a body that could break no longer can. Fails with one sentence if the bank has no surface, no mass, nonlinear terms, a
+// liquid or a tube already, or if the level cannot be (wet_body.h).
 Result<FilledBank> fill_bank(const modal::Bank& bank, const Filling& filling);
 
 }  // namespace ringdown::bake

@@ -22,12 +22,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kLiquidBand = 4;      // highest frequency of the liquid's modes over the band's top
 constexpr int kPatterns = 12;          // pressures that the body is let give way to, for each liquid
 constexpr double kShift = -1e-3;       // of the band's top, above which all lies that SlavedResponse lets give way
 constexpr double kIndependent = 1e-6;  // of corrections of unit mass: less is a repetition of others
 constexpr double kGutter = 0.05;       // of the largest basin's volume: so much smaller ones must be named to be filled
-constexpr double kFewer = 4;           // nodes of the wall over those of the coarser one
 
 Vector3d to_eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
 
