@@ -163,6 +163,29 @@ TEST(AddedMass, StandingWavesOfACupHaveTheirClosedForm) {
   }
 }
 
+// The wall moves with cos(m t) (z/h)^2: the sum of its standing waves.
+TEST(AddedMass, CupThatBendsAsASquareHasTheSeriesOfItsStandingWaves) {
+  const double h = 1.5;
+  const Filled filled(cup(2), h);
+  std::vector<std::function<Vector3d(const Vector3d&)>> motions;
+  for (int m = 2; m <= 4; ++m) {
+    motions.push_back([m, h](const Vector3d& x) -> Vector3d {
+      if (std::abs(std::hypot(x.x(), x.y()) - 1) > 1e-9) return Vector3d::Zero();
+      return std::cos(m * std::atan2(x.y(), x.x())) * std::pow(x.z() / h, 2) * Vector3d(x.x(), x.y(), 0);
+    });
+  }
+  const Potential potential = filled.potential(shapes_of(filled.skin, motions), 2000);
+  for (int m = 2; m <= 4; ++m) {
+    double exact = 0;
+    for (int j = 1; j <= 200; ++j) {
+      const double k = (2 * j - 1) * kPi / (2 * h), sine = j % 2 == 1 ? 1 : -1;  // sin(k h); cos(k h) = 0
+      const double share = std::sqrt(2 / h) * sine * (1 / k - 2 / (k * k * k * h * h));
+      exact += kPi * share * share * slope_ratio(m, k);
+    }
+    EXPECT_NEAR(potential.added_mass(m - 2, m - 2) / exact, 1, 0.005) << m;
+  }
+}
+
 // In any vessel at any level, also a tilted one, P = z - h for a motion along the vertical.
 TEST(AddedMass, VesselMovedAlongTheVerticalCarriesAllItsLiquid) {
   for (const Vector3d& up : {Vector3d(0, 0, 1), Vector3d(0.2, -0.1, 1).normalized()}) {

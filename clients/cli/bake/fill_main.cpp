@@ -10,11 +10,11 @@
 #include "packaging/manual/command_line.h"
 #include "protocol/exit_codes.h"
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -35,7 +35,7 @@ struct FillRequest {
   std::filesystem::path materials;
   std::optional<double> level_m, depth_m, volume_ml;
   bool full = false;
-  std::array<double, 3> up = {0, 0, 1};
+  std::string up = "0,0,1";
 };
 
 int amounts_of(const FillRequest& request) {
@@ -46,14 +46,15 @@ int amounts_of(const FillRequest& request) {
 bake::Filling filling_of(const FillRequest& request) {
   using Kind = liquid::Amount::Kind;
   bake::Filling filling;
-  filling.up = {request.up[0], request.up[1], request.up[2]};
+  const std::vector<std::string> up = manual::split_at_commas(request.up);
+  filling.up = {std::stod(up[0]), std::stod(up[1]), std::stod(up[2])};
   if (request.level_m) filling.amount = {Kind::kLevel, *request.level_m};
   if (request.depth_m) filling.amount = {Kind::kDepth, *request.depth_m};
   if (request.volume_ml) filling.amount = {Kind::kVolume, 1e-6 * *request.volume_ml};
   return filling;
 }
 
-ExitCode fill(const FillRequest& request) {
+ExitCode fill(const FillRequest& request, bake::Filling filling) {
   const auto path = preset_or_file(request.bank, PresetKind::bank);
   if (!path) return complain(path.error());
   const auto bank = modal::read_bank(*path);
@@ -62,7 +63,6 @@ ExitCode fill(const FillRequest& request) {
   if (!materials) return complain(materials.error());
   auto liquid = liquid::find_liquid(bake::liquid_folder(*materials), request.liquid);
   if (!liquid) return complain(liquid.error());
-  bake::Filling filling = filling_of(request);
   filling.liquid = std::move(*liquid);
   const auto filled = bake::fill_bank(*bank, filling);
   if (!filled) return complain({filled.error().kind, request.bank + ": " + filled.error().message});
@@ -82,19 +82,25 @@ ExitCode run(int argc, char** argv) {
   FillRequest request;
   app.add_option("bank", request.bank, "the bank: a .glb file, or the name of a preset")->type_name("FILE")->required();
   app.add_option("-o,--output", request.output, "the bank to write (.glb)")->type_name("FILE")->required();
-  app.add_option("--level", request.level_m, "height of the surface along `up`, in m");
-  app.add_option("--depth", request.depth_m, "depth over the basin's lowest point, in m");
-  app.add_option("--volume", request.volume_ml, "volume, in ml");
+  app.add_option("--level", request.level_m, "height of the surface along --up, in m")
+      ->check(manual::between(-1e6, 1e6));
+  app.add_option("--depth", request.depth_m, "depth over the basin's lowest point, in m")
+      ->check(manual::between(1e-9, 1e6));
+  app.add_option("--volume", request.volume_ml, "volume, in ml")->check(manual::between(1e-6, 1e15));
   app.add_flag("--full", request.full, "to the rim");
-  app.add_option("--liquid", request.liquid, "water (default), ethanol, glycerol, mercury, or a file of your own");
+  app.add_option("--liquid", request.liquid, "water (default), ethanol, glycerol, mercury, or a file of your own")->type_name("NAME");
   app.add_option("--materials", request.materials, "folder of materials; that of liquids lies beside it")
       ->type_name("FOLDER");
-  app.add_option("--up", request.up, "direction against gravity, X Y Z (default 0 0 1)");
+  app.add_option("--up", request.up, "direction against gravity (default 0,0,1)")
+      ->type_name("X,Y,Z")
+      ->check(manual::any_vector());
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
+  const bake::Filling filling = filling_of(request);
+  if (!(dot(filling.up, filling.up) > 0)) return manual::complain_of_usage(app, "--up must be a direction, not 0");
   if (amounts_of(request) != 1)
     return manual::complain_of_usage(app, "say how far it is filled by one of --level, --depth, --volume or --full");
   keep_stdout_for(request.output);
-  return fill(request);
+  return fill(request, filling);
 }
 
 }  // namespace
