@@ -74,7 +74,7 @@ class BarWithTube : public ::testing::Test {
     modal::Material material = bake::find_material(kPresets / "materials", "aluminium").value().material;
     material.loss_factors.clear();
     material.thermal.reset();
-    materialXX2 * kBareDecay_per_s, .beta = 0};
+    material.damping = {.alpha_per_s = 2 * kBareDecay_per_s, .beta_s = 0};
     return bake::bake_recipe(*recipe, material);
   }
 

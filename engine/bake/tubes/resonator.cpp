@@ -9,7 +9,7 @@
 namespace ringdown::bake {
 namespace {
 
-constexpr Range kDiameter_m{1e-6, 1e3}, kPlace_m{-1e6, 1e6}, kWay{-1e6, 1e6}, kTubeLength_m{1e-6, 1e4};
+constexpr Range kDiameter_m{1e-6, 1e3}, kMouth_m{-1e6, 1e6}, kWay{-1e6, 1e6}, kTubeLength_m{1e-6, 1e4};
 constexpr Range kDetune_cents{-1200, 1200};
 constexpr double kFirstHz = 20, kHighestHz = 1e5;
 
@@ -38,7 +38,7 @@ Resonator read_resonator(TomlTable& table) {
   double diameter_m = 0;
   table.number("diameter_m", diameter_m, kDiameter_m);
   resonator.radius_m = diameter_m / 2;
-  table.vector("mouth_m", resonator.mouth_m, kPlace_m);
+  table.vector("mouth_m", resonator.mouth_m, kMouth_m);
   table.vector("axis", resonator.axis, kWay);
   if (!(dot(resonator.axis, resonator.axis) > 0)) table.complain("axis", "axis must be a direction, not 0");
   read_tuning(table, resonator);
