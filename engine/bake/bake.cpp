@@ -243,10 +243,10 @@ Result<void> check_request(const modal::Material& material, const BakeOptions& o
                                           "`nonlinear` out, or [fill] and [bath]");
   }
   if (!options.resonators.empty()) {
-    const char* const what = options.nonlinear > 0       ? "`nonlinear`"
-                             : !options.liquids.none()   ? "[fill] and [bath]"
+    const char* const what = options.nonlinear > 0      ? "`nonlinear`"
+                             : !options.liquids.none()  ? "[fill] and [bath]"
                              : !options.air.has_value() ? "`radiation = false`"
-                                                         : nullptr;
+                                                        : nullptr;
     if (what != nullptr)
       return fail(ErrorKind::bad_input, name + ": a body with a [[resonator]] cannot have " + what + "; leave one out");
   }

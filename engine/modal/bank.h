@@ -86,11 +86,11 @@ struct LiquidNote {
 // A tube under the body, whose air the modes of a bank include. In the object's frame.
 struct ResonatorNote {
   double diameter_m = 0, length_m = 0;
-  Vec3 mouth_m, axis{0, 0, -1};   // the middle of its mouth; into the tube
-  bool stopped = true;            // at its far end; false: open there
-  double frequency_hz = 0;        // of its lowest mode beside a body at rest
-  double decay_per_s = 0;         // of that mode
-  double end_correction_m = 0;    // of its mouth beside the body
+  Vec3 mouth_m, axis{0, 0, -1};  // the middle of its mouth; into the tube
+  bool stopped = true;           // at its far end; false: open there
+  double frequency_hz = 0;       // of its lowest mode beside a body at rest
+  double decay_per_s = 0;        // of that mode
+  double end_correction_m = 0;   // of its mouth beside the body
 };
 
 // Records how the bank was made. All fields are optional, and playing needs none of them. Kept in extras.ringdown of
@@ -111,7 +111,7 @@ struct Provenance {
   std::vector<std::string> parts;   // materials of the body's parts, beside its own
   std::vector<LiquidNote> liquids;  // in the body and around it
   std::vector<ResonatorNote> resonators;  // under it
-  double peak_pa = 0;               // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
+  double peak_pa = 0;  // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
 };
 
 struct Fracture;  // fracture/fracture.h

@@ -6,8 +6,8 @@
 //   (omega_t - omega) v_t + sum over i of g_it q_i = 0
 //
 // with complex omega_i and omega_t, whose imaginary parts are minus the decays. The matrix is complex and symmetric, so
-// its eigenvectors x satisfy x^T x = 1, not x^H x = 1. Where two modes become one (an exceptional point) no such vectors
-// exist; the first tube is then detuned by half a cent.
+// its eigenvectors x satisfy x^T x = 1, not x^H x = 1. Where two modes become one (an exceptional point) no such
+// vectors exist; the first tube is then detuned by half a cent.
 #pragma once
 
 #include <Eigen/Core>

@@ -8,8 +8,8 @@
 //
 //   k' = k sqrt(s_t / s_v),   s_v = 1 - (1 + i) delta_v / a,   s_t = 1 + (gamma - 1) (1 + i) delta_t / a
 //
-// for boundary layers delta_v = sqrt(2 nu / omega) and delta_t = delta_v / sqrt(Pr) thin beside the radius a (Kirchhoff's
-// wide tube). Near a zero, Z = L' (omega_t - omega) / omega_t, which makes the mode an oscillator.
+// for boundary layers delta_v = sqrt(2 nu / omega) and delta_t = delta_v / sqrt(Pr) thin beside the radius a
+// (Kirchhoff's wide tube). Near a zero, Z = L' (omega_t - omega) / omega_t, which makes the mode an oscillator.
 #pragma once
 
 #include "engine/modal/radiation_map.h"
@@ -47,11 +47,12 @@ std::optional<TubeMode> tube_mode(const Line& line, const Outside& outside, cons
 // The frequency of partial `n` = 0, 1, ... by the lengths alone: (2 n + 1) c / (4 L') stopped, (n + 1) c / (2 L') open.
 double partial_rad_s(const Line& line, double end_correction_m, const modal::Air& air, int n);
 
-// The length at which partial `n` of the tube rings at a frequency; nothing if the tube would be shorter than its radius.
+// The length at which partial `n` of the tube rings at a frequency; nothing if the tube would be shorter than its
+// radius.
 std::optional<double> length_for(Line line, const Outside& outside, const modal::Air& air, int n, double omega_rad_s);
 
-// The end correction of a thin-walled open end in free air, over the radius, for waves that are long beside it: Levine &
-// Schwinger, Phys. Rev. 73 (1948) 383.
+// The end correction of a thin-walled open end in free air, over the radius, for waves that are long beside it: Levine
+// & Schwinger, Phys. Rev. 73 (1948) 383.
 inline constexpr double kFreeEnd = 0.6133;
 
 }  // namespace ringdown::tube

@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
 constexpr double kShown = 5;  // radii of the tube that stand in the air
 constexpr int kAround = 64;
-constexpr double kCoarser = 2;         // nodes of the finer skin over those of the coarser
+constexpr double kCoarser = 2;          // nodes of the finer skin over those of the coarser
 constexpr double kExtrapolation = 0.5;  // of the step from the coarser skin to the finer
 
 // The closed tube. Its polygon has the area of the circle.
@@ -221,8 +221,7 @@ Mouth::Fields Mouth::fields_on(const Grid& grid, double k, const Eigen::Vector3d
   const Index modes = layers.cols() - 1;
   const double reach = reach_ + (origin - place_.middle).norm();
   const radiate::Directions directions = radiate::directions_for(radiate::degree_for(k, reach));
-  const Eigen::MatrixXcd field =
-      radiate::far_fields(skin.panels, origin, k, coupling, directions, layers.rightCols(1));
+  const Eigen::MatrixXcd field = radiate::far_fields(skin.panels, origin, k, coupling, directions, layers.rightCols(1));
   return {means[modes], means.head(modes).transpose(), radiate::harmonics_of(directions, directions.units, field)};
 }
 

@@ -1,7 +1,7 @@
 // The air between a body and the mouth of a tube, by boundary elements. [worker]
 //
-// The body and the tube, closed by a lid, are two rigid bodies in one air. Per wavenumber each mode of the body moves its
-// own skin, and one more right-hand side moves the lid like a piston of velocity 1. The answers are
+// The body and the tube, closed by a lid, are two rigid bodies in one air. Per wavenumber each mode of the body moves
+// its own skin, and one more right-hand side moves the lid like a piston of velocity 1. The answers are
 //
 //   B_i = mean over the lid of the P that mode i causes        A = mean over the lid of the P that the lid causes
 //

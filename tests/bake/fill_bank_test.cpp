@@ -1,5 +1,5 @@
-// The preset bank of the wine glass filled without its mesh, against Fourier finite elements in the meridian plane of its
-// exact geometry.
+// The preset bank of the wine glass filled without its mesh, against Fourier finite elements in the meridian plane of
+// its exact geometry.
 #include "engine/bake/liquid/fill_bank.h"
 #include "engine/modal/bank_file.h"
 
@@ -40,7 +40,8 @@ void expect_rim_modes(const modal::Bank& bank, const std::vector<double>& exact_
   for (const double exact : exact_hz) {
     const auto [a, b] = pair_near(bank, exact);
     for (const std::size_t m : {a, b}) {
-      std::printf("%.1f Hz for %.1f, stated error %.3f %%\n", bank.frequency_hz[m], exact, 100 * bank.frequency_error[m]);
+      std::printf("%.1f Hz for %.1f, stated error %.3f %%\n", bank.frequency_hz[m], exact,
+                  100 * bank.frequency_error[m]);
       EXPECT_NEAR(bank.frequency_hz[m] / exact, 1, 0.005);
       EXPECT_LT(std::abs(bank.frequency_hz[m] / exact - 1), 3 * bank.frequency_error[m] + 0.001) << "states less";
     }
@@ -72,7 +73,8 @@ TEST(FillBank, BankSaysWhatItIsFilledWith) {
     EXPECT_NEAR(bank.losses[m].total_per_s() / bank.decay_per_s[m], 1, 1e-9);
   }
   EXPECT_NE(bake::fill_bank(bank, water(Kind::kFull, 0)).error().message.find("a liquid already"), std::string::npos);
-  EXPECT_NE(bake::fill_bank(glass(), water(Kind::kLevel, 0.2)).error().message.find("above the rim"), std::string::npos);
+  EXPECT_NE(bake::fill_bank(glass(), water(Kind::kLevel, 0.2)).error().message.find("above the rim"),
+            std::string::npos);
 }
 
 // Without density the liquid is not there.

@@ -1,8 +1,9 @@
-// A thin elastic sphere full of a liquid that gives way, against its frequency equation (Lamb 1882; Junger & Feit, Sound,
-// Structures, and Their Interaction, chapter 7, for membranes): with w = W P_n along the normal and u = U dP_n/dtheta
+// A thin elastic sphere full of a liquid that gives way, against its frequency equation (Lamb 1882; Junger & Feit,
+// Sound, Structures, and Their Interaction, chapter 7, for membranes): with w = W P_n along the normal and u = U
+// dP_n/dtheta
 //
-//   | 2 (1 + nu) K - omega^2 (rho_s h a^2 + rho a^3 j_n(x) / (x j_n'(x)))   -l (1 + nu) K                                |
-//   | -l (1 + nu) K                                       l (l - 1 + nu) K - omega^2 l rho_s h a^2     | = 0
+//   | 2 (1 + nu) K - omega^2 (rho_s h a^2 + rho a^3 j_n(x) / (x j_n'(x)))   -l (1 + nu) K | | -l (1 + nu) K l (l - 1 +
+//   nu) K - omega^2 l rho_s h a^2     | = 0
 //
 // with K = E h / (1 - nu^2), l = n (n + 1) and x = omega a / c.
 #include "engine/liquid/potential.h"
@@ -125,7 +126,8 @@ TEST(ElasticSphere, FullOfWaterItRingsByLambsEquation) {
     ASSERT_FALSE(exact.empty()) << n;
     for (const double omega : exact) {
       double nearest = 1e9;
-      for (const double lambda : wet->lambda) nearest = std::min(nearest, std::abs(std::sqrt(std::max(lambda, 0.0)) - omega));
+      for (const double lambda : wet->lambda)
+        nearest = std::min(nearest, std::abs(std::sqrt(std::max(lambda, 0.0)) - omega));
       EXPECT_LT(nearest / omega, 0.003) << "degree " << n << " at " << omega / (2 * kPi) << " Hz";
     }
   }

@@ -62,7 +62,8 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/radiate/", {"engine/base/", "engine/dense/", "engine/modal/", "engine/mesh/", "engine/radiate/"}},
     {"engine/shatter/", {"engine/base/", "engine/mesh/", "engine/shatter/"}},
     {"engine/liquid/", {"engine/base/", "engine/dense/", "engine/mesh/", "engine/radiate/", "engine/liquid/"}},
-    {"engine/tube/", {"engine/base/", "engine/dense/", "engine/modal/", "engine/mesh/", "engine/radiate/", "engine/tube/"}},
+    {"engine/tube/",
+     {"engine/base/", "engine/dense/", "engine/modal/", "engine/mesh/", "engine/radiate/", "engine/tube/"}},
     {"engine/bake/",
      {"engine/base/", "engine/dense/", "engine/materials/", "engine/modal/", "engine/mesh/", "engine/fem/",
       "engine/solve/", "engine/radiate/", "engine/shatter/", "engine/liquid/", "engine/tube/", "engine/bake/"}},
@@ -166,9 +167,9 @@ const std::vector<LibraryRule> kLibraryRules = {
 };
 
 // Within these folders a file is a header with its .cpp, and files include each other in one direction only.
-const std::vector<std::string> kLayeredFolders = {"engine/base/",   "engine/modal/",   "engine/mesh/",
-                                                  "engine/fem/",    "engine/radiate/", "engine/shatter/",
-                                                  "engine/liquid/", "engine/tube/",    "engine/bake/",    "engine/fit/"};
+const std::vector<std::string> kLayeredFolders = {
+    "engine/base/",    "engine/modal/",  "engine/mesh/", "engine/fem/",  "engine/radiate/",
+    "engine/shatter/", "engine/liquid/", "engine/tube/", "engine/bake/", "engine/fit/"};
 
 struct Include {
   std::string file;  // relative to the source folder

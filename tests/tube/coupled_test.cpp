@@ -91,7 +91,8 @@ TEST(CoupledModes, SumOfTheModesIsTheMotion) {
 TEST(CoupledModes, TubeBeginsSilent) {
   for (const double bond : {1.0, 3.9, 8.0}) {
     const CoupledModes modes = coupled_modes(pair_of(bond, 3));
-    const Complex bar_like = modes.mixing(0, 0) * modes.mixing(1, 0), tube_like = modes.mixing(0, 1) * modes.mixing(1, 1);
+    const Complex bar_like = modes.mixing(0, 0) * modes.mixing(1, 0),
+                  tube_like = modes.mixing(0, 1) * modes.mixing(1, 1);
     EXPECT_LT(std::abs(bar_like + tube_like), 1e-10 * std::abs(bar_like));
   }
 }

@@ -64,11 +64,13 @@ TEST(Mouth, BodyAndLidAreReciprocal) {
   EXPECT_NEAR(std::abs(answer.from_body[0]) / expected, 1, 0.03);
 }
 
-// A disc above the tube, by axisymmetric finite elements of disc, tube and air to an exactly radiating sphere: 225.3 Hz.
+// A disc above the tube, by axisymmetric finite elements of disc, tube and air to an exactly radiating sphere: 225.3
+// Hz.
 TEST(Mouth, DiscLowersTheTube) {
   constexpr double kGap_m = 0.015, kDisc_m = 0.035, kThick_m = 0.0127, kReference_hz = 225.3;
   radiate::Body body;
-  body.surface = turned({{0, kGap_m}, {kDisc_m, kGap_m}, {kDisc_m, kGap_m + kThick_m}, {0, kGap_m + kThick_m}}, 0.004, 64);
+  body.surface =
+      turned({{0, kGap_m}, {kDisc_m, kGap_m}, {kDisc_m, kGap_m + kThick_m}, {0, kGap_m + kThick_m}}, 0.004, 64);
   Eigen::MatrixX3d up = Eigen::MatrixX3d::Zero(body.surface.nodes.rows(), 3);
   up.col(2).setOnes();
   body.flow = radiate::flow_of(body.surface, {up});

@@ -1,7 +1,7 @@
 // ringdown-fill: a finished bank with a liquid in its body, without its mesh. `ringdown fill ...` runs this program.
 //
-// Exit codes (protocol/exit_codes.h): ok; bad_input when the bank cannot be filled to that level; usage; failure when the
-// bank cannot be written.
+// Exit codes (protocol/exit_codes.h): ok; bad_input when the bank cannot be filled to that level; usage; failure when
+// the bank cannot be written.
 #include "engine/bake/liquid/fill_bank.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
@@ -26,7 +26,8 @@ const std::vector<manual::Section> kSections = {
     {"ENVIRONMENT", {{"RINGDOWN_PRESETS", "Folder of the presets, if it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
      {{"ringdown-fill wine-glass --level 0.12 -o glass.glb", "Fills the preset wine glass up to a height of 12 cm."},
-      {"ringdown-fill bowl.glb --volume 200 --liquid ethanol -o bowl-full.glb", "Fills a bowl with 200 ml of ethanol."}}},
+      {"ringdown-fill bowl.glb --volume 200 --liquid ethanol -o bowl-full.glb",
+       "Fills a bowl with 200 ml of ethanol."}}},
     {"SEE ALSO", {{"ringdown(1), ringdown-bake(1)", "The other programs."}}},
 };
 
@@ -88,7 +89,8 @@ ExitCode run(int argc, char** argv) {
       ->check(manual::between(1e-9, 1e6));
   app.add_option("--volume", request.volume_ml, "volume, in ml")->check(manual::between(1e-6, 1e15));
   app.add_flag("--full", request.full, "to the rim");
-  app.add_option("--liquid", request.liquid, "water (default), ethanol, glycerol, mercury, or a file of your own")->type_name("NAME");
+  app.add_option("--liquid", request.liquid, "water (default), ethanol, glycerol, mercury, or a file of your own")
+      ->type_name("NAME");
   app.add_option("--materials", request.materials, "folder of materials; that of liquids lies beside it")
       ->type_name("FOLDER");
   app.add_option("--up", request.up, "direction against gravity (default 0,0,1)")

@@ -26,7 +26,9 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kMapError_db = 3;  // stated of fields that are mixed from those of the dry body
+constexpr double kSamePitch = 5e-4;  // relative, of two modes of the dry body that count as a pair
+constexpr double kSplit = 0.03;      // of the mass of a pair, that panels without its symmetry may cause
+constexpr double kMapError_db = 3;   // stated of fields that are mixed from those of the dry body
 
 mesh::TriangleMesh surface_of(const modal::Bank& bank) {
   mesh::TriangleMesh surface;
@@ -62,12 +64,12 @@ MatrixXd rigid_motions(const modal::MassProperties& mass, const mesh::TriangleMe
 }
 
 Result<void> check(const modal::Bank& bank) {
-  const char* const why = bank.triangles.empty()                  ? "it has no surface"
-                          : bank.nonlinear                        ? "its modes bend each other's pitch"
-                          : !bank.provenance.liquids.empty()      ? "it has a liquid already"
-                          : !bank.provenance.resonators.empty()   ? "it has a tube"
-                          : !bank.held && !bank.mass              ? "it does not state its mass and inertia"
-                                                                  : nullptr;
+  const char* const why = bank.triangles.empty()                ? "it has no surface"
+                          : bank.nonlinear                      ? "its modes bend each other's pitch"
+                          : !bank.provenance.liquids.empty()    ? "it has a liquid already"
+                          : !bank.provenance.resonators.empty() ? "it has a tube"
+                          : !bank.held && !bank.mass            ? "it does not state its mass and inertia"
+                                                                : nullptr;
   if (why != nullptr) return fail(ErrorKind::bad_input, std::string("the bank cannot be filled: ") + why);
   return {};
 }
@@ -126,18 +128,40 @@ class BankFiller {
       if (!coarse) return fail(coarse.error());
       const MatrixXd flow = liquid::flow_of(wet.wetted, plan_.skin, shapes_);
       Part part{.potential = panels->potential_of(flow), .modes = {}, .bound = {}, .error = {}};
-      part.error = wet.density / (kFewer - 1) * (part.potential.added_mass - coarse->potential_of(flow).added_mass);
+      // The error falls with the square of the panels' size; half of what is added to allow for it may be wrong.
+      MatrixXd& mass = part.potential.added_mass;
+      const MatrixXd step = (mass - coarse->potential_of(flow).added_mass) / (kFewer - 1);
+      mass += step;
+      join_pairs(mass);
+      part.error = 0.5 * wet.density * step;
       part.modes.emplace(wet.wetted, panels->panels());
       part.bound = flow.transpose() * part.modes->values(wet.wetted.at);
       part.first = wet.wetted.open ? 0 : 1;
-      part.count = std::max<Index>(
-          (part.modes->wavenumbers().array() <= highest / wet.sound_speed).count() - part.first, 0);
+      part.count =
+          std::max<Index>((part.modes->wavenumbers().array() <= highest / wet.sound_speed).count() - part.first, 0);
       part.row = oscillators_;
       oscillators_ += part.count;
       parts_.push_back(std::move(part));
       panels_.push_back(*panels);
     }
     return {};
+  }
+
+  // Gives both modes of a pair the same mass. A round body has pairs, and irregular panels would split them by a beat
+  // that is heard; a difference that is the body's own is larger.
+  void join_pairs(MatrixXd& mass) const {
+    std::vector<Index> order(static_cast<std::size_t>(lambda_.size() - rigid_));
+    std::iota(order.begin(), order.end(), rigid_);
+    std::ranges::sort(order, {}, [&](Index m) { return lambda_[m]; });
+    for (std::size_t i = 0; i + 1 < order.size(); ++i) {
+      const Index a = order[i], b = order[i + 1];
+      const double mean = (mass(a, a) + mass(b, b)) / 2;
+      if (std::sqrt(lambda_[b] / lambda_[a]) - 1 > kSamePitch) continue;
+      if (std::hypot(mass(a, a) - mass(b, b), 2 * mass(a, b)) > kSplit * mean) continue;
+      mass(a, a) = mass(b, b) = mean;
+      mass(a, b) = mass(b, a) = 0;
+      ++i;
+    }
   }
 
   // The wet modes in the basis of some of the dry ones, and of all of the liquid's.
@@ -213,7 +237,8 @@ class BankFiller {
     bank.frequency_error.clear(), bank.shape_error.clear(), bank.shapes.clear();
     bank.pitch_hz.reset();
     bank.fracture.reset();
-    if (bank.radiation) bank.radiation->maps.modes.clear(), bank.radiation->error_db.clear(), bank.radiation->reason.clear();
+    if (bank.radiation)
+      bank.radiation->maps.modes.clear(), bank.radiation->error_db.clear(), bank.radiation->reason.clear();
     bank.provenance.liquids = plan_.notes;
     bank.provenance.counted_modes = 0;
     return bank;
@@ -225,8 +250,8 @@ class BankFiller {
     modal::ModeLoss loss;
     for (std::size_t m = 0; m < bank_.mode_count(); ++m) {
       const Index at = rigid_ + static_cast<Index>(m);
-      const modal::ModeLoss dry = bank_.losses.empty() ? modal::ModeLoss{.material_per_s = bank_.decay_per_s[m]}
-                                                       : bank_.losses[m];
+      const modal::ModeLoss dry =
+          bank_.losses.empty() ? modal::ModeLoss{.material_per_s = bank_.decay_per_s[m]} : bank_.losses[m];
       const double flexed = strain[at] * omega / std::sqrt(lambda_[at]);  // the loss factor stays
       loss.material_per_s += flexed * dry.material_per_s;
       loss.heat_per_s += flexed * dry.heat_per_s;
@@ -247,8 +272,8 @@ class BankFiller {
     to.frequency_error.push_back(error);
     const VectorXd shape = shapes_ * own;
     for (Index row = 0; row < shape.size(); row += 3)
-      to.shapes.push_back({static_cast<float>(shape[row]), static_cast<float>(shape[row + 1]),
-                           static_cast<float>(shape[row + 2])});
+      to.shapes.push_back(
+          {static_cast<float>(shape[row]), static_cast<float>(shape[row + 1]), static_cast<float>(shape[row + 2])});
   }
 
   [[nodiscard]] modal::FarField field_of(const VectorXd& own, double omega) const {

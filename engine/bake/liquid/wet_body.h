@@ -24,7 +24,7 @@
 
 namespace ringdown::bake {
 
-inline constexpr double kDryBand = 1.5;  // highest frequency of the dry modes over the band's top
+inline constexpr double kDryBand = 1.5;   // highest frequency of the dry modes over the band's top
 inline constexpr double kLiquidBand = 4;  // highest frequency of the liquid's modes over the band's top
 inline constexpr double kFewer = 4;       // nodes of the wall over those of the coarser one, which shows the error
 

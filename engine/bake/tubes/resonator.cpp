@@ -24,7 +24,8 @@ void read_tuning(TomlTable& table, Resonator& resonator) {
   char* end = nullptr;
   const double number = std::strtod(words.front().c_str(), &end);
   if (*end != '\0' || !(number >= 1 && number <= kHighestHz) || (number < kFirstHz && number != std::floor(number))) {
-    table.complain("tuned_to", "tuned_to must be a mode's number from 1 to 19, a frequency of 20 to 100000 Hz, or a note");
+    table.complain("tuned_to",
+                   "tuned_to must be a mode's number from 1 to 19, a frequency of 20 to 100000 Hz, or a note");
   } else if (number < kFirstHz) {
     resonator.tuned_mode = static_cast<int>(number);
   } else {
@@ -48,7 +49,8 @@ Resonator read_resonator(TomlTable& table) {
     resonator.length_m = 1;
     table.number("length_m", *resonator.length_m, kTubeLength_m);
     if (table.has("tuned_to")) table.complain("tuned_to", "a tube is either tuned_to a mode or has a length_m");
-    if (table.has("detune_cents")) table.complain("detune_cents", "detune_cents has no effect on a tube with a length_m");
+    if (table.has("detune_cents"))
+      table.complain("detune_cents", "detune_cents has no effect on a tube with a length_m");
   }
   return resonator;
 }

@@ -21,9 +21,9 @@ namespace ringdown::bake {
 struct Resonator {
   double radius_m = 0;
   Vec3 mouth_m, axis{0, 0, -1};
-  int tuned_mode = 1;               // counted from 1; used if the others are absent
-  std::optional<double> tuned_hz;   // in place of a mode
-  std::optional<double> length_m;   // in place of both
+  int tuned_mode = 1;              // counted from 1; used if the others are absent
+  std::optional<double> tuned_hz;  // in place of a mode
+  std::optional<double> length_m;  // in place of both
   double detune_cents = 0;
   bool stopped = true;
 

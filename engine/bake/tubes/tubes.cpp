@@ -20,10 +20,10 @@ using Eigen::Index;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr int kMaxPartials = 3;      // of a tube
-constexpr double kMaxKa = 1;         // above it the air in the mouth is no piston
-constexpr double kSameMode = 1e-7;   // share of others below which a mode stays as it was
-constexpr double kMinTerm = 1e-4;    // of a field, as in the radiation of bodies
+constexpr int kMaxPartials = 3;     // of a tube
+constexpr double kMaxKa = 1;        // above it the air in the mouth is no piston
+constexpr double kSameMode = 1e-7;  // share of others below which a mode stays as it was
+constexpr double kMinTerm = 1e-4;   // of a field, as in the radiation of bodies
 constexpr double kDbPerNeper = 8.685889638;
 
 // One mode of a tube before it is coupled.
@@ -229,8 +229,8 @@ class Coupler {
     shape = -shape;
   }
 
-  // Each oscillator takes its own decay times its share of the energy; the tube's walls and what its mouth radiates count
-  // as air.
+  // Each oscillator takes its own decay times its share of the energy; the tube's walls and what its mouth radiates
+  // count as air.
   void set_losses(const VectorXcd& mix, Index n, bool of_tube, Index partner, HeardMode& mode) const {
     const double all = mix.squaredNorm();
     modal::ModeLoss loss;

@@ -1,10 +1,11 @@
 // The modes of a body with tubes under it. [worker]
 //
 // The body alone was solved, and so was its radiation. Here each tube's modes become further modes (engine/tube), and
-// those of the body change. A mode of both has a complex shape; a bank holds real ones. After a blow on the body, the two
-// modes of a body's mode and its tube sound with opposite signs, however they are tuned, because the tube begins silent.
-// So each shape is turned until it is real, and the sign goes into the shape: that keeps the sound of the tube exact.
-// What the surface moves under a two-way contact is then overrated close to an exceptional point (docs/how/tubes.md).
+// those of the body change. A mode of both has a complex shape; a bank holds real ones. After a blow on the body, the
+// two modes of a body's mode and its tube sound with opposite signs, however they are tuned, because the tube begins
+// silent. So each shape is turned until it is real, and the sign goes into the shape: that keeps the sound of the tube
+// exact. What the surface moves under a two-way contact is then overrated close to an exceptional point
+// (docs/how/tubes.md).
 #pragma once
 
 #include "engine/bake/body_radiation.h"
