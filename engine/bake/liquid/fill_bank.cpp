@@ -26,9 +26,11 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kSamePitch = 5e-4;  // relative, of two modes of the dry body that count as a pair
-constexpr double kSplit = 0.03;      // of the mass of a pair, that panels without its symmetry may cause
-constexpr double kMapError_db = 3;   // stated of fields that are mixed from those of the dry body
+constexpr double kSamePitch = 5e-4;         // relative, of two modes of the dry body that count as a pair
+constexpr double kSplit = 0.03;             // of the mass of a pair, that panels without its symmetry may cause
+constexpr std::array kShares = {0.5, 0.8};  // of the highest dry frequency, up to which smaller bases reach
+constexpr double kMostOfIt = 0.5;           // of a mode's amplitudes squared
+constexpr double kMapError_db = 3;          // stated of fields that are mixed from those of the dry body
 
 mesh::TriangleMesh surface_of(const modal::Bank& bank) {
   mesh::TriangleMesh surface;
@@ -82,6 +84,12 @@ struct Part {
   Index first = 0, count = 0, row = 0;
 };
 
+// Wet modes in the basis of some of the dry ones.
+struct Smaller {
+  std::vector<Index> basis;
+  liquid::WetModes modes;
+};
+
 class BankFiller {
  public:
   BankFiller(const modal::Bank& bank, WetPlan plan) : bank_(bank), plan_(std::move(plan)) {
@@ -106,15 +114,19 @@ class BankFiller {
     std::iota(all.begin(), all.end(), 0);
     const Result<liquid::WetModes> wet = solve(all);
     if (!wet) return fail(wet.error());
-    // The modes that every other dry mode of the upper half would miss show how far the rest of them is missed.
-    const double highest = lambda_.maxCoeff();
-    std::vector<Index> fewer;
-    for (const Index m : all) {
-      if (lambda_[m] <= highest / 4) fewer.push_back(m);
+    // Smaller bases show how far a mode depends on dry modes that are left out.
+    std::vector<Smaller> smaller;
+    for (const double share : kShares) {
+      Smaller one;
+      for (const Index m : all) {
+        if (lambda_[m] <= share * share * lambda_.maxCoeff()) one.basis.push_back(m);
+      }
+      Result<liquid::WetModes> modes = solve(one.basis);
+      if (!modes) return fail(modes.error());
+      one.modes = std::move(*modes);
+      smaller.push_back(std::move(one));
     }
-    const Result<liquid::WetModes> less = solve(fewer);
-    if (!less) return fail(less.error());
-    return filled(*wet, *less, fewer);
+    return filled(*wet, smaller);
   }
 
  private:
@@ -128,12 +140,10 @@ class BankFiller {
       if (!coarse) return fail(coarse.error());
       const MatrixXd flow = liquid::flow_of(wet.wetted, plan_.skin, shapes_);
       Part part{.potential = panels->potential_of(flow), .modes = {}, .bound = {}, .error = {}};
-      // The error falls with the square of the panels' size; half of what is added to allow for it may be wrong.
       MatrixXd& mass = part.potential.added_mass;
-      const MatrixXd step = (mass - coarse->potential_of(flow).added_mass) / (kFewer - 1);
-      mass += step;
+      part.error = wet.density / (kFewer - 1) * (mass - coarse->potential_of(flow).added_mass);
+      part.error += wet.density * facet_share(wet.wetted) * mass;
       join_pairs(mass);
-      part.error = 0.5 * wet.density * step;
       part.modes.emplace(wet.wetted, panels->panels());
       part.bound = flow.transpose() * part.modes->values(wet.wetted.at);
       part.first = wet.wetted.open ? 0 : 1;
@@ -145,6 +155,28 @@ class BankFiller {
       panels_.push_back(*panels);
     }
     return {};
+  }
+
+  // The share of the mass that flat triangles in place of a round wall may add or miss: with half an angle alpha
+  // between neighbours, the polygon is smaller by alpha^2 / 3 and its flow larger by alpha^2 / 2, each to be squared.
+  [[nodiscard]] double facet_share(const liquid::Wetted& wetted) const {
+    const mesh::TriangleMesh& surface = plan_.skin.surface;
+    MatrixXd at_nodes = MatrixXd::Zero(surface.nodes.rows(), 3);
+    std::vector<Vector3d> twice;
+    for (const Index t : wetted.triangles) {
+      const auto node = [&](int i) -> Vector3d { return surface.nodes.row(surface.triangles(t, i)).transpose(); };
+      twice.push_back((node(1) - node(0)).cross(node(2) - node(0)));
+      for (int i = 0; i < 3; ++i) at_nodes.row(surface.triangles(t, i)) += twice.back().transpose();
+    }
+    double sum = 0, area = 0;
+    for (std::size_t t = 0; t < twice.size(); ++t) {
+      for (int i = 0; i < 3; ++i) {
+        const Vector3d normal = at_nodes.row(surface.triangles(wetted.triangles[t], i)).transpose().normalized();
+        sum += (twice[t].norm() - twice[t].dot(normal)) / 3;  // 1 - cos alpha = alpha^2 / 2
+      }
+      area += twice[t].norm();
+    }
+    return 2 * sum / (3 * area);
   }
 
   // Gives both modes of a pair the same mass. A round body has pairs, and irregular panels would split them by a beat
@@ -188,30 +220,30 @@ class BankFiller {
     return liquid::wet_modes_of(coupled);
   }
 
-  // The relative change of a wet mode's frequency from the smaller basis: that of the mode there that is most like it.
-  [[nodiscard]] static double change_of(const liquid::WetModes& wet, Index mode, const liquid::WetModes& less,
-                                        const std::vector<Index>& fewer) {
-    const VectorXd own = wet.body.col(mode)(fewer).normalized();
-    Index same = 0;
-    double likeness = 0;
-    for (Index other = 0; other < less.body.cols(); ++other) {
-      const double like = std::abs(less.body.col(other).normalized().dot(own));
-      if (like > likeness) likeness = like, same = other;
+  // The relative change of a wet mode's frequency in the smallest basis that has most of the mode: the nearest of the
+  // modes there that are like it, since those of a pair may be turned against each other.
+  [[nodiscard]] static double change_of(const liquid::WetModes& wet, Index mode, const std::vector<Smaller>& smaller) {
+    for (const Smaller& one : smaller) {
+      const VectorXd own = wet.body.col(mode)(one.basis);
+      if (own.squaredNorm() < kMostOfIt * wet.body.col(mode).squaredNorm()) continue;
+      const VectorXd likeness = (one.modes.body.transpose() * own).cwiseAbs();
+      double change = HUGE_VAL;
+      for (Index other = 0; other < likeness.size(); ++other) {
+        if (likeness[other] < 0.5 * likeness.maxCoeff()) continue;
+        change = std::min(change, std::abs(std::sqrt(std::max(one.modes.lambda[other], 0.0) / wet.lambda[mode]) - 1));
+      }
+      return change;
     }
-    const double missed = wet.body.col(mode).squaredNorm() - wet.body.col(mode)(fewer).squaredNorm();
-    if (missed > 0.5 * wet.body.col(mode).squaredNorm()) return 0;  // it is one of the upper half
-    return std::abs(std::sqrt(less.lambda[same] / wet.lambda[mode]) - 1);
+    return HUGE_VAL;
   }
 
-  Result<FilledBank> filled(const liquid::WetModes& wet, const liquid::WetModes& less,
-                            const std::vector<Index>& fewer) const {
+  Result<FilledBank> filled(const liquid::WetModes& wet, const std::vector<Smaller>& smaller) const {
     FilledBank result;
-    std::vector<double> order;
     modal::Bank modes = emptied();
     for (Index k = rigid_; k < wet.lambda.size(); ++k) {
       const VectorXd own = wet.body.col(k);
       const VectorXd strain = lambda_.cwiseProduct(own.cwiseAbs2()) / wet.lambda[k];
-      double error = change_of(wet, k, less, fewer);
+      double error = change_of(wet, k, smaller);
       for (const Part& part : parts_) error += std::abs(0.5 * own.dot(part.error * own));
       for (Index m = 0; m < strain.size() - rigid_; ++m) {
         const auto mode = static_cast<std::size_t>(m);
