@@ -138,6 +138,11 @@ void print_head(const modal::Bank& bank) {
                 liquid.liquid.c_str(), liquid.around ? "around it" : "in it", liquid.level_m, liquid.up.x, liquid.up.y,
                 liquid.up.z, 1e6 * liquid.volume_m3, liquid.around ? " displaced" : "");
   }
+  for (const modal::ResonatorNote& tube : bank.provenance.resonators) {
+    std::printf("resonator  tube %.4g mm across, %.1f mm long, %s; rings at %.2f Hz, Q %.0f; end correction %.1f mm\n",
+                1e3 * tube.diameter_m, 1e3 * tube.length_m, tube.stopped ? "stopped" : "open", tube.frequency_hz,
+                modal::hz_to_rad_per_s(tube.frequency_hz) / (2 * tube.decay_per_s), 1e3 * tube.end_correction_m);
+  }
   if (bank.nonlinear) print_nonlinear(*bank.nonlinear);
   if (bank.fracture) print_fracture(*bank.fracture);
   if (bank.held) std::printf("held       by supports, so it is not free\n");

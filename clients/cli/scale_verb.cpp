@@ -70,6 +70,8 @@ ExitCode scale(const ScaleArguments& arguments) {
     complain("its grain stays: stiffness and density change alike in all directions", ExitCode::ok);
   if (change.material && !bank->provenance.parts.empty())
     complain("the materials of its parts change by the same factors", ExitCode::ok);
+  if (!bank->provenance.resonators.empty())
+    complain("its tubes are scaled and tuned along with it; only a new bake keeps them", ExitCode::ok);
   if (bank->held)
     complain("its springs and dampers change with it; clamps and sliding surfaces stay exact", ExitCode::ok);
   return ExitCode::ok;

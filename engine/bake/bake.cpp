@@ -9,6 +9,7 @@
 #include "engine/bake/sample_points.h"
 #include "engine/bake/solve_body.h"
 #include "engine/base/range.h"
+#include "engine/bake/tubes/tubes.h"
 #include "engine/fem/shape_change.h"
 #include "engine/mesh/boundary.h"
 
@@ -50,6 +51,7 @@ struct Sounding {
   LeftOut left_out;
   double top_hz = 0;        // up to which modes were looked for
   bool above_band = false;  // none lies in the band
+  std::vector<modal::ResonatorNote> tubes = {};
 };
 
 tl::unexpected<Error> failed(const std::string& name, const Error& error) {
@@ -149,7 +151,7 @@ LossOf loss_of(const Task& task, const BodyModes& modes) {
 // the air over-damps. Returns where fields are measured from [m]; nothing where the modes do not radiate.
 Result<std::optional<Vec3>> add_radiation(const Task& task, Sounding& sounding, BakeReport& report,
                                           const Progress& progress) {
-  auto& [modes, heard, left_out, top_hz, above_band] = sounding;
+  auto& [modes, heard, left_out, top_hz, above_band, tubes] = sounding;
   if (!task.options.air || above_band || heard.empty() || !(report.largest_error <= task.options.radiation_error))
     return std::nullopt;
   Stopwatch watch;
@@ -164,6 +166,12 @@ Result<std::optional<Vec3>> add_radiation(const Task& task, Sounding& sounding, 
     return !rings;
   });
   report.radiation_seconds = watch.lap();
+  if (task.options.resonators.empty() || heard.empty()) return *origin;
+  auto notes = add_tubes({task.unit_mesh, task.surface, task.units, modes}, task.options.resonators, air, *origin,
+                         task.options.band_high_hz, modes, heard, progress);
+  if (!notes) return failed(task.name, notes.error());
+  tubes = std::move(*notes);
+  report.tube_seconds = watch.lap();
   return *origin;
 }
 
@@ -234,6 +242,14 @@ Result<void> check_request(const modal::Material& material, const BakeOptions& o
                                           ": nonlinear terms are not found for a body with a liquid; leave "
                                           "`nonlinear` out, or [fill] and [bath]");
   }
+  if (!options.resonators.empty()) {
+    const char* const what = options.nonlinear > 0      ? "`nonlinear`"
+                             : !options.liquids.none()  ? "[fill] and [bath]"
+                             : !options.air.has_value() ? "`radiation = false`"
+                                                        : nullptr;
+    if (what != nullptr)
+      return fail(ErrorKind::bad_input, name + ": a body with a [[resonator]] cannot have " + what + "; leave one out");
+  }
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good) return failed(material.name, good.error());
   return {};
@@ -297,7 +313,7 @@ void report_modes(const Task& task, const Sounding& sounding, BakeReport& report
 // Puts the modes in the order of the bank. Returns how many of the first stay in it because they bend the others'
 // pitch, however softly they radiate.
 int order_modes(const Task& task, Sounding& sounding, const modal::Air* air) {
-  auto& [modes, heard, left_out, top_hz, above_band] = sounding;
+  auto& [modes, heard, left_out, top_hz, above_band, tubes] = sounding;
   order_by_importance(heard, corner_bank(task, heard, modes, air), modes, task.units,
                       area_weights(task.surface, task.mesh.nodes));
   if (!modes.nonlinear) return 0;
@@ -327,6 +343,7 @@ void describe_body(const Task& task, const Sounding& sounding, modal::Bank& bank
     bank.provenance.counted_modes = 0;
     bank.provenance.liquids = modes.wet->notes;
   }
+  bank.provenance.resonators = sounding.tubes;
   for (const Part& part : makeup.parts) bank.provenance.parts.push_back(part.material.name);
 }
 

@@ -92,9 +92,10 @@ class Baker {
         reader_(recipe.geometry, recipe.options.cache) {
     if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);
     if (recipe.error > 0) recipe_.options.radiation_error = recipe.error;
-    if (recipe.preview) recipe_.options.air.reset();
+    if (recipe.preview) recipe_.options.air.reset(), recipe_.options.resonators.clear();
     recipe_.options.makeup = scaled(std::move(recipe_.options.makeup), recipe.scale);
     recipe_.options.liquids = recipe_.options.liquids.scaled(recipe.scale);
+    for (Resonator& resonator : recipe_.options.resonators) resonator = resonator.scaled(recipe.scale);
     recipe_.options.interior = recipe.shatter.has_value();
   }
 
@@ -292,6 +293,7 @@ class Baker {
     const char* const what = !recipe_.options.makeup.moves_freely() ? "a grain, parts, masses or stiff supports"
                              : recipe_.options.nonlinear > 0        ? "nonlinear modes"
                              : !recipe_.options.liquids.none()      ? "a liquid"
+                             : !recipe_.options.resonators.empty()  ? "a resonator"
                                                                     : nullptr;
     if (what == nullptr) return {};
     return fail(ErrorKind::bad_input,

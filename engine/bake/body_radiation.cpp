@@ -139,9 +139,11 @@ radiate::Body above_liquid(radiate::Body body, const WetEffects& wet, const std:
   return body;
 }
 
-// The surface as flat triangles, and what each mode pushes through its curved faces.
-radiate::Body body_for(const RadiatingBody& body, const std::vector<double>& wavenumbers,
-                       const std::vector<HeardMode>& modes) {
+}  // namespace
+
+// Flat triangles, and what each mode pushes through its curved faces.
+radiate::Body radiating_surface(const RadiatingBody& body, const std::vector<double>& wavenumbers,
+                                const std::vector<HeardMode>& modes) {
   radiate::Body vibrating;
   const mesh::Points nodes = surface_nodes(body);
   vibrating.surface.nodes = nodes;
@@ -172,11 +174,13 @@ radiate::Body body_for(const RadiatingBody& body, const std::vector<double>& wav
   return vibrating;
 }
 
+namespace {
+
 Result<Answers> solve_radiation(const RadiatingBody& body, const std::vector<double>& wavenumbers,
                                 const std::vector<HeardMode>& modes, const Progress& progress) {
   const radiate::Options options{
       .progress = [&](std::string_view, double fraction) { return !progress || progress("radiation", fraction); }};
-  Result<radiate::Radiation> radiation = radiate::solve(body_for(body, wavenumbers, modes), {}, options);
+  Result<radiate::Radiation> radiation = radiate::solve(radiating_surface(body, wavenumbers, modes), {}, options);
   if (!radiation) return fail(radiation);
   Answers answers{.origin = radiation->maps.origin_m, .largest_unknowns = radiation->largest_unknowns};
   for (std::size_t m = 0; m < modes.size(); ++m) {

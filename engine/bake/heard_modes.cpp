@@ -68,7 +68,7 @@ Eigen::MatrixXd shapes_of(const std::vector<HeardMode>& heard, const BodyModes& 
   Eigen::MatrixXd shapes(modes.shapes.rows(), static_cast<Eigen::Index>(heard.size()));
   for (std::size_t m = 0; m < heard.size(); ++m) {
     const auto shape = modes.shapes.col(heard[m].number);
-    shapes.col(static_cast<Eigen::Index>(m)) = sign_of(shape) * shape;
+    shapes.col(static_cast<Eigen::Index>(m)) = (heard[m].turned ? -1 : 1) * sign_of(shape) * shape;
   }
   return shapes;
 }

@@ -22,7 +22,8 @@ struct HeardMode {
   modal::ModeHeat heat{};
   double importance = 0;
   double frequency_error = 0;
-  modal::FarField field;  // of the mode with sign_of() its shape; where it was computed
+  bool turned = false;    // the bank has the shape with the other sign than sign_of()
+  modal::FarField field;  // of the mode with the sign that its shape has in the bank; where it was computed
   double radiation_error_db = 0;
   std::string radiation_doubt;
 };

@@ -2,6 +2,7 @@
 
 #include "engine/bake/liquid/filling.h"
 #include "engine/bake/makeup_file.h"
+#include "engine/bake/tubes/resonator.h"
 #include "engine/base/note.h"
 #include "engine/base/toml_table.h"
 
@@ -111,6 +112,9 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   read_pitch(*file, recipe);
   recipe.shatter = read_shatter(*file);
   read_liquids(*file, recipe.options.liquids);
+  read_resonators(*file, recipe.options.resonators);
+  if (!recipe.options.resonators.empty() && !file->has("radiation") && !recipe.options.air)
+    recipe.options.air.emplace();
   if (auto good = file->finish(); !good) return fail(good);
   return recipe;
 }

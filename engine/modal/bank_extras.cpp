@@ -15,21 +15,25 @@ namespace ringdown::modal {
 namespace {
 
 constexpr std::size_t kMaxParts = 1000;  // further parts are not read
-constexpr std::size_t kMaxLiquids = 100;
+constexpr std::size_t kMaxLiquids = 100, kMaxTubes = 100;
+
+Vec3 read_vector(const JsonPlace& list, const Vec3& otherwise) {
+  return {list[0].number().value_or(otherwise.x), list[1].number().value_or(otherwise.y),
+          list[2].number().value_or(otherwise.z)};
+}
 
 std::vector<LiquidNote> read_liquids(const JsonPlace& list) {
   std::vector<LiquidNote> liquids;
   for (std::size_t i = 0; i < std::min(list.size(), kMaxLiquids); ++i) {
     const JsonPlace one = list[i];
     const auto number = [&one](const char* key) { return one[key].number().value_or(0.0); };
-    const JsonPlace up = one["up"];
     liquids.push_back({.liquid = one["liquid"].text_or(""),
                        .density_kg_m3 = number("density"),
                        .sound_speed_m_s = number("soundSpeed"),
                        .viscosity_pa_s = number("viscosity"),
                        .level_m = number("level"),
                        .volume_m3 = number("volume"),
-                       .up = {up[0].number().value_or(0.0), up[1].number().value_or(0.0), up[2].number().value_or(1.0)},
+                       .up = read_vector(one["up"], {0, 0, 1}),
                        .around = one["place"].text_or("") == "around"});
   }
   return liquids;
@@ -46,6 +50,37 @@ Json liquids_json(const std::vector<LiquidNote>& liquids) {
                     {"level", one.level_m},
                     {"volume", one.volume_m3},
                     {"up", {one.up.x, one.up.y, one.up.z}}});
+  return json;
+}
+
+std::vector<ResonatorNote> read_resonators(const JsonPlace& list) {
+  std::vector<ResonatorNote> resonators;
+  for (std::size_t i = 0; i < std::min(list.size(), kMaxTubes); ++i) {
+    const JsonPlace one = list[i];
+    const auto number = [&one](const char* key) { return one[key].number().value_or(0.0); };
+    resonators.push_back({.diameter_m = number("diameter"),
+                          .length_m = number("length"),
+                          .mouth_m = read_vector(one["mouth"], {}),
+                          .axis = read_vector(one["axis"], {0, 0, -1}),
+                          .stopped = one["end"].text_or("") != "open",
+                          .frequency_hz = number("frequency"),
+                          .decay_per_s = number("decay"),
+                          .end_correction_m = number("endCorrection")});
+  }
+  return resonators;
+}
+
+Json resonators_json(const std::vector<ResonatorNote>& resonators) {
+  Json json = Json::array();
+  for (const ResonatorNote& one : resonators)
+    json.push_back({{"diameter", one.diameter_m},
+                    {"length", one.length_m},
+                    {"mouth", {one.mouth_m.x, one.mouth_m.y, one.mouth_m.z}},
+                    {"axis", {one.axis.x, one.axis.y, one.axis.z}},
+                    {"end", one.stopped ? "stopped" : "open"},
+                    {"frequency", one.frequency_hz},
+                    {"decay", one.decay_per_s},
+                    {"endCorrection", one.end_correction_m}});
   return json;
 }
 
@@ -70,6 +105,7 @@ Provenance read_provenance(const JsonPlace& extras) {
           .loss_db = dropped["loss"].number().value_or(0.0),
           .parts = std::move(parts),
           .liquids = read_liquids(extras["liquids"]),
+          .resonators = read_resonators(extras["resonators"]),
           .peak_pa = number("peakPressure")};
 }
 
@@ -201,6 +237,7 @@ Json provenance_json(const Provenance& provenance) {
   if (!provenance.body.empty()) json["body"] = provenance.body;
   if (!provenance.parts.empty()) json["parts"] = provenance.parts;
   if (!provenance.liquids.empty()) json["liquids"] = liquids_json(provenance.liquids);
+  if (!provenance.resonators.empty()) json["resonators"] = resonators_json(provenance.resonators);
   if (provenance.wall_elements > 0) json["wallElements"] = provenance.wall_elements;
   if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
   if (provenance.dropped_modes > 0) {

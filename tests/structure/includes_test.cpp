@@ -63,9 +63,11 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/radiate/", {"engine/base/", "engine/dense/", "engine/modal/", "engine/mesh/", "engine/radiate/"}},
     {"engine/shatter/", {"engine/base/", "engine/mesh/", "engine/shatter/"}},
     {"engine/liquid/", {"engine/base/", "engine/dense/", "engine/mesh/", "engine/radiate/", "engine/liquid/"}},
+    {"engine/tube/",
+     {"engine/base/", "engine/dense/", "engine/modal/", "engine/mesh/", "engine/radiate/", "engine/tube/"}},
     {"engine/bake/",
      {"engine/base/", "engine/dense/", "engine/materials/", "engine/modal/", "engine/mesh/", "engine/fem/",
-      "engine/solve/", "engine/radiate/", "engine/shatter/", "engine/liquid/", "engine/bake/"}},
+      "engine/solve/", "engine/radiate/", "engine/shatter/", "engine/liquid/", "engine/tube/", "engine/bake/"}},
     {"engine/fit/", {"engine/base/", "engine/modal/", "engine/fit/"}},
     // rigid bodies
     {"engine/scene/",
@@ -132,10 +134,10 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"meshoptimizer.h", {"engine/gltf/meshopt_codec.cpp", "engine/mesh/surface/simplify.cpp"}, 2},
     {"Eigen/",
      {"engine/dense/", "engine/mesh/", "engine/fem/", "engine/solve/", "engine/radiate/", "engine/shatter/",
-      "engine/liquid/", "engine/bake/", "engine/fit/"},
+      "engine/liquid/", "engine/tube/", "engine/bake/", "engine/fit/"},
      1000,
      {"engine/dense/", "engine/mesh/", "engine/fem/", "engine/solve/", "engine/radiate/", "engine/shatter/",
-      "engine/liquid/", "engine/bake/", "engine/fit/"}},
+      "engine/liquid/", "engine/tube/", "engine/bake/", "engine/fit/"}},
     {"slepc", {"clients/cli/slepc/"}, 1, {"clients/cli/slepc/"}},
     {"petsc", {"clients/cli/slepc/"}, 2, {"clients/cli/slepc/"}},
     {"metis.h", {"engine/solve/"}, 1},
@@ -168,9 +170,9 @@ const std::vector<LibraryRule> kLibraryRules = {
 };
 
 // Within these folders a file is a header with its .cpp, and files include each other in one direction only.
-const std::vector<std::string> kLayeredFolders = {"engine/base/",   "engine/modal/",   "engine/mesh/",
-                                                  "engine/fem/",    "engine/radiate/", "engine/shatter/",
-                                                  "engine/liquid/", "engine/bake/",    "engine/fit/"};
+const std::vector<std::string> kLayeredFolders = {
+    "engine/base/",    "engine/modal/",  "engine/mesh/", "engine/fem/",  "engine/radiate/",
+    "engine/shatter/", "engine/liquid/", "engine/tube/", "engine/bake/", "engine/fit/"};
 
 struct Include {
   std::string file;  // relative to the source folder

@@ -32,6 +32,7 @@ class ObjectTuner {
     recipe_.options.keep_modes = 0;
     recipe_.options.floor_db = 0;
     recipe_.options.air.reset();
+    recipe_.options.resonators.clear();
     recipe_.error = 0;
     best_.slopes = request.slopes;
   }
