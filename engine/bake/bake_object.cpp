@@ -96,7 +96,7 @@ class Baker {
     if (recipe.preview) recipe_.options.air.reset();
     recipe_.options.makeup = scaled(std::move(recipe_.options.makeup), recipe.scale);
     recipe_.options.liquids = recipe_.options.liquids.scaled(recipe.scale);
-    recipe_.options.interior = recipe.shatter.has_value();
+    if (recipe.shatter) recipe_.options.interior = true;
   }
 
   Result<Forecast> forecast() {
