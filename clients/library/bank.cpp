@@ -3,6 +3,8 @@
 #include "engine/modal/hearing/pitch.h"
 #include "engine/modal/radiation_map.h"
 
+#include <array>
+#include <tuple>
 #include <utility>
 
 using namespace ringdown;
@@ -59,8 +61,13 @@ ringdown_result ringdown_bank_describe(const ringdown_bank* bank, ringdown_bank_
       const Vec3& center = known.mass->center_of_mass_m;
       const std::array<double, 3> numbers = {center.x, center.y, center.z};
       std::ranges::copy(numbers, ours.center_of_mass_m);
+      const auto& [moments, turned] = std::tie(known.mass->inertia_kg_m2, known.mass->orientation);
+      std::ranges::copy(std::array{moments.x, moments.y, moments.z}, ours.inertia_kg_m2);
+      std::ranges::copy(std::array{turned[3], turned[0], turned[1], turned[2]}, ours.axes_wxyz);
     }
     ours.has_radiation = known.radiation.has_value();
+    ours.held = known.held;
+    ours.has_residual = bank->residual.has_value();
     return library::give(info, ours);
   });
 }

@@ -7,6 +7,7 @@
 #include "engine/base/result.h"
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
+#include "engine/modal/response/residual.h"
 #include "server/session/breakage.h"
 #include "server/session/rack.h"
 
@@ -16,12 +17,14 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <optional>
 #include <string>
 #include <vector>
 
 struct ringdown_bank {
   ringdown::session::BankFile file;
   std::string path;  // or the name that was given
+  std::optional<ringdown::modal::Residual> residual = {};
 };
 
 struct ringdown_mixer {

@@ -356,6 +356,13 @@ SolvedBody solved_body(const Task& task, const BodyModes& modes, const std::vect
     body.shapes.col(static_cast<Eigen::Index>(m)) =
         sign_of(modes.shapes.col(kept[m].number)) * units.shape() * modes.interior->shapes.col(kept[m].number);
   }
+  if (!modes.interior->equations) return body;
+  body.equations = modes.interior->equations;
+  auto& [system, springs, clamped, rigid] = *body.equations;
+  system.stiffness *= units.modulus_pa * units.length_m;
+  springs *= units.modulus_pa * units.length_m;
+  system.node_mass = body.node_mass;
+  rigid *= units.shape();
   return body;
 }
 

@@ -96,7 +96,7 @@ class Baker {
     recipe_.options.makeup = scaled(std::move(recipe_.options.makeup), recipe.scale);
     recipe_.options.liquids = recipe_.options.liquids.scaled(recipe.scale);
     for (Resonator& resonator : recipe_.options.resonators) resonator = resonator.scaled(recipe.scale);
-    recipe_.options.interior = recipe.shatter.has_value();
+    if (recipe.shatter) recipe_.options.interior = true;
   }
 
   Result<Forecast> forecast() {

@@ -39,6 +39,7 @@ struct BakeOptions {
   int processes = 2;           // of solve::Method::kSlepc
   bool may_be_silent = false;  // a body without a mode in its band gets a bank of no modes; else it fails
   bool interior = false;       // returns the modes at every node, too, and solves even if the cache has them
+  bool equations = false;      // with `interior`: the matrices, too
   bool verify = false;         // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
 };
 

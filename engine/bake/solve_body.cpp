@@ -75,6 +75,8 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   const fem::Holding& holding = task.makeup.holding;
   Result<fem::System> system = fem::assemble(task.unit_mesh, task.makeup.solid, task.options.element);
   if (!system) return fail(task.material.name, system);
+  Equations equations;
+  if (task.options.equations) equations.springs = system->stiffness;
   fem::add_layers(task.unit_mesh, holding, *system);
   const std::vector<std::int32_t> clamped = fem::nodes_on(task.unit_mesh, holding.clamped);
   fem::System left;
@@ -133,6 +135,15 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   body.unknowns = moving.unknowns();
   body.mass = mass_properties(task.unit_mesh, system->node_mass);
   if (task.options.interior) body.interior = {elastic, system->node_mass};
+  if (task.options.interior && task.options.equations) {
+    equations.springs.swap(system->stiffness);  // now the body's own stiffness is in `system`
+    equations.springs = holding.layers.empty() ? fem::SparseMatrix() : equations.springs - system->stiffness;
+    equations.system = *system;
+    if (!holding.layers.empty()) system->stiffness += equations.springs;
+    equations.clamped = clamped;
+    equations.rigid = shapes.leftCols(modes->rigid);
+    body.interior->equations = std::move(equations);
+  }
   if (task.options.nonlinear > 0 && body.lambda.size() > 0) {
     watch.lap();
     const int count = std::min(task.options.nonlinear, static_cast<int>(body.lambda.size()));

@@ -1,5 +1,7 @@
 #include "engine/modal/bank_extras.h"
 
+#include "engine/modal/response/provenance_text.h"
+
 #include "engine/base/version.h"
 #include "engine/modal/nonlinear_limits.h"
 
@@ -411,6 +413,20 @@ Json extras_json(const Bank& bank, GlbWriter& writer) {
   if (bank.radiation) json["radiation"] = radiation_json(*bank.radiation, writer);
   if (bank.nonlinear) json["nonlinear"] = nonlinear_json(*bank.nonlinear, writer);
   return json;
+}
+
+std::string provenance_text(const Bank& bank) {
+  Json json = provenance_json(bank.provenance);
+  json["generator"] = bank.provenance.generator;
+  json["held"] = bank.held;
+  if (bank.radiation) {
+    const auto& [maps, air, errors, reasons] = *bank.radiation;
+    json["air"] = {{"density", air.density_kg_m3}, {"soundSpeed", air.sound_speed_m_s}};
+    for (std::size_t m = 0; m < reasons.size(); ++m) {
+      if (!reasons[m].empty()) json["doubtful"].push_back({{"mode", m}, {"reason", reasons[m]}});
+    }
+  }
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace ringdown::modal

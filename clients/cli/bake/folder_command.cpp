@@ -1,5 +1,7 @@
 #include "clients/cli/bake/folder_command.h"
 
+#include "clients/cli/bake/exports.h"
+
 #include "clients/cli/long_work.h"
 #include "engine/bake/recipe_options.h"
 #include "packaging/manual/command_line.h"
@@ -42,6 +44,7 @@ std::vector<std::string> shaping_options(const manual::App& app) {
   std::vector<std::string_view> others = {"--output",    "--material",       "--materials",     "--jobs",
                                           "--recursive", "--force",          "--check-budgets", "--update",
                                           "--progress",  "--progress-lines", "--quiet"};
+  others.insert(others.end(), kExportOptions.begin(), kExportOptions.end());
   for (const bake::RecipeOption& option : bake::recipe_options()) {
     if (option.has(bake::RecipeOption::kSameBank)) others.push_back(option.option);
   }

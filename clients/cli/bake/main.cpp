@@ -4,6 +4,7 @@
 // be written; cancelled. One sentence on stderr says why. In a folder, an object that
 // fails does not stop the others.
 #include "clients/cli/bake/bake_report.h"
+#include "clients/cli/bake/exports.h"
 #include "clients/cli/bake/folder_command.h"
 #include "clients/cli/long_work.h"
 #include "clients/cli/bake/options.h"
@@ -45,6 +46,7 @@ struct Arguments {
   std::map<const RecipeOption*, bool> flags;
   std::vector<std::string> shaping;  // the given options that can change a bank
   cli::FolderBake folder;
+  cli::Exports exports;
   bool update = false, progress_lines = false, progress = false, quiet = false, compress = false;
 };
 
@@ -118,6 +120,7 @@ void add_options(manual::App& app, Arguments& arguments) {
   app.add_flag("--compress", arguments.compress,
                "make the bank a third as large, with shapes rounded by up to 0.5 %; its readers must know glTF's "
                "EXT_meshopt_compression, as Ringdown does");
+  arguments.exports.add_to(app);
   cli::add_folder_options(app, arguments.folder, arguments.update, arguments.progress_lines);
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
@@ -161,8 +164,9 @@ cli::ProgressLine::Style progress_style(const Arguments& arguments) {
 
 ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments& arguments,
                   const std::stop_token& stop) {
-  const Result<bake::ObjectRecipe> recipe = recipe_for(input, arguments);
+  Result<bake::ObjectRecipe> recipe = recipe_for(input, arguments);
   if (!recipe) return complain(recipe);
+  arguments.exports.ask_for(recipe->options);
   const std::string hash = bake::input_hash({.object = input,
                                              .geometry = recipe->geometry,
                                              .material = arguments.materials / (recipe->material + ".toml"),
@@ -170,18 +174,20 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
                                              .part_materials = bake::part_materials(*recipe, arguments.materials),
                                              .part_surfaces = bake::part_surfaces(*recipe)})
                                .value_or("");
-  if (arguments.update && !hash.empty() && modal::read_input_hash(output) == hash) {
+  if (arguments.update && arguments.exports.none() && !hash.empty() && modal::read_input_hash(output) == hash) {
     if (!arguments.quiet) std::printf("%s: unchanged\n", recipe->name.c_str());
     return ExitCode::ok;
   }
   cli::ProgressLine line(recipe->name, progress_style(arguments));
-  const Result<bake::BakedObject> object =
-      bake::bake_object(*recipe, arguments.materials, [&](std::string_view stage, double fraction) {
-        line.show(stage, fraction);
-        return !stop.stop_requested();
-      });
+  const Progress progress = [&](std::string_view stage, double fraction) {
+    line.show(stage, fraction);
+    return !stop.stop_requested();
+  };
+  const Result<bake::BakedObject> object = bake::bake_object(*recipe, arguments.materials, progress);
+  const Result<void> exported = object ? arguments.exports.write(object->baked, progress) : Result<void>();
   line.clear();
   if (!object) return cli::complain_unwritten(object.error(), output);
+  if (!exported) return complain(exported);
   const auto compression = arguments.compress ? modal::Compression::meshopt : modal::Compression::none;
   if (auto written = modal::write_bank(object->baked.bank, output, hash, compression); !written)
     return complain(written);
@@ -266,6 +272,11 @@ ExitCode run(int argc, char** argv) {
       return complain_of_usage(app, name + " is not for scenes, and " + arguments.input.string() +
                                         " is one; with --material it is a surface");
   }
+  for (const char* option : cli::kExportOptions) {
+    if ((in_scene || !arguments.folder.folder.empty()) && app.count(option) > 0)
+      return complain_of_usage(app, std::string(option) + " is for one object, not for a folder or a scene");
+  }
+  if (auto good = arguments.exports.check(); !good) return complain_of_usage(app, good.error().message);
   if (arguments.output.empty() && arguments.folder.folder.empty() && !in_scene) {
     return complain_of_usage(app, "name the output with --output");
   }

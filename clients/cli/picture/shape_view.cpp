@@ -18,14 +18,6 @@ using Triangle = std::array<std::uint32_t, 3>;
 
 constexpr double kBend = 0.08;  // largest displacement, of the body's size
 
-// Right, up, and towards the eye.
-constexpr double kTurn = -0.55, kTilt = 0.50;  // [rad]
-Vec3 seen(Vec3 p) {
-  const double c = std::cos(kTurn), s = std::sin(kTurn), ct = std::cos(kTilt), st = std::sin(kTilt);
-  const double right = c * p.x - s * p.y, away = s * p.x + c * p.y;
-  return {right, ct * p.z + st * away, st * p.z - ct * away};
-}
-
 struct View {
   std::vector<Vec3> points;  // x, y on the sheet; z towards the eye, in the body's units
   std::vector<double> move;  // 0 ... 1
@@ -55,7 +47,7 @@ View view_of(const modal::Bank& bank, std::size_t mode, const Box& box) {
   View view;
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
     const Vec3 phi = wide(bank.shape(mode, p));
-    view.points.push_back(seen(wide(bank.positions[p]) + bend * phi));
+    view.points.push_back(seen_from_front(wide(bank.positions[p]) + bend * phi));
     view.move.push_back(max > 0 ? length(phi) / max : 0);
     low[0] = std::min(low[0], view.points[p].x);
     high[0] = std::max(high[0], view.points[p].x);
@@ -123,6 +115,13 @@ void mark(Canvas& canvas, const Vec3& place) {
 }
 
 }  // namespace
+
+Vec3 seen_from_front(Vec3 p) {
+  constexpr double kTurn = -0.55, kTilt = 0.50;  // [rad]
+  const double c = std::cos(kTurn), s = std::sin(kTurn), ct = std::cos(kTilt), st = std::sin(kTilt);
+  const double right = c * p.x - s * p.y, away = s * p.x + c * p.y;
+  return {right, ct * p.z + st * away, st * p.z - ct * away};
+}
 
 void draw_shape(Canvas& canvas, const Box& box, const modal::Bank& bank, std::size_t mode, const std::size_t* struck) {
   if (std::max(bank.triangles.size(), bank.point_count()) > kMaxDrawn) {

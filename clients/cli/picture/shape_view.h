@@ -3,12 +3,16 @@
 #pragma once
 
 #include "clients/cli/picture/axis.h"
+#include "engine/base/vec3.h"
 #include "engine/modal/bank.h"
 #include "engine/modal/fracture/fracture.h"
 
 namespace ringdown::cli {
 
 inline constexpr std::size_t kMaxDrawn = 20000;  // triangles or points; a larger surface is not drawn
+
+// Returns a place as all views show it, from the front right, above: x to the right, y up, z towards the eye.
+Vec3 seen_from_front(Vec3 place);
 
 // Draws the shape. Marks the place `struck`, if there is one. Without triangles, draws the sample points.
 void draw_shape(Canvas& canvas, const Box& box, const modal::Bank& bank, std::size_t mode,
