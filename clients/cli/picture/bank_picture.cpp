@@ -157,11 +157,11 @@ std::vector<std::size_t> modes_to_show(const modal::Bank& bank) {
 std::string pieces_text(const modal::Fracture& fracture, const modal::BreakPattern& pattern) {
   const auto silent =
       std::ranges::count_if(pattern.pieces, [](const auto& piece) { return piece.bank.mode_count() == 0; });
-  std::string text = format("%zu pieces", pattern.pieces.size());
-  if (silent > 0) text += format(", %zu only click", static_cast<std::size_t>(silent));
-  text += format("  ·  %.3g cm² of cracks", 1e4 * pattern.crack_area_m2);
+  std::string text = formatted("{} pieces", pattern.pieces.size());
+  if (silent > 0) text += formatted(", {} only click", static_cast<std::size_t>(silent));
+  text += formatted("  ·  {:.3g} cm² of cracks", 1e4 * pattern.crack_area_m2);
   if (const double cost_j = modal::crack_cost_j(pattern.crack_area_m2, fracture.crack_energy_j_m2); cost_j > 0)
-    text += format(" take %.2g J", cost_j);
+    text += formatted(" take {:.2g} J", cost_j);
   return text;
 }
 
@@ -171,7 +171,7 @@ void draw_fracture(Canvas& canvas, const modal::Fracture& fracture, double top, 
   const std::size_t shown = std::min<std::size_t>(fracture.patterns.size(), 2);
   const double side = (kPictureWidth - 2 * margin) / 4;
   std::string title = "The pieces where the marked place is struck; grey ones only click";
-  if (fracture.patterns.size() > shown) title += format(" (%zu of %zu patterns)", shown, fracture.patterns.size());
+  if (fracture.patterns.size() > shown) title += formatted(" ({} of {} patterns)", shown, fracture.patterns.size());
   canvas.text({margin, top}, title, 14, kInk, Align::left, true);
   for (std::size_t p = 0; p < shown; ++p) {
     const double left = margin + 2 * side * static_cast<double>(p);

@@ -32,16 +32,16 @@ Result<Sounding> sounding_of(const modal::Bank& bank, std::string_view text) {
     const auto number = number_in(text);
     const auto count = static_cast<double>(bank.mode_count());
     if (!number || *number < 0 || *number >= count || *number != std::floor(*number))
-      return fail(ErrorKind::usage, "--directivity takes the number of a mode, 0 to " +
-                                        std::to_string(bank.mode_count() - 1) + ", or a band such as 500-2000, not " +
-                                        quote(text));
+      return fail(ErrorKind::usage,
+                  "--directivity takes the number of a mode, 0 to {}, or a band such as 500-2000, not {}",
+                  bank.mode_count() - 1, quote(text));
     const auto mode = static_cast<std::size_t>(*number);
-    return Sounding{{mode}, format("mode %zu, %.1f Hz", mode, bank.frequency_hz[mode])};
+    return Sounding{{mode}, formatted("mode {}, {:.1f} Hz", mode, bank.frequency_hz[mode])};
   }
   const auto low = number_in(text.substr(0, dash)), high = number_in(text.substr(dash + 1));
   if (!low || !high || !(*low < *high))
     return fail(ErrorKind::usage, "--directivity takes a band as LOW-HIGH in Hz, not " + quote(text));
-  Sounding sounding{{}, format("%.5g to %.5g Hz", *low, *high)};
+  Sounding sounding{{}, formatted("{:.5g} to {:.5g} Hz", *low, *high)};
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     if (bank.frequency_hz[m] >= *low && bank.frequency_hz[m] <= *high) sounding.modes.push_back(m);
   }
@@ -81,7 +81,8 @@ std::string directivity_csv(const Directivity& directivity) {
       const double across = std::cos(elevation * kDegree);
       const Vec3 to{across * std::cos(azimuth * kDegree), across * std::sin(azimuth * kDegree),
                     std::sin(elevation * kDegree)};
-      text += format("%d,%d,%.9f,%.9f,%.9f,%.4f\n", azimuth, elevation, to.x, to.y, to.z, directivity.level_db(to));
+      text += formatted("{},{},{:.9f},{:.9f},{:.9f},{:.4f}\n", azimuth, elevation, to.x, to.y, to.z,
+                        directivity.level_db(to));
     }
   }
   return text;

@@ -2,6 +2,7 @@
 
 #include "clients/cli/picture/bank_page.h"
 #include "clients/cli/picture/shape_view.h"
+#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <array>
@@ -93,7 +94,7 @@ void draw_polar(Canvas& canvas, Dot middle, double size, const Directivity& dire
   for (double below_db = 0; below_db < kRange_db; below_db += 10) {
     const double radius = 1 - below_db / kRange_db;
     ring([radius](Vec3) { return radius; }, kGrid, 1);
-    canvas.text({middle.x + 3, middle.y - size * radius - 3}, format("%.0f", -below_db), 10, kFaint);
+    canvas.text({middle.x + 3, middle.y - size * radius - 3}, formatted("{:.0f}", -below_db), 10, kFaint);
   }
   canvas.line(std::array<Dot, 2>{{{middle.x - size, middle.y}, {middle.x + size, middle.y}}}, kGrid, 1);
   canvas.line(std::array<Dot, 2>{{{middle.x, middle.y - size}, {middle.x, middle.y + size}}}, kGrid, 1);
@@ -122,9 +123,9 @@ std::string draw_directivity(Canvas::Kind kind, const modal::Bank& bank, const D
   canvas.text({40, 40}, clean_text(bank.name.empty() ? "bank" : bank.name) + "  ·  " + title, 20, kInk, Align::left,
               true);
   canvas.text({40, 62},
-              format("sound pressure by direction; the outer circle is the loudest direction, %.1f dB above the mean, "
-                     "the middle %.0f dB less",
-                     scale.top_db, kRange_db),
+              formatted("sound pressure by direction; the outer circle is the loudest direction, {:.1f} dB above the "
+                        "mean, the middle {:.0f} dB less",
+                        scale.top_db, kRange_db),
               13, kFaint);
   const Dot middle{340, 395};
   draw_axes(canvas, middle, 290);

@@ -2,6 +2,7 @@
 
 #include "clients/cli/picture/axis.h"
 #include "clients/cli/picture/bank_page.h"
+#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <array>
@@ -46,7 +47,7 @@ void draw_magnitude(Canvas& canvas, const ResponseTable& table, const Axis& freq
   const Chart chart{
       {86, 90, 610, 220},
       x,
-      linear_axis(low, high, high - low > 80 ? 20 : 10, format("magnitude [dB re 1 %s]", unit_of(table.kind)))};
+      linear_axis(low, high, high - low > 80 ? 20 : 10, formatted("magnitude [dB re 1 {}]", unit_of(table.kind)))};
   chart.draw_frame(canvas, kTextSize);
   std::vector<Dot> curve;
   for (std::size_t i = 0; i < table.values.size(); ++i)
@@ -82,7 +83,7 @@ void draw_nyquist(Canvas& canvas, const ResponseTable& table) {
   const int power = static_cast<int>(std::floor(std::log10(side / 2) / 3)) * 3;
   const double unit = std::pow(10.0, power), half = side / unit / 2, step = step_for(2 * half, 5);
   const double x = (left + right) / unit / 2, y = (low + high) / unit / 2;
-  const std::string scale = power == 0 ? unit_of(table.kind) : format("10^%d %s", power, unit_of(table.kind));
+  const std::string scale = power == 0 ? unit_of(table.kind) : formatted("10^{} {}", power, unit_of(table.kind));
   const Chart chart{{790, 90, 290, 290},
                     linear_axis(x - half, x + half, step, "real [" + scale + "]"),
                     linear_axis(y - half, y + half, step, "imaginary [" + scale + "]")};
@@ -94,8 +95,8 @@ void draw_nyquist(Canvas& canvas, const ResponseTable& table) {
 }
 
 std::string place_text(Vec3 place, Vec3 direction, bool is_air) {
-  const std::string text = format("(%.4g, %.4g, %.4g) m", place.x, place.y, place.z);
-  return is_air ? text : text + format(" along (%.3g, %.3g, %.3g)", direction.x, direction.y, direction.z);
+  const std::string text = formatted("({:.4g}, {:.4g}, {:.4g}) m", place.x, place.y, place.z);
+  return is_air ? text : formatted("{} along ({:.3g}, {:.3g}, {:.3g})", text, direction.x, direction.y, direction.z);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "clients/cli/picture/bank_page.h"
 #include "clients/cli/picture/canvas.h"
+#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,8 +42,8 @@ std::string response_csv(const ResponseTable& table) {
   std::string text = "frequency_hz,real,imag,magnitude,phase_deg\n";
   for (std::size_t i = 0; i < table.values.size(); ++i) {
     const std::complex<double>& h = table.values[i];
-    text += format("%.10g,%.10g,%.10g,%.10g,%.6g\n", table.frequencies_hz[i], h.real(), h.imag(), std::abs(h),
-                   std::arg(h) * 180 / std::numbers::pi);
+    text += formatted("{:.10g},{:.10g},{:.10g},{:.10g},{:.6g}\n", table.frequencies_hz[i], h.real(), h.imag(),
+                      std::abs(h), std::arg(h) * 180 / std::numbers::pi);
   }
   return text;
 }
@@ -51,29 +52,31 @@ std::string response_uff(const ResponseTable& table) {
   constexpr int kFrequencyResponse = 4, kComplexDouble = 6, kUneven = 0, kFrequency = 18, kForce = 13;
   constexpr int kMotions[] = {8, 11, 12, 15};  // displacement, velocity, acceleration, pressure
   const int motion = kMotions[static_cast<int>(table.kind)];
-  std::string text = format("%s%6d\n", kMark, 15);
+  std::string text = formatted("{}{:6}\n", kMark, 15);
   int node = 0;
   for (const Vec3& place : {table.at_m, table.to_m})
-    text += format("%10d%10d%10d%10d%13.5E%13.5E%13.5E\n", ++node, 0, 0, 11, place.x, place.y, place.z);
-  text += format("%s%s%6d\n", kMark, kMark, 58);
+    text += formatted("{:10}{:10}{:10}{:10}{:13.5E}{:13.5E}{:13.5E}\n", ++node, 0, 0, 11, place.x, place.y, place.z);
+  text += formatted("{}{}{:6}\n", kMark, kMark, 58);
   const std::string name = clean_text(table.name);
   text += (name.empty() ? "NONE" : name.substr(0, 80)) + "\n";
-  text += format("%s [%s]\nNONE\n", name_of(table.kind), unit_of(table.kind));
-  text += format("force along %.4g %.4g %.4g\n", table.direction.x, table.direction.y, table.direction.z);
-  text += format("response along %.4g %.4g %.4g\n", table.to_direction.x, table.to_direction.y, table.to_direction.z);
-  text += format("%5d%10d%5d%10d %-10s%10d%4d %-10s%10d%4d\n", kFrequencyResponse, 1, 1, 0, "NONE", 2,
-                 axis_of(table.to_direction), "NONE", 1, axis_of(table.direction));
-  text += format("%10d%10d%10d%13.5E%13.5E%13.5E\n", kComplexDouble, static_cast<int>(table.values.size()), kUneven,
-                 table.frequencies_hz.front(), 0.0, 0.0);
+  text += formatted("{} [{}]\nNONE\n", name_of(table.kind), unit_of(table.kind));
+  text += formatted("force along {:.4g} {:.4g} {:.4g}\n", table.direction.x, table.direction.y, table.direction.z);
+  text += formatted("response along {:.4g} {:.4g} {:.4g}\n", table.to_direction.x, table.to_direction.y,
+                    table.to_direction.z);
+  text += formatted("{:5}{:10}{:5}{:10} {:<10}{:10}{:4} {:<10}{:10}{:4}\n", kFrequencyResponse, 1, 1, 0, "NONE", 2,
+                    axis_of(table.to_direction), "NONE", 1, axis_of(table.direction));
+  text += formatted("{:10}{:10}{:10}{:13.5E}{:13.5E}{:13.5E}\n", kComplexDouble, static_cast<int>(table.values.size()),
+                    kUneven, table.frequencies_hz.front(), 0.0, 0.0);
   const auto axis = [&text](int kind, const char* label, const char* unit) {
-    text += format("%10d%5d%5d%5d %-20s %-20s\n", kind, 0, 0, 0, label, unit);
+    text += formatted("{:10}{:5}{:5}{:5} {:<20} {:<20}\n", kind, 0, 0, 0, label, unit);
   };
   axis(kFrequency, "Frequency", "Hz");
   axis(motion, name_of(table.kind), unit_of(table.kind));
   axis(kForce, "Force", "N");
   axis(0, "NONE", "NONE");
   for (std::size_t i = 0; i < table.values.size(); ++i)
-    text += format("%13.5E%20.12E%20.12E\n", table.frequencies_hz[i], table.values[i].real(), table.values[i].imag());
+    text += formatted("{:13.5E}{:20.12E}{:20.12E}\n", table.frequencies_hz[i], table.values[i].real(),
+                      table.values[i].imag());
   return text + kMark;
 }
 

@@ -34,9 +34,8 @@ Closing closing_of(std::span<const FoleyBody> bodies, const Touch& touch, std::s
     const Vec3 apart = touch.met.first.velocity_at(point.point_m) - touch.met.second.velocity_at(point.point_m);
     const double approach = -dot(apart, point.normal);
     if (!(approach > fastest.approach_m_s)) continue;
-    const double inverse_mass =
-        inverse_mass_at(one, k, point.point_m - touch.met.first.position_m, point.normal) +
-        inverse_mass_at(two, k, point.point_m - touch.met.second.position_m, point.normal);
+    const double inverse_mass = inverse_mass_at(one, k, point.point_m - touch.met.first.position_m, point.normal) +
+                                inverse_mass_at(two, k, point.point_m - touch.met.second.position_m, point.normal);
     const double parting = dot(first.velocity_at(point.point_m) - second.velocity_at(point.point_m), point.normal);
     const double max = kMaxGuess * seen_m_s(one, two, k, point);
     fastest = {std::min(approach, max), std::min(parting, max), point.normal, inverse_mass};
@@ -117,7 +116,8 @@ double sent_m_s(std::span<const FoleyBody> bodies, std::span<const Touch> touche
         if (!first && number != touch.pair.second) return;
         const KeyedMotion& motion = bodies[number].motion;
         const Vec3 impulse_ns = sign * other.blow_ns[p];
-        const Vec3 spin = motion.inverse_inertia(k) * cross(other.met.points[p].point_m - struck.position_m, impulse_ns);
+        const Vec3 spin =
+            motion.inverse_inertia(k) * cross(other.met.points[p].point_m - struck.position_m, impulse_ns);
         const Motion& own = first ? touch.met.first : touch.met.second;
         const Vec3 speed_m_s = motion.inverse_mass() * impulse_ns + cross(spin, point - own.position_m);
         apart_m_s = first ? apart_m_s + speed_m_s : apart_m_s - speed_m_s;
