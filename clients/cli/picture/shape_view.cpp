@@ -162,7 +162,7 @@ void draw_pieces(Canvas& canvas, const Box& box, const modal::BreakPattern& patt
     const modal::Bank& bank = pattern.pieces[i].bank;
     const auto first = static_cast<std::uint32_t>(points.size());
     const Vec3 moved = bank.mass ? apart * (bank.mass->center_of_mass_m - centre) : Vec3{};
-    for (const modal::Vec3f& p : bank.positions) points.push_back(seen(wide(p) + moved));
+    for (const modal::Vec3f& p : bank.positions) points.push_back(seen_from_front(wide(p) + moved));
     for (const auto& [a, b, c] : bank.triangles) {
       triangles.push_back({first + a, first + b, first + c});
       owners.push_back(i);
@@ -178,7 +178,7 @@ void draw_pieces(Canvas& canvas, const Box& box, const modal::BreakPattern& patt
     low = {std::min(low.x, p.x), std::min(low.y, p.y)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y)};
   }
-  points.push_back(seen(pattern.at_m));
+  points.push_back(seen_from_front(pattern.at_m));
   fit(points, box, low, high);
   draw_faces(canvas, points, triangles, [&](std::size_t t) {
     return pattern.pieces[owners[t]].bank.mode_count() == 0 ? kSilent : piece_colour(owners[t]);
