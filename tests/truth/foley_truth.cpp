@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <sys/resource.h>
 #include <string>
 #include <vector>
@@ -56,13 +57,13 @@ scene::SceneDescription tray() {
 
 int cost() {
   const test::Played truth = test::simulate(tray(), {}, 30);
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();
   const auto world = scene::World::create(truth.animated, {}, 48000);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  const double took_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  std::printf("a minute of 50 bodies at 30 frames a second: contacts in %.1f s, the process has %.0f MiB at most\n",
-              took.count(), static_cast<double>(usage.ru_maxrss) / 1024);
+  std::printf("a minute of 50 bodies at 30 frames a second: contacts in %.1f s of processor time, the process has %.0f MiB at most\n",
+              took_s, static_cast<double>(usage.ru_maxrss) / 1024);
   return world ? 0 : 1;
 }
 

@@ -10,7 +10,7 @@ namespace {
 constexpr int kMaxSweeps = 30;     // of one frame at a time
 constexpr int kBlowPasses = 6;     // over all frames, with blows alone
 constexpr int kPasses = 3;         // with loads
-constexpr double kEnough = 1e-4;   // change of an impulse in a sweep, of the largest impulse
+constexpr double kEnough = 1e-3;   // change of an impulse in a sweep, of the largest impulse
 constexpr double kSeen = 0.05;     // weight of the moment that geometry sees against that which the frames tell
 constexpr double kMaxEarly = 0.3;  // share of the interval by which both may differ
 
@@ -19,14 +19,12 @@ double inverse_mass_of(const PushedBody& body, Vec3 arm_m, Vec3 way) {
   return body.inverse_mass + dot(turning, body.inverse_inertia * turning);
 }
 
-Vec3 speed_at(const PushedBody& body, Vec3 arm_m) {
-  return body.inverse_mass * body.push.linear_ns + cross(body.inverse_inertia * body.push.angular_nms, arm_m);
-}
+Vec3 speed_at(const PushedBody& body, Vec3 arm_m) { return body.speed_m_s + cross(body.spin_rad_s, arm_m); }
 
 void take(PushedBody& body, Vec3 arm_m, Vec3 impulse_ns) {
   if (body.inverse_mass == 0) return;
-  body.push.linear_ns = body.push.linear_ns - impulse_ns;
-  body.push.angular_nms = body.push.angular_nms - cross(arm_m, impulse_ns);
+  body.speed_m_s = body.speed_m_s - body.inverse_mass * impulse_ns;
+  body.spin_rad_s = body.spin_rad_s - body.inverse_inertia * cross(arm_m, impulse_ns);
 }
 
 }  // namespace
@@ -34,11 +32,23 @@ void take(PushedBody& body, Vec3 arm_m, Vec3 impulse_ns) {
 std::size_t PushSystem::add(std::vector<PushContact> points) {
   const std::size_t first = contacts_.size();
   for (PushContact& point : points) {
-    contacts_of_[point.frame].push_back(contacts_.size());
-    contacts_of_[point.frame + 1].push_back(contacts_.size());
+    if (point.before > 0) contacts_of_[point.frame].push_back(contacts_.size());
+    if (point.after > 0) contacts_of_[point.frame + 1].push_back(contacts_.size());
     contacts_.push_back(point);
   }
   return first;
+}
+
+// Computes how easily both bodies give way at a contact.
+void PushSystem::prepare(std::size_t number) {
+  const PushContact& contact = contacts_[number];
+  const auto [one, two] = across(contact.normal);
+  Yield& yield = yields_[number] = {{contact.normal, one, two}, {}};
+  for (std::size_t w = 0; w < 3; ++w) {
+    for (const auto& [frame, share] : {std::pair(contact.frame, contact.before), {contact.frame + 1, contact.after}}) {
+      if (share > 0) yield.inverse_masses[w] += share * share * inverse_mass_at(contact, frame, yield.ways[w]);
+    }
+  }
 }
 
 std::size_t PushSystem::add_blow(std::vector<PushContact> points, double s) {
@@ -56,6 +66,8 @@ std::size_t PushSystem::add_load(std::vector<PushContact> points) {
 }
 
 void PushSystem::solve() {
+  yields_.resize(contacts_.size());
+  for (std::size_t k = 0; k < contacts_.size(); ++k) prepare(k);
   for (int pass = 0; pass < kBlowPasses; ++pass) {
     sweep_all(pass % 2 == 0, false);
     for (const Moment& moment : moments_) move(moment);
@@ -73,7 +85,7 @@ void PushSystem::sweep(std::size_t frame, bool loads) {
     double change = 0, largest = 0;
     for (const std::size_t number : contacts_of_[frame]) {
       if (is_load_[number] && !loads) continue;
-      change = std::max(change, improve(contacts_[number]));
+      change = std::max(change, improve(number));
       largest = std::max(largest, length(contacts_[number].impulse_ns));
     }
     if (change <= kEnough * largest) break;
@@ -101,29 +113,33 @@ void PushSystem::apply(PushContact& contact, Vec3 impulse_ns, double before, dou
 }
 
 // Returns the size of the change of the contact's impulse.
-double PushSystem::improve(PushContact& contact) {
+double PushSystem::improve(std::size_t number) {
+  PushContact& contact = contacts_[number];
+  const Yield& yield = yields_[number];
   const double b = contact.before, a = contact.after;
-  const auto step = [&](Vec3 way) {
-    double wanted = 0, mass = 0;
-    for (const auto& [frame, share] : {std::pair(contact.frame, b), {contact.frame + 1, a}}) {
-      if (share == 0) continue;
-      wanted += share * dot(unexplained_m_s(contact, frame), way);
-      mass += share * share * inverse_mass_at(contact, frame, way);
-    }
-    return mass > 0 ? wanted / mass : 0;
+  const auto wanted_m_s = [&] {
+    Vec3 wanted;
+    if (b > 0) wanted = wanted + b * unexplained_m_s(contact, contact.frame);
+    if (a > 0) wanted = wanted + a * unexplained_m_s(contact, contact.frame + 1);
+    return wanted;
+  };
+  const auto step = [&](Vec3 speed_m_s, std::size_t way) {
+    const double mass = yield.inverse_masses[way];
+    return mass > 0 ? dot(speed_m_s, yield.ways[way]) / mass : 0;
   };
   const Vec3 start = contact.impulse_ns;
   const auto set = [&](Vec3 impulse_ns) {
+    if (impulse_ns == contact.impulse_ns) return;
     apply(contact, impulse_ns - contact.impulse_ns, b, a);
     contact.impulse_ns = impulse_ns;
   };
   const Vec3 n = contact.normal;
   const double along = dot(contact.impulse_ns, n);
   const Vec3 aside = contact.impulse_ns - along * n;
-  const double pressed = std::max(along + step(n), 0.0);
+  const double pressed = std::max(along + step(wanted_m_s(), 0), 0.0);
   set(pressed * n + aside);
-  Vec3 wanted = aside;
-  for (const Vec3& way : across(n)) wanted = wanted + step(way) * way;
+  const Vec3 speed_m_s = wanted_m_s();
+  const Vec3 wanted = aside + step(speed_m_s, 1) * yield.ways[1] + step(speed_m_s, 2) * yield.ways[2];
   const double max = contact.friction * pressed, size = length(wanted);
   set(pressed * n + (size > max ? max / size : 1.0) * wanted);
   return length(contact.impulse_ns - start);
@@ -158,6 +174,7 @@ void PushSystem::move(const Moment& moment) {
   for (std::size_t k = moment.first; k < moment.first + moment.count; ++k) {
     apply(contacts_[k], contacts_[k].impulse_ns, now - s, s - now);
     contacts_[k].before = 1 - s, contacts_[k].after = s;
+    prepare(k);
   }
 }
 

@@ -14,16 +14,18 @@
 #include "engine/base/rotation.h"
 #include "engine/scene/foley/keyed_motion.h"
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
 namespace ringdown::scene {
 
-// A body around one frame: first its push, after the solution what of it is unexplained.
+// A body around one frame: first the changes of its speed and its spin (KeyedMotion::push), after the solution what of
+// them is unexplained.
 struct PushedBody {
   double inverse_mass = 0;
   Matrix3 inverse_inertia{};  // world axes; zero, as the mass: immovable
-  Push push;
+  Vec3 speed_m_s, spin_rad_s;
 };
 
 // A contact of the interval that begins with `frame`.
@@ -57,10 +59,15 @@ class PushSystem {
     std::size_t first = 0, count = 0;
     double seen = 0;
   };
+  struct Yield {  // of a contact, along its normal and two ways across it
+    std::array<Vec3, 3> ways;
+    std::array<double, 3> inverse_masses;  // with the shares of both frames
+  };
   std::size_t add(std::vector<PushContact> points);
+  void prepare(std::size_t number);
   void sweep_all(bool forward, bool loads);
   void sweep(std::size_t frame, bool loads);
-  double improve(PushContact& contact);
+  double improve(std::size_t number);
   void apply(PushContact& contact, Vec3 impulse_ns, double before, double after);
   [[nodiscard]] Vec3 unexplained_m_s(const PushContact& contact, std::size_t frame) const;
   [[nodiscard]] double inverse_mass_at(const PushContact& contact, std::size_t frame, Vec3 way) const;
@@ -69,6 +76,7 @@ class PushSystem {
   std::size_t bodies_;
   std::vector<PushedBody> slots_;
   std::vector<PushContact> contacts_;
+  std::vector<Yield> yields_;  // of the contacts
   std::vector<bool> is_load_;
   std::vector<Moment> moments_;
   std::vector<std::vector<std::size_t>> contacts_of_;  // of each frame

@@ -160,9 +160,13 @@ class Recoverer {
     for (std::size_t k = 1; k + 1 < frames_; ++k) {
       for (std::size_t n = 0; n < count(); ++n) {
         if (!motion(n).moves()) continue;
-        PushedBody& pushed = system.body(k, n) = {motion(n).inverse_mass(), motion(n).inverse_inertia(k),
-                                                  motion(n).push(k)};
-        if (motion(n).turns_fast(k)) pushed.inverse_inertia = {}, pushed.push.angular_nms = {};
+        const Push push = motion(n).push(k);
+        PushedBody& pushed = system.body(k, n);
+        pushed.inverse_mass = motion(n).inverse_mass();
+        pushed.speed_m_s = pushed.inverse_mass * push.linear_ns;
+        if (motion(n).turns_fast(k)) continue;
+        pushed.inverse_inertia = motion(n).inverse_inertia(k);
+        pushed.spin_rad_s = pushed.inverse_inertia * push.angular_nms;
       }
     }
     for (std::size_t k = 0; k + 1 < frames_; ++k) {
@@ -181,8 +185,7 @@ class Recoverer {
     }
     for (std::size_t k = 1; k + 1 < frames_; ++k) {
       for (std::size_t n = 0; n < count(); ++n) {
-        const PushedBody& pushed = system.body(k, n);
-        if (pushed.inverse_mass * length(pushed.push.linear_ns) > kUnexplained_m_s) ++unexplained_[n];
+        if (length(system.body(k, n).speed_m_s) > kUnexplained_m_s) ++unexplained_[n];
       }
     }
   }
