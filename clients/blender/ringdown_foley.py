@@ -290,7 +290,8 @@ class RINGDOWN_PT_panel(bpy.types.Panel):
         row.prop(settings, "lufs")
         layout.prop(settings, "stems")
         if settings.stage:
-            layout.prop(settings, "progress", text=settings.stage, slider=True)
+            layout.label(text=settings.stage)
+            layout.prop(settings, "progress", text="", slider=True)
             return
         layout.operator("ringdown.bake", icon="MOD_PHYSICS")
         layout.operator("ringdown.render_sound", icon="SOUND")

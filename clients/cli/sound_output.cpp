@@ -175,6 +175,8 @@ ExitCode write_sound(session::OfflineOptions options, const SoundOutput& output,
                      const More& more, const Judge& judge) {
   if (output.file.stems && !options.score.empty())
     return complain("--stems takes a scene apart, and no score: leave out --events", ExitCode::usage);
+  if (options.seconds && options.tail_s)
+    return complain("--seconds is the length with its tail: leave out --tail", ExitCode::usage);
   if (output.mux) {
     if (const auto good = check_mux(output); !good) return complain(good.error());
   }

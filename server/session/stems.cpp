@@ -12,6 +12,7 @@ using synth::Event;
 using synth::Frame;
 using synth::Mixer;
 using synth::ObjectNumber;
+using EventEntry = std::unique_ptr<const Event>;
 
 // A lasting contact, one-way even if both surfaces feel it.
 const synth::verb::Contact* contact_of(const Event& event, synth::verb::Contact& room) {
@@ -164,7 +165,7 @@ class ObjectStems {
   // Plays what came before a block.
   void play_until(std::size_t block) {
     for (; listener_ != log_.listener().end() && listener_->block <= block; ++listener_)
-      each_player([&](Player& player) { player.push(listener_->event); });
+      each_player([&](Player& player) { player.push(*std::get<EventEntry>(listener_->what)); });
     for (Cursor& cursor : cursors_) {
       const auto& entries = log_.tracks().at(cursor.object).entries;
       for (; cursor.next != entries.end() && cursor.next->block <= block; ++cursor.next) play(cursor, *cursor.next);
@@ -173,21 +174,24 @@ class ObjectStems {
 
   void play(const Cursor& cursor, const StemLog::Entry& entry) {
     const bool own = cursor.object == object_;
-    if (entry.change) {
-      if (!own) return all_.give(cursor.object, *entry.change);
-      return each_player([&](Player& player) { player.give(object_, *entry.change); });
+    if (const auto* change = std::get_if<std::unique_ptr<const StemLog::Change>>(&entry.what)) {
+      if (!own) return all_.give(cursor.object, **change);
+      return each_player([&](Player& player) { player.give(object_, **change); });
     }
+    const auto* posed = std::get_if<StemLog::Posed>(&entry.what);
+    const Event event =
+        posed ? Event{posed->frame, cursor.object, synth::verb::Pose{posed->pose}} : *std::get<EventEntry>(entry.what);
     synth::verb::Contact room;
-    const synth::Effect effect = effect_of(entry.event);
+    const synth::Effect effect = effect_of(event);
     if (!own) {
-      all_.push(entry.event);
-    } else if (const auto* contact = contact_of(entry.event, room)) {
-      all_.push(entry.event);
-      play_contact(*contact, entry.event);
+      all_.push(event);
+    } else if (const auto* contact = contact_of(event, room)) {
+      all_.push(event);
+      play_contact(*contact, event);
     } else if (effect == synth::Effect::excites || effect == synth::Effect::begins) {
-      all_.push(entry.event);
+      all_.push(event);
     } else {
-      each_player([&](Player& player) { player.push(entry.event); });
+      each_player([&](Player& player) { player.push(event); });
     }
   }
 
@@ -264,19 +268,22 @@ void StemLog::begin_block(Frame frame) {
 }
 
 void StemLog::played(const Event& event) {
-  Entry entry{.block = blocks_.size(), .event = event};
   if (synth::is_of_listener(event)) {
-    listener_.push_back(std::move(entry));
+    listener_.push_back({blocks_.size(), std::make_unique<const Event>(event)});
     return;
   }
   Track& track = tracks_[event.object];
+  if (const auto* pose = event.verb.get_if<synth::verb::Pose>()) {
+    track.entries.push_back({blocks_.size(), Posed{event.frame, pose->pose}});
+    return;
+  }
   synth::verb::Contact room;
   const auto* contact = contact_of(event, room);
   if (contact && !ends(contact->contact)) (is_slide(contact->contact) ? track.slides : track.rolls) = true;
   const bool one_way = event.verb.holds<synth::verb::Contact>();
   track.blows = track.blows || (synth::is_sound(effect_of(event)) && !one_way);
   if (const auto other = felt_in(event)) track.felt.insert(*other);
-  track.entries.push_back(std::move(entry));
+  track.entries.push_back({blocks_.size(), std::make_unique<const Event>(event)});
 }
 
 void StemLog::changed(const ObjectState* before, const ObjectState* after, Frame at) {
@@ -289,9 +296,8 @@ void StemLog::changed(const ObjectState* before, const ObjectState* after, Frame
                        before->modes != after->modes;
   if (!retuned) return;
   const auto how = new_bank ? Mixer::Install::replace : Mixer::Install::retune;
-  track.entries.push_back({.block = blocks_.size(),
-                           .change = std::make_shared<const Change>(
-                               Change{after->map, after->material, after->dampers, after->modes, how, at})});
+  track.entries.push_back({blocks_.size(), std::make_unique<const Change>(Change{
+                                               after->map, after->material, after->dampers, after->modes, how, at})});
 }
 
 Result<std::size_t> write_stems(const StemLog& log, const StemSettings& settings,

@@ -29,6 +29,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace ringdown::session {
@@ -53,11 +54,14 @@ class StemLog : public Observer {
     synth::Mixer::Install how;
     synth::Frame at = 0;
   };
-  // What came before a block, counted from 0: a voice or an event.
+  // What came before a block, counted from 0. Poses, of which there are many, take little room.
+  struct Posed {
+    synth::Frame frame = 0;
+    Pose pose;
+  };
   struct Entry {
     std::size_t block = 0;
-    std::shared_ptr<const Change> change;
-    synth::Event event = {};
+    std::variant<Posed, std::unique_ptr<const Change>, std::unique_ptr<const synth::Event>> what;
   };
   struct Track {
     std::string name;

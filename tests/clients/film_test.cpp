@@ -86,6 +86,7 @@ TEST_F(Film, WrongRequestsAreRefusedBeforeAnythingIsRendered) {
   const std::string score("\0\0\0\x28#bundle\0\0\0\0\0\0\0\0\1\0\0\0\x14/c_set\0\0,ii\0\0\0\0\0\0\0\0\0", 44);
   expect(ringdown({"render", "--events", folder_.write("s.osc", score), "-o", sound_, "--stems", folder_ / "stems"}), 2,
          "leave out --events");
+  expect(ringdown({"render", "--scene", "demo", "-o", sound_, "--seconds", "1", "--tail", "1"}), 2, "leave out --tail");
   EXPECT_FALSE(fs::exists(sound_));
 }
 
