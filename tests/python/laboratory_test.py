@@ -2,8 +2,10 @@
 
 import copy
 import math
+import os
 import pickle
 import sys
+import tempfile
 import types
 import unittest
 from unittest import mock
@@ -100,6 +102,49 @@ class TablesTest(unittest.TestCase):
         self.assertEqual(tuple(data["shapes"].dims), ("mode", "point", "axis"))
         np.testing.assert_array_equal(data["shapes"].values, self.bank.shapes)
         self.assertEqual(data.attrs["mass_kg"], self.bank.mass_kg)
+
+
+class SofaTest(unittest.TestCase):
+    bank = ringdown.Bank.open(BELL)
+    at, push = bank.points_m[3], (1, 0, 0)
+
+    def test_a_library_that_is_missing_is_named_in_one_sentence(self):
+        with mock.patch.dict(sys.modules, {"netCDF4": None}):
+            with self.assertRaisesRegex(ImportError, "netCDF4, which is not installed"):
+                self.bank.to_sofa("/nowhere/bell.sofa", self.at, self.push, [500])
+
+    def test_holds_the_pressure_at_each_receiver(self):
+        try:
+            import netCDF4
+        except ImportError:
+            self.skipTest("python3-netcdf4 is not installed")
+        frequencies_hz = np.array([400.0, 1000.0, 2500.0])
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "bell.sofa")
+            self.bank.to_sofa(path, self.at, self.push, frequencies_hz, step_deg=30, distance_m=2)
+            self.assertEqual(os.listdir(folder), ["bell.sofa"])
+            with netCDF4.Dataset(path) as file:
+                self.assertEqual((file.SOFAConventions, file.SOFAConventionsVersion, file.DataType),
+                                 ("FreeFieldDirectivityTF", "1.1", "TF"))
+                receivers = file["ReceiverPosition"][:, :, 0].data
+                self.assertEqual(file["ReceiverPosition"].Units, "degree, degree, metre")
+                np.testing.assert_array_equal(file["N"][:], frequencies_hz)
+                heard = file["Data.Real"][0].data + 1j * file["Data.Imag"][0].data
+        self.assertEqual(heard.shape, (62, 3))  # five rings of twelve, and the poles
+        for receiver in (0, 17, 61):
+            azimuth, elevation, distance = np.radians(receivers[receiver]) * (1, 1, 180 / math.pi)
+            place = self.bank.center_of_mass_m + distance * np.array(
+                (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation)))
+            np.testing.assert_allclose(heard[receiver],
+                                       self.bank.pressure_frf(self.at, self.push, place, frequencies_hz), rtol=1e-9)
+
+    def test_a_file_that_cannot_be_written_is_an_error(self):
+        try:
+            import netCDF4  # noqa: F401
+        except ImportError:
+            self.skipTest("python3-netcdf4 is not installed")
+        with self.assertRaises(ringdown.Error):
+            self.bank.to_sofa("/nowhere/bell.sofa", self.at, self.push, [500.0], step_deg=90)
 
 
 class Frame(dict):

@@ -2,11 +2,14 @@
 which Bank.frf() is the direct solution of the finite elements. The body is a bar, meshed coarsely on purpose: the
 matrices say what its coarse mesh does."""
 
+import base64
 import math
+import struct
 import tempfile
 import unittest
 import warnings
 from pathlib import Path
+from xml.etree import ElementTree
 
 from support import PROGRAMS, SOURCE, skip
 
@@ -32,7 +35,7 @@ def bake(folder, name, **options):
         return ringdown.bake(
             ROD, program=PROGRAM, out=folder / f"{name}.glb", no_cache=True, element="tet10", mesh_size=0.008,
             set={"length": 120, "diameter": 12}, band=(20, 40000), shape_error="0.1%",
-            export_modes=folder / f"{name}.npz", export_matrices=folder / name, **options)
+            export_modes=[folder / f"{name}{ending}" for ending in (".npz", ".vtu", ".unv")], export_matrices=folder / name, **options)
 
 
 class Matrices:
@@ -124,6 +127,77 @@ class FreeBarTest(unittest.TestCase):
         direct = self.direct(at, push, at, push, hz)
         there = self.matrices.nodes_m[at]
         self.assertLess(abs(self.bank.frf(there, push, there, push, [hz])[0] / direct - 1), 0.01)
+
+
+class ModeFilesTest(unittest.TestCase):
+    """Files for other programs, read by their formats' descriptions; the .npz, which the equations prove, is the oracle."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory()
+        cls.folder = Path(cls.holder.name)
+        cls.bank = bake(cls.folder, "bar", keep=4)
+        cls.modes = np.load(cls.folder / "bar.npz")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.holder.cleanup()
+
+    def fills_the_body(self, nodes, tetrahedra):
+        a, b, c, d = (nodes[tetrahedra[:, i]] for i in range(4))
+        volumes = np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) / 6
+        self.assertGreater(volumes.min(), 0)
+        # Straight parts leave out the segments of the round rod between the nodes of its rim.
+        rim = (nodes[:, 0] < -0.06 + 1e-9) & (np.linalg.norm(nodes[:, 1:], axis=1) > 0.006 - 1e-6)
+        angle = 2 * math.pi / np.count_nonzero(rim)
+        filled = volumes.sum() * self.bank.material.density_kg_m3 / self.bank.mass_kg
+        self.assertAlmostEqual(filled, math.sin(angle) / angle, delta=0.003)
+        self.assertEqual(len(np.unique(tetrahedra)), len(nodes))  # every node is a corner
+
+    def test_vtk(self):
+        piece = ElementTree.parse(self.folder / "bar.vtu").getroot().find("UnstructuredGrid/Piece")
+        arrays = {}
+        for array in piece.iter("DataArray"):
+            data = base64.b64decode(array.text)
+            (size,) = struct.unpack_from("<Q", data)
+            self.assertEqual(size, len(data) - 8)
+            kind = {"Float64": "<f8", "Float32": "<f4", "Int32": "<i4", "Int64": "<i8", "UInt8": "u1"}[array.get("type")]
+            arrays[array.get("Name")] = np.frombuffer(data[8:], kind).reshape(-1, int(array.get("NumberOfComponents")))
+        np.testing.assert_array_equal(arrays["points"], self.modes["nodes_m"])
+        self.assertEqual(int(piece.get("NumberOfPoints")), len(arrays["points"]))
+        cells = int(piece.get("NumberOfCells"))
+        self.assertEqual(set(arrays["types"].ravel()), {10})
+        np.testing.assert_array_equal(arrays["offsets"].ravel(), 4 * np.arange(1, cells + 1))
+        self.fills_the_body(arrays["points"], arrays["connectivity"].reshape(cells, 4))
+        fields = [name for name in arrays if name.startswith("mode ")]
+        self.assertEqual(len(fields), 4)
+        for name, shape, hz in zip(fields, self.modes["shapes"], self.modes["frequencies_hz"]):
+            np.testing.assert_allclose(arrays[name], shape, rtol=1e-6, atol=1e-5)
+            self.assertAlmostEqual(float(name.split(", ")[1].split()[0]), hz, places=2)
+
+    def test_universal_file(self):
+        sets = (self.folder / "bar.unv").read_text().split("    -1\n")[1::2]
+        sets = [text.splitlines() for text in sets]
+        self.assertEqual([int(lines[0]) for lines in sets], [164, 2411, 2412, 55, 55, 55, 55])
+        nodes = np.array([line.split() for line in sets[1][2::2]], float)
+        np.testing.assert_allclose(nodes, self.modes["nodes_m"], rtol=1e-15)
+        elements = np.array([line.split() for line in sets[2][2::2]], int)
+        self.assertEqual({line.split()[1] for line in sets[2][1::2]}, {"111"})  # linear tetrahedra
+        self.fills_the_body(nodes, elements - 1)
+        for number, (lines, shape, hz) in enumerate(zip(sets[3:], self.modes["shapes"], self.modes["undamped_hz"])):
+            self.assertEqual(lines[6].split(), ["1", "2", "2", "8", "2", "3"])  # a normal mode, real, three components
+            self.assertEqual(lines[7].split(), ["2", "4", "1", str(number + 1)])
+            self.assertAlmostEqual(float(lines[8][:13]) / hz, 1, places=5)
+            self.assertEqual([int(line) for line in lines[9::2]], list(range(1, len(nodes) + 1)))
+            read = np.array([[line[i : i + 13] for i in (0, 13, 26)] for line in lines[10::2]], float)
+            np.testing.assert_allclose(read, shape, rtol=1e-5, atol=1e-12)
+
+    def test_wrong_requests_are_refused_before_the_bake(self):
+        for options, sentence in (({"export_modes": self.folder / "bar.txt"}, "must end in .vtu"),
+                                  ({"export_residual": self.folder / "bar.npz"}, "must end in .npy")):
+            with self.assertRaisesRegex(ringdown.InputError, sentence):
+                ringdown.bake(ROD, program=PROGRAM, out=self.folder / "new.glb", **options)
+            self.assertFalse((self.folder / "new.glb").exists())
 
 
 class HeldBarTest(unittest.TestCase):

@@ -94,7 +94,7 @@ class ResponsesTest(unittest.TestCase):
             ((BELL, "-o", "a.csv", "--band", 300, 200), 2, "lower first"),
             ((BELL, "-o", "a.csv", "--to", "0,0,0", "--air", "1,0,0"), 2, "--air"),
             ((BELL, "-o", "a.csv", "--at", "9,9,9"), 3, "off the object"),
-            ((BELL, "-o", "a.csv", "--residual", "/nowhere.npy"), 3, "/nowhere.npy"),
+            ((RODS, "-o", "a.csv", "--residual", "/nowhere.npy"), 3, "/nowhere.npy"),
         ):
             said = run("frf", *words, code=code)
             self.assertIn(sentence, said)

@@ -13,8 +13,9 @@ void Exports::add_to(manual::App& app) {
   app.add_option(
          "--export-modes", modes,
          "also write the mesh and the modes at all its nodes: .vtu for ParaView, .unv or .uff for modal analysis, "
-         ".npz for numpy")
-      ->type_name("FILE");
+         ".npz for numpy; may be given more than once")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   app.add_option("--export-matrices", matrices,
                  "also write stiffness and mass as Matrix Market: PREFIX-K.mtx, PREFIX-M.mtx, springs of supports as "
                  "PREFIX-H.mtx, and the nodes as PREFIX-nodes.csv")
@@ -28,7 +29,10 @@ void Exports::add_to(manual::App& app) {
 Result<void> Exports::check() const {
   if (!residual.empty() && ending_of(residual) != ".npy")
     return fail(ErrorKind::usage, "--export-residual must end in .npy, not " + quote(ending_of(residual)));
-  return modes.empty() ? Result<void>() : bake::check_mode_file(modes);
+  for (const std::filesystem::path& file : modes) {
+    if (auto good = bake::check_mode_file(file); !good) return good;
+  }
+  return {};
 }
 
 void Exports::ask_for(bake::BakeOptions& options) const {
@@ -42,8 +46,8 @@ Result<void> Exports::write(const bake::Baked& baked, const Progress& progress) 
     return fail(ErrorKind::refused,
                 "--export-matrices: the modes of a body with a liquid are not those of its own matrices; leave [fill] "
                 "and [bath] out");
-  if (!modes.empty()) {
-    if (auto written = bake::write_modes(baked, modes); !written) return written;
+  for (const std::filesystem::path& file : modes) {
+    if (auto written = bake::write_modes(baked, file); !written) return written;
   }
   if (!matrices.empty()) {
     if (auto written = bake::write_matrices(*baked.body, matrices); !written) return written;

@@ -8,6 +8,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace ringdown::manual {
 class App;
@@ -19,7 +20,8 @@ inline constexpr std::array<const char*, 3> kExportOptions = {"--export-modes", 
                                                               "--export-residual"};
 
 struct Exports {
-  std::filesystem::path modes, residual;
+  std::vector<std::filesystem::path> modes;
+  std::filesystem::path residual;
   std::string matrices;  // a prefix
 
   [[nodiscard]] bool none() const { return modes.empty() && residual.empty() && matrices.empty(); }

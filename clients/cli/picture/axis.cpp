@@ -26,7 +26,8 @@ Axis log_axis(double low, double high, std::string title) {
 
 Axis linear_axis(double low, double high, double step, std::string title) {
   Axis axis{low, high, false, std::move(title), {}};
-  for (double tick = std::ceil(low / step) * step; tick <= high + 1e-9 * step; tick += step) axis.ticks.push_back(tick);
+  for (double tick = std::ceil(low / step) * step; tick <= high + 1e-9 * step; tick += step)
+    axis.ticks.push_back(std::abs(tick) < 1e-9 * step ? 0 : tick);
   return axis;
 }
 

@@ -94,7 +94,7 @@ void draw_polar(Canvas& canvas, Dot middle, double size, const Directivity& dire
   for (double below_db = 0; below_db < kRange_db; below_db += 10) {
     const double radius = 1 - below_db / kRange_db;
     ring([radius](Vec3) { return radius; }, kGrid, 1);
-    canvas.text({middle.x + 3, middle.y - size * radius - 3}, formatted("{:.0f}", -below_db), 10, kFaint);
+    canvas.text({middle.x + 3, middle.y - size * radius - 3}, formatted("{:.0f}", 0 - below_db), 10, kFaint);
   }
   canvas.line(std::array<Dot, 2>{{{middle.x - size, middle.y}, {middle.x + size, middle.y}}}, kGrid, 1);
   canvas.line(std::array<Dot, 2>{{{middle.x, middle.y - size}, {middle.x, middle.y + size}}}, kGrid, 1);

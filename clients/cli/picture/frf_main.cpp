@@ -8,6 +8,7 @@
 #include "engine/base/output_file.h"
 #include "engine/base/quote.h"
 #include "engine/modal/bank_file.h"
+#include "engine/modal/damping.h"
 #include "engine/modal/response/frequency_response.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/exit_codes.h"
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 
 namespace {
@@ -79,15 +81,24 @@ std::optional<Vec3> vector_of(const std::vector<double>& numbers) {
   return numbers.empty() ? std::nullopt : std::optional(Vec3{numbers[0], numbers[1], numbers[2]});
 }
 
-std::vector<double> frequencies_of(const modal::Bank& bank, const Arguments& arguments) {
+// A picture also gets frequencies around each mode, at which the phase of its resonance turns by even steps: Nyquist's
+// circles are then round.
+std::vector<double> frequencies_of(const modal::Bank& bank, const Arguments& arguments, bool is_picture) {
+  constexpr int kSteps = 30;  // of half a turn
   const auto [lowest, highest] = std::ranges::minmax(bank.frequency_hz);
   const double low = arguments.band.empty() ? lowest / 2 : arguments.band[0];
   const double high = arguments.band.empty() ? highest : arguments.band[1];
   std::vector<double> frequencies;
   for (int n = 0; n < arguments.count; ++n)
     frequencies.push_back(low * std::pow(high / low, static_cast<double>(n) / (arguments.count - 1)));
-  for (const double hz : bank.frequency_hz) {
-    if (hz > low && hz < high) frequencies.push_back(hz);
+  frequencies.back() = high;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double half_width_hz = modal::rad_per_s_to_hz(bank.decay_per_s[m]);
+    for (int n = 1 - kSteps / 2; n < kSteps / 2; ++n) {
+      if (n != 0 && !is_picture) continue;
+      const double hz = bank.frequency_hz[m] + half_width_hz * std::tan(n * std::numbers::pi / kSteps);
+      if (hz > low && hz < high) frequencies.push_back(hz);
+    }
   }
   std::ranges::sort(frequencies);
   const auto [first, last] = std::ranges::unique(frequencies);
@@ -95,15 +106,16 @@ std::vector<double> frequencies_of(const modal::Bank& bank, const Arguments& arg
   return frequencies;
 }
 
-Result<ResponseTable> table_of(const modal::Bank& bank, const Arguments& arguments) {
+Result<ResponseTable> table_of(const modal::Bank& bank, const Arguments& arguments, bool is_picture) {
   const cli::Answer struck = cli::answer_of(bank, vector_of(arguments.at));
-  ResponseTable table{.name = bank.name};
+  ResponseTable table;
+  table.name = bank.name;
   table.at_m = vector_of(arguments.at).value_or(cli::wide(bank.positions[struck.point]));
   table.direction = vector_of(arguments.direction).value_or(struck.direction);
   table.to_m = vector_of(arguments.air.empty() ? arguments.to : arguments.air).value_or(table.at_m);
   const Vec3 normal = arguments.to.empty() ? table.direction : cli::answer_of(bank, table.to_m).direction;
   table.to_direction = vector_of(arguments.to_direction).value_or(normal);
-  table.frequencies_hz = frequencies_of(bank, arguments);
+  table.frequencies_hz = frequencies_of(bank, arguments, is_picture);
   const modal::SurfaceIndex surface(bank);
   const modal::Place from{table.at_m, table.direction}, to{table.to_m, table.to_direction};
   std::optional<modal::Residual> residual;
@@ -131,7 +143,7 @@ ExitCode compute(const Arguments& arguments, const std::string& ending) {
   if (!path) return complain(path.error());
   const auto bank = modal::read_bank(*path);
   if (!bank) return complain(bank.error());
-  const Result<ResponseTable> table = table_of(*bank, arguments);
+  const Result<ResponseTable> table = table_of(*bank, arguments, ending == ".png" || ending == ".svg");
   if (!table) return complain({table.error().kind, arguments.bank + ": " + table.error().message});
   const auto kind = ending == ".png" ? cli::Canvas::Kind::png : cli::Canvas::Kind::svg;
   const std::string bytes = ending == ".csv"                       ? cli::response_csv(*table)

@@ -336,6 +336,17 @@ void add_bank(py::module_& module) {
       .def(
           "to_dataframe", [](const py::object& self) { return table_of("to_dataframe", self); },
           "The modes as a pandas.DataFrame, one row for each; needs pandas.")
+      .def(
+          "to_sofa",
+          [](const py::object& self, const py::object& path, const py::object& at_m, const py::object& direction,
+             const py::object& frequencies, double step_deg, double distance_m) {
+            py::module_::import("ringdown.sofa")
+                .attr("write")(self, path, at_m, direction, frequencies, step_deg, distance_m);
+          },
+          py::arg("path"), py::arg("at_m"), py::arg("direction"), py::arg("frequencies_hz"), py::arg("step_deg") = 5.0,
+          py::arg("distance_m") = 0.0,
+          "Writes the pressure per newton in all directions as a SOFA file (AES69, FreeFieldDirectivityTF); needs"
+          " netCDF4.\n\ndistance_m: from the centre of mass; 0: ten times the largest distance of the surface.")
       .def(py::pickle([](const Bank& bank) { return py::make_tuple(bytes_of(bank), bank.info().name); },
                       [](const py::tuple& state) {
                         if (state.size() != 2) refuse("the pickle is not that of a bank");
