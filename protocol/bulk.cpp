@@ -30,7 +30,7 @@ class RecordReader {
   Value check(const ArgumentSpec& spec, const wire::Argument& argument) {
     auto value = convert(spec, argument);
     if (value) return *std::move(value);
-    if (complaint_.empty()) complaint_ = "(" + std::string(spec.name) + ") " + value.error().message;
+    if (complaint_.empty()) complaint_ = formatted("({}) {}", spec.name, value.error().message);
     return {};
   }
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
@@ -85,7 +85,7 @@ Result<std::vector<Record>> decode(const wire::Blob& records, std::size_t bytes,
     RecordReader record(std::span<const std::byte>(records).subspan(at, bytes));
     all.push_back(read(record));
     if (!record.complaint().empty()) {
-      return fail(ErrorKind::bad_input, "record " + std::to_string(all.size()) + " " + record.complaint());
+      return fail(ErrorKind::bad_input, "record {} {}", all.size(), record.complaint());
     }
   }
   return all;

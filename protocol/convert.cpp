@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace ringdown::protocol {
@@ -20,7 +19,7 @@ std::string shown(double value) {
   if (std::isinf(value)) return value > 0 ? "infinite" : "minus infinite";
   return number_text(value);
 }
-std::string shown(const wire::Blob& blob) { return "a blob of " + std::to_string(blob.size()) + " bytes"; }
+std::string shown(const wire::Blob& blob) { return formatted("a blob of {} bytes", blob.size()); }
 std::string shown(bool value) { return value ? "true" : "false"; }
 std::string shown(wire::Tag tag) {
   switch (tag.type) {
@@ -43,7 +42,7 @@ std::string shown(const wire::Argument& argument) {
 }
 
 tl::unexpected<Error> refuse(const ArgumentSpec& spec, const std::string& what) {
-  return fail(ErrorKind::bad_input, "is " + what + "; it must be " + expectation(spec));
+  return fail(ErrorKind::bad_input, "is {}; it must be {}", what, expectation(spec));
 }
 
 // An int64 above 2^53 loses digits here, but is outside every range of the table anyway.
@@ -174,25 +173,21 @@ std::string expectation(const ArgumentSpec& spec) {
     case ValueType::object:
       return "an object's name or number";
     case ValueType::blob:
-      return "a blob of 1 to " + number_text(spec.max) + " records of " + number_text(spec.min) + " bytes";
+      return formatted("a blob of 1 to {} records of {} bytes", number_text(spec.max), number_text(spec.min));
     case ValueType::object_or_none:
       break;
   }
   return "an object's name or number, or - for none";
 }
 
-std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
-}
+std::string number_text(double value) { return formatted("{:.10g}", value); }
 
 std::string value_text(const Value& value) {
   if (const auto* number = std::get_if<double>(&value)) return number_text(*number);
   if (const auto* integer = std::get_if<std::int32_t>(&value)) return std::to_string(*integer);
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (const auto* object = std::get_if<ObjectRef>(&value)) return to_text(*object);
-  if (const auto* blob = std::get_if<wire::Blob>(&value)) return std::to_string(blob->size()) + " bytes";
+  if (const auto* blob = std::get_if<wire::Blob>(&value)) return formatted("{} bytes", blob->size());
   return std::string(kNoObject);
 }
 

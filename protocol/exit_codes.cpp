@@ -13,7 +13,7 @@ namespace ringdown::protocol {
 std::string exit_code_help() {
   std::string text;
   for (const auto& [code, meaning] : kExitMeanings) {
-    text += (text.empty() ? "Exit codes: " : ", ") + std::to_string(static_cast<int>(code)) + " ";
+    text += formatted("{}{} ", text.empty() ? "Exit codes: " : ", ", static_cast<int>(code));
     text += meaning;
   }
   return text + ".";

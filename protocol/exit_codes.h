@@ -52,6 +52,10 @@ ExitCode complain(std::string_view sentence, ExitCode code);
 
 // Prints the error's sentence and returns the exit code for its kind.
 ExitCode complain(const Error& error);
+template <class T>
+ExitCode complain(const Result<T>& failed) {
+  return complain(failed.error());
+}
 
 // Runs a program's work, for main() to return. A lack of memory or of threads is complained of like any failure, and so
 // is a file that reaches the limit of its size.

@@ -1,5 +1,6 @@
 #include "protocol/help.h"
 
+#include "engine/base/formatted.h"
 #include "protocol/convert.h"
 #include "protocol/defaults.h"
 
@@ -134,13 +135,13 @@ std::string_view time_text(Lane lane) {
 std::string answer_text(const AddressSpec& spec) {
   const std::string_view usual = time_text(*spec.lane) == "Timed" ? "" : "/done";
   if (spec.reply == usual && spec.reply_number.empty()) return "";
-  std::string text = "; answers `" + std::string(spec.reply) + "`";
+  std::string text = formatted("; answers `{}`", spec.reply);
   if (!spec.reply_number.empty()) text.append(" and ").append(spec.reply_number);
   return text;
 }
 
 std::string section(const AddressSpec& spec) {
-  const std::string when = spec.lane ? " " + std::string(time_text(*spec.lane)) + answer_text(spec) + "." : "";
+  const std::string when = spec.lane ? formatted(" {}{}.", time_text(*spec.lane), answer_text(spec)) : "";
   return "### `" + std::string(spec.address) + "`\n\n" + std::string(spec.sentence) + when + "\n\n" +
          argument_list(spec);
 }
@@ -163,14 +164,14 @@ std::string signature(const AddressSpec& spec) {
 }
 
 std::string describe(const ArgumentSpec& spec) {
-  std::string text = std::string(spec.sentence) + " " + accepted_text(spec);
+  std::string text = formatted("{} {}", spec.sentence, accepted_text(spec));
   if (spec.optional) text += "; " + fallback_text(spec) + " if left out";
   return text + ".";
 }
 
 std::string overview() {
   std::string text;
-  for (const AddressSpec& spec : addresses()) text += signature(spec) + "\n    " + std::string(spec.sentence) + "\n";
+  for (const AddressSpec& spec : addresses()) text += formatted("{}\n    {}\n", signature(spec), spec.sentence);
   return text;
 }
 
@@ -194,7 +195,7 @@ std::string oscsend_command(const AddressSpec& spec) {
     types += type;
     words += " " + word;
   }
-  const std::string target = "oscsend osc.udp://127.0.0.1:" + std::to_string(kDefaultPort) + " " + spec.example.address;
+  const std::string target = formatted("oscsend osc.udp://127.0.0.1:{} {}", kDefaultPort, spec.example.address);
   return types.empty() ? target : target + " " + types + words;
 }
 

@@ -12,9 +12,10 @@ Result<ObjectRef> parse_object(std::string_view text) {
   if (!text.empty() && error == std::errc() && stop == end && number <= kMaxNumber) {
     return ObjectRef{"", number};
   }
-  return fail(ErrorKind::bad_input, quote(text) + " is not an object: give its number, up to " +
-                                        std::to_string(kMaxNumber) +
-                                        ", or a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits");
+  return fail(ErrorKind::bad_input,
+              "{} is not an object: give its number, up to {}, or a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not "
+              "all digits",
+              quote(text), kMaxNumber);
 }
 
 std::string to_text(const ObjectRef& object) { return object.number ? std::to_string(*object.number) : object.name; }

@@ -123,14 +123,13 @@ Result<std::vector<std::string>> expand(std::string_view pattern, std::span<cons
     if (matches(action, known)) actions.emplace_back(known);
   }
   if (actions.empty())
-    return fail(ErrorKind::bad_input, shown + " matches no address: " + quote(action) + " is not a verb of an object");
+    return fail(ErrorKind::bad_input, "{} matches no address: {} is not a verb of an object", shown, quote(action));
   for (const std::string& name : names) {
     if (name != object && !matches(object, name)) continue;
-    for (const std::string& known : actions) addresses.push_back(std::string(kObjectPrefix) + name + "/" + known);
+    for (const std::string& known : actions) addresses.push_back(formatted("{}{}/{}", kObjectPrefix, name, known));
   }
   if (addresses.empty()) {
-    return fail(ErrorKind::bad_input,
-                shown + " matches none of the " + std::to_string(names.size()) + " objects' names");
+    return fail(ErrorKind::bad_input, "{} matches none of the {} objects' names", shown, names.size());
   }
   return addresses;
 }

@@ -89,8 +89,7 @@ Result<std::size_t> find_row(const std::vector<Row>& rows, const Index& index, s
   const std::string skeleton = skeleton_of(address);
   const auto distance = [&](const Row& row) { return edit_distance(skeleton, row.spec.address); };
   const Row& nearest = *std::ranges::min_element(rows, {}, distance);
-  return fail(ErrorKind::bad_input,
-              quote(address) + " is not an address; the nearest is " + std::string(nearest.spec.address));
+  return fail(ErrorKind::bad_input, "{} is not an address; the nearest is {}", quote(address), nearest.spec.address);
 }
 
 // "x y z [contact_time]"
@@ -106,8 +105,8 @@ std::string argument_names(const AddressSpec& spec) {
 // Sentences about one argument: `position` counts from 1 in the message, 0 stands for the one in the address.
 std::string about(const wire::Message& message, const ArgumentSpec& spec, std::size_t position,
                   const std::string& what) {
-  const std::string where = position == 0 ? "" : "argument " + std::to_string(position) + " ";
-  return message.address + ": " + where + "(" + std::string(spec.name) + ") " + what;
+  const std::string where = position == 0 ? "" : formatted("argument {} ", position);
+  return formatted("{}: {}({}) {}", message.address, where, spec.name, what);
 }
 
 bool is_tag(const wire::Argument& argument, char type) {
@@ -123,8 +122,8 @@ Result<void> parse_row(const Row& row, const wire::Message& message, void* base)
   const bool is_trigger = message.arguments.size() == 1 && is_tag(message.arguments[0], 'I');
   const std::size_t given_count = is_trigger ? 0 : message.arguments.size();
   if (given_count > max) {
-    return fail(ErrorKind::bad_input, message.address + ": argument " + std::to_string(max + 1) +
-                                          " is one too many; it takes " + argument_names(spec));
+    return fail(ErrorKind::bad_input, "{}: argument {} is one too many; it takes {}", message.address, max + 1,
+                argument_names(spec));
   }
   for (std::size_t i = 0; i < spec.arguments.size(); ++i) {
     const ArgumentSpec& argument = spec.arguments[i];
@@ -211,7 +210,7 @@ Result<std::size_t> find_request(std::string_view address) {
 template <class List>
 Result<OneOf<List>> parse_any(const Table<List>& table, std::size_t row, const wire::Message& message) {
   OneOf<List> any = table.blanks[row];
-  if (const auto good = parse_row(table.rows[row], message, any.address()); !good) return fail(good.error());
+  if (const auto good = parse_row(table.rows[row], message, any.address()); !good) return fail(good);
   return any;
 }
 
@@ -265,14 +264,14 @@ std::string member_name(const ArgumentSpec& argument) {
 
 Result<Request> parse(const wire::Message& message) {
   const auto row = find_request(message.address);
-  if (!row) return fail(row.error());
+  if (!row) return fail(row);
   return parse_any(request_table(), *row, message);
 }
 
 Result<Reply> parse_reply(const wire::Message& message) {
   static const Index index(reply_table().rows);
   const auto row = find_row(reply_table().rows, index, message.address);
-  if (!row) return fail(row.error());
+  if (!row) return fail(row);
   return parse_any(reply_table(), *row, message);
 }
 
@@ -283,14 +282,14 @@ wire::Message format(const Reply& reply) { return format_row(reply_table().rows[
 
 Result<wire::Message> compose(std::string_view address, std::span<const std::string> words) {
   const auto row = find_request(address);
-  if (!row) return fail(row.error());
+  if (!row) return fail(row);
   const AddressSpec& spec = request_table().rows[*row].spec;
   const auto wanted = std::span(spec.arguments).subspan(spec.arguments_in_address());
   wire::Message message{std::string(address), {}};
   for (std::size_t i = 0; i < words.size(); ++i) {
     message.arguments.push_back(i < wanted.size() ? from_word(wanted[i], words[i]) : wire::Argument(words[i]));
   }
-  if (const auto request = parse_any(request_table(), *row, message); !request) return fail(request.error());
+  if (const auto request = parse_any(request_table(), *row, message); !request) return fail(request);
   return message;
 }
 

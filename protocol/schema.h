@@ -6,7 +6,7 @@
 //
 //   Result<Request> request = parse(message);            // the daemon
 //   if (!request) reply(format(Fail{message.address, request.error().message}));
-//   Message message = format(Request(Strike{...}));      // a client, or the scene striking another daemon
+//   wire::Message message = format(Request(Strike{...}));   // a client, or the scene striking another daemon
 //
 // Strict where it matters: a number may come as any of the OSC types i h f d, but must be finite and in
 // range, and whole where an integer is wanted (Pure Data sends 3 as the float 3.0). The 32-bit float nearest to a limit

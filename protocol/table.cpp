@@ -358,26 +358,25 @@ Row row(SetListenerAir& s) {
 }
 
 Row row(ArmObject& s) {
-  return answered(s = {kBell}, "/object/{object}/arm",
-                  "Makes the pieces ready that the object breaks into, as objects NAME.0, NAME.1 and so on, so that a "
-                  "break takes no time. /break does it by itself.",
-                  {object(&s.object),
-                   optional(integer(&s.pattern, "pattern", kPattern,
-                                    "Which of its bank's patterns of pieces, from 0; -1: the finest at the place of "
-                                    "the first."))},
-                  "/done", "the number of pieces; pieces without a mode do not become objects");
+  return answered(
+      s = {kBell}, "/object/{object}/arm",
+      "Makes the pieces ready that the object breaks into, as objects NAME.0, NAME.1 and so on, so that a break takes "
+      "no time. /break does it by itself.",
+      {object(&s.object),
+       optional(integer(&s.pattern, "pattern", kPattern,
+                        "Which of its bank's patterns of pieces, from 0; -1: the finest at the place of the first."))},
+      "/done", "the number of pieces; pieces without a mode do not become objects");
 }
 
 Row row(BreakObject& s) {
-  return answered(
-      s = {kBell, {0.05, 0, 0.02}, {-0.5, 0, 0}, 0.0002}, "/object/{object}/break",
-      "Breaks the object at the peak of a blow: it falls silent, and its pieces take over its motion. Its bank must "
-      "have pieces ([shatter] in the object file).",
-      {object(&s.object), vector(&s.point_m, "point", {"x", "y", "z"}, kPosition, "The struck point."),
-       impulse(&s.impulse_ns), contact_time(&s.contact_time_s),
-       optional(integer(&s.pattern, "pattern", kPattern,
-                        "Which of its bank's patterns; -1: the one that is armed, else the nearest one."))},
-      "/broken");
+  return answered(s = {kBell, {0.05, 0, 0.02}, {-0.5, 0, 0}, 0.0002}, "/object/{object}/break",
+                  "Breaks the object at the peak of a blow: it falls silent, and its pieces take over its motion. Its "
+                  "bank must have pieces ([shatter] in the object file).",
+                  {object(&s.object), vector(&s.point_m, "point", {"x", "y", "z"}, kPosition, "The struck point."),
+                   impulse(&s.impulse_ns), contact_time(&s.contact_time_s),
+                   optional(integer(&s.pattern, "pattern", kPattern,
+                                    "Which of its bank's patterns; -1: the one that is armed, else the nearest one."))},
+                  "/broken");
 }
 
 Row row(MendObject& s) {
@@ -463,13 +462,12 @@ Row row(SceneDescribe& s) {
 }
 
 Row row(Notify& s) {
-  return answered(
-      s = {true, 20}, "/notify",
-      "Subscribes the sender to bundles of /notify.object, .group, .contact, .peak, .object_peak, .load, .scene and "
-      ".body, and /broken. The first bundle reports every object. A subscriber that sends nothing for 60 s is "
-      "forgotten.",
-      {optional(flag(&s.on, "on", "1 subscribes, 0 ends the subscription.")),
-       optional(number(&s.rate_hz, "rate", kNoticeRate, "Bundles per second."))});
+  return answered(s = {true, 20}, "/notify",
+                  "Subscribes the sender to bundles of /notify.object, .group, .contact, .peak, .object_peak, .load, "
+                  ".scene and .body, and /broken. The first bundle reports every object. A subscriber that sends "
+                  "nothing for 60 s is forgotten.",
+                  {optional(flag(&s.on, "on", "1 subscribes, 0 ends the subscription.")),
+                   optional(number(&s.rate_hz, "rate", kNoticeRate, "Bundles per second."))});
 }
 
 Row row(WatchSound& s) {
@@ -508,8 +506,8 @@ Row row(SaveScene& s) {
 Row row(RecordStart& s) {
   return answered(
       s = {"session.osc"}, "/record/start",
-      "Records what is played as an OSC score, which `ringdown render --events` plays again: bit for bit, "
-      "at the same sample rate and block size.",
+      "Records what is played as an OSC score, which `ringdown render --events` plays again: bit for bit, at the same "
+      "sample rate and block size.",
       {text(&s.path, "path", "The .osc file to write. An existing file is replaced only if it is a score.")});
 }
 

@@ -47,7 +47,7 @@ Result<void> look_below(const fs::path& root, const fs::path& here, Kinds& found
     at.increment(error);
   }
   if (!error || error == std::errc::no_such_file_or_directory || error == std::errc::permission_denied) return {};
-  return fail(ErrorKind::input_output, "cannot look for files in " + root.string() + ": " + error.message());
+  return fail(ErrorKind::input_output, "cannot look for files in {}: {}", root.string(), error.message());
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ Result<std::vector<protocol::BrowseFile>> browse(const session::FileRoots& roots
   const fs::path here = fs::current_path(ignored);
   Kinds found;
   for (const fs::path& folder : roots.folders()) {
-    if (const auto looked = look_below(folder, here, found); !looked) return fail(looked.error());
+    if (const auto looked = look_below(folder, here, found); !looked) return fail(looked);
   }
   std::vector<protocol::BrowseFile> files;
   for (const auto& [kind, paths] : {std::pair(&kScene, &found.scenes), std::pair(&kBank, &found.banks)}) {

@@ -1,7 +1,8 @@
 // Detects that an audio server has stopped calling us.
 //
 //   CallWatch watch;                                      // a new one for each client
-//   if (watch.look(client.calls(), may_be_silent, Clock::now()) > kPatience) leave();     // several times a second
+//   const auto silence = watch.look(client.calls(), may_be_silent, CallWatch::Clock::now());   // often
+//   if (silence > kPatience) leave();
 //
 // Only time during which the watcher itself runs is counted, at most kMaxStep from one look to the next. A process that
 // was stopped, or a machine that was suspended or too busy to run the watcher, says nothing about the server.

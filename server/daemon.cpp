@@ -54,10 +54,10 @@ Result<std::unique_ptr<Driver>> open_driver(const DaemonOptions& options) {
 Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
   if (!options.tcp_port) return nullptr;
   const auto endpoint = wire::resolve(options.address, *options.tcp_port);
-  if (!endpoint) return fail(endpoint.error());
+  if (!endpoint) return fail(endpoint);
   auto stream = OscStream::listen(*endpoint);
-  if (!stream) return fail(stream.error());
-  log_info("OSC by TCP on " + options.address + ":" + std::to_string((*stream)->port()));
+  if (!stream) return fail(stream);
+  log_info(formatted("OSC by TCP on {}:{}", options.address, (*stream)->port()));
   return std::shared_ptr<OscStream>(std::move(*stream));
 }
 
@@ -66,7 +66,7 @@ Result<std::unique_ptr<QueryServer>> open_query(const DaemonOptions& options, st
   if (!options.query_port) return nullptr;
   auto query = QueryServer::listen(*options.query_port,
                                    {options.jack_name, options.address, osc_port, [&rack] { return rack.names(); }});
-  if (query) log_info("OSCQuery on http://" + options.address + ":" + std::to_string((*query)->port()));
+  if (query) log_info(formatted("OSCQuery on http://{}:{}", options.address, (*query)->port()));
   return query;
 }
 
@@ -167,23 +167,22 @@ Result<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   const auto endpoint = wire::resolve(options.address, options.port);
   if (!endpoint) return fail(ErrorKind::usage, endpoint.error().message);
   if (endpoint->is_multicast()) {
-    return fail(ErrorKind::usage,
-                "--address " + options.address +
-                    " is a multicast address, which the daemon does not join; name an address of this "
-                    "computer, or 0.0.0.0 for all of them");
+    return fail(ErrorKind::usage, "--address " + options.address +
+                                      " is a multicast address, which the daemon does not join; name an address of "
+                                      "this computer, or 0.0.0.0 for all of them");
   }
   auto socket = wire::OscSocket::serve(*endpoint);
-  if (!socket) return fail(socket.error());
+  if (!socket) return fail(socket);
   if (!endpoint->is_loopback()) {
     log_warning("listening on " + options.address +
                 ": anyone who can reach this address can play, load files and stop the daemon");
   }
   auto manager = join_manager(options);
-  if (!manager) return fail(manager.error());
+  if (!manager) return fail(manager);
   auto driver = open_driver(options);
-  if (!driver) return fail(driver.error());
+  if (!driver) return fail(driver);
   auto stream = open_stream(options);
-  if (!stream) return fail(stream.error());
+  if (!stream) return fail(stream);
   return Ports{std::move(*socket), std::move(*manager), std::move(*driver), std::move(*stream)};
 }
 
@@ -191,29 +190,29 @@ Result<Daemon::Files> Daemon::read_files(const DaemonOptions& options) {
   session::State state;
   if (options.state) {
     auto read = session::read_state(*options.state);
-    if (!read) return fail(read.error());
+    if (!read) return fail(read);
     state = std::move(*read);
   }
   std::optional<session::NoteMap> notes;
   if (options.notes) {
     auto map = session::read_note_map(*options.notes);
-    if (!map) return fail(map.error());
+    if (!map) return fail(map);
     notes = std::move(*map);
   }
   auto roots = file_roots_of(options, state);
-  if (!roots) return fail(roots.error());
+  if (!roots) return fail(roots);
   return Files{std::move(state), std::move(notes), std::move(*roots)};
 }
 
 Result<std::unique_ptr<Daemon>> Daemon::start(DaemonOptions options) {
   auto ports = open_ports(options);
-  if (!ports) return fail(ports.error());
+  if (!ports) return fail(ports);
   auto files = read_files(options);
-  if (!files) return fail(files.error());
+  if (!files) return fail(files);
   wire::OscSocket socket = std::move(ports->socket);
   std::unique_ptr<Daemon> daemon(new Daemon(std::move(options), std::move(*ports), std::move(*files)));
-  if (const auto ready = daemon->prepare(socket.port()); !ready) return fail(ready.error());
-  if (const auto plays = daemon->play(std::move(socket)); !plays) return fail(plays.error());
+  if (const auto ready = daemon->prepare(socket.port()); !ready) return fail(ready);
+  if (const auto plays = daemon->play(std::move(socket)); !plays) return fail(plays);
   return daemon;
 }
 
@@ -254,7 +253,7 @@ Result<void> Daemon::prepare(std::uint16_t osc_port) {
     if (const auto started = recorder_.start(*options_.record, 0); !started) return started;
   }
   auto query = open_query(options_, osc_port, session_.rack());
-  if (!query) return fail(query.error());
+  if (!query) return fail(query);
   query_ = std::move(*query);
   if (options_.scene_to) {
     auto remote = open_remote_strikes(*options_.scene_to, session_.rack(), *driver_);
@@ -264,21 +263,21 @@ Result<void> Daemon::prepare(std::uint16_t osc_port) {
   if (const auto loaded = load(); !loaded) return loaded;
   if (!options_.capture) return {};
   const auto target = output_target(*options_.capture);
-  return target ? capture_.start(*target) : fail(target.error());
+  return target ? capture_.start(*target) : fail(target);
 }
 
 Result<void> Daemon::load() {
   // A second of silence before the scene starts: the driver may take that long.
   const auto start = static_cast<synth::Frame>(driver_->sample_rate_hz());
   for (const auto& [name, bank] : options_.objects) {
-    if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
+    if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded);
   }
   if (options_.scene) {
-    if (const auto loaded = session_.scene().load(*options_.scene, start); !loaded) return fail(loaded.error());
+    if (const auto loaded = session_.scene().load(*options_.scene, start); !loaded) return fail(loaded);
   }
   if (const auto connected = connect_inputs(); !connected) return connected;
   const auto restored = restore(state_, session_, start);
-  if (!restored) return fail(restored.error().kind, options_.state->string() + ": " + restored.error().message);
+  if (!restored) return fail(options_.state->string(), restored);
   return {};
 }
 
@@ -288,12 +287,12 @@ Result<void> Daemon::connect_inputs() {
   for (std::size_t i = 0; i < options_.inputs.size(); ++i) {
     const DaemonOptions::Input& input = options_.inputs[i];
     const auto object = session_.rack().find({.name = input.object});
-    if (!object) return fail(object.error().kind, "--input: " + object.error().message);
+    if (!object) return fail("--input", object);
     const session::NoteTable::Strike chosen = session::best_strike(**object);
     const Vec3 force_n = (kDefaultAcceleration_m_s2 / session::kDefaultVelocity_m_s) * chosen.impulse_ns;
     const auto connected = session_.rack().excite(i, {.name = input.object}, input.point_m.value_or(chosen.point_m),
                                                   input.force_n.value_or(force_n));
-    if (!connected) return fail(connected.error().kind, "--input: " + connected.error().message);
+    if (!connected) return fail("--input", connected);
   }
   return {};
 }
@@ -314,9 +313,9 @@ Result<void> Daemon::play(wire::OscSocket socket) {
                                        .notes_played = rack.observers().notes_played()});
   if (!started) return started;
   service_ = std::make_unique<Service>(*this, std::move(socket));
-  log_info("ready: OSC on " + options_.address + ":" + std::to_string(port) + ", " +
-           std::to_string(rack.names()->size()) + " objects, " + fixed(driver_->sample_rate_hz(), 0) +
-           " Hz, blocks of " + std::to_string(driver_->block_frames()) + ", " + synth::kernel_target() + " kernel");
+  log_info(formatted("ready: OSC on {}:{}, {} objects, {} Hz, blocks of {}, {} kernel", options_.address, port,
+                     rack.names()->size(), fixed(driver_->sample_rate_hz(), 0), driver_->block_frames(),
+                     synth::kernel_target()));
   return {};
 }
 
@@ -331,7 +330,7 @@ Result<void> Daemon::finish() {
 Result<void> Daemon::write_results() {
   const auto recorded = write_recording();
   if (capture_.is_open()) {
-    if (const auto frames = capture_.stop(); !frames && recorded) return fail(frames.error());
+    if (const auto frames = capture_.stop(); !frames && recorded) return fail(frames);
   }
   return recorded;
 }
@@ -342,8 +341,7 @@ Result<void> Daemon::write_recording() {
   const auto written = recorder_.stop(end);
   if (written) return {};
   std::error_code error;
-  const auto spare =
-      std::filesystem::temp_directory_path(error) / ("ringdown-recording-" + std::to_string(::getpid()) + ".osc");
+  const auto spare = std::filesystem::temp_directory_path(error) / formatted("ringdown-recording-{}.osc", ::getpid());
   const bool saved = !error && recorder_.stop(end, spare);
   return fail(written.error().kind, written.error().message + (saved ? "; the recording is in " + spare.string()
                                                                      : "; the recording is lost"));

@@ -22,7 +22,7 @@ std::int32_t whole(Number number) {
 
 Answer describe(const protocol::DescribeObject& question, const session::Session& session) {
   const auto found = session.rack().find(question.object);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   const session::ObjectState& object = **found;
   const std::size_t modes = object.map->bank().mode_count();
   return std::vector<protocol::Reply>{protocol::ObjectReply{
@@ -47,12 +47,12 @@ Answer describe(const protocol::DescribeObject& question, const session::Session
 
 Answer read(const protocol::ReadBank& question, const session::Session& session) {
   const auto found = session.rack().find(question.object);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   const session::ObjectState& object = **found;
   const std::string file = object.bank.string();
   if (question.offset >= object.bank_bytes) {
-    return fail(ErrorKind::bad_input, "offset: " + std::to_string(question.offset) + " is past the end of " + file +
-                                          ", which has " + std::to_string(object.bank_bytes) + " bytes");
+    return fail(ErrorKind::bad_input, "offset: {} is past the end of {}, which has {} bytes", question.offset, file,
+                object.bank_bytes);
   }
   if (object.bank_alone) {
     const auto rest = std::span(*object.bank_alone).subspan(question.offset);
@@ -64,10 +64,10 @@ Answer read(const protocol::ReadBank& question, const session::Session& session)
                                                             {piece.begin(), piece.end()}}};
   }
   auto piece = session.roots().read_piece(modal::split_bank_path(object.bank).file, question.offset, question.bytes);
-  if (!piece) return fail(piece.error());
+  if (!piece) return fail(piece);
   if (piece->total != object.bank_bytes) {
-    return fail(ErrorKind::refused,
-                file + " is no longer the file from which \"" + object.name + "\" was loaded; /load it again");
+    return fail(ErrorKind::refused, "{} is no longer the file from which \"{}\" was loaded; /load it again", file,
+                object.name);
   }
   return std::vector<protocol::Reply>{protocol::BankReply{object.name, object.bank_version, whole(question.offset),
                                                           whole(piece->total), std::move(piece->bytes)}};
@@ -87,7 +87,7 @@ Answer describe(const protocol::DescribePieces& question, const session::Session
   std::optional<std::size_t> pattern;
   if (question.pattern >= 0) pattern = static_cast<std::size_t>(question.pattern);
   const auto report = session.breakage().report(question.object, pattern);
-  if (!report) return fail(report.error());
+  if (!report) return fail(report);
   const auto object = *session.rack().find(question.object);
   const modal::Fracture& fracture = *object->map->bank().fracture;
   std::vector<protocol::Reply> answer{
@@ -133,7 +133,7 @@ Answer describe(const session::ScenePlayer& player) {
 
 Answer browse_all(const session::FileRoots& roots) {
   const auto files = browse(roots);
-  if (!files) return fail(files.error());
+  if (!files) return fail(files);
   std::vector<protocol::Reply> answer{protocol::BrowseReply{whole(files->size())}};
   answer.insert(answer.end(), files->begin(), files->end());
   return answer;

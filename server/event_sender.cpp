@@ -16,11 +16,11 @@ constexpr std::size_t kEventsPerPacket = 16;  // some 1,300 bytes: one Ethernet 
 
 Result<EventSender> EventSender::open(const std::string& url) {
   const auto target = wire::parse_url(url);
-  if (!target) return fail(target.error());
+  if (!target) return fail(target);
   const auto to = wire::resolve(target->host, target->port);
-  if (!to) return fail(to.error());
+  if (!to) return fail(to);
   auto bound = wire::OscSocket::reach(*to);
-  if (!bound) return fail(bound.error());
+  if (!bound) return fail(bound);
   return EventSender(std::move(*bound), *to);
 }
 

@@ -7,7 +7,7 @@
 //
 //   FrameClock clock(driver_clock(*driver), steady_now_s);
 //   clock.measure();                                   // at least every 0.1 s or so
-//   const Frame frame = clock.frame_at(steady_now_s() + 0.25);
+//   const synth::Frame frame = clock.frame_at(steady_now_s() + 0.25);
 //
 // [one thread]
 #pragma once

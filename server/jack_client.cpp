@@ -187,7 +187,7 @@ void JackClient::show_inputs(std::uint32_t inputs) {
   if (std::exchange(shown_inputs_, inputs) == inputs) return;
   for (std::size_t input = 0; input < inputs_.size(); ++input) {
     if ((inputs >> input & 1) == 0 || inputs_[input] || add_input(input)) continue;
-    log_warning("JACK has no port for input " + std::to_string(input + 1));
+    log_warning(formatted("JACK has no port for input {}", input + 1));
   }
 }
 
@@ -206,9 +206,8 @@ Result<void> JackClient::start(const Driver::Program& program) {
   program_ = &program;
   if (const auto order = program.mixer.settings().ambisonic_order) {
     for (std::size_t acn = 0; acn < synth::ambisonic_channels(*order); ++acn) {
-      if (add_port(synth::kFirstAmbisonic + acn, "ambisonic_" + std::to_string(acn))) continue;
-      return fail(ErrorKind::no_sound_server,
-                  "the JACK server has no free port for ambisonic channel " + std::to_string(acn));
+      if (add_port(synth::kFirstAmbisonic + acn, formatted("ambisonic_{}", acn))) continue;
+      return fail(ErrorKind::no_sound_server, "the JACK server has no free port for ambisonic channel {}", acn);
     }
   }
   gate_.open();

@@ -176,8 +176,7 @@ class JackDriver final : public Driver {
     watch_ = {};
     if (!started) return leave_server();
     if (pause_ != Clock::duration::zero()) return;
-    log_info("connected to a JACK server: " + fixed(sample_rate_hz_, 0) + " Hz, blocks of " +
-             std::to_string(block_frames_));
+    log_info(formatted("connected to a JACK server: {} Hz, blocks of {}", fixed(sample_rate_hz_, 0), block_frames_));
   }
 
   void look_after_client() {
@@ -217,7 +216,7 @@ class JackDriver final : public Driver {
 
   void report_losses() {
     if (const std::uint64_t dropped = midi_->dropped(); dropped != dropped_notes_) {
-      log_warning(std::to_string(dropped - dropped_notes_) + " notes lost: more events at once than the mixer takes");
+      log_warning(formatted("{} notes lost: more events at once than the mixer takes", dropped - dropped_notes_));
       dropped_notes_ = dropped;
     }
     const Load load = meter_->read();
@@ -228,9 +227,11 @@ class JackDriver final : public Driver {
     }
     const auto late = load.own_xruns - reported_own_;
     if (late == 0 || Clock::now() - reported_at_ < 10s) return;
-    log_warning((late == 1 ? "an xrun" : std::to_string(late) + " xruns") + " caused by Ringdown, " +
-                fixed(load.skipped_s, 2) + " s of sound skipped so far; the callback's load is " + fixed(load.mean, 2) +
-                ", its 99th percentile " + fixed(load.p99, 2) + ", its peak " + fixed(load.peak, 2));
+    log_warning(
+        formatted("{} caused by Ringdown, {} s of sound skipped so far; the callback's load is {}, its 99th percentile "
+                  "{}, its peak {}",
+                  late == 1 ? "an xrun" : formatted("{} xruns", late), fixed(load.skipped_s, 2), fixed(load.mean, 2),
+                  fixed(load.p99, 2), fixed(load.peak, 2)));
     reported_own_ = load.own_xruns;
     reported_at_ = Clock::now();
   }
@@ -288,8 +289,8 @@ class JackDriver final : public Driver {
 
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
   if (const std::size_t max = max_jack_name_length(); options.client_name.size() > max) {
-    return fail(ErrorKind::usage, "--name: JACK takes names of at most " + std::to_string(max) + " bytes, not " +
-                                      std::to_string(options.client_name.size()));
+    return fail(ErrorKind::usage, "--name: JACK takes names of at most {} bytes, not {}", max,
+                options.client_name.size());
   }
   const auto bell = std::make_shared<Bell>(0);
   const auto meter = std::make_shared<LoadMeter>();

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
-#include <cstdio>
 #include <ctime>
 #include <fcntl.h>
 #include <poll.h>
@@ -35,7 +34,7 @@ LineWriter::LineWriter(int descriptor) : descriptor_(descriptor) {
   if (::fstat(descriptor, &status) != 0) return;
   if (S_ISSOCK(status.st_mode)) kind_ = Kind::socket;
   if (!S_ISFIFO(status.st_mode) && !S_ISCHR(status.st_mode)) return;
-  const std::string path = "/proc/self/fd/" + std::to_string(descriptor);
+  const std::string path = formatted("/proc/self/fd/{}", descriptor);
   const int again = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (again < 0) return;  // another user's pipe, for example; write_some() asks for room then
   descriptor_ = again;
@@ -83,8 +82,8 @@ bool LineWriter::put(std::string_view text, milliseconds patience) {
 
 void LineWriter::report(milliseconds patience) {
   if (dropped_ == 0) return;
-  const std::string sentence = std::to_string(dropped_) + (dropped_ == 1 ? " line was" : " lines were") +
-                               " left out, because the log was not read\n";
+  const std::string sentence =
+      formatted("{}{} left out, because the log was not read\n", dropped_, dropped_ == 1 ? " line was" : " lines were");
   if (put(sentence, patience)) dropped_ = 0;
 }
 
@@ -100,11 +99,7 @@ void LineWriter::report_dropped() {
   report({});
 }
 
-std::string fixed(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
+std::string fixed(double value, int decimals) { return formatted("{:.{}f}", value, decimals); }
 
 // Colours are for the level's name, as terminals know them.
 void Log::write(const char* level, const char* color, std::string_view sentence) {
@@ -113,11 +108,8 @@ void Log::write(const char* level, const char* color, std::string_view sentence)
   const auto rest = std::chrono::floor<milliseconds>(now.time_since_epoch()) % std::chrono::seconds(1);
   std::tm local{};
   ::localtime_r(&seconds, &local);
-  char time[32];
-  std::snprintf(time, sizeof time, "%02d:%02d:%02d.%03d ", local.tm_hour, local.tm_min, local.tm_sec,
-                static_cast<int>(rest.count()));
-  std::string line = time;
-  line += colored_ ? color + std::string(level) + "\033[m" : level;
+  std::string line = formatted("{:02}:{:02}:{:02}.{:03} ", local.tm_hour, local.tm_min, local.tm_sec, rest.count());
+  line += colored_ ? formatted("{}{}\033[m", color, level) : level;
   writer_.write(line.append(" ").append(sentence).append("\n"));
 }
 
@@ -134,7 +126,7 @@ Log::Log(int descriptor) : writer_(descriptor), colored_(::isatty(descriptor) ==
 Log::~Log() { current = nullptr; }
 
 protocol::ExitCode Log::complain(const Error& error) {
-  writer_.write(std::string(program_invocation_short_name) + ": " + error.message + "\n", std::chrono::seconds(1));
+  writer_.write(formatted("{}: {}\n", program_invocation_short_name, error.message), std::chrono::seconds(1));
   return protocol::exit_code_of(error.kind);
 }
 

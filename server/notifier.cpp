@@ -58,7 +58,7 @@ Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
   auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) {
     if (subscribers_.size() == kMaxSubscribers) {
-      return fail(ErrorKind::refused, "there are " + std::to_string(kMaxSubscribers) + " subscribers already");
+      return fail(ErrorKind::refused, "there are {} subscribers already", kMaxSubscribers);
     }
     subscriber = subscribers_.insert(subscriber, {.peer = peer});
     for (const session::ObjectSnapshot& object : session_.rack().objects()) {

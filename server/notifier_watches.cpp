@@ -33,12 +33,12 @@ Result<void> Notifier::watch_sound(Peer peer, bool on) {
 
 Result<void> Notifier::watch_object(Peer peer, const protocol::ObjectRef& ref, bool on) {
   const auto object = session_.rack().find(ref);
-  if (!object) return fail(object.error());
+  if (!object) return fail(object);
   const std::scoped_lock lock(mutex_);
   const auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) return not_subscribed();
   if (on && !session_.rack().mixer().meters().mode_watch.watch((*object)->number)) {
-    return fail(ErrorKind::refused, "object: " + std::to_string(synth::kMaxWatched) + " objects are watched already");
+    return fail(ErrorKind::refused, "object: {} objects are watched already", synth::kMaxWatched);
   }
   if (on) {
     subscriber->watched.insert((*object)->number);

@@ -26,9 +26,9 @@ std::optional<std::string> NsmClient::url() {
 
 Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, std::chrono::milliseconds patience) {
   const auto parsed = wire::parse_url(url);
-  if (!parsed) return fail(parsed.error().kind, "NSM_URL: " + parsed.error().message);
+  if (!parsed) return fail("NSM_URL", parsed);
   const auto manager = wire::resolve(parsed->host, parsed->port);
-  if (!manager) return fail(manager.error().kind, "NSM_URL: " + manager.error().message);
+  if (!manager) return fail("NSM_URL", manager);
   // A manager may name this computer by an address that the loopback does not reach.
   auto socket = wire::OscSocket::bind({.address = manager->address, .interface = manager->interface});
   if (!socket)
@@ -40,7 +40,7 @@ Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, s
   }
   std::unique_ptr<NsmClient> client(new NsmClient(std::move(*socket), *manager));
   client->send({"/nsm/server/announce", {"Ringdown", "", "ringdownd", kVersionMajor, kVersionMinor, ::getpid()}});
-  if (const auto opened = client->wait_for_session(patience); !opened) return fail(opened.error());
+  if (const auto opened = client->wait_for_session(patience); !opened) return fail(opened);
   return client;
 }
 
@@ -64,7 +64,7 @@ Result<void> NsmClient::wait_for_session(std::chrono::milliseconds patience) {
   while (Clock::now() < end) {
     const auto request = receive(100ms);
     if (!request || request->kind == NsmRequest::Kind::save) continue;
-    if (!request->session) return fail(request->session.error());
+    if (!request->session) return fail(request->session);
     session_ = *request->session;
     return {};
   }

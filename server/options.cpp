@@ -33,8 +33,8 @@ Vec3 parse_vector(const std::string& text, const std::string& whole, double max)
                     static_cast<std::size_t>(used) == text.size() && std::abs(v.x) <= max && std::abs(v.y) <= max &&
                     std::abs(v.z) <= max;
   if (good) return v;
-  throw manual::WrongValue{"--input", "'" + whole + "': '" + text + "' is not X,Y,Z, each number at most " +
-                                          std::to_string(static_cast<int>(max))};
+  throw manual::WrongValue{
+      "--input", formatted("'{}': '{}' is not X,Y,Z, each number at most {}", whole, text, static_cast<int>(max))};
 }
 
 DaemonOptions::Input parse_input(const std::string& text) {
@@ -108,7 +108,7 @@ void add_driver(manual::App& app, DaemonOptions& options) {
       ->type_name("FILE");
   const auto take_inputs = [&options](const std::vector<std::string>& texts) {
     if (texts.size() > protocol::kMaxInputs) {
-      throw manual::WrongValue{"--input", "at most " + std::to_string(protocol::kMaxInputs) + " inputs can be given"};
+      throw manual::WrongValue{"--input", formatted("at most {} inputs can be given", protocol::kMaxInputs)};
     }
     for (const std::string& text : texts) options.inputs.push_back(parse_input(text));
   };

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <map>
 #include <utility>
@@ -51,9 +50,7 @@ std::string json_of(std::string_view text) {
   std::string json = "\"";
   for (const char c : text) {
     if (static_cast<unsigned char>(c) < ' ') {
-      char code[8];
-      std::snprintf(code, sizeof code, "\\u%04x", static_cast<unsigned>(c));
-      json += code;
+      json += formatted("\\u{:04x}", static_cast<unsigned>(c));
       continue;
     }
     if (c == '"' || c == '\\') json += '\\';
@@ -112,7 +109,7 @@ Attributes attributes_of(const AddressSpec& spec) {
     units.push_back(json_of(argument.unit));
   }
   Attributes attributes = {{"ACCESS", kWriteOnly},
-                           {"DESCRIPTION", json_of(signature(spec) + ": " + std::string(spec.sentence))}};
+                           {"DESCRIPTION", json_of(formatted("{}: {}", signature(spec), spec.sentence))}};
   if (types.empty()) return attributes;
   attributes["TYPE"] = json_of(types);
   attributes["RANGE"] = array_of(ranges);
@@ -228,7 +225,7 @@ std::size_t Description::read(std::span<char> target) {
 
 Result<Description> describe(std::string_view path, std::string_view attribute, const ObjectNames& names) {
   const auto place = place_at(std::string(path), *names);
-  if (!place) return fail(place.error());
+  if (!place) return fail(place);
   const Attributes all = place->node->all();
   std::string text;
   if (attribute.empty()) {

@@ -38,8 +38,8 @@ struct WriteFile {
 
   Outcome operator()(const protocol::SaveState& save) const {
     const auto path = session.roots().writable(save.path, session::kStateKind);
-    if (!path) return fail(path.error());
-    if (const auto saved = session::write_state(session::state_of(session), *path); !saved) return fail(saved.error());
+    if (!path) return fail(path);
+    if (const auto saved = session::write_state(session::state_of(session), *path); !saved) return fail(saved);
     return std::nullopt;
   }
 
@@ -47,32 +47,32 @@ struct WriteFile {
     session::WrittenKind kind = session::kSceneKind;
     if (!save.replace) kind.mark = {};
     const auto path = session.roots().writable(save.path, kind);
-    if (!path) return fail(path.error());
-    if (const auto saved = session::save_scene(session, *path); !saved) return fail(saved.error());
+    if (!path) return fail(path);
+    if (const auto saved = session::save_scene(session, *path); !saved) return fail(saved);
     return std::nullopt;
   }
 
   Outcome operator()(const protocol::CaptureStart& start) const {
     if (!capture) return no_recorder();
     const auto path = session.roots().writable(start.path, session::kSoundKind);
-    if (!path) return fail(path.error());
-    if (const auto started = capture->start({*path}); !started) return fail(started.error());
+    if (!path) return fail(path);
+    if (const auto started = capture->start({*path}); !started) return fail(started);
     return std::nullopt;
   }
 
   Outcome operator()(const protocol::CaptureStop&) const {
     if (!capture) return no_recorder();
     const auto frames = capture->stop();
-    if (!frames) return fail(frames.error());
+    if (!frames) return fail(frames);
     return static_cast<std::int32_t>(*frames);
   }
 
   Outcome operator()(const protocol::RecordStart& start) const {
     if (!recorder) return no_recorder();
     const auto path = session.roots().writable(start.path, session::kScoreKind);
-    if (!path) return fail(path.error());
-    if (const auto good = check_writable(*path); !good) return fail(good.error());
-    if (const auto started = recorder->start(*path, now()); !started) return fail(started.error());
+    if (!path) return fail(path);
+    if (const auto good = check_writable(*path); !good) return fail(good);
+    if (const auto started = recorder->start(*path, now()); !started) return fail(started);
     return std::nullopt;
   }
 
@@ -81,7 +81,7 @@ struct WriteFile {
     std::optional<std::filesystem::path> other;
     if (stop.path) {
       auto path = session.roots().writable(*stop.path, session::kScoreKind);
-      if (!path) return fail(path.error());
+      if (!path) return fail(path);
       other = std::move(*path);
     }
     const auto count = recorder->stop(now(), std::move(other));
@@ -89,7 +89,7 @@ struct WriteFile {
       return fail(count.error().kind,
                   count.error().message + "; the recording continues: name another file with /record/stop");
     }
-    if (!count) return fail(count.error());
+    if (!count) return fail(count);
     return static_cast<std::int32_t>(*count);
   }
 
@@ -250,7 +250,7 @@ Result<void> OscServer::schedule(Schedule::Request request, synth::Frame frame, 
   auto good = visit([&](const auto& r) { return parts_.session.check(r, frame); }, request);
   if (!good) return good;
   if (schedule_.add({frame, std::move(request), address, from})) return {};
-  return parts_.session.drop(1, std::to_string(kMaxScheduled) + " timed requests are waiting already");
+  return parts_.session.drop(1, formatted("{} timed requests are waiting already", kMaxScheduled));
 }
 
 void OscServer::carry_out(const Schedule::Request& request, synth::Frame frame, const std::string& address, Peer from) {
@@ -323,7 +323,7 @@ void OscServer::subscribe(const protocol::SubscriptionRequest& request, const st
           [&](const protocol::WatchObject& watch) { return notifier_.watch_object(from, watch.object, watch.on); },
       },
       request);
-  answer(*ports_, from, done ? Outcome(std::nullopt) : Outcome(fail(done.error())), address);
+  answer(*ports_, from, done ? Outcome(std::nullopt) : Outcome(fail(done)), address);
 }
 
 void OscServer::answer_at_once(const protocol::DaemonRequest& request, const std::string& address, Peer from) {

@@ -91,7 +91,7 @@ void OscStream::stop() {
 
 Result<std::unique_ptr<OscStream>> OscStream::listen(const wire::Endpoint& endpoint) {
   auto listeners = wire::bind_for_server(endpoint, SOCK_STREAM | SOCK_NONBLOCK, "OSC by TCP");
-  if (!listeners) return fail(listeners.error());
+  if (!listeners) return fail(listeners);
   auto impl = std::make_unique<Impl>();
   impl->listeners = std::move(*listeners);
   impl->waker = wire::Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
@@ -175,8 +175,7 @@ void OscStream::Impl::accept_one(int listener) {
 
 // A client that waits to be accepted makes poll() return at once, again and again.
 void OscStream::Impl::turn_one_away(int listener) {
-  log_warning("an OSC client over TCP was refused: " + std::string(std::strerror(errno)) +
-              "; raise the limit (ulimit -n)");
+  log_warning(formatted("an OSC client over TCP was refused: {}; raise the limit (ulimit -n)", std::strerror(errno)));
   spare = wire::Descriptor();
   wire::Descriptor(::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC));
   spare = open_spare();

@@ -55,7 +55,7 @@ bool signal_came(std::chrono::milliseconds wait) {
   static const sigset_t signals = ending_signals();
   const timespec time{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};
   const int signal = sigtimedwait(&signals, nullptr, &time);
-  if (signal > 0) log_info("SIG" + std::string(sigabbrev_np(signal)) + " received");
+  if (signal > 0) log_info(formatted("SIG{} received", sigabbrev_np(signal)));
   return signal > 0;
 }
 
@@ -78,12 +78,13 @@ ExitCode render_to_file(const DaemonOptions& options, Log& log) {
                                                   .objects = options.objects,
                                                   .seconds = options.seconds,
                                                   .sample_rate_hz = options.sample_rate_hz,
+                                                  .fade_s = session::kFade_s,
                                                   .block_frames = options.block_frames,
                                                   .mixer = options.mixer},
                                                  options.output, [](double) { return !signal_came(0ms); });
   if (!rendering) return log.complain(rendering.error());
   for (const std::string& warning : rendering->warnings) log_warning(warning);
-  log_info("wrote " + options.output.string() + ", " + fixed(rendering->seconds, 2) + " s");
+  log_info(formatted("wrote {}, {} s", options.output.string(), fixed(rendering->seconds, 2)));
   return ExitCode::ok;
 }
 

@@ -93,8 +93,8 @@ std::string first_parameter(MHD_Connection* connection) {
 
 // Neither the kernel's listen() nor the library's start says more than errno does; the library may leave it at 0.
 Error no_service(const wire::Endpoint& endpoint, int reason) {
-  return {ErrorKind::input_output, "cannot serve OSCQuery on " + to_text(endpoint) + ": " +
-                                       (reason == 0 ? "the HTTP library does not start" : std::strerror(reason))};
+  return {ErrorKind::input_output, formatted("cannot serve OSCQuery on {}: {}", to_text(endpoint),
+                                             reason == 0 ? "the HTTP library does not start" : std::strerror(reason))};
 }
 
 }  // namespace
@@ -130,9 +130,9 @@ std::uint16_t QueryServer::port() const { return impl_->port; }
 
 Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, About about) {
   const auto endpoint = wire::resolve(about.address, port);
-  if (!endpoint) return fail(endpoint.error());
+  if (!endpoint) return fail(endpoint);
   auto listeners = wire::bind_for_server(*endpoint, SOCK_STREAM | SOCK_NONBLOCK, "OSCQuery");
-  if (!listeners) return fail(listeners.error());
+  if (!listeners) return fail(listeners);
   auto impl = std::make_unique<Impl>();
   if (!impl->waker.is_open()) return fail(no_service(listeners->endpoint, errno));
   impl->about = std::move(about);

@@ -33,9 +33,9 @@ void RefusalLog::end_second(Clock::time_point now) {
   if (now - begin_ < std::chrono::seconds(1)) return;
   begin_ = now;
   for (const auto& [sentence, count] : repeats_) {
-    if (count > 0) write_(sentence + " (" + std::to_string(count) + " times more)");
+    if (count > 0) write_(formatted("{} ({} times more)", sentence, count));
   }
-  if (others_ > 0) write_(std::to_string(others_) + " refusals with other sentences were not logged");
+  if (others_ > 0) write_(formatted("{} refusals with other sentences were not logged", others_));
   repeats_.clear();
   others_ = 0;
 }

@@ -11,7 +11,7 @@ namespace ringdown::server {
 Result<session::ScenePlayer::Sink> open_remote_strikes(const std::string& url, const session::Rack& rack,
                                                        const Driver& driver, Clocks clocks) {
   auto opened = EventSender::open(url);
-  if (!opened) return fail(opened.error());
+  if (!opened) return fail(opened);
   auto sender = std::make_shared<EventSender>(std::move(*opened));
   std::shared_ptr<FrameClock> clock;  // made with the first strikes, because the driver has no time before it runs
   return [sender, clock, clocks = std::move(clocks), &rack,

@@ -45,7 +45,7 @@ std::optional<fs::path> settings_file(const std::optional<std::string>& named) {
 
 Result<void> read_settings(manual::App& app, const fs::path& path) {
   Result<TomlTable> file = TomlTable::read(path);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   for (const manual::App::Key& key : app.keys()) {
     const std::vector<std::string> words = words_of(*file, key);
     if (words.empty() || key.given) continue;

@@ -1,6 +1,6 @@
 // The loop of a long-lived thread, which continues even if there is not enough memory for one of its turns.
 //
-//   take_turns("serve OSC", stop, [&] { receive(), answer(); });
+//   take_turns("serve OSC", stop, [&] { receive_and_answer(); });
 #pragma once
 
 #include <functional>

@@ -41,7 +41,7 @@ struct Zeroconf::Avahi {
 
   void complain(int error) {
     if (!std::exchange(complained, true)) {
-      log_warning("not announced by Zeroconf: " + std::string(avahi_strerror(error)) + "; is avahi-daemon running?");
+      log_warning(formatted("not announced by Zeroconf: {}; is avahi-daemon running?", avahi_strerror(error)));
     }
   }
 

@@ -159,14 +159,14 @@ Result<void> check_abilities(const SceneDescription& scene) {
   if (!scene.emitters.empty())
     return fail(ErrorKind::bad_input, "the scene has emitter " + quote(scene.emitters[0].name) + cannot);
   for (const BodyDescription& body : scene.bodies) {
-    if (body.scatter_m != 0) return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has scatter_m" + cannot);
+    if (body.scatter_m != 0) return fail(ErrorKind::bad_input, "body {} has scatter_m{}", quote(body.name), cannot);
     if (body.shape.type == ShapeType::trimesh)
-      return fail(ErrorKind::bad_input, "body " + quote(body.name) + " is a trimesh" + cannot);
+      return fail(ErrorKind::bad_input, "body {} is a trimesh{}", quote(body.name), cannot);
     if (body.gravity_factor != 1)
-      return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has a gravity_factor" + cannot);
-    if (body.breaks) return fail(ErrorKind::bad_input, "body " + quote(body.name) + " breaks" + cannot);
+      return fail(ErrorKind::bad_input, "body {} has a gravity_factor{}", quote(body.name), cannot);
+    if (body.breaks) return fail(ErrorKind::bad_input, "body {} breaks{}", quote(body.name), cannot);
     if (body.filter != scene::CollisionFilter{})
-      return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has a collision filter" + cannot);
+      return fail(ErrorKind::bad_input, "body {} has a collision filter{}", quote(body.name), cannot);
   }
   return {};
 }
@@ -232,7 +232,7 @@ Result<void> BulletWorld::Impl::add(const BodyDescription& body,
   const modal::Bank* bank = plays ? banks[number].get() : nullptr;
   const modal::MaterialScale scale = plays ? object->material : modal::MaterialScale{};
   const Result<scene::Solid> solid = scene::make_solid(body, bank, scale);
-  if (!solid) return fail(solid.error().kind, "body " + quote(body.name) + ": " + solid.error().message);
+  if (!solid) return fail("body " + quote(body.name), solid);
 
   Item& item = *waiting.emplace_back(std::make_unique<Item>());
   item.id = static_cast<BodyId>(waiting.size());
@@ -278,12 +278,12 @@ BulletWorld::~BulletWorld() = default;
 
 Result<BulletWorld> BulletWorld::create(const SceneDescription& scene,
                                         std::span<const std::shared_ptr<const modal::Bank>> banks) {
-  if (const auto ok = scene::check(scene); !ok) return fail(ok.error());
-  if (const auto ok = check_abilities(scene); !ok) return fail(ok.error());
+  if (const auto ok = scene::check(scene); !ok) return fail(ok);
+  if (const auto ok = check_abilities(scene); !ok) return fail(ok);
   auto impl = std::make_unique<Impl>(scene);
   for (const StaticDescription& still : scene.statics) impl->add(still);
   for (const BodyDescription& body : scene.bodies) {
-    if (const auto added = impl->add(body, banks); !added) return fail(added.error());
+    if (const auto added = impl->add(body, banks); !added) return fail(added);
   }
   return BulletWorld(std::move(impl));
 }

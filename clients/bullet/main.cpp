@@ -31,7 +31,7 @@ std::atomic<bool> interrupted = false;
 
 struct Options {
   std::filesystem::path scene;
-  std::string to = "osc.udp://127.0.0.1:" + std::to_string(protocol::kDefaultPort);
+  std::string to = formatted("osc.udp://127.0.0.1:{}", protocol::kDefaultPort);
   std::optional<std::filesystem::path> events;
   std::optional<double> seconds;
   double lead_s = 0.05;
@@ -44,7 +44,7 @@ Result<bullet::BulletWorld> make_world(const scene::SceneDescription& scene) {
   std::vector<std::shared_ptr<const modal::Bank>> banks;
   for (const scene::ObjectDescription& object : scene.objects) {
     Result<modal::Bank> bank = modal::read_bank(object.bank);
-    if (!bank) return fail(bank.error());
+    if (!bank) return fail(bank);
     banks.push_back(std::make_shared<const modal::Bank>(std::move(*bank)));
   }
   return bullet::BulletWorld::create(scene, banks);
@@ -92,7 +92,7 @@ ExitCode play(const Options& options, const scene::SceneDescription& scene, bull
     // On a computer that is too slow the scene slows down; no strikes are sent in a burst to catch up.
     if (ahead_s < -0.5 * options.lead_s) start_s -= ahead_s;
   }
-  if (lost > 0) return complain({ErrorKind::input_output, std::to_string(lost) + " events could not be sent"});
+  if (lost > 0) return complain({ErrorKind::input_output, formatted("{} events could not be sent", lost)});
   return interrupted ? ExitCode::cancelled : ExitCode::ok;
 }
 
@@ -118,12 +118,12 @@ ExitCode write_events(const std::filesystem::path& path, const scene::SceneDescr
   }
   score.push_back({world.time_s(), {"/c_set", {0, 0.f}}});  // the usual end of a score
   const auto written = write_output(path, wire::encode_score(score));
-  return written ? ExitCode::ok : complain(written.error());
+  return written ? ExitCode::ok : complain(written);
 }
 
 ExitCode run(const Options& options) {
   const auto scene = scene::read_scene(options.scene, preset_folder().value_or(std::filesystem::path()));
-  if (!scene) return complain(scene.error());
+  if (!scene) return complain(scene);
   auto world = make_world(*scene);
   if (!world) return complain({world.error().kind, options.scene.string() + ": " + world.error().message});
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { interrupted = true; });

@@ -35,22 +35,22 @@ std::optional<Reply> find_answer(const wire::Datagram& datagram, std::string_vie
 
 Result<DaemonLink> DaemonLink::open(const std::string& url) {
   const auto parsed = wire::parse_url(url);
-  if (!parsed) return fail(parsed.error());
+  if (!parsed) return fail(parsed);
   const auto daemon = wire::resolve(parsed->host, parsed->port);
-  if (!daemon) return fail(daemon.error());
+  if (!daemon) return fail(daemon);
   auto socket = wire::OscSocket::reach(*daemon);
-  if (!socket) return fail(socket.error());
+  if (!socket) return fail(socket);
   return DaemonLink(std::move(*socket), *daemon, url);
 }
 
 Result<Reply> DaemonLink::ask(const Message& message, std::chrono::milliseconds timeout) {
   const auto spec = protocol::find_address(message.address);
-  if (!spec) return fail(spec.error());
+  if (!spec) return fail(spec);
   const bool silent = (*spec)->reply.empty();
-  if (Result<void> sent = socket_.send_to(daemon_, wire::encode(message)); !sent) return fail(sent.error());
+  if (Result<void> sent = socket_.send_to(daemon_, wire::encode(message)); !sent) return fail(sent);
   if (silent) {
     const Message sync = protocol::format(protocol::Request(protocol::Sync{1}));
-    if (Result<void> sent = socket_.send_to(daemon_, wire::encode(sync)); !sent) return fail(sent.error());
+    if (Result<void> sent = socket_.send_to(daemon_, wire::encode(sync)); !sent) return fail(sent);
   }
   const std::string_view expected = silent ? "/synced" : (*spec)->reply;
   wire::Datagram datagram;

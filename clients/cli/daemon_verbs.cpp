@@ -15,16 +15,15 @@ namespace ringdown::cli {
 namespace {
 
 struct DaemonOptions {
-  std::string url = "osc.udp://127.0.0.1:" + std::to_string(protocol::kDefaultPort);
+  std::string url = formatted("osc.udp://127.0.0.1:{}", protocol::kDefaultPort);
   double timeout_s = 2;
 };
 
 std::string text_of(const wire::Argument& argument) {
   if (const auto* text = std::get_if<std::string>(&argument)) return *text;
   if (const auto* integer = std::get_if<std::int32_t>(&argument)) return std::to_string(*integer);
-  char text[32] = "";
-  if (const auto* number = std::get_if<float>(&argument)) std::snprintf(text, sizeof text, "%g", *number);
-  return text;
+  if (const auto* number = std::get_if<float>(&argument)) return formatted("{:g}", *number);
+  return "";
 }
 
 void print(const protocol::Reply& reply) {

@@ -31,7 +31,7 @@ Vec3 vector_of(const std::string& text) {
 ExitCode export_samples(ExportArguments& arguments, const std::stop_token& stop) {
   session::SampleSetOptions& options = arguments.options;
   const auto bank = preset_or_file(arguments.bank, PresetKind::bank);
-  if (!bank) return complain(bank.error());
+  if (!bank) return complain(bank);
   options.bank = *bank;
   if (!arguments.keys.empty()) {
     if (arguments.keys[0] > arguments.keys[1]) {
@@ -47,7 +47,7 @@ ExitCode export_samples(ExportArguments& arguments, const std::stop_token& stop)
     return !stop.stop_requested();
   });
   line.clear();
-  if (!made) return complain(made.error());
+  if (!made) return complain(made);
   std::printf("%s: %zu samples, %.0f s in all; ", made->sfz.c_str(), made->samples, made->seconds);
   if (made->no_pitch.empty()) {
     std::printf("its own pitch is %.2f Hz, on key %d\n", made->pitch_hz, made->key);

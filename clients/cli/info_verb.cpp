@@ -54,22 +54,15 @@ double blow_level_db(const modal::Bank& bank, std::size_t mode) {
 
 // The columns of what a mode loses and radiates; empty where the bank does not know.
 std::string loss_columns(const modal::Bank& bank, std::size_t mode) {
-  char text[96];
-  if (bank.losses.empty()) {
-    std::snprintf(text, sizeof text, "%10s %10s %10s %10s", "", "", "", "");
-  } else {
+  std::string columns(43, ' ');
+  if (!bank.losses.empty()) {
     const modal::ModeLoss& loss = bank.losses[mode];
-    std::snprintf(text, sizeof text, "%10.4g %10.4g %10.4g %10.4g", loss.material_per_s, loss.heat_per_s,
-                  loss.air_per_s, loss.support_per_s);
+    columns = formatted("{:10.4g} {:10.4g} {:10.4g} {:10.4g}", loss.material_per_s, loss.heat_per_s, loss.air_per_s,
+                        loss.support_per_s);
   }
-  std::string columns = text;
-  if (bank.radiation && !bank.radiation->maps.modes[mode].terms.empty()) {
-    std::snprintf(text, sizeof text, " %8.1f %8.1f", blow_level_db(bank, mode),
-                  directivity_db(bank.radiation->maps.modes[mode]));
-  } else {
-    std::snprintf(text, sizeof text, " %8s %8s", "", "");
-  }
-  return columns + text;
+  if (!bank.radiation || bank.radiation->maps.modes[mode].terms.empty()) return columns + std::string(18, ' ');
+  return formatted("{} {:8.1f} {:8.1f}", columns, blow_level_db(bank, mode),
+                   directivity_db(bank.radiation->maps.modes[mode]));
 }
 
 void print_radiation(const modal::BankRadiation& radiation) {
@@ -145,6 +138,11 @@ void print_head(const modal::Bank& bank) {
                 liquid.liquid.c_str(), liquid.around ? "around it" : "in it", liquid.level_m, liquid.up.x, liquid.up.y,
                 liquid.up.z, 1e6 * liquid.volume_m3, liquid.around ? " displaced" : "");
   }
+  for (const modal::ResonatorNote& tube : bank.provenance.resonators) {
+    std::printf("resonator  tube %.4g mm across, %.1f mm long, %s; rings at %.2f Hz, Q %.0f; end correction %.1f mm\n",
+                1e3 * tube.diameter_m, 1e3 * tube.length_m, tube.stopped ? "stopped" : "open", tube.frequency_hz,
+                modal::hz_to_rad_per_s(tube.frequency_hz) / (2 * tube.decay_per_s), 1e3 * tube.end_correction_m);
+  }
   if (bank.nonlinear) print_nonlinear(*bank.nonlinear);
   if (bank.fracture) print_fracture(*bank.fracture);
   if (bank.held) std::printf("held       by supports, so it is not free\n");
@@ -189,18 +187,18 @@ void print_modes(const modal::Bank& bank) {
               "decay 1/s", "material", "heat", "air", "support", "dB SPL", "beam dB", "rms kg^-1/2", "error %", "note");
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double decay = bank.decay_per_s[m];
-    char error[16] = "";
-    if (!bank.frequency_error.empty()) std::snprintf(error, sizeof error, "%.2g", 100 * bank.frequency_error[m]);
+    const std::string error = bank.frequency_error.empty() ? "" : formatted("{:.2g}", 100 * bank.frequency_error[m]);
     std::printf("%5zu %12.3f %10.4g %10.4g %s %14.4g %8s  %s\n", m, bank.frequency_hz[m], modal::t60_s(decay), decay,
-                loss_columns(bank, m).c_str(), rms_shape(bank, m), error, note_name(bank.frequency_hz[m]).c_str());
+                loss_columns(bank, m).c_str(), rms_shape(bank, m), error.c_str(),
+                note_name(bank.frequency_hz[m]).c_str());
   }
 }
 
 ExitCode info(const std::string& given) {
   const auto path = preset_or_file(given, PresetKind::bank);
-  if (!path) return complain(path.error());
+  if (!path) return complain(path);
   const auto bank = modal::read_bank(*path);
-  if (!bank) return complain(bank.error());
+  if (!bank) return complain(bank);
   print_head(*bank);
   print_modes(*bank);
   return ExitCode::ok;

@@ -1,5 +1,6 @@
 // The `ringdown` program: one command with verbs.
 #include "clients/cli/verb.h"
+#include "engine/base/formatted.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/help.h"
 
@@ -25,9 +26,9 @@ ExitCode become(const std::string& name, std::vector<std::string> arguments) {
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
   ::execv(program.c_str(), words.data());
-  return complain({ErrorKind::refused,
-                   "cannot run " + program + ": " + std::strerror(errno) + "; it is a separate program: ./run build " +
-                       name.substr(name.find('-') + 1) + " builds it, and there are packages (docs/use/start.md)"});
+  return complain({ErrorKind::refused, formatted("cannot run {}: {}; it is a separate program: ./run build {} builds "
+                                                 "it, and there are packages (docs/use/start.md)",
+                                                 program, std::strerror(errno), name.substr(name.find('-') + 1))});
 }
 
 // A verb that is a program of its own, ringdown-NAME, because it links what this program should not.
@@ -56,8 +57,9 @@ const std::vector<manual::Section> kSections = {
       {"ringdown strike bell --at 0.1,0,0.05 --impulse -0.2,0,0", "Lets the daemon play a blow of 0.2 N s."},
       {"ringdown render --scene demo.toml -o demo.wav", "Renders a scene to a sound file, without a daemon."}}},
     {"SEE ALSO",
-     {{"ringdownd(1), ringdown-bake(1), ringdown-fit(1), ringdown-compare(1), ringdown-picture(1)",
-       "The daemon, and the programs that `ringdown bake`, `fit`, `compare` and `picture` start."}}},
+     {{"ringdownd(1), ringdown-bake(1), ringdown-fill(1), ringdown-fit(1), ringdown-compare(1), ringdown-frf(1), "
+       "ringdown-picture(1)",
+       "The daemon, and the programs that `ringdown bake`, `fill`, `fit`, `compare`, `frf` and `picture` start."}}},
 };
 
 }  // namespace
@@ -69,7 +71,9 @@ int main(int argc, char** argv) {
   add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");
   add_program_verb(app, outcome, "check", "Lists the faults of a mesh, and says how it would be meshed.");
   add_program_verb(app, outcome, "compare", "Compares recordings of an object with its baked bank.");
+  add_program_verb(app, outcome, "fill", "Fills the body of a finished bank with a liquid.");
   add_program_verb(app, outcome, "fit", "Finds the modes of a struck object in a recording, as a bank.");
+  add_program_verb(app, outcome, "frf", "Computes frequency responses of a bank.");
   add_program_verb(app, outcome, "picture", "Draws a bank, as a picture or as a page.");
   add_program_verb(app, outcome, "tune", "Finds parameters of a geometry at which modes hit their notes.");
   add_info_verb(app, outcome);

@@ -93,10 +93,7 @@ double t60_at(const modal::Material& material, double frequency_hz) {
 
 std::string lowest_mode_of(const modal::Bank& bar) {
   if (bar.mode_count() == 0) return "none";
-  char text[48];
-  std::snprintf(text, sizeof text, "%7.1f Hz  %s", bar.frequency_hz.front(),
-                note_name(bar.frequency_hz.front()).c_str());
-  return text;
+  return formatted("{:7.1f} Hz  {}", bar.frequency_hz.front(), note_name(bar.frequency_hz.front()));
 }
 
 void print_heading() {
@@ -177,11 +174,11 @@ void print_material(const bake::MaterialEntry& entry) {
 ExitCode list(const MaterialsArguments& arguments) {
   if (arguments.markdown) {
     const Result<std::string> page = bake::materials_as_markdown(arguments.folder);
-    if (!page) return complain(page.error());
+    if (!page) return complain(page);
     const Result<std::string> grains = bake::grains_as_markdown(arguments.folder);
-    if (!grains) return complain(grains.error());
+    if (!grains) return complain(grains);
     const Result<std::string> strengths = bake::strengths_as_markdown(arguments.folder);
-    if (!strengths) return complain(strengths.error());
+    if (!strengths) return complain(strengths);
     std::fputs((*page + "\n" + *grains + "\n" + *strengths).c_str(), stdout);
     return ExitCode::ok;
   }
@@ -190,7 +187,7 @@ ExitCode list(const MaterialsArguments& arguments) {
   print_heading();
   for (const std::string& name : names) {
     const auto entry = bake::read_material(arguments.folder / (name + ".toml"));
-    if (!entry) return complain(entry.error());
+    if (!entry) return complain(entry);
     print_row(*entry);
   }
   std::printf(
@@ -201,7 +198,7 @@ ExitCode list(const MaterialsArguments& arguments) {
 
 ExitCode show(const MaterialsArguments& arguments) {
   const auto entry = bake::find_material(arguments.folder, arguments.name);
-  if (!entry) return complain(entry.error());
+  if (!entry) return complain(entry);
   if (arguments.sound.empty()) {
     print_material(*entry);
     return ExitCode::ok;
@@ -209,8 +206,7 @@ ExitCode show(const MaterialsArguments& arguments) {
   const modal::Bank bar = bake::bar_bank(entry->material);
   if (bar.mode_count() == 0)
     return complain({ErrorKind::bad_input, "no mode of a bar of " + arguments.name + " rings"});
-  if (const auto written = session::write_audio(strike(bar), arguments.sound); !written)
-    return complain(written.error());
+  if (const auto written = session::write_audio(strike(bar), arguments.sound); !written) return complain(written);
   std::printf("%s: %.0f s of a bar of %s, %s\n", arguments.sound.c_str(), kSeconds, arguments.name.c_str(),
               lowest_mode_of(bar).c_str());
   return ExitCode::ok;
@@ -218,7 +214,7 @@ ExitCode show(const MaterialsArguments& arguments) {
 
 ExitCode materials(MaterialsArguments arguments) {
   const auto folder = material_folder(arguments.folder);
-  if (!folder) return complain(folder.error());
+  if (!folder) return complain(folder);
   arguments.folder = *folder;
   const ExitCode code = arguments.name.empty() ? list(arguments) : show(arguments);
   if (code == ExitCode::ok && std::fflush(stdout) != 0)

@@ -1,19 +1,16 @@
 #include "clients/cli/long_work.h"
+#include "clients/cli/sound_output.h"
 #include "clients/cli/verb.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
+#include "engine/scene/gltf/scene.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/wire/score.h"
-#include "server/session/offline.h"
-#include "server/sound_options.h"
 
-#include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -24,18 +21,8 @@ struct RenderArguments {
   session::OfflineOptions options;
   std::vector<std::string> objects;
   std::optional<std::filesystem::path> score;
-  std::string output;
+  SoundOutput output;
 };
-
-// Shows the percentage on a terminal, and nothing elsewhere.
-void show_progress(double done) {
-  static int shown = -1;
-  const int percent = static_cast<int>(100 * done);
-  if (percent != shown && isatty(STDERR_FILENO)) {
-    shown = percent;
-    std::fprintf(stderr, "\rrendering %3d %%%s", percent, percent == 100 ? "\n" : "");
-  }
-}
 
 ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
   for (const std::string& text : arguments.objects) {
@@ -55,21 +42,16 @@ ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
     if (!score) return complain(score.error());
     arguments.options.score = std::move(*score);
   }
-  const auto rendering = session::render_to_file(arguments.options, arguments.output, [&stop](double done) {
-    show_progress(done);
-    return !stop.stop_requested();
-  });
-  if (!rendering) return complain(rendering.error());
-  for (const std::string& warning : rendering->warnings) complain(warning, ExitCode::ok);
-  std::printf("%s: %.2f s at %.0f Hz, peak %.1f dB\n", arguments.output.c_str(), rendering->seconds,
-              arguments.options.sample_rate_hz, 20 * std::log10(static_cast<double>(rendering->peak) + 1e-12));
-  if (rendering->peak > 1)
-    complain("the sound exceeds full scale: lower the objects' gain, or write a .wav file, which holds floats",
-             ExitCode::ok);
   const bool asked_for_sound = arguments.options.scene || arguments.score;
-  if (rendering->peak == 0 && asked_for_sound)
-    return complain(arguments.output + " is digital silence: nothing that sounds was struck", ExitCode::silence);
-  return ExitCode::ok;
+  const auto judge = [&](const session::Rendering& rendering, const std::string& path) {
+    if (rendering.peak > 0 || !asked_for_sound) return ExitCode::ok;
+    std::string why = path + " is digital silence: nothing that sounds was struck";
+    if (arguments.options.scene && scene::is_gltf(*arguments.options.scene))
+      why += ". What bodies do that only keyframes move is heard by `ringdown foley " +
+             arguments.options.scene->string() + "`";
+    return complain(why, ExitCode::silence);
+  };
+  return write_sound(arguments.options, arguments.output, stop, {}, judge);
 }
 
 }  // namespace
@@ -86,21 +68,15 @@ void add_render_verb(manual::App& app, ExitCode& outcome) {
           "--object", arguments->objects,
           "Object to load first: its new name, and a bank file or the name of a preset; may be given more than once.")
       ->type_name("NAME=BANK");
-  verb->add_option("-o,--output", arguments->output, "File to write: .wav (32-bit float) or .flac (24 bit).")
-      ->type_name("FILE")
-      ->required();
   verb->add_option("--seconds", options.seconds,
-                   "Length; default: the scene's, or the score's plus 5 to 60 s, until the sound has fallen by 60 dB.")
+                   "Length, faded at its end; default: the scene's, or up to the score's last event, and a tail.")
       ->check(manual::between(0.0, session::kMaxRender_s));
-  verb->add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")
-      ->check(manual::between(8000.0, 768000.0))
-      ->capture_default_str();
   verb->add_option("--block", options.block_frames, "Frames per block; affects only rounding.")
       ->check(manual::between(1, 8192))
       ->capture_default_str();
-  server::add_sound_options(*verb, options.mixer);
+  add_sound_output(*verb, options, arguments->output);
   verb->callback([arguments, &outcome] {
-    keep_stdout_for(arguments->output);
+    keep_stdout_for(arguments->output.path);
     outcome = run_cancellable([&](const std::stop_token& stop) { return render(*arguments, stop); });
   });
 }

@@ -28,9 +28,9 @@ struct ScaleArguments {
 
 Result<modal::Material> material_of(const ScaleArguments& arguments) {
   const auto folder = material_folder(arguments.folder);
-  if (!folder) return fail(folder.error());
+  if (!folder) return fail(folder);
   auto entry = bake::find_material(*folder, *arguments.material);
-  if (!entry) return fail(entry.error());
+  if (!entry) return fail(entry);
   return entry->material;
 }
 
@@ -46,31 +46,32 @@ void print_summary(const modal::Bank& before, const bake::Changed& changed, cons
 
 ExitCode scale(const ScaleArguments& arguments) {
   const auto path = preset_or_file(arguments.bank, PresetKind::bank);
-  if (!path) return complain(path.error());
+  if (!path) return complain(path);
   const auto bank = modal::read_bank(*path);
-  if (!bank) return complain(bank.error());
+  if (!bank) return complain(bank);
   bake::Change change{.size = arguments.size};
   if (arguments.material) {
     auto material = material_of(arguments);
-    if (!material) return complain(material.error());
+    if (!material) return complain(material);
     change.material = std::move(*material);
   }
   auto changed = bake::change(*bank, change);
   if (!changed) return complain({changed.error().kind, arguments.bank + ": " + changed.error().message});
   if (arguments.name) changed->bank.name = *arguments.name;
-  if (const auto written = modal::write_bank(changed->bank, arguments.output); !written)
-    return complain(written.error());
+  if (const auto written = modal::write_bank(changed->bank, arguments.output); !written) return complain(written);
   print_summary(*bank, *changed, arguments.output);
   if (change.material && change.material->poisson_ratio != bank->material->poisson_ratio) {
-    char text[160];
-    std::snprintf(text, sizeof text, "its Poisson's ratio stays %.3g; only a new bake gives it %s's %.3g",
-                  bank->material->poisson_ratio, change.material->name.c_str(), change.material->poisson_ratio);
+    const std::string text =
+        formatted("its Poisson's ratio stays {:.3g}; only a new bake gives it {}'s {:.3g}",
+                  bank->material->poisson_ratio, change.material->name, change.material->poisson_ratio);
     complain(text, ExitCode::ok);
   }
   if (change.material && bank->material->orthotropy)
     complain("its grain stays: stiffness and density change alike in all directions", ExitCode::ok);
   if (change.material && !bank->provenance.parts.empty())
     complain("the materials of its parts change by the same factors", ExitCode::ok);
+  if (!bank->provenance.resonators.empty())
+    complain("its tubes are scaled and tuned along with it; only a new bake keeps them", ExitCode::ok);
   if (bank->held)
     complain("its springs and dampers change with it; clamps and sliding surfaces stay exact", ExitCode::ok);
   return ExitCode::ok;

@@ -3,6 +3,8 @@
 #include "engine/modal/hearing/pitch.h"
 #include "engine/modal/radiation_map.h"
 
+#include <array>
+#include <tuple>
 #include <utility>
 
 using namespace ringdown;
@@ -17,7 +19,7 @@ ringdown_result ringdown_bank_open(const char* path, ringdown_bank** bank, ringd
     const session::FileRoots roots;
     session::BankReader reader(roots);
     auto file = reader.read(path);
-    if (!file) return fail(file.error());
+    if (!file) return fail(file);
     *bank = new ringdown_bank{*std::move(file), path};
     return {};
   });
@@ -30,7 +32,7 @@ ringdown_result ringdown_bank_parse(const void* glb, size_t bytes, const char* n
     if (!bank) return missing("bank");
     const std::string called = name ? name : "bank";
     auto file = session::parse_bank_file({static_cast<const char*>(glb), bytes}, called);
-    if (!file) return fail(file.error());
+    if (!file) return fail(file);
     *bank = new ringdown_bank{*std::move(file), called};
     return {};
   });
@@ -59,8 +61,13 @@ ringdown_result ringdown_bank_describe(const ringdown_bank* bank, ringdown_bank_
       const Vec3& center = known.mass->center_of_mass_m;
       const std::array<double, 3> numbers = {center.x, center.y, center.z};
       std::ranges::copy(numbers, ours.center_of_mass_m);
+      const auto& [moments, turned] = std::tie(known.mass->inertia_kg_m2, known.mass->orientation);
+      std::ranges::copy(std::array{moments.x, moments.y, moments.z}, ours.inertia_kg_m2);
+      std::ranges::copy(std::array{turned[3], turned[0], turned[1], turned[2]}, ours.axes_wxyz);
     }
     ours.has_radiation = known.radiation.has_value();
+    ours.held = known.held;
+    ours.has_residual = bank->residual.has_value();
     return library::give(info, ours);
   });
 }
@@ -121,8 +128,8 @@ ringdown_result ringdown_bank_far_field(const ringdown_bank* bank, size_t mode, 
                   bank->path + " has no radiation maps; bake it again with `ringdown bake --radiation`");
     }
     if (mode >= known.mode_count()) {
-      return fail(ErrorKind::bad_input, "mode is " + std::to_string(mode) + "; the bank has " +
-                                            std::to_string(known.mode_count()) + ", which are numbered from 0");
+      return fail(ErrorKind::bad_input, "mode is {}; the bank has {}, which are numbered from 0", mode,
+                  known.mode_count());
     }
     const modal::FarField& field = known.radiation->maps.modes[mode];
     const int degree = std::max(modal::degree_of(field), 0);
@@ -130,7 +137,7 @@ ringdown_result ringdown_bank_far_field(const ringdown_bank* bank, size_t mode, 
     for (std::size_t i = 0; i < count; ++i) {
       const Vec3 direction = library::vector(directions + 3 * i);
       if (!(length(direction) > 0 && length(direction) < 1e300)) {
-        return fail(ErrorKind::bad_input, "direction " + std::to_string(i) + " has no length");
+        return fail(ErrorKind::bad_input, "direction {} has no length", i);
       }
       modal::real_harmonics(direction, degree, harmonics);
       const std::complex<float> value = modal::far_field(field, harmonics);

@@ -37,7 +37,7 @@ Result<const modal::BreakPattern*> pattern_of(const ringdown_bank* bank, std::ui
   const modal::Bank& known = bank->file.map->bank();
   if (auto good = breaking::Breakable::check(known); !good)
     return fail(good.error().kind, bank->path + " cannot break: " + good.error().message);
-  if (auto good = check_index("pattern", pattern, known.fracture->patterns.size()); !good) return fail(good.error());
+  if (auto good = check_index("pattern", pattern, known.fracture->patterns.size()); !good) return fail(good);
   return &known.fracture->patterns[pattern];
 }
 
@@ -47,7 +47,7 @@ Result<protocol::BreakObject> blow_of(const ringdown_mixer* mixer, int64_t frame
   if (const char* name = first_null({{"mixer", mixer}, {"point_m", point_m}, {"impulse_ns", impulse_ns}}))
     return missing(name);
   protocol::BreakObject blow{numbered(object), library::vector(point_m), library::vector(impulse_ns), contact_time_s};
-  if (auto good = library::check(blow); !good) return fail(good.error());
+  if (auto good = library::check(blow); !good) return fail(good);
   if (session::is_too_far_ahead(mixer->rack.mixer(), frame))
     return fail(ErrorKind::bad_input, "frame lies more than an hour ahead");
   return blow;
@@ -59,7 +59,7 @@ ringdown_result ringdown_breakable(const ringdown_bank* bank, uint32_t pattern, 
                                    ringdown_error* error) {
   return guarded(error, [&]() -> Result<void> {
     const auto known = pattern_of(bank, pattern);
-    if (!known) return fail(known.error());
+    if (!known) return fail(known);
     const modal::Fracture& fracture = *bank->file.map->bank().fracture;
     ringdown_pattern_info ours{};
     ours.patterns = static_cast<std::uint32_t>(fracture.patterns.size());
@@ -74,7 +74,7 @@ ringdown_result ringdown_breakable_piece(const ringdown_bank* bank, uint32_t pat
                                          ringdown_piece_info* info, ringdown_error* error) {
   return guarded(error, [&]() -> Result<void> {
     const auto known = pattern_of(bank, pattern);
-    if (!known) return fail(known.error());
+    if (!known) return fail(known);
     if (auto good = check_index("piece", piece, (*known)->pieces.size()); !good) return good;
     const modal::Bank& own = (*known)->pieces[piece].bank;
     ringdown_piece_info ours = piece_of(*own.mass, (*known)->pieces.size());
@@ -96,7 +96,7 @@ ringdown_result ringdown_arm(ringdown_mixer* mixer, uint32_t object, int32_t pat
     std::optional<std::size_t> told;
     if (pattern >= 0) told = static_cast<std::size_t>(pattern);
     const auto armed = mixer->breakage.arm(request.object, told);
-    if (!armed) return fail(armed.error());
+    if (!armed) return fail(armed);
     if (pieces) *pieces = static_cast<std::uint32_t>(*armed);
     return {};
   });
@@ -107,9 +107,9 @@ ringdown_result ringdown_break(ringdown_mixer* mixer, int64_t frame, uint32_t ob
                                ringdown_error* error) {
   return guarded(error, [&]() -> Result<void> {
     const auto blow = blow_of(mixer, frame, object, point_m, impulse_ns, contact_time_s);
-    if (!blow) return fail(blow.error());
+    if (!blow) return fail(blow);
     const auto broken = mixer->breakage.break_armed(*blow, frame, synth::Producer::control);
-    if (!broken) return fail(broken.error());
+    if (!broken) return fail(broken);
     mixer->dropped += broken->lost;
     if (pieces) *pieces = static_cast<std::uint32_t>(broken->pieces);
     return {};
@@ -121,7 +121,7 @@ ringdown_result ringdown_piece(ringdown_mixer* mixer, uint32_t object, uint32_t 
   return guarded(error, [&]() -> Result<void> {
     if (!mixer) return missing("mixer");
     const auto report = mixer->breakage.report(numbered(object));
-    if (!report) return fail(report.error());
+    if (!report) return fail(report);
     if (report->pieces.empty())
       return fail(ErrorKind::refused,
                   "\"" + report->name + "\" is not armed, so its pieces are not there; arm it first");
@@ -141,10 +141,10 @@ ringdown_result ringdown_stress(ringdown_mixer* mixer, int64_t frame, uint32_t o
   return guarded(error, [&]() -> Result<void> {
     if (!stress_pa) return missing("stress_pa");
     const auto blow = blow_of(mixer, frame, object, point_m, impulse_ns, contact_time_s);
-    if (!blow) return fail(blow.error());
+    if (!blow) return fail(blow);
     const auto stress =
         mixer->breakage.stress_pa(blow->object, {blow->point_m, blow->impulse_ns, blow->contact_time_s}, frame);
-    if (!stress) return fail(stress.error());
+    if (!stress) return fail(stress);
     *stress_pa = *stress;
     return {};
   });

@@ -7,6 +7,7 @@
 #include "engine/base/result.h"
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
+#include "engine/modal/response/residual.h"
 #include "server/session/breakage.h"
 #include "server/session/rack.h"
 
@@ -16,12 +17,14 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <optional>
 #include <string>
 #include <vector>
 
 struct ringdown_bank {
   ringdown::session::BankFile file;
   std::string path;  // or the name that was given
+  std::optional<ringdown::modal::Residual> residual = {};
 };
 
 struct ringdown_mixer {
@@ -92,8 +95,9 @@ template <class Struct>
 Result<Struct> taken(const Struct* given, std::size_t size, Struct defaults) {
   if (!given) return missing("the struct");
   if (size < sizeof(std::size_t) || size > 4096) {
-    return fail(ErrorKind::bad_input, "the first member of the struct is " + std::to_string(size) +
-                                          "; set it to sizeof the struct, as the struct's _init function does");
+    return fail(
+        ErrorKind::bad_input,
+        "the first member of the struct is {}; set it to sizeof the struct, as the struct's _init function does", size);
   }
   const auto* bytes = reinterpret_cast<const unsigned char*>(given);
   const std::size_t known = std::min(size, sizeof(Struct));

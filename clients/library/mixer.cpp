@@ -39,11 +39,11 @@ Result<void> check_sample_rate(double sample_rate_hz) {
 }
 
 Result<synth::MixerSettings> settings_of(const ringdown_settings& given) {
-  if (auto good = check_sample_rate(given.sample_rate_hz); !good) return fail(good.error());
-  if (auto good = check_within("full_scale_pa", given.full_scale_pa, 1e-6, 1e6); !good) return fail(good.error());
-  if (auto good = check_within("floor_db", given.floor_db, 20, 300); !good) return fail(good.error());
-  if (auto good = check_within("ambisonic_order", given.ambisonic_order, 0, 3); !good) return fail(good.error());
-  if (auto good = check_within("threads", given.threads, 1, 64); !good) return fail(good.error());
+  if (auto good = check_sample_rate(given.sample_rate_hz); !good) return fail(good);
+  if (auto good = check_within("full_scale_pa", given.full_scale_pa, 1e-6, 1e6); !good) return fail(good);
+  if (auto good = check_within("floor_db", given.floor_db, 20, 300); !good) return fail(good);
+  if (auto good = check_within("ambisonic_order", given.ambisonic_order, 0, 3); !good) return fail(good);
+  if (auto good = check_within("threads", given.threads, 1, 64); !good) return fail(good);
   synth::MixerSettings settings;
   settings.full_scale_pa = given.full_scale_pa;
   settings.floor_db = given.floor_db;
@@ -53,12 +53,12 @@ Result<synth::MixerSettings> settings_of(const ringdown_settings& given) {
   if (given.ambisonic_order > 0) settings.ambisonic_order = static_cast<std::size_t>(given.ambisonic_order);
   if (given.limiter_db != kNoLimiter_db) {
     if (auto good = check_within("limiter_db", given.limiter_db, -60, 0, ", or 1 for no limiter"); !good)
-      return fail(good.error());
+      return fail(good);
     settings.limiter_db = given.limiter_db;
   }
   if (given.head) {
     auto head = session::read_head(given.head);
-    if (!head) return fail(head.error());
+    if (!head) return fail(head);
     settings.head = *std::move(head);
   }
   return settings;
@@ -77,7 +77,7 @@ ringdown_result change(ringdown_mixer* mixer, Request& request, ringdown_error* 
 // object0, object1, ...
 std::string unused_name(const session::Rack& rack) {
   for (std::size_t n = 0;; ++n) {
-    std::string name = "object" + std::to_string(n);
+    std::string name = formatted("object{}", n);
     if (!rack.find({.name = name, .number = {}})) return name;
   }
 }
@@ -98,9 +98,9 @@ ringdown_result ringdown_mixer_create(const ringdown_settings* settings, ringdow
     if (!mixer) return missing("mixer");
     const Result<ringdown_settings> given =
         settings ? library::taken(settings, settings->size, defaults()) : defaults();
-    if (!given) return fail(given.error());
+    if (!given) return fail(given);
     const auto wanted = settings_of(*given);
-    if (!wanted) return fail(wanted.error());
+    if (!wanted) return fail(wanted);
     static_cast<void>(protocol::addresses());  // makes the table of ranges now, not in the first event
     auto made = std::make_unique<ringdown_mixer>(given->sample_rate_hz);
     made->rack.mixer().configure(*wanted);
@@ -132,7 +132,7 @@ ringdown_result ringdown_add(ringdown_mixer* mixer, const char* name, const ring
     }
     const std::string called = name ? name : unused_name(mixer->rack);
     const auto number = mixer->rack.add(called, bank->path, bank->file);
-    if (!number) return fail(number.error());
+    if (!number) return fail(number);
     *object = *number;
     return {};
   });
@@ -158,7 +158,7 @@ ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object, co
     if (!material) return missing("material");
     const auto given = library::taken(material, material->size_of_struct,
                                       ringdown_material{sizeof(ringdown_material), 1, 1, 1, 1, 1, 1, 1});
-    if (!given) return fail(given.error());
+    if (!given) return fail(given);
     protocol::SetMaterial request{numbered(object),
                                   {.alpha = given->alpha,
                                    .beta = given->beta,
@@ -183,7 +183,7 @@ ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t obj
       numbered(object), {library::vector(point_m), library::vector(direction), damping_ns_m}, number};
   return change(mixer, request, error, [&](session::Rack& rack) -> Result<void> {
     const auto held = rack.find(request.object);
-    if (!held) return fail(held.error());
+    if (!held) return fail(held);
     if (damping_ns_m > 0) {
       if (auto good = session::check_point(request.damper.point_m, **held); !good) return good;
     }

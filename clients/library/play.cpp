@@ -26,8 +26,8 @@ ringdown_result play(ringdown_mixer* mixer, std::int64_t frame, protocol::MixerR
       }
       if (mixer->rack.push(synth::Producer::control, event)) continue;
       ++mixer->dropped;
-      return fail(ErrorKind::refused, "dropped, because " + std::to_string(synth::kQueueCapacity) +
-                                          " events are waiting already; send fewer between two blocks");
+      return fail(ErrorKind::refused, "dropped, because {} events are waiting already; send fewer between two blocks",
+                  synth::kQueueCapacity);
     }
     return {};
   });

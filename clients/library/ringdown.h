@@ -123,6 +123,10 @@ typedef struct ringdown_bank_info {
   double mass_kg;                                         /* 0: not known */
   double center_of_mass_m[3];
   int has_radiation; /* 1: modes have radiation maps */
+  int held;          /* 1: supports hold the body; 0: it is free */
+  int has_residual;  /* 1: ringdown_bank_read_residual() has read one */
+  double inertia_kg_m2[3]; /* principal moments about the centre of mass */
+  double axes_wxyz[4];     /* turns the principal axes into the object's frame */
 } ringdown_bank_info;
 
 /* Fills as many members as info->size has room for. Set info->size before. */
@@ -154,6 +158,60 @@ RINGDOWN_API ringdown_result ringdown_bank_levels_pa(const ringdown_bank* bank, 
  * time as exp(-i omega t). `mode` < M. RINGDOWN_REFUSED without maps (has_radiation). */
 RINGDOWN_API ringdown_result ringdown_bank_far_field(const ringdown_bank* bank, size_t mode, const double* directions,
                                                      size_t count, float* far_field, ringdown_error* error);
+
+/* Numbers that not every bank has. */
+typedef enum ringdown_bank_list {
+  RINGDOWN_FREQUENCY_ERRORS = 0, /* M estimated relative errors of the frequencies */
+  RINGDOWN_SHAPE_ERRORS = 1,     /* M estimated relative errors of amplitudes between sample points */
+  RINGDOWN_LEVEL_ERRORS_DB = 2,  /* M estimated errors of what the modes radiate [dB] */
+  RINGDOWN_LOSSES_PER_S = 3      /* M x 4 parts of the decays: to the material, heat, the air, supports [1/s] */
+} ringdown_bank_list;
+
+/* Writes a list into `numbers`, which has room for `*count` of them, and sets `*count` to its length: 0 if the bank does
+ * not know it. With `numbers` NULL, only sets `*count`. */
+RINGDOWN_API ringdown_result ringdown_bank_numbers(const ringdown_bank* bank, ringdown_bank_list list, double* numbers,
+                                                   size_t* count, ringdown_error* error);
+
+/* How the bank was made, as a JSON object (docs/reference/bank-format.md). Writes the text and a 0 into `text`, which has
+ * room for `*bytes`, and sets `*bytes` to what they take. With `text` NULL, only sets `*bytes`. */
+RINGDOWN_API ringdown_result ringdown_bank_provenance(const ringdown_bank* bank, char* text, size_t* bytes,
+                                                      ringdown_error* error);
+
+/* The bank as the bytes of a bank file, which ringdown_bank_parse() reads. `glb` and `*bytes` as above. */
+RINGDOWN_API ringdown_result ringdown_bank_write(const ringdown_bank* bank, void* glb, size_t* bytes,
+                                                 ringdown_error* error);
+
+/* Reads the response of the modes that are not in the bank, those above its band foremost, from a file that `ringdown bake
+ * --export-residual` wrote with the bank (.npy). ringdown_bank_frf() then includes it. Call before other threads use the
+ * bank. */
+RINGDOWN_API ringdown_result ringdown_bank_read_residual(ringdown_bank* bank, const char* path, ringdown_error* error);
+
+typedef enum ringdown_motion {
+  RINGDOWN_DISPLACEMENT = 0, /* receptance [m/N] */
+  RINGDOWN_VELOCITY = 1,     /* mobility [m/(N s)] */
+  RINGDOWN_ACCELERATION = 2  /* accelerance [1/kg] */
+} ringdown_motion;
+
+/* The motion at one place of the surface per newton at another, for `count` frequencies above 0: count x 2 numbers, real
+ * and imaginary part, with time as exp(+i omega t). Places are the nearest of the surface; directions have any length but
+ * 0. Includes the rigid motion of a free body, and the modes that are not in the bank if it has_residual. */
+RINGDOWN_API ringdown_result ringdown_bank_frf(const ringdown_bank* bank, ringdown_motion motion, const double at_m[3],
+                                               const double direction[3], const double to_m[3],
+                                               const double to_direction[3], const double* frequencies_hz, size_t count,
+                                               double* frf, ringdown_error* error);
+
+/* The sound pressure at a point in the air, in the object's frame, per newton at a place of the surface [Pa/N]: count x 2
+ * numbers. A sum of far fields; RINGDOWN_REFUSED without radiation maps. */
+RINGDOWN_API ringdown_result ringdown_bank_pressure_frf(const ringdown_bank* bank, const double at_m[3],
+                                                        const double direction[3], const double to_m[3],
+                                                        const double* frequencies_hz, size_t count, double* frf,
+                                                        ringdown_error* error);
+
+/* The energy that the object radiates per hertz after an impulse of 1 N s at a place of the surface, at `count`
+ * frequencies [J/Hz/(N s)^2]. RINGDOWN_REFUSED without radiation maps. */
+RINGDOWN_API ringdown_result ringdown_bank_energy_spectrum(const ringdown_bank* bank, const double at_m[3],
+                                                           const double direction[3], const double* frequencies_hz,
+                                                           size_t count, double* energies, ringdown_error* error);
 
 /* ---- A mixer ----------------------------------------------------------------------------------------------------- */
 

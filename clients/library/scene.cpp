@@ -58,7 +58,7 @@ ringdown_result ringdown_scene_load(ringdown_mixer* mixer, const char* path, int
     }
     const std::scoped_lock lock(ode());
     auto made = std::make_unique<ringdown_scene>(mixer);
-    if (const auto loaded = made->player.load(path, frame); !loaded) return fail(loaded.error());
+    if (const auto loaded = made->player.load(path, frame); !loaded) return fail(loaded);
     mixer->has_scene = true;
     *scene = made.release();
     return {};
@@ -108,7 +108,7 @@ ringdown_result ringdown_scene_find_object(ringdown_scene* scene, const char* na
     if (!description || std::ranges::none_of(description->objects, named))
       return fail(ErrorKind::bad_input, "the scene has no object " + quote(name) + "; see its file for the names");
     const auto found = scene->mixer->rack.find({.name = name, .number = {}});
-    if (!found) return fail(found.error());
+    if (!found) return fail(found);
     *object = (*found)->number;
     return {};
   });

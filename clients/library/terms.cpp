@@ -1,7 +1,6 @@
 #include "clients/library/terms.h"
 
 #include <array>
-#include <cstdio>
 #include <string>
 #include <string_view>
 
@@ -15,14 +14,10 @@ std::string name_of(const protocol::AddressSpec& spec, std::size_t argument) {
   if (group.empty()) return name;
   std::size_t first = argument;
   while (first > 0 && spec.arguments[first - 1].group == group) --first;
-  return name + "[" + std::to_string(argument - first) + "]";
+  return formatted("{}[{}]", name, argument - first);
 }
 
-std::string text_of(double value) {
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), "%.10g", value);
-  return text.data();
-}
+std::string text_of(double value) { return formatted("{:.10g}", value); }
 
 }  // namespace
 
@@ -37,14 +32,13 @@ Result<void> check(protocol::Request& request) {
 
 Result<void> check_index(const char* name, std::size_t index, std::size_t count) {
   if (index < count) return {};
-  return fail(ErrorKind::bad_input, std::string(name) + " is " + std::to_string(index) +
-                                        "; it must be a whole number from 0 to " + std::to_string(count - 1));
+  return fail(ErrorKind::bad_input, "{} is {}; it must be a whole number from 0 to {}", name, index, count - 1);
 }
 
 Result<void> check_within(const char* name, double value, double min, double max, const char* or_else) {
   if (value >= min && value <= max) return {};  // false for NaN
-  return fail(ErrorKind::bad_input, std::string(name) + " is " + text_of(value) + "; it must be from " + text_of(min) +
-                                        " to " + text_of(max) + or_else);
+  return fail(ErrorKind::bad_input, "{} is {}; it must be from {} to {}{}", name, text_of(value), text_of(min),
+              text_of(max), or_else);
 }
 
 tl::unexpected<Error> missing(const char* name) {

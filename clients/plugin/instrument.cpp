@@ -1,6 +1,7 @@
 #include "clients/plugin/instrument.h"
 
 #include "engine/base/base64.h"
+#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <chrono>
@@ -159,7 +160,7 @@ bool Instrument::install(KeyPlan& plan) {
   ringdown_collect(mixer_.get());
   for (std::size_t i = 0; i < count; ++i) {
     KeyMap::Object& object = plan.map.objects[i];
-    const std::string name = "key" + std::to_string(i);
+    const std::string name = formatted("key{}", i);
     ringdown_error error{};
     if (ringdown_add(mixer_.get(), name.c_str(), plan.banks[object.body].get(), &object.number, &error) !=
         RINGDOWN_OK) {

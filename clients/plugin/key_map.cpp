@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -47,7 +46,10 @@ std::size_t nearest_point(const Shapes& bank, const Vec3& position_m) {
   double min = std::numeric_limits<double>::infinity();
   for (std::size_t point = 0; point < bank.points; ++point) {
     const Vec3 offset = bank.position_m(point) - position_m;
-    if (const double distance = dot(offset, offset); distance < min) nearest = point, min = distance;
+    if (const double distance = dot(offset, offset); distance < min) {
+      nearest = point;
+      min = distance;
+    }
   }
   return nearest;
 }
@@ -58,7 +60,10 @@ void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
   std::size_t best = 0;
   double max = -1;
   for (std::size_t point = 0; point < bank.points; ++point) {
-    if (const double motion = motion_at(bank, point); motion > max) best = point, max = motion;
+    if (const double motion = motion_at(bank, point); motion > max) {
+      best = point;
+      max = motion;
+    }
   }
   const Vec3 start_m = bank.position_m(best);
   const double strong = length(bank.shape(0, best));
@@ -122,7 +127,7 @@ Result<std::shared_ptr<ringdown_bank>> opened(const std::filesystem::path& path,
 
 Result<void> add_body(const std::filesystem::path& path, std::string_view bytes, KeyPlan& plan) {
   auto bank = opened(path, bytes);
-  if (!bank) return fail(bank.error());
+  if (!bank) return fail(bank);
   const auto body = measure(bank->get());
   if (!body) return fail(ErrorKind::bad_input, path.string() + ": " + body.error().message);
   plan.map.bodies.push_back(*body);
@@ -139,13 +144,11 @@ std::string notice_of(const Body& body, const ringdown_bank* bank, const Source&
   const Shapes shapes{info.modes, info.points, ringdown_bank_shapes(bank), ringdown_bank_points_m(bank)};
   const double before_hz = pitch_before_hz(bank, audible_pa(bank, shapes, body));
   if (std::abs(std::log2(body.pitch_hz / before_hz)) < kTolerance_octaves) return "";
-  char text[240];
-  std::snprintf(text, sizeof text,
-                ": at concert pitch its keys are tuned by %.1f Hz; earlier versions took %.1f Hz, so a session saved "
-                "by them sounds %.1f semitones %s",
-                body.pitch_hz, before_hz, 12 * std::abs(std::log2(body.pitch_hz / before_hz)),
-                body.pitch_hz < before_hz ? "higher" : "lower");
-  return source.path.string() + text;
+  return formatted(
+      "{}: at concert pitch its keys are tuned by {:.1f} Hz; earlier versions took {:.1f} Hz, so a session saved by "
+      "them sounds {:.1f} semitones {}",
+      source.path.string(), body.pitch_hz, before_hz, 12 * std::abs(std::log2(body.pitch_hz / before_hz)),
+      body.pitch_hz < before_hz ? "higher" : "lower");
 }
 
 // libringdown refuses blows outside of the object, and the audio thread must not make any.
@@ -162,9 +165,8 @@ Result<void> check_point(const session::NoteMap::Entry& entry, const ringdown_ba
   }
   const double distance_m = length(shapes.position_m(nearest_point(shapes, *entry.point_m)) - *entry.point_m);
   if (distance_m <= size_m / 2) return {};
-  return fail(ErrorKind::bad_input, "note " + std::to_string(entry.note) + ": point_m lies " +
-                                        std::to_string(distance_m) + " m from " + entry.object +
-                                        ", in whose frame and metres it should be");
+  return fail(ErrorKind::bad_input, "note {}: point_m lies {:f} m from {}, in whose frame and metres it should be",
+              entry.note, distance_m, entry.object);
 }
 
 // The geometric mean, over the keys with an impulse of their own, of what would bring each to the even level.
@@ -181,7 +183,7 @@ double evening_of(const KeyMap& map) {
 // The objects that the map names, each with the bank of its name.
 Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
   const auto file = session::read_note_map(path);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   KeyPlan plan;
   plan.map.is_note_map = true;
   plan.map.release_s = file->release_s;
@@ -191,7 +193,7 @@ Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
     const auto [object, is_new] = known.try_emplace(entry.object, static_cast<std::uint32_t>(known.size()));
     if (is_new) {
       const auto bank = path.parent_path() / file->banks / (entry.object + ".glb");
-      if (const auto good = add_body(bank, {}, plan); !good) return fail(good.error());
+      if (const auto good = add_body(bank, {}, plan); !good) return fail(good);
       plan.map.objects.push_back({.body = object->second, .key = entry.note});
     }
     if (const auto good = check_point(entry, plan.banks[object->second].get()); !good) {
@@ -232,7 +234,7 @@ Result<Body> measure(const ringdown_bank* bank) {
 Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded) {
   if (is_note_map(source)) return plan_note_map(source.path);
   KeyPlan plan;
-  if (const auto good = add_body(source.path, embedded, plan); !good) return fail(good.error());
+  if (const auto good = add_body(source.path, embedded, plan); !good) return fail(good);
   plan.notice = notice_of(plan.map.bodies[0], plan.banks[0].get(), source);
   for (std::uint32_t key = 0; key < kKeys; ++key) {
     plan.map.keys[key].sounds = true;

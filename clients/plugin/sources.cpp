@@ -18,16 +18,16 @@ std::filesystem::path environment_path(const char* name) {
 }
 
 std::filesystem::path own_file(std::size_t number) {
-  const std::filesystem::path map = own_folder() / (std::to_string(number) + ".toml");
+  const std::filesystem::path map = own_folder() / formatted("{}.toml", number);
   std::error_code ignored;
-  return std::filesystem::exists(map, ignored) ? map : own_folder() / (std::to_string(number) + ".glb");
+  return std::filesystem::exists(map, ignored) ? map : own_folder() / formatted("{}.glb", number);
 }
 
 }  // namespace
 
 std::string choice_name(std::size_t choice) {
   if (choice == 0 || choice >= kChoices) return "file";
-  if (choice < kFirstPreset) return "own " + std::to_string(choice);
+  if (choice < kFirstPreset) return formatted("own {}", choice);
   return std::string(kPresets[choice - kFirstPreset]);
 }
 

@@ -191,7 +191,7 @@ std::string c_header() {
       text += "typedef struct " + function.args() + " {\n  size_t size; /* sizeof the struct, as _init sets it */\n";
       for (const Parameter& one : function.parameters) {
         const std::string comments = wrapped(one.meaning, "   * ");
-        text += "  /*" + comments.substr(4) + " */\n  " + c_member(one) + "\n";
+        text += formatted("  /*{} */\n  {}\n", comments.substr(4), c_member(one));
       }
       text += "} " + function.args() + ";\n";
       text +=
@@ -207,7 +207,7 @@ void add_numbers(const Parameter& one, const std::string& from, std::vector<std:
   const std::size_t count = one.kind == Kind::vector ? 3 : one.kind == Kind::rotation ? 4 : 1;
   for (std::size_t i = 0; i < count; ++i) {
     std::string name = from + one.name;
-    if (count > 1) name += "[" + std::to_string(i) + "]";
+    if (count > 1) name += formatted("[{}]", i);
     const bool whole = one.kind == Kind::index || one.kind == Kind::object;
     numbers.push_back(whole ? "static_cast<double>(" + name + ")" : name);
   }
@@ -227,7 +227,7 @@ std::string c_source() {
       text += "void " + function.args() + "_init(" + function.args() + "* args, size_t size) {\n  " + function.args() +
               " ours{};\n";
       for (const Parameter& one : function.parameters) {
-        if (!one.literal.empty()) text += "  ours." + one.name + " = " + one.literal + ";\n";
+        if (!one.literal.empty()) text += formatted("  ours.{} = {};\n", one.name, one.literal);
       }
       text += "  fill_in(args, size, ours);\n}\n\n";
       body += "  " + function.args() + " defaults{};\n  " + function.args() +
@@ -396,7 +396,7 @@ std::string cs_methods() {
       body += "    var args = new " + type + "();\n    Native." + function.args() +
               "_init(ref args, (UIntPtr)Marshal.SizeOf(typeof(" + type + ")));\n";
       for (const Parameter& one : function.parameters) {
-        body += "    args." + camel(one.plain) + " = " + camel(one.plain, true) + ";\n";
+        body += formatted("    args.{} = {};\n", camel(one.plain), camel(one.plain, true));
       }
       arguments.emplace_back("ref args");
     } else {
@@ -429,7 +429,7 @@ std::string cs_native() {
       const std::string type = camel(function.name) + "Args";
       text += "  [StructLayout(LayoutKind.Sequential)]\n  internal struct " + type + " {\n    public UIntPtr Size;\n";
       for (const Parameter& one : function.parameters) {
-        text += "    public " + cs_type(one) + " " + camel(one.plain) + ";\n";
+        text += formatted("    public {} {};\n", cs_type(one), camel(one.plain));
       }
       text += "  }\n  [DllImport(kLibrary)] internal static extern void " + function.args() + "_init(ref " + type +
               " args, UIntPtr size);\n";

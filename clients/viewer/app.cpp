@@ -152,7 +152,8 @@ void App::draw_panes() {
     right = std::max(width * static_cast<float>(settings_.sound_share), kMinSound_em * em);
     const float max = width - std::min(kMinScene_em * em, width / 3);
     const float shrink = std::min(1.0f, max / (left + right));
-    left = std::floor(left * shrink), right = std::floor(right * shrink);  // ImGui puts windows at whole pixels
+    left = std::floor(left * shrink);
+    right = std::floor(right * shrink);  // ImGui puts windows at whole pixels
   }
   const double now = now_s();
   if (options_.only != Pane::sound) {

@@ -98,7 +98,7 @@ ExitCode screenshot(const Arguments& arguments, Pane only) {
                                .keep_going = [] { return !interrupted; }},
                               settings);
   if (taken) return ExitCode::ok;
-  return complain(taken.error());
+  return complain(taken);
 }
 
 ExitCode show(const Arguments& arguments, Pane only) {
@@ -108,19 +108,19 @@ ExitCode show(const Arguments& arguments, Pane only) {
   const bool keep = file && read;  // a file that is wrong is the user's to mend
   viewer::Settings settings = read ? *read : viewer::Settings{};
   take_over(arguments, settings);
-  if (settings.daemon.empty()) settings.daemon = "osc.udp://127.0.0.1:" + std::to_string(protocol::kDefaultPort);
+  if (settings.daemon.empty()) settings.daemon = formatted("osc.udp://127.0.0.1:{}", protocol::kDefaultPort);
   auto window =
       viewer::Window::open({static_cast<int>(settings.width), static_cast<int>(settings.height), true, settings.scale});
-  if (!window) return complain(window.error());
+  if (!window) return complain(window);
   auto renderer = viewer::SceneRenderer::create();
-  if (!renderer) return complain(renderer.error());
+  if (!renderer) return complain(renderer);
   std::optional<std::string> scene;
   if (!arguments.scene.empty()) scene = arguments.scene;
   viewer::App app(std::move(*window), std::move(*renderer), settings, {settings.daemon, scene, only, std::nullopt});
   while (app.runs() && !interrupted) app.frame();
   if (!keep) return ExitCode::ok;
   const auto written = viewer::write_settings(app.settings(), *file);
-  return written ? ExitCode::ok : complain(written.error());
+  return written ? ExitCode::ok : complain(written);
 }
 
 }  // namespace

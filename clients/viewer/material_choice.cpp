@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace ringdown::viewer {
 namespace {
@@ -31,15 +30,8 @@ double strength(const Material& material) {
 
 bool near(double a, double b) { return std::abs(a - b) <= 1e-6 * std::max(std::abs(a), std::abs(b)); }
 
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char line[240];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
-
 std::string change_of(double relative) {
-  return text("%.1f %% %s", 100 * std::abs(relative), relative > 0 ? "higher" : "lower");
+  return formatted("{:.1f} % {}", 100 * std::abs(relative), relative > 0 ? "higher" : "lower");
 }
 
 }  // namespace
@@ -106,17 +98,16 @@ std::string material_name(const Material& bank, const MaterialScale& scale, cons
 
 std::string describe(const Material& bank, const Material& wanted) {
   const MaterialChoice choice = choice_of(bank, wanted);
-  std::string sentences = text("Young's modulus %.3g GPa, density %.0f kg/m3, Poisson's ratio %.2f.\n",
-                               1e-9 * wanted.youngs_modulus_pa, wanted.density_kg_m3, wanted.poisson_ratio);
+  std::string sentences = formatted("Young's modulus {:.3g} GPa, density {:.0f} kg/m3, Poisson's ratio {:.2f}.\n",
+                                    1e-9 * wanted.youngs_modulus_pa, wanted.density_kg_m3, wanted.poisson_ratio);
   if (!choice.obstacle.empty()) return sentences + choice.obstacle + "\nBake the object in this material instead.";
   if (near(bank.poisson_ratio, wanted.poisson_ratio)) {
     sentences += "Poisson's ratio is the bank's: all frequencies are exact.";
   } else {
-    sentences += text(
-        "Poisson's ratio stays the bank's %.2f until the object is baked again. With %.2f, plates would\nsound %s and "
-        "twisting modes %s; bars that bend would not change.",
-        bank.poisson_ratio, wanted.poisson_ratio, change_of(choice.plate_error).c_str(),
-        change_of(choice.twist_error).c_str());
+    sentences += formatted(
+        "Poisson's ratio stays the bank's {:.2f} until the object is baked again. With {:.2f}, plates would\nsound {} "
+        "and twisting modes {}; bars that bend would not change.",
+        bank.poisson_ratio, wanted.poisson_ratio, change_of(choice.plate_error), change_of(choice.twist_error));
   }
   return sentences + (choice.reservation.empty() ? "" : "\n" + choice.reservation);
 }

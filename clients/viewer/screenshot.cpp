@@ -29,12 +29,12 @@ class LocalDaemon {
   // and the files that `scene` names. Fails with the last line of the daemon's log.
   static Result<std::unique_ptr<LocalDaemon>> start(const std::filesystem::path& scene) {
     const auto program = find_beside("ringdownd");
-    if (!program) return fail(program.error());
+    if (!program) return fail(program);
     auto daemon = std::make_unique<LocalDaemon>();
     auto ready = daemon->ready_.get_future();
     daemon->thread_ = std::jthread([&own = *daemon, program = *program, scene] { own.run(program, scene); });
     auto url = ready.get();
-    if (!url) return fail(url.error());
+    if (!url) return fail(url);
     daemon->url_ = *url;
     return daemon;
   }
@@ -67,7 +67,7 @@ class LocalDaemon {
                                              "null", "--port", "0", "--scene", scene.string()},
                                  .on_line = [this](std::string_view line) { take_line(line); },
                                  .keep_going = [this] { return !stop_; }});
-    report(done ? fail(ErrorKind::refused, last_line_) : fail(done.error()));
+    report(done ? fail(ErrorKind::refused, last_line_) : fail(done));
   }
 
   std::string url_;
@@ -141,14 +141,14 @@ Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& s
   std::unique_ptr<LocalDaemon> own;
   if (!request.daemon) {
     auto started = LocalDaemon::start(request.scene);
-    if (!started) return fail(started.error());
+    if (!started) return fail(started);
     own = std::move(*started);
   }
   auto window = Window::open({static_cast<int>(settings.width), static_cast<int>(settings.height), false,
                               settings.scale > 0 ? settings.scale : 1});
-  if (!window) return fail(window.error());
+  if (!window) return fail(window);
   auto renderer = SceneRenderer::create();
-  if (!renderer) return fail(renderer.error());
+  if (!renderer) return fail(renderer);
   App app(std::move(*window), std::move(*renderer), settings,
           {own ? own->url() : *request.daemon, std::nullopt, request.only, std::nullopt});
   // A daemon that was already running resolves the path itself, perhaps on another computer.

@@ -4,7 +4,6 @@
 #include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
 
-#include <cstdio>
 #include <cstdlib>
 
 namespace ringdown::viewer {
@@ -13,11 +12,7 @@ namespace {
 constexpr Range kScale{0, 8}, kShare{0.05, 0.6}, kImpulse{1e-6, 100}, kContactTime{0, 0.1};
 
 // TOML needs a decimal point in a float; %g may leave it out.
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.6f", value);
-  return text;
-}
+std::string number(double value) { return formatted("{:.6f}", value); }
 
 }  // namespace
 
@@ -35,7 +30,7 @@ Result<Settings> read_settings(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return settings;
   auto table = TomlTable::read(file);
-  if (!table) return fail(table.error());
+  if (!table) return fail(table);
   if (table->has("daemon")) table->text("daemon", settings.daemon);
   table->boolean("dark", settings.dark);
   table->number("scale", settings.scale, kScale);
@@ -47,7 +42,7 @@ Result<Settings> read_settings(const std::filesystem::path& file) {
   table->number("contact_time_s", settings.contact_time_s, kContactTime);
   table->boolean("listen", settings.listen);
   table->boolean("strength_by_time", settings.strength_by_time);
-  if (auto good = table->finish(); !good) return fail(good.error());
+  if (auto good = table->finish(); !good) return fail(good);
   return settings;
 }
 

@@ -2,6 +2,7 @@
 
 #include "clients/viewer/render/look.h"
 #include "clients/viewer/shelves.h"
+#include "engine/base/formatted.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -70,8 +71,7 @@ const MeshStore::Mesh& MeshStore::of_bank(const std::shared_ptr<const KnownBank>
 }
 
 const MeshStore::Mesh& MeshStore::of_shape(const std::string& shape, Vec3 size_m, SceneRenderer& renderer) {
-  const std::string key =
-      shape + " " + std::to_string(size_m.x) + " " + std::to_string(size_m.y) + " " + std::to_string(size_m.z);
+  const std::string key = formatted("{} {:f} {:f} {:f}", shape, size_m.x, size_m.y, size_m.z);
   const auto found = shapes_.find(key);
   if (found != shapes_.end()) return found->second;
   const bool round = shape == "sphere";

@@ -1,5 +1,6 @@
 #include "clients/viewer/support_choice.h"
 
+#include "engine/base/formatted.h"
 #include "engine/modal/surface_index.h"
 
 #include <algorithm>
@@ -176,12 +177,11 @@ std::string SupportChoice::box() const {
 
 std::string SupportChoice::text() const {
   if (chosen_.empty()) return "";
-  char area[48];
-  std::snprintf(area, sizeof area, "%.3g cm2", 1e4 * area_m2());
+  const std::string area = formatted("{:.3g} cm2", 1e4 * area_m2());
   const std::string place = plane();
-  std::string text = "[[support]]  # " + std::string(area) + " of " + object_ + "\nkind = \"" + kKinds[kind_] + "\"\n" +
-                     (place.empty() ? box() : place) + "\n";
-  if (kind_ == 2) text += std::string("stiffness = ") + kStiffness + "  # N/m for each m2\n";
+  std::string text = formatted("[[support]]  # {} of {}\nkind = \"{}\"\n{}\n", area, object_, kKinds[kind_],
+                               place.empty() ? box() : place);
+  if (kind_ == 2) text += formatted("stiffness = {}  # N/m for each m2\n", kStiffness);
   return text;
 }
 

@@ -45,7 +45,7 @@ def main():
         sys.exit(__doc__)
     with tempfile.TemporaryDirectory() as folder:
         wav = pathlib.Path(folder) / "demo.wav"
-        subprocess.run([sys.argv[1], "render", "--scene", SCENE, "-o", wav], check=True)
+        subprocess.run([sys.argv[1], "render", "--scene", SCENE, "--tail", "0", "-o", wav], check=True)
         subprocess.run([sys.executable, FIGURES / "plot_wave.py", wav, FIGURES / "demo.png"], check=True)
         to_ogg(wav, FIGURES / "demo.ogg")
 

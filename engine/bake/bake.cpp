@@ -8,12 +8,13 @@
 #include "engine/bake/heard_modes.h"
 #include "engine/bake/sample_points.h"
 #include "engine/bake/solve_body.h"
+#include "engine/base/range.h"
+#include "engine/bake/tubes/tubes.h"
 #include "engine/fem/shape_change.h"
 #include "engine/mesh/boundary.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,7 @@ struct Sounding {
   LeftOut left_out;
   double top_hz = 0;        // up to which modes were looked for
   bool above_band = false;  // none lies in the band
+  std::vector<modal::ResonatorNote> tubes = {};
 };
 
 tl::unexpected<Error> failed(const std::string& name, const Error& error) {
@@ -149,7 +151,7 @@ LossOf loss_of(const Task& task, const BodyModes& modes) {
 // the air over-damps. Returns where fields are measured from [m]; nothing where the modes do not radiate.
 Result<std::optional<Vec3>> add_radiation(const Task& task, Sounding& sounding, BakeReport& report,
                                           const Progress& progress) {
-  auto& [modes, heard, left_out, top_hz, above_band] = sounding;
+  auto& [modes, heard, left_out, top_hz, above_band, tubes] = sounding;
   if (!task.options.air || above_band || heard.empty() || !(report.largest_error <= task.options.radiation_error))
     return std::nullopt;
   Stopwatch watch;
@@ -164,6 +166,12 @@ Result<std::optional<Vec3>> add_radiation(const Task& task, Sounding& sounding, 
     return !rings;
   });
   report.radiation_seconds = watch.lap();
+  if (task.options.resonators.empty() || heard.empty()) return *origin;
+  auto notes = add_tubes({task.unit_mesh, task.surface, task.units, modes}, task.options.resonators, air, *origin,
+                         task.options.band_high_hz, modes, heard, progress);
+  if (!notes) return failed(task.name, notes.error());
+  tubes = std::move(*notes);
+  report.tube_seconds = watch.lap();
   return *origin;
 }
 
@@ -203,7 +211,7 @@ Result<std::optional<Sounding>> find_above_band(const Task& task, const Eigen::V
   for (double top_hz = kStep * task.options.band_high_hz; top_hz < kHighest_hz; top_hz *= kStep) {
     if (!(task.makeup.highest_lambda(top_hz) > 0)) break;
     Result<Sounding> found = modes_up_to(top_hz, task, gaps_m, report, progress);
-    if (!found) return fail(found.error());
+    if (!found) return fail(found);
     if (found->heard.empty()) continue;
     const double limit_hz = kThird * found->heard.front().mode.frequency_hz;
     std::erase_if(found->heard, [limit_hz](const HeardMode& mode) { return mode.mode.frequency_hz > limit_hz; });
@@ -215,11 +223,11 @@ Result<std::optional<Sounding>> find_above_band(const Task& task, const Eigen::V
 
 // The sentence about a body without a mode in its band.
 Error no_mode(const std::string& name, const BakeOptions& options, std::optional<double> lowest_hz) {
-  char lowest[48] = "";
-  if (lowest_hz) std::snprintf(lowest, sizeof lowest, "; its lowest is at %.4g kHz", *lowest_hz / 1000);
-  return {ErrorKind::bad_input, name + " has no mode between " + std::to_string(std::lround(options.band_low_hz)) +
-                                    " and " + std::to_string(std::lround(options.band_high_hz)) + " Hz" + lowest +
-                                    "; it may be too small or too large (check the unit of its mesh)"};
+  const std::string lowest = lowest_hz ? formatted("; its lowest is at {:.4g} kHz", *lowest_hz / 1000) : "";
+  return {
+      ErrorKind::bad_input,
+      formatted("{} has no mode between {} and {} Hz{}; it may be too small or too large (check the unit of its mesh)",
+                name, std::lround(options.band_low_hz), std::lround(options.band_high_hz), lowest)};
 }
 
 Result<void> check_request(const modal::Material& material, const BakeOptions& options, const std::string& name) {
@@ -233,6 +241,14 @@ Result<void> check_request(const modal::Material& material, const BakeOptions& o
     return fail(ErrorKind::bad_input, name +
                                           ": nonlinear terms are not found for a body with a liquid; leave "
                                           "`nonlinear` out, or [fill] and [bath]");
+  }
+  if (!options.resonators.empty()) {
+    const char* const what = options.nonlinear > 0      ? "`nonlinear`"
+                             : !options.liquids.none()  ? "[fill] and [bath]"
+                             : !options.air.has_value() ? "`radiation = false`"
+                                                        : nullptr;
+    if (what != nullptr)
+      return fail(ErrorKind::bad_input, name + ": a body with a [[resonator]] cannot have " + what + "; leave one out");
   }
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good) return failed(material.name, good.error());
@@ -272,13 +288,13 @@ Result<Sounding> find_modes(const Task& task, const Eigen::VectorXd& gaps_m, Bak
   Result<Sounding> found = modes_up_to(options.band_high_hz, task, gaps_m, report, progress);
   if (!found) return found;
   if (found->modes.nonlinear) {
-    if (auto shallow = check_shallow(*found->modes.nonlinear, task.name); !shallow) return fail(shallow.error());
+    if (auto shallow = check_shallow(*found->modes.nonlinear, task.name); !shallow) return fail(shallow);
   }
   const LeftOut& left_out = found->left_out;
   if (!found->heard.empty() || left_out.below_band > 0 || left_out.over_damped > 0) return found;
   if (options.may_be_silent) return found;
   Result<std::optional<Sounding>> above = find_above_band(task, gaps_m, report, progress);
-  if (!above) return fail(above.error());
+  if (!above) return fail(above);
   if (!*above) return fail(no_mode(task.name, options, {}));
   if (!options.raise_band) return fail(no_mode(task.name, options, (*above)->heard.front().mode.frequency_hz));
   (*above)->left_out = left_out;
@@ -297,7 +313,7 @@ void report_modes(const Task& task, const Sounding& sounding, BakeReport& report
 // Puts the modes in the order of the bank. Returns how many of the first stay in it because they bend the others'
 // pitch, however softly they radiate.
 int order_modes(const Task& task, Sounding& sounding, const modal::Air* air) {
-  auto& [modes, heard, left_out, top_hz, above_band] = sounding;
+  auto& [modes, heard, left_out, top_hz, above_band, tubes] = sounding;
   order_by_importance(heard, corner_bank(task, heard, modes, air), modes, task.units,
                       area_weights(task.surface, task.mesh.nodes));
   if (!modes.nonlinear) return 0;
@@ -327,6 +343,7 @@ void describe_body(const Task& task, const Sounding& sounding, modal::Bank& bank
     bank.provenance.counted_modes = 0;
     bank.provenance.liquids = modes.wet->notes;
   }
+  bank.provenance.resonators = sounding.tubes;
   for (const Part& part : makeup.parts) bank.provenance.parts.push_back(part.material.name);
 }
 
@@ -339,6 +356,13 @@ SolvedBody solved_body(const Task& task, const BodyModes& modes, const std::vect
     body.shapes.col(static_cast<Eigen::Index>(m)) =
         sign_of(modes.shapes.col(kept[m].number)) * units.shape() * modes.interior->shapes.col(kept[m].number);
   }
+  if (!modes.interior->equations) return body;
+  body.equations = modes.interior->equations;
+  auto& [system, springs, clamped, rigid] = *body.equations;
+  system.stiffness *= units.modulus_pa * units.length_m;
+  springs *= units.modulus_pa * units.length_m;
+  system.node_mass = body.node_mass;
+  rigid *= units.shape();
   return body;
 }
 
@@ -370,7 +394,7 @@ Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional
   if (sounding.modes.interior) body = solved_body(task, sounding.modes, kept);
   bank.triangles = points->triangles;
   if (sounding.modes.nonlinear) add_nonlinear(task, sounding.modes, kept, baked);
-  for (const double error : points->errors) bank.shape_error.push_back(rounded_error(error));
+  for (const double error : points->errors) bank.shape_error.push_back(to_digits(error, 3));
   report.over_damped = sounding.left_out.over_damped;
   report.below_band = sounding.left_out.below_band;
   report.inaudible = reduced.inaudible;
@@ -382,16 +406,16 @@ Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional
 
 Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress) {
-  if (auto good = check_request(material, options, name); !good) return fail(good.error());
+  if (auto good = check_request(material, options, name); !good) return fail(good);
   if (progress && !progress("assemble", 0)) return fail_cancelled();
   const Result<Task> task = prepare(checked, material, options, name);
-  if (!task) return fail(task.error());
+  if (!task) return fail(task);
   Baked baked;
   Result<Sounding> sounding = find_modes(*task, checked.gaps_m, baked.report, progress);
-  if (!sounding) return fail(sounding.error());
+  if (!sounding) return fail(sounding);
   report_modes(*task, *sounding, baked.report);
   const Result<std::optional<Vec3>> origin_m = add_radiation(*task, *sounding, baked.report, progress);
-  if (!origin_m) return fail(origin_m.error());
+  if (!origin_m) return fail(origin_m);
   if (sounding->heard.empty()) {
     if (!options.may_be_silent) return fail(no_mode(name, options, {}));
     fill_silent(*task, *sounding, baked);
@@ -399,7 +423,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   }
   if (progress && !progress("finish", 0)) return fail_cancelled();
   Stopwatch watch;
-  if (auto filled = fill_bank(*task, *sounding, *origin_m, baked, progress); !filled) return fail(filled.error());
+  if (auto filled = fill_bank(*task, *sounding, *origin_m, baked, progress); !filled) return fail(filled);
   baked.report.finish_seconds = watch.lap();
   return baked;
 }

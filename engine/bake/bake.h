@@ -1,11 +1,12 @@
 // Mesh + material -> bank. [worker]
 //
 //   Result<Baked> baked = bake(mesh, material, {}, "bell");
-//   if (!baked) return fail(baked.error());
+//   if (!baked) return fail(baked);
 //   return modal::write_bank(baked->bank, "bell.glb");
 #pragma once
 
 #include "engine/bake/bake_options.h"
+#include "engine/bake/body_modes.h"
 #include "engine/base/progress.h"
 #include "engine/mesh/mesh_check.h"
 #include "engine/modal/bank.h"
@@ -17,9 +18,10 @@ namespace ringdown::bake {
 
 // The body of a bank as it was solved: for what needs its modes inside of the body.
 struct SolvedBody {
-  mesh::TetMesh mesh;           // of the element's order [m]
-  Eigen::MatrixXd shapes;       // 3N x M, the bank's modes in its order and with its signs [kg^-1/2]
-  fem::SparseMatrix node_mass;  // N x N [kg]
+  mesh::TetMesh mesh;                       // of the element's order [m]
+  Eigen::MatrixXd shapes;                   // 3N x M, the bank's modes in its order and with its signs [kg^-1/2]
+  fem::SparseMatrix node_mass;              // N x N [kg]
+  std::optional<Equations> equations = {};  // with options.equations [N/m, kg, kg^-1/2]
 };
 
 struct Baked {

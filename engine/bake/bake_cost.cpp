@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <numbers>
 
@@ -137,12 +136,11 @@ BakeCost expected_cost(const BodyShape& shape, double size_m, fem::Element eleme
 
 Result<void> check_memory(const BakeCost& cost, double free_bytes, const std::string& name) {
   if (cost.memory_bytes <= kDoubt * free_bytes) return {};
-  char text[300];
-  std::snprintf(text, sizeof text,
-                ": not enough memory: %.2g unknowns and about %.2g modes take about %.2g GiB, and %.2g are free; "
-                "choose a coarser --mesh-size (one %.2g times as large), a lower --element, or a narrower --band",
-                cost.unknowns, cost.modes, cost.memory_bytes / 1073741824, free_bytes / 1073741824,
-                std::pow(cost.memory_bytes / std::max(free_bytes, 1.0), 0.3));
+  const std::string text = formatted(
+      ": not enough memory: {:.2g} unknowns and about {:.2g} modes take about {:.2g} GiB, and {:.2g} are free; choose "
+      "a coarser --mesh-size (one {:.2g} times as large), a lower --element, or a narrower --band",
+      cost.unknowns, cost.modes, cost.memory_bytes / 1073741824, free_bytes / 1073741824,
+      std::pow(cost.memory_bytes / std::max(free_bytes, 1.0), 0.3));
   return fail(ErrorKind::no_memory, name + text);
 }
 

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <utility>
 
@@ -93,15 +92,16 @@ class Baker {
         reader_(recipe.geometry, recipe.options.cache) {
     if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);
     if (recipe.error > 0) recipe_.options.radiation_error = recipe.error;
-    if (recipe.preview) recipe_.options.air.reset();
+    if (recipe.preview) recipe_.options.air.reset(), recipe_.options.resonators.clear();
     recipe_.options.makeup = scaled(std::move(recipe_.options.makeup), recipe.scale);
     recipe_.options.liquids = recipe_.options.liquids.scaled(recipe.scale);
-    recipe_.options.interior = recipe.shatter.has_value();
+    for (Resonator& resonator : recipe_.options.resonators) resonator = resonator.scaled(recipe.scale);
+    if (recipe.shatter) recipe_.options.interior = true;
   }
 
   Result<Forecast> forecast() {
-    if (auto planned = plan(); !planned) return fail(planned.error());
-    if (auto meshed = mesh(); !meshed) return fail(meshed.error());
+    if (auto planned = plan(); !planned) return fail(planned);
+    if (auto meshed = mesh(); !meshed) return fail(meshed);
     const BakeCost cost = this->cost();
     BakedObject object = finished();
     return Forecast{.choice = object.choice,
@@ -114,23 +114,23 @@ class Baker {
   }
 
   Result<BakedObject> run() {
-    if (auto possible = check_shatter(); !possible) return fail(possible.error());
-    if (auto planned = plan(); !planned) return fail(planned.error());
+    if (auto possible = check_shatter(); !possible) return fail(possible);
+    if (auto planned = plan(); !planned) return fail(planned);
     bool same_mesh = false;
     for (;;) {
       if (!same_mesh) {
-        if (auto meshed = mesh(); !meshed) return fail(meshed.error());
+        if (auto meshed = mesh(); !meshed) return fail(meshed);
       }
       if (auto fits = check_memory(cost(), free_memory_bytes(), recipe_.name); !fits)
         return fail(with_question(fits.error()));
-      if (auto baked = bake_once(); !baked) return fail(baked.error());
+      if (auto baked = bake_once(); !baked) return fail(baked);
       if (recipe_.error <= 0 || error() <= recipe_.error) {
-        if (auto compared = compare_nonlinear(); !compared) return fail(compared.error());
-        if (auto broken = shatter(); !broken) return fail(broken.error());
+        if (auto compared = compare_nonlinear(); !compared) return fail(compared);
+        if (auto broken = shatter(); !broken) return fail(broken);
         return finished();
       }
       const Result<bool> refined = refine();
-      if (!refined) return fail(refined.error());
+      if (!refined) return fail(refined);
       same_mesh = *refined;
     }
   }
@@ -158,8 +158,7 @@ class Baker {
   bool go_on(std::string_view stage, double fraction) const {
     if (!progress_) return true;
     if (object_.rounds.empty()) return progress_(stage, fraction);
-    const std::string prefix =
-        "round " + std::to_string(object_.rounds.size() + 1) + ", error " + as_percent(error()) + " so far: ";
+    const std::string prefix = formatted("round {}, error {} so far: ", object_.rounds.size() + 1, as_percent(error()));
     return progress_(prefix + std::string(stage), fraction);
   }
 
@@ -184,7 +183,7 @@ class Baker {
     if (named && !recipe_.preview) return reader_.is_surface() ? check_named_size() : Result<void>();
     if (!go_on("mesh", 0)) return fail_cancelled();
     const Result<mesh::Sketch> sketch = reader_.sketch(recipe_.meshing, progress());
-    if (!sketch) return fail(sketch.error());
+    if (!sketch) return fail(sketch);
     if (sketch->sized_by_file && !recipe_.preview) return {};
     if (take_size_from_parameters() && !recipe_.preview) return {};
     const BodyShape shape = measure_shape(sketch->skin, sketch->wall_m);
@@ -216,7 +215,7 @@ class Baker {
   Result<void> check_named_size() {
     constexpr double kTimes = 3, kMaxUnknowns = 1e8;  // the number of unknowns is only a guess so far
     const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing, progress());
-    if (!surface) return fail(surface.error());
+    if (!surface) return fail(surface);
     mesh::TriangleMesh sized = (*surface)->mesh;
     const BakeCost cost = expected_cost(measure_shape(sized, 0), recipe_.meshing.mesh_size_m, recipe_.options.element,
                                         stand_in_, recipe_.options.band_high_hz);
@@ -258,7 +257,7 @@ class Baker {
     if (!go_on("mesh", 0)) return fail_cancelled();
     const auto start = std::chrono::steady_clock::now();
     Result<mesh::Body> body = reader_.read(recipe_.meshing, progress());
-    if (!body) return fail(body.error());
+    if (!body) return fail(body);
     object_.mesh = std::move(body->mesh);
     const mesh::TetMesh sized{object_.mesh.mesh.nodes * recipe_.scale, object_.mesh.mesh.elements};
     ask_about_size(measure_shape(sized));
@@ -294,10 +293,12 @@ class Baker {
     const char* const what = !recipe_.options.makeup.moves_freely() ? "a grain, parts, masses or stiff supports"
                              : recipe_.options.nonlinear > 0        ? "nonlinear modes"
                              : !recipe_.options.liquids.none()      ? "a liquid"
+                             : !recipe_.options.resonators.empty()  ? "a resonator"
                                                                     : nullptr;
     if (what == nullptr) return {};
-    return fail(ErrorKind::bad_input, recipe_.name + ": a body with " + what +
-                                          " cannot be broken; leave [shatter] out, or make it of one free material");
+    return fail(ErrorKind::bad_input,
+                "{}: a body with {} cannot be broken; leave [shatter] out, or make it of one free material",
+                recipe_.name, what);
   }
 
   // Breaks the body, if its recipe says so.
@@ -306,7 +307,7 @@ class Baker {
     Shatter how = *recipe_.shatter;
     for (Vec3& place : how.places_m) place = recipe_.scale * place;
     Result<modal::Fracture> fracture = shatter_body(object_.baked, how, recipe_.options, progress());
-    if (!fracture) return fail(fracture.error());
+    if (!fracture) return fail(fracture);
     for (modal::BreakPattern& pattern : fracture->patterns) {
       for (modal::PieceBank& piece : pattern.pieces) piece.bank.gain = std::pow(10.0, recipe_.gain_db / 20);
     }
@@ -337,7 +338,7 @@ class Baker {
     for (const std::uint32_t mode : bank.nonlinear->modes) highest_hz = std::max(highest_hz, bank.frequency_hz[mode]);
     options.band_high_hz = std::min(options.band_high_hz, kBandMargin * highest_hz);
     const Result<Baked> coarse = bake(body->mesh, material_, options, recipe_.name, progress());
-    if (!coarse) return coarse.error().kind == ErrorKind::cancelled ? fail(coarse.error()) : Result<void>();
+    if (!coarse) return coarse.error().kind == ErrorKind::cancelled ? fail(coarse) : Result<void>();
     const BakeReport &fine = object_.baked.report, &other = coarse->report;
     if (other.hardening.size() < fine.hardening.size()) return {};
     for (const std::size_t mode : fine.hardened)
@@ -386,7 +387,7 @@ class Baker {
       if (!object_.mesh.groups.empty() && !recipe_.options.makeup.plain())
         return fail(ErrorKind::too_large, out_of_reach("a mesh with groups cannot be split"));
       Result<mesh::CheckedMesh> fine = mesh::check_mesh(mesh::split(object_.mesh.mesh), recipe_.geometry.string());
-      if (!fine) return fail(fine.error());
+      if (!fine) return fail(fine);
       object_.mesh = std::move(*fine);
     }
     return true;
@@ -401,10 +402,8 @@ class Baker {
   [[nodiscard]] double unknowns() const { return static_cast<double>(object_.rounds.back().unknowns); }
 
   [[nodiscard]] std::string more_than_most(double wanted) const {
-    char text[80];
-    std::snprintf(text, sizeof text, "the next round would take about %.2g million unknowns, more than %.2g",
-                  wanted / 1e6, recipe_.max_unknowns / 1e6);
-    return text;
+    return formatted("the next round would take about {:.2g} million unknowns, more than {:.2g}", wanted / 1e6,
+                     recipe_.max_unknowns / 1e6);
   }
 
   [[nodiscard]] std::string out_of_reach(const std::string& why) const {
@@ -412,8 +411,9 @@ class Baker {
         std::min_element(object_.rounds.begin(), object_.rounds.end(), [](const Round& a, const Round& b) {
           return a.error < b.error;
         })->error;
-    return recipe_.name + ": the error stays at " + as_percent(best) + " instead of " + as_percent(recipe_.error) +
-           " (" + why + "); allow a larger --error, or narrow the band with --band";
+    return formatted(
+        "{}: the error stays at {} instead of {} ({}); allow a larger --error, or narrow the band with --band",
+        recipe_.name, as_percent(best), as_percent(recipe_.error), why);
   }
 
   ObjectRecipe recipe_;
@@ -437,7 +437,7 @@ Result<BakedObject> bake_recipe(const ObjectRecipe& recipe, const modal::Materia
 Result<ObjectRecipe> with_part_materials(ObjectRecipe recipe, const std::filesystem::path& materials) {
   for (Part& part : recipe.options.makeup.parts) {
     Result<MaterialEntry> material = find_material(materials, part.material.name);
-    if (!material) return fail(material.error());
+    if (!material) return fail(material);
     part.material = std::move(material->material);
   }
   return recipe;
@@ -450,7 +450,7 @@ Result<void> find_liquids(const std::filesystem::path& materials, Liquids& liqui
   const std::filesystem::path folder = liquid_folder(materials);
   const auto find = [&](liquid::Liquid& liquid) -> Result<void> {
     Result<liquid::Liquid> found = liquid::find_liquid(folder, liquid.name);
-    if (!found) return fail(found.error());
+    if (!found) return fail(found);
     liquid = std::move(*found);
     return {};
   };
@@ -465,13 +465,13 @@ Result<void> find_liquids(const std::filesystem::path& materials, Liquids& liqui
 Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,
                                 const Progress& progress) {
   Result<MaterialEntry> material = find_material(materials, recipe.material);
-  if (!material) return fail(material.error());
+  if (!material) return fail(material);
   for (const auto& [key, value] : recipe.figures) {
-    if (auto set = set_figure(material->material, key, value); !set) return fail(set.error());
+    if (auto set = set_figure(material->material, key, value); !set) return fail(set);
   }
   Result<ObjectRecipe> whole = with_part_materials(recipe, materials);
-  if (!whole) return fail(whole.error());
-  if (auto found = find_liquids(materials, whole->options.liquids); !found) return fail(found.error());
+  if (!whole) return fail(whole);
+  if (auto found = find_liquids(materials, whole->options.liquids); !found) return fail(found);
   if (recipe.other_material && !material->material.orthotropy) whole->options.makeup.grain.reset();
   const Makeup& makeup = whole->options.makeup;
   for (const char* key : {"youngs_modulus_pa", "poisson_ratio"}) {

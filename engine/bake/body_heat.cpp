@@ -1,8 +1,8 @@
 #include "engine/bake/body_heat.h"
 
+#include "engine/base/range.h"
+
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 namespace ringdown::bake {
 namespace {
@@ -13,12 +13,6 @@ constexpr double kInsulates = 1e-6;  // conductivity of a part that does not say
 
 // Rounds to four digits, which is more than a relaxation is known to: a bank holds eight of these numbers for each
 // mode.
-double rounded(double figure) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3e", figure);
-  return std::strtod(text, nullptr);
-}
-
 }  // namespace
 
 BodyHeat::BodyHeat(const std::vector<modal::Material>& materials) {
@@ -47,7 +41,7 @@ modal::ModeHeat BodyHeat::relaxations(const Eigen::MatrixXd& pairs, const BodyUn
   const double rate = modal::diffusivity(thermal, reference->density_kg_m3) / (units.length_m * units.length_m);
   for (int j = 0; j < modal::kRelaxations; ++j) {
     if (pairs(2 * j, m) > 0)
-      relaxations[j] = {rounded(strength * pairs(2 * j, m)), rounded(1 / (rate * pairs(2 * j + 1, m)))};
+      relaxations[j] = {to_digits(strength * pairs(2 * j, m), 4), to_digits(1 / (rate * pairs(2 * j + 1, m)), 4)};
   }
   return relaxations;
 }

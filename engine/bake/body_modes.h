@@ -23,6 +23,7 @@
 #include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace ringdown::bake {
 
@@ -42,10 +43,19 @@ struct ModeShares {
   Eigen::MatrixXd points;          // held points x m: |phi|^2
 };
 
+// The eigenproblem of a body, all its nodes included.
+struct Equations {
+  fem::System system;                 // with glued masses, without springs
+  fem::SparseMatrix springs;          // 3N x 3N, lower triangle: what supports add to the stiffness; no rows: nothing
+  std::vector<std::int32_t> clamped;  // nodes, ascending
+  Eigen::MatrixXd rigid;              // 3N x r motions that cost no energy, mass-normalised
+};
+
 // Modes at every node of the body, which take many times the memory of those at its surface.
 struct Interior {
   Eigen::MatrixXd shapes;       // 3N x m
   fem::SparseMatrix node_mass;  // N x N
+  std::optional<Equations> equations = {};
 };
 
 struct BodyModes {

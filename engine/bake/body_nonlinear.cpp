@@ -62,11 +62,10 @@ Result<void> NonlinearCache::store(const BodyModes& modes, const NonlinearModes&
 
 Result<void> check_shallow(const NonlinearModes& terms, const std::string& name) {
   if (terms.carried_share <= kMaxCarried) return {};
-  return fail(ErrorKind::bad_input, name +
-                                        " is too deep a shell for nonlinear modes: the stress of its own bending "
-                                        "changes the terms of its stretching by " +
-                                        as_percent(terms.carried_share) + ", and more than " + as_percent(kMaxCarried) +
-                                        " is not modelled; bake it without --nonlinear");
+  return fail(ErrorKind::bad_input,
+              "{} is too deep a shell for nonlinear modes: the stress of its own bending changes the terms of its "
+              "stretching by {}, and more than {} is not modelled; bake it without --nonlinear",
+              name, as_percent(terms.carried_share), as_percent(kMaxCarried));
 }
 
 std::optional<modal::NonlinearTerms> bank_terms(const NonlinearModes& terms, const std::vector<HeardMode>& kept,

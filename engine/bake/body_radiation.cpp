@@ -2,12 +2,11 @@
 
 #include "engine/base/byte_stream.h"
 #include "engine/base/content_cache.h"
+#include "engine/base/range.h"
 #include "engine/radiate/radiate.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
 #include <span>
 #include <utility>
@@ -32,16 +31,10 @@ struct Answers {
 };
 
 // Nine digits: bodies of another size differ in the last ones, and must ask the same question.
-double nine_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.8e", value);
-  return std::strtod(text, nullptr);
-}
-
 std::vector<double> wavenumbers(const RadiatingBody& body, const modal::Air& air, const std::vector<HeardMode>& modes) {
   std::vector<double> found;
   for (const HeardMode& mode : modes) {
-    found.push_back(nine_digits(std::sqrt(mode.lambda) * body.units.length_m / air.sound_speed_m_s));
+    found.push_back(to_digits(std::sqrt(mode.lambda) * body.units.length_m / air.sound_speed_m_s, 9));
   }
   return found;
 }
@@ -146,9 +139,11 @@ radiate::Body above_liquid(radiate::Body body, const WetEffects& wet, const std:
   return body;
 }
 
-// The surface as flat triangles, and what each mode pushes through its curved faces.
-radiate::Body body_for(const RadiatingBody& body, const std::vector<double>& wavenumbers,
-                       const std::vector<HeardMode>& modes) {
+}  // namespace
+
+// Flat triangles, and what each mode pushes through its curved faces.
+radiate::Body radiating_surface(const RadiatingBody& body, const std::vector<double>& wavenumbers,
+                                const std::vector<HeardMode>& modes) {
   radiate::Body vibrating;
   const mesh::Points nodes = surface_nodes(body);
   vibrating.surface.nodes = nodes;
@@ -179,12 +174,14 @@ radiate::Body body_for(const RadiatingBody& body, const std::vector<double>& wav
   return vibrating;
 }
 
+namespace {
+
 Result<Answers> solve_radiation(const RadiatingBody& body, const std::vector<double>& wavenumbers,
                                 const std::vector<HeardMode>& modes, const Progress& progress) {
   const radiate::Options options{
       .progress = [&](std::string_view, double fraction) { return !progress || progress("radiation", fraction); }};
-  Result<radiate::Radiation> radiation = radiate::solve(body_for(body, wavenumbers, modes), {}, options);
-  if (!radiation) return fail(radiation.error());
+  Result<radiate::Radiation> radiation = radiate::solve(radiating_surface(body, wavenumbers, modes), {}, options);
+  if (!radiation) return fail(radiation);
   Answers answers{.origin = radiation->maps.origin_m, .largest_unknowns = radiation->largest_unknowns};
   for (std::size_t m = 0; m < modes.size(); ++m) {
     answers.modes.push_back({.field = std::move(radiation->maps.modes[m]),
@@ -223,7 +220,7 @@ Result<Vec3> find_radiation(const RadiatingBody& body, const modal::Air& air, co
   }
   if (!answers) {
     Result<Answers> solved = solve_radiation(body, asked, modes, progress);
-    if (!solved) return fail(solved.error());
+    if (!solved) return fail(solved);
     answers = std::move(*solved);
     if (key) {
       if (const auto stored = kept.store(kKind, *key, packed(*answers)); !stored)

@@ -16,6 +16,7 @@
 #include "engine/base/result.h"
 #include "engine/mesh/boundary.h"
 #include "engine/modal/radiation_map.h"
+#include "engine/radiate/body.h"
 
 #include <filesystem>
 #include <string>
@@ -35,6 +36,11 @@ struct RadiationReport {
   std::string cache_trouble;  // why the cache could not be written; the result is none the worse
   int largest_unknowns = 0;   // of the finest surface
 };
+
+// The surface that the air touches, and what each mode pushes through it, in units of the body's length. `wavenumbers`
+// are those of the modes, times the length.
+radiate::Body radiating_surface(const RadiatingBody& body, const std::vector<double>& wavenumbers,
+                                const std::vector<HeardMode>& modes);
 
 // Finds what each mode radiates into the air, and writes it into the modes as the body's own: field, error, doubt. What
 // the air takes follows from the field. Returns where the fields are measured from [m]. With a cache folder the answer

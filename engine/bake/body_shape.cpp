@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <vector>
 
@@ -176,10 +175,7 @@ BodyShape scaled(BodyShape shape, double by) {
 }
 
 std::string length_text(double metres) {
-  char text[32];
-  metres < 1 ? std::snprintf(text, sizeof text, "%.3g mm", 1000 * metres)
-             : std::snprintf(text, sizeof text, "%.3g m", metres);
-  return text;
+  return metres < 1 ? formatted("{:.3g} mm", 1000 * metres) : formatted("{:.3g} m", metres);
 }
 
 // The limits of a bank.
@@ -226,21 +222,17 @@ std::string question_size(const BodyShape& shape, const modal::Material& materia
   const Limits limits{band_high_hz, max_modes};
   const Sound sound = sound_of(shape, material, limits);
   if (sound == Sound::kGood) return "";
-  char trouble[120];
-  if (sound == Sound::kSilent) {
-    std::snprintf(trouble, sizeof trouble, "its lowest note would be near %.2g Hz", guessed_lowest_hz(shape, material));
-  } else {
-    std::snprintf(trouble, sizeof trouble, "about %.2g modes would lie below %.0f Hz",
-                  modes_below(shape, material, limits), band_high_hz);
-  }
-  std::string text = path.filename().string() + " is " + length_text(shape.length_m) + " long, so that " + trouble;
+  const std::string trouble =
+      sound == Sound::kSilent ? formatted("its lowest note would be near {:.2g} Hz", guessed_lowest_hz(shape, material))
+                              : formatted("about {:.2g} modes would lie below {:.0f} Hz",
+                                          modes_below(shape, material, limits), band_high_hz);
+  const std::string text =
+      formatted("{} is {} long, so that {}", path.filename().string(), length_text(shape.length_m), trouble);
   for (const Unit& unit : kUnits) {
     const BodyShape other = scaled(shape, unit.length_m / unit_m);
     if (unit.length_m == unit_m || sound_of(other, material, limits) != Sound::kGood) continue;
-    char note[32];
-    std::snprintf(note, sizeof note, "%.2g Hz", guessed_lowest_hz(other, material));
-    return text + "; if its unit is the " + unit.name + " (--unit " + unit.option + "), it is " +
-           length_text(other.length_m) + " long, and its lowest note about " + note;
+    return formatted("{}; if its unit is the {} (--unit {}), it is {} long, and its lowest note about {:.2g} Hz", text,
+                     unit.name, unit.option, length_text(other.length_m), guessed_lowest_hz(other, material));
   }
   return text + "; check its unit (--unit)";
 }
@@ -249,25 +241,20 @@ Result<void> check_place(const mesh::Points& nodes, double length_m) {
   constexpr double kMaxDistance = 1e4;
   const double reach = nodes.cwiseAbs().maxCoeff();
   if (reach < kMaxDistance * length_m) return {};
-  char text[200];
-  std::snprintf(
-      text, sizeof text,
-      " is %.3g m long and lies %.3g m from the origin, too far for the 32-bit positions of a bank; move it to "
-      "the origin",
-      length_m, reach);
-  return fail(ErrorKind::bad_input, text);
+  return fail(ErrorKind::bad_input,
+              " is {:.3g} m long and lies {:.3g} m from the origin, too far for the 32-bit positions of a bank; move "
+              "it to the origin",
+              length_m, reach);
 }
 
 Result<void> check_count(double volume_m3, const modal::Material& material, double lambda, double band_high_hz,
                          int max_modes) {
   const double count = debye_count(volume_m3, material, lambda);
   if (count <= 4.0 * max_modes) return {};
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g", count);
   return fail(ErrorKind::too_large,
-              std::string("about ") + text + " modes lie below " + std::to_string(std::lround(band_high_hz)) +
-                  " Hz, and a bank holds " + std::to_string(max_modes) +
-                  ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
+              "about {:.2g} modes lie below {} Hz, and a bank holds {}: check the unit of its lengths (--unit 0.001 "
+              "for millimetres), or narrow the band (--band)",
+              count, std::lround(band_high_hz), max_modes);
 }
 
 }  // namespace ringdown::bake

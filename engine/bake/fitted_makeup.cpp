@@ -1,6 +1,7 @@
 #include "engine/bake/fitted_makeup.h"
 
 #include "engine/base/byte_stream.h"
+#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/fem/mode_energy.h"
 
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <utility>
 
@@ -89,18 +89,18 @@ class Fitter {
       : makeup_(makeup), material_(material), mesh_(mesh), groups_(groups), units_(units) {}
 
   Result<FittedMakeup> run() {
-    if (auto parts = find_parts(); !parts) return fail(parts.error());
-    if (auto laws = make_laws(); !laws) return fail(laws.error());
+    if (auto parts = find_parts(); !parts) return fail(parts);
+    if (auto laws = make_laws(); !laws) return fail(laws);
     for (const Support& support : makeup_.supports) {
       if (support.kind != SupportKind::kSprings) continue;
-      if (auto held = hold(support); !held) return fail(held.error());
+      if (auto held = hold(support); !held) return fail(held);
     }
     for (const Support& support : makeup_.supports) {
       if (support.kind == SupportKind::kSprings) continue;
-      if (auto held = hold(support); !held) return fail(held.error());
+      if (auto held = hold(support); !held) return fail(held);
     }
     for (const GluedMass& mass : makeup_.masses) {
-      if (auto glued = glue(mass); !glued) return fail(glued.error());
+      if (auto glued = glue(mass); !glued) return fail(glued);
     }
     fitted_.free_motions = fem::free_motions(mesh_, fitted_.holding);
     fitted_.heat = BodyHeat(fitted_.materials);
@@ -241,10 +241,9 @@ class Fitter {
     for (const Vec3& point_m : support.points_m) {
       fem::HeldPoint point = fem::nearest_point(mesh_, outer_, to_eigen(point_m) / units_.length_m);
       if (point.distance > kNearPoint) {
-        char text[160];
-        std::snprintf(
-            text, sizeof text,
-            "the point (%.4g, %.4g, %.4g) of a support lies %.3g m away from the body; give it in metres of the object",
+        const std::string text = formatted(
+            "the point ({:.4g}, {:.4g}, {:.4g}) of a support lies {:.3g} m away from the body; give it in metres of "
+            "the object",
             point_m.x, point_m.y, point_m.z, point.distance * units_.length_m);
         return fail(ErrorKind::bad_input, text);
       }
@@ -253,14 +252,14 @@ class Fitter {
       fitted_.point_damping_ns_m.push_back(support.point_damping_ns_m);
     }
     const std::size_t count = support.points_m.size();
-    fitted_.notes.push_back("touched at " + std::to_string(count) + (count == 1 ? " point" : " points"));
+    fitted_.notes.push_back(formatted("touched at {}{}", count, count == 1 ? " point" : " points"));
     return {};
   }
 
   Result<void> hold(const Support& support) {
     if (support.kind == SupportKind::kPoints) return touch(support);
     auto faces = faces_at(support.place);
-    if (!faces) return fail(faces.error());
+    if (!faces) return fail(faces);
     const fem::Extent extent = fem::extent_of(mesh_, *faces);
     const double spring = units_.length_m / units_.modulus_pa;
     switch (support.kind) {
@@ -292,7 +291,7 @@ class Fitter {
 
   Result<void> glue(const GluedMass& mass) {
     auto faces = faces_at(mass.place);
-    if (!faces) return fail(faces.error());
+    if (!faces) return fail(faces);
     const double area = fem::extent_of(mesh_, *faces).area;
     const double unit_kg = units_.density_kg_m3 * std::pow(units_.length_m, 3);
     note("with a glued mass", area);
@@ -301,9 +300,7 @@ class Fitter {
   }
 
   void note(const char* what, double area) {
-    char text[80];
-    std::snprintf(text, sizeof text, "%s: %.3g cm2", what, 1e4 * area * units_.length_m * units_.length_m);
-    fitted_.notes.emplace_back(text);
+    fitted_.notes.push_back(formatted("{}: {:.3g} cm2", what, 1e4 * area * units_.length_m * units_.length_m));
   }
 
   void write_key() {
@@ -455,7 +452,7 @@ modal::Material isotropic_stand_in(const modal::Material& material) {
 }
 
 Result<fem::Matrix6> stiffness_at(const modal::Material& material, const Grain& grain, const Eigen::Vector3d& point_m) {
-  if (auto good = check_grain(material, grain); !good) return fail(good.error());
+  if (auto good = check_grain(material, grain); !good) return fail(good);
   return fem::orthotropic_stiffness(constants_of(*material.orthotropy, 1)).map([&](const fem::Matrix6& stiffness) {
     return fem::rotated(stiffness, axes_at(grain, point_m));
   });

@@ -1,12 +1,11 @@
 #include "engine/bake/heard_modes.h"
 
+#include "engine/base/range.h"
 #include "engine/materials/importance.h"
 #include "engine/modal/hearing/loudness.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <utility>
 
 namespace ringdown::bake {
@@ -65,17 +64,11 @@ double sign_of(const Eigen::Ref<const Eigen::VectorXd>& shape) {
   return *std::find_if(shape.begin(), shape.end(), [large](double x) { return std::abs(x) >= large; }) < 0 ? -1 : 1;
 }
 
-double rounded_error(double error) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2e", error);
-  return std::strtod(text, nullptr);
-}
-
 Eigen::MatrixXd shapes_of(const std::vector<HeardMode>& heard, const BodyModes& modes) {
   Eigen::MatrixXd shapes(modes.shapes.rows(), static_cast<Eigen::Index>(heard.size()));
   for (std::size_t m = 0; m < heard.size(); ++m) {
     const auto shape = modes.shapes.col(heard[m].number);
-    shapes.col(static_cast<Eigen::Index>(m)) = sign_of(shape) * shape;
+    shapes.col(static_cast<Eigen::Index>(m)) = (heard[m].turned ? -1 : 1) * sign_of(shape) * shape;
   }
   return shapes;
 }
@@ -91,14 +84,14 @@ void add_modes(modal::Bank& bank, const std::vector<HeardMode>& heard, const Eig
     bank.decay_per_s.push_back(mode.mode.decay_per_s);
     bank.losses.push_back(mode.loss);
     if (warms) bank.heat.push_back(mode.heat);
-    bank.frequency_error.push_back(rounded_error(mode.frequency_error));
+    bank.frequency_error.push_back(to_digits(mode.frequency_error, 3));
     const Eigen::VectorXf shape = shapes.col(static_cast<Eigen::Index>(m)).cast<float>();
     for (Eigen::Index row = 0; row < shape.size(); row += 3) {
       bank.shapes.push_back({shape[row], shape[row + 1], shape[row + 2]});
     }
     if (!air) continue;
     bank.radiation->maps.modes.push_back(mode.field);
-    bank.radiation->error_db.push_back(rounded_error(mode.radiation_error_db));
+    bank.radiation->error_db.push_back(to_digits(mode.radiation_error_db, 3));
     if (doubtful) bank.radiation->reason.push_back(mode.radiation_doubt);
   }
 }

@@ -22,7 +22,8 @@ struct HeardMode {
   modal::ModeHeat heat{};
   double importance = 0;
   double frequency_error = 0;
-  modal::FarField field;  // of the mode with sign_of() its shape; where it was computed
+  bool turned = false;    // the bank has the shape with the other sign than sign_of()
+  modal::FarField field;  // of the mode with the sign that its shape has in the bank; where it was computed
   double radiation_error_db = 0;
   std::string radiation_doubt;
 };
@@ -61,8 +62,5 @@ Eigen::MatrixXd shapes_of(const std::vector<HeardMode>& heard, const BodyModes& 
 // in it is added, too.
 void add_modes(modal::Bank& bank, const std::vector<HeardMode>& heard, const Eigen::MatrixXd& shapes,
                const modal::Air* air = nullptr);
-
-// An error rounded to three digits, which is all that an estimate may claim.
-double rounded_error(double error);
 
 }  // namespace ringdown::bake

@@ -46,7 +46,7 @@ void read_place(TomlTable& table, Place& place) {
     if (!table.has(key)) return;
     std::vector<double> n;
     table.numbers(key, n);
-    if (n.size() != 6) return table.complain(key, std::string(key) + " must be six numbers: " + what);
+    if (n.size() != 6) return table.complain(key, formatted("{} must be six numbers: {}", key, what));
     target = {Vec3{n[0], n[1], n[2]}, Vec3{n[3], n[4], n[5]}};
   };
   six("box", place.box_m, "two opposite corners, in metres");
@@ -134,10 +134,10 @@ void read_makeup(TomlTable& file, Makeup& makeup) {
 
 Result<Support> parse_support(const std::string& text) {
   Result<TomlTable> file = TomlTable::parse("support = { " + text + " }", "--support");
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   Support support;
   if (auto table = file->table("support")) support = read_support(*table);
-  if (auto good = file->finish(); !good) return fail(good.error());
+  if (auto good = file->finish(); !good) return fail(good);
   return support;
 }
 

@@ -160,8 +160,7 @@ Result<NonlinearModes> find_nonlinear(const mesh::TetMesh& unit_mesh, const fem:
 
   if (progress && !progress("nonlinear", 0)) return fail_cancelled();
   solve::SlavedResponse response(system, kept, kShift * lambda[0]);
-  if (auto done = response.factor([&] { return !progress || progress("nonlinear", 0); }); !done)
-    return fail(done.error());
+  if (auto done = response.factor([&] { return !progress || progress("nonlinear", 0); }); !done) return fail(done);
   const fem::BlasThreads one(1);
   const fem::QuadraticStrain strain(unit_mesh, elastic, shapes);
   const Operator apply(strain, response, lambda, shapes);
@@ -193,8 +192,8 @@ Result<NonlinearModes> find_nonlinear(const mesh::TetMesh& unit_mesh, const fem:
   result.carried_share = carried_share(strain, response, lambda);
   return result;
 } catch (const std::bad_alloc&) {
-  return fail(ErrorKind::no_memory, "not enough memory for " + std::to_string(modes) +
-                                        " nonlinear modes; ask for fewer, or make the mesh coarser");
+  return fail(ErrorKind::no_memory, "not enough memory for {} nonlinear modes; ask for fewer, or make the mesh coarser",
+              modes);
 }
 
 VectorXd own_hardening(const NonlinearModes& modes, const VectorXd& lambda) {

@@ -2,13 +2,13 @@
 
 #include "engine/bake/liquid/filling.h"
 #include "engine/bake/makeup_file.h"
+#include "engine/bake/tubes/resonator.h"
 #include "engine/base/note.h"
 #include "engine/base/toml_table.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <regex>
 #include <vector>
@@ -68,8 +68,7 @@ std::optional<Shatter> read_shatter(TomlTable& file) {
     shatter.places_m.push_back({places[i], places[i + 1], places[i + 2]});
   const int all = std::reduce(shatter.pieces.begin(), shatter.pieces.end());
   if (all * std::max<std::size_t>(shatter.places_m.size(), 1) > modal::kMaxPieces)
-    table->complain("pieces",
-                    "the pieces of all levels and places must be " + std::to_string(modal::kMaxPieces) + " at most");
+    table->complain("pieces", formatted("the pieces of all levels and places must be {} at most", modal::kMaxPieces));
   table->whole("seed", shatter.seed, 0, kMaxSeed);
   table->number("min_mass_kg", shatter.min_mass_kg, kPieceMass_kg);
   table->numbers("band_hz", band);
@@ -95,7 +94,7 @@ void read_part_surfaces(TomlTable& file, const std::filesystem::path& folder, Ob
 }
 
 Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::path& path) {
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   ObjectRecipe recipe;
   recipe.name = path.stem().string();
   std::string geometry;
@@ -113,7 +112,10 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   read_pitch(*file, recipe);
   recipe.shatter = read_shatter(*file);
   read_liquids(*file, recipe.options.liquids);
-  if (auto good = file->finish(); !good) return fail(good.error());
+  read_resonators(*file, recipe.options.resonators);
+  if (!recipe.options.resonators.empty() && !file->has("radiation") && !recipe.options.air)
+    recipe.options.air.emplace();
+  if (auto good = file->finish(); !good) return fail(good);
   return recipe;
 }
 
@@ -143,11 +145,7 @@ Result<ObjectRecipe> parse_object(std::string_view text, const std::filesystem::
 
 namespace {
 
-std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
+std::string number_text(double value) { return formatted("{:.6g}", value); }
 
 // The note's name where the pitch is one of equal temperament, else Hz.
 std::string pitch_text(double pitch_hz) {
@@ -223,7 +221,7 @@ class Lines {
 
 Result<std::string> change_object(std::string_view text, const ObjectChanges& changes) {
   const Result<ObjectRecipe> before = parse_object(text, "the object");
-  if (!before) return fail(before.error());
+  if (!before) return fail(before);
   ObjectRecipe wanted = *before;
   Lines lines(text);
   lines.drop("name");

@@ -32,6 +32,7 @@
 //   [[mass]]                         # glued on, spread over a box, plane or group
 //   mass_kg = 0.002
 //   [fill]                           # a liquid in it, and [bath]: one around it (liquid/filling.h)
+//   [[resonator]]                    # a tube under it (tubes/resonator.h)
 //   [shatter]                        # it can break into pieces (docs/use/breaking.md)
 //   pieces = [4, 14, 48]             # numbers of pieces, of one pattern each; default 30
 //   pattern = "impact"               # or "radial", "uniform"

@@ -62,10 +62,9 @@ Result<void> set_radiation(Recipe& recipe, const Value& value) {
 // On the command line --air implies --radiation. In a file it stands beside `radiation`, whose row comes before.
 Result<void> set_air(Recipe& recipe, const Value& value) {
   if (!kAirDensity_kg_m3.holds(value.number) || !kSoundSpeed_m_s.holds(value.second))
-    return fail(
-        ErrorKind::bad_input,
-        "--air takes a gas: a density of 0.001 to 20 kg/m3 and a speed of 10 to 10000 m/s; a liquid around the body "
-        "is a [bath] of its object file");
+    return fail(ErrorKind::bad_input,
+                "--air takes a gas: a density of 0.001 to 20 kg/m3 and a speed of 10 to 10000 m/s; a liquid around the "
+                "body is a [bath] of its object file");
   if (recipe.options.air || !value.in_file)
     recipe.options.air = modal::Air{.density_kg_m3 = value.number, .sound_speed_m_s = value.second};
   return {};

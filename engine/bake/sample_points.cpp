@@ -128,7 +128,11 @@ void put_in_a_chain(SamplePoints& points) {
     points.positions.row(p) = old.positions.row(order[p]);
     points.shapes.middleRows<3>(3 * p) = old.shapes.middleRows<3>(3 * order[p]);
   }
-  for (auto& [a, b, c] : points.triangles) a = number[a], b = number[b], c = number[c];
+  for (auto& [a, b, c] : points.triangles) {
+    a = number[a];
+    b = number[b];
+    c = number[c];
+  }
 }
 
 // Rounds to 22 binary places. A body of another size or stiffness has the same values but for their last bits, and then
@@ -314,9 +318,8 @@ Result<SamplePoints> choose_points(const mesh::TetMesh& mesh, const mesh::Bounda
       put_in_a_chain(points);
       return points;
     }
-    return fail(ErrorKind::too_large, "the surface of " + std::to_string(surface.nodes.size()) +
-                                          " points cannot be reduced to " + std::to_string(request.points) +
-                                          ", only to " + std::to_string(left.point_count()) + "; allow more points");
+    return fail(ErrorKind::too_large, "the surface of {} points cannot be reduced to {}, only to {}; allow more points",
+                surface.nodes.size(), request.points, left.point_count());
   }
   Fit good = chooser.fit();
   double excess = good.excess(request.shape_error);

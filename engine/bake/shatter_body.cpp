@@ -75,7 +75,7 @@ std::vector<float> handover(const Cut& cut, const shatter::PieceMesh& mesh, cons
 Result<modal::PieceBank> bake_piece(const Cut& cut, const shatter::PieceMesh& mesh, const modal::Material& material,
                                     const BakeOptions& options, const Vec3& place_m, const std::string& name) {
   Result<Baked> baked = bake({.mesh = mesh.mesh, .pieces = 1}, material, options, name);
-  if (!baked) return fail(baked.error());
+  if (!baked) return fail(baked);
   modal::PieceBank piece{.bank = std::move(baked->bank)};
   baked->bank.mass = piece.bank.mass;
   piece.handover = handover(cut, mesh, *baked);
@@ -116,7 +116,7 @@ Result<modal::BreakPattern> bake_level(const Cut& cut, const shatter::Level& lev
       const shatter::PieceMesh mesh =
           piece_mesh(cut.parts, cut.body.mesh, elements_of(level, static_cast<std::int32_t>(i)));
       Result<modal::PieceBank> piece =
-          bake_piece(cut, mesh, *whole.material, options, place_m, whole.name + "." + std::to_string(i));
+          bake_piece(cut, mesh, *whole.material, options, place_m, formatted("{}.{}", whole.name, i));
       if (!piece) return work.fail_with(piece.error());
       pattern.pieces[i] = std::move(*piece);
       work.go_on(1);
@@ -174,8 +174,9 @@ modal::Fracture strength_of(const SolvedBody& body, const modal::Material& mater
 // More pieces than a bank's file may have (fracture.h) are refused before they are baked.
 Result<void> check_count(std::size_t pieces, const std::string& name) {
   if (pieces <= modal::kMaxPieces) return {};
-  return fail(ErrorKind::too_large, name + " breaks into more than the " + std::to_string(modal::kMaxPieces) +
-                                        " pieces that a bank may have, over all places and levels; ask for fewer");
+  return fail(ErrorKind::too_large,
+              "{} breaks into more than the {} pieces that a bank may have, over all places and levels; ask for fewer",
+              name, modal::kMaxPieces);
 }
 
 }  // namespace
@@ -194,23 +195,23 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
   modal::Fracture fracture = strength_of(body, *whole.bank.material);
   Work work{.progress = progress, .mutex = {}};
   for (const int pieces : shatter.pieces) work.count += places_m.size() * static_cast<std::size_t>(pieces);
-  if (auto fits = check_count(work.count, whole.bank.name); !fits) return fail(fits.error());
+  if (auto fits = check_count(work.count, whole.bank.name); !fits) return fail(fits);
   std::size_t count = 0;
   for (const Vec3& place_m : places_m) {
     const auto seeds = shatter::make_seeds(
         body.mesh, {.pattern = shatter.pattern, .pieces = shatter.pieces, .impact_m = place_m, .seed = shatter.seed});
-    if (!seeds) return fail(seeds.error().kind, whole.bank.name + ": " + seeds.error().message);
+    if (!seeds) return fail(whole.bank.name, seeds);
     Result<shatter::CutBody> parts = shatter::cut_body(body.mesh, seeds->points);
-    if (!parts) return fail(parts.error().kind, whole.bank.name + ": " + parts.error().message);
+    if (!parts) return fail(whole.bank.name, parts);
     const Cut cut{body, mass, std::move(*parts)};
     for (const shatter::Level& level : levels_of(cut.parts, body.mesh, seeds->group_of_cell, min_share)) {
       if (level.pieces.size() < 2)
         return fail(ErrorKind::bad_input, whole.bank.name + " breaks into one piece only; ask for more `pieces`");
       count += level.pieces.size();
-      if (auto fits = check_count(count, whole.bank.name); !fits) return fail(fits.error());
+      if (auto fits = check_count(count, whole.bank.name); !fits) return fail(fits);
       Result<modal::BreakPattern> pattern =
           bake_level(cut, level, whole.bank, options_of_piece(options, shatter), place_m, work);
-      if (!pattern) return fail(pattern.error());
+      if (!pattern) return fail(pattern);
       fracture.patterns.push_back(std::move(*pattern));
     }
   }

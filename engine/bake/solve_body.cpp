@@ -58,7 +58,7 @@ Result<void> add_liquids(const Task& task, const fem::System& moving, const std:
                          double top, Eigenmodes& modes, Eigen::VectorXd& errors, std::optional<WetEffects>& effects,
                          const Progress& progress) {
   Result<WetBody> wet = wet_body(*task.wet, task.surface, modes, moving, clamped, top, progress);
-  if (!wet) return fail(wet.error());
+  if (!wet) return fail(wet);
   // Each dry mode errs by its share of the strain.
   const Eigen::VectorXd weighed = modes.lambda.tail(errors.size()).cwiseProduct(errors);
   modes = std::move(wet->modes);
@@ -74,7 +74,9 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   Stopwatch watch;
   const fem::Holding& holding = task.makeup.holding;
   Result<fem::System> system = fem::assemble(task.unit_mesh, task.makeup.solid, task.options.element);
-  if (!system) return fail(system.error().kind, task.material.name + ": " + system.error().message);
+  if (!system) return fail(task.material.name, system);
+  Equations equations;
+  if (task.options.equations) equations.springs = system->stiffness;
   fem::add_layers(task.unit_mesh, holding, *system);
   const std::vector<std::int32_t> clamped = fem::nodes_on(task.unit_mesh, holding.clamped);
   fem::System left;
@@ -89,14 +91,13 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (auto few = check_count(measure_shape(task.mesh).volume_m3, guess, highest_lambda, task.options.band_high_hz,
                              task.options.max_modes);
       !few)
-    return fail(few.error());
+    return fail(few);
   Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
-  if (!modes) return fail(modes.error());
+  if (!modes) return fail(modes);
   report.agreement = modes->agreement;
   report.factor_seconds = modes->factor_seconds;
   report.iterate_seconds = modes->iterate_seconds;
-  if (auto rigid = check_rigid(*modes, task.makeup.free_motions, request.highest_lambda); !rigid)
-    return fail(rigid.error());
+  if (auto rigid = check_rigid(*modes, task.makeup.free_motions, request.highest_lambda); !rigid) return fail(rigid);
 
   Eigen::MatrixXd expanded = clamped.empty() ? Eigen::MatrixXd() : fem::with_nodes(modes->shapes, clamped);
   const Eigen::MatrixXd& shapes = clamped.empty() ? modes->shapes : expanded;
@@ -105,13 +106,13 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (progress && !progress("errors", 0)) return fail_cancelled();
   Result<Eigen::VectorXd> errors = fem::frequency_errors(task.unit_mesh, task.makeup.solid, modes->lambda.tail(dry),
                                                          shapes.rightCols(dry), 0, holding);
-  if (!errors) return fail(errors.error());
+  if (!errors) return fail(errors);
   *errors += rounding_of(*modes) * modes->lambda.tail(dry).cwiseInverse();
   report.estimate_seconds = watch.lap();
   std::optional<WetEffects> wet;
   if (task.wet) {
     if (auto added = add_liquids(task, moving, clamped, top, *modes, *errors, wet, progress); !added)
-      return fail(added.error());
+      return fail(added);
     if (!clamped.empty()) expanded = fem::with_nodes(modes->shapes, clamped);
     report.liquid_seconds = watch.lap();
   }
@@ -125,7 +126,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
     auto pairs = fem::heat_relaxations(
         {task.unit_mesh, task.makeup.solid, task.makeup.heat.parts, task.makeup.part_of, wall}, elastic,
         body.wet ? body.lambda.cwiseProduct(body.wet->strain).eval() : body.lambda, progress);
-    if (!pairs) return fail(pairs.error());
+    if (!pairs) return fail(pairs);
     body.heat = std::move(*pairs);
   }
   report.heat_seconds = watch.lap();
@@ -134,13 +135,22 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   body.unknowns = moving.unknowns();
   body.mass = mass_properties(task.unit_mesh, system->node_mass);
   if (task.options.interior) body.interior = {elastic, system->node_mass};
+  if (task.options.interior && task.options.equations) {
+    equations.springs.swap(system->stiffness);  // now the body's own stiffness is in `system`
+    equations.springs = holding.layers.empty() ? fem::SparseMatrix() : equations.springs - system->stiffness;
+    equations.system = *system;
+    if (!holding.layers.empty()) system->stiffness += equations.springs;
+    equations.clamped = clamped;
+    equations.rigid = shapes.leftCols(modes->rigid);
+    body.interior->equations = std::move(equations);
+  }
   if (task.options.nonlinear > 0 && body.lambda.size() > 0) {
     watch.lap();
     const int count = std::min(task.options.nonlinear, static_cast<int>(body.lambda.size()));
     const fem::Elastic& law = task.makeup.solid.laws().front().elastic;  // of a plain body the only one
     Result<NonlinearModes> nonlinear =
         find_nonlinear(task.unit_mesh, law, *system, modes->lambda, modes->shapes, modes->rigid, count, progress);
-    if (!nonlinear) return fail(nonlinear.error());
+    if (!nonlinear) return fail(nonlinear);
     body.nonlinear = std::move(*nonlinear);
     report.nonlinear_seconds = watch.lap();
   }

@@ -29,8 +29,8 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::span<
   std::string temporary = path.string() + ".XXXXXX";
   const int descriptor = ::mkstemp(temporary.data());
   if (descriptor < 0) {
-    return fail(ErrorKind::input_output,
-                "cannot write " + path.string() + ": " + system_message() + "; choose a folder you may write to");
+    return fail(ErrorKind::input_output, "cannot write {}: {}; choose a folder you may write to", path.string(),
+                system_message());
   }
   const bool stored = write_all(descriptor, bytes) && ::fchmod(descriptor, 0644) == 0 && ::fsync(descriptor) == 0;
   const std::string reason = stored ? "" : system_message();
@@ -38,8 +38,7 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::span<
   if (!stored || ::rename(temporary.c_str(), path.c_str()) != 0) {
     const std::string why = stored ? system_message() : reason;
     ::unlink(temporary.c_str());
-    return fail(ErrorKind::input_output,
-                "cannot write " + path.string() + ": " + why + "; the old file, if any, is unchanged");
+    return fail(ErrorKind::input_output, "cannot write {}: {}; the old file, if any, is unchanged", path.string(), why);
   }
   return {};
 }
@@ -60,12 +59,12 @@ Result<void> check_writable(const std::filesystem::path& path) {
     ::unlink(temporary.c_str());
   }
   if (good) return {};
-  return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + reason + "; choose another file");
+  return fail(ErrorKind::input_output, "cannot write {}: {}; choose another file", path.string(), reason);
 }
 
 Result<std::string> read_whole_file(const std::filesystem::path& path, std::size_t limit_bytes) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": " + system_message());
+  if (descriptor < 0) return fail(ErrorKind::bad_input, "cannot open {}: {}", path.string(), system_message());
   return read_open_file(descriptor, path.string(), limit_bytes);
 }
 
@@ -75,9 +74,9 @@ Result<std::string> read_file_below(const std::filesystem::path& folder, const s
   const std::filesystem::path within = std::filesystem::weakly_canonical(std::filesystem::absolute(folder), error);
   const std::filesystem::path file = std::filesystem::weakly_canonical(within / relative, error);
   if (error || std::mismatch(within.begin(), within.end(), file.begin(), file.end()).first != within.end()) {
-    return fail(ErrorKind::bad_input, "cannot open " + (folder / relative).string() +
-                                          ": it lies outside of the folder " + within.string() +
-                                          "; put what a file names beside it");
+    return fail(ErrorKind::bad_input,
+                "cannot open {}: it lies outside of the folder {}; put what a file names beside it",
+                (folder / relative).string(), within.string());
   }
   return read_whole_file(file, limit_bytes);
 }
@@ -89,8 +88,8 @@ Result<std::string> read_open_file(int descriptor, const std::string& name, std:
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     outcome = fail(ErrorKind::bad_input, "cannot read " + name + ": it is not a regular file");
   } else if (static_cast<std::size_t>(status.st_size) > limit_bytes) {
-    outcome = fail(ErrorKind::too_large, "cannot read " + name + ": " + std::to_string(status.st_size) +
-                                             " bytes is more than the limit of " + std::to_string(limit_bytes));
+    outcome = fail(ErrorKind::too_large, "cannot read {}: {} bytes is more than the limit of {}", name, status.st_size,
+                   limit_bytes);
   } else {
     outcome = within_memory("read " + name, [&]() -> Result<void> {
       text.resize(static_cast<std::size_t>(status.st_size));
@@ -101,15 +100,15 @@ Result<std::string> read_open_file(int descriptor, const std::string& name, std:
       const ssize_t got = ::read(descriptor, text.data() + filled, text.size() - filled);
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) {
-        outcome = fail(ErrorKind::input_output,
-                       "cannot read " + name + ": " + (got < 0 ? system_message() : "it shrank while it was read"));
+        outcome = fail(ErrorKind::input_output, "cannot read {}: {}", name,
+                       got < 0 ? system_message() : "it shrank while it was read");
         break;
       }
       filled += static_cast<std::size_t>(got);
     }
   }
   ::close(descriptor);
-  if (!outcome) return fail(outcome.error());
+  if (!outcome) return fail(outcome);
   return text;
 }
 

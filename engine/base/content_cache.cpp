@@ -63,7 +63,7 @@ std::vector<Kept> files_in(const fs::path& folder) {
 }  // namespace
 
 fs::path ContentCache::file_of(std::string_view kind, const ContentHash& key) const {
-  return folder_ / (std::string(kind) + "-" + key.text());
+  return folder_ / formatted("{}-{}", kind, key.text());
 }
 
 std::optional<std::string> ContentCache::find(std::string_view kind, const ContentHash& key) const {

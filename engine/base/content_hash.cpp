@@ -1,9 +1,8 @@
 #include "engine/base/content_hash.h"
+#include "engine/base/formatted.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
-
-#include <cstdio>
 
 namespace ringdown {
 
@@ -12,10 +11,7 @@ struct ContentHasher::State {
 };
 
 std::string ContentHash::text() const {
-  char digits[33];
-  std::snprintf(digits, sizeof digits, "%016llx%016llx", static_cast<unsigned long long>(high),
-                static_cast<unsigned long long>(low));
-  return digits;
+  return formatted("{:016x}{:016x}", static_cast<unsigned long long>(high), static_cast<unsigned long long>(low));
 }
 
 ContentHasher::ContentHasher() : state_(std::make_unique<State>()) { XXH3_128bits_reset(&state_->xxh3); }

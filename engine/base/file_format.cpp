@@ -1,4 +1,5 @@
 #include "engine/base/file_format.h"
+#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <array>
@@ -90,9 +91,10 @@ bool is_of_kind(const std::filesystem::path& path, FileKind kind) {
 
 std::string endings_of_bodies() {
   using enum FileKind;
-  return endings([](const FileFormat& f) { return f.kind == surface || f.kind == gltf; }) + " (surfaces), " +
-         endings([](const FileFormat& f) { return f.kind == geometry || f.kind == program; }) + " (geometries), " +
-         endings([](const FileFormat& f) { return f.kind == tetrahedra || f.kind == gmsh_mesh; }) + " (meshes)";
+  return formatted("{} (surfaces), {} (geometries), {} (meshes)",
+                   endings([](const FileFormat& f) { return f.kind == surface || f.kind == gltf; }),
+                   endings([](const FileFormat& f) { return f.kind == geometry || f.kind == program; }),
+                   endings([](const FileFormat& f) { return f.kind == tetrahedra || f.kind == gmsh_mesh; }));
 }
 
 std::string example_endings(std::initializer_list<FileKind> kinds) {

@@ -23,7 +23,7 @@ Result<std::filesystem::path> preset_folder() {
   std::error_code error;
   if (const char* chosen = std::getenv("RINGDOWN_PRESETS")) {
     if (std::filesystem::is_directory(chosen, error)) return chosen;
-    return fail(ErrorKind::refused, "RINGDOWN_PRESETS is " + std::string(chosen) + ", which is not a folder");
+    return fail(ErrorKind::refused, "RINGDOWN_PRESETS is {}, which is not a folder", chosen);
   }
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::filesystem::path installed = program.parent_path().parent_path() / "share/ringdown/presets";
@@ -53,8 +53,8 @@ Result<std::filesystem::path> preset_or_file(const std::filesystem::path& given,
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     if (entry.path().extension() == shelf.ending) names.insert(entry.path().stem().string());
   }
-  std::string sentence = "there is neither a file " + quote(given.string()) + " nor a preset of that name in " +
-                         folder.string() + ", which has ";
+  std::string sentence = formatted("there is neither a file {} nor a preset of that name in {}, which has ",
+                                   quote(given.string()), folder.string());
   for (const std::string& name : names) sentence += (name == *names.begin() ? "" : ", ") + name;
   return fail(ErrorKind::bad_input, sentence);
 }

@@ -1,9 +1,10 @@
 // Frequencies as musicians name them.
 #pragma once
 
+#include "engine/base/formatted.h"
+
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,9 +23,7 @@ inline std::string note_name(double frequency_hz) {
   const double nearest = std::round(key);
   const int octave = static_cast<int>(std::floor(nearest / 12)) - 1;
   const int step = static_cast<int>(nearest - 12 * std::floor(nearest / 12));
-  char text[32];
-  std::snprintf(text, sizeof text, "%s%d %+.0f ct", kNames[step], octave, 100 * (key - nearest));
-  return text;
+  return formatted("{}{} {:+.0f} ct", kNames[step], octave, 100 * (key - nearest));
 }
 
 // Returns the MIDI number of a note: "A4" is 69, "C4" 60, "F#3" and "Fs3" and "Gb3" 54. Nothing if outside 0 to 127.

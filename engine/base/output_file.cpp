@@ -21,14 +21,14 @@ namespace fs = std::filesystem;
 constexpr int kMaxLinks = 40;  // as many as the kernel follows
 
 tl::unexpected<Error> cannot_write(const fs::path& path, int reason) {
-  return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + std::strerror(reason));
+  return fail(ErrorKind::input_output, "cannot write {}: {}", path.string(), std::strerror(reason));
 }
 
 // Returns the descriptor of this process that `path` stands for: 1 for /proc/self/fd/1, to which /dev/stdout leads.
 std::optional<int> own_descriptor(const fs::path& path) {
   std::error_code error;
   const fs::path folder = fs::canonical(path.parent_path(), error);
-  if (error || folder != "/proc/" + std::to_string(::getpid()) + "/fd") return std::nullopt;
+  if (error || folder != formatted("/proc/{}/fd", ::getpid())) return std::nullopt;
   const std::string name = path.filename();
   int number = -1;
   const auto [end, wrong] = std::from_chars(name.data(), name.data() + name.size(), number);
@@ -66,7 +66,7 @@ int connect_to(const fs::path& path) {
 
 Result<OutputTarget> output_target(const fs::path& path) {
   auto target = followed(path);
-  if (!target) return fail(target.error());
+  if (!target) return fail(target);
   std::error_code error;
   const fs::file_status status = fs::status(*target, error);
   const bool is_file = !fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status);
@@ -100,10 +100,10 @@ Result<void> write_stream(int descriptor, std::span<const std::byte> bytes, cons
 
 Result<void> write_output(const fs::path& path, std::span<const std::byte> bytes) {
   const auto target = output_target(path);
-  if (!target) return fail(target.error());
+  if (!target) return fail(target);
   if (!target->is_stream) return write_file_atomically(target->path, bytes);
   const auto descriptor = open_stream(target->path);
-  if (!descriptor) return fail(descriptor.error());
+  if (!descriptor) return fail(descriptor);
   const auto written = write_stream(*descriptor, bytes, path);
   ::close(*descriptor);
   return written;
@@ -115,7 +115,7 @@ Result<void> write_output(const fs::path& path, std::string_view text) {
 
 Result<void> check_output(const fs::path& path) {
   const auto target = output_target(path);
-  if (!target) return fail(target.error());
+  if (!target) return fail(target);
   return target->is_stream ? Result<void>() : check_writable(target->path);
 }
 

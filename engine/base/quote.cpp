@@ -1,10 +1,10 @@
+#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 
 namespace ringdown {
 
@@ -22,9 +22,7 @@ std::string toml_string(std::string_view text) {
     if (c == '"' || c == '\\') {
       out += {'\\', c};
     } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      std::array<char, 8> escape{};
-      std::snprintf(escape.data(), escape.size(), "\\u%04x", static_cast<unsigned>(c));
-      out += escape.data();
+      out += formatted("\\u{:04x}", static_cast<unsigned>(c));
     } else {
       out += c;
     }
@@ -42,7 +40,7 @@ std::string toml_number(double number) {
 }
 
 std::string toml_vector(const Vec3& v) {
-  return "[" + toml_number(v.x) + ", " + toml_number(v.y) + ", " + toml_number(v.z) + "]";
+  return formatted("[{}, {}, {}]", toml_number(v.x), toml_number(v.y), toml_number(v.z));
 }
 
 }  // namespace ringdown

@@ -1,25 +1,20 @@
 #include "engine/base/range.h"
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 
 namespace ringdown {
 namespace {
 
-std::string short_text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%g", value);
-  return buffer;
-}
+std::string short_text(double value) { return formatted("{:g}", value); }
 
 }  // namespace
 
 Result<void> check_range(double value, const Range& range) {
   if (range.holds(value)) return {};
-  return fail(ErrorKind::bad_input,
-              short_text(value) + " is outside " + short_text(range.low) + " ... " + short_text(range.high));
+  return fail(ErrorKind::bad_input, "{} is outside {} ... {}", short_text(value), short_text(range.low),
+              short_text(range.high));
 }
 
 Result<double> parse_fraction(const std::string& text) {
@@ -33,10 +28,10 @@ Result<double> parse_fraction(const std::string& text) {
   return rest.empty() ? number : number / 100;
 }
 
-std::string as_percent(double fraction) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.2g %%", 100 * fraction);
-  return buffer;
+std::string as_percent(double fraction) { return formatted("{:.2g} %", 100 * fraction); }
+
+double to_digits(double value, int digits) {
+  return std::strtod(formatted("{:.{}e}", value, digits - 1).c_str(), nullptr);
 }
 
 }  // namespace ringdown

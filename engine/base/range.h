@@ -1,4 +1,4 @@
-// Closed ranges of numbers, and fractions that people write, such as "0.1%". [any thread]
+// Closed ranges of numbers, fractions that people write, such as "0.1%", and rounding to digits. [any thread]
 #pragma once
 
 #include "engine/base/result.h"
@@ -20,5 +20,8 @@ Result<double> parse_fraction(const std::string& text);
 
 // Writes a fraction as a percentage with two significant digits: "0.12 %".
 std::string as_percent(double fraction);
+
+// Rounds to a number of significant digits, so that a file has no digits without a meaning.
+double to_digits(double value, int digits);
 
 }  // namespace ringdown

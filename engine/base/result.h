@@ -5,17 +5,20 @@
 // are assertions. No exception leaves a public function of Ringdown.
 //
 //   Result<Bank> bank = read_bank(path);
-//   if (!bank) return fail(bank.error());                                                // passed on
-//   if (!bank) return fail(bank.error().kind, "object bell: " + bank.error().message);   // with more to say
-//   if (bank->empty()) return fail(ErrorKind::bad_input, path.string() + " has no modes; bake the object again");
+//   if (!bank) return fail(bank);                  // passed on
+//   if (!bank) return fail("object bell", bank);   // passed on, with a name before the sentence: "object bell: ..."
+//   if (bank->empty()) return fail(ErrorKind::bad_input, "{} has no modes; bake the object again", path.string());
 //
 // A caller decides by the kind and prints the sentence; it never reads the sentence to find out what happened.
 // protocol/exit_codes.h has the exit code for each kind.
 #pragma once
 
+#include "engine/base/formatted.h"
+
 #include <tl/expected.hpp>
 
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace ringdown {
@@ -43,6 +46,19 @@ using Result = tl::expected<T, Error>;
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorKind kind, std::string sentence) {
   return tl::make_unexpected(Error{kind, std::move(sentence)});
 }
+template <class Value, class... Values>
+[[nodiscard]] tl::unexpected<Error> fail(ErrorKind kind, Pattern<Value, Values...> pattern, const Value& value,
+                                         const Values&... values) {
+  return fail(kind, formatted<Value, Values...>(pattern, value, values...));
+}
 [[nodiscard]] inline tl::unexpected<Error> fail(Error error) { return tl::make_unexpected(std::move(error)); }
+template <class T>
+[[nodiscard]] tl::unexpected<Error> fail(const Result<T>& failed) {
+  return fail(failed.error());
+}
+template <class T>
+[[nodiscard]] tl::unexpected<Error> fail(std::string_view name, const Result<T>& failed) {
+  return fail(failed.error().kind, formatted("{}: {}", name, failed.error().message));
+}
 
 }  // namespace ringdown

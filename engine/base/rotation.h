@@ -17,7 +17,10 @@ struct Rotation {
   constexpr Rotation() = default;
   static constexpr Rotation from_xyzw(double x, double y, double z, double w) REALTIME {
     Rotation made;
-    made.x = x, made.y = y, made.z = z, made.w = w;
+    made.x = x;
+    made.y = y;
+    made.z = z;
+    made.w = w;
     return made;
   }
   static constexpr Rotation from_xyzw(const std::array<double, 4>& q) REALTIME {

@@ -31,7 +31,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <deque>
 #include <set>
 #include <unordered_map>
@@ -47,9 +46,7 @@ std::optional<std::string> word_of(const toml::node& node) {
   if (node.is_boolean()) return node.as_boolean()->get() ? "true" : "false";
   if (node.is_integer()) return std::to_string(node.as_integer()->get());
   if (!node.is_floating_point()) return std::nullopt;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", node.as_floating_point()->get());
-  return text;
+  return formatted("{:.17g}", node.as_floating_point()->get());
 }
 
 // Returns the line of the first character beyond ASCII where TOML allows none: outside strings and comments, and in a
@@ -68,7 +65,10 @@ std::uint32_t line_of_stray_character(std::string_view text) {
   std::string_view closing;  // the quotes that end the string, one or three; empty outside strings
   for (std::size_t i = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0; i < text.size(); ++i) {
     const char c = text[i];
-    if (c == '\n') ++line, comment = false;
+    if (c == '\n') {
+      ++line;
+      comment = false;
+    }
     if (comment) continue;
     if (closing.empty()) {
       if (beyond_ascii(i)) return line;
@@ -120,7 +120,7 @@ struct TomlTable::Document {
 
   [[nodiscard]] Error sentence(const OpenTable& table, std::uint32_t line, const std::string& why) const {
     return {ErrorKind::bad_input,
-            path + ":" + std::to_string(line) + ": " + (table.what.empty() ? "" : table.what + ": ") + why};
+            formatted("{}:{}: {}{}", path, line, table.what.empty() ? "" : table.what + ": ", why)};
   }
 };
 
@@ -130,7 +130,7 @@ std::uint32_t line_of_table(const toml::table& table) { return std::max(table.so
 
 std::string name_of(const toml::table& table, std::string_view kind) {
   const std::string name = table["name"].value_or(std::string());
-  return name.empty() ? "[[" + std::string(kind) + "]]" : std::string(kind) + " " + quote(name);
+  return name.empty() ? formatted("[[{}]]", kind) : formatted("{} {}", kind, quote(name));
 }
 
 }  // namespace
@@ -140,7 +140,7 @@ TomlTable::TomlTable(std::shared_ptr<Document> document, OpenTable& open)
 
 Result<TomlTable> TomlTable::read(const std::filesystem::path& path) {
   const Result<std::string> text = read_whole_file(path, kMaxTomlFileBytes);
-  if (!text) return fail(text.error());
+  if (!text) return fail(text);
   return parse(*text, path);
 }
 
@@ -148,26 +148,27 @@ Result<TomlTable> TomlTable::parse(std::string_view text, const std::filesystem:
   if (const std::uint32_t line = line_of_stray_character(text)) {
     return fail(
         ErrorKind::bad_input,
-        path.string() + ":" + std::to_string(line) +
-            ": not TOML: a non-ASCII character is outside quotes and comments, or after a backslash that ends a line");
+        "{}:{}: not TOML: a non-ASCII character is outside quotes and comments, or after a backslash that ends a line",
+        path.string(), line);
   }
   auto parsed = within_memory("read " + path.string(), [&]() -> Result<std::shared_ptr<Document>> {
     toml::parse_result file = toml::parse(text);
     if (file) return std::make_shared<Document>(Document{path.string(), std::move(file).table()});
     const toml::parse_error& error = file.error();
-    return fail(ErrorKind::bad_input, path.string() + ":" + std::to_string(error.source().begin.line) +
-                                          ": not TOML: " + std::string(error.description()));
+    return fail(ErrorKind::bad_input, "{}:{}: not TOML: {}", path.string(), error.source().begin.line,
+                error.description());
   });
-  if (!parsed) return fail(parsed.error());
+  if (!parsed) return fail(parsed);
   std::shared_ptr<Document> document = *std::move(parsed);
   OpenTable& root = document->open(document->root, "");
   TomlTable table(std::move(document), root);
   std::uint64_t version = kTextFileVersion;
   table.whole("version", version, 1);
   if (version > kTextFileVersion) {
-    table.complain("version", "the file is of version " + std::to_string(version) + ", and this program, Ringdown " +
-                                  kVersion + ", reads up to " + std::to_string(kTextFileVersion) +
-                                  "; a later Ringdown reads it");
+    table.complain(
+        "version",
+        formatted("the file is of version {}, and this program, Ringdown {}, reads up to {}; a later Ringdown reads it",
+                  version, kVersion, kTextFileVersion));
   }
   return table;
 }
@@ -191,12 +192,12 @@ void TomlTable::complain(std::string_view key, const std::string& why) {
 }
 
 void TomlTable::expected(std::string_view key, const std::string& what) {
-  complain(key, std::string(key) + " must be " + what);
+  complain(key, formatted("{} must be {}", key, what));
 }
 
 void TomlTable::require(std::initializer_list<std::string_view> keys) {
   for (const std::string_view key : keys) {
-    if (!has(key)) complain(key, "the key " + std::string(key) + " is missing");
+    if (!has(key)) complain(key, formatted("the key {} is missing", key));
   }
 }
 
@@ -220,7 +221,7 @@ void TomlTable::number(std::string_view key, double& target, const Range& range)
   if (!node->is_number()) return expected(key, "a number");
   const double value = *node->value<double>();
   const auto inside = check_range(value, range);
-  if (!inside) return complain(key, std::string(key) + " = " + inside.error().message);
+  if (!inside) return complain(key, formatted("{} = {}", key, inside.error().message));
   target = value;
 }
 
@@ -239,7 +240,7 @@ void TomlTable::fraction(std::string_view key, double& target, const Range& rang
                                                    : fail(ErrorKind::bad_input, "");
   if (!value) return expected(key, "a number or a percentage in quotes, such as \"0.1%\"");
   const auto inside = check_range(*value, range);
-  if (!inside) return complain(key, std::string(key) + " = " + inside.error().message);
+  if (!inside) return complain(key, formatted("{} = {}", key, inside.error().message));
   target = *value;
 }
 
@@ -249,8 +250,8 @@ void TomlTable::whole(std::string_view key, std::uint64_t& target, std::uint64_t
   const auto* integer = node->as_integer();
   const std::uint64_t value = integer && integer->get() >= 0 ? static_cast<std::uint64_t>(integer->get()) : 0;
   if (!integer || integer->get() < 0 || value < low || value > high) {
-    const std::string max = high == kAnyWhole ? "" : " and <= " + std::to_string(high);
-    return expected(key, "a whole number >= " + std::to_string(low) + max);
+    const std::string max = high == kAnyWhole ? "" : formatted(" and <= {}", high);
+    return expected(key, formatted("a whole number >= {}{}", low, max));
   }
   target = value;
 }
@@ -265,7 +266,7 @@ void TomlTable::vector(std::string_view key, Vec3& target, const Range& range) {
     if (!array->get(k)->is_number()) return expected(key, "three numbers [x, y, z]");
     values[k] = *array->get(k)->value<double>();
     const auto inside = check_range(values[k], range);
-    if (!inside) return complain(key, std::string(key) + ": " + inside.error().message);
+    if (!inside) return complain(key, formatted("{}: {}", key, inside.error().message));
   }
   target = {values[0], values[1], values[2]};
 }
@@ -314,7 +315,7 @@ int TomlTable::choice(std::string_view key, std::initializer_list<std::string_vi
   int place = 0;
   for (const std::string_view option : choices) {
     if (node->is_string() && node->as_string()->get() == option) return place;
-    allowed += (place ? ", \"" : "\"") + std::string(option) + "\"";
+    allowed += formatted("{}{}\"", place ? ", \"" : "\"", option);
     ++place;
   }
   expected(key, "one of " + allowed);
@@ -338,7 +339,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
   if (!node) return {};
   const toml::array* array = node->as_array();
   if (!array || !array->is_homogeneous(toml::node_type::table)) {
-    expected(key, "written as [[" + std::string(key) + "]]");
+    expected(key, formatted("written as [[{}]]", key));
     return {};
   }
   const std::string outer = open_->what.empty() ? "" : open_->what + ": ";

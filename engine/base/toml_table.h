@@ -2,13 +2,13 @@
 // error is one sentence that begins with path:line. [worker]
 //
 //   Result<TomlTable> file = TomlTable::read(path);
-//   if (!file) return fail(file.error());
+//   if (!file) return fail(file);
 //   file->require({"name"});
 //   file->text("name", thing.name);
 //   file->number("size_m", thing.size_m, {0, 10});               // optional: keeps its value when absent
 //   if (auto inner = file->table("inner")) inner->boolean("on", thing.on);
 //   for (TomlTable& part : file->tables("part")) read_part(part);
-//   if (auto good = file->finish(); !good) return fail(good.error());
+//   if (auto good = file->finish(); !good) return fail(good);
 //
 // Every reading function stores the key's value in its target, and leaves the target unchanged if the key is absent or
 // the value is wrong. Reading continues after an error; finish() returns the first one. So reading code needs no

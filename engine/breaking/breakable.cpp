@@ -133,6 +133,69 @@ modal::ModalState Breakable::at_peak(const Strike& blow, Frame frame) {
   return state;
 }
 
+Course Breakable::course_of(const Meeting& meeting, Frame frame, std::optional<double> strength_pa) {
+  constexpr double kAfter_s = 3e-3, kSpacing_s = 1e-5;
+  Collision collision(*map_, material_, advance_to(frame), meeting);
+  const modal::StressTable& baked = fracture().stress;
+  const bool searches = strength_pa && knows_stress();
+  const double limit_pa = searches ? *strength_pa / modal::stress_factor(material_) : 0;
+  modal::MotionSamples samples;
+  // Keeps an instant if the bound on the stress at that instant reaches the limit.
+  const auto sample = [&](const modal::ModalState& state, double time_s) {
+    double bound_pa = 0;
+    for (std::size_t m = 0; m < state.amplitudes.size(); ++m)
+      bound_pa += std::abs(state.amplitudes[m].real()) * static_cast<double>(baked.largest[m]);
+    if (bound_pa < limit_pa) return;
+    samples.times_s.push_back(time_s);
+    for (const std::complex<double>& a : state.amplitudes) samples.coordinates.push_back(static_cast<float>(a.real()));
+  };
+  Course course;
+  double largest_n = 0, sampled_s = 0;
+  while (!collision.is_over()) {
+    collision.step();
+    if (collision.force_n() > largest_n) {
+      largest_n = collision.force_n();
+      course.hardest_s = collision.time_s();
+    }
+    if (!searches || collision.time_s() < sampled_s + kSpacing_s) continue;
+    sampled_s = collision.time_s();
+    sample(collision.state(), sampled_s);
+  }
+  course.impulse_ns = collision.impulse_ns();
+  course.end_s = collision.time_s();
+  course.end = collision.state();
+  if (!searches) return course;
+  modal::ModalState after = course.end;
+  if (modal::stress_bound_pa(baked, after, nullptr) >= limit_pa) {
+    for (double time_s = course.end_s + kSpacing_s; time_s < course.end_s + kAfter_s; time_s += kSpacing_s) {
+      advance(after, kSpacing_s);
+      sample(after, time_s);
+    }
+  }
+  std::vector<Vec3> spared_m;
+  for (const MeetingPoint& point : meeting.points) spared_m.push_back((1 / material_.size) * point.point_m);
+  if (const auto strained =
+          modal::first_reaching(baked, samples, limit_pa, spared_m, kSparedRadius_m / material_.size)) {
+    course.strained_s = strained->time_s;
+  }
+  return course;
+}
+
+Breakable::Moment Breakable::moment_of(const Meeting& meeting, Frame frame, double time_s) {
+  Collision collision(*map_, material_, advance_to(frame), meeting);
+  while (!collision.is_over() && collision.time_s() < time_s) collision.step();
+  Moment moment{collision.state(), collision.impulse_ns()};
+  if (time_s > collision.time_s()) advance(moment.state, time_s - collision.time_s());
+  return moment;
+}
+
+void Breakable::follow(const Course& course) {
+  const auto lasting = static_cast<Frame>(std::ceil(course.end_s * rate_hz_));
+  state_ = course.end;
+  advance(state_, seconds(lasting) - course.end_s);
+  present_ += lasting;
+}
+
 double Breakable::stress_pa(const Strike& blow, Frame frame, double above_pa) {
   if (!knows_stress()) return 0;
   const modal::StressTable& baked = fracture().stress;
@@ -176,7 +239,7 @@ double Breakable::crack_cost_j(std::size_t pattern) const {
 
 Shattered Breakable::shatter(const PieceSet& pieces, const Break& breaks) {
   assert(breaks.pieces.size() == pieces.pieces().size());
-  const modal::ModalState state = at_peak(breaks.blow, breaks.frame);
+  const modal::ModalState state = breaks.motion ? *breaks.motion : at_peak(breaks.blow, breaks.frame);
   const double paid_j = std::min(breaks.crack_energy_j, kMaxCrackShare * modal::modal_energy(state).total_j());
   Shattered shattered{
       .broken = pieces.breaking()(state, paid_j), .under = pieces.nearest(breaks.blow.point_m), .events = {}};

@@ -14,6 +14,7 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/breaking/collision.h"
 #include "engine/breaking/piece_set.h"
 #include "engine/modal/fracture/fracture.h"
 #include "engine/modal/fracture/modal_state.h"
@@ -38,6 +39,8 @@ inline constexpr double kMaxCrackShare = 0.5;
 struct Break {
   synth::verb::Strike blow;
   synth::Frame frame = 0;  // of the peak of the force
+  // The motion at the break, by a collision; nothing: that at the peak of the blow.
+  std::optional<modal::ModalState> motion = {};
   double crack_energy_j = 0;
   RestOfBlow rest = RestOfBlow::to_piece;
   synth::ObjectNumber body = 0;
@@ -48,6 +51,15 @@ struct Shattered {
   modal::Broken broken;              // velocities and spins are beyond those of the body before the blow
   std::size_t under = 0;             // the piece under the blow
   std::vector<synth::Event> events;  // for the pieces, at the frames when the crack reaches them, and for the body
+};
+
+// A collision that has been followed to its end, and what it would have done to the body then.
+struct Course {
+  std::optional<double> strained_s;  // when the stress first reached the strength, from the first touch on
+  double hardest_s = 0;              // when the force was largest
+  double impulse_ns = 0;             // of the whole collision
+  double end_s = 0;
+  modal::ModalState end;  // its rigid motion is what the collision has added
 };
 
 class Breakable {
@@ -68,6 +80,22 @@ class Breakable {
   // Returns the state at the peak of a blow, with what its force has done until then. Its rigid motion is that of the
   // blow alone.
   [[nodiscard]] modal::ModalState at_peak(const synth::verb::Strike& blow, synth::Frame frame);
+
+  // Follows a collision whose first touch is at `frame`, without changing the body. If a strength is given and the bank
+  // knows stress, finds when the stress on the skin reaches it, during the collision or within 3 ms after, at all
+  // places but those near the points of contact. Cost: collision.h, and some milliseconds if a bound on the stress
+  // reaches the strength.
+  [[nodiscard]] Course course_of(const Meeting& meeting, synth::Frame frame, std::optional<double> strength_pa);
+
+  // Returns the state of the body, and the impulse [N s] that has acted, at a time of the collision.
+  struct Moment {
+    modal::ModalState state;  // its rigid motion is what the collision has added
+    double impulse_ns = 0;
+  };
+  [[nodiscard]] Moment moment_of(const Meeting& meeting, synth::Frame frame, double time_s);
+
+  // Lets the collision that course_of() has just followed count. The present is then its end.
+  void follow(const Course& course);
 
   // Returns the largest tensile stress on the body's skin while the blow acts and shortly after it; 0 if the bank knows
   // no stress (knows_stress()). Points close to the blow are left out, where stress depends on the form of the striker.

@@ -93,7 +93,9 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
           trial.rate * size_of({bend_[0] + trial.slide_m[0], bend_[1] + trial.slide_m[1]}) / (1 + trial.rate * step_s);
       if (std::abs(residual) <= kPrecision * (x + law.stribeck_m_s)) break;
       if (i > 0 && residual * at_before < 0) {  // the root lies between this trial and the last
-        other = before, at_other = at_before, bracketed = true;
+        other = before;
+        at_other = at_before;
+        bracketed = true;
       } else if (bracketed) {
         at_other *= 0.5;
       }
@@ -105,7 +107,8 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
         const double haste = slope < 0 ? std::clamp(-1 / slope, 1.0, kMaxHaste) : kMaxHaste;
         next = x + haste * residual;
       }
-      before = x, at_before = residual;
+      before = x;
+      at_before = residual;
       x = next;
     }
   }

@@ -43,7 +43,10 @@ class Impact {
 
   [[nodiscard]] double depth_m() const REALTIME { return depth_m_; }
   // Starts without a contact. If `depth_m` > 0 the surfaces are pressed together, without speed.
-  void place(double depth_m) REALTIME { depth_m_ = depth_m, psi_ = damping_s_m_ = 0; }
+  void place(double depth_m) REALTIME {
+    depth_m_ = depth_m;
+    psi_ = damping_s_m_ = 0;
+  }
   // Shifts the zero of depths without doing work, for a change of the contact's stiffness or place.
   void shift(const ImpactLaw& law, double by_m) REALTIME;
   [[nodiscard]] double energy_j() const REALTIME { return 0.5 * psi_ * psi_; }

@@ -40,7 +40,10 @@ struct Contact {
 
 class Network {
  public:
-  void clear() REALTIME { contacts_ = freedoms_ = 0, fresh_ = true; }
+  void clear() REALTIME {
+    contacts_ = freedoms_ = 0;
+    fresh_ = true;
+  }
   // Adds a contact and returns its first freedom: its normal, then its directions along the surface. The contact must
   // outlive the network or its next clear(). Returns nullopt if there is no room.
   [[nodiscard]] std::optional<std::size_t> add(Contact& contact) REALTIME;

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include <complex>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -16,6 +17,10 @@ void dsyevd_(const char* job, const char* triangle, const int* n, double* a, con
              double* work, const int* lwork, int* iwork, const int* liwork, int* info);
 void dpotrf_(const char* triangle, const int* n, double* a, const int* lda, int* info);
 void dgetrf_(const int* m, const int* n, double* a, const int* lda, int* pivots, int* info);
+void zgeev_(const char* left, const char* right, const int* n, std::complex<double>* a, const int* lda,
+            std::complex<double>* values, std::complex<double>* left_vectors, const int* ldl,
+            std::complex<double>* vectors, const int* ldr, std::complex<double>* work, const int* lwork, double* rwork,
+            int* info);
 void dgetri_(const int* n, double* a, const int* lda, const int* pivots, double* work, const int* lwork, int* info);
 }
 
@@ -65,6 +70,20 @@ Spectrum3 spectrum_of_3(const Eigen::Matrix3d& symmetric) {
 VectorXd eigenvalues(const MatrixXd& symmetric) {
   MatrixXd a = symmetric;
   return solve_spectrum(a, false);
+}
+
+ComplexSpectrum complex_spectrum(Eigen::MatrixXcd matrix) {
+  const auto n = static_cast<int>(matrix.rows());
+  ComplexSpectrum solved{Eigen::VectorXcd::Constant(n, kNan), Eigen::MatrixXcd::Constant(n, n, kNan)};
+  if (n == 0 || !matrix.allFinite()) return solved;
+  const int work_size = kBlock * n, one = 1;
+  std::vector<std::complex<double>> work(static_cast<std::size_t>(work_size));
+  std::vector<double> real_work(2 * static_cast<std::size_t>(n));
+  int info = 0;
+  zgeev_("N", "V", &n, matrix.data(), &n, solved.values.data(), nullptr, &one, solved.vectors.data(), &n, work.data(),
+         &work_size, real_work.data(), &info);
+  if (info != 0) solved.values.setConstant(kNan);
+  return solved;
 }
 
 // With mass = L L^T: the spectrum of L^-1 stiffness L^-T, its vectors times L^-T.

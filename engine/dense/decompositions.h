@@ -23,9 +23,17 @@ struct Spectrum3 {
   Eigen::Matrix3d vectors;
 };
 
+// Eigenvectors are columns of length 1.
+struct ComplexSpectrum {
+  Eigen::VectorXcd values;
+  Eigen::MatrixXcd vectors;
+};
+
 Spectrum spectrum(const Eigen::MatrixXd& symmetric);
 Spectrum3 spectrum_of_3(const Eigen::Matrix3d& symmetric);
 Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& symmetric);
+// Of any square matrix, in no order.
+ComplexSpectrum complex_spectrum(Eigen::MatrixXcd matrix);
 
 // Solves stiffness x = lambda mass x, with x^T mass x = 1. Empty when the mass is not positive definite.
 std::optional<Spectrum> generalized_spectrum(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass);

@@ -273,14 +273,14 @@ Result<System> assemble_checked(const mesh::TetMesh& mesh, const Solid& solid, E
 
 Result<System> assemble(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads) {
   assert(mesh.order() == order_of(element));
-  if (auto stable = check_solid(solid); !stable) return fail(stable.error());
+  if (auto stable = check_solid(solid); !stable) return fail(stable);
   const auto useful = static_cast<int>(mesh.elements.rows() / kElementsPerThread + 1);
   const BlasThreads one(1);
   try {
     return assemble_checked(mesh, solid, element, std::min(thread_count(threads), useful));
   } catch (const std::exception&) {
-    return fail(ErrorKind::no_memory, "not enough memory for the matrices of " + std::to_string(mesh.nodes.rows()) +
-                                          " nodes; make the mesh coarser");
+    return fail(ErrorKind::no_memory, "not enough memory for the matrices of {} nodes; make the mesh coarser",
+                mesh.nodes.rows());
   }
 }
 

@@ -30,8 +30,7 @@ Result<Element> parse_element(std::string_view name) {
   for (const Kind& kind : kKinds) {
     if (kind.name == name) return kind.element;
   }
-  return fail(ErrorKind::bad_input,
-              "unknown element '" + std::string(name) + "'; choose tet10, tet20, tet35, tet4 or tet4-lumped");
+  return fail(ErrorKind::bad_input, "unknown element '{}'; choose tet10, tet20, tet35, tet4 or tet4-lumped", name);
 }
 
 }  // namespace ringdown::fem

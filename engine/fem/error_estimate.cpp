@@ -318,8 +318,8 @@ Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Solid&
     return errors.unaryExpr([](double error) { return error < kMaxFrequencyError ? error : kMaxFrequencyError; })
         .matrix();
   } catch (const std::exception&) {
-    return fail(ErrorKind::no_memory, "not enough memory to estimate the errors of " + std::to_string(lambda.size()) +
-                                          " modes; make the mesh coarser");
+    return fail(ErrorKind::no_memory, "not enough memory to estimate the errors of {} modes; make the mesh coarser",
+                lambda.size());
   }
 }
 

@@ -1,5 +1,6 @@
 #include "engine/fem/holding.h"
 
+#include "engine/base/groups.h"
 #include "engine/base/triangle.h"
 #include "engine/dense/decompositions.h"
 
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <numeric>
 
 namespace ringdown::fem {
 namespace {
@@ -100,16 +100,12 @@ SparseMatrix part_of(const SparseMatrix& whole, const std::vector<std::int32_t>&
 
 // The piece of the mesh to which each node belongs, by the corners of elements.
 std::vector<std::int32_t> pieces_of(const mesh::TetMesh& mesh) {
-  std::vector<std::int32_t> root(static_cast<std::size_t>(mesh.nodes.rows()));
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::int32_t n) {
-    while (root[n] != n) n = root[n] = root[root[n]];
-    return n;
-  };
+  Groups<std::int32_t> pieces(static_cast<std::size_t>(mesh.nodes.rows()));
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-    for (const std::int32_t node : mesh.elements.row(e)) root[find(node)] = find(mesh.elements(e, 0));
+    for (const std::int32_t node : mesh.elements.row(e)) pieces.join_to(node, mesh.elements(e, 0));
   }
-  for (std::int32_t n = 0; n < mesh.nodes.rows(); ++n) root[n] = find(n);
+  std::vector<std::int32_t> root(static_cast<std::size_t>(mesh.nodes.rows()));
+  for (std::int32_t n = 0; n < mesh.nodes.rows(); ++n) root[n] = pieces.root(n);
   return root;
 }
 
@@ -151,7 +147,9 @@ std::vector<FacePoint> points_on_face(const mesh::ElementNodes& nodes, int oppos
       const double u = rule.points[i], v = (1 - u) * rule.points[j];  // the square folded onto the triangle
       FacePoint& point = points.emplace_back();
       point.barycentric.setZero();
-      point.barycentric[a] = 1 - u - v, point.barycentric[b] = u, point.barycentric[c] = v;
+      point.barycentric[a] = 1 - u - v;
+      point.barycentric[b] = u;
+      point.barycentric[c] = v;
       const mesh::ReferenceGradient gradient = mesh::interpolation_gradient(order, point.barycentric);
       const Matrix3d slopes = (nodes.transpose() * gradient).eval();
       const Vector3d across =

@@ -169,7 +169,10 @@ double distance_db(const BandPowers& recorded, const BandPowers& model, std::spa
     double squares = 0, sum = 0, along = 0, slopes = 0;
     for (const ComparedCell& cell : cells) {
       const double off = cell.off_db(gain), slope = cell.slope(gain);
-      squares += off * off, sum += off, along += slope * off, slopes += slope * slope;
+      squares += off * off;
+      sum += off;
+      along += slope * off;
+      slopes += slope * slope;
     }
     nearest = std::min(nearest, std::sqrt(squares / count));
     if (step == 0) {

@@ -87,7 +87,10 @@ void fit_pair(const Target& target, std::size_t pair, Burst& burst) {
   const std::vector<double> nothing(target.cells, 0.0);
   double without = 0, best = INFINITY;
   std::size_t cells = 0;
-  for (std::size_t b = first; b < last; ++b) without += misfit(target, b, 0, nothing), cells += counted(target, b);
+  for (std::size_t b = first; b < last; ++b) {
+    without += misfit(target, b, 0, nothing);
+    cells += counted(target, b);
+  }
   if (cells == 0) return;
   std::array<double, kBandsOfDecay> powers{};
   for (int i = 0; i <= kDecays; ++i) {
@@ -103,7 +106,8 @@ void fit_pair(const Target& target, std::size_t pair, Burst& burst) {
       sum += choices[b - first].misfit;
     }
     if (sum < best) {
-      best = sum, burst.decay_per_s[pair] = decay;
+      best = sum;
+      burst.decay_per_s[pair] = decay;
       for (std::size_t b = first; b < last; ++b) powers[b - first] = choices[b - first].power;
     }
   }

@@ -30,7 +30,10 @@ std::vector<double> ascending(const modal::Bank& bank) {
 class Between {
  public:
   explicit Between(std::span<const NuBank, 3> banks) {
-    for (std::size_t i = 0; i < 3; ++i) nu_[i] = banks[i].poisson_ratio, frequencies_[i] = ascending(*banks[i].bank);
+    for (std::size_t i = 0; i < 3; ++i) {
+      nu_[i] = banks[i].poisson_ratio;
+      frequencies_[i] = ascending(*banks[i].bank);
+    }
     for (const auto& list : frequencies_) count_ = std::min(count_, list.size());
   }
   [[nodiscard]] std::vector<double> at(double nu) const {
@@ -70,7 +73,8 @@ double mean_square_cents(const std::vector<double>& heard, const std::vector<dou
   for (const double f : heard) sum += std::min(std::pow(nearest_cents(baked, f / factor), 2), max);
   for (const double f : baked) {
     if (f * factor > heard.back()) break;
-    other += std::min(std::pow(nearest_cents(heard, f * factor), 2), max), ++count;
+    other += std::min(std::pow(nearest_cents(heard, f * factor), 2), max);
+    ++count;
   }
   return sum / static_cast<double>(heard.size()) +
          kOfBaked * other / static_cast<double>(std::max<std::size_t>(count, 1));
@@ -157,10 +161,15 @@ NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks
   double nearest = INFINITY;
   for (double nu = low; nu <= high + 1e-9; nu += kNuStep) {
     const auto [square, tuning] = best_at(nu, options.around_cents, options.max_tuning_cents, kTuningStep);
-    if (square < nearest) nearest = square, choice.poisson_ratio = nu, choice.tuning_cents = tuning;
+    if (square < nearest) {
+      nearest = square;
+      choice.poisson_ratio = nu;
+      choice.tuning_cents = tuning;
+    }
   }
   const auto [square, tuning] = best_at(choice.poisson_ratio, choice.tuning_cents, kTuningStep, 0.05);
-  choice.tuning_cents = tuning, choice.misfit_cents = std::sqrt(square);
+  choice.tuning_cents = tuning;
+  choice.misfit_cents = std::sqrt(square);
   const bool inside = choice.poisson_ratio > low + kNuStep && choice.poisson_ratio < high - kNuStep;
   const auto aside = [&](double nu) {
     return std::sqrt(best_at(std::clamp(nu, low, high), tuning, options.tolerance_cents, 0.5).first) -
@@ -186,7 +195,8 @@ std::vector<Mode> as_recorded(std::span<const Mode> recording, const modal::Bank
     if (nearest == recording.end()) continue;
     if (std::abs(cents_between(nearest->frequency_hz, baked.frequency_hz)) > options.tolerance_cents) continue;
     Mode mode = *nearest;
-    mode.frequency_hz = baked.frequency_hz, mode.decay_per_s = baked.decay_per_s;
+    mode.frequency_hz = baked.frequency_hz;
+    mode.decay_per_s = baked.decay_per_s;
     modes.push_back(mode);
   }
   return modes;

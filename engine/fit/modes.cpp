@@ -240,7 +240,7 @@ void add_short_modes(std::span<const double> sound, double rate, const Options& 
 
 Result<void> check(std::span<const double> samples, double rate, const Options& options) {
   if (!(rate >= kMinRate_hz && rate <= kMaxRate_hz)) {
-    return fail(ErrorKind::bad_input, "a sample rate of " + std::to_string(rate) + " Hz is not between 8 and 768 kHz");
+    return fail(ErrorKind::bad_input, "a sample rate of {} Hz is not between 8 and 768 kHz", rate);
   }
   if (static_cast<double>(samples.size()) < kMinLength_s * rate)
     return fail(ErrorKind::bad_input, "it is shorter than 50 ms");
@@ -252,8 +252,7 @@ Result<void> check(std::span<const double> samples, double rate, const Options& 
                 "the band must begin at 1 Hz or above, end above its beginning, and begin below half the sample rate");
   }
   if (!(options.floor_db > 0) || options.max_modes == 0 || options.max_modes > kMaxModes) {
-    return fail(ErrorKind::bad_input,
-                "the floor must be above 0 dB, and the number of modes from 1 to " + std::to_string(kMaxModes));
+    return fail(ErrorKind::bad_input, "the floor must be above 0 dB, and the number of modes from 1 to {}", kMaxModes);
   }
   if (options.from_s &&
       !(*options.from_s >= 0 && *options.from_s * rate + kMinLength_s * rate <= std::ssize(samples))) {
@@ -265,7 +264,7 @@ Result<void> check(std::span<const double> samples, double rate, const Options& 
 }  // namespace
 
 Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, const Options& options) {
-  if (auto good = check(samples, sample_rate_hz, options); !good) return fail(good.error());
+  if (auto good = check(samples, sample_rate_hz, options); !good) return fail(good);
   const double mean = std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
   std::vector<double> centred(samples.begin(), samples.end());
   for (double& sample : centred) sample -= mean;

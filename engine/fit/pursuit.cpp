@@ -30,10 +30,14 @@ double explained(std::span<const double> samples, double rate, double frequency_
       std::exp(std::complex<double>(-decay_per_s, modal::hz_to_rad_per_s(frequency_hz)) / rate);
   double re = 1, im = 0, with_cos = 0, with_sin = 0, cc = 0, cs = 0, ss = 0;
   for (const double x : samples) {
-    with_cos += x * re, with_sin += x * im;
-    cc += re * re, cs += re * im, ss += im * im;
+    with_cos += x * re;
+    with_sin += x * im;
+    cc += re * re;
+    cs += re * im;
+    ss += im * im;
     const double next = re * turn.real() - im * turn.imag();
-    im = re * turn.imag() + im * turn.real(), re = next;
+    im = re * turn.imag() + im * turn.real();
+    re = next;
     if (re * re + im * im < 1e-14) break;
   }
   const double determinant = cc * ss - cs * cs;
@@ -68,7 +72,10 @@ Atom climb(std::span<const double> samples, double rate, Atom atom, const Pursui
       const double energy = explained(samples, rate, next.frequency_hz, next.decay_per_s);
       if (energy > atom.energy) atom = {next.frequency_hz, next.decay_per_s, energy};
     }
-    if (atom.energy == before.energy) of_frequency = std::sqrt(of_frequency), of_decay = std::sqrt(of_decay);
+    if (atom.energy == before.energy) {
+      of_frequency = std::sqrt(of_frequency);
+      of_decay = std::sqrt(of_decay);
+    }
   }
   return atom;
 }

@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -80,7 +79,10 @@ double find_tuning(std::span<const Mode> recorded, const Sorted& baked, const Ca
     for (const double sign : {1.0, -1.0}) {
       const double candidate = options.around_cents + sign * tuning;
       const double s = score(match(recorded, baked, candidate, narrow), narrow);
-      if (s > 1.001 * best_score) best = candidate, best_score = s;
+      if (s > 1.001 * best_score) {
+        best = candidate;
+        best_score = s;
+      }
     }
   }
   for (int round = 0; round < 3; ++round) {
@@ -182,7 +184,10 @@ std::optional<double> fit_law(std::vector<Point>& points, Law& law) {
   }
   double square = 0, count = 0;
   for (const Point& p : points) {
-    if (p.weight > 0) square += std::pow(p.log_eta - law.at(p.log_f), 2), ++count;
+    if (p.weight > 0) {
+      square += std::pow(p.log_eta - law.at(p.log_f), 2);
+      ++count;
+    }
   }
   return std::sqrt(square / std::max(count, 1.0));
 }
@@ -203,10 +208,8 @@ std::size_t Calibration::used() const {
 std::string Calibration::text() const {
   std::string text;
   for (std::size_t k = 0; k < loss_factors.size(); ++k) {
-    char one[96];
-    std::snprintf(one, sizeof one, "%s%.3g +- %.2g %% at %.4g Hz", k > 0 ? ", " : "", loss_factors[k].eta,
-                  100 * loss_errors[k], loss_factors[k].frequency_hz);
-    text += one;
+    text += formatted("{}{:.3g} +- {:.2g} % at {:.4g} Hz", k > 0 ? ", " : "", loss_factors[k].eta, 100 * loss_errors[k],
+                      loss_factors[k].frequency_hz);
   }
   return text;
 }
@@ -218,10 +221,10 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
   result.tuning_cents = find_tuning(recorded, baked, options);
   result.matches = match(recorded, baked, result.tuning_cents, options.tolerance_cents);
   if (result.matches.size() < kMinMatches) {
-    return fail(ErrorKind::bad_input, "only " + std::to_string(result.matches.size()) + " of the recording's " +
-                                          std::to_string(recorded.size()) + " modes match one of the bank's, and " +
-                                          std::to_string(kMinMatches) +
-                                          " are needed: check that it is the same object, or raise --tolerance");
+    return fail(ErrorKind::bad_input,
+                "only {} of the recording's {} modes match one of the bank's, and {} are needed: check that it is the "
+                "same object, or raise --tolerance",
+                result.matches.size(), recorded.size(), kMinMatches);
   }
   // Relative errors of the estimate, and of the law, which is accurate to about 5 % at best. Where the others take all
   // but a fifth of a decay or more than that, a fifth is the material's, to within itself.

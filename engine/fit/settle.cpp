@@ -38,8 +38,12 @@ std::size_t band_of(const BandPowers& powers, double frequency_hz) {
 struct Line {
   double w = 0, wt = 0, wtt = 0, we = 0, wte = 0, wee = 0;
   void add(double weight, double t, double e) {
-    w += weight, wt += weight * t, wtt += weight * t * t;
-    we += weight * e, wte += weight * t * e, wee += weight * e * e;
+    w += weight;
+    wt += weight * t;
+    wtt += weight * t * t;
+    we += weight * e;
+    wte += weight * t * e;
+    wee += weight * e * e;
   }
   [[nodiscard]] double rms() const { return w > 0 ? std::sqrt(wee / w) : 0; }
   // slope() is 0 if there are too few cells. start() is the value at t = 0.
@@ -99,7 +103,8 @@ void turn_signs(const Recorded& recorded, double rate, std::size_t onset, std::s
     for (std::size_t n = onset; n < samples; ++n) turned[n] -= 2 * own[n];
     const double distance = recorded.off_db(band_powers(turned, rate, onset));
     if (!(distance < nearest - kGain_db)) continue;
-    nearest = distance, sum = std::move(turned);
+    nearest = distance;
+    sum = std::move(turned);
     modes[m].phase_rad = modes[m].phase_rad == 0 ? std::numbers::pi : 0;
   }
 }
@@ -140,9 +145,16 @@ void vary(std::span<const double> recording, double rate, std::size_t onset, std
         const std::vector<double> next = played_from({&other, 1}, rate, onset, samples);
         for (std::size_t n = onset; n < samples; ++n) changed[n] += next[n] - own[n];
         const double distance = off(changed);
-        if (distance < nearest - kGain_db) nearest = distance, better = other, best_sum = std::move(changed);
+        if (distance < nearest - kGain_db) {
+          nearest = distance;
+          better = other;
+          best_sum = std::move(changed);
+        }
       }
-      if (better) modes[m] = *better, sum = std::move(best_sum);
+      if (better) {
+        modes[m] = *better;
+        sum = std::move(best_sum);
+      }
     }
   }
   std::erase_if(modes, [](const Mode& mode) { return mode.amplitude == 0; });
@@ -160,7 +172,10 @@ std::vector<Mode> settle(std::span<const double> recording, double sample_rate_h
         band_powers(played_from(played, sample_rate_hz, onset, recording.size()), sample_rate_hz, onset);
     const double distance = recorded.off_db(model);
     if (!std::isfinite(distance)) return played;
-    if (distance < nearest) nearest = distance, best = played;
+    if (distance < nearest) {
+      nearest = distance;
+      best = played;
+    }
     for (Mode& mode : played) settle_mode(recorded, model, mode);
   }
   if (nearest > kNear_db) turn_signs(recorded, sample_rate_hz, onset, recording.size(), best, nearest);
@@ -183,7 +198,10 @@ Kept keep(std::span<const double> recording, double sample_rate_hz, std::size_t 
   double nearest = INFINITY;
   const auto remember = [&](const Kept& all) {
     const double off = recorded.off_db(powers_of(all));
-    if (off < nearest) nearest = off, best = all;
+    if (off < nearest) {
+      nearest = off;
+      best = all;
+    }
   };
   for (int round = 0; with_burst && round <= kKeepRounds; ++round) {
     if (round > 0) {

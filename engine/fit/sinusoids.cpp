@@ -62,9 +62,11 @@ Complex projection(std::span<const double> samples, Complex w) {
     if (re * re + im * im < 1e-30) break;
     double real = 0, imaginary = 0;
     for (const double sample : samples.subspan(first, std::min(kRun, samples.size() - first))) {
-      real += sample * re, imaginary += sample * im;
+      real += sample * re;
+      imaginary += sample * im;
       const double turned = re * ratio.real() - im * ratio.imag();
-      im = re * ratio.imag() + im * ratio.real(), re = turned;
+      im = re * ratio.imag() + im * ratio.real();
+      re = turned;
     }
     sum += Complex(real, imaginary);
   }
@@ -80,7 +82,8 @@ void fit_amplitudes(std::span<const double> samples, double sample_rate_hz, std:
   Eigen::VectorXd right(2 * count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Complex sum = projection(samples, exponent(modes[i], sample_rate_hz));
-    right[i] = sum.real(), right[count + i] = sum.imag();
+    right[i] = sum.real();
+    right[count + i] = sum.imag();
   }
   const Eigen::VectorXd scale = gram.diagonal().array().max(1e-300).sqrt().inverse();
   gram = (scale.asDiagonal() * gram * scale.asDiagonal()).eval();
@@ -105,7 +108,8 @@ std::vector<double> synthesise(std::span<const Mode> modes, double sample_rate_h
       for (std::size_t n = first; n < std::min(samples, first + kRun); ++n) {
         sum[n] += im;
         const double turned = re * ratio.real() - im * ratio.imag();
-        im = re * ratio.imag() + im * ratio.real(), re = turned;
+        im = re * ratio.imag() + im * ratio.real();
+        re = turned;
       }
     }
   }

@@ -37,7 +37,8 @@ Eigen::VectorXcd SubbandFilter::take(std::span<const double> signal, double cent
   Eigen::VectorXd real(length), imaginary(length);
   for (Eigen::Index k = 0; k < length; ++k) {
     const std::complex<double> tap = std::polar(taps_[static_cast<std::size_t>(k)], turn * static_cast<double>(k));
-    real[k] = tap.real(), imaginary[k] = tap.imag();
+    real[k] = tap.real();
+    imaginary[k] = tap.imag();
   }
   Eigen::VectorXcd band(static_cast<Eigen::Index>((signal.size() - taps_.size()) / step_ + 1));
   for (Eigen::Index m = 0; m < band.size(); ++m) {

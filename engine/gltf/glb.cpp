@@ -78,7 +78,18 @@ JsonPlace JsonPlace::operator[](const std::string& key) const {
 }
 
 JsonPlace JsonPlace::operator[](std::size_t index) const {
-  return {index < size() ? &(*value_)[index] : nullptr, path_ + "[" + std::to_string(index) + "]"};
+  return {index < size() ? &(*value_)[index] : nullptr, formatted("{}[{}]", path_, index)};
+}
+
+Result<void> JsonPlace::numbers(std::span<double> values) const {
+  if (!present()) return {};
+  if (size() != values.size()) return wrong(formatted("{} numbers", values.size()));
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const auto number = (*this)[k].number();
+    if (!number) return fail(number);
+    values[k] = *number;
+  }
+  return {};
 }
 
 tl::unexpected<Error> JsonPlace::wrong(const std::string& expectation) const {
@@ -89,7 +100,7 @@ tl::unexpected<Error> JsonPlace::wrong(const std::string& expectation) const {
     found = "is " + value_->dump(-1, ' ', true, Json::error_handler_t::replace);
     if (found.size() > 60) found = found.substr(0, 57) + "...";
   }
-  return fail(ErrorKind::bad_input, path_ + " " + found + ", expected " + expectation);
+  return fail(ErrorKind::bad_input, "{} {}, expected {}", path_, found, expectation);
 }
 
 Result<double> JsonPlace::number() const {
@@ -118,8 +129,9 @@ std::string JsonPlace::text_or(std::string fallback) const {
 // A value takes about 20 times its text in memory, so all values are counted before the first is kept.
 Result<Json> parse_gltf_json(std::string_view text, const std::string& name, std::size_t max_bytes) {
   const auto too_large = [&name](std::size_t limit, const std::string& of_what) {
-    return fail(ErrorKind::too_large, name + ": its JSON text has more than " + std::to_string(limit) + " " + of_what +
-                                          "; long lists of numbers belong in the binary chunk");
+    return fail(ErrorKind::too_large,
+                "{}: its JSON text has more than {} {}; long lists of numbers belong in the binary chunk", name, limit,
+                of_what);
   };
   if (text.size() > max_bytes) return too_large(max_bytes, "bytes");
   return within_memory("read " + name, [&]() -> Result<Json> {
@@ -137,18 +149,17 @@ Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name,
     return fail(ErrorKind::bad_input, name + " is not a binary glTF file (.glb); make one with `ringdown bake`");
   }
   if (word_at(bytes, 4) != 2)
-    return fail(ErrorKind::bad_input, name + ": glTF version " + std::to_string(word_at(bytes, 4)) + ", expected 2");
+    return fail(ErrorKind::bad_input, "{}: glTF version {}, expected 2", name, word_at(bytes, 4));
   if (word_at(bytes, 8) != bytes.size()) {
-    return fail(ErrorKind::bad_input, name + ": its header says " + std::to_string(word_at(bytes, 8)) +
-                                          " bytes but the file has " + std::to_string(bytes.size()) +
-                                          "; it was cut off or altered");
+    return fail(ErrorKind::bad_input, "{}: its header says {} bytes but the file has {}; it was cut off or altered",
+                name, word_at(bytes, 8), bytes.size());
   }
   const std::size_t json_size = word_at(bytes, 12);
   if (word_at(bytes, 16) != kJsonChunk || json_size > bytes.size() - 20) {
     return fail(ErrorKind::bad_input, name + ": the first chunk must be the JSON text and end inside the file");
   }
   auto json = parse_gltf_json({reinterpret_cast<const char*>(bytes.data()) + 20, json_size}, name, max_json_bytes);
-  if (!json) return fail(json.error());
+  if (!json) return fail(json);
   Glb glb{.json = *std::move(json), .name = name};
   const auto rest = bytes.subspan(20 + json_size);
   if (rest.size() >= 8) {

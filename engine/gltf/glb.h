@@ -38,6 +38,7 @@ class JsonPlace {
   [[nodiscard]] Result<double> number_or(double fallback) const;  // `fallback` when absent
   [[nodiscard]] Result<std::size_t> index() const;                // a whole number >= 0
   [[nodiscard]] Result<std::size_t> index_or(std::size_t fallback) const;
+  [[nodiscard]] Result<void> numbers(std::span<double> values) const;  // fills `values`; leaves them when absent
   [[nodiscard]] std::string text_or(std::string fallback) const;
   [[nodiscard]] tl::unexpected<Error> wrong(const std::string& expectation) const;
 

@@ -41,7 +41,7 @@ Result<std::size_t> choice(const JsonPlace& field, const std::array<const char*,
   const auto found = std::find(names.begin(), names.end(), field.text_or(""));
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   std::string expectation;
-  for (const char* name : names) expectation += std::string(expectation.empty() ? "" : " or ") + '"' + name + '"';
+  for (const char* name : names) expectation += formatted("{}\"{}\"", expectation.empty() ? "" : " or ", name);
   return field.wrong(expectation);
 }
 
@@ -99,7 +99,7 @@ struct ArrayReader {
     const JsonPlace chunk = glb.root()["buffers"][0];
     if (chunk["uri"].present()) return chunk["uri"].wrong("absent: the data must be inside the .glb file");
     if (*offset > glb.binary.size() || *length > glb.binary.size() - *offset) {
-      return slice["byteLength"].wrong("inside the binary chunk of " + std::to_string(glb.binary.size()) + " bytes");
+      return slice["byteLength"].wrong(formatted("inside the binary chunk of {} bytes", glb.binary.size()));
     }
     return glb.binary.subspan(*offset, *length);
   }
@@ -109,7 +109,7 @@ struct ArrayReader {
   Result<std::vector<std::byte>> unpack_view(const JsonPlace& view, std::size_t length) const {
     const JsonPlace packing = view["extensions"][kMeshopt];
     const auto stream = bytes_of(packing);
-    if (!stream) return fail(stream.error());
+    if (!stream) return fail(stream);
     const auto mode = choice(packing["mode"], kMeshoptModes);
     const auto filter =
         packing["filter"].present() ? choice(packing["filter"], kMeshoptFilters) : Result<std::size_t>(0);
@@ -122,16 +122,16 @@ struct ArrayReader {
                                .count = *count,
                                .stride = *stride};
     if (!is_allowed(layout)) {
-      return packing["byteStride"].wrong(std::string("what ") + kMeshopt + " allows with this mode, filter and count");
+      return packing["byteStride"].wrong(formatted("what {} allows with this mode, filter and count", kMeshopt));
     }
     if (view["byteStride"].index_or(*stride).value_or(0) != *stride)
       return view["byteStride"].wrong(std::string("as in its ") + kMeshopt);
     // count * stride cannot overflow: count <= 10^15, stride <= 256.
     if (length != layout.bytes())
       return view["byteLength"].wrong(std::string("count times byteStride of its ") + kMeshopt);
-    if (length > kMaxUnpackedBytes) return view["byteLength"].wrong("at most " + std::to_string(kMaxUnpackedBytes));
+    if (length > kMaxUnpackedBytes) return view["byteLength"].wrong(formatted("at most {}", kMaxUnpackedBytes));
     if (length / kMaxMeshoptRatio > stream->size()) {
-      return packing["byteLength"].wrong("enough for the view's " + std::to_string(length) + " bytes");
+      return packing["byteLength"].wrong(formatted("enough for the view's {} bytes", length));
     }
     std::vector<std::byte> elements(length);
     if (!unpack(layout, *stream, elements)) {
@@ -159,7 +159,7 @@ struct ArrayReader {
     if (*stride < size || *stride > 252) return view["byteStride"].wrong("from the element's size to 252");
     // count * stride cannot overflow: count <= limit <= 2^34, stride <= 252.
     if (*offset > *length || (layout.count - 1) * *stride + size > *length - *offset) {
-      return holder["count"].wrong("small enough to fit its buffer view of " + std::to_string(*length) + " bytes");
+      return holder["count"].wrong(formatted("small enough to fit its buffer view of {} bytes", *length));
     }
     Elements elements{.unpacked = {},
                       .first = nullptr,
@@ -168,12 +168,12 @@ struct ArrayReader {
                       .component_type = layout.component_type};
     if (view["extensions"][kMeshopt].present()) {
       auto unpacked = unpack_view(view, *length);
-      if (!unpacked) return fail(unpacked.error());
+      if (!unpacked) return fail(unpacked);
       elements.unpacked = std::move(*unpacked);
       elements.first = elements.unpacked.data() + *offset;
     } else {
       const auto bytes = bytes_of(view);
-      if (!bytes) return fail(bytes.error());
+      if (!bytes) return fail(bytes);
       elements.first = bytes->data() + *offset;
     }
     return elements;
@@ -181,7 +181,7 @@ struct ArrayReader {
 
   Result<Layout> layout_of(const JsonPlace& reference, std::size_t width, std::size_t limit) const {
     const auto number = reference.index();
-    if (!number) return fail(number.error());
+    if (!number) return fail(number);
     const JsonPlace accessor = glb.root()["accessors"][*number];
     if (!accessor.present()) return reference.wrong("the number of an accessor in the file");
     const std::string type = type_of_width(width);
@@ -191,7 +191,7 @@ struct ArrayReader {
     for (const auto* value : {&component, &count}) {
       if (!*value) return fail(value->error());
     }
-    if (*count < 1 || *count > limit) return accessor["count"].wrong("from 1 to " + std::to_string(limit));
+    if (*count < 1 || *count > limit) return accessor["count"].wrong(formatted("from 1 to {}", limit));
     if (component_size(*component) == 0) return accessor["componentType"].wrong("a glTF component type");
     return Layout{.component_type = *component, .width = width, .count = *count};
   }
@@ -202,7 +202,7 @@ struct ArrayReader {
 
   Result<Elements> locate(const JsonPlace& reference, std::size_t width, std::size_t limit) const {
     const auto layout = layout_of(reference, width, limit);
-    if (!layout) return fail(layout.error());
+    if (!layout) return fail(layout);
     const JsonPlace accessor = accessor_of(reference);
     if (accessor["sparse"].present())
       return accessor["sparse"].wrong("absent: sparse accessors are not supported here");
@@ -242,7 +242,7 @@ Result<std::vector<float>> read_floats(const Glb& glb, const JsonPlace& referenc
                                        std::size_t limit) {
   const ArrayReader arrays{glb};
   const auto elements = arrays.locate(reference, width, limit);
-  if (!elements) return fail(elements.error());
+  if (!elements) return fail(elements);
   if (elements->component_type != kFloat) return reference.wrong("an accessor of component type 5126 (FLOAT)");
   std::vector<float> values(elements->count * width);
   for (std::size_t i = 0; i < elements->count; ++i) {
@@ -250,8 +250,7 @@ Result<std::vector<float>> read_floats(const Glb& glb, const JsonPlace& referenc
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) {
-      return fail(ErrorKind::bad_input,
-                  reference.path() + ": element " + std::to_string(i / width) + " is not a finite number");
+      return fail(ErrorKind::bad_input, "{}: element {} is not a finite number", reference.path(), i / width);
     }
   }
   return values;
@@ -261,32 +260,31 @@ Result<std::vector<double>> read_numbers(const Glb& glb, const JsonPlace& refere
                                          std::size_t limit) {
   const ArrayReader arrays{glb};
   const auto layout = arrays.layout_of(reference, width, limit);
-  if (!layout) return fail(layout.error());
+  if (!layout) return fail(layout);
   const JsonPlace accessor = arrays.accessor_of(reference);
   const JsonPlace flag = accessor["normalized"];
   const bool normalized = flag.present() && flag.json().is_boolean() && flag.json().get<bool>();
   std::vector<double> values;
   if (accessor["bufferView"].present()) {
     const auto elements = arrays.locate_in_view(accessor, *layout);
-    if (!elements) return fail(elements.error());
+    if (!elements) return fail(elements);
     values.resize(layout->count * width);
     for (std::size_t i = 0; i < layout->count; ++i) read_element(*elements, i, width, normalized, &values[i * width]);
   }
   values.resize(layout->count * width, 0);
   if (accessor["sparse"].present()) {
-    if (auto read = arrays.read_sparse(accessor, *layout, normalized, values); !read) return fail(read.error());
+    if (auto read = arrays.read_sparse(accessor, *layout, normalized, values); !read) return fail(read);
   }
   const auto wrong = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
   if (wrong == values.end()) return values;
-  return fail(ErrorKind::bad_input, reference.path() + ": element " +
-                                        std::to_string(static_cast<std::size_t>(wrong - values.begin()) / width) +
-                                        " is not a finite number");
+  return fail(ErrorKind::bad_input, "{}: element {} is not a finite number", reference.path(),
+              static_cast<std::size_t>(wrong - values.begin()) / width);
 }
 
 Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const JsonPlace& reference, std::size_t limit) {
   const ArrayReader arrays{glb};
   const auto elements = arrays.locate(reference, 1, limit);
-  if (!elements) return fail(elements.error());
+  if (!elements) return fail(elements);
   constexpr std::array kUnsigned = {kUnsignedByte, kUnsignedShort, kUnsignedInt};
   if (std::ranges::find(kUnsigned, elements->component_type) == kUnsigned.end())
     return reference.wrong("an accessor of unsigned integers");
@@ -300,7 +298,7 @@ Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const JsonPlace&
 Result<std::vector<std::byte>> read_bytes(const Glb& glb, const JsonPlace& reference, std::size_t limit) {
   const ArrayReader arrays{glb};
   const auto elements = arrays.locate(reference, 1, limit);
-  if (!elements) return fail(elements.error());
+  if (!elements) return fail(elements);
   if (elements->component_type != kUnsignedByte)
     return reference.wrong("an accessor of component type 5121 (UNSIGNED_BYTE)");
   std::vector<std::byte> bytes(elements->count);
@@ -311,7 +309,7 @@ Result<std::vector<std::byte>> read_bytes(const Glb& glb, const JsonPlace& refer
 Result<std::span<const std::byte>> read_view(const Glb& glb, const JsonPlace& reference) {
   const ArrayReader arrays{glb};
   const auto number = reference.index();
-  if (!number) return fail(number.error());
+  if (!number) return fail(number);
   const JsonPlace view = glb.root()["bufferViews"][*number];
   if (!view.present() || view["extensions"][kMeshopt].present())
     return reference.wrong("the number of a buffer view in the file that is not compressed");

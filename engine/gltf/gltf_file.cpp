@@ -41,7 +41,7 @@ class Assembler {
 
   Result<void> assemble() {
     const JsonPlace buffers = glb_.root()["buffers"];
-    if (buffers.size() > kMaxBuffers) return buffers.wrong("at most " + std::to_string(kMaxBuffers) + " buffers");
+    if (buffers.size() > kMaxBuffers) return buffers.wrong(formatted("at most {} buffers", kMaxBuffers));
     for (std::size_t k = 0; k < buffers.size(); ++k) {
       if (const auto added = add(buffers[k], k); !added) return added;
     }
@@ -68,11 +68,11 @@ class Assembler {
   Result<void> add(const JsonPlace& buffer, std::size_t number) {
     begins_.emplace_back();
     const auto length = buffer["byteLength"].index();
-    if (!length) return fail(length.error());
+    if (!length) return fail(length);
     std::string content;
     if (buffer["uri"].present()) {
       auto read = read_uri(buffer["uri"].text_or(""), buffer["uri"].path(), kMaxBufferBytes, read_beside_);
-      if (!read) return fail(read.error());
+      if (!read) return fail(read);
       content = *std::move(read);
     } else if (number == 0 && !glb_.binary.empty()) {
       content.assign(reinterpret_cast<const char*>(glb_.binary.data()), glb_.binary.size());
@@ -80,11 +80,10 @@ class Assembler {
       return {};  // a placeholder of EXT_meshopt_compression
     }
     if (content.size() < *length)
-      return buffer["byteLength"].wrong("at most the " + std::to_string(content.size()) + " bytes that are there");
+      return buffer["byteLength"].wrong(formatted("at most the {} bytes that are there", content.size()));
     binary_.resize((binary_.size() + 3) / 4 * 4);
     if (content.size() > kMaxBufferBytes - binary_.size()) {
-      return fail(ErrorKind::too_large,
-                  glb_.name + ": its buffers have more than " + std::to_string(kMaxBufferBytes) + " bytes together");
+      return fail(ErrorKind::too_large, "{}: its buffers have more than {} bytes together", glb_.name, kMaxBufferBytes);
     }
     begins_.back() = binary_.size();
     lengths_.resize(begins_.size());
@@ -161,7 +160,7 @@ Result<Glb> parse_gltf(std::span<const std::byte> bytes, const std::string& name
       glb = parse_glb(bytes, name, max_json_bytes);
     } else {
       auto json = parse_gltf_json({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name, max_json_bytes);
-      if (!json) return fail(json.error());
+      if (!json) return fail(json);
       glb = Glb{.json = *std::move(json), .name = name};
     }
     if (!glb) return glb;
@@ -170,7 +169,7 @@ Result<Glb> parse_gltf(std::span<const std::byte> bytes, const std::string& name
     }
     const JsonPlace buffers = glb->root()["buffers"];
     if (is_glb(bytes) && buffers.size() < 2 && !buffers[0]["uri"].present()) return glb;
-    if (const auto assembled = Assembler(*glb, read_beside).assemble(); !assembled) return fail(assembled.error());
+    if (const auto assembled = Assembler(*glb, read_beside).assemble(); !assembled) return fail(assembled);
     return glb;
   });
 }

@@ -80,12 +80,25 @@ struct WetPanels::Parts {
   std::vector<int> triangle_at;                         // N: the panel of each sample
   Eigen::SparseMatrix<double, Eigen::RowMajor> mass;    // V x V, of the hats
   Eigen::VectorXd weights;                              // V: its row sums
-  Eigen::MatrixXf side;                                 // M/2 - K'
-  Eigen::LLT<Eigen::MatrixXf> steep;                    // factors of W
+  // Of a full closed cavity: the flow of the motion x/3, over the volume, and |x|^2/6; x from the middle of the nodes.
+  Eigen::VectorXd swelling, quadratic;  // V
+  double volume = 0;
+  Eigen::MatrixXf side;               // M/2 - K'
+  Eigen::LLT<Eigen::MatrixXf> steep;  // factors of W
 
   // Finds the panel and the corners' weights of each sample.
   void place_samples(const Wetted& liquid);
+  void find_swelling(const Wetted& liquid);
 };
+
+void WetPanels::Parts::find_swelling(const Wetted& liquid) {
+  const Eigen::RowVector3d middle = panels.nodes.colwise().mean();
+  const Eigen::VectorXd along =
+      (liquid.at.rowwise() - middle).cwiseProduct(liquid.normals).rowwise().sum().cwiseProduct(liquid.areas) / 3;
+  volume = along.sum();
+  swelling = values.transpose() * along / volume;
+  quadratic = (panels.nodes.rowwise() - middle).rowwise().squaredNorm() / 6;
+}
 
 void WetPanels::Parts::place_samples(const Wetted& liquid) {
   const radiate::SurfaceSearch search(panels);
@@ -168,6 +181,7 @@ Result<WetPanels> WetPanels::of(const Wetted& liquid, int nodes, int threads) {
   parts.place_samples(liquid);
   parts.mass = hat_mass(parts.panels);
   parts.weights = parts.mass * Eigen::VectorXd::Ones(parts.mass.cols());
+  if (!liquid.open && !liquid.outside) parts.find_swelling(liquid);
   Operators operators = operators_of(*skin, parts.weights, thread_count(threads));
   if (liquid.open) {  // the potential is 0 at nodes on the free surface
     for (int n = 0; n < parts.panels.node_count(); ++n) {
@@ -189,8 +203,11 @@ Result<WetPanels> WetPanels::of(const Wetted& liquid, int nodes, int threads) {
 
 Potential WetPanels::potential_of(const Eigen::MatrixXd& flow) const {
   const Parts& parts = *parts_;
-  Eigen::MatrixXd at_nodes = parts.values.transpose() * flow;
-  if (!parts.open) at_nodes -= parts.weights * (at_nodes.colwise().sum() / parts.weights.sum());
+  const Eigen::MatrixXd given = parts.values.transpose() * flow;
+  const bool swells = !parts.open && !parts.outside;
+  const Eigen::RowVectorXd total = given.colwise().sum();
+  Eigen::MatrixXd at_nodes = given;
+  if (swells) at_nodes -= parts.swelling * total;
   const Eigen::MatrixXd density = divided_by_mass(parts.mass, at_nodes);
   Eigen::MatrixXd right = (parts.side * density.cast<float>()).cast<double>();
   if (parts.outside) right = at_nodes - right;
@@ -201,7 +218,14 @@ Potential WetPanels::potential_of(const Eigen::MatrixXd& flow) const {
   }
   Potential potential;
   potential.nodes = parts.steep.solve(right.cast<float>()).cast<double>();
-  const Eigen::MatrixXd raw = at_nodes.transpose() * potential.nodes;
+  if (swells) {  // the integrals over the volume are those of Green's formula with |x|^2/6, whose Laplacian is 1
+    const Eigen::RowVectorXd of_still =
+        parts.volume * (parts.swelling.transpose() * potential.nodes) - parts.quadratic.transpose() * at_nodes;
+    const double of_square = 0.6 * parts.volume * parts.swelling.dot(parts.quadratic);
+    potential.nodes += parts.quadratic * (total / parts.volume);
+    potential.nodes.rowwise() -= (of_still + total / parts.volume * of_square) / parts.volume;
+  }
+  const Eigen::MatrixXd raw = given.transpose() * potential.nodes;
   potential.added_mass = (raw + raw.transpose()) / 2;
   if (raw.size() == 0) return potential;
   potential.asymmetry = (raw - raw.transpose()).norm() / raw.norm();

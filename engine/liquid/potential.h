@@ -42,7 +42,9 @@ class WetPanels {
   // Maps values at the panels' nodes to the liquid's samples, N x V.
   [[nodiscard]] const Eigen::SparseMatrix<double, Eigen::RowMajor>& values() const;
 
-  // The potentials of flows, N x M (wetted.h). In a full closed cavity each flow counts without its mean.
+  // The potentials of flows, N x M (wetted.h). In a full closed cavity a flow that changes the volume by Q swells or
+  // shrinks the liquid alike everywhere: laplace P = Q / V, and the mean of P over the volume is 0. What presses it
+  // together is left to its constant mode (wet_modes.h).
   [[nodiscard]] Potential potential_of(const Eigen::MatrixXd& flow) const;
 
   // The gradient along the wall, at one of the liquid's samples, of potentials given at the nodes: 3 x M.

@@ -99,8 +99,7 @@ void read_grain_constants(TomlTable& file, std::optional<modal::Orthotropy>& sol
 std::optional<Result<void>> set_grain_constant(modal::Material& material, const std::string& key, double value) {
   for (const Constant& constant : kNine) {
     if (key != constant.key || !material.orthotropy) continue;
-    if (auto good = check_range(value, constant.range); !good)
-      return Result<void>(fail(good.error().kind, key + ": " + good.error().message));
+    if (auto good = check_range(value, constant.range); !good) return Result<void>(fail(key, good));
     constant.in(*material.orthotropy) = value;
     if (!is_stable(*material.orthotropy)) return Result<void>(fail(ErrorKind::bad_input, kUnstable));
     return Result<void>();

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <set>
 #include <utility>
@@ -50,12 +49,6 @@ std::array<Figure, 5> figures_of(modal::Material& material) {
            {"beta_s", material.damping.beta_s, kBeta_s}}};
 }
 
-std::string number_text(double value, const char* format = "%.5g") {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
-
 Result<void> check_stable(const modal::Material& material) {
   return fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
 }
@@ -95,10 +88,7 @@ std::string source_of_fit(const MaterialEntry& entry, const std::set<std::string
   std::string text = "fitted to the loss factor";
   const std::vector<modal::LossFactor>& factors = entry.material.loss_factors;
   for (const modal::LossFactor& point : factors) {
-    char part[64];
-    std::snprintf(part, sizeof part, "%s %.3g at %.5g Hz", &point == &factors.front() ? "" : ",", point.eta,
-                  point.frequency_hz);
-    text += part;
+    text += formatted("{} {:.3g} at {:.5g} Hz", &point == &factors.front() ? "" : ",", point.eta, point.frequency_hz);
   }
   text += " at the octaves from 125 Hz to 8 kHz: ";
   for (const std::string& source : sources) text += (source == *sources.begin() ? "" : "; ") + source;
@@ -120,14 +110,14 @@ void read_loss_factors(TomlTable& file, MaterialEntry& entry) {
   }
   std::ranges::sort(factors, {}, &modal::LossFactor::frequency_hz);
   for (const char* key : {"alpha_per_s", "beta_s"}) {
-    if (file.has(key)) file.complain(key, std::string("give either [[loss_factor]] or ") + key + ", not both");
+    if (file.has(key)) file.complain(key, formatted("give either [[loss_factor]] or {}, not both", key));
   }
   if (factors.size() > modal::kMaxLossFactors)
-    file.complain("loss_factor", "at most " + std::to_string(modal::kMaxLossFactors) + " loss factors can be given");
+    file.complain("loss_factor", formatted("at most {} loss factors can be given", modal::kMaxLossFactors));
   const auto same = std::ranges::adjacent_find(factors, {}, &modal::LossFactor::frequency_hz);
   if (same != factors.end())
-    file.complain("loss_factor", "give one loss factor at each frequency; there are two at " +
-                                     number_text(same->frequency_hz) + " Hz");
+    file.complain("loss_factor",
+                  formatted("give one loss factor at each frequency; there are two at {:.5g} Hz", same->frequency_hz));
   if (factors.empty()) return;
   entry.material.damping = modal::fit_rayleigh_to_list(factors);
   entry.sources["alpha_per_s"] = entry.sources["beta_s"] = source_of_fit(entry, sources);
@@ -137,7 +127,7 @@ void read_loss_factors(TomlTable& file, MaterialEntry& entry) {
 
 Result<MaterialEntry> read_material(const std::filesystem::path& path) {
   Result<TomlTable> file = TomlTable::read(path);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   MaterialEntry entry;
   modal::Material& material = entry.material;
   file->require({"name", "description"});
@@ -161,9 +151,8 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
     }
   }
   read_grain_constants(*file, material.orthotropy, entry.sources);
-  if (auto good = file->finish(); !good) return fail(good.error());
-  if (const auto stable = check_stable(material); !stable)
-    return fail(stable.error().kind, path.string() + ":1: " + stable.error().message);
+  if (auto good = file->finish(); !good) return fail(good);
+  if (const auto stable = check_stable(material); !stable) return fail(path.string() + ":1", stable);
   return entry;
 }
 
@@ -172,15 +161,13 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
   for (const Figure& figure : figures_of(material)) {
     known += (known.empty() ? "" : ", ") + std::string(figure.key);
     if (key != figure.key) continue;
-    if (auto good = check_range(value, figure.range); !good)
-      return fail(good.error().kind, key + ": " + good.error().message);
+    if (auto good = check_range(value, figure.range); !good) return fail(key, good);
     figure.value = value;
     if (is_damping(figure, material)) material.loss_factors.clear();
     return check_stable(material);
   }
   if (key == "loss_factor") {
-    if (auto good = check_range(value, kLossFactor); !good)
-      return fail(good.error().kind, key + ": " + good.error().message);
+    if (auto good = check_range(value, kLossFactor); !good) return fail(key, good);
     constexpr double kAnywhere_hz = 1000;
     material.loss_factors = {{kAnywhere_hz, value}};
     material.damping = modal::fit_rayleigh_to_list(material.loss_factors);
@@ -191,8 +178,7 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
     for (const Figure& figure : figures_of(*material.brittleness)) {
       known += std::string(", ") + figure.key;
       if (key != figure.key) continue;
-      if (auto good = check_range(value, figure.range); !good)
-        return fail(good.error().kind, key + ": " + good.error().message);
+      if (auto good = check_range(value, figure.range); !good) return fail(key, good);
       figure.value = value;
       return {};
     }
@@ -201,7 +187,7 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
   if (material.orthotropy) {
     for (const GrainFigure& figure : grain_figures(*material.orthotropy)) known += std::string(", ") + figure.key;
   }
-  return fail(ErrorKind::bad_input, "a material has no figure '" + key + "'; choose one of: " + known);
+  return fail(ErrorKind::bad_input, "a material has no figure '{}'; choose one of: {}", key, known);
 }
 
 Result<MaterialEntry> find_material(const std::filesystem::path& folder, const std::string& name) {
@@ -212,8 +198,7 @@ Result<MaterialEntry> find_material(const std::filesystem::path& folder, const s
                 "there are no materials in " + folder.string() + "; name their folder with --materials");
   std::string list;
   for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
-  return fail(ErrorKind::bad_input,
-              "there is no material '" + name + "' in " + folder.string() + "; choose one of: " + list);
+  return fail(ErrorKind::bad_input, "there is no material '{}' in {}; choose one of: {}", name, folder.string(), list);
 }
 
 std::vector<std::string> names_in(const std::filesystem::path& folder) {
@@ -248,12 +233,12 @@ std::string grain_row(const MaterialEntry& entry) {
   for (const GrainFigure& figure : grain_figures(solid)) {
     const auto source = entry.sources.find(std::string("grain.") + figure.key);
     row += " " +
-           marked(number_text(figure.value / figure.table_unit, "%.3g"),
+           marked(formatted("{:.3g}", figure.value / figure.table_unit),
                   source == entry.sources.end() ? "" : source->second) +
            " |";
   }
   row += " ";
-  for (const double& loss : solid.loss) row += (&loss == solid.loss.data() ? "" : ", ") + number_text(loss, "%.3g");
+  for (const double& loss : solid.loss) row += formatted("{}{:.3g}", &loss == solid.loss.data() ? "" : ", ", loss);
   return row + " |\n";
 }
 
@@ -263,9 +248,9 @@ std::string loss_cells(const MaterialEntry& entry) {
   for (const double frequency_hz : {100.0, 1000.0, 10000.0}) {
     const double eta = law.loss_factors.empty() ? modal::loss_factor(law.rayleigh, frequency_hz)
                                                 : modal::loss_factor_at(law.loss_factors, frequency_hz);
-    row += " " + marked(number_text(eta, "%.2g"), entry.sources.at("beta_s")) + " |";
+    row += " " + marked(formatted("{:.2g}", eta), entry.sources.at("beta_s")) + " |";
   }
-  return row + (entry.uncertainty > 0 ? " " + number_text(entry.uncertainty, "%.2g") : "") + " |";
+  return row + (entry.uncertainty > 0 ? formatted(" {:.2g}", entry.uncertainty) : "") + " |";
 }
 
 std::string thermal_cells(const MaterialEntry& entry) {
@@ -273,7 +258,7 @@ std::string thermal_cells(const MaterialEntry& entry) {
   modal::Thermal thermal = *entry.material.thermal;
   std::string row;
   for (const Figure& figure : figures_of(thermal))
-    row += " " + marked(number_text(figure.value / figure.table_unit, "%.3g"), entry.sources.at(figure.key)) + " |";
+    row += " " + marked(formatted("{:.3g}", figure.value / figure.table_unit), entry.sources.at(figure.key)) + " |";
   return row;
 }
 
@@ -282,15 +267,14 @@ std::string strength_row(MaterialEntry entry) {
   for (const Figure& figure : figures_of(*entry.material.brittleness)) {
     const auto source = entry.sources.find(figure.key);
     row += " " +
-           marked(number_text(figure.value / figure.table_unit, "%.3g"),
+           marked(formatted("{:.3g}", figure.value / figure.table_unit),
                   source == entry.sources.end() ? "" : source->second) +
            " |";
   }
   const modal::Material& material = entry.material;
   return row + " " +
-         number_text(modal::crack_energy_j_m2(material.brittleness->toughness_pa_sqrt_m, material.youngs_modulus_pa,
-                                              material.poisson_ratio),
-                     "%.2g") +
+         formatted("{:.2g}", modal::crack_energy_j_m2(material.brittleness->toughness_pa_sqrt_m,
+                                                      material.youngs_modulus_pa, material.poisson_ratio)) +
          " |\n";
 }
 
@@ -298,51 +282,46 @@ std::string figure_row(MaterialEntry entry) {
   std::string row = "| `" + entry.material.name + "` |";
   for (const Figure& figure : figures_of(entry.material)) {
     if (is_damping(figure, entry.material)) continue;
-    row += " " + marked(number_text(figure.value / figure.table_unit), entry.sources.at(figure.key)) + " |";
+    row += " " + marked(formatted("{:.5g}", figure.value / figure.table_unit), entry.sources.at(figure.key)) + " |";
   }
-  return row + loss_cells(entry) + thermal_cells(entry) + " " + number_text(t60_at_1_khz(entry.material), "%.2g") +
-         " |\n";
+  return formatted("{}{}{} {:.2g} |\n", row, loss_cells(entry), thermal_cells(entry), t60_at_1_khz(entry.material));
+}
+
+// The header of a table, and a row for each material for which `row_of` returns one.
+Result<std::string> table_of(const std::filesystem::path& folder, std::string header,
+                             std::string (*row_of)(const MaterialEntry&)) {
+  for (const std::string& name : names_in(folder)) {
+    const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
+    if (!entry) return fail(entry);
+    header += row_of(*entry);
+  }
+  return header;
 }
 
 }  // namespace
 
 Result<std::string> grains_as_markdown(const std::filesystem::path& folder) {
-  std::string table =
-      "| material | E1 [GPa] | E2 | E3 | nu12 | nu13 | nu23 | G12 [GPa] | G13 | G23 | losses of E1 E2 E3 G12 G13 G23 "
-      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const std::string& name : names_in(folder)) {
-    const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
-    if (!entry) return fail(entry.error());
-    if (entry->material.orthotropy) table += grain_row(*entry);
-  }
-  return table;
+  return table_of(folder,
+                  "| material | E1 [GPa] | E2 | E3 | nu12 | nu13 | nu23 | G12 [GPa] | G13 | G23 | losses of E1 E2 E3 "
+                  "G12 G13 G23 |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+                  [](const MaterialEntry& entry) { return entry.material.orthotropy ? grain_row(entry) : ""; });
 }
 
 Result<std::string> strengths_as_markdown(const std::filesystem::path& folder) {
-  std::string table =
-      "| material | strength [MPa] | Weibull modulus | toughness [MPa m^1/2] | area [cm^2] | energy of a crack [J/m^2] "
-      "|\n|---|---|---|---|---|---|\n";
-  for (const std::string& name : names_in(folder)) {
-    const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
-    if (!entry) return fail(entry.error());
-    if (entry->material.brittleness) table += strength_row(*entry);
-  }
-  return table;
+  return table_of(folder,
+                  "| material | strength [MPa] | Weibull modulus | toughness [MPa m^1/2] | area [cm^2] | energy of a "
+                  "crack [J/m^2] |\n|---|---|---|---|---|---|\n",
+                  [](const MaterialEntry& entry) { return entry.material.brittleness ? strength_row(entry) : ""; });
 }
 
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
-  const std::vector<std::string> names = names_in(folder);
-  if (names.empty()) return fail(ErrorKind::bad_input, "there are no materials in " + folder.string());
-  std::string figures =
+  if (names_in(folder).empty()) return fail(ErrorKind::bad_input, "there are no materials in " + folder.string());
+  return table_of(
+      folder,
       "| material | E [GPa] | nu | rho [kg/m^3] | loss factor at 100 Hz | at 1 kHz | at 10 kHz | within a factor | "
       "expansion [1e-6/K] | conductivity [W/(m K)] | heat capacity [J/(kg K)] | T60 at 1 kHz [s] |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const std::string& name : names) {
-    const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
-    if (!entry) return fail(entry.error());
-    figures += figure_row(*entry);
-  }
-  return figures;
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+      [](const MaterialEntry& entry) { return figure_row(entry); });
 }
 
 }  // namespace ringdown::bake

@@ -15,7 +15,6 @@
 #include "engine/mesh/surface/surface_repair.h"
 
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace ringdown::mesh {
@@ -39,15 +38,13 @@ std::vector<std::string> notes_of(const PreparedSurface& surface) {
 }
 
 std::string note_of_fewer(Eigen::Index before, Eigen::Index after) {
-  return "took " + std::to_string(after) + " triangles for its " + std::to_string(before) + ", for a preview";
+  return formatted("took {} triangles for its {}, for a preview", after, before);
 }
 
 std::string note_of_loss(const CheckedMesh& checked) {
   const double gap_m = checked.gaps_m[0];
-  char text[160];
-  std::snprintf(text, sizeof text, "its mesh has %s volume than the geometry, as if its skin lay %.2g mm too far %s",
-                gap_m > 0 ? "less" : "more", 1000 * std::abs(gap_m), gap_m > 0 ? "inside" : "outside");
-  return text;
+  return formatted("its mesh has {} volume than the geometry, as if its skin lay {:.2g} mm too far {}",
+                   gap_m > 0 ? "less" : "more", 1000 * std::abs(gap_m), gap_m > 0 ? "inside" : "outside");
 }
 
 Error unknown_format(const std::filesystem::path& path) {
@@ -57,10 +54,9 @@ Error unknown_format(const std::filesystem::path& path) {
 
 Result<void> check_takes_parts(const std::filesystem::path& path, const GmshOptions& options) {
   if (options.parts.empty()) return {};
-  return fail(ErrorKind::bad_input,
-              path.string() +
-                  " is not a surface, so that its parts cannot be surfaces inside it; name groups "
-                  "of the geometry or mesh: group = \"...\"");
+  return fail(ErrorKind::bad_input, path.string() +
+                                        " is not a surface, so that its parts cannot be surfaces inside it; name "
+                                        "groups of the geometry or mesh: group = \"...\"");
 }
 
 }  // namespace
@@ -69,13 +65,13 @@ BodyMaker::BodyMaker(std::filesystem::path path) : path_(std::move(path)) {}
 
 Result<const PreparedSurface*> BodyMaker::surface(const GmshOptions& options) {
   const SurfaceOptions wanted = surface_options(options);
-  if (auto good = check_unit(path_, options.unit_m); !good) return fail(good.error());
+  if (auto good = check_unit(path_, options.unit_m); !good) return fail(good);
   if (!surface_ || surface_options_ != wanted) {
     if (!options.parameters.empty())
       return fail(ErrorKind::bad_input, path_.string() + " takes no parameters; only .geo files have them");
     std::vector<std::string> notes;
     Result<TriangleMesh> read = read_surface(path_, &notes);
-    if (!read) return fail(read.error());
+    if (!read) return fail(read);
     read->nodes *= wanted.unit_m;
     const Eigen::Index triangles = read->triangles.rows();
     if (wanted.quick && triangles > kManyTriangles)
@@ -93,7 +89,7 @@ Result<Sketch> BodyMaker::sketch(const GmshOptions& options) {
   Sketch sketch;
   if (is_surface_file(path_)) {
     const Result<const PreparedSurface*> prepared = surface(options);
-    if (!prepared) return fail(prepared.error());
+    if (!prepared) return fail(prepared);
     sketch.skin = (*prepared)->mesh;
     if (!(*prepared)->left.sound()) {
       sketch.wall_m = wall_of_soup(sketch.skin);
@@ -104,7 +100,7 @@ Result<Sketch> BodyMaker::sketch(const GmshOptions& options) {
     coarse.mesh_size_m = 0;
     coarse.order = 1;
     const Result<Body> body = make(coarse);
-    if (!body) return fail(body.error());
+    if (!body) return fail(body);
     sketch.skin = skin_of(body->mesh.mesh);
     sketch.sized_by_file = declares_mesh_size(path_) && depends_on_mesh_size(path_, options, diagonal_of(sketch.skin));
   }
@@ -114,7 +110,7 @@ Result<Sketch> BodyMaker::sketch(const GmshOptions& options) {
 
 Result<Body> BodyMaker::make(const GmshOptions& options, const Progress& progress) {
   if (is_surface_file(path_)) return make_of_surface(options, progress);
-  if (auto good = check_takes_parts(path_, options); !good) return fail(good.error());
+  if (auto good = check_takes_parts(path_, options); !good) return fail(good);
   if (!format_of(path_)) return fail(unknown_format(path_));
   if (is_of_kind(path_, FileKind::tetrahedra)) return make_of_tetrahedra(options);
   const Making making = is_geometry_file(path_) ? Making::kMeshed : Making::kRead;
@@ -126,11 +122,11 @@ Result<Body> BodyMaker::make(const GmshOptions& options, const Progress& progres
 }
 
 Result<Body> BodyMaker::make_of_tetrahedra(const GmshOptions& options) const {
-  if (auto good = check_unit(path_, options.unit_m); !good) return fail(good.error());
+  if (auto good = check_unit(path_, options.unit_m); !good) return fail(good);
   if (!options.parameters.empty())
     return fail(ErrorKind::bad_input, path_.string() + " takes no parameters; only .geo files have them");
   Result<TetMesh> read = read_tet_file(path_);
-  if (!read) return fail(read.error());
+  if (!read) return fail(read);
   read->nodes *= options.unit_m.value_or(1);
   return check_mesh(std::move(*read), path_.string()).map([](CheckedMesh mesh) {
     return Body{std::move(mesh), Making::kRead, {}};
@@ -139,7 +135,7 @@ Result<Body> BodyMaker::make_of_tetrahedra(const GmshOptions& options) const {
 
 Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progress& progress) {
   const Result<const PreparedSurface*> prepared = surface(options);
-  if (!prepared) return fail(prepared.error());
+  if (!prepared) return fail(prepared);
   const auto& [mesh, found, left, actions, notes, rough] = **prepared;
   Body body;
   body.making = Making::kFilled;
@@ -148,7 +144,7 @@ Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progre
     return fail(ErrorKind::bad_input, why);
   if (auto few = check_element_count(path_, {found.volume_m3, found.area_m2, found.diagonal_m}, options.mesh_size_m);
       !few)
-    return fail(few.error());
+    return fail(few);
   if (!options.parts.empty()) return make_of_parts(**prepared, options);
   if (left.sound()) {
     Result<Filled> filled =
@@ -174,7 +170,7 @@ Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progre
 
 Result<Body> BodyMaker::make_of_parts(const PreparedSurface& surface, const GmshOptions& options) const {
   const auto refuse = [](const std::string& file, const std::string& why) {
-    return fail(ErrorKind::bad_input, file + ": " + why + "; a body with inner surfaces needs surfaces without faults");
+    return fail(ErrorKind::bad_input, "{}: {}; a body with inner surfaces needs surfaces without faults", file, why);
   };
   if (!surface.left.sound()) return refuse(path_.string(), describe(surface.left.findings.front()));
   Body body{.mesh = {}, .making = Making::kFilled, .notes = notes_of(surface)};
@@ -183,7 +179,7 @@ Result<Body> BodyMaker::make_of_parts(const PreparedSurface& surface, const Gmsh
     const std::filesystem::path file = path_.parent_path() / part;
     if (!is_surface_file(file)) return refuse(part, "this is not a surface file");
     Result<TriangleMesh> read = read_surface(file);
-    if (!read) return fail(read.error());
+    if (!read) return fail(read);
     read->nodes *= options.unit_m.value_or(1);
     PreparedSurface own = prepare(*read);
     if (!own.left.sound()) return refuse(part, describe(own.left.findings.front()));
@@ -191,12 +187,14 @@ Result<Body> BodyMaker::make_of_parts(const PreparedSurface& surface, const Gmsh
     inner.push_back({part, std::move(own.mesh)});
   }
   const Result<PartedSurface> parted = mesh::part(surface.mesh, inner, path_.filename().string());
-  if (!parted) return fail(parted.error());
+  if (!parted) return fail(parted);
   Result<Filled> filled = fill_parts(
       *parted, {options.mesh_size_m, options.order, wall_thickness(parted->mesh), options.quick}, path_.string());
   if (!filled)
-    return fail(filled.error().kind, "cannot mesh " + path_.string() + " with its parts: " + filled.error().message +
-                                         "; name a smaller mesh size, or thicken the layers between the surfaces");
+    return fail(
+        filled.error().kind,
+        "cannot mesh {} with its parts: {}; name a smaller mesh size, or thicken the layers between the surfaces",
+        path_.string(), filled.error().message);
   if (!filled->note.empty()) body.notes.push_back(filled->note);
   body.mesh = std::move(filled->mesh);
   body.mesh.gaps_m = surface_gaps(body.mesh.mesh, surface.rough.value_or(surface.mesh),

@@ -56,7 +56,7 @@ bool BodyReader::meshes() const { return is_surface() || is_geometry_file(path_)
 // sandbox, and matrices are small here.
 Result<void> BodyReader::start() {
   const Result<std::filesystem::path> program = find_beside(kProgram);
-  if (!program) return fail(program.error());
+  if (!program) return fail(program);
   return helper_.start({program->string(), path_.string()}, {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"}, limits_);
 }
 
@@ -89,7 +89,7 @@ Error BodyReader::why(const HelperAnswer& answer) const {
 
 Result<std::string> BodyReader::ask(Question question, const GmshOptions& options, const Progress& progress) {
   if (!helper_.running()) {
-    if (auto started = start(); !started) return fail(started.error());
+    if (auto started = start(); !started) return fail(started);
   }
   HelperAnswer answer = helper_.ask(packed(question, options), [&](std::string_view stage, double fraction) {
     return !progress || progress(stage.empty() ? "mesh" : stage, fraction);
@@ -113,7 +113,7 @@ Result<const PreparedSurface*> BodyReader::surface(const GmshOptions& options, c
   Result<PreparedSurface> read = ask(Question::kSurface, options, progress).and_then([this](const std::string& bytes) {
     return unpacked<PreparedSurface>(bytes);
   });
-  if (!read) return fail(read.error());
+  if (!read) return fail(read);
   surface_ = std::move(*read);
   surface_options_ = surface_options(options);
   return &*surface_;
@@ -122,7 +122,7 @@ Result<const PreparedSurface*> BodyReader::surface(const GmshOptions& options, c
 Result<Sketch> BodyReader::sketch(const GmshOptions& options, const Progress& progress) {
   if (!is_surface()) return through_cache<Sketch>("sketch", Question::kSketch, options, progress);
   const Result<std::string> bytes = ask(Question::kSketch, options, progress);
-  if (!bytes) return fail(bytes.error());
+  if (!bytes) return fail(bytes);
   return unpacked<Sketch>(*bytes);
 }
 
@@ -201,7 +201,7 @@ Result<Answer> BodyReader::through_cache(std::string_view kind, Question questio
     if (const auto kept = ContentCache(cache_).find(kind, *key); kept && unpack(*kept, answer)) return answer;
   }
   const Result<std::string> bytes = ask(question, options, progress);
-  if (!bytes) return fail(bytes.error());
+  if (!bytes) return fail(bytes);
   Result<Answer> made = unpacked<Answer>(*bytes);
   if (made && key)
     (void)ContentCache(cache_).store(kind, *key, *bytes);  // a cache that cannot be written costs time only

@@ -1,7 +1,7 @@
 // The one way from a file to a body of tetrahedra, for programs that trust neither the file nor the libraries that read
 // it. [worker]
 //
-//   BodyReader reader("cup.stl", cache_folder);
+//   BodyReader reader("cup.stl", *cache_folder());
 //   Result<Body> body = reader.read({.unit_m = 0.001, .mesh_size_m = 0.004});
 //
 // A process of its own, the program ringdown-mesher beside this one, reads and meshes the file (body_maker.h, which

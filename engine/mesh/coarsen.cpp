@@ -29,9 +29,9 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kNarrowShare = 0.1;  // factor on the increase of a move that makes triangles less narrow
 constexpr double kMinTurn = 0.2;      // cosine of the largest angle by which a move may turn a triangle
 constexpr double kWider = 0.01;  // least gain, in the cosine of an angle, for which an edge is flipped or a point moved
-constexpr double kSlack = 0.0113;    // narrowness of 20.2 degrees, allowed if no other move is left: regular grids
-constexpr double kFlat = 0.9;        // cosine of the largest angle by which flips and moves may turn a triangle
-constexpr double kMendingLimit = 3;  // largest increase for a wider angle, in units of the mean cost of a point
+constexpr double kSlack = 0.0113;       // narrowness of 20.2 degrees, allowed if no other move is left: regular grids
+constexpr double kMinTurnCosine = 0.9;  // cosine of the largest angle by which flips and moves may turn a triangle
+constexpr double kMendingLimit = 3;     // largest increase for a wider angle, in units of the mean cost of a point
 constexpr double kFragment =
     0.1;  // longest side, in distance units, of a detail that may be removed although it has sharp edges
 constexpr double kMinBend = 0.5;  // cosine of the largest angle by which a sharp edge may bend at a removed point
@@ -359,7 +359,7 @@ class Coarsening::Mesh {
       for (const std::uint32_t f : beside)
         turn = std::min(turn, cosine_between(normal(change.made[i].second), normal(facets_[f])));
     }
-    if (after > before - kWider || turn < kFlat) return false;
+    if (after > before - kWider || turn < kMinTurnCosine) return false;
     evaluate(change);
     if (change.increase > (before > kNarrowCosine ? mending_limit() : 0)) return false;
     apply(change);
@@ -389,7 +389,7 @@ class Coarsening::Mesh {
         narrowest = std::max(narrowest, min_cosine(facet));
         turn = std::min(turn, cosine_between(normal(facet), turned[i]));
       }
-      if (turn < kFlat || narrowest > widest - kWider) continue;
+      if (turn < kMinTurnCosine || narrowest > widest - kWider) continue;
       widest = narrowest;
       best = s;
     }

@@ -49,7 +49,9 @@ FaceFunctions face_functions(int order, int opposite) {
   Eigen::Index row = 0;
   for (const Eigen::Vector3d& middle : middles()) {
     Eigen::Vector4d at = Eigen::Vector4d::Zero();
-    at[a] = middle[0], at[b] = middle[1], at[c] = middle[2];
+    at[a] = middle[0];
+    at[b] = middle[1];
+    at[c] = middle[2];
     const Eigen::VectorXd values = interpolation(order, at);
     const ReferenceGradient gradient = interpolation_gradient(order, at);
     const Eigen::VectorXd second = gradient * (free_coordinates(b) - free_coordinates(a)),

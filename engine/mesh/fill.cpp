@@ -222,7 +222,7 @@ Result<Sized> sized(const PartedSurface& parted, const FillOptions& options) {
   std::string why;
   for (int attempt = 0; attempt < kMaxTries; ++attempt) {
     const Result<Remeshed> remeshed = remesh(surface, lengths);
-    if (!remeshed) return fail(remeshed.error());
+    if (!remeshed) return fail(remeshed);
     const double now = volume_of(shells_of(remeshed->mesh));
     if (share_that_leaves(*remeshed, options) > kMaxLeaving || std::abs(now - volume) > slip * volume) {
       why = "triangles of the chosen size leave it";
@@ -288,7 +288,7 @@ Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, const PartedSurfa
   }
   std::vector<Eigen::Index> counts;
   Result<TetMesh> mesh = GmshBody(surface, shells, diagonal_of(surface)).mesh(filled, size_m, counts);
-  if (!mesh) return fail(mesh.error());
+  if (!mesh) return fail(mesh);
   MeshGroups groups{.volumes = parted.names, .volume_of = {}, .surfaces = {}};
   for (std::size_t r = 0; r < filled.size(); ++r)
     groups.volume_of.insert(groups.volume_of.end(), static_cast<std::size_t>(counts[r]),
@@ -297,22 +297,20 @@ Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, const PartedSurfa
   if (!checked) return checked;
   if (checked->duplicates > 0) return fail(ErrorKind::bad_input, "gmsh made duplicate elements");
   checked->groups = std::move(groups);
-  if (auto good = check_parts(*checked, part_volumes(regions, parted.names.size()), 1e-3); !good)
-    return fail(good.error());
+  if (auto good = check_parts(*checked, part_volumes(regions, parted.names.size()), 1e-3); !good) return fail(good);
   return checked;
 }
 
 Result<CheckedMesh> fill_sized(const PartedSurface& parted, const FillOptions& options, const std::string& name) {
   const Result<Sized> triangles = sized(parted, options);
-  if (!triangles) return fail(triangles.error());
+  if (!triangles) return fail(triangles);
   Result<CheckedMesh> mesh = fill_as_it_is(triangles->surface, parted, triangles->size_m, name);
   if (!mesh) return mesh;
   if (options.order > 1) mesh = curved(*mesh, parted, options, name);
   if (!mesh) return mesh;
   const Shells shells = shells_of(parted.mesh);
   const std::vector<Region> regions = regions_of(shells, sources_of(shells, parted.mesh, parted));
-  if (auto good = check_parts(*mesh, part_volumes(regions, parted.names.size()), kVolumeSlip); !good)
-    return fail(good.error());
+  if (auto good = check_parts(*mesh, part_volumes(regions, parted.names.size()), kVolumeSlip); !good) return fail(good);
   return mesh;
 }
 
@@ -330,7 +328,7 @@ Result<Filled> fill_parts(const PartedSurface& parted, const FillOptions& option
       static_cast<double>(parted.mesh.triangles.rows()) > max_own_triangles(parted, options.size_m))
     return fail(ErrorKind::bad_input, why + ", and the surface has far more triangles than this mesh size needs");
   Result<CheckedMesh> mesh = fill_as_it_is(parted.mesh, parted, options.size_m, name);
-  if (!mesh) return fail(mesh.error());
+  if (!mesh) return fail(mesh);
   return Filled{std::move(*mesh), why.empty() ? "" : "filled with its own triangles, because " + why};
 }
 

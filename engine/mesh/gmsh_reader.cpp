@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -29,11 +28,7 @@ constexpr double kElementsPerCube = 8.5;  // regular tetrahedra of edge h in a c
 constexpr double kTrianglesPerSquare = 2.3;
 constexpr int kMaxUnfolded = 3;  // highest order; see unfold()
 
-std::string plain_number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
+std::string plain_number(double value) { return formatted("{:.17g}", value); }
 
 // A .geo file, in memory only, that sets the parameters and includes the real file. gmsh's own option, -setnumber,
 // cannot be undone, and the parser's variables outlive finalize(), so this file also deletes the previous file's.
@@ -51,7 +46,7 @@ class ParameterFile {
   ParameterFile& operator=(const ParameterFile&) = delete;
 
   [[nodiscard]] bool written() const { return written_; }
-  [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+  [[nodiscard]] std::string path() const { return formatted("/proc/self/fd/{}", descriptor_); }
 
  private:
   int descriptor_;
@@ -75,11 +70,11 @@ Result<void> check_parameters(const std::filesystem::path& path, const std::map<
     return fail(ErrorKind::bad_input, path.string() + " takes no parameters; only .geo files have them");
   }
   const Result<std::string> text = read_whole_file(path, kMaxGeoBytes);
-  if (!text) return fail(text.error());
+  if (!text) return fail(text);
   for (const auto& [name, value] : parameters) {
     if (!assigns(*text, name)) {
-      return fail(ErrorKind::bad_input,
-                  path.string() + " has no parameter '" + name + "'; the file's DefineConstant lists its parameters");
+      return fail(ErrorKind::bad_input, "{} has no parameter '{}'; the file's DefineConstant lists its parameters",
+                  path.string(), name);
     }
   }
   return {};
@@ -195,14 +190,14 @@ Result<ElementType> only_type(const std::filesystem::path& path) {
     std::vector<double> places;
     gmsh::model::mesh::getElementProperties(type, name, dimension, order, nodes, places, primary_nodes);
     if (primary_nodes != 4 || order_of_nodes(nodes) != order) {
-      return fail(ErrorKind::bad_input, path.string() + " has elements of type " + name +
-                                            "; only tetrahedra of 4, 10, 20 or 35 nodes are " +
-                                            "understood, so mesh it with those");
+      return fail(
+          ErrorKind::bad_input,
+          "{} has elements of type {}; only tetrahedra of 4, 10, 20 or 35 nodes are understood, so mesh it with those",
+          path.string(), name);
     }
     if (found.order > 0) {
-      return fail(ErrorKind::bad_input, path.string() + " mixes tetrahedra of " +
-                                            std::to_string(nodes_per_element(found.order)) + " and of " +
-                                            std::to_string(nodes) + " nodes; give all of them the same order");
+      return fail(ErrorKind::bad_input, "{} mixes tetrahedra of {} and of {} nodes; give all of them the same order",
+                  path.string(), nodes_per_element(found.order), nodes);
     }
     const Eigen::Map<const Points> free_coordinates(places.data(), nodes, 3);
     Barycentric points(nodes, 4);
@@ -239,7 +234,7 @@ std::string clause_of(std::string text) {
 }
 
 tl::unexpected<Error> gmsh_failed(const std::filesystem::path& path, const std::string& message) {
-  return fail(ErrorKind::bad_input, "gmsh cannot make a mesh of " + path.string() + ": " + clause_of(message));
+  return fail(ErrorKind::bad_input, "gmsh cannot make a mesh of {}: {}", path.string(), clause_of(message));
 }
 
 bool has_partitions() {
@@ -299,7 +294,7 @@ void unfold() {
 
 Result<CheckedMesh> take_open(const std::filesystem::path& path, double unit_m, bool meshed_here) {
   const Result<ElementType> type = only_type(path);
-  if (!type) return fail(type.error());
+  if (!type) return fail(type);
   if (type->order == 0) return check_mesh({Points(0, 3), Indices(0, 4)}, path.string());
   const auto checked_with_groups = [&] {
     Result<CheckedMesh> checked = check_mesh(take_mesh(*type, unit_m), path.string());
@@ -363,12 +358,12 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
   gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
   Result<CheckedMesh> mesh;
   try {
-    if (auto opened = open_file(path, options, unit_m); !opened) return fail(opened.error());
+    if (auto opened = open_file(path, options, unit_m); !opened) return fail(opened);
     if (const auto error = session.first_error()) return gmsh_failed(path, *error);
     const bool meshed_here = is_geometry();
     if (meshed_here) {
       cut_cone_tips();
-      if (auto meshed = generate(path, options, unit_m); !meshed) return fail(meshed.error());
+      if (auto meshed = generate(path, options, unit_m); !meshed) return fail(meshed);
     }
     if (const auto error = session.first_error()) return gmsh_failed(path, *error);
     mesh = take_open(path, unit_m, meshed_here);
@@ -392,7 +387,7 @@ Result<std::vector<double>> nodes_on_curves(const std::filesystem::path& path, c
   std::vector<std::size_t> tags;
   std::vector<double> coordinates, parametric;
   try {
-    if (auto opened = open_file(path, sized, unit_m); !opened) return fail(opened.error());
+    if (auto opened = open_file(path, sized, unit_m); !opened) return fail(opened);
     if (const auto error = session.first_error()) return gmsh_failed(path, *error);
     gmsh::model::mesh::generate(1);
     gmsh::model::mesh::getNodes(tags, coordinates, parametric);
@@ -419,12 +414,10 @@ Result<void> check_element_count(const std::filesystem::path& path, const Extent
   const double elements = kElementsPerCube * extent.volume_m3 * per_m * per_m * per_m +
                           kTrianglesPerSquare * extent.area_m2 * per_m * per_m;
   if (elements <= kMaxElements) return {};
-  char text[240];
-  std::snprintf(text, sizeof text,
-                ": a mesh size of %.3g m is far too small for a body %.3g m long: it means about %.1e elements, more "
-                "than %.0e; choose a larger one, or check the unit of its lengths",
-                mesh_size_m, extent.diagonal_m, elements, kMaxElements);
-  return fail(ErrorKind::too_large, path.string() + text);
+  return fail(ErrorKind::too_large,
+              "{}: a mesh size of {:.3g} m is far too small for a body {:.3g} m long: it means about {:.1e} elements, "
+              "more than {:.0e}; choose a larger one, or check the unit of its lengths",
+              path.string(), mesh_size_m, extent.diagonal_m, elements, kMaxElements);
 }
 
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {
@@ -435,8 +428,8 @@ Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const Gmsh
   if (options.unit_m && (!(*options.unit_m > 0) || !std::isfinite(*options.unit_m))) {
     return fail(ErrorKind::bad_input, "the unit of " + path.string() + " must be a positive length in metres");
   }
-  if (auto harmless = check_geo(path); !harmless) return fail(harmless.error());
-  if (auto known = check_parameters(path, options.parameters); !known) return fail(known.error());
+  if (auto harmless = check_geo(path); !harmless) return fail(harmless);
+  if (auto known = check_parameters(path, options.parameters); !known) return fail(known);
   try {
     return read_open(path, options);
   } catch (const std::exception& exception) {

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -113,11 +112,11 @@ Result<void> check_overlap(const TetMesh& mesh, const std::string& name) {
   for (const Eigen::Index element : tree.elements()) {
     const Eigen::Vector3d middle = tree.middle(element);
     if (tree.find(middle, element) < 0) continue;
-    char place[96];
-    std::snprintf(place, sizeof place, "(%.6g, %.6g, %.6g) m", middle[0], middle[1], middle[2]);
+    const std::string place = formatted("({:.6g}, {:.6g}, {:.6g}) m", middle[0], middle[1], middle[2]);
     return fail(ErrorKind::bad_input,
-                name + ": elements overlap at " + place +
-                    "; a body appears twice, or two bodies intersect: delete or unite them, and mesh again");
+                "{}: elements overlap at {}; a body appears twice, or two bodies intersect: delete or unite them, and "
+                "mesh again",
+                name, place);
   }
   return {};
 }
@@ -149,15 +148,14 @@ Result<void> check_numbers(const TetMesh& mesh, const std::string& name) {
                 name + " has no tetrahedra; a solid is needed, so mesh its volume, not only its surface");
   }
   if (mesh.order() == 0) {
-    return fail(ErrorKind::bad_input, name + " has elements of " + std::to_string(mesh.elements.cols()) +
-                                          " nodes; give tetrahedra of 4, 10, 20 or 35 nodes");
+    return fail(ErrorKind::bad_input, "{} has elements of {} nodes; give tetrahedra of 4, 10, 20 or 35 nodes", name,
+                mesh.elements.cols());
   }
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
     for (const std::int32_t node : mesh.elements.row(e)) {
       if (node >= 0 && node < mesh.nodes.rows()) continue;
-      return fail(ErrorKind::bad_input, name + ": element " + std::to_string(e) + " names node " +
-                                            std::to_string(node) + ", but there are only " +
-                                            std::to_string(mesh.nodes.rows()));
+      return fail(ErrorKind::bad_input, "{}: element {} names node {}, but there are only {}", name, e, node,
+                  mesh.nodes.rows());
     }
   }
   std::vector<std::int32_t> own(mesh.elements.cols());
@@ -165,15 +163,14 @@ Result<void> check_numbers(const TetMesh& mesh, const std::string& name) {
     std::copy(mesh.elements.row(e).begin(), mesh.elements.row(e).end(), own.begin());
     std::sort(own.begin(), own.end());
     if (const auto twice = std::adjacent_find(own.begin(), own.end()); twice != own.end()) {
-      return fail(ErrorKind::bad_input, name + ": element " + std::to_string(e) + " names node " +
-                                            std::to_string(*twice) +
-                                            " twice; mesh the object again, or repair it in a mesh tool");
+      return fail(ErrorKind::bad_input,
+                  "{}: element {} names node {} twice; mesh the object again, or repair it in a mesh tool", name, e,
+                  *twice);
     }
   }
   for (Eigen::Index node = 0; node < mesh.nodes.rows(); ++node) {
     if (!mesh.nodes.row(node).allFinite()) {
-      return fail(ErrorKind::bad_input,
-                  name + ": a coordinate of node " + std::to_string(node) + " is not a finite number");
+      return fail(ErrorKind::bad_input, "{}: a coordinate of node {} is not a finite number", name, node);
     }
   }
   return {};
@@ -182,7 +179,7 @@ Result<void> check_numbers(const TetMesh& mesh, const std::string& name) {
 }  // namespace
 
 Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name) {
-  if (auto numbers = check_numbers(mesh, name); !numbers) return fail(numbers.error());
+  if (auto numbers = check_numbers(mesh, name); !numbers) return fail(numbers);
   CheckedMesh checked{.mesh = std::move(mesh)};
   checked.unused_nodes = drop_unused_nodes(checked.mesh.nodes, checked.mesh.elements);
   const std::vector<int> flipped = flipped_nodes(checked.mesh.order());
@@ -190,17 +187,18 @@ Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name) {
     const Corners corners = corners_of(checked.mesh, e);
     const double determinant = jacobian(corners).determinant();
     if (is_flat(corners, determinant)) {
-      return fail(ErrorKind::bad_input, name + ": element " + std::to_string(e) +
-                                            " has no volume (its four corners lie in a plane); " +
-                                            "mesh the object again, or repair it in a mesh tool");
+      return fail(ErrorKind::bad_input,
+                  "{}: element {} has no volume (its four corners lie in a plane); mesh the object again, or repair it "
+                  "in a mesh tool",
+                  name, e);
     }
     if (determinant > 0) continue;
     checked.mesh.elements.row(e) = checked.mesh.elements(e, flipped).eval();
     ++checked.flipped;
   }
   checked.duplicates = drop_duplicates(checked.mesh);
-  if (auto joints = check_joints(checked.mesh, name); !joints) return fail(joints.error());
-  if (auto apart = check_overlap(checked.mesh, name); !apart) return fail(apart.error());
+  if (auto joints = check_joints(checked.mesh, name); !joints) return fail(joints);
+  if (auto apart = check_overlap(checked.mesh, name); !apart) return fail(apart);
   checked.straightened = straighten_folded(checked.mesh);
   checked.pieces = count_pieces(checked.mesh);
   return checked;

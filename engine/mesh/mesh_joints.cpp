@@ -1,8 +1,9 @@
 #include "engine/mesh/mesh_joints.h"
 
+#include "engine/base/groups.h"
+
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <numeric>
 #include <tuple>
 #include <vector>
@@ -39,24 +40,6 @@ std::vector<Face> sorted_faces(const TetMesh& mesh) {
   });
   return faces;
 }
-
-// Items 0 ... count - 1 in disjoint groups (union-find). A group's root is its lowest item.
-template <class Index>
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), Index{0}); }
-  Index root(Index item) {
-    while (parent_[item] != item) item = parent_[item] = parent_[parent_[item]];
-    return item;
-  }
-  void join(Index a, Index b) {
-    a = root(a), b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 // Removes the marked elements; returns how many.
 int remove(TetMesh& mesh, const std::vector<bool>& marked) {
@@ -106,9 +89,7 @@ int count_pieces(const TetMesh& mesh) {
 namespace {
 
 std::string position_text(const Eigen::RowVector3d& at) {
-  char text[96];
-  std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g) m", at[0], at[1], at[2]);
-  return text;
+  return formatted("({:.6g}, {:.6g}, {:.6g}) m", at[0], at[1], at[2]);
 }
 
 std::string position_text(const TetMesh& mesh, const Face& face) {
@@ -175,10 +156,10 @@ Result<void> check_edges(const TetMesh& mesh, const std::vector<Face>& outer, co
   std::sort(edges.begin(), edges.end());
   for (std::size_t i = 0; i + 2 < edges.size(); i += 2) {
     if (edges[i] != edges[i + 2]) continue;
-    return fail(ErrorKind::bad_input, name + ": parts of the body touch only along an edge from " +
-                                          position_text(mesh.nodes.row(edges[i][0])) + " to " +
-                                          position_text(mesh.nodes.row(edges[i][1])) +
-                                          ", like a hinge; join them by a face, or give each its own nodes");
+    return fail(ErrorKind::bad_input,
+                "{}: parts of the body touch only along an edge from {} to {}, like a hinge; join them by a face, or "
+                "give each its own nodes",
+                name, position_text(mesh.nodes.row(edges[i][0])), position_text(mesh.nodes.row(edges[i][1])));
   }
   return {};
 }
@@ -197,20 +178,23 @@ Result<void> check_joints(const TetMesh& mesh, const std::string& name) {
     }
     if (next > i + 2 || faces[i].turned == faces[i + 1].turned) {
       return fail(ErrorKind::bad_input,
-                  name + ": elements overlap at their common face at " + position_text(mesh, faces[i]) +
-                      "; the mesh is tangled: mesh the object again, or repair it in a mesh tool");
+                  "{}: elements overlap at their common face at {}; the mesh is tangled: mesh the object again, or "
+                  "repair it in a mesh tool",
+                  name, position_text(mesh, faces[i]));
     }
     if (!fans.join(faces[i], faces[i + 1])) {
       return fail(ErrorKind::bad_input,
-                  name + ": two elements share the corners of their face at " + position_text(mesh, faces[i]) +
-                      " but not its other nodes; merge the nodes of the mesh, or mesh the object again");
+                  "{}: two elements share the corners of their face at {} but not its other nodes; merge the nodes of "
+                  "the mesh, or mesh the object again",
+                  name, position_text(mesh, faces[i]));
     }
   }
   if (auto good = check_edges(mesh, outer, name); !good) return good;
   if (const std::int32_t node = fans.parted_node(); node >= 0) {
-    return fail(ErrorKind::bad_input, name + ": parts of the body touch only in the point " +
-                                          position_text(mesh.nodes.row(node)) +
-                                          ", like a hinge; join them by a face, or give each its own node");
+    return fail(ErrorKind::bad_input,
+                "{}: parts of the body touch only in the point {}, like a hinge; join them by a face, or give each its "
+                "own node",
+                name, position_text(mesh.nodes.row(node)));
   }
   return {};
 }

@@ -148,20 +148,14 @@ std::vector<bool> usable_triangles(const TriangleMesh& mesh) {
 }
 
 Result<void> write_ply(const TriangleMesh& surface, const std::filesystem::path& path) {
-  std::string text =
-      "ply\nformat ascii 1.0\ncomment lengths in metres\nelement vertex " + std::to_string(surface.nodes.rows()) +
-      "\nproperty double x\nproperty double y\nproperty double z\n" + "element face " +
-      std::to_string(surface.triangles.rows()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-  char line[120];
-  for (Eigen::Index n = 0; n < surface.nodes.rows(); ++n) {
-    std::snprintf(line, sizeof line, "%.9g %.9g %.9g\n", surface.nodes(n, 0), surface.nodes(n, 1), surface.nodes(n, 2));
-    text += line;
+  std::string text = formatted(
+      "ply\nformat ascii 1.0\ncomment lengths in metres\nelement vertex {}\nproperty double x\nproperty double y\n"
+      "property double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      surface.nodes.rows(), surface.triangles.rows());
+  for (const auto& node : surface.nodes.rowwise()) {
+    text += formatted("{:.9g} {:.9g} {:.9g}\n", node[0], node[1], node[2]);
   }
-  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-    const auto row = surface.triangles.row(t);
-    std::snprintf(line, sizeof line, "3 %d %d %d\n", row[0], row[1], row[2]);
-    text += line;
-  }
+  for (const auto& row : surface.triangles.rowwise()) text += formatted("3 {} {} {}\n", row[0], row[1], row[2]);
   return write_output(path, text);
 }
 

@@ -83,6 +83,16 @@ struct LiquidNote {
   bool around = false;  // true: the body stands in it; false: it is in the body
 };
 
+// A tube under the body, whose air the modes of a bank include. In the object's frame.
+struct ResonatorNote {
+  double diameter_m = 0, length_m = 0;
+  Vec3 mouth_m, axis{0, 0, -1};  // the middle of its mouth; into the tube
+  bool stopped = true;           // at its far end; false: open there
+  double frequency_hz = 0;       // of its lowest mode beside a body at rest
+  double decay_per_s = 0;        // of that mode
+  double end_correction_m = 0;   // of its mouth beside the body
+};
+
 // Records how the bank was made. All fields are optional, and playing needs none of them. Kept in extras.ringdown of
 // the file.
 struct Provenance {
@@ -100,7 +110,8 @@ struct Provenance {
   double loss_db = 0;               // energy of the dropped modes over that of all modes, for the worst strike
   std::vector<std::string> parts;   // materials of the body's parts, beside its own
   std::vector<LiquidNote> liquids;  // in the body and around it
-  double peak_pa = 0;               // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
+  std::vector<ResonatorNote> resonators;  // under it
+  double peak_pa = 0;  // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
 };
 
 struct Fracture;  // fracture/fracture.h

@@ -1,5 +1,7 @@
 #include "engine/modal/bank_extras.h"
 
+#include "engine/modal/response/provenance_text.h"
+
 #include "engine/base/version.h"
 #include "engine/modal/nonlinear_limits.h"
 
@@ -15,21 +17,25 @@ namespace ringdown::modal {
 namespace {
 
 constexpr std::size_t kMaxParts = 1000;  // further parts are not read
-constexpr std::size_t kMaxLiquids = 100;
+constexpr std::size_t kMaxLiquids = 100, kMaxTubes = 100;
+
+Vec3 read_vector(const JsonPlace& list, const Vec3& otherwise) {
+  return {list[0].number().value_or(otherwise.x), list[1].number().value_or(otherwise.y),
+          list[2].number().value_or(otherwise.z)};
+}
 
 std::vector<LiquidNote> read_liquids(const JsonPlace& list) {
   std::vector<LiquidNote> liquids;
   for (std::size_t i = 0; i < std::min(list.size(), kMaxLiquids); ++i) {
     const JsonPlace one = list[i];
     const auto number = [&one](const char* key) { return one[key].number().value_or(0.0); };
-    const JsonPlace up = one["up"];
     liquids.push_back({.liquid = one["liquid"].text_or(""),
                        .density_kg_m3 = number("density"),
                        .sound_speed_m_s = number("soundSpeed"),
                        .viscosity_pa_s = number("viscosity"),
                        .level_m = number("level"),
                        .volume_m3 = number("volume"),
-                       .up = {up[0].number().value_or(0.0), up[1].number().value_or(0.0), up[2].number().value_or(1.0)},
+                       .up = read_vector(one["up"], {0, 0, 1}),
                        .around = one["place"].text_or("") == "around"});
   }
   return liquids;
@@ -46,6 +52,37 @@ Json liquids_json(const std::vector<LiquidNote>& liquids) {
                     {"level", one.level_m},
                     {"volume", one.volume_m3},
                     {"up", {one.up.x, one.up.y, one.up.z}}});
+  return json;
+}
+
+std::vector<ResonatorNote> read_resonators(const JsonPlace& list) {
+  std::vector<ResonatorNote> resonators;
+  for (std::size_t i = 0; i < std::min(list.size(), kMaxTubes); ++i) {
+    const JsonPlace one = list[i];
+    const auto number = [&one](const char* key) { return one[key].number().value_or(0.0); };
+    resonators.push_back({.diameter_m = number("diameter"),
+                          .length_m = number("length"),
+                          .mouth_m = read_vector(one["mouth"], {}),
+                          .axis = read_vector(one["axis"], {0, 0, -1}),
+                          .stopped = one["end"].text_or("") != "open",
+                          .frequency_hz = number("frequency"),
+                          .decay_per_s = number("decay"),
+                          .end_correction_m = number("endCorrection")});
+  }
+  return resonators;
+}
+
+Json resonators_json(const std::vector<ResonatorNote>& resonators) {
+  Json json = Json::array();
+  for (const ResonatorNote& one : resonators)
+    json.push_back({{"diameter", one.diameter_m},
+                    {"length", one.length_m},
+                    {"mouth", {one.mouth_m.x, one.mouth_m.y, one.mouth_m.z}},
+                    {"axis", {one.axis.x, one.axis.y, one.axis.z}},
+                    {"end", one.stopped ? "stopped" : "open"},
+                    {"frequency", one.frequency_hz},
+                    {"decay", one.decay_per_s},
+                    {"endCorrection", one.end_correction_m}});
   return json;
 }
 
@@ -70,6 +107,7 @@ Provenance read_provenance(const JsonPlace& extras) {
           .loss_db = dropped["loss"].number().value_or(0.0),
           .parts = std::move(parts),
           .liquids = read_liquids(extras["liquids"]),
+          .resonators = read_resonators(extras["resonators"]),
           .peak_pa = number("peakPressure")};
 }
 
@@ -201,6 +239,7 @@ Json provenance_json(const Provenance& provenance) {
   if (!provenance.body.empty()) json["body"] = provenance.body;
   if (!provenance.parts.empty()) json["parts"] = provenance.parts;
   if (!provenance.liquids.empty()) json["liquids"] = liquids_json(provenance.liquids);
+  if (!provenance.resonators.empty()) json["resonators"] = resonators_json(provenance.resonators);
   if (provenance.wall_elements > 0) json["wallElements"] = provenance.wall_elements;
   if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
   if (provenance.dropped_modes > 0) {
@@ -221,12 +260,12 @@ Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const JsonPl
   constexpr std::size_t kMaxBytes = 32768;   // for each mode
   if (!field["maps"].present()) return std::nullopt;
   const auto bytes = read_bytes(glb, field["maps"], kMaxBytes * (modes + 1));
-  if (!bytes) return fail(bytes.error());
+  if (!bytes) return fail(bytes);
   auto maps = unpack(*bytes, field["maps"].path());
-  if (!maps) return fail(maps.error());
+  if (!maps) return fail(maps);
   if (maps->modes.size() != modes) {
-    return fail(ErrorKind::bad_input, field["maps"].path() + " is of " + std::to_string(maps->modes.size()) +
-                                          " modes, expected " + std::to_string(modes) + " as in frequencies");
+    return fail(ErrorKind::bad_input, "{} is of {} modes, expected {} as in frequencies", field["maps"].path(),
+                maps->modes.size(), modes);
   }
   BankRadiation radiation{.maps = std::move(*maps), .error_db = read_numbers(field["errors"], modes)};
   Air& air = radiation.air;
@@ -272,25 +311,24 @@ Result<std::optional<NonlinearTerms>> NonlinearReader::operator()() const {
     terms.modes.push_back(static_cast<std::uint32_t>(mode));
   }
   if (terms.modes.empty() || terms.modes.size() > kMaxNonlinearModes)
-    return list.wrong("a list of 1 to " + std::to_string(kMaxNonlinearModes) + " modes");
+    return list.wrong(formatted("a list of 1 to {} modes", kMaxNonlinearModes));
   auto curving = read_floats(glb, field["curving"], 1, kMaxNonlinearFunctions * terms.mode_count());
-  if (!curving) return fail(curving.error());
+  if (!curving) return fail(curving);
   terms.curving = std::move(*curving);
   auto bending = read_floats(glb, field["bending"], 1, kMaxNonlinearFunctions * terms.pairs());
-  if (!bending) return fail(bending.error());
+  if (!bending) return fail(bending);
   terms.bending = std::move(*bending);
   const std::size_t functions = terms.function_count();
   if (functions == 0 || terms.curving.size() != functions * terms.mode_count() ||
       terms.bending.size() != functions * terms.pairs()) {
-    return fail(ErrorKind::bad_input, field["bending"].path() + " has " + std::to_string(terms.bending.size()) +
-                                          " elements, expected " + std::to_string(functions * terms.pairs()) +
-                                          " (functions times pairs of modes)");
+    return fail(ErrorKind::bad_input, "{} has {} elements, expected {} (functions times pairs of modes)",
+                field["bending"].path(), terms.bending.size(), functions * terms.pairs());
   }
   terms.thickness_m = field["thickness"].number().value_or(0);
   terms.residual = number_in(field["residual"].number(), 0, 1, 0);
   terms.coupled = static_cast<std::uint32_t>(std::min<std::size_t>(field["coupled"].index().value_or(0), kMaxCoupled));
   terms.errors = read_numbers(field["errors"], terms.mode_count());
-  if (const auto checked = check(terms, bank, field.path()); !checked) return fail(checked.error());
+  if (const auto checked = check(terms, bank, field.path()); !checked) return fail(checked);
   return terms;
 }
 
@@ -348,10 +386,10 @@ Result<void> read_extras(const Glb& glb, const JsonPlace& extras, Bank& bank) {
   if (kStatedPitch_hz.holds(pitch_hz)) bank.pitch_hz = pitch_hz;
   bank.provenance = read_provenance(extras);
   auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());
-  if (!radiation) return fail(radiation.error());
+  if (!radiation) return fail(radiation);
   bank.radiation = std::move(*radiation);
   auto nonlinear = NonlinearReader{glb, extras["nonlinear"], bank}();
-  if (!nonlinear) return fail(nonlinear.error());
+  if (!nonlinear) return fail(nonlinear);
   bank.nonlinear = std::move(*nonlinear);
   return {};
 }
@@ -375,6 +413,20 @@ Json extras_json(const Bank& bank, GlbWriter& writer) {
   if (bank.radiation) json["radiation"] = radiation_json(*bank.radiation, writer);
   if (bank.nonlinear) json["nonlinear"] = nonlinear_json(*bank.nonlinear, writer);
   return json;
+}
+
+std::string provenance_text(const Bank& bank) {
+  Json json = provenance_json(bank.provenance);
+  json["generator"] = bank.provenance.generator;
+  json["held"] = bank.held;
+  if (bank.radiation) {
+    const auto& [maps, air, errors, reasons] = *bank.radiation;
+    json["air"] = {{"density", air.density_kg_m3}, {"soundSpeed", air.sound_speed_m_s}};
+    for (std::size_t m = 0; m < reasons.size(); ++m) {
+      if (!reasons[m].empty()) json["doubtful"].push_back({{"mode", m}, {"reason", reasons[m]}});
+    }
+  }
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace ringdown::modal

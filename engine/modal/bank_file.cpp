@@ -43,7 +43,7 @@ std::span<const float> as_floats(const std::vector<Vec3f>& vectors) {
 // Reads a number that must lie in [low, high], or above `low` when `open`.
 Result<void> read_number(const JsonPlace& field, double& target, double low, double high, bool open = false) {
   const auto value = field.number_or(target);
-  if (!value) return fail(value.error());
+  if (!value) return fail(value);
   if (*value < low || (open && *value == low) || *value > high) {
     return field.wrong((open ? "more than " : "at least ") + Json(low).dump() +
                        (std::isinf(high) ? "" : ", at most " + Json(high).dump()));
@@ -52,22 +52,10 @@ Result<void> read_number(const JsonPlace& field, double& target, double low, dou
   return {};
 }
 
-template <std::size_t N>
-Result<void> read_array(const JsonPlace& field, std::array<double, N>& target) {
-  if (!field.present()) return {};
-  if (field.size() != N) return field.wrong(std::to_string(N) + " numbers");
-  for (std::size_t i = 0; i < N; ++i) {
-    const auto value = field[i].number();
-    if (!value) return fail(value.error());
-    target[i] = *value;
-  }
-  return {};
-}
-
 Result<std::optional<Material>> read_material(const JsonPlace& materials, const JsonPlace& reference) {
   if (!reference.present()) return std::nullopt;
   const auto number = reference.index();
-  if (!number) return fail(number.error());
+  if (!number) return fail(number);
   const JsonPlace field = materials[*number];
   if (!field.present()) return reference.wrong("the number of an acoustic material in the file");
   Material material{.name = field["name"].text_or("")};
@@ -76,7 +64,7 @@ Result<std::optional<Material>> read_material(const JsonPlace& materials, const 
                               read_number(field["poissonRatio"], material.poisson_ratio, -1, 0.5, true),
                               read_number(field["alpha"], material.damping.alpha_per_s, 0, INFINITY),
                               read_number(field["beta"], material.damping.beta_s, 0, INFINITY)}) {
-    if (!outcome) return fail(outcome.error());
+    if (!outcome) return fail(outcome);
   }
   return material;
 }
@@ -87,9 +75,9 @@ Result<std::optional<MassProperties>> read_mass(const JsonPlace& field) {
   MassProperties mass;
   std::array<double, 3> center{}, inertia{};
   for (const auto& outcome :
-       {read_number(field["mass"], mass.mass_kg, 0, INFINITY, true), read_array(field["centerOfMass"], center),
-        read_array(field["inertiaDiagonal"], inertia), read_array(field["inertiaOrientation"], mass.orientation)}) {
-    if (!outcome) return fail(outcome.error());
+       {read_number(field["mass"], mass.mass_kg, 0, INFINITY, true), field["centerOfMass"].numbers(center),
+        field["inertiaDiagonal"].numbers(inertia), field["inertiaOrientation"].numbers(mass.orientation)}) {
+    if (!outcome) return fail(outcome);
   }
   mass.center_of_mass_m = {center[0], center[1], center[2]};
   mass.inertia_kg_m2 = {inertia[0], inertia[1], inertia[2]};
@@ -114,14 +102,14 @@ Result<Instance> find_instance(const Glb& glb) {
     const JsonPlace reference = extension["modalModel"];
     if (!reference.present()) continue;
     const auto model = reference.index();
-    if (!model) return fail(model.error());
+    if (!model) return fail(model);
     std::array<double, 3> scale{1, 1, 1};
-    if (const auto read = read_array(nodes[i]["scale"], scale); !read) return fail(read.error());
+    if (const auto read = nodes[i]["scale"].numbers(scale); !read) return fail(read);
     if (scale[0] < 1 / kMaxNodeScale || scale[0] > kMaxNodeScale || scale[1] != scale[0] || scale[2] != scale[0]) {
       return nodes[i]["scale"].wrong("three equal numbers from 0.001 to 1000: an uneven scale needs a new bake");
     }
     Instance instance{.model = *model, .scale = scale[0], .name = nodes[i]["name"].text_or("")};
-    if (const auto read = read_number(extension["gain"], instance.gain, 0, INFINITY); !read) return fail(read.error());
+    if (const auto read = read_number(extension["gain"], instance.gain, 0, INFINITY); !read) return fail(read);
     return instance;
   }
   return Instance{};
@@ -129,30 +117,27 @@ Result<Instance> find_instance(const Glb& glb) {
 
 Result<void> read_modes(const Glb& glb, const JsonPlace& model, Bank& bank) {
   const auto frequencies = read_floats(glb, model["frequencies"], 1, kMaxModes);
-  if (!frequencies) return fail(frequencies.error());
+  if (!frequencies) return fail(frequencies);
   const auto decays = read_floats(glb, model["decayRates"], 1, kMaxModes);
-  if (!decays) return fail(decays.error());
+  if (!decays) return fail(decays);
   const auto positions = read_floats(glb, model["positions"], 3, kMaxPoints);
-  if (!positions) return fail(positions.error());
+  if (!positions) return fail(positions);
   const std::size_t modes = frequencies->size(), points = positions->size() / 3;
   if (decays->size() != modes) {
-    return fail(ErrorKind::bad_input, model["decayRates"].path() + " has " + std::to_string(decays->size()) +
-                                          " elements, expected " + std::to_string(modes) + " as in frequencies");
+    return fail(ErrorKind::bad_input, "{} has {} elements, expected {} as in frequencies", model["decayRates"].path(),
+                decays->size(), modes);
   }
   const auto shapes = read_floats(glb, model["shapes"], 3, kMaxModes * kMaxPoints);
-  if (!shapes) return fail(shapes.error());
+  if (!shapes) return fail(shapes);
   if (shapes->size() != 3 * modes * points) {
-    return fail(ErrorKind::bad_input, model["shapes"].path() + " has " + std::to_string(shapes->size() / 3) +
-                                          " elements, expected " + std::to_string(modes * points) +
-                                          " (modes times points)");
+    return fail(ErrorKind::bad_input, "{} has {} elements, expected {} (modes times points)", model["shapes"].path(),
+                shapes->size() / 3, modes * points);
   }
   for (std::size_t m = 0; m < modes; ++m) {
     if ((*frequencies)[m] <= 0) {
-      return fail(ErrorKind::bad_input,
-                  model["frequencies"].path() + ": element " + std::to_string(m) + " is not above 0 Hz");
+      return fail(ErrorKind::bad_input, "{}: element {} is not above 0 Hz", model["frequencies"].path(), m);
     }
-    if ((*decays)[m] < 0)
-      return fail(ErrorKind::bad_input, model["decayRates"].path() + ": element " + std::to_string(m) + " is below 0");
+    if ((*decays)[m] < 0) return fail(ErrorKind::bad_input, "{}: element {} is below 0", model["decayRates"].path(), m);
   }
   bank.frequency_hz.assign(frequencies->begin(), frequencies->end());
   bank.decay_per_s.assign(decays->begin(), decays->end());
@@ -164,13 +149,12 @@ Result<void> read_modes(const Glb& glb, const JsonPlace& model, Bank& bank) {
 Result<void> read_triangles(const Glb& glb, const JsonPlace& reference, Bank& bank) {
   if (!reference.present()) return {};
   const auto corners = read_indices(glb, reference, kMaxTriangleCorners);
-  if (!corners) return fail(corners.error());
+  if (!corners) return fail(corners);
   if (corners->size() % 3 != 0) return reference.wrong("an accessor whose count is a multiple of 3");
   for (std::size_t i = 0; i < corners->size(); ++i) {
     if ((*corners)[i] >= bank.point_count()) {
-      return fail(ErrorKind::bad_input, reference.path() + ": element " + std::to_string(i) + " is " +
-                                            std::to_string((*corners)[i]) + ", but there are only " +
-                                            std::to_string(bank.point_count()) + " positions");
+      return fail(ErrorKind::bad_input, "{}: element {} is {}, but there are only {} positions", reference.path(), i,
+                  (*corners)[i], bank.point_count());
     }
   }
   bank.triangles.resize(corners->size() / 3);
@@ -242,20 +226,20 @@ Result<Bank> read_model(const Glb& glb, const JsonPlace& model, const std::strin
   const JsonPlace extension = glb.root()["extensions"][kExtension];
   const auto version = model["extras"]["ringdown"]["version"].index().value_or(1);
   if (version > kBankVersion) {
-    return fail(ErrorKind::bad_input, glb.name + " is a bank of version " + std::to_string(version) +
-                                          ", and this program, Ringdown " + kVersion + ", reads up to " +
-                                          std::to_string(kBankVersion) + "; a later Ringdown plays it");
+    return fail(ErrorKind::bad_input,
+                "{} is a bank of version {}, and this program, Ringdown {}, reads up to {}; a later Ringdown plays it",
+                glb.name, version, kVersion, kBankVersion);
   }
   Bank bank{.name = model["name"].text_or(name)};
-  if (const auto read = read_modes(glb, model, bank); !read) return fail(read.error());
-  if (const auto read = read_triangles(glb, model["indices"], bank); !read) return fail(read.error());
+  if (const auto read = read_modes(glb, model, bank); !read) return fail(read);
+  if (const auto read = read_triangles(glb, model["indices"], bank); !read) return fail(read);
   auto material = read_material(extension["acousticMaterials"], model["material"]);
-  if (!material) return fail(material.error());
+  if (!material) return fail(material);
   auto mass = read_mass(model["massProperties"]);
-  if (!mass) return fail(mass.error());
+  if (!mass) return fail(mass);
   bank.material = std::move(*material);
   bank.mass = *mass;
-  if (const auto read = read_extras(glb, model["extras"]["ringdown"], bank); !read) return fail(read.error());
+  if (const auto read = read_extras(glb, model["extras"]["ringdown"], bank); !read) return fail(read);
   bank.provenance.generator = glb.root()["asset"]["generator"].text_or("");
   return bank;
 }
@@ -264,11 +248,11 @@ Result<Bank> read_model(const Glb& glb, const JsonPlace& model, const std::strin
 Result<Bank> read_silent_piece(const Glb& glb, const JsonPlace& piece, const std::optional<Material>& material) {
   Bank bank{.name = piece["name"].text_or(""), .material = material};
   const auto positions = read_floats(glb, piece["positions"], 3, kMaxPoints);
-  if (!positions) return fail(positions.error());
+  if (!positions) return fail(positions);
   bank.positions = as_vectors(*positions);
-  if (const auto read = read_triangles(glb, piece["indices"], bank); !read) return fail(read.error());
+  if (const auto read = read_triangles(glb, piece["indices"], bank); !read) return fail(read);
   auto mass = read_mass(piece["massProperties"]);
-  if (!mass) return fail(mass.error());
+  if (!mass) return fail(mass);
   bank.mass = *mass;
   return bank;
 }
@@ -278,12 +262,12 @@ Result<void> read_pieces(const Glb& glb, const JsonPlace& fracture, Bank& bank) 
   const JsonPlace models = glb.root()["extensions"][kExtension]["modalModels"];
   const PieceReaders readers{
       .model = [&](std::size_t number) -> Result<Bank> {
-        if (!models[number].present()) return models.wrong("a model " + std::to_string(number));
+        if (!models[number].present()) return models.wrong(formatted("a model {}", number));
         return read_model(glb, models[number], "");
       },
       .silent = [&](const JsonPlace& piece) { return read_silent_piece(glb, piece, bank.material); }};
   auto read = read_fracture(glb, fracture, bank, readers);
-  if (!read) return fail(read.error());
+  if (!read) return fail(read);
   bank.fracture = std::make_shared<const Fracture>(std::move(*read));
   return {};
 }
@@ -291,30 +275,30 @@ Result<void> read_pieces(const Glb& glb, const JsonPlace& fracture, Bank& bank) 
 Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, const ModelChoice& chosen,
                      const ReadBeside& read_beside) {
   const auto glb = read_beside ? parse_gltf(bytes, name, read_beside) : parse_glb(bytes, name);
-  if (!glb) return fail(glb.error());
+  if (!glb) return fail(glb);
   const JsonPlace extension = glb->root()["extensions"][kExtension];
   if (extension["modalModels"].size() == 0) {
-    return fail(ErrorKind::bad_input,
-                name + " holds no modal model (extension " + kExtension + "); make one with `ringdown bake`");
+    return fail(ErrorKind::bad_input, "{} holds no modal model (extension {}); make one with `ringdown bake`", name,
+                kExtension);
   }
   const auto instance = chosen.number ? Result<Instance>(Instance{.model = *chosen.number}) : find_instance(*glb);
-  if (!instance) return fail(instance.error());
+  if (!instance) return fail(instance);
   const JsonPlace model = extension["modalModels"][instance->model];
   if (!model.present())
-    return fail(ErrorKind::bad_input, name + ": a node plays modal model " + std::to_string(instance->model) +
-                                          ", which the file does not have");
+    return fail(ErrorKind::bad_input, "{}: a node plays modal model {}, which the file does not have", name,
+                instance->model);
   auto read = read_model(*glb, model, instance->name);
   if (!read) return read;
   Bank& bank = *read;
   bank.gain = instance->gain;
   if (const auto pieces = read_pieces(*glb, model["extras"]["ringdown"]["fracture"], bank); !pieces)
-    return fail(pieces.error());
+    return fail(pieces);
   if (chosen.scale != 1) spread_points(bank, chosen.scale);
   if (instance->scale != 1) {
     if (const auto scaled =
             scale_size(bank, instance->scale, name + ": at the node's scale of " + Json(instance->scale).dump());
         !scaled)
-      return fail(scaled.error());
+      return fail(scaled);
   }
   return bank;
 }
@@ -341,7 +325,7 @@ BankPath split_bank_path(const std::filesystem::path& path) {
 std::filesystem::path bank_path(const BankPath& path) {
   const auto& [number, scale] = path.model;
   if (!number) return path.file;
-  const std::string text = path.file.string() + "#" + std::to_string(*number);
+  const std::string text = formatted("{}#{}", path.file.string(), *number);
   return scale == 1 ? text : text + "@" + Json(scale).dump();
 }
 
@@ -353,7 +337,7 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
 Result<Bank> read_bank(const std::filesystem::path& path) {
   const auto [file, model] = split_bank_path(path);
   const auto text = read_whole_file(file, kMaxBankFileBytes);
-  if (!text) return fail(text.error());
+  if (!text) return fail(text);
   const bool is_text = has_ending(file, ".gltf");
   return parse_bank(std::as_bytes(std::span(*text)), path.string(), model, is_text ? files_beside(file) : ReadBeside());
 }

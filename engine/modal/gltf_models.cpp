@@ -118,11 +118,11 @@ Result<ExtendedGltf> add_models(std::string_view file, const std::string& name, 
     Json json;
     if (is_glb) {
       auto glb = parse_glb(std::as_bytes(std::span(file)), name);
-      if (!glb) return fail(glb.error());
+      if (!glb) return fail(glb);
       json = std::move(glb->json);
     } else {
       auto text = parse_gltf_json(file, name);
-      if (!text) return fail(text.error());
+      if (!text) return fail(text);
       json = *std::move(text);
     }
     const Pieces pieces = take_apart(file);
@@ -146,7 +146,7 @@ Result<ExtendedGltf> add_models(std::string_view file, const std::string& name, 
       list(extension, "modalModels").push_back(std::move(written.model));
       for (const std::size_t node : added.nodes) {
         if (!root["nodes"][node].present() || !root["nodes"][node].json().is_object())
-          return root["nodes"].wrong("a node " + std::to_string(node));
+          return root["nodes"].wrong(formatted("a node {}", node));
         object(object(json["nodes"][node], "extensions"), kAudioExtension)["modalModel"] = number;
       }
     }

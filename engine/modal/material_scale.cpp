@@ -1,7 +1,8 @@
 #include "engine/modal/material_scale.h"
 
+#include "engine/base/formatted.h"
+
 #include <algorithm>
-#include <cstdio>
 
 namespace ringdown::modal {
 namespace {
@@ -40,18 +41,13 @@ double level_factor(const FarField& field, const MaterialScale& scale) {
 }  // namespace
 
 std::string describe_damping(const Material& material) {
-  char text[120];
   const auto& list = material.loss_factors;
   if (list.empty()) {
-    std::snprintf(text, sizeof text, "alpha = %.4g 1/s, beta = %.4g s", material.damping.alpha_per_s,
-                  material.damping.beta_s);
-  } else if (list.size() == 1) {
-    std::snprintf(text, sizeof text, "loss factor %.3g", list.front().eta);
-  } else {
-    std::snprintf(text, sizeof text, "loss factor %.3g at %.4g Hz to %.3g at %.4g Hz", list.front().eta,
-                  list.front().frequency_hz, list.back().eta, list.back().frequency_hz);
+    return formatted("alpha = {:.4g} 1/s, beta = {:.4g} s", material.damping.alpha_per_s, material.damping.beta_s);
   }
-  return text;
+  if (list.size() == 1) return formatted("loss factor {:.3g}", list.front().eta);
+  return formatted("loss factor {:.3g} at {:.4g} Hz to {:.3g} at {:.4g} Hz", list.front().eta,
+                   list.front().frequency_hz, list.back().eta, list.back().frequency_hz);
 }
 
 double material_share(const Bank& bank, std::size_t m) {

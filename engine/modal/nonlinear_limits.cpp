@@ -28,7 +28,7 @@ std::vector<double> amplitudes_of_a_thickness(const NonlinearTerms& terms, const
 // Comparisons are written so that NaN fails every limit.
 Result<void> check(const NonlinearTerms& terms, const Bank& bank, const std::string& name) {
   const auto refuse = [&](const std::string& sentence) {
-    return fail(ErrorKind::bad_input, name + "." + sentence + "; bake the object again");
+    return fail(ErrorKind::bad_input, "{}.{}; bake the object again", name, sentence);
   };
   if (!(terms.thickness_m >= kMinThickness_m && terms.thickness_m <= kMaxThickness_m)) {
     return refuse("thickness is not that of a body, 1e-9 to 1000 m");
@@ -51,8 +51,10 @@ Result<void> check(const NonlinearTerms& terms, const Bank& bank, const std::str
     for (std::size_t j = 0; j <= i; ++j) {
       const double bending = norm([&](std::size_t k) { return terms.h(k, i, j); });
       if (bending == 0 || bending * std::sqrt(a[i] * a[j]) <= kMaxStretching * std::sqrt(omega(i) * omega(j))) continue;
-      return refuse("bending: bent by its thickness in modes " + mode(j) + " and " + mode(i) +
-                    ", the body would stretch over 1000 times as hard as it bends");
+      return refuse(
+          formatted("bending: bent by its thickness in modes {} and {}, the body would stretch over 1000 times as hard "
+                    "as it bends",
+                    mode(j), mode(i)));
     }
   }
   return {};

@@ -327,18 +327,18 @@ PackedMaps pack(const RadiationMaps& maps, std::size_t max_bytes) {
 
 Result<RadiationMaps> unpack(std::span<const std::byte> bytes, std::string_view name) {
   const auto broken = [&](const std::string& what) {
-    return fail(ErrorKind::bad_input, std::string(name) + ": the radiation maps " + what);
+    return fail(ErrorKind::bad_input, "{}: the radiation maps {}", name, what);
   };
   Reader in{bytes};
   const std::uint32_t version = in.number(4), modes = in.number(4);
-  if (in.sound && version != kVersion) return broken("have version " + std::to_string(version) + ", not 1");
+  if (in.sound && version != kVersion) return broken(formatted("have version {}, not 1", version));
   RadiationMaps maps;
   maps.origin_m = {in.real(), in.real(), in.real()};
   constexpr std::size_t kMinBytes = 11;  // for each mode
   if (!in.sound || modes > kMaxModes || modes > in.rest.size() / kMinBytes) return broken("are cut off");
   maps.modes.resize(modes);
   for (std::size_t m = 0; m < modes; ++m) {
-    if (!read_mode(in, maps.modes[m])) return broken("are damaged at mode " + std::to_string(m));
+    if (!read_mode(in, maps.modes[m])) return broken(formatted("are damaged at mode {}", m));
   }
   if (!in.rest.empty()) return broken("go on after the last mode");
   return maps;

@@ -93,8 +93,8 @@ Fracture scaled(const Fracture& fracture, const MaterialScale& scale) {
 Result<void> scale_size(Bank& bank, double size, const std::string& name) {
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     if (rescale(bank, m, {.size = size}).frequency_hz > 0) continue;
-    return fail(ErrorKind::bad_input,
-                name + " mode " + std::to_string(m) + " is over-damped and has no pitch; bake the object at that size");
+    return fail(ErrorKind::bad_input, "{} mode {} is over-damped and has no pitch; bake the object at that size", name,
+                m);
   }
   bank = scaled(bank, {.size = size});
   const auto finite = [](const std::vector<float>& numbers) {

@@ -39,7 +39,7 @@ std::vector<float> halved(const std::vector<float>& fine) {
 
 Result<SurfaceTrack> SurfaceTrack::make(std::span<const float> heights_m, double spacing_m) {
   if (heights_m.size() < 2 || heights_m.size() > kMaxTrackSamples)
-    return fail(ErrorKind::bad_input, "a surface's track has 2 to " + std::to_string(kMaxTrackSamples) + " heights");
+    return fail(ErrorKind::bad_input, "a surface's track has 2 to {} heights", kMaxTrackSamples);
   if (!(spacing_m > 0) || !std::isfinite(spacing_m))
     return fail(ErrorKind::bad_input, "the heights of a surface's track lie more than 0 m apart");
   if (!std::ranges::all_of(heights_m, [](float h) { return std::isfinite(h); }))

@@ -125,7 +125,7 @@ Result<Panels> panels_of(const mesh::TriangleMesh& surface, int mirrors) {
     panels.centers.push_back((a + b + c) / 3);
     panels.curls.push_back({(b - c) / twice, (c - a) / twice, (a - b) / twice});
   }
-  if (const auto found = find_sides(panels); !found) return fail(found.error());
+  if (const auto found = find_sides(panels); !found) return fail(found);
   return panels;
 }
 

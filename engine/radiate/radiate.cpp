@@ -64,13 +64,13 @@ class Solver {
   }
 
   Result<Radiation> solve() {
-    if (const auto chosen = choose_skins(); !chosen) return fail(chosen.error());
+    if (const auto chosen = choose_skins(); !chosen) return fail(chosen);
     std::vector<int> wanted(modes_);
     std::iota(wanted.begin(), wanted.end(), 0);
     for (int round = 0; round < kMaxRounds && !wanted.empty(); ++round) {
       std::vector<Task> tasks = tasks_for(wanted);
       if (round == 0) add_levels_to(tasks);
-      if (const auto done = run(tasks, round); !done) return fail(done.error());
+      if (const auto done = run(tasks, round); !done) return fail(done);
       std::erase_if(wanted, [&](int m) { return !misses(report_of(m)) || !may_be_finer(found_[m].grade); });
       for (const int m : wanted) {
         const RadiatedMode mode = report_of(m);
@@ -111,7 +111,7 @@ class Solver {
   Result<void> make_skin(int grade) {
     if (skins_.contains(grade)) return {};
     auto skin = skin_of(original_, side_of(grade));
-    if (!skin) return fail(skin.error());
+    if (!skin) return fail(skin);
     skins_.emplace(grade, std::move(*skin));
     return {};
   }
@@ -123,7 +123,7 @@ class Solver {
     for (int grade = 1; grade <= finest; ++grade) {
       if (std::none_of(found_.begin(), found_.end(), [&](const Finding& f) { return f.grade == grade; })) continue;
       if (!go_on("radiation: surfaces", static_cast<double>(grade) / (finest + 1))) return fail_cancelled();
-      if (const auto made = make_skin(grade); !made) return fail(made.error());
+      if (const auto made = make_skin(grade); !made) return fail(made);
       const std::vector<double> shape = shape_wavenumbers(skins_.at(grade));
       for (int m = 0; m < modes_; ++m) {
         if (found_[m].grade != grade || shape[m] <= 0) continue;
@@ -201,7 +201,7 @@ class Solver {
   Result<void> prepare(std::span<const Task> tasks) {
     for (const Task& task : tasks) {
       for (const int grade : {task.grade, task.grade - 1}) {
-        if (const auto made = make_skin(grade); !made) return fail(made.error());
+        if (const auto made = make_skin(grade); !made) return fail(made);
       }
       if (!task.levels && !continuations_.contains(task.grade)) {
         continuations_.emplace(task.grade, continuation_of(skins_.at(task.grade), skins_.at(task.grade - 1)));
@@ -222,7 +222,7 @@ class Solver {
   }
 
   Result<void> run(std::span<const Task> tasks, int round) {
-    if (const auto prepared = prepare(tasks); !prepared) return fail(prepared.error());
+    if (const auto prepared = prepare(tasks); !prepared) return fail(prepared);
     double all = 0;
     for (const Task& task : tasks) all += cost_of(task);
     double done = 0;
@@ -420,16 +420,16 @@ Result<void> check(const Body& body) {
 
 // Solves without mirror planes if the part of the surface between them cannot be tiled.
 Result<Radiation> solve(const Body& body, const modal::Air& air, const Options& options) {
-  if (const auto sound = check(body); !sound) return fail(sound.error());
+  if (const auto sound = check(body); !sound) return fail(sound);
   if (const Symmetry symmetry = options.symmetry ? symmetry_of(body.surface) : Symmetry{}; symmetry.mirrors > 0) {
     const Body turned = moved(body, symmetry);
     const auto original = Original::of(turned, symmetry.mirrors);
-    if (!original) return fail(original.error());
+    if (!original) return fail(original);
     auto solved = Solver(*original, symmetry, air, options).solve();
     if (solved || solved.error().kind != ErrorKind::bad_input) return solved;
   }
   const auto original = Original::of(body);
-  if (!original) return fail(original.error());
+  if (!original) return fail(original);
   return Solver(*original, Symmetry{}, air, options).solve();
 }
 

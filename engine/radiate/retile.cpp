@@ -53,12 +53,7 @@ class Tiling {
       const double length = (at_[a] - at_[b]).norm();
       if (length > longest) queue.push({length, std::min(a, b), std::max(a, b)});
     };
-    for (const Triangle& t : triangles_) {
-      if (t[0] < 0) continue;
-      for (int i = 0; i < 3; ++i) {
-        if (t[i] < t[(i + 1) % 3] || on_plane(t[i], t[(i + 1) % 3])) push(t[i], t[(i + 1) % 3]);
-      }
-    }
+    for_sides(push);
     while (!queue.empty()) {
       const Item item = queue.top();
       queue.pop();
@@ -79,12 +74,7 @@ class Tiling {
       const double length = (at_[a] - at_[b]).norm();
       if (length < shortest) queue.push({length, std::min(a, b), std::max(a, b)});
     };
-    for (const Triangle& t : triangles_) {
-      if (t[0] < 0) continue;
-      for (int i = 0; i < 3; ++i) {
-        if (t[i] < t[(i + 1) % 3] || on_plane(t[i], t[(i + 1) % 3])) push(t[i], t[(i + 1) % 3]);
-      }
-    }
+    for_sides(push);
     while (!queue.empty()) {
       const Item item = queue.top();
       queue.pop();
@@ -124,6 +114,16 @@ class Tiling {
   }
 
  private:
+  // Calls visit(a, b) once for each side.
+  void for_sides(const auto& visit) const {
+    for (const Triangle& t : triangles_) {
+      if (t[0] < 0) continue;
+      for (int i = 0; i < 3; ++i) {
+        if (t[i] < t[(i + 1) % 3] || on_plane(t[i], t[(i + 1) % 3])) visit(t[i], t[(i + 1) % 3]);
+      }
+    }
+  }
+
   int add(const Triangle& corners) {
     const int number = static_cast<int>(triangles_.size());
     triangles_.push_back(corners);

@@ -202,7 +202,7 @@ std::vector<Eigen::Vector3d> node_normals(const Panels& panels) {
 
 Result<Original> Original::of(const Body& body, int mirrors) {
   auto panels = panels_of(body.surface);
-  if (!panels) return fail(panels.error());
+  if (!panels) return fail(panels);
   if (panels->volume() <= 0) return fail(ErrorKind::bad_input, "the surface is turned inside out");
   Original original;
   original.body = &body;
@@ -214,7 +214,7 @@ Result<Original> Original::of(const Body& body, int mirrors) {
   if (original.panels->triangle_count() > kMaxWallTriangles) {
     auto coarse =
         panels_of(retile(mesh_of(*original.panels), side_for(original.panels->area(), kMaxWallTriangles / 2.0)));
-    if (!coarse) return fail(coarse.error());
+    if (!coarse) return fail(coarse);
     original.walls = std::make_shared<const Panels>(std::move(*coarse));
   }
   original.wall_search = std::make_shared<const SurfaceSearch>(*original.walls);
@@ -228,11 +228,11 @@ Result<Original> Original::of(const Body& body, int mirrors) {
 Result<Skin> skin_of(const Original& original, double side_m) {
   mesh::TriangleMesh mesh = retile(original.part, side_m, original.mirrors);
   auto flat = panels_of(mesh, original.mirrors);
-  if (!flat) return fail(flat.error());
+  if (!flat) return fail(flat);
   mesh = mesh_of(*flat);
   keep_volume(original, *flat, mesh);
   auto panels = panels_of(mesh, original.mirrors);
-  if (!panels) return fail(panels.error());
+  if (!panels) return fail(panels);
   Skin skin;
   skin.panels = std::move(*panels);
   skin.side_m = side_m;

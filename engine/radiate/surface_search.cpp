@@ -96,8 +96,14 @@ NearestPoint SurfaceSearch::nearest(const Eigen::Vector3d& point, const Eigen::V
             if ((panels_.centers[t] - point).squaredNorm() > reach * reach) continue;
             const NearestPoint place = nearest_on(panels_, t, point);
             const double away = (place.at - point).norm();
-            if (away < any_at) any_at = away, any = place;
-            if (faces && away < facing_at) facing_at = away, facing = place;
+            if (away < any_at) {
+              any_at = away;
+              any = place;
+            }
+            if (faces && away < facing_at) {
+              facing_at = away;
+              facing = place;
+            }
           }
         }
       }

@@ -153,7 +153,10 @@ std::vector<Vector> candidates(const MirrorTrial& trial) {
     for (int step = 0; step < kSteps; ++step) {
       const double angle = std::numbers::pi * step / kSteps;
       const double distance = trial.distance(std::cos(angle) * axes.col(i) + std::sin(angle) * axes.col(i + 1));
-      if (distance < best) best = distance, at = angle;
+      if (distance < best) {
+        best = distance;
+        at = angle;
+      }
     }
     if (!std::isfinite(best)) continue;
     const Vector normal = best_around(trial, axes.col(i), axes.col(i + 1), at, std::numbers::pi / kSteps);
@@ -179,7 +182,10 @@ Symmetry symmetry_of(const mesh::TriangleMesh& surface) {
     Vector chosen = Vector::Zero();
     for (const Vector& normal : left) {
       const double distance = trial.distance(normal);
-      if (distance < kBetter * best) best = distance, chosen = normal;
+      if (distance < kBetter * best) {
+        best = distance;
+        chosen = normal;
+      }
     }
     if (chosen.isZero()) break;
     normals.push_back(chosen);

@@ -36,13 +36,12 @@ BodyStore::BodyStore(const SceneDescription& scene) : random_(scene.seed) {
 Result<BodyId> BodyStore::add(BodyDescription description, bool spawned) {
   const std::string who = "body " + quote(description.name) + ": ";
   if (bodies_.size() >= kMaxBodies) {
-    return fail(ErrorKind::refused,
-                who + "the scene is full with " + std::to_string(kMaxBodies) + " bodies; clear some first");
+    return fail(ErrorKind::refused, "{}the scene is full with {} bodies; clear some first", who, kMaxBodies);
   }
-  if (const auto ok = check(description); !ok) return fail(ok.error());
+  if (const auto ok = check(description); !ok) return fail(ok);
   const SoundingObject* object = description.object.empty() ? nullptr : find_object(description.object);
   if (!description.object.empty() && !object) {
-    return fail(ErrorKind::bad_input, who + "no object " + quote(description.object) + " is loaded");
+    return fail(ErrorKind::bad_input, "{}no object {} is loaded", who, quote(description.object));
   }
   Result<Solid> solid = make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object));
   if (!solid) return fail(solid.error().kind, who + solid.error().message);
@@ -91,7 +90,7 @@ Result<std::map<BodyId, Solid>> BodyStore::solids_of(const SoundingObject& objec
   for (const auto& [id, body] : bodies_) {
     if (body.description.object != object.name) continue;
     Result<Solid> solid = make_solid(body.description, object.bank.get(), scale_of(object.name));
-    if (!solid) return fail(solid.error().kind, "body " + quote(body.description.name) + ": " + solid.error().message);
+    if (!solid) return fail("body " + quote(body.description.name), solid);
     solids.emplace(id, std::move(*solid));
   }
   return solids;

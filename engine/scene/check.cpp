@@ -22,7 +22,7 @@ class Fields {
   explicit Fields(std::string owner) : owner_(std::move(owner)) {}
 
   Fields& number(std::string_view field, double value, const Range& range) {
-    if (const auto ok = check_range(value, range); !ok) refuse(std::string(field) + " " + ok.error().message);
+    if (const auto ok = check_range(value, range); !ok) refuse(formatted("{} {}", field, ok.error().message));
     return *this;
   }
   Fields& vector(std::string_view field, Vec3 v, const Range& range) {
@@ -87,7 +87,7 @@ void check_free(const JointDescription& joint, Fields& fields) {
       .rotation(joint.end.rotation)
       .vector("end.position_m", joint.end.position_m, range::kPosition_m)
       .require(joint.limits.size() <= kMaxJointParts && joint.drives.size() <= kMaxJointParts,
-               "it has more than " + std::to_string(kMaxJointParts) + " limits or drives");
+               formatted("it has more than {} limits or drives", kMaxJointParts));
   for (const AxesLimit& limit : joint.limits) {
     std::vector<std::size_t> axes = limit.axes;
     std::ranges::sort(axes);
@@ -109,15 +109,13 @@ void check_free(const JointDescription& joint, Fields& fields) {
 template <class Things>
 Result<void> check_all(const Things& things, std::string_view kind, std::size_t max) {
   if (things.size() > max) {
-    return fail(ErrorKind::too_large, "the scene has " + std::to_string(things.size()) + " " + std::string(kind) +
-                                          ", more than the " + std::to_string(max) + " it may have");
+    return fail(ErrorKind::too_large, "the scene has {} {}, more than the {} it may have", things.size(), kind, max);
   }
   std::set<std::string_view> names;
   for (const auto& thing : things) {
     if (const auto ok = check(thing); !ok) return ok;
     if (!thing.name.empty() && !names.insert(thing.name).second) {
-      return fail(ErrorKind::bad_input,
-                  "two " + std::string(kind) + " are named " + quote(thing.name) + "; names are unique");
+      return fail(ErrorKind::bad_input, "two {} are named {}; names are unique", kind, quote(thing.name));
     }
   }
   return {};
@@ -144,7 +142,7 @@ bool is_sound(const MotionPath& path) {
 
 Result<void> check_object(const BodyDescription& body, const SceneDescription& scene) {
   if (body.object.empty() || std::ranges::count(scene.objects, body.object, &ObjectDescription::name)) return {};
-  return fail(ErrorKind::bad_input, "body " + quote(body.name) + ": the scene has no object " + quote(body.object));
+  return fail(ErrorKind::bad_input, "body {}: the scene has no object {}", quote(body.name), quote(body.object));
 }
 
 // A body that breaks is alone with its object, because the object falls silent, and has no joints.
@@ -157,9 +155,10 @@ Result<void> check_breaking(const SceneDescription& scene) {
   };
   const auto check_alone = [&](const BodyDescription& body) -> Result<void> {
     if (!body.breaks || players(body.object) <= 1) return {};
-    return fail(ErrorKind::bad_input, "body " + quote(body.name) + ": it breaks, and other bodies play its object " +
-                                          quote(body.object) +
-                                          ", too; give each body that breaks an object of its own");
+    return fail(
+        ErrorKind::bad_input,
+        "body {}: it breaks, and other bodies play its object {}, too; give each body that breaks an object of its own",
+        quote(body.name), quote(body.object));
   };
   for (const BodyDescription& body : scene.bodies) {
     if (auto ok = check_alone(body); !ok) return ok;
@@ -170,8 +169,9 @@ Result<void> check_breaking(const SceneDescription& scene) {
   for (const JointDescription& joint : scene.joints) {
     for (const BodyDescription& body : scene.bodies) {
       if (!body.breaks || (body.name != joint.body && body.name != joint.other)) continue;
-      return fail(ErrorKind::bad_input, "joint " + quote(joint.name) + ": body " + quote(body.name) +
-                                            " breaks, and such a body cannot be joined; remove the joint or breaks");
+      return fail(ErrorKind::bad_input,
+                  "joint {}: body {} breaks, and such a body cannot be joined; remove the joint or breaks",
+                  quote(joint.name), quote(body.name));
     }
   }
   return {};
@@ -222,7 +222,7 @@ Result<void> check(const BodyDescription& body) {
       .require(!body.path || body.fixed, "only a fixed body follows a path")
       .require(!body.path || is_sound(*body.path), "its path has poses or velocities that no body can have")
       .require(!mesh || mesh->points_m.size() <= kMaxMeshPoints,
-               "its mesh has more than " + std::to_string(kMaxMeshPoints) + " points")
+               formatted("its mesh has more than {} points", kMaxMeshPoints))
       .require(!mesh || mesh->triangles.size() <= 4 * kMaxMeshPoints, "its mesh has too many triangles")
       .require(!mesh || std::ranges::all_of(mesh->points_m, in_range),
                "a point of its mesh is outside -1000 ... 1000 m")
@@ -259,7 +259,7 @@ Result<void> check(const EmitterDescription& emitter) {
   return Fields("emitter " + quote(emitter.name))
       .number("every_s", emitter.every_s, range::kEvery_s)
       .require(emitter.count >= 1 && emitter.count <= kMaxBodies,
-               "its count is outside 1 ... " + std::to_string(kMaxBodies))
+               formatted("its count is outside 1 ... {}", kMaxBodies))
       .require(!emitter.body.fixed, "its bodies must be free to move")
       .result();
 }
@@ -311,8 +311,7 @@ Result<void> check(const SceneDescription& scene) {
   if (auto ok = check_all(scene.statics, "statics", kMaxStatics); !ok) return ok;
   if (auto ok = check_all(scene.emitters, "emitters", kMaxEmitters); !ok) return ok;
   if (scene.joints.size() > kMaxJoints) {
-    return fail(ErrorKind::too_large,
-                "the scene has more than the " + std::to_string(kMaxJoints) + " joints it may have");
+    return fail(ErrorKind::too_large, "the scene has more than the {} joints it may have", kMaxJoints);
   }
   for (const JointDescription& joint : scene.joints) {
     if (auto ok = check(joint, scene.bodies); !ok) return ok;
@@ -325,8 +324,7 @@ Result<void> check(const SceneDescription& scene) {
   std::ranges::for_each(scene.bodies, note);
   std::ranges::for_each(scene.statics, note);
   if (filters.size() > kMaxFilters) {
-    return fail(ErrorKind::too_large,
-                "the scene has more than the " + std::to_string(kMaxFilters) + " collision filters it may have");
+    return fail(ErrorKind::too_large, "the scene has more than the {} collision filters it may have", kMaxFilters);
   }
   std::uint64_t count = scene.bodies.size();
   for (const BodyDescription& body : scene.bodies) {
@@ -337,8 +335,8 @@ Result<void> check(const SceneDescription& scene) {
     count += emitter.count;
   }
   if (count > kMaxBodies) {
-    return fail(ErrorKind::too_large, "the scene's bodies and emitters make " + std::to_string(count) +
-                                          " bodies, more than the " + std::to_string(kMaxBodies) + " it may have");
+    return fail(ErrorKind::too_large, "the scene's bodies and emitters make {} bodies, more than the {} it may have",
+                count, kMaxBodies);
   }
   return {};
 }

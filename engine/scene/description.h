@@ -285,6 +285,7 @@ struct ListenerDescription {
   Vec3 position_m = {0, -2, 1}, target_m;  // by default the listener faces the target, with the head upright
   std::optional<Rotation> rotation;        // if set, replaces that direction: x is in front, y left, z up
   double temperature_c = 20, humidity_percent = 50;
+  std::shared_ptr<const MotionPath> path;  // if set, moves the listener; only from glTF
 };
 
 // Contacts act as springs with dampers. For a body of mass m, their softness absorbs the share m CFM/h of an impulse:

@@ -62,8 +62,9 @@ Result<Hull> full_hull(std::span<const Vec3> points) {
   for (const Vec3& p : points) coordinates.insert(coordinates.end(), {p.x, p.y, p.z});
   Qhull run;
   if (points.size() < 4 || !run.run(coordinates)) {
-    return fail(ErrorKind::bad_input, "no convex hull encloses " + std::to_string(points.size()) +
-                                          " points of the surface: they lie in one plane; use shape \"box\"");
+    return fail(ErrorKind::bad_input,
+                "no convex hull encloses {} points of the surface: they lie in one plane; use shape \"box\"",
+                points.size());
   }
   qhT* qh = run.get();
   std::vector<std::array<std::uint32_t, 3>> triangles;

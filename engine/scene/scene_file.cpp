@@ -173,7 +173,7 @@ class SceneReader {
     for_each(file, "joint", kMaxJoints, [this](TomlTable& table) { read_joint(table); });
     if (auto table = file.table("camera")) read_camera(*table);
     if (auto table = file.table("listener")) read_listener(*table);
-    if (auto good = file.finish(); !good) return fail(good.error());
+    if (auto good = file.finish(); !good) return fail(good);
     return std::move(scene_);
   }
 
@@ -184,12 +184,12 @@ class SceneReader {
     std::map<std::string, std::uint32_t> names;
     std::size_t count = 0;
     for (TomlTable& table : file.tables(kind)) {
-      if (++count > max) return table.complain("", "a scene has at most " + std::to_string(max));
+      if (++count > max) return table.complain("", formatted("a scene has at most {}", max));
       std::string name;
       table.text("name", name);
       const auto [first, is_new] = names.try_emplace(name, table.line_of("name"));
       if (!is_new && !name.empty()) {
-        table.complain("name", "the name is taken by line " + std::to_string(first->second));
+        table.complain("name", formatted("the name is taken by line {}", first->second));
       }
       read(table);
     }
@@ -256,8 +256,8 @@ class SceneReader {
     };
     if (exists(beside)) return beside;
     if (!presets_.empty() && exists(preset)) return preset;
-    table.complain("bank", "no bank " + beside.string() + (presets_.empty() ? "" : " or " + preset.string()) +
-                               "; bake it with `ringdown bake`");
+    table.complain("bank", formatted("no bank {}{}; bake it with `ringdown bake`", beside.string(),
+                                     presets_.empty() ? "" : " or " + preset.string()));
     return {};
   }
 
@@ -442,14 +442,14 @@ Pose listener_pose(const ListenerDescription& listener) {
 
 Result<SceneDescription> read_scene(const std::filesystem::path& path, const std::filesystem::path& presets) {
   Result<TomlTable> file = TomlTable::read(path);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   return SceneReader(path, presets).read(std::move(*file));
 }
 
 Result<SceneDescription> parse_scene(std::string_view text, const std::filesystem::path& path,
                                      const std::filesystem::path& presets) {
   Result<TomlTable> file = TomlTable::parse(text, path);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   return SceneReader(path, presets).read(std::move(*file));
 }
 

@@ -1,5 +1,6 @@
 #include "engine/scene/scene_text.h"
 
+#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 
 #include <concepts>
@@ -190,14 +191,13 @@ class SceneWriter {
   }
 
   static std::string text_of_drive(const JointDrive& drive) {
-    return "stiffness = " + text_of(drive.stiffness) + ", damping = " + text_of(drive.damping) +
-           ", target = " + text_of(drive.target) + ", speed = " + text_of(drive.speed) +
-           ", most = " + text_of(drive.max);
+    return formatted("stiffness = {}, damping = {}, target = {}, speed = {}, most = {}", text_of(drive.stiffness),
+                     text_of(drive.damping), text_of(drive.target), text_of(drive.speed), text_of(drive.max));
   }
 
   static std::string text_of_axes(bool turns, std::span<const std::size_t> axes) {
     std::string text = turns ? "about = [" : "along = [";
-    for (const std::size_t k : axes) text += std::string(k == axes[0] ? "" : ", ") + "\"" + "xyz"[k] + "\"";
+    for (const std::size_t k : axes) text += formatted("{}\"{}\"", k == axes[0] ? "" : ", ", "xyz"[k]);
     return text + "]";
   }
 
@@ -261,7 +261,8 @@ class SceneWriter {
     heading("[[joint]]");
     line("name", joint.name);
     line("type", std::string(name_of(joint.type)));
-    text_ += "bodies = [" + text_of(joint.body) + (joint.other.empty() ? "" : ", " + text_of(joint.other)) + "]\n";
+    text_ +=
+        formatted("bodies = [{}{}]\n", text_of(joint.body), joint.other.empty() ? "" : ", " + text_of(joint.other));
     line("anchor_m", joint.anchor_m);
     unless("collides", joint.collides, true);
     unless("friction_nm", joint.friction_nm, 0.0);

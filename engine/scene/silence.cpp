@@ -1,12 +1,12 @@
 #include "engine/scene/silence.h"
 
+#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/modal/hearing/masking.h"
 #include "engine/modal/material_scale.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 
 namespace ringdown::scene {
@@ -24,7 +24,7 @@ std::string named(const std::vector<const BodyDescription*>& bodies) {
   constexpr std::size_t kFew = 3;
   std::string names;
   for (std::size_t k = 0; k < std::min(bodies.size(), kFew); ++k) names += (k > 0 ? ", " : "") + quote(bodies[k]->name);
-  return bodies.size() > kFew ? names + " and " + std::to_string(bodies.size() - kFew) + " more" : names;
+  return bodies.size() > kFew ? formatted("{} and {} more", names, bodies.size() - kFew) : names;
 }
 
 // The lowest frequency that an object has in the scene's material and size; nothing where it has a mode that is heard.
@@ -49,13 +49,12 @@ std::vector<std::string> above_hearing(const SceneDescription& scene, std::span<
   for (const BodyDescription* body : all_bodies(scene)) {
     const auto lowest_hz = lowest_above_hearing(*body, scene, objects);
     if (!lowest_hz || ++count > kMaxNamed) continue;
-    char lowest[32];
-    std::snprintf(lowest, sizeof lowest, "%.4g kHz", *lowest_hz / 1000);
+    const std::string lowest = formatted("{:.4g} kHz", *lowest_hz / 1000);
     sentences.push_back("body " + quote(body->name) + " rings above hearing: its lowest mode is at " + lowest +
                         (scene.contact.clicks ? "; only the click of its blows is heard"
                                               : ", and the scene has no clicks; it stays silent"));
   }
-  if (count > kMaxNamed) sentences.push_back(std::to_string(count - kMaxNamed) + " more bodies ring above hearing");
+  if (count > kMaxNamed) sentences.push_back(formatted("{} more bodies ring above hearing", count - kMaxNamed));
   return sentences;
 }
 
@@ -70,9 +69,9 @@ std::optional<std::string> why_silent(const SceneDescription& scene, std::span<c
     if (!body->object.empty()) sounding.push_back(body);
   }
   if (sounding.empty()) {
-    return "nothing in it can sound: " +
-           (bodies.size() == 1 ? "its body " + named(bodies) + " has" : "its bodies " + named(bodies) + " have") +
-           " no bank; " + cure;
+    return formatted(
+        "nothing in it can sound: {} no bank; {}",
+        bodies.size() == 1 ? "its body " + named(bodies) + " has" : "its bodies " + named(bodies) + " have", cure);
   }
   const bool moves = scene.foley && std::ranges::any_of(bodies, [](const auto* body) { return body->path != nullptr; });
   if (!moves && std::ranges::all_of(bodies, &BodyDescription::fixed)) {

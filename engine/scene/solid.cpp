@@ -53,8 +53,7 @@ Result<RigidMass> bank_mass(const modal::MassProperties& mass, double density_sc
   const Vec3 moments = mass.inertia_kg_m2;
   const double largest = std::max({moments.x, moments.y, moments.z});
   if (!range::kMass_kg.holds(mass.mass_kg * density_scale)) {
-    return fail(ErrorKind::bad_input,
-                "its mass of " + std::to_string(mass.mass_kg * density_scale) + " kg is outside 1e-7 ... 1e7 kg");
+    return fail(ErrorKind::bad_input, "its mass of {:f} kg is outside 1e-7 ... 1e7 kg", mass.mass_kg * density_scale);
   }
   if (!is_finite(mass.center_of_mass_m) || !is_finite(moments) ||
       !(std::min({moments.x, moments.y, moments.z}) > kMinMomentRatio * largest) ||
@@ -132,8 +131,7 @@ Result<RigidMass> mass_of(const BodyDescription& body, const modal::Bank* bank, 
     mass = sphere_mass(radius, body.density_kg_m3, extent.center_m);
   }
   if (!range::kMass_kg.holds(mass.mass_kg)) {
-    return fail(ErrorKind::bad_input,
-                "its size and density make " + std::to_string(mass.mass_kg) + " kg, outside 1e-7 ... 1e7 kg");
+    return fail(ErrorKind::bad_input, "its size and density make {:f} kg, outside 1e-7 ... 1e7 kg", mass.mass_kg);
   }
   return mass;
 }
@@ -183,7 +181,7 @@ Result<CollisionShape> shape_of(const Shape& shape, const modal::Bank* bank, con
   }
   if (shape.type == ShapeType::convex) {
     Result<Hull> hull = convex_hull(out.points);
-    if (!hull) return fail(hull.error());
+    if (!hull) return fail(hull);
     out.points = std::move(hull->points);
     out.triangles = std::move(hull->triangles);
   }
@@ -192,11 +190,11 @@ Result<CollisionShape> shape_of(const Shape& shape, const modal::Bank* bank, con
 
 Result<Solid> solid_of(const BodyDescription& body, const modal::Bank* bank, double density_scale) {
   const Result<Extent> extent = extent_of(body.shape, bank);
-  if (!extent) return fail(extent.error());
+  if (!extent) return fail(extent);
   Result<RigidMass> mass = mass_of(body, bank, density_scale, *extent);
-  if (!mass) return fail(mass.error());
+  if (!mass) return fail(mass);
   Result<CollisionShape> shape = shape_of(body.shape, bank, *extent, mass->center_m);
-  if (!shape) return fail(shape.error());
+  if (!shape) return fail(shape);
   return Solid{*mass, std::move(*shape)};
 }
 

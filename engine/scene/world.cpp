@@ -95,6 +95,7 @@ struct World::State {
   std::vector<HeardContact> contacts;
   std::vector<RestDamping> rest_dampings;
   std::vector<std::string> notices;
+  std::vector<synth::ObjectNumber> broken;
   std::vector<std::string> first_notices;  // for the report of the first step
   std::size_t dropped_events = 0, dropped_contacts = 0;
 };
@@ -118,7 +119,7 @@ Result<BodyId> World::State::add(BodyDescription description, bool spawned) {
   if (store.bodies().at(*added).description.breaks) {
     if (const auto ready = breaking.add(*added, store.bodies().at(*added)); !ready) {
       store.remove(*added);
-      return fail(ready.error());
+      return fail(ready);
     }
   }
   if (has_path) driven.push_back(*added);
@@ -130,8 +131,8 @@ Result<BodyId> World::State::add(BodyDescription description, bool spawned) {
 Result<void> World::State::add_all(const EmitterDescription& emitter) {
   BodyDescription body = emitter.body;
   for (std::uint64_t k = 1; k <= emitter.count; ++k) {
-    body.name = emitter.name + "-" + std::to_string(k);
-    if (const auto added = add(body, false); !added) return fail(added.error());
+    body.name = formatted("{}-{}", emitter.name, k);
+    if (const auto added = add(body, false); !added) return fail(added);
     body.start_s += emitter.every_s;
   }
   return {};
@@ -220,7 +221,8 @@ void World::State::do_part() {
   if (asleep) return;
   dropped_contacts += simulation.dropped_contacts();
   check_bodies();
-  breaking.replace_broken(points, events, notices);
+  const std::vector<synth::ObjectNumber> gone = breaking.replace_broken(found, events, notices);
+  broken.insert(broken.end(), gone.begin(), gone.end());
 }
 
 // Stores the motion of bodies that moved. A body with an unreal motion goes back to its start, and is removed if that
@@ -257,7 +259,7 @@ World::~World() = default;
 
 Result<World> World::create(const SceneDescription& scene, std::span<const SoundingObject> objects,
                             double sample_rate_hz) {
-  if (const auto ok = check(scene); !ok) return fail(ok.error());
+  if (const auto ok = check(scene); !ok) return fail(ok);
   if (!(sample_rate_hz >= 1 && sample_rate_hz <= 1e7))
     return fail(ErrorKind::bad_input, "a scene needs a sample rate from 1 to 1e7 Hz");
   auto state = std::make_unique<State>(scene, sample_rate_hz);
@@ -267,14 +269,14 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
   }
   state->add_statics(scene);
   for (const BodyDescription& body : scene.bodies) {
-    if (const auto added = state->add(body, false); !added) return fail(added.error());
+    if (const auto added = state->add(body, false); !added) return fail(added);
   }
   for (const EmitterDescription& emitter : scene.emitters) {
-    if (const auto added = state->add_all(emitter); !added) return fail(added.error());
+    if (const auto added = state->add_all(emitter); !added) return fail(added);
   }
   if (scene.foley) {
     auto recovered = recover_contacts(scene, state->store);
-    if (!recovered) return fail(recovered.error());
+    if (!recovered) return fail(recovered);
     state->first_notices = recovered->notes;
     state->recovered.emplace(*std::move(recovered));
   }
@@ -295,14 +297,15 @@ StepReport World::step(const std::atomic<int>* given_up) {
   state.notices = std::exchange(state.first_notices, {});
   state.contacts.clear();
   state.rest_dampings.clear();
+  state.broken.clear();
   state.dropped_events = state.dropped_contacts = 0;
   for (state.part = 0; state.part < state.parts; ++state.part) state.do_part();
   state.part = 0;
   ++state.steps;
   if (!std::ranges::is_sorted(state.events, {}, &synth::Event::frame))
     std::ranges::stable_sort(state.events, {}, &synth::Event::frame);
-  return {state.events,  state.rest_dampings,  state.contacts,
-          state.notices, state.dropped_events, state.dropped_contacts};
+  return {state.events, state.rest_dampings,  state.contacts,        state.notices,
+          state.broken, state.dropped_events, state.dropped_contacts};
 }
 
 bool World::sounds() const {
@@ -318,7 +321,7 @@ Result<BodyId> World::spawn(BodyDescription body) {
   if (!body.object.empty() && !state_->store.find_object(body.object)) {
     return fail(ErrorKind::bad_input, "cannot spawn: no object " + quote(body.object) + " is loaded");
   }
-  body.name += "-" + std::to_string(state_->store.next_id());
+  body.name += formatted("-{}", state_->store.next_id());
   return state_->add(std::move(body), true);
 }
 
@@ -337,7 +340,7 @@ void World::clear() {
 Result<void> World::set_object(const SoundingObject& object) {
   if (!object.bank) return fail(ErrorKind::bad_input, "object " + quote(object.name) + " has no bank");
   const auto solids = state_->store.solids_of(object);
-  if (!solids) return fail(solids.error());
+  if (!solids) return fail(solids);
   state_->store.put_object(object);
   for (const auto& [id, solid] : *solids) {
     Body& body = state_->store.bodies().at(id);
@@ -358,8 +361,7 @@ void World::remove_object(synth::ObjectNumber number) {
 Result<void> World::push(BodyId id, Vec3 impulse_ns) {
   auto& bodies = state_->store.bodies();
   const auto found = bodies.find(id);
-  if (found == bodies.end())
-    return fail(ErrorKind::bad_input, "cannot push: the scene has no body " + std::to_string(id));
+  if (found == bodies.end()) return fail(ErrorKind::bad_input, "cannot push: the scene has no body {}", id);
   Body& body = found->second;
   const std::string who = "body " + quote(body.description.name);
   if (!within(impulse_ns, range::kPush_ns))

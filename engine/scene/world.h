@@ -42,12 +42,13 @@ inline constexpr int kMaxResets = 3;  // a body that has to be reset more often 
 
 // Views into the World, valid until its next step().
 struct StepReport {
-  std::span<const synth::Event> events;        // strikes, clicks, lasting contacts; their frames never decrease
-  std::span<const RestDamping> rest_dampings;  // objects whose resting contacts have changed
-  std::span<const HeardContact> contacts;      // for reports: blows, and the states of lasting contacts
-  std::span<const std::string> notices;        // sentences for the user: a body was reset, removed, ...
-  std::size_t dropped_events = 0;              // beyond kMaxEventsPerStep in one part of the step
-  std::size_t dropped_contacts = 0;            // beyond kMaxContactsPerStep in one part of the step
+  std::span<const synth::Event> events;         // strikes, clicks, lasting contacts; their frames never decrease
+  std::span<const RestDamping> rest_dampings;   // objects whose resting contacts have changed
+  std::span<const HeardContact> contacts;       // for reports: blows, and the states of lasting contacts
+  std::span<const std::string> notices;         // sentences for the user: a body was reset, removed, ...
+  std::span<const synth::ObjectNumber> broken;  // objects whose bodies have become pieces
+  std::size_t dropped_events = 0;               // beyond kMaxEventsPerStep in one part of the step
+  std::size_t dropped_contacts = 0;             // beyond kMaxContactsPerStep in one part of the step
 };
 
 // A body for a viewer or a test. Position and rotation are those of the object's frame, in which the bank's mesh lies.

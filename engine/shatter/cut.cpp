@@ -83,7 +83,8 @@ class Cutter {
       place_points();
       std::vector<Simplex> halved;
       if (!raise_shares(base, halved)) return true;
-      refinement_ = base, cells_ = base_cells;
+      refinement_ = base;
+      cells_ = base_cells;
       halve(halved);
     }
     return false;
@@ -234,7 +235,10 @@ class Cutter {
     for (const int pair : corner_subsets(2)) {
       const Simplex edge = simplex_of(element, pair);
       const double own = (refinement.point(edge[0]) - refinement.point(edge[1])).squaredNorm();
-      if (own > squared) squared = own, longest = edge;
+      if (own > squared) {
+        squared = own;
+        longest = edge;
+      }
     }
     return longest;
   }
@@ -395,16 +399,14 @@ class Cutter {
 
 Result<void> check(const mesh::Points& seeds, double diagonal_m) {
   if (seeds.rows() == 0 || seeds.rows() > kMaxSeeds) {
-    return fail(ErrorKind::bad_input,
-                "a body is cut by 1 to " + std::to_string(kMaxSeeds) + " seeds, not " + std::to_string(seeds.rows()));
+    return fail(ErrorKind::bad_input, "a body is cut by 1 to {} seeds, not {}", kMaxSeeds, seeds.rows());
   }
   if (!seeds.allFinite()) return fail(ErrorKind::bad_input, "a coordinate of a seed is not a finite number");
   constexpr double kApart = 1e-6;
   for (Eigen::Index a = 0; a < seeds.rows(); ++a) {
     for (Eigen::Index b = a + 1; b < seeds.rows(); ++b) {
       if ((seeds.row(a) - seeds.row(b)).norm() > kApart * diagonal_m) continue;
-      return fail(ErrorKind::bad_input, "seeds " + std::to_string(a) + " and " + std::to_string(b) +
-                                            " lie in one place, so no plane divides them; remove one");
+      return fail(ErrorKind::bad_input, "seeds {} and {} lie in one place, so no plane divides them; remove one", a, b);
     }
   }
   return {};
@@ -414,7 +416,7 @@ Result<void> check(const mesh::Points& seeds, double diagonal_m) {
 
 Result<CutBody> cut_body(const mesh::TetMesh& body, const mesh::Points& seeds) {
   const Eigen::RowVector3d low = body.nodes.colwise().minCoeff(), high = body.nodes.colwise().maxCoeff();
-  if (auto sound = check(seeds, (high - low).norm()); !sound) return fail(sound.error());
+  if (auto sound = check(seeds, (high - low).norm()); !sound) return fail(sound);
   Cutter cutter(body, seeds, 0.5 * (low + high));
   cutter.refine();
   if (!cutter.cut()) {

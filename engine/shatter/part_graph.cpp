@@ -1,6 +1,6 @@
 #include "engine/shatter/part_graph.h"
 
-#include "engine/shatter/groups.h"
+#include "engine/base/groups.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +32,7 @@ std::int32_t count_of(const Parts& parts) {
 }
 
 Parts connected_parts(const PartGraph& graph, const std::vector<std::int32_t>& labels) {
-  Groups groups(labels.size());
+  Groups<> groups(labels.size());
   for (const auto& [a, b, area_m2] : graph.joints) {
     if (labels[a] == labels[b]) groups.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
   }
@@ -300,7 +300,10 @@ Parts parted_at_necks(const PartGraph& graph, const Parts& parts) {
       const std::vector<std::int32_t> side = Neck(own, numbers, arcs[part]).find(0);
       if (side.empty()) is_done[bits[part][0]] = true;
       for (const std::int32_t bit : side) labels[bits[part][bit]] = next;
-      if (!side.empty()) ++next, again = true;
+      if (!side.empty()) {
+        ++next;
+        again = true;
+      }
     }
     if (again) now = connected_parts(graph, labels);
   }

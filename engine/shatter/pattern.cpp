@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -125,7 +124,8 @@ class Planter {
       if (plant(point)) {
         failed = 0;
       } else if (++failed == kTries) {
-        apart_m_ *= 0.8, failed = 0;
+        apart_m_ *= 0.8;
+        failed = 0;
       }
     }
   }
@@ -160,7 +160,10 @@ class Planter {
         for (int k = 0; k < kDrawn; ++k) {
           const double beside = std::remainder(polar[k][1] - angle, 2 * std::numbers::pi) / ray_step;
           const double distance = std::hypot((polar[k][0] - log_radius) / ring_step, beside);
-          if (distance < nearest) nearest = distance, taken = k;
+          if (distance < nearest) {
+            nearest = distance;
+            taken = k;
+          }
         }
         if (taken >= 0 && seeds_.size() < count) plant(drawn[taken]);
       }
@@ -190,7 +193,10 @@ std::vector<std::vector<std::int32_t>> nested_groups(const std::vector<Eigen::Ve
       std::int32_t nearest = group;
       for (std::int32_t other = 0; other < counts[level]; ++other) {
         const double distance = (seeds[other] - seeds[group]).squaredNorm();
-        if (distance < min) min = distance, nearest = other;
+        if (distance < min) {
+          min = distance;
+          nearest = other;
+        }
       }
       group = groups[level][k] = nearest;
     }
@@ -202,19 +208,18 @@ Result<void> check(const PatternOptions& options, const Wall& wall) {
   int before = 0;
   for (const int count : options.pieces) {
     if (count <= before || count > kMaxPieces) {
-      return fail(ErrorKind::bad_input, "the numbers of pieces must ascend from 1 or more to " +
-                                            std::to_string(kMaxPieces) + " at most; " + std::to_string(count) +
-                                            " after " + std::to_string(before) + " does not");
+      return fail(ErrorKind::bad_input,
+                  "the numbers of pieces must ascend from 1 or more to {} at most; {} after {} does not", kMaxPieces,
+                  count, before);
     }
     before = count;
   }
   if (before == 0) return fail(ErrorKind::bad_input, "no number of pieces is given; give one or several, as 4, 14, 48");
   const Vec3& at = options.impact_m;
   if (!is_finite(at) || !((Eigen::Vector3d(at.x, at.y, at.z) - wall.center()).norm() <= wall.diagonal_m())) {
-    char place[96];
-    std::snprintf(place, sizeof place, "(%.6g, %.6g, %.6g) m", at.x, at.y, at.z);
-    return fail(ErrorKind::bad_input,
-                std::string("the place of impact ") + place + " is far from the body; give a point of its surface");
+    const std::string place = formatted("({:.6g}, {:.6g}, {:.6g}) m", at.x, at.y, at.z);
+    return fail(ErrorKind::bad_input, "the place of impact {} is far from the body; give a point of its surface",
+                place);
   }
   return {};
 }
@@ -223,7 +228,7 @@ Result<void> check(const PatternOptions& options, const Wall& wall) {
 
 Result<Seeds> make_seeds(const mesh::TetMesh& body, const PatternOptions& options) {
   const Wall wall(body);
-  if (auto sound = check(options, wall); !sound) return fail(sound.error());
+  if (auto sound = check(options, wall); !sound) return fail(sound);
   const Eigen::Vector3d impact(options.impact_m.x, options.impact_m.y, options.impact_m.z);
   const auto count = static_cast<std::size_t>(options.pieces.back());
   const bool even = options.pattern == Pattern::kUniform;

@@ -1,6 +1,6 @@
 #include "engine/shatter/piece_mesh.h"
 
-#include "engine/shatter/groups.h"
+#include "engine/base/groups.h"
 
 #include <algorithm>
 #include <array>
@@ -45,8 +45,8 @@ int subset_in(const SubElement& element, const Simplex& simplex) {
 }
 
 // Groups of (element, subset of its corners), 16 for each element: connected through faces that have the simplex.
-Groups fans_of(const std::vector<SubElement>& elements) {
-  Groups fans(16 * elements.size());
+Groups<> fans_of(const std::vector<SubElement>& elements) {
+  Groups<> fans(16 * elements.size());
   const std::vector<Slot> faces = sorted_slots(elements, 3);
   for (std::size_t k = 1; k < faces.size(); ++k) {
     const Slot &a = faces[k - 1], &b = faces[k];
@@ -64,7 +64,7 @@ Groups fans_of(const std::vector<SubElement>& elements) {
 }
 
 // Gives each fan around a point a number of its own; returns the point of each number.
-std::vector<std::int32_t> part_points(std::vector<SubElement>& elements, Groups& fans) {
+std::vector<std::int32_t> part_points(std::vector<SubElement>& elements, Groups<>& fans) {
   std::vector<std::pair<std::int32_t, std::size_t>> nodes;  // point, root
   for (std::size_t e = 0; e < elements.size(); ++e) {
     for (int c = 0; c < 4; ++c) nodes.emplace_back(elements[e].corners[c], fans.root(16 * e + (std::size_t{1} << c)));
@@ -83,7 +83,7 @@ std::vector<std::int32_t> part_points(std::vector<SubElement>& elements, Groups&
 }
 
 // Edges with more than one fan around them.
-std::vector<Insertion> pinched_edges(const std::vector<SubElement>& elements, Groups& fans) {
+std::vector<Insertion> pinched_edges(const std::vector<SubElement>& elements, Groups<>& fans) {
   std::vector<Insertion> found;
   const std::vector<Slot> edges = sorted_slots(elements, 2);
   const auto fan = [&](const Slot& slot) {

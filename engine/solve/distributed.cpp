@@ -72,7 +72,7 @@ std::string reason_of(const ChildOutcome& outcome) {
   const std::size_t said = outcome.errors.find(mark);
   if (said == std::string::npos) {
     const std::string last = last_line(outcome.errors);
-    return "ended with exit code " + std::to_string(outcome.exit_code) + (last.empty() ? "" : ": " + last);
+    return formatted("ended with exit code {}{}", outcome.exit_code, last.empty() ? "" : ": " + last);
   }
   const std::size_t start = said + mark.size();
   return outcome.errors.substr(start, outcome.errors.find('\n', start) - start);
@@ -92,7 +92,7 @@ Result<DistributedModes> run_distributed(const fem::System& system, const EigenR
   const fs::path problem = folder.path() / "problem", answer = folder.path() / "modes";
   Watcher watcher{progress};
   if (!watcher.go_on()) throw Cancelled{};
-  if (auto written = write_system(problem, system, request); !written) return fail(written.error());
+  if (auto written = write_system(problem, system, request); !written) return fail(written);
 
   ChildRequest child = command_for(*program, run);
   child.command.insert(child.command.end(), {problem.string(), answer.string()});
@@ -107,7 +107,7 @@ Result<DistributedModes> run_distributed(const fem::System& system, const EigenR
   if (outcome->exit_code != 0) return fail(ErrorKind::refused, "SLEPc: " + reason_of(*outcome));
 
   const Result<ModesFile> file = read_modes(answer, system.node_mass.rows());
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   const auto count = static_cast<Eigen::Index>(file->lambda.size());
   DistributedModes found{{}, *outcome};
   found.modes.lambda = Eigen::Map<const Eigen::VectorXd>(file->lambda.data(), count);
@@ -122,7 +122,7 @@ Result<DistributedModes> run_distributed(const fem::System& system, const EigenR
 Result<Eigenmodes> solve_slepc(const fem::System& system, const EigenRequest& request, const Progress& progress) {
   Result<DistributedModes> found =
       run_distributed(system, request, {.processes = std::max(1, request.processes)}, progress);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   found->modes.counted = static_cast<int>(found->modes.lambda.size());  // the program checked it, by MUMPS's inertia
   return std::move(found->modes);
 }

@@ -52,8 +52,8 @@ int count_below(const Eigen::VectorXd& lambda, double limit) {
 }
 
 Error too_many_modes(const EigenRequest& request) {
-  return {ErrorKind::too_large, "more than " + std::to_string(request.max_modes) +
-                                    " modes lie in the band; narrow the band or allow more modes"};
+  return {ErrorKind::too_large,
+          formatted("more than {} modes lie in the band; narrow the band or allow more modes", request.max_modes)};
 }
 
 // `modes` is the number counted at the top, so the choice is the same on every machine.
@@ -118,7 +118,7 @@ Result<Count> Solve::count_at_top() {
 
 Result<void> Solve::ask_at(double lambda) {
   const Result<Count> shift = pencil_->factor(lambda, Pencil::kDown);
-  return shift ? opinion_->ask(*pencil_, *shift) : Result<void>(fail(shift.error()));
+  return shift ? opinion_->ask(*pencil_, *shift) : Result<void>(fail(shift));
 }
 
 Result<Eigenmodes> Solve::find(Method method, const Count& top) {
@@ -131,7 +131,7 @@ Result<Eigenmodes> Solve::find(Method method, const Count& top) {
     return opinion_->ask(*pencil_, {factors.sigma(), factors.negative()}).map([&] { return std::move(*modes); });
   }
   if (opinion_) {
-    if (auto asked = ask_at(kSecondShift * top.lambda); !asked) return fail(asked.error());
+    if (auto asked = ask_at(kSecondShift * top.lambda); !asked) return fail(asked);
   }
   return solve_dense(system_);
 }
@@ -158,16 +158,16 @@ Result<Eigenmodes> Solve::run() {
     return finish(*modes).map([&] { return std::move(*modes); });
   }
   const Result<Count> top = count_at_top();
-  if (!top) return fail(top.error());
+  if (!top) return fail(top);
   if (top->below > 2 * request_.max_modes + 1000) return fail(too_many_modes(request_));
   const Method method = choose(request_.method, system_.unknowns(), top->below);
   if (request_.verify) {
     opinion_.emplace(method == Method::kSpectra ? Method::kBlockLanczos : Method::kSpectra,
                      Band{rigid_limit_, request_.highest_lambda}, request_, progress_);
-    if (auto asked = opinion_->ask(*pencil_, *top); !asked) return fail(asked.error());
+    if (auto asked = opinion_->ask(*pencil_, *top); !asked) return fail(asked);
   }
   if (elsewhere) {
-    if (auto asked = ask_at(kSecondShift * top->lambda); !asked) return fail(asked.error());
+    if (auto asked = ask_at(kSecondShift * top->lambda); !asked) return fail(asked);
   } else {
     modes = find(method, *top);
     if (!modes) return modes;
@@ -176,8 +176,7 @@ Result<Eigenmodes> Solve::run() {
   }
   const int found = count_below(modes->lambda, top->lambda);
   if (!elsewhere && found != top->below) {
-    return fail(ErrorKind::refused,
-                std::to_string(top->below) + " modes were counted and " + std::to_string(found) + " found");
+    return fail(ErrorKind::refused, "{} modes were counted and {} found", top->below, found);
   }
   modes->method = method;
   return finish(*modes).map([&] { return std::move(*modes); });
@@ -200,8 +199,7 @@ Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& re
   } catch (const Cancelled&) {
     return fail_cancelled();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::no_memory,
-                "not enough memory for " + std::to_string(system.unknowns()) + " unknowns; make the mesh coarser");
+    return fail(ErrorKind::no_memory, "not enough memory for {} unknowns; make the mesh coarser", system.unknowns());
   } catch (const std::exception& error) {
     return fail(ErrorKind::refused, std::string("the eigensolver failed: ") + error.what());
   }

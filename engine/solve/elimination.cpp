@@ -36,11 +36,17 @@ Graph node_graph(const fem::SparseMatrix& stiffness) {
   };
   Graph graph;
   graph.first.assign(count + 1, 0);
-  each_pair([&](int a, int b) { ++graph.first[a + 1], ++graph.first[b + 1]; });
+  each_pair([&](int a, int b) {
+    ++graph.first[a + 1];
+    ++graph.first[b + 1];
+  });
   std::partial_sum(graph.first.begin(), graph.first.end(), graph.first.begin());
   graph.neighbors.resize(graph.first.back());
   std::vector<idx_t> fill(graph.first.begin(), graph.first.end() - 1);
-  each_pair([&](int a, int b) { graph.neighbors[fill[a]++] = b, graph.neighbors[fill[b]++] = a; });
+  each_pair([&](int a, int b) {
+    graph.neighbors[fill[a]++] = b;
+    graph.neighbors[fill[b]++] = a;
+  });
   return graph;
 }
 
@@ -163,7 +169,9 @@ std::vector<std::vector<int>> join_children(const std::vector<Supernode>& nodes)
   std::vector<double> zeros(count, 0);
   std::vector<std::vector<int>> members(count), children(count);
   for (int s = 0; s < count; ++s) {
-    parent[s] = nodes[s].parent, columns[s] = nodes[s].columns, members[s] = {s};
+    parent[s] = nodes[s].parent;
+    columns[s] = nodes[s].columns;
+    members[s] = {s};
     if (parent[s] >= 0) children[parent[s]].push_back(s);
   }
   for (int p = 0; p < count; ++p) {  // children are final before their parent is visited

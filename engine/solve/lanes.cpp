@@ -8,7 +8,10 @@ constexpr int kAhead = 256;  // doubles of y that are prefetched ahead of their 
 // sum := the sum of kWidth columns, each multiplied by its value.
 [[gnu::always_inline]] inline void multiply(const double* value, const Lanes* columns, Lanes& sum) {
   Lanes a = value[0] * columns[0], b = value[1] * columns[1];
-  for (int i = 2; i < kWidth; i += 2) a += value[i] * columns[i], b += value[i + 1] * columns[i + 1];
+  for (int i = 2; i < kWidth; i += 2) {
+    a += value[i] * columns[i];
+    b += value[i + 1] * columns[i + 1];
+  }
   sum = a + b;
 }
 

@@ -146,7 +146,9 @@ void Ldlt::take_update(int child, const Supernode& node, Front& front, const Mem
       for (int i = j; i < 3; ++i) to[column + i] += *from++;
       for (std::size_t r = c + 1; r < rows.size(); ++r, from += 3) {
         double* at = to + front.row_of[rows[r]];
-        at[0] += from[0], at[1] += from[1], at[2] += from[2];
+        at[0] += from[0];
+        at[1] += from[1];
+        at[2] += from[2];
       }
     }
   }

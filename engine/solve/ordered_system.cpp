@@ -91,7 +91,10 @@ void OrderedSystem::mass_columns(int begin_column, int end_column, const double*
     for (std::size_t e = begin(n) + 1; e < end(n); ++e) {
       const Lanes* const from = lanes(x, 3 * std::ptrdiff_t{rows_[e]});
       Lanes* const to = y.at(rows_[e]);
-      for (int i = 0; i < 3; ++i) sum[i] += masses_[e] * from[i], to[i] += masses_[e] * own[i];
+      for (int i = 0; i < 3; ++i) {
+        sum[i] += masses_[e] * from[i];
+        to[i] += masses_[e] * own[i];
+      }
     }
     for (int i = 0; i < 3; ++i) y.at(n)[i] += sum[i];
   }

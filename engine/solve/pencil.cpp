@@ -30,8 +30,9 @@ Result<Count> Pencil::factor(double lambda, Step step, const KeepGoing& keep_goi
     return Count{lambda, factors_.negative()};
   }
   return fail(ErrorKind::bad_input,
-              "the stiffness of the mesh could not be factored (" + std::to_string(unknowns()) +
-                  " unknowns); check the mesh for flat elements, or make it coarser if memory ran out");
+              "the stiffness of the mesh could not be factored ({} unknowns); check the mesh for flat elements, or "
+              "make it coarser if memory ran out",
+              unknowns());
 }
 
 Eigen::MatrixXd Pencil::in_mesh_order(const Eigen::Ref<const Eigen::MatrixXd>& shapes) const {

@@ -11,6 +11,7 @@
 // counted there, so none is missing.
 #include "engine/solve/second_opinion.h"
 
+#include "engine/base/formatted.h"
 #include "engine/dense/decompositions.h"
 #include "engine/dense/products.h"
 #include "engine/solve/methods.h"
@@ -18,7 +19,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -33,12 +33,6 @@ using Eigen::VectorXd;
 
 constexpr int kFirstWanted = 6, kMaxWanted = 192;  // modes near a shift
 constexpr double kFamilyGap = 2 * kSameFamily;     // relative, of lambda
-
-std::string in_words(const char* format, double a, double b = 0, double c = 0) {
-  char text[160];
-  std::snprintf(text, sizeof text, format, a, b, c);
-  return text;
-}
 
 // Neighbouring modes closer together than kSameFamily. `ours` are modes of the result, `theirs` of the second opinion.
 struct Family {
@@ -118,12 +112,11 @@ struct Comparison {
   [[nodiscard]] std::string other() const { return std::string(near.method); }
   // "mode 12 at 812.3456 Hz": the first vibration is number 1.
   [[nodiscard]] std::string name_of(Index mode) const {
-    return "mode " + std::to_string(mode + 1 - modes.rigid) +
-           in_words(" at %.8g Hz", request.hertz(modes.lambda[mode]));
+    return formatted("mode {} at {:.8g} Hz", mode + 1 - modes.rigid, request.hertz(modes.lambda[mode]));
   }
   [[nodiscard]] std::string name_of(const Family& family) const {
     if (family.ours.size() == 1) return name_of(family.ours[0]);
-    return std::to_string(family.ours.size()) + " modes from " + name_of(family.ours[0]) + " on";
+    return formatted("{} modes from {} on", family.ours.size(), name_of(family.ours[0]));
   }
   [[nodiscard]] static Result<void> disagree(const std::string& what) {
     return fail(ErrorKind::refused, "the second opinion disagrees: " + what);
@@ -143,18 +136,17 @@ Index nearest(const VectorXd& lambda, const std::vector<Index>& numbers, double 
 // Checks that every frequency of each method equals one of the other method.
 Result<void> Comparison::frequencies_of(const Family& family, Agreement& agreement) const {
   if (family.theirs.empty() || family.ours.size() < family.theirs.size()) {
-    return disagree("the number of modes near " + in_words("%.8g", request.hertz(family.first)) + " Hz is " +
-                    std::to_string(family.ours.size()) + " in the result and " + std::to_string(family.theirs.size()) +
-                    " by " + other());
+    return disagree(formatted("the number of modes near {:.8g} Hz is {} in the result and {} by {}",
+                              request.hertz(family.first), family.ours.size(), family.theirs.size(), other()));
   }
   const auto match = [&](Index mode, Index found) -> Result<void> {
     const double their_lambda = near.lambda[found];
     const double off = std::abs(std::sqrt(modes.lambda[mode] / their_lambda) - 1);
     agreement.frequency = std::max(agreement.frequency, off);
     if (off <= kSameFrequency) return {};
-    return disagree(name_of(mode) + ", which " + other() + " finds at " +
-                    in_words("%.10g Hz, a relative difference of %.2g, where %.0g is allowed",
-                             request.hertz(their_lambda), off, kSameFrequency));
+    return disagree(
+        formatted("{}, which {} finds at {:.10g} Hz, a relative difference of {:.2g}, where {:.0g} is allowed",
+                  name_of(mode), other(), request.hertz(their_lambda), off, kSameFrequency));
   };
   for (const Index mode : family.ours) {
     if (auto same = match(mode, nearest(near.lambda, family.theirs, modes.lambda[mode])); !same) return same;
@@ -170,14 +162,14 @@ Result<void> Comparison::of(const Family& family, Agreement& agreement) const {
   const MatrixXd ours = modes.shapes(Eigen::all, family.ours), theirs = near.shapes(Eigen::all, family.theirs);
   const double angle = angle_between(system.node_mass, ours, theirs);
   if (!(angle <= kSameSpace)) {
-    return disagree("the shape of " + name_of(family) + " lies at an angle of " + in_words("%.2g to what ", angle) +
-                    other() + in_words(" finds, where %.0g is allowed", kSameSpace));
+    return disagree(formatted("the shape of {} lies at an angle of {:.2g} to what {} finds, where {:.0g} is allowed",
+                              name_of(family), angle, other(), kSameSpace));
   }
   const double residual = std::max(largest_residual(system, modes.lambda(family.ours), ours),
                                    largest_residual(system, near.lambda(family.theirs), theirs));
   if (!(residual <= kSmallResidual)) {
-    return disagree(name_of(family) + in_words(" solves K phi = lambda M phi to %.2g only, where %.0g is allowed",
-                                               residual, kSmallResidual));
+    return disagree(formatted("{} solves K phi = lambda M phi to {:.2g} only, where {:.0g} is allowed", name_of(family),
+                              residual, kSmallResidual));
   }
   agreement.angle = std::max(agreement.angle, angle);
   agreement.residual = std::max(agreement.residual, residual);
@@ -191,8 +183,8 @@ Result<void> Comparison::count() const {
   const Count& shift = near.shift;
   const auto found = (modes.lambda.array() < shift.lambda).count();
   if (shift.lambda > request.highest_lambda || found == shift.below) return {};
-  return disagree(std::to_string(shift.below) + " modes were counted below " +
-                  in_words("%.8g", request.hertz(shift.lambda)) + " Hz and " + std::to_string(found) + " found");
+  return disagree(
+      formatted("{} modes were counted below {:.8g} Hz and {} found", shift.below, request.hertz(shift.lambda), found));
 }
 
 // Finds the pairs nearest to the shift, with shapes in the order of the mesh.
@@ -219,9 +211,9 @@ Result<NearModes> find_near(Method by, const Pencil& pencil, const Count& shift,
   NearModes near{.method = by == Method::kSpectra ? "Spectra" : "block Lanczos", .shift = shift};
   const Pairs pairs = nearest_pairs(by, pencil, shift, wanted, request.tolerance, keep_going);
   if (!pairs.complete) {
-    return fail(ErrorKind::refused, "the second opinion, by " + std::string(near.method) + ", did not converge near " +
-                                        in_words("%.8g", request.hertz(shift.lambda)) +
-                                        " Hz; look for needle-like elements in the mesh");
+    return fail(ErrorKind::refused,
+                "the second opinion, by {}, did not converge near {:.8g} Hz; look for needle-like elements in the mesh",
+                near.method, request.hertz(shift.lambda));
   }
   const auto distance = [&](Index i) { return std::abs(pairs.lambda[i] - shift.lambda); };
   std::vector<Index> order(pairs.lambda.size());
@@ -252,7 +244,7 @@ Result<void> SecondOpinion::ask(const Pencil& pencil, const Count& shift) {
     Result<NearModes> near = find_near(by_, pencil, shift, wanted, request_, [this](double share) {
       return !progress_ || progress_("second opinion", share);
     });
-    if (!near) return fail(near.error());
+    if (!near) return fail(near);
     if (comparable(*near, band_) > 0 || 2 * wanted > kMaxWanted || 6 * wanted > pencil.unknowns()) {
       found_.push_back(std::move(*near));
       seconds_ += seconds_now() - start;
@@ -267,7 +259,7 @@ Result<Agreement> SecondOpinion::check(const fem::System& system, const Eigenmod
   Band band = band_;
   for (const double rigid : modes.lambda.head(modes.rigid)) band.low = std::max(band.low, 3 * std::abs(rigid));
   for (const NearModes& near : found_) {
-    if (auto same = compare(system, modes, near, band, request_, agreement); !same) return fail(same.error());
+    if (auto same = compare(system, modes, near, band, request_, agreement); !same) return fail(same);
   }
   if (agreement.modes == 0 && modes.lambda.size() > modes.rigid) {
     return fail(ErrorKind::refused, "the second opinion found no mode of the band that could be compared");

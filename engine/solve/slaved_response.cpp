@@ -17,7 +17,7 @@ SlavedResponse::SlavedResponse(const fem::System& system, const Eigen::MatrixXd&
 Result<void> SlavedResponse::factor(const std::function<bool()>& keep_going) {
   try {
     const auto count = pencil_.factor(shift_, Pencil::kDown, [&](double) { return !keep_going || keep_going(); });
-    if (!count) return fail(count.error());
+    if (!count) return fail(count);
   } catch (const Cancelled&) {
     return fail_cancelled();
   }

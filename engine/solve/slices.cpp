@@ -138,7 +138,7 @@ Result<void> Slicer::slice() {
     const double low = std::max(0.0, done_.lambda);
     shift = factor(low + (shift->lambda - low) * 0.6 * each / (shift->below - done_.below));
   }
-  if (!shift) return fail(shift.error());
+  if (!shift) return fail(shift);
   const bool last = slices == 1;
   const int right = top_.below - shift->below;
   const Window window{.low = done_.lambda,
@@ -171,7 +171,7 @@ Result<void> Slicer::repair(const Count& low, const Count& high) {
   for (int attempt = 0; modes_.count(low.lambda, high.lambda) < wanted && attempt < kMaxRepairs; ++attempt) {
     const double bottom = std::max(0.0, low.lambda), share = 0.1 + 0.8 * std::fmod(0.5 + 0.382 * attempt, 1.0);
     const Result<Count> shift = factor(bottom + share * (high.lambda - bottom));
-    if (!shift) return fail(shift.error());
+    if (!shift) return fail(shift);
     Window window{.low = low.lambda, .high = high.lambda, .tolerance = request_.tolerance};
     window.left = shift->below - low.below - modes_.count(low.lambda, shift->lambda);
     window.right = high.below - shift->below - modes_.count(shift->lambda, high.lambda);
@@ -182,15 +182,14 @@ Result<void> Slicer::repair(const Count& low, const Count& high) {
   }
   const int found = modes_.count(low.lambda, high.lambda);
   if (found == wanted) return {};
-  return fail(ErrorKind::refused, std::to_string(wanted) + " modes were counted and " + std::to_string(found) +
-                                      " found between " + std::to_string(request_.hertz(low.lambda)) + " and " +
-                                      std::to_string(request_.hertz(high.lambda)) +
-                                      " Hz; look for needle-like elements in the mesh");
+  return fail(ErrorKind::refused,
+              "{} modes were counted and {} found between {} and {} Hz; look for needle-like elements in the mesh",
+              wanted, found, request_.hertz(low.lambda), request_.hertz(high.lambda));
 }
 
 Result<Eigenmodes> Slicer::solve() {
   while (done_.below < top_.below) {
-    if (auto went = slice(); !went) return fail(went.error());
+    if (auto went = slice(); !went) return fail(went);
   }
   Eigenmodes result;
   result.lambda.resize(modes_.size());

@@ -158,7 +158,7 @@ Result<Eigenmodes> solve_spectra(Pencil& pencil, const Count& top, const EigenRe
   if (auto shift = pencil.factor(-1e-4 * request.highest_lambda, Pencil::kDown,
                                  [&](double) { return !progress || progress("factors", 0); });
       !shift) {
-    return fail(shift.error());
+    return fail(shift);
   }
   pencil.release_workspace();
   const double start = seconds_now();

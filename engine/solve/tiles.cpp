@@ -26,7 +26,8 @@ void solve_one_down_own(const Strip& strip, const double* tiles, const Sides& si
     const int end = std::min(first + kTile, strip.width);
     Lanes even{}, odd{};
     for (int p = 0; p < first; p += 2, tiles += 2 * kTile) {
-      even += y[p] * *lanes(tiles), odd += y[p + 1] * *lanes(tiles, 1);
+      even += y[p] * *lanes(tiles);
+      odd += y[p + 1] * *lanes(tiles, 1);
     }
     even += odd;
     for (int p = first; p < end; ++p, tiles += kTile) {
@@ -180,7 +181,10 @@ void solve_up_below(const Strip& strip, const double* tiles, const Sides& sides,
     for (int p = begin; p < end; ++p, tile += kTile) {
       __builtin_prefetch(tile + ahead);
       Lanes a = tile[0] * known[0], b = tile[1] * known[1];
-      for (int i = 2; i < kTile; i += 2) a += tile[i] * known[i], b += tile[i + 1] * known[i + 1];
+      for (int i = 2; i < kTile; i += 2) {
+        a += tile[i] * known[i];
+        b += tile[i + 1] * known[i + 1];
+      }
       y[p] -= a + b;
     }
   }
@@ -205,7 +209,10 @@ void solve_up_own(const Strip& strip, const double* tiles, const Sides& sides) {
     for (int p = 0; p < first; ++p) {
       const double* column = tiles + static_cast<std::ptrdiff_t>(kTile) * p;
       Lanes a = column[0] * known[0], b = column[1] * known[1];
-      for (int i = 2; i < kTile; i += 2) a += column[i] * known[i], b += column[i + 1] * known[i + 1];
+      for (int i = 2; i < kTile; i += 2) {
+        a += column[i] * known[i];
+        b += column[i + 1] * known[i + 1];
+      }
       y[p] -= a + b;
     }
   }

@@ -89,8 +89,7 @@ double unix_seconds(TimeTag time) {
 Result<OscUrl> parse_url(std::string_view url) {
   constexpr std::string_view kScheme = "osc.udp://";
   const auto refuse = [&] {
-    return fail(ErrorKind::bad_input,
-                "'" + std::string(url) + "' is not a daemon's address; write it like osc.udp://127.0.0.1:7770");
+    return fail(ErrorKind::bad_input, "'{}' is not a daemon's address; write it like osc.udp://127.0.0.1:7770", url);
   };
   if (!url.starts_with(kScheme)) return refuse();
   std::string_view rest = url.substr(kScheme.size());

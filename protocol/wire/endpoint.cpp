@@ -22,7 +22,7 @@ Error bind_error(const Endpoint& endpoint, int reason, const std::string& what) 
   }
   const bool not_ours = reason == EACCES || reason == EADDRNOTAVAIL;
   return {not_ours ? ErrorKind::port_busy : ErrorKind::input_output,
-          "cannot listen for " + what + " on " + to_text(endpoint) + ": " + std::strerror(reason)};
+          formatted("cannot listen for {} on {}: {}", what, to_text(endpoint), std::strerror(reason))};
 }
 
 struct Opened {
@@ -113,7 +113,7 @@ Result<Endpoint> resolve(const std::string& host, std::uint16_t port) {
   addrinfo* found = nullptr;
   const int outcome = ::getaddrinfo(host.c_str(), nullptr, &hints, &found);
   if (outcome != 0) {
-    return fail(ErrorKind::bad_input, "cannot find the host '" + host + "': " + ::gai_strerror(outcome));
+    return fail(ErrorKind::bad_input, "cannot find the host '{}': {}", host, ::gai_strerror(outcome));
   }
   const addrinfo* chosen = found;
   for (const addrinfo* one = found; one; one = one->ai_next) {
@@ -132,13 +132,13 @@ Result<Endpoint> resolve(const std::string& host, std::uint16_t port) {
 
 std::string to_text(const Endpoint& endpoint) {
   char text[INET6_ADDRSTRLEN] = "";
-  const std::string port = ":" + std::to_string(endpoint.port);
+  const std::string port = formatted(":{}", endpoint.port);
   if (endpoint.is_ipv4()) {
     ::inet_ntop(AF_INET, endpoint.address.data() + kIpv4At, text, sizeof text);
     return text + port;
   }
   ::inet_ntop(AF_INET6, endpoint.address.data(), text, sizeof text);
-  return "[" + std::string(text) + "]" + port;
+  return formatted("[{}]{}", text, port);
 }
 
 Accepted accept_one(int listener) {

@@ -116,14 +116,14 @@ Result<Message> read_message(std::span<const std::byte> rest) {
   const std::optional<std::string_view> address = take_string(rest);
   if (!address) return refuse("the address does not end or is not padded with zeros");
   if (!is_address(*address)) {
-    return refuse("the address must begin with / and be of up to " + std::to_string(kMaxAddress) +
-                  " printable characters");
+    return refuse(formatted("the address must begin with / and be of up to {} printable characters", kMaxAddress));
   }
   Message message{std::string(*address), {}};
   if (rest.empty()) return message;  // old senders leave out the type tags
   if (rest.front() != std::byte{','}) {
-    return refuse(message.address + " has " + std::to_string(rest.size()) +
-                  " bytes of arguments, but its type tags are missing: send a text like ,f before them");
+    return refuse(
+        formatted("{} has {} bytes of arguments, but its type tags are missing: send a text like ,f before them",
+                  message.address, rest.size()));
   }
   const std::optional<std::string_view> types = take_string(rest);
   if (!types) return refuse(message.address + " has type tags that do not end or are not padded with zeros");
@@ -135,17 +135,16 @@ Result<Message> read_message(std::span<const std::byte> rest) {
       continue;
     }
     if (message.arguments.size() == kMaxArguments) {
-      return refuse(message.address + " has more than " + std::to_string(kMaxArguments) + " arguments");
+      return refuse(formatted("{} has more than {} arguments", message.address, kMaxArguments));
     }
     auto argument = take_argument(type, rest);
     if (!argument) {
-      return refuse(message.address + " argument " + std::to_string(message.arguments.size() + 1) + " " +
-                    argument.error());
+      return refuse(formatted("{} argument {} {}", message.address, message.arguments.size() + 1, argument.error()));
     }
     message.arguments.push_back(std::move(*argument));
   }
   if (open != 0) return refuse(message.address + " has type tags with a bracket that has no partner");
-  if (!rest.empty()) return refuse(message.address + " has " + std::to_string(rest.size()) + " bytes too many");
+  if (!rest.empty()) return refuse(formatted("{} has {} bytes too many", message.address, rest.size()));
   return message;
 }
 
@@ -154,7 +153,7 @@ Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, 
 Result<void> split_bundle(std::span<const std::byte> bundle, TimeTag time, int depth,
                           std::vector<TimedMessage>& messages) {
   if (depth > kMaxBundle) {
-    return refuse("bundles nest deeper than " + std::to_string(kMaxBundle));
+    return refuse(formatted("bundles nest deeper than {}", kMaxBundle));
   }
   if (bundle.size() < kBundleHead) return refuse("a bundle is cut off in its timetag");
   time = std::max(time, big_endian<TimeTag>(bundle.subspan(kBundleMark.size())));
@@ -164,8 +163,7 @@ Result<void> split_bundle(std::span<const std::byte> bundle, TimeTag time, int d
     const std::size_t size = big_endian<std::uint32_t>(rest);
     rest = rest.subspan(4);
     if (size > rest.size()) {
-      return refuse("a bundle's element says it has " + std::to_string(size) + " bytes, but " +
-                    std::to_string(rest.size()) + " are left");
+      return refuse(formatted("a bundle's element says it has {} bytes, but {} are left", size, rest.size()));
     }
     if (Result<void> done = split(rest.first(size), time, depth, messages); !done) return done;
     rest = rest.subspan(size);
@@ -176,11 +174,11 @@ Result<void> split_bundle(std::span<const std::byte> bundle, TimeTag time, int d
 Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, std::vector<TimedMessage>& messages) {
   if (element.empty()) return refuse("it is empty");
   if (element.size() % 4 != 0) {
-    return refuse("its length, " + std::to_string(element.size()) + " bytes, is not a multiple of 4");
+    return refuse(formatted("its length, {} bytes, is not a multiple of 4", element.size()));
   }
   if (as_text(element).starts_with(kBundleMark)) return split_bundle(element, time, depth + 1, messages);
   Result<Message> message = read_message(element);
-  if (!message) return fail(message.error());
+  if (!message) return fail(message);
   messages.push_back({std::max(time, kImmediately), std::move(*message)});
   return {};
 }
@@ -189,10 +187,10 @@ Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, 
 
 Result<std::vector<TimedMessage>> decode_packet(std::span<const std::byte> packet) {
   if (packet.size() > kMaxPacketBytes) {
-    return refuse("it has more than " + std::to_string(kMaxPacketBytes) + " bytes");
+    return refuse(formatted("it has more than {} bytes", kMaxPacketBytes));
   }
   std::vector<TimedMessage> messages;
-  if (Result<void> done = split(packet, 0, 0, messages); !done) return fail(done.error());
+  if (Result<void> done = split(packet, 0, 0, messages); !done) return fail(done);
   return messages;
 }
 

@@ -35,7 +35,7 @@ bool is_bundle(std::span<const std::byte> bytes) {
 Result<void> read_bundle(std::span<const std::byte> bundle, std::vector<ScoreEvent>& events) {
   if (!is_bundle(bundle)) return fail(ErrorKind::bad_input, "it is not a bundle, so it has no time");
   Result<std::vector<TimedMessage>> messages = decode_packet(bundle);
-  if (!messages) return fail(messages.error());
+  if (!messages) return fail(messages);
   for (TimedMessage& timed : *messages) {
     const double time_s = to_seconds(timed.time);
     if (time_s > kMaxScore)
@@ -51,14 +51,13 @@ Result<std::vector<ScoreEvent>> parse_score(std::span<const std::byte> bytes, co
   std::vector<ScoreEvent> events;
   std::size_t number = 0;
   for (std::span<const std::byte> rest = bytes; !rest.empty();) {
-    const std::string where =
-        name + ": bundle " + std::to_string(++number) + " at byte " + std::to_string(bytes.size() - rest.size()) + ": ";
+    const std::string where = formatted("{}: bundle {} at byte {}: ", name, ++number, bytes.size() - rest.size());
     if (rest.size() < 4) return fail(ErrorKind::bad_input, where + "the file ends inside its length");
     const std::size_t size = read_size(rest);
     rest = rest.subspan(4);
     if (size > rest.size()) {
-      return fail(ErrorKind::bad_input, where + "its length is " + std::to_string(size) +
-                                            " bytes, but the file has only " + std::to_string(rest.size()) + " more");
+      return fail(ErrorKind::bad_input, "{}its length is {} bytes, but the file has only {} more", where, size,
+                  rest.size());
     }
     if (Result<void> good = read_bundle(rest.first(size), events); !good)
       return fail(good.error().kind, where + good.error().message);
@@ -70,7 +69,7 @@ Result<std::vector<ScoreEvent>> parse_score(std::span<const std::byte> bytes, co
 
 Result<std::vector<ScoreEvent>> read_score(const std::filesystem::path& path) {
   const Result<std::string> bytes = read_whole_file(path, kMaxScoreBytes);
-  if (!bytes) return fail(bytes.error());
+  if (!bytes) return fail(bytes);
   return within_memory("read " + path.string(),
                        [&] { return parse_score(std::as_bytes(std::span(*bytes)), path.string()); });
 }

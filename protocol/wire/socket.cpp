@@ -97,11 +97,11 @@ OscSocket& OscSocket::operator=(OscSocket&& other) noexcept = default;
 OscSocket::~OscSocket() = default;
 
 Result<OscSocket> OscSocket::open(Result<BoundSockets> sockets) {
-  if (!sockets) return fail(sockets.error());
+  if (!sockets) return fail(sockets);
   Descriptor waker(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!waker.is_open()) {
-    return fail(ErrorKind::port_busy,
-                "cannot listen for OSC on " + to_text(sockets->endpoint) + ": " + std::strerror(errno));
+    return fail(ErrorKind::port_busy, "cannot listen for OSC on {}: {}", to_text(sockets->endpoint),
+                std::strerror(errno));
   }
   return OscSocket(std::move(*sockets), std::move(waker));
 }
@@ -152,9 +152,9 @@ Result<void> OscSocket::send_to(const Endpoint& to, std::span<const std::byte> b
   const int socket = sockets_.to(to);
   const SocketAddress address(to);
   if (socket < 0)
-    return fail(ErrorKind::input_output, "cannot send OSC to " + to_text(to) + " from " + to_text(endpoint()));
+    return fail(ErrorKind::input_output, "cannot send OSC to {} from {}", to_text(to), to_text(endpoint()));
   const ssize_t sent = ::sendto(socket, bytes.data(), bytes.size(), 0, address.generic(), address.size);
-  if (sent < 0) return fail(ErrorKind::input_output, "cannot send OSC to " + to_text(to) + ": " + std::strerror(errno));
+  if (sent < 0) return fail(ErrorKind::input_output, "cannot send OSC to {}: {}", to_text(to), std::strerror(errno));
   return {};
 }
 

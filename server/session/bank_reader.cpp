@@ -15,7 +15,7 @@ std::string key_of(const std::filesystem::path& path) {
   const auto canonical = std::filesystem::weakly_canonical(path, error);
   const auto file = modal::split_bank_path(path).file;
   const auto time = std::filesystem::last_write_time(file, error).time_since_epoch().count();
-  return canonical.string() + "@" + std::to_string(time);
+  return formatted("{}@{}", canonical.string(), time);
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ std::string key_of(const std::filesystem::path& path) {
 Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name, const modal::ModelChoice& model,
                                  const modal::ReadBeside& read_beside) {
   auto bank = modal::parse_bank(std::as_bytes(std::span(bytes)), name, model, read_beside);
-  if (!bank) return fail(bank.error());
+  if (!bank) return fail(bank);
   return within_memory("play " + name, [&]() -> Result<BankFile> {
     return BankFile{std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank))),
                     bytes.size(), hash_of(bytes)};
@@ -38,7 +38,7 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   }
   const auto [at, model] = modal::split_bank_path(path);
   const auto bytes = roots_.read(at, modal::kMaxBankFileBytes);
-  if (!bytes) return fail(bytes.error());
+  if (!bytes) return fail(bytes);
   const modal::ReadBeside beside = [this, &document = at](const std::string& relative, std::size_t limit) {
     return roots_.read_beside(document, relative, limit);
   };

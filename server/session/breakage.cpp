@@ -20,7 +20,7 @@ using synth::verb::Strike;
 tl::unexpected<Error> refuse(const std::string& sentence) { return fail(ErrorKind::refused, sentence); }
 
 tl::unexpected<Error> cannot_break(const std::string& name, const Error& why) {
-  return fail(why.kind, "\"" + name + "\" cannot break: " + why.message);
+  return fail(why.kind, "\"{}\" cannot break: {}", name, why.message);
 }
 
 tl::unexpected<Error> is_broken(const std::string& name) { return refuse("\"" + name + "\" is broken; mend it first"); }
@@ -28,13 +28,11 @@ tl::unexpected<Error> is_broken(const std::string& name) { return refuse("\"" + 
 Result<void> check_pattern(const ObjectState& object, std::size_t pattern) {
   const std::size_t patterns = object.map->bank().fracture->patterns.size();
   if (pattern < patterns) return {};
-  return fail(ErrorKind::bad_input, "there is no pattern " + std::to_string(pattern) + ": \"" + object.name +
-                                        "\" has " + std::to_string(patterns) + ", which are numbered from 0");
+  return fail(ErrorKind::bad_input, "there is no pattern {}: \"{}\" has {}, which are numbered from 0", pattern,
+              object.name, patterns);
 }
 
-std::string piece_name(const ObjectState& object, std::size_t piece) {
-  return object.name + "." + std::to_string(piece);
-}
+std::string piece_name(const ObjectState& object, std::size_t piece) { return formatted("{}.{}", object.name, piece); }
 
 Strike blow_of(const protocol::BreakObject& request) {
   return {request.point_m, request.impulse_ns, request.contact_time_s};
@@ -44,9 +42,9 @@ Strike blow_of(const protocol::BreakObject& request) {
 
 Result<std::size_t> Breakage::arm(const ObjectRef& ref, std::optional<std::size_t> pattern) {
   const auto found = rack_.find(ref);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   const ObjectState& object = **found;
-  if (auto followed = follow(object); !followed) return fail(followed.error());
+  if (auto followed = follow(object); !followed) return fail(followed);
   return load_pieces(
       object, pattern ? *pattern : [&] {
         const std::scoped_lock lock(mutex_);
@@ -86,7 +84,7 @@ Result<std::size_t> Breakage::load_pieces(const ObjectState& object, std::size_t
     const auto known = armed_.find(object.number);
     Armed& armed = known->second;
     if (!good && !armed.set) forget(known);
-    if (!good) return fail(good.error());
+    if (!good) return fail(good);
     if (armed.set && armed.set->pattern() == pattern) return armed.object.pieces.size();
     armed.set.reset();
     former = std::exchange(armed.object.pieces, {});
@@ -145,7 +143,7 @@ Result<synth::ObjectNumber> Breakage::load_piece(const ObjectState& object, cons
   }();
   if (finished) return number;
   static_cast<void>(rack_.free({.number = *number}));
-  return fail(finished.error());
+  return fail(finished);
 }
 
 void Breakage::free_pieces(const std::vector<PieceReport>& pieces) {
@@ -156,7 +154,7 @@ void Breakage::free_pieces(const std::vector<PieceReport>& pieces) {
 
 Result<void> Breakage::check(const protocol::BreakObject& request) const {
   const auto found = rack_.find(request.object);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   const ObjectState& object = **found;
   if (auto good = Breakable::check(object.map->bank()); !good) return cannot_break(object.name, good.error());
   if (auto whole = check_whole(object.number); !whole) return whole;
@@ -167,9 +165,9 @@ Result<void> Breakage::check(const protocol::BreakObject& request) const {
 }
 
 Result<Breakage::Outcome> Breakage::break_object(const protocol::BreakObject& request, Frame frame) {
-  if (auto good = check(request); !good) return fail(good.error());
+  if (auto good = check(request); !good) return fail(good);
   const ObjectSnapshot object = *rack_.find(request.object);
-  if (auto followed = follow(*object); !followed) return fail(followed.error());
+  if (auto followed = follow(*object); !followed) return fail(followed);
   const std::optional<std::size_t> pattern = [&]() -> std::optional<std::size_t> {
     if (request.pattern >= 0) return static_cast<std::size_t>(request.pattern);
     const std::scoped_lock lock(mutex_);
@@ -179,14 +177,14 @@ Result<Breakage::Outcome> Breakage::break_object(const protocol::BreakObject& re
     return armed.body.affordable(armed.body.levels_at(request.point_m), available_j);
   }();
   if (pattern) {
-    if (auto loaded = load_pieces(*object, *pattern); !loaded) return fail(loaded.error());
+    if (auto loaded = load_pieces(*object, *pattern); !loaded) return fail(loaded);
   }
   return break_armed(request, frame, synth::Producer::worker);
 }
 
 Result<Breakage::Outcome> Breakage::break_armed(const protocol::BreakObject& request, Frame frame,
                                                 synth::Producer producer) {
-  if (auto good = check(request); !good) return fail(good.error());
+  if (auto good = check(request); !good) return fail(good);
   const ObjectSnapshot object = *rack_.find(request.object);
   rack_.observers().report_events();
   frame = std::max(frame, rack_.mixer().counters().frames.load(std::memory_order_relaxed));
@@ -243,7 +241,7 @@ std::vector<Event> Breakage::shatter(Armed& armed, const ObjectState& object, co
 
 Result<void> Breakage::mend(const ObjectRef& ref) {
   const auto found = rack_.find(ref);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   std::vector<PieceReport> pieces;
   {
     const std::scoped_lock lock(mutex_);
@@ -259,14 +257,13 @@ Result<void> Breakage::mend(const ObjectRef& ref) {
 
 Result<void> Breakage::set_strength(const ObjectRef& ref, double strength_pa) {
   const auto found = rack_.find(ref);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   const modal::Bank& bank = (*found)->map->bank();
   if (strength_pa > 0 && bank.fracture && bank.fracture->stress.positions.empty()) {
     return refuse("\"" + (*found)->name +
-                  "\" cannot break by itself: its bank does not say how blows strain it; bake "
-                  "it again");
+                  "\" cannot break by itself: its bank does not say how blows strain it; bake it again");
   }
-  if (auto armed = arm(ref); strength_pa > 0 && !armed) return fail(armed.error());
+  if (auto armed = arm(ref); strength_pa > 0 && !armed) return fail(armed);
   const std::scoped_lock lock(mutex_);
   const auto known = armed_.find((*found)->number);
   if (known == armed_.end()) return {};
@@ -301,8 +298,8 @@ std::optional<Breakage::Outcome> Breakage::break_by(const Event& event, synth::P
 
 Result<double> Breakage::stress_pa(const ObjectRef& ref, const Strike& blow, Frame frame) {
   const auto found = rack_.find(ref);
-  if (!found) return fail(found.error());
-  if (auto good = check_point(blow.point_m, **found); !good) return fail(good.error());
+  if (!found) return fail(found);
+  if (auto good = check_point(blow.point_m, **found); !good) return fail(good);
   rack_.observers().report_events();
   const std::scoped_lock lock(mutex_);
   const auto known = armed_.find((*found)->number);
@@ -313,12 +310,12 @@ Result<double> Breakage::stress_pa(const ObjectRef& ref, const Strike& blow, Fra
 
 Result<Breakage::Report> Breakage::report(const ObjectRef& ref, std::optional<std::size_t> pattern) const {
   const auto found = rack_.find(ref);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   const ObjectState& object = **found;
   const modal::Bank& bank = object.map->bank();
   if (auto good = Breakable::check(bank); !good) return cannot_break(object.name, good.error());
   if (pattern) {
-    if (auto good = check_pattern(object, *pattern); !good) return fail(good.error());
+    if (auto good = check_pattern(object, *pattern); !good) return fail(good);
   }
   Report report;
   {

@@ -3,7 +3,6 @@
 #include "engine/base/output_file.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 namespace ringdown::session {
@@ -74,12 +73,9 @@ Result<void> write_contacts(std::span<const ContactRow> rows, const std::filesys
   std::string text = "start_s,end_s,kind,first,second,x_m,y_m,z_m,impulse_ns,force_n,speed_m_s\n";
   for (const ContactRow& row : rows) {
     const bool blow = row.kind == "impact";
-    char line[256];
-    std::snprintf(line, sizeof line, "%.5f,%.5f,%s,", row.start_s, row.end_s, row.kind.c_str());
-    text += line + field_of(row.first) + "," + field_of(row.second);
-    std::snprintf(line, sizeof line, ",%.5f,%.5f,%.5f,%.6g,%.6g,%.4f\n", row.point_m.x, row.point_m.y, row.point_m.z,
-                  blow ? row.push : 0.0, blow ? 0.0 : row.push, row.speed_m_s);
-    text += line;
+    text += formatted("{:.5f},{:.5f},{},{},{},{:.5f},{:.5f},{:.5f},{:.6g},{:.6g},{:.4f}\n", row.start_s, row.end_s,
+                      row.kind, field_of(row.first), field_of(row.second), row.point_m.x, row.point_m.y, row.point_m.z,
+                      blow ? row.push : 0.0, blow ? 0.0 : row.push, row.speed_m_s);
   }
   return write_output(path, text);
 }

@@ -46,7 +46,7 @@ int open_beneath(int folder, const fs::path& path) {
 }
 
 tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reason) {
-  return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + reason);
+  return fail(ErrorKind::input_output, "cannot write {}: {}", path.string(), reason);
 }
 
 // Returns true if the regular file at `path` is empty or has the kind's mark.
@@ -58,7 +58,7 @@ bool is_of_kind(const fs::path& path, const WrittenKind& kind) {
 }
 
 tl::unexpected<Error> cannot_open(const fs::path& path, int reason) {
-  return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": " + std::strerror(reason));
+  return fail(ErrorKind::bad_input, "cannot open {}: {}", path.string(), std::strerror(reason));
 }
 
 }  // namespace
@@ -73,8 +73,8 @@ Result<FileRoots> FileRoots::only(const std::vector<fs::path>& folders, Guard gu
     const fs::path real = fs::canonical(folder, error);
     const int descriptor = error ? -1 : ::open(real.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0) {
-      return fail(ErrorKind::bad_input, "cannot allow files below " + folder.string() + ": " +
-                                            (error ? error.message() : std::strerror(errno)));
+      return fail(ErrorKind::bad_input, "cannot allow files below {}: {}", folder.string(),
+                  error ? error.message() : std::strerror(errno));
     }
     roots.roots_.push_back({given, real, {new int(descriptor), [](const int* open) {
                                             ::close(*open);
@@ -87,7 +87,7 @@ Result<FileRoots> FileRoots::only(const std::vector<fs::path>& folders, Guard gu
 Result<std::string> FileRoots::read(const fs::path& path, std::size_t limit_bytes) const {
   if (open_everywhere_) return read_whole_file(path, limit_bytes);
   const auto descriptor = open(path);
-  if (!descriptor) return fail(descriptor.error());
+  if (!descriptor) return fail(descriptor);
   return read_open_file(*descriptor, path.string(), limit_bytes);
 }
 
@@ -99,7 +99,7 @@ Result<std::string> FileRoots::read_beside(const fs::path& document, const fs::p
 
 Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t offset, std::size_t max_bytes) const {
   const auto opened = open(path);
-  if (!opened) return fail(opened.error());
+  if (!opened) return fail(opened);
   struct Closer {
     int descriptor;
     ~Closer() { ::close(descriptor); }
@@ -114,7 +114,7 @@ Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t
     const ssize_t got = ::pread(file.descriptor, piece.bytes.data() + filled, piece.bytes.size() - filled,
                                 static_cast<off_t>(offset + filled));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return fail(ErrorKind::input_output, "cannot read " + path.string() + ": " + std::strerror(errno));
+    if (got < 0) return fail(ErrorKind::input_output, "cannot read {}: {}", path.string(), std::strerror(errno));
     if (got == 0)
       return fail(ErrorKind::input_output, "cannot read " + path.string() + ": it shrank while it was read");
     filled += static_cast<std::size_t>(got);
@@ -188,9 +188,10 @@ Result<fs::path> FileRoots::writable(const fs::path& path, const WrittenKind& ki
 tl::unexpected<Error> FileRoots::outside(const fs::path& path) const {
   std::string folders;
   for (const Root& root : roots_) folders += (folders.empty() ? "" : ", ") + root.given.string();
-  return fail(ErrorKind::bad_input, "cannot open " + path.string() +
-                                        ": it is outside the folders in which files may be opened (" + folders +
-                                        "); name another with --root when the daemon is started");
+  return fail(ErrorKind::bad_input,
+              "cannot open {}: it is outside the folders in which files may be opened ({}); name another with --root "
+              "when the daemon is started",
+              path.string(), folders);
 }
 
 }  // namespace ringdown::session

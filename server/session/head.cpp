@@ -83,9 +83,9 @@ Result<Responses> measure(const std::filesystem::path& path, double sample_rate_
   int taps = 0, error = 0;
   const Sofa sofa(mysofa_open(path.c_str(), static_cast<float>(sample_rate_hz), &taps, &error));
   if (!sofa) {
-    return fail(ErrorKind::bad_input, path.string() +
-                                          " is not a SOFA file of a head's impulse responses that libmysofa " +
-                                          "reads (its error " + std::to_string(error) + ")");
+    return fail(ErrorKind::bad_input,
+                "{} is not a SOFA file of a head's impulse responses that libmysofa reads (its error {})",
+                path.string(), error);
   }
   constexpr double kMaxDelay_s = 0.01;
   const std::size_t room = static_cast<std::size_t>(taps) + static_cast<std::size_t>(kMaxDelay_s * sample_rate_hz);
@@ -248,7 +248,7 @@ void normalise(synth::HeadFilters& filters) {
 
 Result<std::shared_ptr<const synth::HeadFilters>> make_filters(const std::filesystem::path& path, double rate_hz) {
   const auto responses = measure(path, rate_hz, static_cast<std::size_t>(std::ceil(kLength_s * rate_hz)));
-  if (!responses) return fail(responses.error());
+  if (!responses) return fail(responses);
   auto filters = std::make_shared<synth::HeadFilters>(*filters_of(*responses, rate_hz));
   normalise(*filters);
   return filters;
@@ -278,11 +278,11 @@ class Head {
 Result<synth::HeadLoader> read_head(const std::filesystem::path& sofa) {
   const std::filesystem::path path = sofa.empty() ? std::filesystem::path(kDefaultHead) : sofa;
   if (std::ifstream file(path); !file) {
-    return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": " + std::strerror(errno));
+    return fail(ErrorKind::bad_input, "cannot open {}: {}", path.string(), std::strerror(errno));
   }
   auto head = std::make_shared<Head>(path);
   constexpr double kUsual_hz = 48000;
-  if (const auto tried = head->at(kUsual_hz); !tried) return fail(tried.error());
+  if (const auto tried = head->at(kUsual_hz); !tried) return fail(tried);
   return [head](double rate_hz) { return head->at(rate_hz).value_or(nullptr); };
 }
 

@@ -69,7 +69,10 @@ NoteTable::Strike best_strike(const ObjectState& object) {
   std::size_t best = 0;
   double max = -1;
   for (std::size_t point = 0; point < bank.point_count(); ++point) {
-    if (const double motion = motion_at(bank, point); motion > max) best = point, max = motion;
+    if (const double motion = motion_at(bank, point); motion > max) {
+      best = point;
+      max = motion;
+    }
   }
   strike.point_m = object.material.size * as_vector(bank.positions[best]);
   const double mass_kg = bank.mass ? modal::rescale(*bank.mass, object.material).mass_kg : 1;

@@ -50,7 +50,7 @@ NoteMap::Entry read_entry(TomlTable& table) {
 
 Result<NoteMap> read_note_map(const std::filesystem::path& path) {
   auto file = TomlTable::read(path);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   NoteMap map;
   optional(*file, "release_s", map.release_s, [&](double& time) { file->number("release_s", time, kDamping_s); });
   file->number("damp_s", map.damp_s, kDamping_s);
@@ -60,7 +60,7 @@ Result<NoteMap> read_note_map(const std::filesystem::path& path) {
     map.notes.push_back(read_entry(table));
     if (!seen.insert(map.notes.back().note).second) table.complain("note", "this note already has a [[note]] above");
   }
-  if (const auto good = file->finish(); !good) return fail(good.error());
+  if (const auto good = file->finish(); !good) return fail(good);
   return map;
 }
 

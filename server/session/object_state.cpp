@@ -1,7 +1,6 @@
 #include "server/session/object_state.h"
 
 #include <array>
-#include <cstdio>
 
 namespace ringdown::session {
 
@@ -10,10 +9,9 @@ Result<void> check_point(Vec3 point_m, const ObjectState& object) {
   const double scale = object.material.size;
   const double size_m = scale * surface.size_m(), distance_m = scale * surface.distance_m((1 / scale) * point_m);
   if (size_m == 0 || distance_m <= size_m) return {};
-  std::array<char, 96> numbers;
-  std::snprintf(numbers.data(), numbers.size(), "%.3g m off the object, which measures %.3g m", distance_m, size_m);
-  return fail(ErrorKind::bad_input, std::string("the point lies ") + numbers.data() +
-                                        "; points are in metres, in the object's own coordinates");
+  const std::string numbers = formatted("{:.3g} m off the object, which measures {:.3g} m", distance_m, size_m);
+  return fail(ErrorKind::bad_input, "the point lies {}; points are in metres, in the object's own coordinates",
+              numbers);
 }
 
 }  // namespace ringdown::session

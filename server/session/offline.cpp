@@ -3,13 +3,14 @@
 #include "engine/modal/nonlinear.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
+#include "server/session/loudness.h"
 #include "server/session/session.h"
-#include "server/session/sound_file.h"
+#include "server/session/sound_piece.h"
+#include "server/session/stems.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <span>
 
 namespace ringdown::session {
@@ -19,77 +20,17 @@ using synth::Frame;
 
 tl::unexpected<Error> cancelled() { return fail(ErrorKind::cancelled, "cancelled; nothing was written"); }
 
-// A part of the sound. The mix and the ambisonic channels begin and end at different blocks, because the limiter delays
-// only the mix.
-struct Piece {
-  std::span<const float> left, right;
-  std::vector<std::span<const float>> ambisonics;  // all of one length
-};
-
-// Returns the channels to write: the ambisonic ones if there are any, else left and right.
-std::vector<std::span<const float>> written_channels(const Piece& piece) {
-  return piece.ambisonics.empty() ? std::vector{piece.left, piece.right} : piece.ambisonics;
-}
-
-float peak_of(const Piece& piece) {
-  float peak = 0;
-  for (const std::span<const float> channel : written_channels(piece)) {
-    for (const float sample : channel) peak = std::max(peak, std::abs(sample));
-  }
-  return peak;
-}
-
-// A sound file that is written in pieces.
-class PieceFile {
- public:
-  // `frames` is the length of the whole file; the number of channels is that of a piece.
-  static Result<PieceFile> create(const std::filesystem::path& path, double sample_rate_hz, const Piece& first,
-                                  std::size_t frames) {
-    const auto target = output_target(path);
-    if (!target) return fail(target.error());
-    SoundFormat format{.channels = written_channels(first).size(), .frames = frames};
-    if (!first.ambisonics.empty()) format.comment = "AmbiX: channels in ACN order, SN3D";
-    auto file = SoundFile::create(*target, sample_rate_hz, format);
-    if (!file) return fail(file.error());
-    return PieceFile(std::move(*file));
-  }
-
-  Result<void> take(const Piece& piece) {
-    const auto channels = written_channels(piece);
-    for (std::size_t n = 0; n < channels.front().size(); ++n) {
-      for (const std::span<const float> channel : channels) samples_.push_back(channel[n]);
-    }
-    return samples_.size() < kKept ? Result<void>() : write();
-  }
-
-  Result<void> finish() {
-    if (const auto written = write(); !written) return written;
-    return file_.finish();
-  }
-
- private:
-  static constexpr std::size_t kKept = 1 << 15;  // samples before they are written
-
-  explicit PieceFile(SoundFile file) : file_(std::move(file)) {}
-
-  Result<void> write() {
-    const auto written = file_.write(samples_);
-    samples_.clear();
-    return written;
-  }
-
-  SoundFile file_;
-  std::vector<float> samples_;  // frame by frame
-};
-
 // One rendering: a session, the score that is played on it, and the block that is being rendered.
 class Run {
  public:
   using Take = std::function<Result<void>(const Piece&)>;
 
-  // Warnings are added to `warnings`.
-  Run(const OfflineOptions& options, std::vector<std::string>& warnings)
+  // Warnings are added to `warnings`. With `stems` what happens to each object is kept.
+  Run(const OfflineOptions& options, std::vector<std::string>& warnings, bool stems = false)
       : options_(options), warnings_(warnings), session_(options.sample_rate_hz), score_(options.score) {
+    if (stems) stems_.emplace(session_.rack());
+    if (options.variation) session_.rack().vary_by(Variation(*options.variation));
+    if (options.camera) session_.scene().listen_by(*options.camera);
     session_.rack().set_on_warning([this](const std::string& sentence) { warnings_.push_back(sentence); });
   }
 
@@ -99,7 +40,7 @@ class Run {
     settings.max_coupled = modal::kMaxCoupled;
     session_.rack().mixer().configure(settings);
     for (const auto& [name, bank] : options_.objects) {
-      if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
+      if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded);
     }
     if (options_.foley) {
       session_.scene().set_watched(true);  // contacts are reported even if nothing can sound
@@ -107,35 +48,38 @@ class Run {
           *options_.foley, [this](std::span<const scene::HeardContact> contacts) { contacts_.add(contacts); });
     }
     if (options_.scene) {
-      if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded.error());
+      if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded);
     }
     if (options_.foley) name_contacts();
-    const double score_s = take_score_length();
-    if (options_.foley) tail_ = !options_.seconds && !options_.tail_s;
-    const double seconds = options_.foley && !options_.seconds
-                               ? session_.scene().duration_s() + options_.tail_s.value_or(0)
-                               : options_.seconds.value_or(std::max(score_s, session_.scene().duration_s()));
-    if (!(seconds > 0 && seconds <= kMaxRender_s)) {
-      return fail(ErrorKind::bad_input,
-                  "nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
-    }
-    frames_ = longest_ = static_cast<Frame>(std::llround(seconds * options_.sample_rate_hz));
-    second_ = static_cast<Frame>(std::llround(options_.sample_rate_hz));
-    fade_ = static_cast<Frame>(std::llround(options_.fade_s * options_.sample_rate_hz));
-    if (tail_) longest_ = frames_ + static_cast<Frame>(kMaxTail_s - kTail_s) * second_;
-    left_.resize(options_.block_frames);
-    right_.resize(options_.block_frames);
+    if (const auto cut = cut_out(); !cut) return cut;
+    block_.left.resize(options_.block_frames);
+    block_.right.resize(options_.block_frames);
     if (const auto order = settings.ambisonic_order) {
-      ambisonics_.assign(synth::ambisonic_channels(*order), std::vector<float>(options_.block_frames));
+      block_.ambisonics.assign(synth::ambisonic_channels(*order), std::vector<float>(options_.block_frames));
     }
     return {};
   }
 
-  // The length of the sound, and its channels without samples. Valid once the run is prepared. Before render() the
-  // length is the largest possible one.
-  [[nodiscard]] std::size_t frames() const { return static_cast<std::size_t>(longest_); }
-  [[nodiscard]] Piece silence() const { return {{}, {}, std::vector<std::span<const float>>(ambisonics_.size())}; }
+  // The length of the sound. Before render() it is the largest possible one. Valid once the run is prepared.
+  [[nodiscard]] std::size_t frames() const { return static_cast<std::size_t>(longest_ - cut_.first); }
+  [[nodiscard]] PieceFormat format() const {
+    const std::size_t field = block_.ambisonics.size();
+    return {.channels = field > 0 ? field : 2, .ambisonic = field > 0, .frames = frames()};
+  }
+  [[nodiscard]] const Cut& cut() const { return cut_; }
+  [[nodiscard]] const synth::MixerSettings& mixer() { return session_.rack().mixer().settings(); }
+  [[nodiscard]] const StemLog* stems() const { return stems_ ? &*stems_ : nullptr; }
 
+  [[nodiscard]] BodyCounts bodies() const {
+    const auto scene = session_.scene().description();
+    if (!scene) return {};
+    BodyCounts counts;
+    for (const scene::BodyDescription& body : scene->bodies) {
+      counts.moved += body.path != nullptr;
+      counts.sounding += !body.object.empty();
+    }
+    return counts;
+  }
   [[nodiscard]] std::vector<ContactRow> contacts() const { return contacts_.rows(); }
 
   // Hands the sound to `take`, piece by piece, and ends with the first error that it returns. A tail grows second by
@@ -144,8 +88,8 @@ class Run {
     take_ = take;
     const auto block = static_cast<Frame>(options_.block_frames);
     while (now_ < longest_ + latency()) {
-      if (now_ == frames_ && frames_ < longest_) grow_tail();
-      render_until(std::min(now_ + block, frames_ < longest_ ? frames_ : longest_ + latency()));
+      if (now_ == cut_.end && cut_.end < longest_) grow_tail();
+      render_until(std::min(now_ + block, cut_.end < longest_ ? cut_.end : longest_ + latency()));
       if (!taken_) return taken_;
       if (!progress(static_cast<double>(now_) / static_cast<double>(longest_ + latency()))) return cancelled();
     }
@@ -163,35 +107,52 @@ class Run {
     contacts_.set_names(std::move(names));
   }
 
-  // Lets the last frames of a sound of known length fade away. `late` is the channel's delay.
-  void fade(std::vector<float>& samples, Frame begin, Frame end, Frame late) const {
-    if (fade_ == 0 || frames_ != longest_) return;
-    for (Frame frame = std::max(begin, frames_ - fade_ + late); frame < end; ++frame) {
-      const double left = static_cast<double>(std::max<Frame>(frames_ + late - frame, 0)) / static_cast<double>(fade_);
-      float& sample = samples[static_cast<std::size_t>(frame - begin)];
-      sample *= static_cast<float>(0.5 - 0.5 * std::cos(std::numbers::pi * std::min(left, 1.0)));
+  // Decides which part is written, and how long its tail is.
+  Result<void> cut_out() {
+    const auto frames_of = [this](double seconds) {
+      return static_cast<Frame>(std::llround(seconds * options_.sample_rate_hz));
+    };
+    const double score_s = take_score_length(), scene_s = session_.scene().duration_s();
+    const double last_s = options_.to_s ? std::min(*options_.to_s, scene_s) : scene_s;
+    const double all_s = options_.seconds.value_or(std::max(score_s, last_s));
+    const std::optional<double> tail_s = options_.seconds || (marked_ && !options_.tail_s) ? 0 : options_.tail_s;
+    const double min_tail_s = options_.score.empty() ? kMinTail_s : kMinScoreTail_s;
+    const double sure_s = all_s + tail_s.value_or(min_tail_s), from_s = options_.from_s.value_or(0);
+    const bool given = options_.scene || !options_.score.empty() || options_.seconds;
+    if (!given || !(sure_s > 0 && sure_s <= kMaxRender_s)) {
+      return fail(ErrorKind::bad_input,
+                  "nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
     }
+    if (from_s > 0 && !(from_s < all_s)) {
+      return fail(ErrorKind::usage, "nothing to render: the part begins at " + std::to_string(from_s) +
+                                        " s, and the scene or the part ends at " + std::to_string(all_s) + " s");
+    }
+    second_ = frames_of(1);
+    if (!options_.seconds && options_.scene) scene_end_ = frames_of(all_s);
+    cut_ = {.first = frames_of(from_s), .end = frames_of(sure_s), .rise = from_s > 0 ? frames_of(kRise_s) : 0};
+    cut_.fall = std::min(frames_of(options_.fade_s), cut_.end - cut_.first);
+    tail_ = !tail_s;
+    longest_ = tail_ ? frames_of(all_s) + static_cast<Frame>(kMaxTail_s) * second_ : cut_.end;
+    return {};
   }
 
-  // The score's last event and a tail, or just its end mark: scores for scsynth close with a /c_set that does nothing.
+  // The score's last event, or its end mark: scores for scsynth close with a /c_set that does nothing.
   double take_score_length() {
     if (score_.empty()) return 0;
     const double last_s = score_.back().time_s;
-    if (score_.back().message.address != "/c_set") {
-      tail_ = !options_.seconds;
-      return last_s + kTail_s;
-    }
-    score_.pop_back();
+    marked_ = score_.back().message.address == "/c_set";
+    if (marked_) score_.pop_back();
     return last_s;
   }
 
-  // Adds a second to the sound, or makes its length final if the last second was quiet.
+  // Adds a second to the sound. If the last second was quiet, adds a fade instead and makes the length final.
   void grow_tail() {
-    if (peak_since_ > loudest_ * static_cast<float>(std::pow(10, -kTail_db / 20))) {
-      frames_ = std::min(frames_ + second_, longest_);
+    const auto from_db = [](double db) { return static_cast<float>(std::pow(10, db / 20)); };
+    if (peak_since_ > std::min(from_db(kSilence_db), loudest_ * from_db(-kTail_db))) {
+      cut_.end = std::min(cut_.end + second_, longest_);
       peak_since_ = 0;
     } else {
-      longest_ = frames_;
+      longest_ = cut_.end += cut_.fall;
     }
   }
 
@@ -242,30 +203,23 @@ class Run {
 
   // Renders at most one block and hands it on.
   void render_frames(Frame end) {
-    advance_scene(end);
-    const Frame begin = std::exchange(now_, end);
-    synth::Outputs outputs(left_.data(), right_.data());
-    for (std::size_t c = 0; c < ambisonics_.size(); ++c) outputs.listen_to_ambisonics(c, ambisonics_[c].data());
-    session_.rack().mixer().render(outputs, static_cast<std::size_t>(end - begin));
+    advance_scene(std::min(end, scene_end_));
+    block_.begin = std::exchange(now_, end);
+    block_.end = end;
+    if (stems_) stems_->begin_block(block_.begin);
+    synth::Outputs outputs(block_.left.data(), block_.right.data());
+    for (std::size_t c = 0; c < block_.ambisonics.size(); ++c)
+      outputs.listen_to_ambisonics(c, block_.ambisonics[c].data());
+    session_.rack().mixer().render(outputs, static_cast<std::size_t>(end - block_.begin));
     session_.rack().collect();
-    fade(left_, begin, end, latency());
-    fade(right_, begin, end, latency());
-    for (std::vector<float>& channel : ambisonics_) fade(channel, begin, end, 0);
-    const auto part = [&](const std::vector<float>& samples, Frame first, Frame last) {
-      const Frame from = std::clamp(first, begin, end), to = std::clamp(last, from, end);
-      return std::span(samples).subspan(static_cast<std::size_t>(from - begin), static_cast<std::size_t>(to - from));
-    };
-    // The frames of the sound from `first` to `last` that lie in this block.
-    const auto piece_of = [&](Frame first, Frame last) {
-      const Frame late = latency();
-      Piece piece{part(left_, late + first, late + last), part(right_, late + first, late + last), {}};
-      for (const std::vector<float>& channel : ambisonics_) piece.ambisonics.push_back(part(channel, first, last));
-      return piece;
-    };
-    const Piece piece = piece_of(0, frames_);
+    const Frame late = latency();
+    Cut fades = cut_;
+    if (cut_.end != longest_) fades.fall = 0;  // it is not known yet where it lies
+    fades.fade(block_, late);
+    const Piece piece = Cut::part(block_, cut_.first, cut_.end, late);
     if (tail_) {
       loudest_ = std::max(loudest_, peak_of(piece));
-      peak_since_ = std::max(peak_since_, peak_of(piece_of(frames_ - second_, frames_)));
+      peak_since_ = std::max(peak_since_, peak_of(Cut::part(block_, cut_.end - second_, cut_.end, late)));
     }
     if (taken_) taken_ = take_(piece);
   }
@@ -292,7 +246,7 @@ class Run {
   }
 
   void warn(const wire::ScoreEvent& event, const std::string& sentence) {
-    warnings_.push_back("at " + std::to_string(event.time_s) + " s: " + event.message.address + ": " + sentence);
+    warnings_.push_back(formatted("at {:f} s: {}: {}", event.time_s, event.message.address, sentence));
   }
 
   const OfflineOptions& options_;
@@ -300,15 +254,17 @@ class Run {
   Session session_;
   std::vector<wire::ScoreEvent> score_;
   std::size_t next_ = 0, pushed_ = 0;
-  Frame now_ = 0;                   // frames rendered so far
-  Frame frames_ = 0, longest_ = 0;  // length of the sound without the limiter's delay: so far, and at most
-  Frame second_ = 0;                // frames in a second
-  Frame fade_ = 0;                  // frames of the fade at the end
+  Frame now_ = 0;                    // frames rendered so far
+  Cut cut_;                          // in frames without the limiter's delay; its end may grow ...
+  Frame longest_ = 0;                // ... up to this one
+  Frame second_ = 0;                 // frames in a second
+  Frame scene_end_ = synth::kNever;  // the scene stands still from this frame on
   ContactReport contacts_;
+  std::optional<StemLog> stems_;
+  bool marked_ = false;                 // whether the score has an end mark
   bool tail_ = false;                   // whether the length depends on how long the sound rings
   float loudest_ = 0, peak_since_ = 0;  // largest |sample| of the tail's sound: of all, and of the last second
-  std::vector<float> left_, right_;     // one block
-  std::vector<std::vector<float>> ambisonics_;
+  RenderedBlock block_;
   Take take_;
   Result<void> taken_;  // the result of take_
 };
@@ -322,10 +278,10 @@ void append(std::vector<float>& samples, std::span<const float> more) {
 Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress) {
   Recording recording{.sample_rate_hz = options.sample_rate_hz};
   Run run(options, recording.warnings);
-  if (const auto ready = run.prepare(); !ready) return fail(ready.error());
+  if (const auto ready = run.prepare(); !ready) return fail(ready);
   recording.left.reserve(run.frames());
   recording.right.reserve(run.frames());
-  recording.ambisonics.resize(run.silence().ambisonics.size());
+  if (run.format().ambisonic) recording.ambisonics.resize(run.format().channels);
   for (std::vector<float>& channel : recording.ambisonics) channel.reserve(run.frames());
   const auto keep = [&recording](const Piece& piece) -> Result<void> {
     append(recording.left, piece.left);
@@ -334,24 +290,48 @@ Result<Recording> render_offline(const OfflineOptions& options, const Progress& 
     recording.peak = std::max(recording.peak, peak_of(piece));
     return {};
   };
-  if (const auto rendered = run.render(keep, progress); !rendered) return fail(rendered.error());
+  if (const auto rendered = run.render(keep, progress); !rendered) return fail(rendered);
   return recording;
 }
 
 Result<Rendering> render_to_file(const OfflineOptions& options, const std::filesystem::path& path,
-                                 const Progress& progress) {
+                                 const Progress& progress, const FileOptions& file_options) {
   Rendering rendering;
-  Run run(options, rendering.warnings);
-  if (const auto ready = run.prepare(); !ready) return fail(ready.error());
-  auto file = PieceFile::create(path, options.sample_rate_hz, run.silence(), run.frames());
-  if (!file) return fail(file.error());
+  Run run(options, rendering.warnings, file_options.stems.has_value());
+  if (const auto ready = run.prepare(); !ready) return fail(ready);
+  PieceFormat format = run.format();
+  format.bits = file_options.bits;
+  format.scaled = file_options.lufs.has_value();
+  auto file = PieceFile::create(path, options.sample_rate_hz, format);
+  if (!file) return fail(file);
+  Loudness loudness(options.sample_rate_hz);
   const auto write = [&](const Piece& piece) {
     rendering.peak = std::max(rendering.peak, peak_of(piece));
+    loudness.add(piece.left, piece.right);
     return file->take(piece);
   };
-  if (const auto rendered = run.render(write, progress); !rendered) return fail(rendered.error());
-  if (const auto finished = file->finish(); !finished) return fail(finished.error());
+  // Stems take about as long as the rendering itself, or longer.
+  const double share = file_options.stems ? 0.4 : 1;
+  const auto rendered = run.render(write, [&](double done) { return progress(share * done); });
+  if (!rendered) return fail(rendered);
+  rendering.lufs = loudness.lufs();
+  rendering.true_peak = loudness.true_peak();
+  if (file_options.lufs && rendering.lufs) {
+    rendering.gain = std::pow(10, (*file_options.lufs - *rendering.lufs) / 20);
+    rendering.lufs = file_options.lufs;
+    rendering.peak *= static_cast<float>(rendering.gain);
+    rendering.true_peak *= rendering.gain;
+  }
+  if (file_options.stems) {
+    const StemSettings settings{*file_options.stems, options.sample_rate_hz, format.bits, run.mixer(), run.cut()};
+    const auto stems =
+        write_stems(*run.stems(), settings, [&](double done) { return progress(share + (1 - share) * done); });
+    if (!stems) return fail(stems);
+    rendering.stems = *stems;
+  }
+  if (const auto finished = file->finish(static_cast<float>(rendering.gain)); !finished) return fail(finished);
   rendering.contacts = run.contacts();
+  rendering.bodies = run.bodies();
   rendering.seconds = static_cast<double>(run.frames()) / options.sample_rate_hz;
   return rendering;
 }
@@ -365,8 +345,10 @@ Result<void> write_audio(const Recording& recording, const std::filesystem::path
       piece.ambisonics.push_back(std::span(channel).subspan(begin, count));
     return piece;
   };
-  auto file = PieceFile::create(path, recording.sample_rate_hz, piece_at(0, 0), frames);
-  if (!file) return fail(file.error());
+  const std::size_t field = recording.ambisonics.size();
+  auto file = PieceFile::create(path, recording.sample_rate_hz,
+                                {.channels = field > 0 ? field : 2, .ambisonic = field > 0, .frames = frames});
+  if (!file) return fail(file);
   for (std::size_t begin = 0; begin < frames; begin += kPiece) {
     const std::size_t count = std::min(kPiece, frames - begin);
     if (const auto written = file->take(piece_at(begin, count)); !written) return written;

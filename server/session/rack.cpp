@@ -11,15 +11,15 @@ using protocol::ObjectRef;
 using synth::Event;
 
 std::string shown(const ObjectRef& object) {
-  return object.number ? "number " + std::to_string(*object.number) : "\"" + object.name + "\"";
+  return object.number ? formatted("number {}", *object.number) : "\"" + object.name + "\"";
 }
 
 Result<synth::ObjectNumber> free_number(const ObjectTable& objects, const synth::Mixer& mixer) {
   for (synth::ObjectNumber number = 0; number < synth::kMaxObjects; ++number) {
     if (!objects.find(number) && !mixer.in_use(number)) return number;
   }
-  return fail(ErrorKind::too_large, "all " + std::to_string(synth::kMaxObjects) +
-                                        " objects are in use; remove one, and try again when it has faded out");
+  return fail(ErrorKind::too_large, "all {} objects are in use; remove one, and try again when it has faded out",
+              synth::kMaxObjects);
 }
 
 }  // namespace
@@ -29,7 +29,9 @@ Result<ObjectSnapshot> Rack::find(const ObjectRef& ref) const {
   return fail(ErrorKind::bad_input, "there is no object " + shown(ref) + "; it was never loaded, or has been removed");
 }
 
-bool Rack::push(synth::Producer producer, const Event& event) {
+bool Rack::push(synth::Producer producer, const Event& described) {
+  Event event = described;
+  if (vary_) vary_(event);
   if (!mixer_.push(producer, event)) return false;
   const auto* const gain = event.verb.get_if<synth::verb::Gain>();
   const auto* const pan = event.verb.get_if<synth::verb::Pan>();
@@ -44,7 +46,7 @@ bool Rack::push(synth::Producer producer, const Event& event) {
 
 Result<synth::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {
   auto file = banks_.read(bank);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   return add(name, bank, *std::move(file));
 }
 
@@ -66,13 +68,12 @@ Result<synth::ObjectNumber> Rack::add(const std::string& name, const std::filesy
     object.solo = old->solo;
   } else {
     const auto number = free_number(objects_, mixer_);
-    if (!number) return fail(number.error());
+    if (!number) return fail(number);
     object.number = *number;
   }
-  if (const auto silenced = silences_.update(objects_.all(), &object); !silenced) return fail(silenced.error());
-  if (const auto installed = install(object, synth::Mixer::Install::replace); !installed)
-    return fail(installed.error());
-  if (const auto assigned = assign(object); !assigned) return fail(assigned.error());
+  if (const auto silenced = silences_.update(objects_.all(), &object); !silenced) return fail(silenced);
+  if (const auto installed = install(object, synth::Mixer::Install::replace); !installed) return fail(installed);
+  if (const auto assigned = assign(object); !assigned) return fail(assigned);
   last_bank_version_ = object.bank_version;
   if (old) {
     change(*old, [&](ObjectState& present) { present = object; });
@@ -97,13 +98,13 @@ Result<void> Rack::retune(const ObjectState& object, const Edit& edit, synth::Fr
 
 Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale& scale) {
   const auto object = find(ref);
-  if (!object) return fail(object.error());
+  if (!object) return fail(object);
   return retune(**object, [&](ObjectState& o) { o.material = scale; });
 }
 
 Result<void> Rack::set_dampers(const ObjectRef& ref, const modal::Dampers& dampers, synth::Frame at) {
   const auto object = find(ref);
-  if (!object) return fail(object.error());
+  if (!object) return fail(object);
   modal::Dampers all = (*object)->dampers;
   for (const auto& [number, damper] : dampers) {
     if (damper.damping_ns_m > 0) {
@@ -119,13 +120,13 @@ Result<void> Rack::set_dampers(const ObjectRef& ref, const modal::Dampers& dampe
 
 Result<void> Rack::select_modes(const ObjectRef& ref, modal::ModeRange modes) {
   const auto object = find(ref);
-  if (!object) return fail(object.error());
+  if (!object) return fail(object);
   return retune(**object, [&](ObjectState& o) { o.modes = modes; });
 }
 
 Result<void> Rack::set_group(const ObjectRef& ref, const std::string& group) {
   const auto object = find(ref);
-  if (!object) return fail(object.error());
+  if (!object) return fail(object);
   ObjectState next = **object;
   next.group = group;
   if (const auto assigned = assign(next); !assigned) return assigned;
@@ -135,7 +136,7 @@ Result<void> Rack::set_group(const ObjectRef& ref, const std::string& group) {
 
 Result<void> Rack::set_heard(const ObjectRef& ref, bool ObjectState::*flag, bool on) {
   const auto object = find(ref);
-  if (!object) return fail(object.error());
+  if (!object) return fail(object);
   if ((**object).*flag == on) return {};
   ObjectState next = **object;
   next.*flag = on;
@@ -148,7 +149,7 @@ static_assert(protocol::kMaxInputs == synth::kMaxInputs);
 
 Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& point_m, const Vec3& force_n) {
   const auto found = find(ref);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   const ObjectState& object = **found;
   std::optional<Excitation>& excitation = excitations_[input];
   const bool ends = force_n == Vec3{};
@@ -157,9 +158,9 @@ Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& p
   }
   if (const auto good = ends ? Result<void>() : check_point(point_m, object); !good) return good;
   if (object.map->bank().mode_count() > synth::kMaxDrivenColumns) {
-    return fail(ErrorKind::too_large, "\"" + object.name + "\" has more than the " +
-                                          std::to_string(synth::kMaxDrivenColumns) +
-                                          " modes that an input can excite; bake it with `ringdown bake --keep`");
+    return fail(ErrorKind::too_large,
+                "\"{}\" has more than the {} modes that an input can excite; bake it with `ringdown bake --keep`",
+                object.name, synth::kMaxDrivenColumns);
   }
   const std::scoped_lock lock(rate_mutex_);
   const Vec3 impulse_ns = (1 / mixer_.sample_rate_hz()) * force_n;
@@ -177,7 +178,7 @@ Result<void> Rack::assign(const ObjectState& object) {
   const std::size_t before = buses_.overflow();
   const auto bus = buses_.join(object.number, object.name, object.group);
   if (buses_.overflow() > before) {
-    warn(object.name + " is heard in the mix only: all " + std::to_string(synth::kMaxBuses) + " ports are taken");
+    warn(formatted("{} is heard in the mix only: all {} ports are taken", object.name, synth::kMaxBuses));
   }
   if (mixer_.assign(object.number, bus)) return {};
   return fail(ErrorKind::refused, "too many changes of objects at once; try again");
@@ -201,7 +202,7 @@ void Rack::collect() {
 
 Result<void> Rack::free(const ObjectRef& ref) {
   const auto found = find(ref);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   const ObjectSnapshot& object = *found;
   if (!mixer_.remove(object->number)) return fail(ErrorKind::refused, "too many changes of objects at once; try again");
   fading_.insert(object->number);
@@ -225,8 +226,7 @@ Result<void> Rack::install(const ObjectState& object, synth::Mixer::Install how,
   auto voice =
       std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.dampers, object.modes));
   if (!mixer_.install(object.number, std::move(voice), how, at)) {
-    return fail(ErrorKind::refused,
-                std::to_string(synth::kMaxVoices) + " voices are still ringing out; try again later");
+    return fail(ErrorKind::refused, "{} voices are still ringing out; try again later", synth::kMaxVoices);
   }
   return {};
 }

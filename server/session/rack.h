@@ -1,7 +1,7 @@
 // The objects that can be struck: their names and numbers, their banks, and the mixer they ring in.
 //
 //   rack.load("bell", "bell.glb");                                // worker: a bank, and a voice in the mixer
-//   rack.push(Producer::control, {.object = number, ...});        // any thread: the bell is struck
+//   rack.push(synth::Producer::control, {.object = number, ...}); // any thread: the bell is struck
 //   rack.set_material({.name = "bell"}, {.stiffness = 1.1});      // worker: what rings is retuned
 //   rack.free({.name = "bell"});                                  // worker: fades out
 //   rack.collect();                                               // worker, several times a second
@@ -67,6 +67,9 @@ class Rack {
   // in the object, and a listener is remembered. Neither locks nor allocates, unless Observers::keep() does. [the
   // producer's thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
+
+  // Lets `vary` change every event before it is handed to the mixer. [main, before anything is loaded]
+  void vary_by(std::function<void(synth::Event&)> vary) { vary_ = std::move(vary); }
 
   // The listener's last pose and air, if there is a listener. [any but audio]
   [[nodiscard]] const ListenerMemory& listener() const { return listener_; }
@@ -144,6 +147,7 @@ class Rack {
   Observers observers_;
   ObjectTable objects_;
   std::function<void(const std::string&)> on_warning_;
+  std::function<void(synth::Event&)> vary_;
   Buses buses_;
   Excitations excitations_;  // worker
   std::atomic<std::uint32_t> inputs_ = 0;

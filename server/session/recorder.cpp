@@ -71,13 +71,12 @@ Result<std::size_t> Recorder::stop(Frame frame, std::optional<std::filesystem::p
     if (!path) path = path_;
     score = score_until(frame);
   }
-  if (const auto written = write_(score, *path); !written) return fail(written.error());
+  if (const auto written = write_(score, *path); !written) return fail(written);
   const std::scoped_lock lock(mutex_);
   records_ = false;
   entries_ = std::vector<Entry>();
   if (left_out_ > 0) {
-    rack_.warn(path->string() + ": " + std::to_string(left_out_) + " events beyond " + std::to_string(kMaxRecorded) +
-               " are not in it");
+    rack_.warn(formatted("{}: {} events beyond {} are not in it", path->string(), left_out_, kMaxRecorded));
   }
   return score.size() - 1;
 }

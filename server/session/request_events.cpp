@@ -13,14 +13,13 @@ using synth::Event;
 // The errors in this file name no arguments or addresses, because OSC, the C library and Python have different names
 // for them.
 tl::unexpected<Error> no_such(const char* what, std::size_t number, std::size_t count, const ObjectState& object) {
-  return fail(ErrorKind::bad_input, "there is no " + std::string(what) + " " + std::to_string(number) + ": \"" +
-                                        object.name + "\" has " + std::to_string(count) +
-                                        ", which are numbered from 0");
+  return fail(ErrorKind::bad_input, "there is no {} {}: \"{}\" has {}, which are numbered from 0", what, number,
+              object.name, count);
 }
 
 Result<void> check_direction(const char* what, const Vec3& direction) {
   if (length(direction) > 0) return {};
-  return fail(ErrorKind::bad_input, "the " + std::string(what) + " must not be 0 0 0; any other length is allowed");
+  return fail(ErrorKind::bad_input, "the {} must not be 0 0 0; any other length is allowed", what);
 }
 
 // Checks a verb against its object, beyond the ranges of single numbers. Most verbs have a point at which they act, or
@@ -71,12 +70,12 @@ struct AppendEvents {
     Verb verb = request.verb;
     if constexpr (requires { verb.other; }) {
       const auto other = rack.find(request.other);
-      if (!other) return fail(other.error());
+      if (!other) return fail(other);
       if (auto good = check_point(verb.other_point_m, **other); !good) return good;
       verb.other = (*other)->number;
     }
     const auto object = rack.find(request.object);
-    if (!object) return fail(object.error());
+    if (!object) return fail(object);
     if constexpr (requires { verb.other; }) {
       if (verb.other == (*object)->number) {
         return fail(ErrorKind::bad_input, "an object cannot touch itself; name another one");
@@ -124,12 +123,12 @@ struct AppendEvents {
   // Appends each record at its own time, by `append(later, object, record)`.
   template <class Record, class Append>
   Result<void> append_records(const Result<std::vector<Record>>& records, const Append& append) const {
-    if (!records) return fail(records.error());
+    if (!records) return fail(records);
     for (std::size_t i = 0; i < records->size(); ++i) {
       const Record& one = (*records)[i];
       const auto delay = static_cast<synth::Frame>(std::llround(one.delay_s * rack.mixer().sample_rate_hz()));
       const auto done = append(AppendEvents{rack, frame + delay, events}, {.number = one.object}, one);
-      if (!done) return fail(done.error().kind, "record " + std::to_string(i + 1) + ": " + done.error().message);
+      if (!done) return fail(formatted("record {}", i + 1), done);
     }
     return {};
   }

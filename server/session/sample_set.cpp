@@ -64,11 +64,11 @@ class Maker {
     find_pitch();
     for (const Zone& zone : zones()) {
       if (zone.size >= 0.01 && zone.size <= 100) continue;
-      return fail(ErrorKind::bad_input, "the object would have to be " + std::to_string(zone.size) +
-                                            " times as large for key " + std::to_string(zone.center) +
-                                            "; choose keys nearer to " + std::to_string(set_.key));
+      return fail(ErrorKind::bad_input,
+                  "the object would have to be {:f} times as large for key {}; choose keys nearer to {}", zone.size,
+                  zone.center, set_.key);
     }
-    if (auto peak = find_peak(); !peak) return fail(peak.error());
+    if (auto peak = find_peak(); !peak) return fail(peak);
     const std::string name = options_.folder.filename().string();
     std::error_code error;
     std::filesystem::create_directories(folder / "samples", error);
@@ -77,12 +77,11 @@ class Maker {
     sfz << header();
     for (std::size_t place = 0; place < places_.size(); ++place) {
       for (const Zone& zone : zones()) {
-        if (auto done = write_zone(folder, place, zone, sfz); !done) return fail(done.error());
+        if (auto done = write_zone(folder, place, zone, sfz); !done) return fail(done);
       }
     }
     set_.sfz = options_.folder / (name + ".sfz");
-    if (auto written = write_file_atomically(folder / (name + ".sfz"), sfz.str()); !written)
-      return fail(written.error());
+    if (auto written = write_file_atomically(folder / (name + ".sfz"), sfz.str()); !written) return fail(written);
     return set_;
   }
 
@@ -176,10 +175,9 @@ class Maker {
     BankReader reader(roots);
     Rack rack(options_.sample_rate_hz, reader);
     const auto object = rack.add("object", options_.bank, bank_);
-    if (!object) return fail(object.error());
+    if (!object) return fail(object);
     if (blow.size != 1) {
-      if (auto resized = rack.set_material({.name = "object"}, {.size = blow.size}); !resized)
-        return fail(resized.error());
+      if (auto resized = rack.set_material({.name = "object"}, {.size = blow.size}); !resized) return fail(resized);
     }
     static_cast<void>(
         rack.push(synth::Producer::control, {.object = *object,
@@ -214,7 +212,7 @@ class Maker {
         for (int layer = 0; layer < options_.velocities; ++layer) {
           for (int turn = 0; turn < options_.strikes; ++turn) {
             const auto sample = render(blow_of(place, turn, layer, zone.size), kPeakWithin_s);
-            if (!sample) return fail(sample.error());
+            if (!sample) return fail(sample);
             if (!progress_(0)) return stopped();
             for (const float s : *sample) peak_ = std::max(peak_, std::abs(static_cast<double>(s)));
           }
@@ -251,14 +249,13 @@ class Maker {
     for (int layer = 0; layer < options_.velocities; ++layer) {
       const auto [low, high] = velocities_of(layer);
       for (int turn = 0; turn < options_.strikes; ++turn) {
-        const std::string file = "p" + std::to_string(place) + "-k" + std::to_string(zone.center) + "-v" +
-                                 std::to_string(high) + "-" + std::to_string(turn + 1) +
-                                 (options_.flac ? ".flac" : ".wav");
+        const std::string file =
+            formatted("p{}-k{}-v{}-{}{}", place, zone.center, high, turn + 1, options_.flac ? ".flac" : ".wav");
         auto sample = render(blow_of(places_[place], turn, layer, zone.size), options_.max_s);
-        if (!sample) return fail(sample.error());
+        if (!sample) return fail(sample);
         for (float& s : *sample) s *= static_cast<float>(kPeak / peak_);
         auto sound = SoundFile::create({folder / "samples" / file}, options_.sample_rate_hz, {.channels = 1});
-        if (!sound) return fail(sound.error());
+        if (!sound) return fail(sound);
         if (auto written = sound->write(*sample); !written) return written;
         if (auto finished = sound->finish(); !finished) return finished;
         sfz << "<region> sample=" << file << " lovel=" << low << " hivel=" << high;
@@ -292,7 +289,7 @@ Result<SampleSet> write_sample_set(const SampleSetOptions& options, const Progre
   }
   const FileRoots roots;
   auto bank = BankReader(roots).read(options.bank);
-  if (!bank) return fail(bank.error());
+  if (!bank) return fail(bank);
   std::filesystem::path partial = options.folder;
   partial += ".partial";
   std::filesystem::remove_all(partial, error);

@@ -38,12 +38,12 @@ Result<std::map<std::string, ScenePieces::Sets>> ScenePieces::load_objects(const
   std::map<std::string, ScenePieces::Sets> pieces;
   for (const auto& object : description.objects) {
     const auto number = rack_.load(object.name, object.bank);
-    if (!number) return fail(number.error());
+    if (!number) return fail(number);
     if (!object.group.empty()) {
-      if (const auto set = rack_.set_group({.name = object.name}, object.group); !set) return fail(set.error());
+      if (const auto set = rack_.set_group({.name = object.name}, object.group); !set) return fail(set);
     }
     if (object.material != modal::MaterialScale{}) {
-      if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
+      if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set);
     }
     const bool sent = rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
                       rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
@@ -52,7 +52,7 @@ Result<std::map<std::string, ScenePieces::Sets>> ScenePieces::load_objects(const
                   path.string() + ": too many objects at once; wait for those before to be taken up");
     if (!breaks(description, object.name)) continue;
     auto sets = load(**rack_.find({.name = object.name}), frame);
-    if (!sets) return fail(sets.error().kind, path.string() + ": " + sets.error().message);
+    if (!sets) return fail(path.string(), sets);
     pieces.emplace(object.name, std::move(*sets));
   }
   return pieces;
@@ -60,7 +60,7 @@ Result<std::map<std::string, ScenePieces::Sets>> ScenePieces::load_objects(const
 
 Result<ScenePieces::Sets> ScenePieces::load(const ObjectState& object, synth::Frame frame) {
   if (auto good = breaking::Breakable::check(object.map->bank()); !good)
-    return fail(good.error().kind, "object \"" + object.name + "\" cannot break: " + good.error().message);
+    return fail(good.error().kind, "object \"{}\" cannot break: {}", object.name, good.error().message);
   const modal::Fracture& fracture = *object.map->bank().fracture;
   Sets sets;
   for (std::size_t p = 0; p < fracture.patterns.size(); ++p) {
@@ -78,7 +78,7 @@ Result<ScenePieces::Sets> ScenePieces::load(const ObjectState& object, synth::Fr
       }
       const std::string name = scene::piece_name(object.name, fracture, p, i);
       if (auto loaded = load_piece(object, piece, std::move(file), name, frame); !loaded)
-        return fail(loaded.error().kind, "object \"" + object.name + "\" cannot break: " + loaded.error().message);
+        return fail(loaded.error().kind, "object \"{}\" cannot break: {}", object.name, loaded.error().message);
     }
   }
   return sets;
@@ -93,7 +93,7 @@ Result<void> ScenePieces::load_piece(const ObjectState& object, const breaking::
   const std::filesystem::path path =
       piece.map ? modal::bank_path({whole, {piece.model}}) : std::filesystem::path(whole.string() + "#" + name);
   const auto number = rack_.add(name, path, std::move(file));
-  if (!number) return fail(number.error());
+  if (!number) return fail(number);
   loaded_.insert(*number);
   {
     const std::scoped_lock lock(mutex_);
@@ -123,6 +123,7 @@ void ScenePieces::keep_loaded() {
   {
     const std::scoped_lock lock(mutex_);
     std::swap(before, pieces_);
+    broken_.clear();
     for (const synth::ObjectNumber number : pieces_) before.erase(number);
   }
   free(before);
@@ -140,6 +141,17 @@ void ScenePieces::forget_loaded() {
 void ScenePieces::free() {
   loaded_.clear();
   keep_loaded();
+}
+
+void ScenePieces::note_broken(std::span<const synth::ObjectNumber> objects) {
+  if (objects.empty()) return;
+  const std::scoped_lock lock(mutex_);
+  broken_.insert(objects.begin(), objects.end());
+}
+
+bool ScenePieces::is_broken(synth::ObjectNumber object) const {
+  const std::scoped_lock lock(mutex_);
+  return broken_.contains(object);
 }
 
 bool ScenePieces::contains(synth::ObjectNumber object) const {

@@ -17,6 +17,7 @@
 #include <memory>
 #include <mutex>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,10 @@ class ScenePieces {
 
   [[nodiscard]] bool contains(synth::ObjectNumber object) const;  // [any but audio]
 
+  // Notes objects whose bodies have broken, until another scene's pieces are kept. [any but audio]
+  void note_broken(std::span<const synth::ObjectNumber> objects);
+  [[nodiscard]] bool is_broken(synth::ObjectNumber object) const;  // [any but audio]
+
  private:
   Result<void> load_piece(const ObjectState& object, const breaking::BodyPiece& piece, BankFile file,
                           const std::string& name, synth::Frame frame);
@@ -50,8 +55,9 @@ class ScenePieces {
 
   Rack& rack_;
   std::set<synth::ObjectNumber> loaded_;  // since the last keep_loaded()
-  mutable std::mutex mutex_;              // guards pieces_
+  mutable std::mutex mutex_;              // guards pieces_ and broken_
   std::set<synth::ObjectNumber> pieces_;  // all, those in loaded_ included
+  std::set<synth::ObjectNumber> broken_;
 };
 
 }  // namespace ringdown::session

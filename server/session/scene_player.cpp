@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <utility>
 
@@ -54,7 +53,7 @@ void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, do
            0;
   };
   const std::string kind = std::exchange(body.name, body.name + "-1");
-  for (int number = 2; is_taken(body.name); ++number) body.name = kind + "-" + std::to_string(number);
+  for (int number = 2; is_taken(body.name); ++number) body.name = formatted("{}-{}", kind, number);
   body.start_s = now_s;
   const bool scatters =
       std::ranges::any_of(scene.emitters, [](const auto& emitter) { return emitter.body.scatter_m > 0; });
@@ -75,13 +74,16 @@ modal::ReadBeside beside(const FileRoots& roots, const std::filesystem::path& pa
 // Reads a scene, and warns of parts of the file that a scene cannot have.
 Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::filesystem::path& path,
                                            const std::optional<scene::FoleyLimits>& foley,
+                                           const std::optional<std::string>& camera,
                                            const std::function<void(const std::string&)>& warn) {
   const bool is_gltf = scene::is_gltf(path);
   const auto text = roots.read(path, is_gltf ? modal::kMaxBankFileBytes : kMaxTomlFileBytes);
-  if (!text) return fail(text.error());
+  if (!text) return fail(text);
+  if (!is_gltf && camera)
+    return fail(ErrorKind::bad_input, "{} has no cameras to listen by; its [listener] says where one is", path.string());
   if (!is_gltf) return scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
-  auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside(roots, path), foley);
-  if (!read) return fail(read.error());
+  auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside(roots, path), foley, camera);
+  if (!read) return fail(read);
   for (const std::string& note : read->notes) warn("scene: " + note);
   return std::move(read->scene);
 }
@@ -93,7 +95,7 @@ std::string cure_of_silence(const FileRoots& roots, const std::filesystem::path&
   const auto text = roots.read(path, modal::kMaxBankFileBytes);
   if (!text) return bake;
   const auto glb = modal::parse_gltf(std::as_bytes(std::span(*text)), path.string(), beside(roots, path));
-  const auto silent = glb ? scene::find_silent_bodies(*glb) : fail(glb.error());
+  const auto silent = glb ? scene::find_silent_bodies(*glb) : fail(glb);
   if (silent && !silent->bodies.empty()) return bake + " gives them banks";
   return "give them acoustic surfaces with a material (KHR_audio_rigid_bodies) in the file, and " + bake +
          " gives them banks";
@@ -112,20 +114,20 @@ void warn_of_silence(const scene::SceneDescription& scene, std::span<const scene
 // Reads a scene of either format.
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
   const auto warn = [this](const std::string& sentence) { rack_.warn(sentence); };
-  auto description = read_below(roots_, path, foley_, warn);
-  if (!description) return fail(description.error());
-  if (const auto kept = reliefs_.keep(*description); !kept) return fail(kept.error());
+  auto description = read_below(roots_, path, foley_, camera_, warn);
+  if (!description) return fail(description);
+  if (const auto kept = reliefs_.keep(*description); !kept) return fail(kept);
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // read before anything changes
   for (const auto& object : description->objects) {
     auto bank = banks_.read(object.bank);
-    if (!bank) return fail(bank.error());
+    if (!bank) return fail(bank);
     banks.push_back(std::move(bank->map));
   }
   synth::Mixer& mixer = rack_.mixer();
   const auto pieces = pieces_.load_objects(*description, path, frame);
   if (!pieces) {
     pieces_.forget_loaded();
-    return fail(pieces.error());
+    return fail(pieces);
   }
   std::vector<scene::SoundingObject> objects;
   for (const ObjectSnapshot& object : rack_.objects()) {
@@ -135,7 +137,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
   if (!world) {
     pieces_.forget_loaded();
-    return fail(world.error().kind, path.string() + ": " + world.error().message);
+    return fail(path.string(), world);
   }
   warn_of_silence(
       *description, objects, [&] { return cure_of_silence(roots_, path); }, warn);
@@ -162,7 +164,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     duration_s_ = description->duration_s;
     body_count_ = world_->bodies().size();
     poses_.forget();
-    if (!sink_) dropped_ += poses_.send(*world_, frame, rack_);
+    if (!sink_) dropped_ += poses_.send(*world_, description_.listener, frame, rack_);
   }
   pieces_.keep_loaded();
   set_dampers(removed);
@@ -180,7 +182,7 @@ Result<scene::BodyId> ScenePlayer::spawn(const std::optional<protocol::ObjectRef
                                          scene::BodyDescription body) {
   if (object) {
     const auto known = rack_.find(*object);
-    if (!known) return fail(known.error());
+    if (!known) return fail(known);
     body.object = (*known)->name;
   }
   const std::scoped_lock lock(mutex_);
@@ -298,7 +300,8 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
     if (reported_until() < frame) {
       pass_on(world_->step(&given_up_), dampings);
       if (!sink_)
-        dropped_ += poses_.send(*world_, position() + pose_delay(*world_, rack_.mixer().sample_rate_hz()), rack_);
+        dropped_ += poses_.send(*world_, description_.listener,
+                                position() + pose_delay(*world_, rack_.mixer().sample_rate_hz()), rack_);
     }
     more = reported_until() < frame;
   }
@@ -347,10 +350,9 @@ void ScenePlayer::slow_down(Frame by) {
   slowed_s_ = slowed_s_ + static_cast<double>(by) / rate;
   if (slowed_s_ < reported_slowed_s_ + kWarnEvery_s) return;
   reported_slowed_s_ = slowed_s_;
-  char lost[32];
-  std::snprintf(lost, sizeof lost, "%.1f", reported_slowed_s_);
-  rack_.warn("scene: this computer cannot keep up with it, and it has lost " + std::string(lost) +
-             " s; fewer bodies or a longer step_s help");
+  rack_.warn(formatted(
+      "scene: this computer cannot keep up with it, and it has lost {:.1f} s; fewer bodies or a longer step_s help",
+      reported_slowed_s_));
 }
 
 // Sets or removes the dampers of the scene's bodies on objects. Called without the mutex, because the worker, which
@@ -381,6 +383,7 @@ void ScenePlayer::pass_on(const scene::StepReport& report, std::vector<scene::Re
       dampings.push_back(damping);
     }
   }
+  pieces_.note_broken(report.broken);
   for (const std::string& notice : report.notices) rack_.warn("scene: " + notice);
   if (report.notices.empty()) return;
   const std::size_t left = world_->bodies().size();

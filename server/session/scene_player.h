@@ -68,6 +68,9 @@ class ScenePlayer {
     watch_ = std::move(watch);
   }
 
+  // Lets the scenes to come be heard from their camera of this name. [main]
+  void listen_by(std::string camera) { camera_ = std::move(camera); }
+
   // Sets the function that hands tasks to the worker and returns whether the worker took them. The tasks retune
   // objects, which bodies resting on them damp; without the function they are carried out at once. Call while the scene
   // thread does not run. [main]
@@ -146,6 +149,9 @@ class ScenePlayer {
   // Returns true if the object is a piece of one of the scene's bodies. [any but audio]
   [[nodiscard]] bool is_piece(synth::ObjectNumber object) const { return pieces_.contains(object); }
 
+  // Returns true if the object's body in the scene has broken. [any but audio]
+  [[nodiscard]] bool is_broken(synth::ObjectNumber object) const { return pieces_.is_broken(object); }
+
   [[nodiscard]] std::size_t body_count() const { return body_count_; }  // [any]
 
   // The duration of the scene by its file; 0 without a scene. [any]
@@ -170,6 +176,7 @@ class ScenePlayer {
   const FileRoots& roots_;
   Sink sink_;
   std::optional<scene::FoleyLimits> foley_;
+  std::optional<std::string> camera_;
   Watch watch_;
   Post post_;
   ScenePieces pieces_{rack_};  // worker

@@ -1,12 +1,15 @@
-// Sends the poses of a scene's bodies to the mixer while there is a listener. [scene, worker; one at a time]
+// Sends the poses of a scene's bodies, and of a listener that moves, to the mixer while there is a listener. [scene,
+// worker; one at a time]
 #pragma once
 
 #include "engine/base/rotation.h"
+#include "engine/scene/description.h"
 #include "engine/scene/world.h"
 #include "server/session/rack.h"
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace ringdown::session {
@@ -21,10 +24,12 @@ class ScenePoses {
 
   // Forgets the poses that were sent, because another world follows.
   void forget() { *this = {}; }
-  // Sends the poses of all objects that have moved since the last call, for frame `at`, the world's time. If an object
+  // Sends the poses of all objects that have moved since the last call, and that of a listener with a path, for frame
+  // `at`, the world's time. If an object
   // begins to move, also sends its pose of one interval before. Sends nothing without a listener. An object that
   // several bodies play is heard from their middle, without rotation. Returns the number of lost events.
-  std::uint64_t send(const scene::World& world, synth::Frame at, Rack& rack);
+  std::uint64_t send(const scene::World& world, const std::optional<scene::ListenerDescription>& listener,
+                     synth::Frame at, Rack& rack);
 
  private:
   struct Sent {
@@ -32,6 +37,7 @@ class ScenePoses {
     bool moves = false;
   };
   std::map<std::string, Sent> sent_;  // the last pose of each object
+  std::optional<Sent> listener_;      // of one that moves
   double next_s_ = 0;
 };
 

@@ -59,7 +59,7 @@ Result<void> save_scene(const Session& session, const fs::path& path) {
   }
   std::string text(kSceneKind.mark);
   text.append("; `ringdownd --scene` and `ringdown render --scene` play it.\n").append(to_toml(scene));
-  if (const auto loads = scene::parse_scene(text, path, presets); !loads) return fail(loads.error());
+  if (const auto loads = scene::parse_scene(text, path, presets); !loads) return fail(loads);
   return write_file_atomically(path, text);
 }
 

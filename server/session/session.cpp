@@ -15,8 +15,7 @@ bool acts(const synth::Event& event) {
 
 Result<void> Session::check_frame(synth::Frame frame) const {
   if (!is_too_far_ahead(rack_.mixer(), frame)) return {};
-  return fail(ErrorKind::bad_input,
-              "its time tag is more than " + std::to_string(static_cast<int>(kMaxAhead_s)) + " s ahead");
+  return fail(ErrorKind::bad_input, "its time tag is more than {} s ahead", static_cast<int>(kMaxAhead_s));
 }
 
 Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame frame) {
@@ -26,6 +25,9 @@ Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame 
   for (const synth::Event& event : events_) {
     if (!acts(event)) continue;
     if (auto whole = breakage_.check_whole(event.object); !whole) return whole;
+    if (scene_.is_broken(event.object))
+      return fail(ErrorKind::refused,
+                  "its body has broken in the scene; strike its pieces, or load the scene again to have it whole");
   }
   return {};
 }
@@ -34,7 +36,7 @@ Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::
   if (auto good = check_frame(frame); !good) return good;
   return visit(Overloaded{[&](const protocol::Hold& set) -> Result<void> {
                             const auto object = rack_.find(set.object);
-                            if (!object) return fail(object.error());
+                            if (!object) return fail(object);
                             if (!(set.damper.damping_ns_m > 0))
                               return {};  // removes the damper; its point does not matter
                             return check_point(set.damper.point_m, **object);
@@ -67,7 +69,7 @@ Result<void> Session::play(const protocol::MixerRequest& request, synth::Frame f
     }
   }
   if (lost == 0) return {};
-  return drop(lost, std::to_string(synth::kQueueCapacity) + " events are waiting already");
+  return drop(lost, formatted("{} events are waiting already", synth::kQueueCapacity));
 }
 
 // Returns the number of lost events: 0 or 1.
@@ -92,7 +94,7 @@ Answer number(const auto& outcome) {
 }
 
 Answer none(const Result<void>& outcome) {
-  if (!outcome) return fail(outcome.error());
+  if (!outcome) return fail(outcome);
   return std::nullopt;
 }
 
@@ -135,16 +137,16 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
 }
 
 Answer Session::perform(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
-  if (const auto good = check(request, frame); !good) return fail(good.error());
+  if (const auto good = check(request, frame); !good) return fail(good);
   return visit(Overloaded{[&](const protocol::Hold& set) {
                             return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
                           },
                           [&](const protocol::BreakObject& blow) -> Answer {
                             const auto broken = breakage_.break_object(blow, frame);
-                            if (!broken) return fail(broken.error());
+                            if (!broken) return fail(broken);
                             if (broken->lost > 0)
                               return drop(broken->lost,
-                                          std::to_string(synth::kQueueCapacity) + " events are waiting already");
+                                          formatted("{} events are waiting already", synth::kQueueCapacity));
                             return static_cast<std::int32_t>(broken->pieces);
                           }},
                request);

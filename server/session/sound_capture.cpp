@@ -34,7 +34,7 @@ Result<void> SoundCapture::start(OutputTarget target) {
   const synth::Mixer& mixer = rack_.mixer();
   const std::filesystem::path path = target.named;
   auto file = SoundFile::create(std::move(target), mixer.sample_rate_hz());
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   frames_ = 0;
   lost_ = 0;
   sample_rate_hz_ = mixer.sample_rate_hz();
@@ -79,12 +79,12 @@ void SoundCapture::run(const std::stop_token& stop, SoundFile file, Frame first)
   const std::scoped_lock lock(mutex_);
   Result<std::size_t> end = frames_.load();
   if (!finished) {
-    end = fail(finished.error());
+    end = fail(finished);
   } else if (!more) {
-    end = fail(more.error().kind, more.error().message + "; it holds the first " +
-                                      std::to_string(static_cast<double>(frames_) / sample_rate_hz_) + " s");
+    end = fail(more.error().kind, "{}; it holds the first {:f} s", more.error().message,
+               static_cast<double>(frames_) / sample_rate_hz_);
   }
-  if (lost_ > 0) rack_.warn(path_.string() + ": " + std::to_string(lost_) + " frames were lost and are silent in it");
+  if (lost_ > 0) rack_.warn(formatted("{}: {} frames were lost and are silent in it", path_.string(), lost_));
   if (!end) rack_.warn(end.error().message);
   if (more && !*more && finished) rack_.warn(path_.string() + " has ended: it is full, or the sample rate has changed");
   end_ = std::move(end);
@@ -109,7 +109,7 @@ Result<bool> SoundCapture::write_pieces(SoundFile& file, Frame first) {
     frames = end;
     more = frames < max_frames_;
   }
-  if (const auto written = file.write(samples); !written) return fail(written.error());
+  if (const auto written = file.write(samples); !written) return fail(written);
   frames_ = frames;
   return more;
 }

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kMaxWavBytes = 0xffff'0000;  // limit for samples; a length has 32 bits and includes the header
 
 tl::unexpected<Error> cannot_write(const std::filesystem::path& path, const std::string& why) {
-  return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + why);
+  return fail(ErrorKind::input_output, "cannot write {}: {}", path.string(), why);
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ struct SoundFile::Open {
       nameless = std::tmpfile();
       if (nameless) file = sf_open_fd(::fileno(nameless), SFM_WRITE, &info, SF_FALSE);
     } else {
-      temporary = target.path.string() + "." + std::to_string(::getpid()) + ".part";
+      temporary = formatted("{}.{}.part", target.path.string(), ::getpid());
       file = sf_open(temporary.c_str(), SFM_WRITE, &info);
     }
     return file != nullptr;
@@ -47,7 +47,7 @@ struct SoundFile::Open {
   // Copies the finished sound to the stream.
   [[nodiscard]] Result<void> copy() const {
     const auto stream = open_stream(target.path);
-    if (!stream) return fail(stream.error());
+    if (!stream) return fail(stream);
     Result<void> outcome;
     std::vector<std::byte> piece(std::size_t{1} << 16);
     std::rewind(nameless);
@@ -78,10 +78,12 @@ Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz, 
   if (ending != ".wav" && ending != ".flac" && !target.is_stream) {
     return cannot_write(path, "its name must end in .wav or .flac, which decides the format");
   }
-  const int wav = sizeof(float) * format.channels * format.frames > kMaxWavBytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
+  const std::size_t bytes = static_cast<std::size_t>(format.bits) / 8;
+  const int wav = bytes * format.channels * format.frames > kMaxWavBytes ? SF_FORMAT_RF64 : SF_FORMAT_WAV;
+  const int samples = format.bits == 24 ? SF_FORMAT_PCM_24 : SF_FORMAT_FLOAT;
   SF_INFO info{.samplerate = static_cast<int>(sample_rate_hz),
                .channels = static_cast<int>(format.channels),
-               .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : wav | SF_FORMAT_FLOAT};
+               .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : wav | samples};
   auto open = std::make_unique<Open>();
   open->target = std::move(target);
   if (!open->open(info)) {

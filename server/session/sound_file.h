@@ -21,14 +21,15 @@ struct SoundFormat {
   std::size_t channels = 2;
   std::string comment = {};  // comment stored in the file
   std::size_t frames = 0;    // length of the whole file; 0: unknown
+  int bits = 32;             // of a sample in a WAV: 32 (float) or 24
 };
 
 class SoundFile {
  public:
-  // Creates a 32-bit float WAV, or a 24-bit FLAC if the name ends in .flac. WAV that is known to exceed 4 GiB, the
-  // limit of its length fields, is written as RF64 (EBU Tech 3306), which programs that read WAV also read. Fails for
-  // other endings, except those of streams, and if no file can be made. Use a path from a message as the target itself,
-  // and output_target() for a user's path.
+  // Creates a WAV of 32-bit floats or 24 bits, or a 24-bit FLAC if the name ends in .flac. WAV that is known to exceed
+  // 4 GiB, the limit of its length fields, is written as RF64 (EBU Tech 3306), which programs that read WAV also read.
+  // Fails for other endings, except those of streams, and if no file can be made. Use a path from a message as the
+  // target itself, and output_target() for a user's path.
   static Result<SoundFile> create(OutputTarget target, double sample_rate_hz, const SoundFormat& format = {});
   SoundFile(SoundFile&&) noexcept;
   SoundFile& operator=(SoundFile&&) noexcept;

@@ -110,28 +110,27 @@ State::Scene read_scene(TomlTable& table) {
 
 Result<State> read_state(const std::filesystem::path& path) {
   const auto text = read_whole_file(path, kMaxTomlFileBytes);
-  if (!text) return fail(text.error());
+  if (!text) return fail(text);
   return parse_state(*text, path);
 }
 
 Result<State> parse_state(std::string_view text, const std::filesystem::path& path) {
   auto file = TomlTable::parse(text, path);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   State state;
   for (TomlTable& table : file->tables("object")) state.objects.push_back(read_object(table));
   for (TomlTable& table : file->tables("input")) state.inputs.push_back(read_input(table));
   if (auto table = file->table("listener")) state.listener = read_listener(*table);
   if (auto table = file->table("scene")) state.scene = read_scene(*table);
-  if (const auto good = file->finish(); !good) return fail(good.error());
+  if (const auto good = file->finish(); !good) return fail(good);
   return state;
 }
 
 std::string to_toml(const State& state) {
-  std::string text = std::string(kStateKind.mark) +
-                     "; ringdownd --state reads it.\nversion = " + std::to_string(kTextFileVersion) + "\n";
+  std::string text = formatted("{}; ringdownd --state reads it.\nversion = {}\n", kStateKind.mark, kTextFileVersion);
   for (const State::Object& object : state.objects) {
     text += "\n[[object]]\nname = " + toml_string(object.name) + "\nbank = " + toml_string(object.bank.string()) + "\n";
-    text += "gain = " + toml_number(object.gain) + "\npan = " + toml_number(object.pan) + "\n";
+    text += formatted("gain = {}\npan = {}\n", toml_number(object.gain), toml_number(object.pan));
     if (!object.group.empty()) text += "group = " + toml_string(object.group) + "\n";
     if (object.mute) text += "mute = true\n";
     if (object.solo) text += "solo = true\n";
@@ -166,8 +165,8 @@ std::string to_toml(const State& state) {
             "\nhumidity_percent = " + toml_number(listener->humidity_percent) + "\n";
   }
   if (!state.scene) return text;
-  return text + "\n[scene]\nfile = " + toml_string(state.scene->file.string()) +
-         "\npaused = " + flag(state.scene->paused) + "cleared = " + flag(state.scene->cleared);
+  return formatted("{}\n[scene]\nfile = {}\npaused = {}cleared = {}", text, toml_string(state.scene->file.string()),
+                   flag(state.scene->paused), flag(state.scene->cleared));
 }
 
 Result<void> write_state(const State& state, const std::filesystem::path& path) {
@@ -208,7 +207,7 @@ State state_of(const Session& session) {
 namespace {
 
 Result<void> restore_scene(const State::Scene& scene, Session& session, synth::Frame frame) {
-  if (const auto loaded = session.scene().load(scene.file, frame); !loaded) return fail(loaded.error());
+  if (const auto loaded = session.scene().load(scene.file, frame); !loaded) return fail(loaded);
   if (scene.paused) {
     if (const auto paused = session.scene().pause(true); !paused) return paused;
   }
@@ -230,7 +229,7 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
   const protocol::ObjectRef ref{.name = object.name};
   const bool was_there = rack.find(ref).has_value();
   const auto number = session.perform(protocol::LoadObject{object.name, object.bank.string()}, from);
-  if (!number) return fail(number.error());
+  if (!number) return fail(number);
   if (const auto set = rack.set_group(ref, object.group); !set) return set;
   if (const auto set = rack.set_heard(ref, &ObjectState::mute, object.mute); !set) return set;
   if (const auto set = rack.set_heard(ref, &ObjectState::solo, object.solo); !set) return set;

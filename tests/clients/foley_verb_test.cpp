@@ -114,7 +114,7 @@ TEST_F(FoleyVerb, ABakeTakesMaterialsByNameAndFromTheCommandLine) {
   const auto floor = modal::read_bank(glb + "#1");
   ASSERT_TRUE(floor) << floor.error().message;
   ASSERT_TRUE(floor->mass);
-  EXPECT_NEAR(floor->mass->mass_kg, 0.3 * 0.06 * 0.3 * 7850, 1) << "of steel";
+  EXPECT_NEAR(floor->mass->mass_kg, 0.3 * 0.06 * 0.3 * 7800, 0.5) << "of steel";
   baked = with("Nobody=steel");
   EXPECT_EQ(baked.exit_code, kBadInput);
   EXPECT_NE(baked.output.find("has no silent body of that name"), std::string::npos) << baked.output;

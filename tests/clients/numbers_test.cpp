@@ -35,6 +35,7 @@ const std::map<std::string, Words> kNeeded = {
     {"ringdown-bake", {"box.geo", "-o", "box.glb", "--material", "steel"}},
     {"ringdown-tune", {"bar.toml", "-o", "tuned.toml", "--vary", "length:1..2", "--target", "1=A4"}},
     {"ringdown-compare", {"my-bowl"}},
+    {"ringdown-fill", {"cup.glb", "-o", "full.glb"}},
     {"ringdown-fit", {"cup.wav"}},
     {"ringdown foley", {"fall.glb", "-o", "fall.wav"}},
     {"ringdown scene export", {"demo", "-o", "demo.glb"}},

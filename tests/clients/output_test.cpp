@@ -83,6 +83,7 @@ std::vector<Writer> writers() {
        ".glb",
        {"ringdown-bake", boxes().objects() / "box.toml", "--materials", boxes().materials(), "--no-cache", "-o"}},
       {"check", ".ply", {"ringdown-check", "mesh", "IN/solid.ply", "-o"}},
+      {"fill", ".glb", {"ringdown-fill", kBanks + "wine-glass.glb", "--level", "0.12", "-o"}},
       {"fit", ".glb", {"ringdown-fit", "IN/blow.wav", "--floor", "30", "-o"}},
       {"residual", ".wav", {"ringdown-fit", "IN/blow.wav", "--floor", "30", "--residual"}},
       {"png", ".png", {"ringdown-picture", kBanks + "wrench.glb", "-o"}},

@@ -202,8 +202,8 @@ TEST_F(DaemonTest, ARecordedSessionRendersToTheSameSamples) {
     EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
   }
   const auto render = [&](const std::filesystem::path& to) {
-    const Outcome rendered =
-        run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "-o", to.string()});
+    const Outcome rendered = run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "--fade",
+                                  "0", "-o", to.string()});
     EXPECT_EQ(rendered.exit_code, 0) << rendered.output;
     return read_frames(to);
   };

@@ -73,7 +73,7 @@ TEST_F(Scarcity, WithFewDescriptorsTheDaemonRunsOrSaysWhyNot) {
 
 // OpenBLAS asks again and again for memory that it does not get, and fork() and exit() wait for it.
 TEST_F(Scarcity, ProgramsThatBakeSayThatTheirMemoryDoesNotSuffice) {
-  for (const char* name : {"ringdown-bake", "ringdown-check", "ringdown-tune", "ringdown-compare"}) {
+  for (const char* name : {"ringdown-bake", "ringdown-check", "ringdown-fill", "ringdown-tune", "ringdown-compare"}) {
     if (!fs::exists(program(name))) GTEST_SKIP() << name << " is not built";
     const Outcome outcome = run(limited("-v 150000", name, "--version"));
     EXPECT_EQ(outcome.exit_code, 1) << name << outcome.output;

@@ -182,8 +182,8 @@ TEST_F(Viewing, ARecordedSessionOfRungAndChosenModesRendersToTheSameSamples) {
     ASSERT_TRUE(done(daemon, {"/quit", {}}));
     EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
   }
-  const Outcome rendered =
-      run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "-o", replay.string()});
+  const Outcome rendered = run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "--fade",
+                                "0", "-o", replay.string()});
   EXPECT_EQ(rendered.exit_code, 0) << rendered.output;
   const auto heard = read_frames(live);
   auto again = read_frames(replay);

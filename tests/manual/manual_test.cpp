@@ -16,9 +16,9 @@ namespace ringdown::test {
 namespace {
 
 const std::string kShare = RINGDOWN_BIN_DIR "/../share/";
-const std::vector<std::string> kPrograms = {"ringdownd",        "ringdown",         "ringdown-bake",
-                                            "ringdown-check",   "ringdown-tune",    "ringdown-fit",
-                                            "ringdown-compare", "ringdown-picture", "ringdown-viewer"};
+const std::vector<std::string> kPrograms = {"ringdownd",     "ringdown",         "ringdown-bake",  "ringdown-check",
+                                            "ringdown-fill", "ringdown-tune",    "ringdown-fit",   "ringdown-compare",
+                                            "ringdown-frf",  "ringdown-picture", "ringdown-viewer"};
 
 std::string text_of(const std::string& path) {
   std::ifstream file(path);
@@ -52,10 +52,11 @@ struct CommandLine {
 };
 
 const std::vector<CommandLine> kCommandLines = {
-    {"ringdownd", ""},        {"ringdown", ""},         {"ringdown", "info"},       {"ringdown", "materials"},
-    {"ringdown", "scale"},    {"ringdown", "render"},   {"ringdown", "strike"},     {"ringdown", "send"},
-    {"ringdown", "protocol"}, {"ringdown-bake", ""},    {"ringdown-check", "mesh"}, {"ringdown-tune", ""},
-    {"ringdown-fit", ""},     {"ringdown-compare", ""}, {"ringdown-picture", ""},   {"ringdown-viewer", ""}};
+    {"ringdownd", ""},        {"ringdown", ""},       {"ringdown", "info"},       {"ringdown", "materials"},
+    {"ringdown", "scale"},    {"ringdown", "render"}, {"ringdown", "strike"},     {"ringdown", "send"},
+    {"ringdown", "protocol"}, {"ringdown-bake", ""},  {"ringdown-check", "mesh"}, {"ringdown-tune", ""},
+    {"ringdown-fill", ""},    {"ringdown-fit", ""},   {"ringdown-compare", ""},   {"ringdown-frf", ""},
+    {"ringdown-picture", ""}, {"ringdown-viewer", ""}};
 
 std::string man_text(const std::string& name) { return run({"groff", "-man", "-Tascii", "-P-cbou", man(name)}).output; }
 

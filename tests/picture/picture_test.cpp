@@ -72,6 +72,24 @@ TEST(Picture, ThePictureIsAPngOfItsSizeWithSomethingOnIt) {
   }
 }
 
+// The fourth part of the picture shows the pieces of each pattern, together and apart.
+TEST(Picture, ABodyThatBreaksHasAPictureOfItsPieces) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(picture(kBanks / "tumbler.glb", {folder / "x.png"}).exit_code, 0);
+  EXPECT_EQ(read(folder / "x.png")["size"], "1120 1200");
+  ASSERT_EQ(picture(kBanks / "tumbler.glb", {folder / "x.svg"}).exit_code, 0);
+  const modal::Bank bank = *modal::read_bank(kBanks / "tumbler.glb");
+  for (const modal::BreakPattern& pattern : bank.fracture->patterns) {
+    cli::Canvas canvas(cli::Canvas::Kind::svg, 400, 300);
+    cli::draw_pieces(canvas, {0, 0, 400, 300}, pattern, 0.5);
+    const std::string drawn = std::move(canvas).finish();
+    std::size_t triangles = 0, areas = 0;
+    for (const modal::PieceBank& piece : pattern.pieces) triangles += piece.bank.triangles.size();
+    for (auto at = drawn.find("<path"); at != std::string::npos; at = drawn.find("<path", at + 1)) ++areas;
+    EXPECT_GE(areas, triangles);
+  }
+}
+
 TEST(Picture, ThePictureIsTheSameEveryTime) {
   const TemporaryFolder folder;
   for (const char* name : {"a", "b"}) {

@@ -120,7 +120,7 @@ class ScoreTest(unittest.TestCase):
     def rendered(self, folder, *arguments):
         output = Path(folder) / "expected.wav"
         done = subprocess.run(
-            [PROGRAMS / "ringdown", "render", "--limiter=-1", "-o", output, *map(str, arguments)],
+            [PROGRAMS / "ringdown", "render", "--limiter=-1", "--fade=0", "-o", output, *map(str, arguments)],
             capture_output=True, text=True,
         )
         self.assertEqual((done.returncode, done.stderr), (0, ""))

@@ -90,7 +90,15 @@ TEST_F(BreakingScene, PiecesAreObjectsOfTheSceneUntilItIsCleared) {
   EXPECT_EQ(scene_of(session).bodies.size(), 1u) << "saved, it is whole again";
   EXPECT_EQ(warnings, std::vector<std::string>{"scene: body 'plate' broke into 12 pieces"});
 
+  const synth::verb::Strike blow{{}, {0, 0, 0.1}, 1e-4};
+  const protocol::Strike whole{{.name = "plate"}, blow}, piece{{.name = "plate.3"}, blow};
+  const auto refused = session.play(whole, 0);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("broken in the scene"), std::string::npos) << refused.error().message;
+  EXPECT_TRUE(session.play(piece, 0));
+
   ASSERT_TRUE(session.scene().load(scene_, 24000)) << "again from the beginning";
+  EXPECT_TRUE(session.play(whole, 0));
   EXPECT_EQ(session.scene().poses().bodies.size(), 1u);
   EXPECT_TRUE(session.rack().find({.name = "plate.11"}));
   ASSERT_TRUE(session.scene().clear());

@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 PLAYER = ["bin/ringdownd", "bin/ringdown"]
-BAKERS = [f"bin/ringdown-{name}" for name in ("bake", "mesher", "check", "compare", "fit", "picture", "tune", "viewer")]
+BAKERS = [f"bin/ringdown-{name}" for name in ("bake", "mesher", "check", "compare", "fit", "frf", "picture", "tune", "viewer")]
 
 
 def said_by(*command, **options):

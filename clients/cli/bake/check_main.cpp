@@ -106,13 +106,13 @@ void print_tetrahedra(const mesh::Body& body) {
 // solved.
 Result<void> check_mesh(const CheckRequest& request, const Progress& progress) {
   const Result<bake::MaterialEntry> material = bake::find_material(request.materials, request.material);
-  if (!material) return fail(material.error());
+  if (!material) return fail(material);
   mesh::BodyReader reader(request.file);
   const mesh::GmshOptions options{.unit_m = request.unit_m, .order = 1, .cavities = request.cavities, .parameters = {}};
   std::printf("%s\n", request.file.c_str());
   if (reader.is_surface()) {
     const Result<const mesh::PreparedSurface*> surface = reader.surface(options, progress);
-    if (!surface) return fail(surface.error());
+    if (!surface) return fail(surface);
     print_surface(**surface);
     const std::string why = mesh::hopeless(**surface, request.file.string());
     if (!why.empty()) return fail(ErrorKind::bad_input, why);
@@ -123,18 +123,18 @@ Result<void> check_mesh(const CheckRequest& request, const Progress& progress) {
     }
   } else {
     const Result<mesh::Body> body = reader.read(options, progress);
-    if (!body) return fail(body.error());
+    if (!body) return fail(body);
     print_tetrahedra(*body);
   }
   const Result<mesh::Sketch> sketch = reader.sketch(options, progress);
-  if (!sketch) return fail(sketch.error());
+  if (!sketch) return fail(sketch);
   const bake::BodyShape shape = bake::measure_shape(sketch->skin, sketch->wall_m);
   bake::ObjectRecipe recipe{
       .name = request.file.stem().string(), .description = "", .material = "", .geometry = request.file};
   recipe.meshing.unit_m = request.unit_m;
   recipe.options.cache = cache_folder().value_or("");
   const Result<bake::Forecast> forecast = bake::forecast(recipe, material->material, progress);
-  if (!forecast) return fail(forecast.error());
+  if (!forecast) return fail(forecast);
   print_forecast(*forecast, shape, material->material);
   const double unit_m = request.unit_m.value_or(mesh::unit_in_file(request.file));
   const bake::BakeOptions usual;
@@ -170,14 +170,14 @@ ExitCode run(int argc, char** argv) {
   }
   if (unit) request.unit_m = cli::parse_unit(*unit);
   const Result<std::filesystem::path> materials = material_folder(request.materials);
-  if (!materials) return complain(materials.error());
+  if (!materials) return complain(materials);
   request.materials = *materials;
   keep_stdout_for(request.output);
   cli::warn_of_open_sandbox();
   return cli::run_cancellable([&](const std::stop_token& stop) {
     const Result<void> checked =
         check_mesh(request, [&stop](std::string_view, double) { return !stop.stop_requested(); });
-    return checked ? ExitCode::ok : complain(checked.error());
+    return checked ? ExitCode::ok : complain(checked);
   });
 }
 

@@ -39,12 +39,6 @@ struct Job {
   [[nodiscard]] bool over() const { return state == State::baked && budget_s > 0 && processor_s > budget_s; }
 };
 
-std::string number(const char* format, double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 bool is_object(const FolderJob& job) { return is_of_kind(job.input, FileKind::table); }
 
 std::vector<std::string> with_material(std::vector<std::string> options, const FolderBake& request,
@@ -55,7 +49,10 @@ std::vector<std::string> with_material(std::vector<std::string> options, const F
 
 // Reads the text of a job and says whether it cannot be baked, or need not be.
 void look_at(Job& job, const FolderBake& request) {
-  const auto refuse = [&job](const std::string& why) { job.state = State::failed, job.why = why; };
+  const auto refuse = [&job](const std::string& why) {
+    job.state = State::failed;
+    job.why = why;
+  };
   if (!job.file.refused.empty()) return refuse(job.file.refused);
   bake::ObjectRecipe recipe{.material = request.material.value_or(""), .geometry = job.file.input};
   if (is_object(job.file)) {
@@ -98,23 +95,22 @@ std::string reason_of(const ChildOutcome& outcome) {
   const int signal = outcome.exit_code - 128;
   if (outcome.exit_code == static_cast<int>(ExitCode::cancelled)) return "its process was interrupted";
   if (signal > 0) {
-    std::string why = "its process was ended by signal " + std::to_string(signal) + " (" + ::strsignal(signal) +
-                      ") at " + number("%.0f", outcome.peak_mib) + " MiB";
+    std::string why = formatted("its process was ended by signal {} ({}) at {:.0f} MiB", signal, ::strsignal(signal),
+                                outcome.peak_mib);
     if (signal == SIGKILL) why += ", as the kernel does when memory runs out; try fewer --jobs or a larger --mesh-size";
     return why;
   }
   const std::string line = last_line(outcome.errors);
-  if (line.empty())
-    return "its process ended with exit code " + std::to_string(outcome.exit_code) + " and said nothing";
+  if (line.empty()) return formatted("its process ended with exit code {} and said nothing", outcome.exit_code);
   return line.starts_with(kPrefix) ? line.substr(kPrefix.size()) : line;
 }
 
 std::string line_of(const Job& job) {
   if (job.state == State::failed) return job.file.name + ": failed";
-  std::string line = job.file.name + ": baked, " + number("%.1f s", job.seconds) + ", " +
-                     number("%.1f s of processor time", job.processor_s);
-  if (job.budget_s > 0) line += number(" (budget %.3g s)", job.budget_s) + (job.over() ? " OVER" : "");
-  return line + number(", %.0f MiB", job.peak_mib);
+  std::string line =
+      formatted("{}: baked, {:.1f} s, {:.1f} s of processor time", job.file.name, job.seconds, job.processor_s);
+  if (job.budget_s > 0) line += formatted(" (budget {:.3g} s){}", job.budget_s, job.over() ? " OVER" : "");
+  return formatted("{}, {:.0f} MiB", line, job.peak_mib);
 }
 
 class BakePool {
@@ -193,12 +189,12 @@ ExitCode sum_up(const std::vector<Job>& jobs, const FolderContent& content, cons
   const auto over = std::count_if(jobs.begin(), jobs.end(), [](const Job& job) { return job.over(); });
   double processor_s = 0;
   for (const Job& job : jobs) processor_s += job.processor_s;
-  std::string line = std::to_string(jobs.size()) + (jobs.size() == 1 ? " object: " : " objects: ") +
-                     std::to_string(count(State::baked)) + " baked, " + std::to_string(count(State::unchanged)) +
-                     " unchanged, " + std::to_string(count(State::failed)) + " failed";
-  if (cancelled) line += ", " + std::to_string(count(State::waiting)) + " not done";
-  if (over > 0) line += ", " + std::to_string(over) + " over budget";
-  line += number("; %.1f s", seconds) + number(", %.1f s of processor time", processor_s);
+  std::string line = formatted("{}{}{} baked, {} unchanged, {} failed", jobs.size(),
+                               jobs.size() == 1 ? " object: " : " objects: ", count(State::baked),
+                               count(State::unchanged), count(State::failed));
+  if (cancelled) line += formatted(", {} not done", count(State::waiting));
+  if (over > 0) line += formatted(", {} over budget", over);
+  line += formatted("; {:.1f} s, {:.1f} s of processor time", seconds, processor_s);
   if (!request.quiet) std::printf("%s\n", line.c_str());
   if (!request.quiet && content.shapes_without > 0) {
     std::printf("left out: %zu shapes without an object file; --material bakes them\n", content.shapes_without);
@@ -222,7 +218,7 @@ ExitCode bake_folder(const FolderBake& request, const std::stop_token& stop) {
                                                     .output = request.output,
                                                     .recursive = request.recursive,
                                                     .with_shapes = request.material.has_value()});
-  if (!content) return complain(content.error());
+  if (!content) return complain(content);
   std::error_code error;
   fs::create_directories(request.output, error);
   if (error) {

@@ -1,5 +1,7 @@
 #include "clients/cli/bake/folder_command.h"
 
+#include "clients/cli/bake/exports.h"
+
 #include "clients/cli/long_work.h"
 #include "engine/bake/recipe_options.h"
 #include "packaging/manual/command_line.h"
@@ -31,8 +33,8 @@ Result<void> choose_folder(const manual::App& app, const std::filesystem::path& 
   for (const char* name : is_folder ? kForOne : kForFolders) {
     if (app.count(name) == 0) continue;
     if (!is_there) return fail(ErrorKind::bad_input, "there is no folder " + input.string());
-    return fail(ErrorKind::usage, std::string(name) + " is for " + (is_folder ? "one input, and " : "a folder, and ") +
-                                      input.string() + (is_folder ? " is a folder" : " is none"));
+    return fail(ErrorKind::usage, "{} is for {}{}{}", name, is_folder ? "one input, and " : "a folder, and ",
+                input.string(), is_folder ? " is a folder" : " is none");
   }
   if (is_folder) request.folder = input;
   return {};
@@ -42,6 +44,7 @@ std::vector<std::string> shaping_options(const manual::App& app) {
   std::vector<std::string_view> others = {"--output",    "--material",       "--materials",     "--jobs",
                                           "--recursive", "--force",          "--check-budgets", "--update",
                                           "--progress",  "--progress-lines", "--quiet"};
+  others.insert(others.end(), kExportOptions.begin(), kExportOptions.end());
   for (const bake::RecipeOption& option : bake::recipe_options()) {
     if (option.has(bake::RecipeOption::kSameBank)) others.push_back(option.option);
   }

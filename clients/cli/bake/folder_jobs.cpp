@@ -28,7 +28,7 @@ Result<std::vector<fs::path>> files_below(const fs::path& folder) {
     std::error_code gone;
     if (!hidden && entry->is_regular_file(gone)) files.push_back(entry->path());
   }
-  if (error) return fail(ErrorKind::bad_input, "cannot read the folder " + folder.string() + ": " + error.message());
+  if (error) return fail(ErrorKind::bad_input, "cannot read the folder {}: {}", folder.string(), error.message());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -51,7 +51,7 @@ void note_files(const fs::path& geometry, bool itself, std::set<fs::path>& used)
 Result<FolderContent> content_of(const FolderQuestion& question) {
   const auto files = question.recursive ? files_below<fs::recursive_directory_iterator>(question.folder)
                                         : files_below<fs::directory_iterator>(question.folder);
-  if (!files) return fail(files.error());
+  if (!files) return fail(files);
 
   std::set<fs::path> used;
   std::map<std::string, FolderJob> jobs;  // by name
@@ -78,8 +78,9 @@ Result<FolderContent> content_of(const FolderQuestion& question) {
     if (!question.with_shapes) {
       ++content.shapes_without;
     } else if (other != jobs.end()) {
-      other->second.refused = other->second.input.filename().string() + " and " + file.filename().string() +
-                              " would both become " + job.output.filename().string() + "; rename one of them";
+      other->second.refused =
+          formatted("{} and {} would both become {}; rename one of them", other->second.input.filename().string(),
+                    file.filename().string(), job.output.filename().string());
     } else {
       jobs.emplace(job.name, std::move(job));
     }

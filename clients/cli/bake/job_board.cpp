@@ -1,5 +1,7 @@
 #include "clients/cli/bake/job_board.h"
 
+#include "engine/base/formatted.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -73,10 +75,10 @@ void JobBoard::draw(bool now) {
   };
   for (const auto& [name, job] : running_) {
     const double seconds = std::chrono::duration<double>(time - job.since).count();
-    const std::string share = job.fraction > 0 ? " " + std::to_string(per_cent(job.fraction)) + " %" : "";
-    add(name + ": " + job.stage + share + ", " + std::to_string(std::lround(seconds)) + " s");
+    const std::string share = job.fraction > 0 ? formatted(" {} %", per_cent(job.fraction)) : "";
+    add(formatted("{}: {}{}, {} s", name, job.stage, share, std::lround(seconds)));
   }
-  add(std::to_string(ended_) + " of " + std::to_string(total_) + " done");
+  add(formatted("{} of {} done", ended_, total_));
   std::fputs(text.c_str(), stderr);
   std::fflush(stderr);
 }

@@ -4,6 +4,7 @@
 // be written; cancelled. One sentence on stderr says why. In a folder, an object that
 // fails does not stop the others.
 #include "clients/cli/bake/bake_report.h"
+#include "clients/cli/bake/exports.h"
 #include "clients/cli/bake/folder_command.h"
 #include "clients/cli/long_work.h"
 #include "clients/cli/bake/options.h"
@@ -45,6 +46,7 @@ struct Arguments {
   std::map<const RecipeOption*, bool> flags;
   std::vector<std::string> shaping;  // the given options that can change a bank
   cli::FolderBake folder;
+  cli::Exports exports;
   bool update = false, progress_lines = false, progress = false, quiet = false, compress = false;
 };
 
@@ -89,11 +91,12 @@ manual::Option* add_recipe_option(manual::App& app, const RecipeOption& row, Arg
 }
 
 void add_options(manual::App& app, Arguments& arguments) {
-  app.add_option("input", arguments.input,
-                 "an object (.toml), a surface (" + example_endings({FileKind::surface, FileKind::gltf}) +
-                     "), a geometry (" + example_endings({FileKind::program, FileKind::geometry}) + "), a mesh (" +
-                     example_endings({FileKind::gmsh_mesh}) +
-                     " ...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
+  app.add_option(
+         "input", arguments.input,
+         formatted("an object (.toml), a surface ({}), a geometry ({}), a mesh ({} ...), a folder of them, or a scene "
+                   "(.glb .gltf) whose bodies have acoustic materials",
+                   example_endings({FileKind::surface, FileKind::gltf}),
+                   example_endings({FileKind::program, FileKind::geometry}), example_endings({FileKind::gmsh_mesh})))
       ->type_name("FILE");
   app.add_option("-o,--output", arguments.output,
                  "the bank to write (.glb); for a folder, the folder of its banks (default: beside the inputs); for a "
@@ -117,6 +120,7 @@ void add_options(manual::App& app, Arguments& arguments) {
   app.add_flag("--compress", arguments.compress,
                "make the bank a third as large, with shapes rounded by up to 0.5 %; its readers must know glTF's "
                "EXT_meshopt_compression, as Ringdown does");
+  arguments.exports.add_to(app);
   cli::add_folder_options(app, arguments.folder, arguments.update, arguments.progress_lines);
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
@@ -141,7 +145,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   const double scale = recipe.scale;
   for (const auto& [option, value] : arguments.given) {
     if (option->has(RecipeOption::kOtherBody)) recipe.pitch_hz.reset();
-    if (auto set = option->set(recipe, value); !set) return fail(set.error());
+    if (auto set = option->set(recipe, value); !set) return fail(set);
   }
   if (recipe.preview) recipe.error = 0;
   if (recipe.pitch_hz) *recipe.pitch_hz *= scale / recipe.scale;
@@ -160,8 +164,9 @@ cli::ProgressLine::Style progress_style(const Arguments& arguments) {
 
 ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments& arguments,
                   const std::stop_token& stop) {
-  const Result<bake::ObjectRecipe> recipe = recipe_for(input, arguments);
-  if (!recipe) return complain(recipe.error());
+  Result<bake::ObjectRecipe> recipe = recipe_for(input, arguments);
+  if (!recipe) return complain(recipe);
+  arguments.exports.ask_for(recipe->options);
   const std::string hash = bake::input_hash({.object = input,
                                              .geometry = recipe->geometry,
                                              .material = arguments.materials / (recipe->material + ".toml"),
@@ -169,21 +174,23 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
                                              .part_materials = bake::part_materials(*recipe, arguments.materials),
                                              .part_surfaces = bake::part_surfaces(*recipe)})
                                .value_or("");
-  if (arguments.update && !hash.empty() && modal::read_input_hash(output) == hash) {
+  if (arguments.update && arguments.exports.none() && !hash.empty() && modal::read_input_hash(output) == hash) {
     if (!arguments.quiet) std::printf("%s: unchanged\n", recipe->name.c_str());
     return ExitCode::ok;
   }
   cli::ProgressLine line(recipe->name, progress_style(arguments));
-  const Result<bake::BakedObject> object =
-      bake::bake_object(*recipe, arguments.materials, [&](std::string_view stage, double fraction) {
-        line.show(stage, fraction);
-        return !stop.stop_requested();
-      });
+  const Progress progress = [&](std::string_view stage, double fraction) {
+    line.show(stage, fraction);
+    return !stop.stop_requested();
+  };
+  const Result<bake::BakedObject> object = bake::bake_object(*recipe, arguments.materials, progress);
+  const Result<void> exported = object ? arguments.exports.write(object->baked, progress) : Result<void>();
   line.clear();
   if (!object) return cli::complain_unwritten(object.error(), output);
+  if (!exported) return complain(exported);
   const auto compression = arguments.compress ? modal::Compression::meshopt : modal::Compression::none;
   if (auto written = modal::write_bank(object->baked.bank, output, hash, compression); !written)
-    return complain(written.error());
+    return complain(written);
   if (!arguments.quiet) cli::print_report(*recipe, *object, output);
   return ExitCode::ok;
 }
@@ -202,7 +209,7 @@ Result<std::map<std::string, std::string>> body_materials(const std::vector<std:
 
 ExitCode bake_scene(const Arguments& arguments, const std::stop_token& stop) {
   const auto bodies = body_materials(arguments.bodies);
-  if (!bodies) return complain(bodies.error());
+  if (!bodies) return complain(bodies);
   const cli::SceneBake request{.input = arguments.input,
                                .output = arguments.output.empty() ? arguments.input : arguments.output,
                                .materials = arguments.materials,
@@ -253,7 +260,7 @@ ExitCode run(int argc, char** argv) {
   if (arguments.input.empty()) return complain_of_usage(app, "give an input, or a folder of them");
   if (auto chosen = cli::choose_folder(app, arguments.input, arguments.folder); !chosen) {
     const bool is_usage = chosen.error().kind == ErrorKind::usage;
-    return is_usage ? complain_of_usage(app, chosen.error().message) : complain(chosen.error());
+    return is_usage ? complain_of_usage(app, chosen.error().message) : complain(chosen);
   }
   const bool in_scene = arguments.folder.folder.empty() && !arguments.material && cli::has_surfaces(arguments.input);
   std::vector<std::string> not_for_scenes = {"--compress", "--update"};
@@ -265,6 +272,11 @@ ExitCode run(int argc, char** argv) {
       return complain_of_usage(app, name + " is not for scenes, and " + arguments.input.string() +
                                         " is one; with --material it is a surface");
   }
+  for (const char* option : cli::kExportOptions) {
+    if ((in_scene || !arguments.folder.folder.empty()) && app.count(option) > 0)
+      return complain_of_usage(app, std::string(option) + " is for one object, not for a folder or a scene");
+  }
+  if (auto good = arguments.exports.check(); !good) return complain_of_usage(app, good.error().message);
   if (arguments.output.empty() && arguments.folder.folder.empty() && !in_scene) {
     return complain_of_usage(app, "name the output with --output");
   }
@@ -279,7 +291,7 @@ ExitCode run(int argc, char** argv) {
     if (is_on) arguments.given.push_back({option, {.text = "", .number = 1}});
   }
   const Result<fs::path> materials = material_folder(arguments.materials);
-  if (!materials) return complain(materials.error());
+  if (!materials) return complain(materials);
   arguments.materials = *materials;
   if (!arguments.progress_lines) cli::warn_of_open_sandbox();  // a folder's parent has said it
   if (!arguments.folder.folder.empty()) return bake_folder(app, arguments);

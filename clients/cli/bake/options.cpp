@@ -32,7 +32,7 @@ Result<void> read_settings(const std::string& option, const std::vector<std::str
     const std::size_t equals = setting.find('=');
     const auto value = equals == std::string::npos ? std::nullopt : parse_number(setting.substr(equals + 1));
     if (!value || equals == 0) {
-      return fail(ErrorKind::bad_input, option + " takes NAME=NUMBER, not '" + setting + "'");
+      return fail(ErrorKind::bad_input, "{} takes NAME=NUMBER, not '{}'", option, setting);
     }
     values[setting.substr(0, equals)] = *value;
   }

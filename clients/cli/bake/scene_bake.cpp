@@ -76,12 +76,14 @@ Result<modal::Material> material_of(const scene::GltfMaterial& given, const fs::
                                          {given.alpha_per_s || given.beta_s, "alpha and beta"}}) {
       if (!is_there) missing += (missing.empty() ? "" : ", ") + std::string(what);
     }
-    return fail(ErrorKind::bad_input, "its acoustic material " + quote(given.name) + " has no " + missing +
-                                          "; add them, or name it as one of `ringdown materials`, which then fills in");
+    return fail(
+        ErrorKind::bad_input,
+        "its acoustic material {} has no {}; add them, or name it as one of `ringdown materials`, which then fills in",
+        quote(given.name), missing);
   }
   if (!whole) {
     const auto entry = bake::find_material(library, name);
-    if (!entry) return fail(entry.error());
+    if (!entry) return fail(entry);
     known = entry->material;
   }
   modal::Material material = known;
@@ -100,7 +102,7 @@ Result<modal::Material> material_of(const scene::GltfMaterial& given, const fs::
 Result<fs::path> write_geometry(const SilentBody& body, const fs::path& folder, std::size_t number) {
   const fs::path path = folder / (std::to_string(number) + (body.geo.empty() ? ".ply" : ".geo"));
   if (!body.geo.empty()) {
-    if (const auto written = write_file_atomically(path, body.geo); !written) return fail(written.error());
+    if (const auto written = write_file_atomically(path, body.geo); !written) return fail(written);
     return path;
   }
   mesh::TriangleMesh surface;
@@ -114,7 +116,7 @@ Result<fs::path> write_geometry(const SilentBody& body, const fs::path& folder, 
     const auto& [a, b, c] = body.surface.triangles[static_cast<std::size_t>(k)];
     surface.triangles.row(k) << static_cast<int>(a), static_cast<int>(b), static_cast<int>(c);
   }
-  if (const auto written = mesh::write_ply(surface, path); !written) return fail(written.error());
+  if (const auto written = mesh::write_ply(surface, path); !written) return fail(written);
   return path;
 }
 
@@ -139,12 +141,12 @@ class SceneBaker {
 
   ExitCode run() {
     const auto bytes = read_whole_file(request_.input, modal::kMaxBankFileBytes);
-    if (!bytes) return complain(bytes.error());
+    if (!bytes) return complain(bytes);
     auto found = find(*bytes);
-    if (!found) return complain(found.error());
+    if (!found) return complain(found);
     for (const std::string& note : found->notes)
       if (!request_.quiet) std::printf("%s: %s\n", request_.input.c_str(), note.c_str());
-    if (const auto named = name_materials(*found); !named) return complain(named.error());
+    if (const auto named = name_materials(*found); !named) return complain(named);
     for (const SilentBody& body : found->bodies)
       if (!body.trouble.empty()) complain_of(body, body.trouble);
     const std::vector<Alike> groups = groups_of(found->bodies);
@@ -155,7 +157,7 @@ class SceneBaker {
     banks.reserve(groups.size());
     for (std::size_t k = 0; k < groups.size(); ++k) {
       auto bank = bake(found->bodies, groups, k, folder.path());
-      if (!bank && bank.error().kind == ErrorKind::cancelled) return complain(bank.error());
+      if (!bank && bank.error().kind == ErrorKind::cancelled) return complain(bank);
       if (!bank) {
         for (const std::size_t member : groups[k]) complain_of(found->bodies[member], bank.error().message);
         continue;
@@ -167,7 +169,7 @@ class SceneBaker {
       models.push_back(std::move(model));
     }
     if (!models.empty() || request_.input != request_.output) {
-      if (const auto written = write(*bytes, models); !written) return complain(written.error());
+      if (const auto written = write(*bytes, models); !written) return complain(written);
     }
     if (!request_.quiet) {
       std::printf("%s: %zu of %zu bodies got a model, %zu models in all\n", request_.output.c_str(), baked_,
@@ -180,7 +182,7 @@ class SceneBaker {
   [[nodiscard]] Result<scene::SilentBodies> find(const std::string& bytes) const {
     const auto glb = modal::parse_gltf(std::as_bytes(std::span(bytes)), request_.input.string(),
                                        modal::files_beside(request_.input));
-    if (!glb) return fail(glb.error());
+    if (!glb) return fail(glb);
     return scene::find_silent_bodies(*glb);
   }
 
@@ -190,11 +192,11 @@ class SceneBaker {
     const std::vector<std::string> known = bake::names_in(request_.materials);
     for (const auto& [name, material] : request_.body_materials) {
       if (std::ranges::find(found.bodies, name, &SilentBody::name) == found.bodies.end())
-        return fail(ErrorKind::bad_input, "--body " + name + "=" + material + ": " + request_.input.string() +
-                                              " has no silent body of that name");
+        return fail(ErrorKind::bad_input, "--body {}={}: {} has no silent body of that name", name, material,
+                    request_.input.string());
       if (std::ranges::find(known, material) == known.end())
-        return fail(ErrorKind::bad_input,
-                    "--body " + name + "=" + material + ": no such material; `ringdown materials` lists them");
+        return fail(ErrorKind::bad_input, "--body {}={}: no such material; `ringdown materials` lists them", name,
+                    material);
     }
     std::erase_if(found.bodies, [&](SilentBody& body) {
       const auto given = request_.body_materials.find(body.name);
@@ -227,16 +229,15 @@ class SceneBaker {
                            const fs::path& folder) {
     const SilentBody& body = bodies[groups[k][0]];
     const auto material = material_of(body.material, request_.materials);
-    if (!material) return fail(material.error());
+    if (!material) return fail(material);
     const auto geometry = write_geometry(body, folder, k);
-    if (!geometry) return fail(geometry.error());
+    if (!geometry) return fail(geometry);
     auto recipe = request_.recipe_for(*geometry);
-    if (!recipe) return fail(recipe.error());
+    if (!recipe) return fail(recipe);
     recipe->name = body.name;
     recipe->meshing.unit_m = 1;
     recipe->options.raise_band = true;
-    char title[64];
-    std::snprintf(title, sizeof title, " (%zu of %zu)", k + 1, groups.size());
+    const std::string title = formatted(" ({} of {})", k + 1, groups.size());
     ProgressLine line(body.name + title, request_.style);
     const auto progress = [&](std::string_view stage, double fraction) {
       line.show(stage, fraction);
@@ -245,7 +246,7 @@ class SceneBaker {
     try {
       auto object = bake::bake_recipe(*recipe, *material, progress);
       line.clear();
-      if (!object) return fail(object.error());
+      if (!object) return fail(object);
       report(bodies, groups[k], *object);
       return as_in_file(std::move(object->baked.bank), body);
     } catch (const std::bad_alloc&) {
@@ -269,7 +270,7 @@ class SceneBaker {
   Result<void> write(const std::string& bytes, const std::vector<modal::AddedModel>& models) {
     const fs::path& output = request_.output;
     auto extended = modal::add_models(bytes, request_.input.string(), output.stem().string() + "-banks", models);
-    if (!extended) return fail(extended.error());
+    if (!extended) return fail(extended);
     const bool elsewhere = fs::absolute(output).parent_path() != fs::absolute(request_.input).parent_path();
     if (elsewhere && !extended->buffer_name.empty()) {
       return fail(
@@ -285,7 +286,7 @@ class SceneBaker {
     }
     if (!extended->buffer_name.empty()) {
       const auto written = write_file_atomically(output.parent_path() / extended->buffer_name, extended->buffer);
-      if (!written) return fail(written.error());
+      if (!written) return fail(written);
     }
     return write_output(output, extended->file);
   }

@@ -30,9 +30,7 @@ using protocol::ExitCode;
 std::string parameters_text(const std::map<std::string, double>& parameters) {
   std::string text;
   for (const auto& [name, value] : parameters) {
-    char number[64];
-    std::snprintf(number, sizeof number, "%s%s %.6g", text.empty() ? "" : ", ", name.c_str(), value);
-    text += number;
+    text += formatted("{}{} {:.6g}", text.empty() ? "" : ", ", name, value);
   }
   return text;
 }
@@ -52,7 +50,7 @@ void print_table(const std::string& name, const bake::TuneRequest& request, cons
   for (std::size_t i = 0; i < tuned.found.size(); ++i) {
     const bake::TuneTarget& target = request.targets[i];
     const bake::FoundMode& mode = tuned.found[i];
-    const std::string label = std::string(bake::family_name(target.family)) + " " + std::to_string(target.mode);
+    const std::string label = formatted("{} {}", bake::family_name(target.family), target.mode);
     std::printf("  %-14s %10.3f   %10.3f   %+6.2f         %6.2f       %8.4f  %s\n", label.c_str(), target.frequency_hz,
                 mode.frequency_hz, mode.cents, mode.error_cents, mode.frequency_hz / tuned.found.front().frequency_hz,
                 note_name(mode.frequency_hz).c_str());
@@ -66,13 +64,10 @@ std::string missed(const std::string& name, const bake::TunedObject& tuned) {
     worst = std::max(worst, std::abs(mode.cents));
     error = std::max(error, mode.error_cents);
   }
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "%s: the targets are out of reach: the best misses by %.2f cents, with an estimated error of %.2f; widen "
-      "the bounds, vary more parameters, or ask for less. Nothing was written",
-      name.c_str(), worst, error);
-  return text;
+  return formatted(
+      "{}: the targets are out of reach: the best misses by {:.2f} cents, with an estimated error of {:.2f}; widen the "
+      "bounds, vary more parameters, or ask for less. Nothing was written",
+      name, worst, error);
 }
 
 // The path of the geometry file, relative to `folder`, for an object file there.
@@ -85,7 +80,7 @@ fs::path geometry_seen_from(const fs::path& geometry, const fs::path& folder) {
 Result<void> write_object(const TuneArguments& arguments, const bake::TuneRequest& request,
                           const bake::TunedObject& tuned, const fs::path& output) {
   const Result<std::string> text = read_whole_file(arguments.input, kMaxTomlFileBytes);
-  if (!text) return fail(text.error());
+  if (!text) return fail(text);
   bake::ObjectChanges changes{.parameters = tuned.parameters};
   changes.parameters.insert(arguments.settings.begin(), arguments.settings.end());
   changes.geometry = geometry_seen_from(request.recipe.geometry, output.parent_path());
@@ -93,7 +88,7 @@ Result<void> write_object(const TuneArguments& arguments, const bake::TuneReques
   const bake::TuneTarget& first = request.targets.front();
   if (first.mode == 1) changes.pitch_hz = first.frequency_hz;
   const Result<std::string> changed = bake::change_object(*text, changes);
-  if (!changed) return fail(changed.error());
+  if (!changed) return fail(changed);
   return write_output(output, *changed);
 }
 
@@ -116,7 +111,7 @@ ExitCode tune_one(const TuneArguments& arguments, bake::TuneRequest& request, co
   if (!tuned) return cli::complain_unwritten(tuned.error(), output);
   if (!arguments.quiet || !tuned->reached) print_table(name, request, *tuned);
   if (!tuned->reached) return complain({ErrorKind::refused, missed(name, *tuned)});
-  if (auto written = write_object(arguments, request, *tuned, output); !written) return complain(written.error());
+  if (auto written = write_object(arguments, request, *tuned, output); !written) return complain(written);
   for (bake::TuneVariable& variable : request.variables) variable.start = tuned->parameters.at(variable.name);
   request.slopes = tuned->slopes;
   request.recipe.meshing.mesh_size_m = tuned->mesh_size_m;
@@ -139,7 +134,7 @@ ExitCode tune_scale(const TuneArguments& arguments, bake::TuneRequest& request, 
 
 ExitCode tune(TuneArguments& arguments, const std::stop_token& stop) {
   Result<bake::ObjectRecipe> recipe = bake::read_object(arguments.input);
-  if (!recipe) return complain(recipe.error());
+  if (!recipe) return complain(recipe);
   if (!arguments.no_cache) recipe->options.cache = cache_folder().value_or("");
   if (arguments.mesh_size_m) recipe->meshing.mesh_size_m = *arguments.mesh_size_m;
   for (const auto& [name, value] : arguments.settings) recipe->meshing.parameters[name] = value;
@@ -174,7 +169,7 @@ ExitCode run(int argc, char** argv) {
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
   if (auto read = cli::read_words(words, arguments); !read) return complain_of_usage(app, read.error().message);
   const Result<fs::path> materials = material_folder(arguments.materials);
-  if (!materials) return complain(materials.error());
+  if (!materials) return complain(materials);
   arguments.materials = *materials;
   keep_stdout_for(arguments.output);
   cli::warn_of_open_sandbox();

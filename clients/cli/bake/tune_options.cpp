@@ -38,7 +38,7 @@ Result<AskedTarget> target_in(const std::string& text) {
   std::size_t begin = 0;
   if (colon < equals) {
     const Result<bake::ModeFamily> family = bake::parse_family(text.substr(0, colon));
-    if (!family) return fail(family.error());
+    if (!family) return fail(family);
     target.family = *family;
     begin = colon + 1;
   }
@@ -117,7 +117,7 @@ void add_tune_options(manual::App& app, TuneArguments& arguments, TuneWords& wor
 Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
   for (const std::string& text : words.vary) {
     const Result<bake::TuneVariable> variable = variable_in(text);
-    if (!variable) return fail(variable.error());
+    if (!variable) return fail(variable);
     arguments.variables.push_back(*variable);
   }
   if (auto read = read_settings("--set", words.settings, arguments.settings); !read) return read;
@@ -126,7 +126,7 @@ Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
   }
   for (const std::string& text : words.targets) {
     const Result<AskedTarget> target = target_in(text);
-    if (!target) return fail(target.error());
+    if (!target) return fail(target);
     if (target->kind == AskedTarget::Kind::kNote && !arguments.is_scale) {
       return fail(ErrorKind::bad_input, "the value 'note' needs a scale; name it with --scale");
     }

@@ -79,7 +79,7 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   if (meshes.size() > 1) {  // a bank that was written beside the mesh
     std::erase_if(meshes, [&](const fs::path& path) { return path.filename() == bank.filename(); });
   }
-  if (error) return fail(ErrorKind::bad_input, "cannot read the folder " + folder.string() + ": " + error.message());
+  if (error) return fail(ErrorKind::bad_input, "cannot read the folder {}: {}", folder.string(), error.message());
   std::ranges::sort(inputs.sounds);
   if (inputs.sounds.empty()) {
     return fail(ErrorKind::bad_input,
@@ -87,9 +87,9 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   }
   const std::vector<fs::path>& shapes = objects.empty() ? meshes : objects;
   if (shapes.size() != 1) {
-    return fail(ErrorKind::bad_input, folder.string() + " has " + std::to_string(objects.size()) +
-                                          " object files and " + std::to_string(meshes.size()) +
-                                          " meshes: it needs one object file (.toml), or one mesh and --material");
+    return fail(ErrorKind::bad_input,
+                "{} has {} object files and {} meshes: it needs one object file (.toml), or one mesh and --material",
+                folder.string(), objects.size(), meshes.size());
   }
   inputs.shape = shapes.front();
   return inputs;
@@ -110,7 +110,7 @@ class Baker {
   Result<modal::Bank> bake(std::optional<double> nu) {
     constexpr double kBakes = 11;
     const Result<fs::path> program = find_beside("ringdown-bake");
-    if (!program) return fail(program.error());
+    if (!program) return fail(program);
     const fs::path to = folder_ / "baked.glb";
     const double top_hz = std::exp2(arguments_.match.max_tuning_cents / 1200) * arguments_.top_hz;
     ChildRequest request{.command = {program->string(), inputs_.shape.string(), "-o", to.string(), "--quiet", "--band",
@@ -121,11 +121,11 @@ class Baker {
     };
     if (!arguments_.material.empty()) add("--material", arguments_.material);
     if (!arguments_.materials.empty()) add("--materials", arguments_.materials.string());
-    if (nu) add("--set-material", "poisson_ratio=" + std::to_string(*nu));
-    line_.show("baking " + std::to_string(done_ + 1), arguments_.keep_nu ? 0 : done_ / kBakes);
+    if (nu) add("--set-material", formatted("poisson_ratio={:f}", *nu));
+    line_.show(formatted("baking {}", done_ + 1), arguments_.keep_nu ? 0 : done_ / kBakes);
     ++done_;
     const Result<ChildOutcome> done = run_child(request);
-    if (!done) return fail(done.error());
+    if (!done) return fail(done);
     if (done->stopped) return fail(ErrorKind::cancelled, "cancelled; nothing was written");
     if (done->exit_code != 0) return fail(ErrorKind::bad_input, last_line(done->errors));
     return modal::read_bank(to);
@@ -144,10 +144,10 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
   std::vector<cli::ComparedSound> sounds;
   for (const fs::path& path : inputs.sounds) {
     Result<cli::Sound> sound = cli::read_sound(path, std::nullopt);
-    if (!sound) return fail(sound.error());
+    if (!sound) return fail(sound);
     if (!sound->note.empty()) complain("warning: " + path.string() + ": " + sound->note, ExitCode::ok);
     Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
-    if (!found) return fail(found.error().kind, path.string() + ": " + found.error().message);
+    if (!found) return fail(path.string(), found);
     if (found->modes.empty()) {
       std::fprintf(stderr, "ringdown-compare: %s has no mode above its noise and is left out\n", path.c_str());
       continue;
@@ -169,11 +169,14 @@ Result<fit::NuChoice> choose_between(Baker& baker, fit::CalibrateOptions match, 
   for (std::size_t i = 0; i < 3; ++i) {
     const double nu = centre + aside * (static_cast<double>(i) - 1);
     Result<modal::Bank> bank = baker.bake(nu);
-    if (!bank) return fail(bank.error());
+    if (!bank) return fail(bank);
     banks[i] = std::move(*bank);
     choices[i] = {nu, &banks[i]};
   }
-  if (around_cents != 0) match.max_tuning_cents = 2 * match.tolerance_cents, match.around_cents = around_cents;
+  if (around_cents != 0) {
+    match.max_tuning_cents = 2 * match.tolerance_cents;
+    match.around_cents = around_cents;
+  }
   return fit::choose_nu(heard, choices, match);
 }
 
@@ -181,7 +184,7 @@ Result<fit::NuChoice> choose_between(Baker& baker, fit::CalibrateOptions match, 
 Result<void> find_bank(Baker& baker, const CompareArguments& arguments, cli::Comparison& c, double& around_cents) {
   constexpr double kMiddle = 0.25;  // of what solids have
   Result<modal::Bank> own = baker.bake(std::nullopt);
-  if (!own) return fail(own.error());
+  if (!own) return fail(own);
   if (!own->material) return fail(ErrorKind::bad_input, "the bank of " + c.name + " has no material");
   c.material = own->material->name;
   c.poisson_ratio = c.given_poisson_ratio = own->material->poisson_ratio;
@@ -190,12 +193,12 @@ Result<void> find_bank(Baker& baker, const CompareArguments& arguments, cli::Com
   Result<fit::NuChoice> choice = fit::NuChoice{.poisson_ratio = kMiddle};
   for (const double aside : {0.2, 0.06, 0.03}) {
     choice = choose_between(baker, arguments.match, c.heard, choice->poisson_ratio, aside, around_cents);
-    if (!choice) return fail(choice.error());
+    if (!choice) return fail(choice);
     around_cents = choice->tuning_cents;
   }
   if (!choice->told) return {};
   Result<modal::Bank> best = baker.bake(choice->poisson_ratio);
-  if (!best) return fail(best.error());
+  if (!best) return fail(best);
   around_cents = choice->tuning_cents;
   c.nu_told = true;
   c.poisson_ratio = choice->poisson_ratio;
@@ -221,18 +224,17 @@ modal::Bank fitted_bank(const cli::Comparison& c) {
 ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   if (arguments.output.empty()) arguments.output = arguments.folder / "compare.html";
   const Result<Inputs> inputs = find_inputs(arguments.folder, arguments.bank);
-  if (!inputs) return complain(inputs.error());
+  if (!inputs) return complain(inputs);
   Result<std::vector<cli::ComparedSound>> sounds = read_sounds(*inputs, arguments);
-  if (!sounds) return complain(sounds.error());
+  if (!sounds) return complain(sounds);
   cli::Comparison c{.name = inputs->shape.stem().string(), .sounds = std::move(*sounds)};
   std::vector<std::vector<fit::Mode>> each;
   for (const cli::ComparedSound& s : c.sounds) each.push_back(s.found.modes);
   c.heard = fit::merge(each);
   std::erase_if(c.heard, [&](const fit::Mode& mode) { return mode.frequency_hz > arguments.top_hz; });
   if (c.heard.size() < fit::kMinMatches) {
-    return complain({ErrorKind::bad_input, arguments.folder.string() + ": the recordings have " +
-                                               std::to_string(c.heard.size()) + " modes below --top, and " +
-                                               std::to_string(fit::kMinMatches) + " are needed"});
+    return complain({ErrorKind::bad_input, formatted("{}: the recordings have {} modes below --top, and {} are needed",
+                                                     arguments.folder.string(), c.heard.size(), fit::kMinMatches)});
   }
   const PrivateFolder folder("ringdown-compare");
   if (folder.path().empty()) return complain({ErrorKind::input_output, "cannot make a folder for temporary files"});
@@ -240,7 +242,7 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   {
     Baker baker(*inputs, arguments, folder.path(), stop);
     const auto found = find_bank(baker, arguments, c, around_cents);
-    if (!found) return complain(found.error());
+    if (!found) return complain(found);
   }
   if (around_cents != 0) {  // where E/rho and nu were searched together
     arguments.match.around_cents = around_cents;
@@ -258,10 +260,10 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   std::fputs(cli::verdict(c).c_str(), stdout);
   if (!arguments.bank.empty()) {
     const auto written = modal::write_bank(fitted_bank(c), arguments.bank);
-    if (!written) return complain(written.error());
+    if (!written) return complain(written);
   }
   const auto written = write_output(arguments.output, std::string_view(cli::compare_page(c)));
-  return written ? ExitCode::ok : complain(written.error());
+  return written ? ExitCode::ok : complain(written);
 }
 
 // The text of the man page in addition to the options.

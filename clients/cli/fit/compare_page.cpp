@@ -1,5 +1,6 @@
 #include "clients/cli/fit/compare_page.h"
 
+#include "engine/base/formatted.h"
 #include "engine/fit/band_powers.h"
 #include "engine/fit/burst.h"
 #include "engine/fit/comparison.h"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 
 namespace ringdown::cli {
@@ -19,13 +19,6 @@ constexpr double kLow_hz = 60, kHigh_hz = 16000;
 constexpr double kMaxDecay_s = 1.5;
 constexpr const char* kRecorded = "#D55E00";
 constexpr const char* kBaked = "#0072B2";
-
-template <class... Numbers>
-std::string print(const char* format, Numbers... numbers) {
-  std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), format, numbers...);
-  return text.data();
-}
 
 std::string escaped(const std::string& text) {
   std::string out;
@@ -52,27 +45,27 @@ struct Picture {
 
   void line(const std::vector<std::array<double, 2>>& points, const std::string& style) {
     body += "<polyline fill=\"none\" " + style + " points=\"";
-    for (const auto& [px, py] : points) body += print("%.1f,%.1f ", x(px), y(std::clamp(py, 0.0, 1.0)));
+    for (const auto& [px, py] : points) body += formatted("{:.1f},{:.1f} ", x(px), y(std::clamp(py, 0.0, 1.0)));
     body += "\"/>";
   }
   void mark_x(double part, const std::string& label) {
-    body +=
-        print("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/>", x(part), x(part), y(0), y(1));
-    body += print("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>", x(part), kHeight - 8, label.c_str());
+    body += formatted("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#ddd\"/>", x(part),
+                      x(part), y(0), y(1));
+    body += formatted("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", x(part), kHeight - 8, label);
   }
   void mark_y(double part, const std::string& label) {
-    body +=
-        print("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/>", x(0), x(1), y(part), y(part));
-    body += print("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%s</text>", kLeft - 4, y(part) + 4, label.c_str());
+    body += formatted("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#ddd\"/>", x(0), x(1),
+                      y(part), y(part));
+    body += formatted("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", kLeft - 4, y(part) + 4, label);
   }
   void label(double part, const std::string& text, const char* colour) {
-    body += print("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" fill=\"%s\">%s</text>", x(1) - 4, y(part) + 12,
-                  colour, text.c_str());
+    body += formatted("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\" fill=\"{}\">{}</text>", x(1) - 4,
+                      y(part) + 12, colour, text);
   }
   [[nodiscard]] std::string svg() const {
-    return print("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" xmlns=\"http://www.w3.org/2000/svg\">", kWidth, kHeight,
-                 kWidth) +
-           body + "</svg>\n";
+    return formatted(
+        "<svg viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" xmlns=\"http://www.w3.org/2000/svg\">{}</svg>\n", kWidth,
+        kHeight, kWidth, body);
   }
 };
 
@@ -96,12 +89,12 @@ std::string spectra(const ComparedSound& s) {
   Picture picture;
   for (const double hz : {100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0, 10000.0}) {
     picture.mark_x(std::log(hz / kLow_hz) / std::log(high / kLow_hz),
-                   print(hz < 1000 ? "%.0f Hz" : "%.0f k", hz < 1000 ? hz : hz / 1000));
+                   hz < 1000 ? formatted("{:.0f} Hz", hz) : formatted("{:.0f} k", hz / 1000));
   }
-  for (int db = 0; db < kSpan_db; db += 20) picture.mark_y(1 - (db + 5) / kSpan_db, print("%d", -db));
+  for (int db = 0; db < kSpan_db; db += 20) picture.mark_y(1 - (db + 5) / kSpan_db, formatted("{}", -db));
   for (const auto& [levels, style] :
-       {std::pair(&recorded, std::string("stroke=\"") + kRecorded + "\" stroke-width=\"1\""),
-        std::pair(&baked, std::string("stroke=\"") + kBaked + "\" stroke-width=\"1\" stroke-opacity=\"0.8\"")}) {
+       {std::pair(&recorded, formatted("stroke=\"{}\" stroke-width=\"1\"", kRecorded)),
+        std::pair(&baked, formatted("stroke=\"{}\" stroke-width=\"1\" stroke-opacity=\"0.8\"", kBaked))}) {
     std::vector<std::array<double, 2>> points;
     for (std::size_t i = 0; i < kPoints; ++i) {
       points.push_back({static_cast<double>(i) / kPoints, 1 - (top - (*levels)[i]) / kSpan_db});
@@ -126,12 +119,12 @@ std::string decays(const ComparedSound& s) {
   const double loudest = recorded.values.empty() ? 0 : fit::power_db(*std::ranges::max_element(recorded.values));
   Picture picture;
   const double step = length > 0.6 ? 0.2 : 0.05;
-  for (double t = 0; t < length; t += step) picture.mark_x(t / length, print("%.2f s", t));
-  for (int db = 0; db < kSpan_db; db += 20) picture.mark_y(1 - (db + 5) / kSpan_db, print("%d", -db));
+  for (double t = 0; t < length; t += step) picture.mark_x(t / length, formatted("{:.2f} s", t));
+  for (int db = 0; db < kSpan_db; db += 20) picture.mark_y(1 - (db + 5) / kSpan_db, formatted("{}", -db));
   for (std::size_t octave = 0; octave < kOctaveColours.size(); ++octave) {
     const std::size_t first = kFirst + octave * kStep;
     if (first + kOctave > recorded.bands()) break;
-    const std::string colour = print("stroke=\"%s\"", kOctaveColours[octave]);
+    const std::string colour = formatted("stroke=\"{}\"", kOctaveColours[octave]);
     for (const auto& [powers, is_baked] : {std::pair(&recorded, false), std::pair(&baked, true)}) {
       std::vector<std::array<double, 2>> points;
       for (std::size_t c = 0; c < powers->cells; ++c) {
@@ -144,7 +137,7 @@ std::string decays(const ComparedSound& s) {
     }
     const double hz = recorded.centre_hz[first + 1];
     picture.label(1 - kLabel_db * static_cast<double>(octave) / kSpan_db,
-                  print(hz < 950 ? "%.0f Hz" : "%.1f kHz", hz < 950 ? hz : hz / 1000), kOctaveColours[octave]);
+                  hz < 950 ? formatted("{:.0f} Hz", hz) : formatted("{:.1f} kHz", hz / 1000), kOctaveColours[octave]);
   }
   return picture.svg();
 }
@@ -157,7 +150,8 @@ std::string rows(const Comparison& c) {
   for (const fit::Match& match : c.calibration.matches) {
     const fit::Mode& mode = c.heard[match.recorded];
     const double decay = fit::fitted_loss(c.calibration, c.bank, match.baked, mode.frequency_hz).total_per_s();
-    text += print("<tr><td>%zu</td><td>%.2f</td><td>%.2f</td><td>%+.1f</td><td>%.3g</td><td>%.3g</td></tr>\n",
+    text +=
+        formatted("<tr><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:+.1f}</td><td>{:.3g}</td><td>{:.3g}</td></tr>\n",
                   match.baked, mode.frequency_hz, tuning * c.bank.frequency_hz[match.baked], match.off_cents,
                   modal::t60_s(mode.decay_per_s), modal::t60_s(decay));
   }
@@ -200,7 +194,10 @@ double Comparison::matched_part() const {
     });
   };
   double all = 0, matched = 0;
-  for (const fit::Mode& mode : heard) all += energy(mode), matched += is_matched(mode) ? energy(mode) : 0;
+  for (const fit::Mode& mode : heard) {
+    all += energy(mode);
+    matched += is_matched(mode) ? energy(mode) : 0;
+  }
   return all > 0 ? matched / all : 0;
 }
 
@@ -230,29 +227,30 @@ bool is_far_from_material(const Comparison& c) {
 std::string verdict(const Comparison& c) {
   const std::size_t matches = c.calibration.matches.size(), aside = matches - c.calibration.used();
   std::string text =
-      print("verdict      %s: matching modes have %.0f %% of the recorded energy, and are %.1f cents off on average\n",
-            judged(c), 100 * c.matched_part(), c.mean_cents()) +
-      print("%s: %zu of the %zu recorded modes match one of the bank's %zu\n", c.name.c_str(), matches, c.heard.size(),
-            c.bank.mode_count()) +
-      print("frequencies  %.1f cents off on average, %.1f at most, after E/rho and nu\n", c.mean_cents(),
-            c.worst_cents()) +
-      print("E/rho        %.4f times that of %s\n", c.stiffness(), c.material.c_str()) +
-      (c.nu_told
-           ? print("nu           %.3f; the material says %.3f\n", c.poisson_ratio, c.given_poisson_ratio)
-           : print("nu           %.3f as the material says: the recordings do not determine it\n", c.poisson_ratio)) +
-      print("loss factor  %s; decays %.0f %% off on average\n", c.calibration.text().c_str(), 100 * c.decay_error());
+      formatted(
+          "verdict      {}: matching modes have {:.0f} % of the recorded energy, and are {:.1f} cents off on average\n",
+          judged(c), 100 * c.matched_part(), c.mean_cents()) +
+      formatted("{}: {} of the {} recorded modes match one of the bank's {}\n", c.name, matches, c.heard.size(),
+                c.bank.mode_count()) +
+      formatted("frequencies  {:.1f} cents off on average, {:.1f} at most, after E/rho and nu\n", c.mean_cents(),
+                c.worst_cents()) +
+      formatted("E/rho        {:.4f} times that of {}\n", c.stiffness(), c.material) +
+      (c.nu_told ? formatted("nu           {:.3f}; the material says {:.3f}\n", c.poisson_ratio, c.given_poisson_ratio)
+                 : formatted("nu           {:.3f} as the material says: the recordings do not determine it\n",
+                             c.poisson_ratio)) +
+      formatted("loss factor  {}; decays {:.0f} % off on average\n", c.calibration.text(), 100 * c.decay_error());
   if (aside > 0) {
     text +=
-        print("             %zu of the %zu decay differently, as in a room or a hand, and are left out of this fit\n",
-              aside, matches);
+        formatted("             {} of the {} decay differently, as in a room or a hand, and are left out of this fit\n",
+                  aside, matches);
   }
   if (is_far_from_material(c)) {
-    text += print(
-        "note         E/rho and nu are far from those of %s: a wall thicker or thinner than drawn has that effect, "
+    text += formatted(
+        "note         E/rho and nu are far from those of {}: a wall thicker or thinner than drawn has that effect, "
         "too\n",
-        c.material.c_str());
+        c.material);
   }
-  for (const ComparedSound& s : c.sounds) text += print("distance     %.1f dB: ", s.distance_db) + s.name + "\n";
+  for (const ComparedSound& s : c.sounds) text += formatted("distance     {:.1f} dB: {}\n", s.distance_db, s.name);
   return text;
 }
 
@@ -263,13 +261,14 @@ std::string compare_page(const Comparison& c) {
       "table{border-collapse:collapse}td,th{padding:2px 10px;text-align:right}tr:nth-child(even){background:#f4f4f4}"
       "pre{background:#f4f4f4;padding:8px}</style></head><body>\n<h1>" +
       escaped(c.name) + "</h1>\n<pre>" + escaped(verdict(c)) + "</pre>\n<p>" +
-      print("<b style=\"color:%s\">recorded</b>, ", kRecorded) + print("<b style=\"color:%s\">baked</b>: ", kBaked) +
+      formatted("<b style=\"color:{}\">recorded</b>, ", kRecorded) +
+      formatted("<b style=\"color:{}\">baked</b>: ", kBaked) +
       "the bank's modes that match, in the fitted E/rho, nu and damping, as loud as in the recording.</p>\n";
   for (const ComparedSound& s : c.sounds) {
-    text += "<h2>" + escaped(s.name) +
-            print("</h2>\n<p>Distance %.1f dB, in thirds of an octave by 10 ms. Spectrum [dB]:</p>\n", s.distance_db) +
-            spectra(s) + "<p>Decay of every other octave [dB]; dashed: baked, beside the recording's noise:</p>\n" +
-            decays(s);
+    text += formatted(
+        "<h2>{}</h2>\n<p>Distance {:.1f} dB, in thirds of an octave by 10 ms. Spectrum [dB]:</p>\n{}<p>Decay of every "
+        "other octave [dB]; dashed: baked, beside the recording's noise:</p>\n{}",
+        escaped(s.name), s.distance_db, spectra(s), decays(s));
   }
   return text + "<h2>Modes</h2>\n" + rows(c) + "</body></html>\n";
 }

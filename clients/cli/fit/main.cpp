@@ -131,15 +131,14 @@ Result<modal::Bank> bank_of(const fit::Fit& found, const fit::Kept& kept, const 
   const Result<modal::Bank> bank = modal::read_bank(arguments.damping_of);
   if (!bank) return bank;
   const Result<fit::Calibration> calibration = fit::calibrate(found.modes, *bank, arguments.match);
-  if (!calibration)
-    return fail(calibration.error().kind, arguments.input.string() + ": " + calibration.error().message);
+  if (!calibration) return fail(arguments.input.string(), calibration);
   cli::print_calibration(found, *bank, *calibration);
   return fit::with_losses(*bank, *calibration);
 }
 
 ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   const Result<cli::Sound> sound = cli::read_sound(arguments.input, arguments.channel);
-  if (!sound) return complain(sound.error());
+  if (!sound) return complain(sound);
   if (!sound->note.empty()) complain("warning: " + arguments.input.string() + ": " + sound->note, ExitCode::ok);
   const Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
@@ -153,13 +152,13 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   cli::print_fit(arguments.input.string(), *found);
   if (is_of_recording) cli::print_kept(arguments.input.string(), *found, kept);
   const Result<modal::Bank> bank = bank_of(*found, kept, arguments);
-  if (!bank) return complain(bank.error());
+  if (!bank) return complain(bank);
   if (!arguments.output.empty()) {
     const auto written = modal::write_bank(*bank, arguments.output);
-    if (!written) return complain(written.error());
+    if (!written) return complain(written);
   }
   const auto written = write_sounds(*found, *sound, arguments, stop);
-  return written ? ExitCode::ok : complain(written.error());
+  return written ? ExitCode::ok : complain(written);
 }
 
 // The text of the man page in addition to the options.
@@ -180,7 +179,8 @@ ExitCode run(int argc, char** argv) {
     return complain_of_usage(app, "--impulse takes three numbers that are not all 0, like 0,0,1");
   }
   if (arguments.name.empty()) arguments.name = arguments.input.stem().string();
-  arguments.options.low_hz = arguments.band[0], arguments.options.high_hz = arguments.band[1];
+  arguments.options.low_hz = arguments.band[0];
+  arguments.options.high_hz = arguments.band[1];
   for (const fs::path& path : {arguments.output, arguments.resynth, arguments.residual}) keep_stdout_for(path);
   return cli::run_cancellable([&arguments](const std::stop_token& stop) { return fit_recording(arguments, stop); });
 }

@@ -44,7 +44,8 @@ void print_kept(const std::string& name, const fit::Fit& fit, const fit::Kept& k
     for (std::size_t b = 0; b < burst.level.size(); ++b) {
       if (burst.level[b] == 0) continue;
       const double t60 = modal::t60_s(burst.decay_per_s[b / fit::kBandsOfDecay]);
-      shortest = std::min(shortest, t60), longest = std::max(longest, t60);
+      shortest = std::min(shortest, t60);
+      longest = std::max(longest, t60);
     }
     std::printf("burst      of noise, %zu numbers, T60 %.3g to %.3g s; the bank plays it as %zu short modes\n",
                 burst.numbers(), shortest, longest, modes);

@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <fstream>
 #include <memory>
 #include <string_view>
@@ -133,7 +132,7 @@ double energy_of(const std::vector<double>& samples) {
   return sum > kRounding * kRounding * mean * mean * static_cast<double>(samples.size()) ? sum : 0;
 }
 
-std::string number(std::size_t channel) { return "channel " + std::to_string(channel + 1); }
+std::string number(std::size_t channel) { return formatted("channel {}", channel + 1); }
 
 // One channel of all that sound, and in `note` what was left out.
 std::vector<double> mix(Channels& channels, std::vector<double> energies, std::string& note) {
@@ -155,8 +154,8 @@ std::vector<double> mix(Channels& channels, std::vector<double> energies, std::s
   }
   if (energy_of(mixed) >= kCancels * apart) return mixed;
   const auto loudest = static_cast<std::size_t>(std::ranges::max_element(energies) - energies.begin());
-  note = "the channels cancel each other in their mean; " + number(loudest) +
-         (heard.size() > 1 ? ", the loudest," : "") + " is taken alone; --channel takes another";
+  note = formatted("the channels cancel each other in their mean; {}{} is taken alone; --channel takes another",
+                   number(loudest), heard.size() > 1 ? ", the loudest," : "");
   return std::move(channels[loudest]);
 }
 
@@ -167,18 +166,18 @@ Result<Sound> sound_of(Channels channels, const SF_INFO& info, std::optional<int
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const auto wrong = std::ranges::find_if_not(channels[c], [](double x) { return std::isfinite(x); });
     if (wrong != channels[c].end()) {
-      char time[32];
-      std::snprintf(time, sizeof time, "%.4f", static_cast<double>(wrong - channels[c].begin()) / info.samplerate);
-      return refuse(path, "has a sample that is not a number, at " + std::string(time) + " s in " +
-                              number(wanted ? static_cast<std::size_t>(*wanted - 1) : c) +
-                              (info.channels > 1 ? "; --channel takes another channel" : "; write the file again"));
+      const std::string time = formatted("{:.4f}", static_cast<double>(wrong - channels[c].begin()) / info.samplerate);
+      return refuse(path,
+                    formatted("has a sample that is not a number, at {} s in {}{}", time,
+                              number(wanted ? static_cast<std::size_t>(*wanted - 1) : c),
+                              info.channels > 1 ? "; --channel takes another channel" : "; write the file again"));
     }
     energies.push_back(energy_of(channels[c]));
   }
   if (std::ranges::all_of(energies, [](double energy) { return energy == 0; })) {
-    return refuse(path, "is silent: no sample of " + (wanted ? number(static_cast<std::size_t>(*wanted - 1)) : "it") +
-                            " differs from the others" +
-                            (wanted && info.channels > 1 ? "; --channel takes another channel" : ""));
+    return refuse(path, formatted("is silent: no sample of {} differs from the others{}",
+                                  wanted ? number(static_cast<std::size_t>(*wanted - 1)) : "it",
+                                  wanted && info.channels > 1 ? "; --channel takes another channel" : ""));
   }
   sound.samples = mix(channels, std::move(energies), sound.note);
   return sound;
@@ -200,8 +199,7 @@ Result<Sound> read_sound(const fs::path& path, std::optional<int> channel) {
   SoundHandle file(sf_open(path.c_str(), SFM_READ, &info), sf_close);
   if (!file) return fail(ErrorKind::bad_input, unreadable + sf_strerror(nullptr));
   if (channel && (*channel < 1 || *channel > info.channels)) {
-    return refuse(
-        path, "has channels 1 to " + std::to_string(info.channels) + ", and no channel " + std::to_string(*channel));
+    return refuse(path, formatted("has channels 1 to {}, and no channel {}", info.channels, *channel));
   }
   if (const auto at = info.frames == 0 ? data_without_length(path) : std::nullopt) {
     file = open_without_length(tail.emplace(path, *at), info);

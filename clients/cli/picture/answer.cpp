@@ -49,7 +49,10 @@ Answer answer_of(const modal::Bank& bank, std::optional<Vec3> at) {
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
     const double score =
         at ? 1 / (1e-12 + length(wide(bank.positions[p]) - *at)) : energy(bank, p, direction_at(bank, p, normals[p]));
-    if (score > best) best = score, answer.point = p;
+    if (score > best) {
+      best = score;
+      answer.point = p;
+    }
   }
   answer.direction = direction_at(bank, answer.point, normals[answer.point]);
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {

@@ -1,8 +1,9 @@
 #include "clients/cli/picture/axis.h"
 
+#include "engine/base/formatted.h"
+
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace ringdown::cli {
@@ -25,15 +26,13 @@ Axis log_axis(double low, double high, std::string title) {
 
 Axis linear_axis(double low, double high, double step, std::string title) {
   Axis axis{low, high, false, std::move(title), {}};
-  for (double tick = std::ceil(low / step) * step; tick <= high + 1e-9 * step; tick += step) axis.ticks.push_back(tick);
+  for (double tick = std::ceil(low / step) * step; tick <= high + 1e-9 * step; tick += step)
+    axis.ticks.push_back(std::abs(tick) < 1e-9 * step ? 0 : tick);
   return axis;
 }
 
 std::string tick_label(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), std::abs(value) >= 1000 ? "%gk" : "%g",
-                std::abs(value) >= 1000 ? value / 1000 : value);
-  return text.data();
+  return std::abs(value) >= 1000 ? formatted("{:g}k", value / 1000) : formatted("{:g}", value);
 }
 
 Dot Chart::at(double horizontal, double vertical) const {

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace ringdown::cli {
 namespace {
@@ -45,11 +44,12 @@ std::string table_of(const modal::Bank& bank, const Answer& answer) {
       "the point dB</th><th>error %</th></tr></thead>\n<tbody>\n";
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double decay = bank.decay_per_s[m];
-    const std::string error = bank.frequency_error.empty() ? "" : format("%.2g", 100 * bank.frequency_error[m]);
-    rows += format("<tr><td>%zu</td><td>%.3f</td><td>%s</td><td>%s</td><td>%.4g</td><td>%.1f</td><td>%s</td></tr>\n", m,
-                   bank.frequency_hz[m], note_name(bank.frequency_hz[m]).c_str(),
-                   decay > 0 ? format("%.4g", modal::t60_s(decay)).c_str() : "-", decay,
-                   20 * std::log10(std::abs(answer.amplitude[m]) / loudest + 1e-15), error.c_str());
+    const std::string error = bank.frequency_error.empty() ? "" : formatted("{:.2g}", 100 * bank.frequency_error[m]);
+    rows += formatted(
+        "<tr><td>{}</td><td>{:.3f}</td><td>{}</td><td>{}</td><td>{:.4g}</td><td>{:.1f}</td><td>{}</td></tr>\n", m,
+        bank.frequency_hz[m], note_name(bank.frequency_hz[m]),
+        decay > 0 ? formatted("{:.4g}", modal::t60_s(decay)) : "-", decay,
+        20 * std::log10(std::abs(answer.amplitude[m]) / loudest + 1e-15), error);
   }
   return rows + "</tbody></table>\n";
 }
@@ -57,10 +57,10 @@ std::string table_of(const modal::Bank& bank, const Answer& answer) {
 std::string facts_of(const modal::Bank& bank) {
   std::string text;
   if (const auto& m = bank.material) {
-    text += escaped(m->name) + format(": E = %.4g Pa, nu = %.3g, rho = %.5g kg/m³, %s. ", m->youngs_modulus_pa,
-                                      m->poisson_ratio, m->density_kg_m3, modal::describe_damping(*m).c_str());
+    text += formatted("{}: E = {:.4g} Pa, nu = {:.3g}, rho = {:.5g} kg/m³, {}. ", escaped(m->name),
+                      m->youngs_modulus_pa, m->poisson_ratio, m->density_kg_m3, modal::describe_damping(*m));
   }
-  text += format("%zu sample points, %zu triangles. ", bank.point_count(), bank.triangles.size());
+  text += formatted("{} sample points, {} triangles. ", bank.point_count(), bank.triangles.size());
   if (!bank.provenance.generator.empty()) text += "Made by " + escaped(bank.provenance.generator) + ".";
   return "<p class=\"hint\">" + text + "</p>\n";
 }
@@ -76,11 +76,14 @@ std::string clean_text(std::string_view text) {
       if (n + k >= text.size() || (static_cast<unsigned char>(text[n + k]) & 0xC0) != 0x80) count = 0;
     }
     if (count == 0) {
-      clean += "\xEF\xBF\xBD", ++n;
+      clean += "\xEF\xBF\xBD";
+      ++n;
     } else if (lead < 0x20 || lead == 0x7F) {
-      clean += ' ', ++n;
+      clean += ' ';
+      ++n;
     } else {
-      clean += text.substr(n, count), n += count;
+      clean += text.substr(n, count);
+      n += count;
     }
   }
   return clean;
@@ -122,8 +125,7 @@ std::string bank_page(const modal::Bank& bank, const Answer& answer) {
          "<p><span id=\"view-title\"></span> <label><input type=\"checkbox\" id=\"move\" checked> "
          "vibrate</label></p>\n" +
          "<canvas width=\"900\" height=\"600\"></canvas>\n<p class=\"hint\">Drag to turn, wheel to zoom; arrow keys or "
-         "a row "
-         "of the table choose a mode.</p>\n</div>\n<h2>Modes</h2>\n" +
+         "a row of the table choose a mode.</p>\n</div>\n<h2>Modes</h2>\n" +
          facts_of(bank) + table_of(bank, answer) + "<script type=\"application/json\" id=\"view-data\">" +
          view_data(bank) + "</script>\n<script>" + kViewScript + "</script>\n</body>\n</html>\n";
 }

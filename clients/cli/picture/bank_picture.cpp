@@ -4,11 +4,11 @@
 #include "clients/cli/picture/shape_view.h"
 #include "engine/base/note.h"
 #include "engine/modal/damping.h"
+#include "engine/modal/fracture/strength.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <utility>
 
@@ -26,18 +26,18 @@ std::string fitting(Canvas& canvas, std::string text, double size, double width,
 }
 
 std::string frequency_text(double hz) {
-  return hz >= 10000  ? format("%.2f kHz", hz / 1000)
-         : hz >= 1000 ? format("%.3f kHz", hz / 1000)
-                      : format("%.1f Hz", hz);
+  return hz >= 10000  ? formatted("{:.2f} kHz", hz / 1000)
+         : hz >= 1000 ? formatted("{:.3f} kHz", hz / 1000)
+                      : formatted("{:.1f} Hz", hz);
 }
 
-std::string t60_text(double decay) { return decay > 0 ? format("T60 %.3g s", modal::t60_s(decay)) : "no decay"; }
+std::string t60_text(double decay) { return decay > 0 ? formatted("T60 {:.3g} s", modal::t60_s(decay)) : "no decay"; }
 
 std::string subtitle(const modal::Bank& bank) {
   const auto [low, high] = std::ranges::minmax(bank.frequency_hz);
   std::string text = bank.material && !bank.material->name.empty() ? clean_text(bank.material->name) + "  ·  " : "";
-  text += format("%zu modes, ", bank.mode_count()) + frequency_text(low) + " to " + frequency_text(high);
-  if (bank.mass) text += format("  ·  %.3g kg", bank.mass->mass_kg);
+  text += formatted("{} modes, {} to {}", bank.mode_count(), frequency_text(low), frequency_text(high));
+  if (bank.mass) text += formatted("  ·  {:.3g} kg", bank.mass->mass_kg);
   return text;
 }
 
@@ -110,7 +110,8 @@ void draw_decays(Canvas& canvas, const Box& box, const modal::Bank& bank, const 
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     loudest = std::max(loudest, std::abs(answer.amplitude[m]));
     if (bank.decay_per_s[m] <= 0) continue;
-    low = std::min(low, modal::t60_s(bank.decay_per_s[m])), high = std::max(high, modal::t60_s(bank.decay_per_s[m]));
+    low = std::min(low, modal::t60_s(bank.decay_per_s[m]));
+    high = std::max(high, modal::t60_s(bank.decay_per_s[m]));
   }
   if (high <= 0) low = high = 1;
   const Chart chart{box, frequency_axis(bank, "frequency [Hz]"), log_axis(low / 1.6, high * 1.6, "T60 [s]")};
@@ -138,7 +139,7 @@ void draw_legend(Canvas& canvas, Dot corner, double width, double size) {
 std::string struck_text(const modal::Bank& bank, const Answer& answer) {
   const auto& p = bank.positions[answer.point];
   const auto to_microns = [](double metres) { return std::round(metres * 1e6) / 1e6 + 0.0; };
-  return format("Struck at (%.4g, %.4g, %.4g) m", to_microns(p[0]), to_microns(p[1]), to_microns(p[2]));
+  return formatted("Struck at ({:.4g}, {:.4g}, {:.4g}) m", to_microns(p[0]), to_microns(p[1]), to_microns(p[2]));
 }
 
 constexpr std::size_t kShown = 4;
@@ -151,6 +152,34 @@ std::vector<std::size_t> modes_to_show(const modal::Bank& bank) {
     if (std::ranges::none_of(modes, alike)) modes.push_back(m);
   }
   return modes;
+}
+
+std::string pieces_text(const modal::Fracture& fracture, const modal::BreakPattern& pattern) {
+  const auto silent =
+      std::ranges::count_if(pattern.pieces, [](const auto& piece) { return piece.bank.mode_count() == 0; });
+  std::string text = formatted("{} pieces", pattern.pieces.size());
+  if (silent > 0) text += formatted(", {} only click", static_cast<std::size_t>(silent));
+  text += formatted("  ·  {:.3g} cm² of cracks", 1e4 * pattern.crack_area_m2);
+  if (const double cost_j = modal::crack_cost_j(pattern.crack_area_m2, fracture.crack_energy_j_m2); cost_j > 0)
+    text += formatted(" take {:.2g} J", cost_j);
+  return text;
+}
+
+// The first patterns, together and apart.
+void draw_fracture(Canvas& canvas, const modal::Fracture& fracture, double top, double margin) {
+  constexpr double kApart = 0.5, kHeight = 224;
+  const std::size_t shown = std::min<std::size_t>(fracture.patterns.size(), 2);
+  const double side = (kPictureWidth - 2 * margin) / 4;
+  std::string title = "The pieces where the marked place is struck; grey ones only click";
+  if (fracture.patterns.size() > shown) title += formatted(" ({} of {} patterns)", shown, fracture.patterns.size());
+  canvas.text({margin, top}, title, 14, kInk, Align::left, true);
+  for (std::size_t p = 0; p < shown; ++p) {
+    const double left = margin + 2 * side * static_cast<double>(p);
+    draw_pieces(canvas, {left, top + 14, side, kHeight}, fracture.patterns[p], 0);
+    draw_pieces(canvas, {left + side, top + 14, side, kHeight}, fracture.patterns[p], kApart);
+    canvas.text({left + side, top + kHeight + 34}, pieces_text(fracture, fracture.patterns[p]), 12, kFaint,
+                Align::centre);
+  }
 }
 
 void draw_small(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
@@ -169,7 +198,7 @@ void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   for (const std::size_t m : modes_to_show(bank)) {
     left += side;
     draw_shape(canvas, {left, 84, side, 214}, bank, m, &answer.point);
-    canvas.text({left + side / 2, 318}, format("mode %zu  ·  ", m) + frequency_text(bank.frequency_hz[m]), 13, kInk,
+    canvas.text({left + side / 2, 318}, formatted("mode {}  ·  {}", m, frequency_text(bank.frequency_hz[m])), 13, kInk,
                 Align::centre, true);
     canvas.text({left + side / 2, 336}, note_name(bank.frequency_hz[m]) + "  ·  " + t60_text(bank.decay_per_s[m]), 12,
                 kFaint, Align::centre);
@@ -180,12 +209,14 @@ void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   draw_spectrum(canvas, {kMargin + 36, 428, width - 36, 190}, bank, answer, kSize, true);
   canvas.text({kMargin, 684}, "T60 of each mode; larger dots are louder at this point", 14, kInk, Align::left, true);
   draw_decays(canvas, {kMargin + 36, 714, width - 36, 130}, bank, answer, kSize);
+  if (bank.fracture) draw_fracture(canvas, *bank.fracture, kPictureHeight + 12, kMargin);
 }
 
 }  // namespace
 
 std::string draw_bank(Canvas::Kind kind, const modal::Bank& bank, const Answer& answer, bool small) {
-  Canvas canvas(kind, small ? kSmallWidth : kPictureWidth, small ? kSmallHeight : kPictureHeight);
+  const double height = kPictureHeight + (bank.fracture ? kPiecesHeight : 0);
+  Canvas canvas(kind, small ? kSmallWidth : kPictureWidth, small ? kSmallHeight : height);
   small ? draw_small(canvas, bank, answer) : draw_large(canvas, bank, answer);
   return std::move(canvas).finish();
 }

@@ -1,4 +1,5 @@
-// A bank at a glance: four mode shapes, the spectrum of a blow, and how long each mode rings. [any]
+// A bank at a glance: four mode shapes, the spectrum of a blow, how long each mode rings, and the pieces into which the
+// body breaks, if it can. [any]
 #pragma once
 
 #include "clients/cli/picture/answer.h"
@@ -9,9 +10,11 @@
 
 namespace ringdown::cli {
 
-inline constexpr double kPictureWidth = 1120, kPictureHeight = 900, kSmallWidth = 480, kSmallHeight = 200;
+inline constexpr double kPictureWidth = 1120, kPictureHeight = 900, kPiecesHeight = 300, kSmallWidth = 480,
+                        kSmallHeight = 200;
 
-// Returns the file's bytes; empty if it could not be drawn. `small` selects one shape and the spectrum.
+// The picture of a body that breaks is higher by kPiecesHeight. Returns the file's bytes; empty if it could not be
+// drawn. `small` selects one shape and the spectrum.
 std::string draw_bank(Canvas::Kind kind, const modal::Bank& bank, const Answer& answer, bool small = false);
 
 }  // namespace ringdown::cli

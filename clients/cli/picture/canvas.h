@@ -1,14 +1,13 @@
 // A sheet to draw on, written as a PNG or an SVG: equal calls give equal pictures.
 //
 //   Canvas canvas(Canvas::Kind::svg, 800, 600);
-//   canvas.line({{10, 10}, {90, 90}}, kInk, 2);
+//   canvas.line(std::array<Dot, 2>{{{10, 10}, {90, 90}}}, kInk, 2);
 //   const std::string bytes = std::move(canvas).finish();
 //
 // Points are in pixels from the top left corner. Letters are from the system's sans-serif. [one thread]
 #pragma once
 
 #include <array>
-#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
@@ -28,14 +27,6 @@ Colour heat(double value);
 struct Dot {
   double x, y;
 };
-
-// Formats numbers by the rules of std::printf; cut after 255 bytes.
-template <class... Numbers>
-std::string format(const char* pattern, Numbers... numbers) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, numbers...);
-  return text.data();
-}
 
 enum class Align { left, centre, right };
 

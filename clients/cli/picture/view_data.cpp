@@ -23,7 +23,10 @@ void append(std::string& bytes, double value) {
 std::string points_of(const modal::Bank& bank) {
   modal::Vec3f low = bank.positions[0], high = low;
   for (const auto& p : bank.positions) {
-    for (int c = 0; c < 3; ++c) low[c] = std::min(low[c], p[c]), high[c] = std::max(high[c], p[c]);
+    for (int c = 0; c < 3; ++c) {
+      low[c] = std::min(low[c], p[c]);
+      high[c] = std::max(high[c], p[c]);
+    }
   }
   const double extent = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-9F});
   std::string bytes;

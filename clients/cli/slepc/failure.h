@@ -1,6 +1,8 @@
 // Functions by which a process of ringdown-modes-slepc gives up. [every process]
 #pragma once
 
+#include "engine/base/formatted.h"
+
 #include <petscsys.h>
 
 #include <string>
@@ -16,7 +18,7 @@ namespace ringdown::cli {
 
 // Wraps every call of PETSc and SLEPc. Their error handler, in main.cpp, gives up before a call returns an error.
 inline void check(PetscErrorCode code) {
-  if (code != 0) give_up("PETSc's error " + std::to_string(static_cast<int>(code)));
+  if (code != 0) give_up(formatted("PETSc's error {}", static_cast<int>(code)));
 }
 
 }  // namespace ringdown::cli

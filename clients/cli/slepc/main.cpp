@@ -30,7 +30,7 @@ int rank() {
 
 PetscErrorCode on_error(MPI_Comm, int, const char* function, const char*, PetscErrorCode code, PetscErrorType type,
                         const char* message, void*) {
-  if (type == PETSC_ERROR_INITIAL) give_up(std::string(message) + " (in " + function + ")");
+  if (type == PETSC_ERROR_INITIAL) give_up(formatted("{} (in {})", message, function));
   return code;
 }
 

@@ -17,13 +17,13 @@ from ._core import Bank, Mixer, version
 from .baking import bake
 from .errors import Error, InputError
 from .rendering import render, render_scene
-from .values import Material, Pattern, Piece, Status
+from .values import Losses, Material, Pattern, Piece, Status
 
 if TYPE_CHECKING:
     from ._scene import Scene
 
 __version__: str = version()
-__all__ = ["Bank", "Error", "InputError", "Material", "Mixer", "Pattern", "Piece", "Scene", "Status", "bake", "render",
+__all__ = ["Bank", "Error", "InputError", "Losses", "Material", "Mixer", "Pattern", "Piece", "Scene", "Status", "bake", "render",
            "render_scene"]
 
 

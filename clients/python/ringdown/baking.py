@@ -75,6 +75,8 @@ def _arguments(option: str, value: Any) -> List[str]:
         return [option]
     if isinstance(value, dict):
         return [word for name, number in value.items() for word in (option, f"{name}={number}")]
+    if isinstance(value, (list, tuple)) and value and all(isinstance(item, os.PathLike) for item in value):
+        return [word for item in value for word in (option, os.fspath(item))]
     if isinstance(value, (list, tuple)):
         return [option, *map(str, value)]
     return [option, str(value)]

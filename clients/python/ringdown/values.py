@@ -2,6 +2,10 @@
 
 from typing import NamedTuple, Optional, Tuple
 
+import numpy as np
+import numpy.typing as npt
+
+Doubles = npt.NDArray[np.float64]
 Triple = Tuple[float, float, float]
 
 
@@ -12,6 +16,15 @@ class Material(NamedTuple):
     youngs_modulus_pa: float
     poisson_ratio: float
     density_kg_m3: float
+
+
+class Losses(NamedTuple):
+    """The decays of a bank's modes by cause, M numbers each [1/s]; together they are the decays."""
+
+    material: Doubles
+    thermoelastic: Doubles  # heat that flows in the body
+    air: Doubles
+    support: Doubles
 
 
 class Status(NamedTuple):

@@ -4,6 +4,8 @@
 
 #include <pybind11/numpy.h>
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
 #include <cstdint>
 #include <memory>
@@ -18,7 +20,9 @@ namespace {
 
 class Bank {
  public:
-  explicit Bank(ringdown_bank* bank) : bank_(bank) { ringdown_bank_describe(bank, &info_); }
+  explicit Bank(ringdown_bank* bank) : bank_(bank) { describe(); }
+
+  void describe() { ringdown_bank_describe(bank_.get(), &info_); }
 
   [[nodiscard]] const ringdown_bank* get() const { return bank_.get(); }
   [[nodiscard]] const ringdown_bank_info& info() const { return info_; }
@@ -28,14 +32,19 @@ class Bank {
     void operator()(ringdown_bank* bank) const { ringdown_bank_release(bank); }
   };
   std::unique_ptr<ringdown_bank, Release> bank_;
-  ringdown_bank_info info_{sizeof(ringdown_bank_info), 0, 0, 0, "", "", 0, 0, 0, 0, {}, 0};
+  ringdown_bank_info info_{sizeof(ringdown_bank_info), 0, 0, 0, "", "", 0, 0, 0, 0, {}, 0, 0, 0, {}, {}};
 };
 
-Bank open(const py::object& path) {
+Bank open(const py::object& path, const py::object& residual) {
   const std::string bytes = path_of(path);
   ringdown_bank* bank = nullptr;
   call_without_lock(ringdown_bank_open, c_string(bytes), &bank);
-  return Bank(bank);
+  Bank opened(bank);
+  if (residual.is_none()) return opened;
+  const std::string beside = path_of(residual);
+  call_without_lock(ringdown_bank_read_residual, bank, c_string(beside));
+  opened.describe();
+  return opened;
 }
 
 Bank parse(const py::object& glb, const std::string& name) {
@@ -85,6 +94,91 @@ py::array far_field_of(const Bank& bank, Whole<std::uint32_t> mode, const Direct
   return field;
 }
 
+// One of the lists of the bank; None if the bank does not have it.
+py::object list_of(const Bank& bank, ringdown_bank_list list) {
+  std::size_t count = 0;
+  call(ringdown_bank_numbers, bank.get(), list, static_cast<double*>(nullptr), &count);
+  if (count == 0) return py::none();
+  py::array_t<double> numbers(count);
+  call(ringdown_bank_numbers, bank.get(), list, numbers.mutable_data(), &count);
+  return numbers;
+}
+
+// A ringdown.Losses; None if the bank does not have them.
+py::object losses_of(const Bank& bank) {
+  const py::object found = list_of(bank, RINGDOWN_LOSSES_PER_S);
+  if (found.is_none()) return found;
+  return py::module_::import("ringdown.values").attr("Losses")(*found.attr("reshape")(-1, 4).attr("T"));
+}
+
+py::array undamped_of(const Bank& bank) {
+  constexpr double kTurn = 6.283185307179586;
+  const double* frequencies = ringdown_bank_frequencies_hz(bank.get());
+  const double* decays = ringdown_bank_decays_per_s(bank.get());
+  py::array_t<double> undamped(bank.info().modes);
+  for (std::size_t m = 0; m < bank.info().modes; ++m)
+    undamped.mutable_data()[m] = std::hypot(frequencies[m], decays[m] / kTurn);
+  return undamped;
+}
+
+py::object provenance_of(const Bank& bank) {
+  std::size_t bytes = 0;
+  call(ringdown_bank_provenance, bank.get(), static_cast<char*>(nullptr), &bytes);
+  std::string text(bytes, 0);
+  call(ringdown_bank_provenance, bank.get(), text.data(), &bytes);
+  return py::module_::import("json").attr("loads")(text.c_str());
+}
+
+py::bytes bytes_of(const Bank& bank) {
+  std::size_t bytes = 0;
+  call(ringdown_bank_write, bank.get(), static_cast<void*>(nullptr), &bytes);
+  std::string glb(bytes, 0);
+  call(ringdown_bank_write, bank.get(), static_cast<void*>(glb.data()), &bytes);
+  return py::bytes(glb);
+}
+
+using Frequencies = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Response = py::array_t<std::complex<double>>;
+
+// An array of the same shape as `frequencies`.
+template <class Number>
+py::array_t<Number> shaped_as(const Frequencies& frequencies) {
+  return py::array_t<Number>(std::vector<py::ssize_t>(frequencies.shape(), frequencies.shape() + frequencies.ndim()));
+}
+
+Response frf_of(const Bank& bank, const Vector& at_m, const Vector& direction, const Vector& to_m,
+                const Vector& to_direction, const Frequencies& frequencies, const std::string& kind) {
+  static const std::vector<std::string> kKinds = {"receptance", "mobility", "accelerance"};
+  const auto found = std::find(kKinds.begin(), kKinds.end(), kind);
+  if (found == kKinds.end()) refuse("kind is '" + kind + "'; it can be receptance, mobility or accelerance");
+  auto response = shaped_as<std::complex<double>>(frequencies);
+  call(ringdown_bank_frf, bank.get(), static_cast<ringdown_motion>(found - kKinds.begin()), at_m.data(),
+       direction.data(), to_m.data(), to_direction.data(), frequencies.data(),
+       static_cast<std::size_t>(frequencies.size()), reinterpret_cast<double*>(response.mutable_data()));
+  return response;
+}
+
+Response pressure_frf_of(const Bank& bank, const Vector& at_m, const Vector& direction, const Vector& to_m,
+                         const Frequencies& frequencies) {
+  auto response = shaped_as<std::complex<double>>(frequencies);
+  call(ringdown_bank_pressure_frf, bank.get(), at_m.data(), direction.data(), to_m.data(), frequencies.data(),
+       static_cast<std::size_t>(frequencies.size()), reinterpret_cast<double*>(response.mutable_data()));
+  return response;
+}
+
+py::array energy_spectrum_of(const Bank& bank, const Vector& at_m, const Vector& direction,
+                             const Frequencies& frequencies) {
+  auto energies = shaped_as<double>(frequencies);
+  call(ringdown_bank_energy_spectrum, bank.get(), at_m.data(), direction.data(), frequencies.data(),
+       static_cast<std::size_t>(frequencies.size()), energies.mutable_data());
+  return energies;
+}
+
+// Calls a function of ringdown.tables, which is Python, with the bank.
+py::object table_of(const char* function, const py::object& self) {
+  return py::module_::import("ringdown.tables").attr(function)(self);
+}
+
 ringdown_piece_info piece_info(const Bank& bank, std::uint32_t pattern, std::uint32_t piece) {
   ringdown_piece_info info{};
   info.size = sizeof info;
@@ -127,7 +221,10 @@ void add_bank(py::module_& module) {
   py::class_<Bank>(module, "Bank",
                    "The M vibration modes of an object, known at P points of its surface with T triangles between them."
                    " Arrays are views without copies: they cannot be written to, and keep the bank alive.")
-      .def_static("open", &open, py::arg("path"), "Reads a bank, a .glb file of ringdown-bake or another program.")
+      .def_static(
+          "open", &open, py::arg("path"), py::arg("residual") = py::none(),
+          "Reads a bank, a .glb file of ringdown-bake or another program. residual: the file that `ringdown bake"
+          " --export-residual` wrote with it, for frf().")
       .def_static("parse", &parse, py::arg("glb"), py::arg("name") = "bank",
                   "Reads a bank from the bytes of a bank file; error sentences contain `name` in place of the path.")
       .def_property_readonly(
@@ -180,6 +277,31 @@ void add_bank(py::module_& module) {
           [](const py::object& self) { return view(self, bank_of(self).info().center_of_mass_m, {3}); },
           "The centre of mass, 3 coordinates [m].")
       .def_property_readonly(
+          "inertia_kg_m2", [](const py::object& self) { return view(self, bank_of(self).info().inertia_kg_m2, {3}); },
+          "The 3 principal moments of inertia about the centre of mass [kg m^2].")
+      .def_property_readonly(
+          "axes_wxyz", [](const py::object& self) { return view(self, bank_of(self).info().axes_wxyz, {4}); },
+          "The rotation that turns the principal axes into the object's frame, a unit quaternion.")
+      .def_property_readonly(
+          "held", [](const Bank& bank) { return bank.info().held != 0; }, "True if supports hold the body.")
+      .def_property_readonly("undamped_frequencies_hz", &undamped_of, "M frequencies without damping [Hz].")
+      .def_property_readonly(
+          "frequency_errors", [](const Bank& bank) { return list_of(bank, RINGDOWN_FREQUENCY_ERRORS); },
+          "M estimated relative errors of the frequencies, or None.")
+      .def_property_readonly(
+          "shape_errors", [](const Bank& bank) { return list_of(bank, RINGDOWN_SHAPE_ERRORS); },
+          "M estimated relative errors of amplitudes between sample points, or None.")
+      .def_property_readonly(
+          "level_errors_db", [](const Bank& bank) { return list_of(bank, RINGDOWN_LEVEL_ERRORS_DB); },
+          "M estimated errors of what the modes radiate [dB], or None.")
+      .def_property_readonly("losses", &losses_of,
+                             "A ringdown.Losses: the decays by cause, M numbers each [1/s]; None if not known.")
+      .def_property_readonly("provenance", &provenance_of,
+                             "How the bank was made: a dict with the keys of the file (bank-format.md).")
+      .def_property_readonly(
+          "has_residual", [](const Bank& bank) { return bank.info().has_residual != 0; },
+          "True if the bank was opened with its residual: frf() then includes the modes that are not in the bank.")
+      .def_property_readonly(
           "has_radiation", [](const Bank& bank) { return bank.info().has_radiation != 0; },
           "True if the modes have radiation maps, which far_field() needs.")
       .def_property_readonly("patterns", &patterns_of,
@@ -192,6 +314,44 @@ void add_bank(py::module_& module) {
            "The far field of one mode towards N directions (N x 3, of any length but 0): N complex numbers"
            " [m^2 kg^-1/2].\n\nThe pressure at distance r is i rho omega v F exp(ikr) / r for a modal velocity v, with"
            " time as exp(-i omega t).")
+      .def(
+          "frf", &frf_of, py::arg("at_m"), py::arg("direction"), py::arg("to_m"), py::arg("to_direction"),
+          py::arg("frequencies_hz"), py::arg("kind") = "receptance",
+          "The motion at `to_m` along `to_direction` per newton at `at_m` along `direction`: complex numbers in the "
+          "shape"
+          " of `frequencies_hz`, with time as exp(+i omega t).\n\nkind: receptance [m/N], mobility [m/(N s)] or"
+          " accelerance [1/kg]. Places are the nearest of the surface. The rigid motion of a free body is included, and"
+          " if has_residual, so are the modes that are not in the bank.")
+      .def("pressure_frf", &pressure_frf_of, py::arg("at_m"), py::arg("direction"), py::arg("to_m"),
+           py::arg("frequencies_hz"),
+           "The sound pressure at a point in the air, in the object's frame, per newton at `at_m` along `direction`"
+           " [Pa/N]: a sum of the modes' far fields.")
+      .def("energy_spectrum", &energy_spectrum_of, py::arg("at_m"), py::arg("direction"), py::arg("frequencies_hz"),
+           "The energy that the object radiates per hertz after an impulse of 1 N s at `at_m` along `direction`"
+           " [J/Hz/(N s)^2].")
+      .def("to_bytes", &bytes_of, "The bank as the bytes of a bank file, for parse().")
+      .def(
+          "to_xarray", [](const py::object& self) { return table_of("to_xarray", self); },
+          "The bank as an xarray.Dataset; needs xarray.")
+      .def(
+          "to_dataframe", [](const py::object& self) { return table_of("to_dataframe", self); },
+          "The modes as a pandas.DataFrame, one row for each; needs pandas.")
+      .def(
+          "to_sofa",
+          [](const py::object& self, const py::object& path, const py::object& at_m, const py::object& direction,
+             const py::object& frequencies, double step_deg, double distance_m) {
+            py::module_::import("ringdown.sofa")
+                .attr("write")(self, path, at_m, direction, frequencies, step_deg, distance_m);
+          },
+          py::arg("path"), py::arg("at_m"), py::arg("direction"), py::arg("frequencies_hz"), py::arg("step_deg") = 5.0,
+          py::arg("distance_m") = 0.0,
+          "Writes the pressure per newton in all directions as a SOFA file (AES69, FreeFieldDirectivityTF); needs"
+          " netCDF4.\n\ndistance_m: from the centre of mass; 0: ten times the largest distance of the surface.")
+      .def(py::pickle([](const Bank& bank) { return py::make_tuple(bytes_of(bank), bank.info().name); },
+                      [](const py::tuple& state) {
+                        if (state.size() != 2) refuse("the pickle is not that of a bank");
+                        return parse(state[0], state[1].cast<std::string>());
+                      }))
       .def("__repr__", &text_of);
 }
 

@@ -1,5 +1,7 @@
 #include "clients/viewer/link/bank_fetcher.h"
 
+#include "engine/base/formatted.h"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -51,9 +53,9 @@ void BankFetcher::begin_transfer(KnownObjects& objects, const std::string& chose
   KnownObject* object = next_to_fetch(objects, chosen, now_s);
   if (!object) return;
   if (bytes_held(objects) + static_cast<std::size_t>(std::max(0, object->bank_bytes)) > max_bytes_) {
-    object->bank_fault = "the bank of " + object->name +
-                         " is not fetched, because the banks of all objects together would have more than " +
-                         std::to_string(max_bytes_) + " bytes";
+    object->bank_fault = formatted(
+        "the bank of {} is not fetched, because the banks of all objects together would have more than {} bytes",
+        object->name, max_bytes_);
     object->bank_retry_at_s = now_s + kRetry_s;
     return;
   }

@@ -25,7 +25,7 @@ BankTransfer::Outcome read(std::span<const std::byte> file, const BankTransfer::
                 name + " is not the one that the daemon plays: its file was changed; load it again");
   }
   Result<modal::Bank> bank = modal::parse_bank(file, name);
-  if (!bank) return fail(bank.error());
+  if (!bank) return fail(bank);
   KnownBank known{std::move(*bank), {}};
   known.by_frequency.resize(known.bank.mode_count());
   std::iota(known.by_frequency.begin(), known.by_frequency.end(), 0u);
@@ -48,9 +48,8 @@ BankTransfer::BankTransfer(Subject subject) : subject_(std::move(subject)) {
   if (subject_.bytes <= 0) {
     fault_ = Error{ErrorKind::bad_input, name_of(subject_) + " is empty"};
   } else if (static_cast<std::size_t>(subject_.bytes) > kMaxBytes) {
-    fault_ = Error{ErrorKind::too_large, name_of(subject_) + " has " + std::to_string(subject_.bytes) +
-                                             " bytes; no more than " + std::to_string(kMaxBytes) +
-                                             " are fetched to be shown"};
+    fault_ = Error{ErrorKind::too_large, formatted("{} has {} bytes; no more than {} are fetched to be shown",
+                                                   name_of(subject_), subject_.bytes, kMaxBytes)};
   } else {
     file_.resize(static_cast<std::size_t>(subject_.bytes));
   }

@@ -1,10 +1,10 @@
 #include "clients/viewer/panels/overlays.h"
 
 #include "clients/viewer/keys.h"
+#include "engine/base/formatted.h"
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -35,14 +35,10 @@ void draw_keys(const Skin& skin, const char* heading, Pane pane, Listed listed) 
 }  // namespace
 
 std::string scene_note(const std::string& name, double time_s, double duration_s, bool paused) {
-  std::array<char, 64> clock{};
   const bool ended = duration_s > 0 && time_s >= duration_s;
-  if (duration_s > 0) {
-    std::snprintf(clock.data(), clock.size(), "%.1f s of %g s", std::min(time_s, duration_s), duration_s);
-  } else {
-    std::snprintf(clock.data(), clock.size(), "%.1f s", time_s);
-  }
-  return name + "   " + clock.data() + (ended ? "   ended (F6: restart)" : "") + (paused ? "   paused (F5)" : "");
+  const std::string clock = duration_s > 0 ? formatted("{:.1f} s of {:g} s", std::min(time_s, duration_s), duration_s)
+                                           : formatted("{:.1f} s", time_s);
+  return name + "   " + clock + (ended ? "   ended (F6: restart)" : "") + (paused ? "   paused (F5)" : "");
 }
 
 void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene,

@@ -1,9 +1,10 @@
 #include "clients/viewer/panels/plots.h"
 
+#include "engine/base/formatted.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <initializer_list>
 #include <utility>
 
@@ -116,12 +117,6 @@ void draw_wave(const Area& area, std::span<const float> samples, double peak, Im
   area.list->AddPolyline(points.data(), static_cast<int>(points.size()), colour, 0, 1.3f);
 }
 
-std::string text_of(const char* format, double a, double b) {
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), format, a, b);
-  return text.data();
-}
-
 // A label and a horizontal bar, filled up to `share` with a line at `mark`, both 0 ... 1. The text comes next.
 void draw_meter(const Skin& skin, const char* label, double share, double mark, ImU32 colour) {
   ImGui::TextUnformatted(label);
@@ -158,10 +153,10 @@ void draw_oscilloscope(const Skin& skin, ImVec2 size, std::span<const float> lef
   for (const double ms : {5.0, 10.0, 15.0}) {
     const float x = area.x(ms / 20);
     area.list->AddLine({x, area.low.y}, {x, area.high.y}, skin.grid);
-    area.label_below(skin, x, text_of(ms == 15 ? "%.0f ms" : "%.0f", ms, 0).c_str());
+    area.label_below(skin, x, formatted("{:.0f}{}", ms, ms == 15 ? " ms" : "").c_str());
   }
   area.list->AddLine({area.low.x, area.y(0.5)}, {area.high.x, area.y(0.5)}, skin.grid);
-  area.label_left(skin, area.low.y, text_of("%.2g", peak, 0).c_str());
+  area.label_left(skin, area.low.y, formatted("{:.2g}", peak).c_str());
   area.label_left(skin, area.y(0.5), "0");
   draw_wave(area, part(right), peak, series_colour(1));
   draw_wave(area, part(left), peak, series_colour(0));
@@ -188,7 +183,8 @@ void draw_spectrum(const Skin& skin, ImVec2 size, std::span<const float> levels_
   area.title(skin, {{"spectrum", skin.faint}});
   if (area.hovered() && !levels_db.empty()) {
     const double share = area.mouse_x();
-    ImGui::SetTooltip("%s", text_of("%.0f Hz, %.1f dB", frequency_of_share(share), levels_db[bin_at(share)]).c_str());
+    ImGui::SetTooltip("%s",
+                      formatted("{:.0f} Hz, {:.1f} dB", frequency_of_share(share), levels_db[bin_at(share)]).c_str());
   }
 }
 
@@ -206,7 +202,10 @@ Picked draw_bars(const Skin& skin, ImVec2 size, std::span<const BarGroup> groups
       area.list->AddLine({x, area.high.y - 2}, {x, std::min(top, area.high.y - 2)}, groups[g].colour,
                          bar.chosen ? 3.0f : 2.0f);
       const float away = std::abs(ImGui::GetMousePos().x - x);
-      if (away < distance) distance = away, nearest = {static_cast<int>(g), static_cast<int>(b)};
+      if (away < distance) {
+        distance = away;
+        nearest = {static_cast<int>(g), static_cast<int>(b)};
+      }
     }
   }
   area.title(skin, {{"ringing modes", skin.faint}});
@@ -214,7 +213,7 @@ Picked draw_bars(const Skin& skin, ImVec2 size, std::span<const BarGroup> groups
   const BarGroup& group = groups[static_cast<std::size_t>(nearest.group)];
   const Bar& bar = group.bars[static_cast<std::size_t>(nearest.bar)];
   ImGui::SetTooltip("%s, mode %d: %s", group.name.c_str(), nearest.bar,
-                    text_of("%.1f Hz, %.0f dB", bar.frequency_hz, level_db(bar.amplitude)).c_str());
+                    formatted("{:.1f} Hz, {:.0f} dB", bar.frequency_hz, level_db(bar.amplitude)).c_str());
   return ImGui::IsMouseClicked(ImGuiMouseButton_Left) ? nearest : Picked{};
 }
 

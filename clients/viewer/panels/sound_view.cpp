@@ -1,5 +1,7 @@
 #include "clients/viewer/panels/sound_view.h"
 
+#include "engine/base/formatted.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -67,7 +69,7 @@ void draw_legend(const Skin& skin, const std::vector<BarGroup>& groups) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   float x = at.x;
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    const std::string rest = "+" + std::to_string(groups.size() - i);
+    const std::string rest = formatted("+{}", groups.size() - i);
     const float end = x + side + gap + width_of(groups[i].name) + em;
     if (end + (i + 1 < groups.size() ? width_of(rest) : -em) > right) {
       list->AddText({x, at.y}, skin.faint, rest.c_str());
@@ -99,9 +101,7 @@ bool draw_row(const Skin& skin, int row, const ListedMode& mode, bool chosen) {
   ImGui::TableNextColumn();
   ImGui::PushID(row);
   ImGui::PushStyleColor(ImGuiCol_Text, mode.selected ? skin.text : skin.faint);
-  char label[16];
-  std::snprintf(label, sizeof label, "%d", row);
-  const bool clicked = ImGui::Selectable(label, chosen, ImGuiSelectableFlags_SpanAllColumns);
+  const bool clicked = ImGui::Selectable(std::to_string(row).c_str(), chosen, ImGuiSelectableFlags_SpanAllColumns);
   ImGui::TableNextColumn();
   mode.frequency_hz > 0 ? ImGui::Text("%.1f Hz", mode.frequency_hz) : ImGui::TextUnformatted("no pitch");
   ImGui::TableNextColumn();
@@ -123,8 +123,7 @@ void SoundView::draw_meters(const Skin& skin, const Model& model, bool tone) con
   draw_level(skin, "Level", static_cast<float>(model.peak().now), static_cast<float>(model.peak().held));
   const auto& status = model.status();
   const double p99 = status ? status->load_p99 : 0;
-  char text[48];
-  std::snprintf(text, sizeof text, "%4.1f %%", 100 * model.load().mean);
+  const std::string text = formatted("{:4.1f} %", 100 * model.load().mean);
   draw_share(skin, "DSP load", model.load().mean, p99, text);
   draw_count(skin, "xruns", model.load().xruns);
   ImGui::SameLine();

@@ -1,5 +1,7 @@
 #include "clients/viewer/render/drawn_mesh.h"
 
+#include "engine/base/groups.h"
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
@@ -46,8 +48,10 @@ void add_normals_and_bounds(DrawnMesh& mesh) {
   for (glm::vec3& normal : mesh.normals) normal = unit(normal);
   if (mesh.positions.empty()) return;
   mesh.low_m = mesh.high_m = mesh.positions.front();
-  for (const glm::vec3& p : mesh.positions)
-    mesh.low_m = glm::min(mesh.low_m, p), mesh.high_m = glm::max(mesh.high_m, p);
+  for (const glm::vec3& p : mesh.positions) {
+    mesh.low_m = glm::min(mesh.low_m, p);
+    mesh.high_m = glm::max(mesh.high_m, p);
+  }
 }
 
 // The triangles around one point, united into smooth patches: a union-find over the triangles.
@@ -230,7 +234,10 @@ DrawnMesh curved(const DrawnMesh& flat) {
 // Draws a bank without triangles: an octahedron at every step-th point.
 DrawnMesh marks(const std::vector<glm::vec3>& at) {
   glm::vec3 low(at.front()), high(at.front());
-  for (const glm::vec3& p : at) low = glm::min(low, p), high = glm::max(high, p);
+  for (const glm::vec3& p : at) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
   const float radius = std::max(0.012F * glm::distance(low, high), 1e-4F);
   const std::size_t step = (at.size() + kMaxMarks - 1) / kMaxMarks;
   DrawnMesh mesh;
@@ -306,7 +313,8 @@ DrawnMesh sphere_mesh(float radius_m) {
       mesh.triangles.push_back({b, a + kSides, b + kSides});
     }
   }
-  mesh.low_m = glm::vec3(-radius_m), mesh.high_m = glm::vec3(radius_m);
+  mesh.low_m = glm::vec3(-radius_m);
+  mesh.high_m = glm::vec3(radius_m);
   number_corners(mesh);
   return mesh;
 }
@@ -346,7 +354,10 @@ std::vector<glm::vec3> normal_changes(const DrawnMesh& mesh, const std::vector<g
     const glm::vec3 ab = mesh.positions[t[1]] - mesh.positions[t[0]], ac = mesh.positions[t[2]] - mesh.positions[t[0]];
     const glm::vec3 ab_moves = moves[t[1]] - moves[t[0]], ac_moves = moves[t[2]] - moves[t[0]];
     const glm::vec3 change = glm::cross(ab_moves, ac) + glm::cross(ab, ac_moves);
-    for (const std::uint32_t corner : t) sums[corner] += glm::cross(ab, ac), changes[corner] += change;
+    for (const std::uint32_t corner : t) {
+      sums[corner] += glm::cross(ab, ac);
+      changes[corner] += change;
+    }
   }
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const float length = glm::length(sums[i]);

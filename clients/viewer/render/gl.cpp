@@ -18,7 +18,7 @@ Error refused(const char* name, const char* what, const Log& log) {
   std::string said(log.data());
   std::replace(said.begin(), said.end(), '\n', ' ');
   return {ErrorKind::refused,
-          std::string("this OpenGL driver refuses ") + what + " of '" + name + "' (" + said + "); try another driver"};
+          formatted("this OpenGL driver refuses {} of '{}' ({}); try another driver", what, name, said)};
 }
 
 Result<GlObject> compile(const char* name, GLenum kind, const std::string& source) {
@@ -71,9 +71,9 @@ GlObject make_framebuffer() {
 
 Result<GlProgram> GlProgram::link(const char* name, const std::string& vertex, const std::string& fragment) {
   const Result<GlObject> first = compile(name, GL_VERTEX_SHADER, vertex);
-  if (!first) return fail(first.error());
+  if (!first) return fail(first);
   const Result<GlObject> second = compile(name, GL_FRAGMENT_SHADER, fragment);
-  if (!second) return fail(second.error());
+  if (!second) return fail(second);
   GlProgram made;
   made.program_ = GlObject(glCreateProgram(), [](GLuint n) { glDeleteProgram(n); });
   const GLuint program = made.program_.name();

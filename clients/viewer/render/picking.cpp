@@ -38,8 +38,14 @@ Span inside_box(const Ray& ray, glm::vec3 low, glm::vec3 high) {
     float near = (low[axis] - ray.origin[axis]) / ray.direction[axis];
     float far = (high[axis] - ray.origin[axis]) / ray.direction[axis];
     if (near > far) std::swap(near, far);
-    if (near > span.enter) span.enter = near, span.axis = axis;
-    if (far < span.leave) span.leave = far, span.leave_axis = axis;
+    if (near > span.enter) {
+      span.enter = near;
+      span.axis = axis;
+    }
+    if (far < span.leave) {
+      span.leave = far;
+      span.leave_axis = axis;
+    }
   }
   return span;
 }

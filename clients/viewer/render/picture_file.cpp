@@ -21,7 +21,7 @@ Result<void> write_png(const Image& image, const std::filesystem::path& path) {
   std::vector<std::byte> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
   png_alloc_size_t size = bytes.size();
   if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.rgba.data(), 0, nullptr))
-    return fail(ErrorKind::input_output, "the picture " + path.string() + " could not be made: " + png.message);
+    return fail(ErrorKind::input_output, "the picture {} could not be made: {}", path.string(), png.message);
   return write_output(path, std::span(bytes).first(size));
 }
 

@@ -38,7 +38,7 @@ Result<Programs> link_programs() {
                         {made.last, "last", whole_vertex_shader(), last_shader()}};
   for (const Wanted& wanted : all) {
     Result<GlProgram> program = GlProgram::link(wanted.name, wanted.vertex, wanted.fragment);
-    if (!program) return fail(program.error());
+    if (!program) return fail(program);
     wanted.program = std::move(*program);
   }
   return made;
@@ -94,7 +94,8 @@ bool SceneRenderer::State::fit_targets(int width, int height) {
     glGetIntegerv(limit, &drivers);
     max = std::min(max, drivers);
   }
-  width = std::clamp(width, 1, max), height = std::clamp(height, 1, max);
+  width = std::clamp(width, 1, max);
+  height = std::clamp(height, 1, max);
   if (!targets || targets->width != width || targets->height != height) {
     targets.reset();
     targets.emplace(width, height);
@@ -213,12 +214,12 @@ Result<SceneRenderer> SceneRenderer::create() {
   if (!epoxy_is_desktop_gl() || epoxy_gl_version() < 33) {
     const auto* version = reinterpret_cast<const char*>(glGetString(GL_VERSION));
     return fail(ErrorKind::refused,
-                std::string("the scene is drawn with OpenGL 3.3 or newer, but this driver offers '") +
-                    (version ? version : "nothing") +
-                    "'; use a newer driver, or Mesa's own with LIBGL_ALWAYS_SOFTWARE=1");
+                "the scene is drawn with OpenGL 3.3 or newer, but this driver offers '{}'; use a newer driver, or "
+                "Mesa's own with LIBGL_ALWAYS_SOFTWARE=1",
+                version ? version : "nothing");
   }
   Result<Programs> programs = link_programs();
-  if (!programs) return fail(programs.error());
+  if (!programs) return fail(programs);
   return SceneRenderer(std::make_unique<State>(std::move(*programs)));
 }
 

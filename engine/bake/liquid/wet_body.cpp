@@ -22,12 +22,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kLiquidBand = 4;      // highest frequency of the liquid's modes over the band's top
 constexpr int kPatterns = 12;          // pressures that the body is let give way to, for each liquid
 constexpr double kShift = -1e-3;       // of the band's top, above which all lies that SlavedResponse lets give way
 constexpr double kIndependent = 1e-6;  // of corrections of unit mass: less is a repetition of others
 constexpr double kGutter = 0.05;       // of the largest basin's volume: so much smaller ones must be named to be filled
-constexpr double kFewer = 4;           // nodes of the wall over those of the coarser one
 
 Vector3d to_eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -90,26 +88,6 @@ modal::LiquidNote note_of(const liquid::Liquid& liquid, double level_m, double v
           .volume_m3 = volume_m3,
           .up = up,
           .around = bath};
-}
-
-Result<void> plan_filling(const Filling& filling, const WetUnits& units, WetPlan& plan) {
-  const liquid::WetWall wall(plan.skin, to_eigen(filling.up));
-  const double metre = 1 / units.length_m;
-  liquid::Amount amount = filling.amount;
-  amount.value *= amount.kind == liquid::Amount::Kind::kVolume ? metre * metre * metre : metre;
-  const auto basins = chosen_basins(filling, wall, units.length_m);
-  if (!basins) return fail(basins.error());
-  for (const liquid::Basin& basin : *basins) {
-    const Result<double> level = liquid::level_of(wall, basin, amount, metre);
-    if (!level) return fail(level.error());
-    const liquid::Piece piece = liquid::piece_of(wall, basin, *level);
-    if (piece.triangles.empty())
-      return fail(ErrorKind::bad_input, "the liquid spills into another basin below that level; fill that one");
-    plan.parts.push_back(part_of(liquid::wetted_by(wall, {piece}, *level, false), filling.liquid, units));
-    plan.notes.push_back(note_of(filling.liquid, *level * units.length_m, piece.volume * std::pow(units.length_m, 3),
-                                 filling.up, false));
-  }
-  return {};
 }
 
 Result<void> plan_bath(const Bath& bath, const WetUnits& units, WetPlan& plan) {
@@ -436,6 +414,26 @@ class WetSolver {
 };
 
 }  // namespace
+
+Result<void> plan_filling(const Filling& filling, const WetUnits& units, WetPlan& plan) {
+  const liquid::WetWall wall(plan.skin, to_eigen(filling.up));
+  const double metre = 1 / units.length_m;
+  liquid::Amount amount = filling.amount;
+  amount.value *= amount.kind == liquid::Amount::Kind::kVolume ? metre * metre * metre : metre;
+  const auto basins = chosen_basins(filling, wall, units.length_m);
+  if (!basins) return fail(basins.error());
+  for (const liquid::Basin& basin : *basins) {
+    const Result<double> level = liquid::level_of(wall, basin, amount, metre);
+    if (!level) return fail(level.error());
+    const liquid::Piece piece = liquid::piece_of(wall, basin, *level);
+    if (piece.triangles.empty())
+      return fail(ErrorKind::bad_input, "the liquid spills into another basin below that level; fill that one");
+    plan.parts.push_back(part_of(liquid::wetted_by(wall, {piece}, *level, false), filling.liquid, units));
+    plan.notes.push_back(note_of(filling.liquid, *level * units.length_m, piece.volume * std::pow(units.length_m, 3),
+                                 filling.up, false));
+  }
+  return {};
+}
 
 Result<WetPlan> plan_liquids(const Liquids& liquids, const mesh::TetMesh& unit_mesh, const mesh::Boundary& surface,
                              const WetUnits& units) {

@@ -24,7 +24,9 @@
 
 namespace ringdown::bake {
 
-inline constexpr double kDryBand = 1.5;  // highest frequency of the dry modes over the band's top
+inline constexpr double kDryBand = 1.5;   // highest frequency of the dry modes over the band's top
+inline constexpr double kLiquidBand = 4;  // highest frequency of the liquid's modes over the band's top
+inline constexpr double kFewer = 4;       // nodes of the wall over those of the coarser one, which shows the error
 
 // One body of liquid, free of units: lengths in the body's, densities over the material's, speeds over sqrt(E / rho).
 struct WetPart {
@@ -49,6 +51,9 @@ struct WetUnits {
 // no basin, or none at a place that was named.
 Result<WetPlan> plan_liquids(const Liquids& liquids, const mesh::TetMesh& unit_mesh, const mesh::Boundary& surface,
                              const WetUnits& units);
+
+// Adds a filling to a plan whose skin is set, with lengths in that skin's unit; fails as plan_liquids() does.
+Result<void> plan_filling(const Filling& filling, const WetUnits& units, WetPlan& plan);
 
 // Changes of each of m modes by the liquids.
 struct WetEffects {

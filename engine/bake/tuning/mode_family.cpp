@@ -110,8 +110,8 @@ Result<ModeFamily> parse_family(std::string_view name) {
   for (const auto& [known, family] : kNames) {
     if (known == name && family != ModeFamily::kOther) return family;
   }
-  return fail(ErrorKind::bad_input, "there is no family of modes '" + std::string(name) +
-                                        "'; take vertical, lateral, torsion, longitudinal or any");
+  return fail(ErrorKind::bad_input,
+              "there is no family of modes '{}'; take vertical, lateral, torsion, longitudinal or any", name);
 }
 
 BodyAxes body_axes(const modal::Bank& bank, std::optional<Vec3> strike) {

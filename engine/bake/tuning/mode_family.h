@@ -1,7 +1,7 @@
 // Classifies the modes of a slender or flat body by their motion, from a bank's shapes. [any thread]
 //
 //   const BodyAxes axes = body_axes(bank, std::nullopt);
-//   modes_of(bank, axes, ModeFamily::kVertical)   // its bending modes in the strike direction, lowest first
+//   const auto bending = modes_of(bank, axes, ModeFamily::kVertical);   // in the strike direction, lowest first
 //
 // A bar that is tuned by undercutting changes the order of its modes: twist passes bending. So modes are counted within
 // a family. In the body's axes, `along` its longest extent and `strike` across, the shape at the bank's points is split

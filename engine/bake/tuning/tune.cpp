@@ -42,17 +42,17 @@ class Tuner {
 
   Result<Tuned> run() {
     Result<VectorXd> first = evaluate(at_);
-    if (!first) return fail(first.error());
+    if (!first) return fail(first);
     cents_ = std::move(*first);
     bool fresh = false;
     while (!reached() && affordable()) {
       if (slopes_.rows() != cents_.size() || slopes_.cols() != at_.size()) {
-        if (auto measured = measure_slopes(); !measured) return fail(measured.error());
+        if (auto measured = measure_slopes(); !measured) return fail(measured);
         fresh = true;
         continue;
       }
       const Result<bool> better = step();
-      if (!better) return fail(better.error());
+      if (!better) return fail(better);
       if (*better) {
         fresh = false;
       } else if (fresh) {
@@ -91,7 +91,7 @@ class Tuner {
           column = (*cents - cents_) / (near[i] - at_[i]);
           break;
         }
-        if (cents.error().kind == ErrorKind::cancelled) return fail(cents.error());
+        if (cents.error().kind == ErrorKind::cancelled) return fail(cents);
         why = cents.error();
       }
       if (!column) return fail(why);
@@ -135,7 +135,7 @@ class Tuner {
       if (move.cwiseAbs().maxCoeff() < kMinStep) return false;
       const Result<VectorXd> cents = evaluate(at_ + move);
       if (!cents) {
-        if (cents.error().kind == ErrorKind::cancelled) return fail(cents.error());
+        if (cents.error().kind == ErrorKind::cancelled) return fail(cents);
         damping_ *= 10;
         continue;
       }

@@ -1,11 +1,11 @@
 #include "engine/bake/tuning/tune_object.h"
 
 #include "engine/bake/bake_object.h"
+#include "engine/base/range.h"
 #include "engine/materials/material_library.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace ringdown::bake {
@@ -20,12 +20,6 @@ constexpr double kRefinement = 0.7;  // of the mesh size, from round to round
 
 double cents_between(double frequency_hz, double target_hz) { return 1200 * std::log2(frequency_hz / target_hz); }
 
-double six_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return std::strtod(text, nullptr);
-}
-
 class ObjectTuner {
  public:
   ObjectTuner(const TuneRequest& request, const modal::Material& material)
@@ -38,6 +32,7 @@ class ObjectTuner {
     recipe_.options.keep_modes = 0;
     recipe_.options.floor_db = 0;
     recipe_.options.air.reset();
+    recipe_.options.resonators.clear();
     recipe_.error = 0;
     best_.slopes = request.slopes;
   }
@@ -47,17 +42,17 @@ class ObjectTuner {
     if (fem::order_of(own) > 2 && best_.slopes.size() == 0) {
       set_element(fem::Element::kTet10);
       auto done = round("coarse", std::max(kCoarseTolerance_cents, request_.tolerance_cents), kMaxCoarseBakes);
-      if (!done && (stopped_ || bakes_ == 1)) return fail(done.error());
+      if (!done && (stopped_ || bakes_ == 1)) return fail(done);
     }
     set_element(own);
     Result<void> done = round("fine", request_.tolerance_cents, kMaxBakes);
     for (int finer = 0; done && worst_error() >= kMaxErrorCents && finer < kMaxRefinements; ++finer) {
-      recipe_.meshing.mesh_size_m = six_digits(kRefinement * recipe_.meshing.mesh_size_m);
+      recipe_.meshing.mesh_size_m = to_digits(kRefinement * recipe_.meshing.mesh_size_m, 6);
       done = round("finer", request_.tolerance_cents, kMaxBakes);
     }
-    if (!done) return fail(done.error());
+    if (!done) return fail(done);
     TunedObject tuned{.found = found_, .mesh_size_m = recipe_.meshing.mesh_size_m, .bakes = bakes_};
-    for (const TuneVariable& variable : variables_) tuned.parameters[variable.name] = six_digits(variable.start);
+    for (const TuneVariable& variable : variables_) tuned.parameters[variable.name] = to_digits(variable.start, 6);
     tuned.slopes = best_.slopes;
     tuned.reached = best_.reached && worst_error() < kMaxErrorCents;
     return tuned;
@@ -83,7 +78,7 @@ class ObjectTuner {
     options.stopped = [this] { return stopped_; };
     const CentsOf cents_of = [this](const VectorXd& at) { return evaluate(at); };
     Result<Tuned> tuned = tune(variables_, cents_of, options);
-    if (!tuned) return fail(tuned.error());
+    if (!tuned) return fail(tuned);
     best_ = std::move(*tuned);
     for (std::size_t i = 0; i < variables_.size(); ++i) {
       variables_[i].start = best_.parameters[static_cast<Eigen::Index>(i)];
@@ -94,7 +89,7 @@ class ObjectTuner {
   Result<VectorXd> evaluate(const VectorXd& at) {
     std::map<std::string, double> parameters;
     for (std::size_t i = 0; i < variables_.size(); ++i) {
-      parameters[variables_[i].name] = six_digits(at[static_cast<Eigen::Index>(i)]);
+      parameters[variables_[i].name] = to_digits(at[static_cast<Eigen::Index>(i)], 6);
     }
     for (const auto& [name, value] : parameters) recipe_.meshing.parameters[name] = value;
     const Result<BakedObject> object = bake_recipe(recipe_, material_, [this](std::string_view stage, double fraction) {
@@ -102,9 +97,9 @@ class ObjectTuner {
       return !stopped_;
     });
     ++bakes_;
-    if (!object) return fail(object.error());
+    if (!object) return fail(object);
     const Result<std::vector<FoundMode>> found = find_targets(object->baked.bank);
-    if (!found) return fail(found.error());
+    if (!found) return fail(found);
     VectorXd cents(static_cast<Eigen::Index>(found->size()));
     for (std::size_t i = 0; i < found->size(); ++i) cents[static_cast<Eigen::Index>(i)] = (*found)[i].cents;
     if (best_cents_ < 0 || cents.norm() < best_cents_) {
@@ -134,13 +129,11 @@ class ObjectTuner {
   }
 
   [[nodiscard]] std::string too_few(const TuneTarget& target, std::size_t there) const {
-    char text[200];
-    std::snprintf(text, sizeof text,
-                  "%s has %zu modes of the family '%s' between %.0f and %.0f Hz, but mode %d has a target; start "
-                  "nearer to the targets",
-                  recipe_.name.c_str(), there, std::string(family_name(target.family)).c_str(),
-                  recipe_.options.band_low_hz, recipe_.options.band_high_hz, target.mode);
-    return text;
+    return formatted(
+        "{} has {} modes of the family '{}' between {:.0f} and {:.0f} Hz, but mode {} has a target; start nearer to "
+        "the targets",
+        recipe_.name, there, family_name(target.family), recipe_.options.band_low_hz, recipe_.options.band_high_hz,
+        target.mode);
   }
 
   const TuneRequest& request_;
@@ -163,9 +156,9 @@ Result<TunedObject> tune_object(const TuneRequest& request, const std::filesyste
                 request.recipe.name + " states no mesh size; give it mesh_size_m, so that all bakes use the same");
   }
   const Result<MaterialEntry> material = find_material(materials, request.recipe.material);
-  if (!material) return fail(material.error());
+  if (!material) return fail(material);
   Result<ObjectRecipe> whole = with_part_materials(request.recipe, materials);
-  if (!whole) return fail(whole.error());
+  if (!whole) return fail(whole);
   TuneRequest complete = request;
   complete.recipe = std::move(*whole);
   return ObjectTuner(complete, material->material).run();

@@ -145,7 +145,7 @@ Result<ChildOutcome> run_child(const ChildRequest& request) {
   const std::string folder = request.folder.string();
   Pipe output, errors, reason;
   if (!output.good() || !errors.good() || !reason.good()) {
-    return fail(ErrorKind::input_output, "cannot run " + words[0] + ": " + std::strerror(errno));
+    return fail(ErrorKind::input_output, "cannot run {}: {}", words[0], std::strerror(errno));
   }
   const pid_t parent = ::getpid(), id = ::fork();
   if (id == 0) {
@@ -157,7 +157,7 @@ Result<ChildOutcome> run_child(const ChildRequest& request) {
   int number = 0;
   if (::read(reason.read_end(), &number, sizeof number) == sizeof number) {  // 0 bytes: exec closed the pipe
     ::waitpid(id, nullptr, 0);
-    return fail(ErrorKind::input_output, "cannot run " + words[0] + ": " + std::strerror(number));
+    return fail(ErrorKind::input_output, "cannot run {}: {}", words[0], std::strerror(number));
   }
   return watch(id, request, output, errors);
 }
@@ -178,8 +178,7 @@ Result<std::filesystem::path> find_beside(const std::string& name) {
   for (const std::filesystem::path& place : {folder / name, folder.parent_path() / name}) {
     if (::access(place.c_str(), X_OK) == 0) return place;
   }
-  return fail(ErrorKind::refused,
-              "the program " + name + " is neither in " + folder.string() + " nor in the folder above");
+  return fail(ErrorKind::refused, "the program {} is neither in {} nor in the folder above", name, folder.string());
 }
 
 }  // namespace ringdown

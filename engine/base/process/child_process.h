@@ -1,7 +1,7 @@
 // Runs another program to its end. [worker]
 //
 //   const Result<ChildOutcome> done = run_child({.command = {"mpirun", "-n", "2", program}, .on_line = show});
-//   if (!done) return fail(done.error());          // it could not be started
+//   if (!done) return fail(done);          // it could not be started
 //   if (done->exit_code != 0) return fail(ErrorKind::refused, last_line(done->errors));
 //
 // The program starts with no signal blocked, gets SIGTERM when the thread that runs it ends, and never outlives

@@ -102,7 +102,7 @@ Result<void> HelperProcess::start(std::vector<std::string> command, const std::v
   limits_ = limits;
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    return fail(ErrorKind::input_output, "cannot run " + command[0] + ": " + std::strerror(errno));
+    return fail(ErrorKind::input_output, "cannot run {}: {}", command[0], std::strerror(errno));
   }
   std::vector<std::string> variables = added;
   for (char** entry = environ; *entry != nullptr; ++entry)
@@ -114,7 +114,7 @@ Result<void> HelperProcess::start(std::vector<std::string> command, const std::v
   ::close(ends[1]);
   if (id < 0) {
     ::close(ends[0]);
-    return fail(ErrorKind::input_output, "cannot run " + command[0] + ": " + std::strerror(error));
+    return fail(ErrorKind::input_output, "cannot run {}: {}", command[0], std::strerror(error));
   }
   id_ = id;
   pipe_ = ends[0];

@@ -2,7 +2,7 @@
 // hang, fill the memory or send nonsense. [worker]
 //
 //   HelperProcess helper;
-//   if (auto started = helper.start({program, path}, limits); !started) return fail(started.error());
+//   if (auto started = helper.start({program, path}, limits); !started) return fail(started);
 //   const HelperAnswer answer = helper.ask(request, keep_going);
 //   if (answer.end != HelperEnd::answered) ...
 //

@@ -173,7 +173,7 @@ class Inspection {
       std::error_code error;
       if (next > 0 && !fs::exists(file, error)) continue;  // gmsh says so, if it comes to that
       const Result<std::string> text = read_whole_file(file, kMaxGeoBytes);
-      if (!text) return fail(text.error());
+      if (!text) return fail(text);
       if (is_of_kind(file, FileKind::gmsh_mesh) && text->starts_with("$")) continue;
       if (auto good = inspect(file, *text); !good) return good;
     }
@@ -182,16 +182,16 @@ class Inspection {
 
  private:
   static tl::unexpected<Error> refused(const fs::path& file, const GeoWord& word, const std::string& why) {
-    return fail(ErrorKind::bad_input,
-                file.string() + ", line " + std::to_string(word.line) + ": " + quote(word.word) + " " + why);
+    return fail(ErrorKind::bad_input, "{}, line {}: {} {}", file.string(), word.line, quote(word.word), why);
   }
 
   Result<void> inspect(const fs::path& file, const std::string& text) {
     // One of the two readings could hide a statement: gmsh may end a text there, or not.
     if (const std::size_t at = text.find("\\\""); at != std::string::npos) {
       const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
-      return fail(ErrorKind::bad_input, file.string() + ", line " + std::to_string(line) +
-                                            ": a backslash before a quotation mark is not understood; leave it out");
+      return fail(ErrorKind::bad_input,
+                  "{}, line {}: a backslash before a quotation mark is not understood; leave it out", file.string(),
+                  line);
     }
     for (const GeoWord& word : words_of_geo(text)) {
       if (word.to_file) return refused(file, word, "writes a file; a geometry may only describe a body, so delete it");
@@ -213,13 +213,14 @@ class Inspection {
     const fs::path named = fs::weakly_canonical(fs::absolute(file).parent_path() / word.quoted, error);
     const auto [end, rest] = std::mismatch(folder_.begin(), folder_.end(), named.begin(), named.end());
     if (error || end != folder_.end()) {
-      return refused(file, word,
-                     "reads " + quote(word.quoted) + ", which is outside of " + folder_.string() +
-                         "; a geometry may read only files in its folder and below");
+      return refused(
+          file, word,
+          formatted("reads {}, which is outside of {}; a geometry may read only files in its folder and below",
+                    quote(word.quoted), folder_.string()));
     }
     if (std::find(files_.begin(), files_.end(), named) == files_.end()) files_.push_back(named);
     if (files_.size() <= kMaxGeoFiles) return {};
-    return refused(file, word, "leads to more than " + std::to_string(kMaxGeoFiles) + " files");
+    return refused(file, word, formatted("leads to more than {} files", kMaxGeoFiles));
   }
 
   std::vector<fs::path> files_;

@@ -55,8 +55,8 @@ class GltfMeshReader {
   GltfMeshReader(const modal::Glb& glb, std::size_t max_triangles) : glb_(glb), max_triangles_(max_triangles) {}
 
   Result<TriangleSoup> read() {
-    if (auto good = check_extensions(); !good) return fail(good.error());
-    if (auto good = read_nodes(); !good) return fail(good.error());
+    if (auto good = check_extensions(); !good) return fail(good);
+    if (auto good = read_nodes(); !good) return fail(good);
     place_nodes();
     std::vector<std::size_t> open = roots();
     while (!open.empty()) {
@@ -65,12 +65,12 @@ class GltfMeshReader {
       GltfNode& node = nodes_[number];
       if (!node.placed || node.seen) return node.field["children"].wrong("each node once");
       node.seen = true;
-      if (auto added = add_meshes_of(node); !added) return fail(added.error());
+      if (auto added = add_meshes_of(node); !added) return fail(added);
       open.insert(open.end(), node.children.begin(), node.children.end());
     }
     for (std::size_t k = 0; nodes_.empty() && k < meshes().size(); ++k) {
       if (auto added = add_mesh(meshes()[k], JsonPlace(nullptr, ""), {}, Eigen::Affine3d::Identity()); !added)
-        return fail(added.error());
+        return fail(added);
     }
     return std::move(soup_);
   }
@@ -87,21 +87,8 @@ class GltfMeshReader {
     for (std::size_t k = 0; k < required.size(); ++k) {
       const std::string name = required[k].text_or("");
       if (is_read(name)) continue;
-      return fail(ErrorKind::bad_input,
-                  glb_.name + " requires the extension " + quote(name) + ", which is not supported; export it without");
-    }
-    return {};
-  }
-
-  // Reads as many numbers as `values` has room for. Leaves `values` as it is where the field is absent.
-  template <std::size_t N>
-  static Result<void> read_into(const JsonPlace& field, std::array<double, N>& values) {
-    if (!field.present()) return {};
-    if (field.size() != N) return field.wrong(std::to_string(N) + " numbers");
-    for (std::size_t k = 0; k < N; ++k) {
-      const auto number = field[k].number();
-      if (!number) return fail(number.error());
-      values[k] = *number;
+      return fail(ErrorKind::bad_input, "{} requires the extension {}, which is not supported; export it without",
+                  glb_.name, quote(name));
     }
     return {};
   }
@@ -110,10 +97,10 @@ class GltfMeshReader {
     std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     std::array<double, 3> shift{0, 0, 0}, scale{1, 1, 1};
     std::array<double, 4> turn{0, 0, 0, 1};
-    if (auto read = read_into(node["matrix"], matrix); !read) return fail(read.error());
-    if (auto read = read_into(node["translation"], shift); !read) return fail(read.error());
-    if (auto read = read_into(node["scale"], scale); !read) return fail(read.error());
-    if (auto read = read_into(node["rotation"], turn); !read) return fail(read.error());
+    if (auto read = node["matrix"].numbers(matrix); !read) return fail(read);
+    if (auto read = node["translation"].numbers(shift); !read) return fail(read);
+    if (auto read = node["scale"].numbers(scale); !read) return fail(read);
+    if (auto read = node["rotation"].numbers(turn); !read) return fail(read);
     if (node["matrix"].present()) return Eigen::Affine3d(Eigen::Map<const Eigen::Matrix4d>(matrix.data()));
     const Eigen::Quaterniond rotation(turn[3], turn[0], turn[1], turn[2]);
     if (!(std::abs(rotation.norm() - 1) < 1e-2)) return node["rotation"].wrong("a unit quaternion");
@@ -125,7 +112,7 @@ class GltfMeshReader {
     const JsonPlace nodes = root()["nodes"];
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const auto local = local_of(nodes[k]);
-      if (!local) return fail(local.error());
+      if (!local) return fail(local);
       nodes_.push_back({.field = nodes[k], .local = *local, .world = *local, .children = {}});
     }
     for (GltfNode& node : nodes_) {
@@ -168,8 +155,7 @@ class GltfMeshReader {
     if (scenes.size() == 0) return nodes_without_parent();
     const std::size_t number = root()["scene"].index_or(0).value_or(0);
     if (scenes.size() > 1) {
-      soup_.notes.push_back("one of the file's " + std::to_string(scenes.size()) + " scenes was read, number " +
-                            std::to_string(number));
+      soup_.notes.push_back(formatted("one of the file's {} scenes was read, number {}", scenes.size(), number));
     }
     const JsonPlace listed = scenes[number]["nodes"];
     std::vector<std::size_t> found;
@@ -190,7 +176,7 @@ class GltfMeshReader {
     Matrices joints;
     if (node.field["skin"].present()) {
       auto read = joints_of(node.field["skin"]);
-      if (!read) return fail(read.error());
+      if (!read) return fail(read);
       joints = std::move(*read);
     }
     return add_mesh(meshes()[*number], node.field["weights"], joints, node.world);
@@ -226,7 +212,7 @@ class GltfMeshReader {
       return joints;
     }
     const auto matrices = modal::read_numbers(glb_, skin["inverseBindMatrices"], 16, max_points());
-    if (!matrices) return fail(matrices.error());
+    if (!matrices) return fail(matrices);
     if (matrices->size() < 16 * joints.size()) return skin["inverseBindMatrices"].wrong("a matrix for each joint");
     for (std::size_t j = 0; j < joints.size(); ++j)
       joints[j] = joints[j] * Eigen::Affine3d(Eigen::Map<const Eigen::Matrix4d>(&(*matrices)[16 * j]));
@@ -246,11 +232,11 @@ class GltfMeshReader {
   Result<void> add_primitive(const JsonPlace& primitive, const JsonPlace& weights, const Matrices& joints,
                              const Eigen::Affine3d& place) {
     const auto mode = primitive["mode"].index_or(kList);
-    if (!mode) return fail(mode.error());
+    if (!mode) return fail(mode);
     if (*mode < kList || !primitive["attributes"]["POSITION"].present()) return {};
     if (*mode > kFan) return primitive["mode"].wrong("a number from 0 to 6");
     auto points = points_of(primitive, weights);
-    if (!points) return fail(points.error());
+    if (!points) return fail(points);
     if (!joints.empty()) {
       if (auto read = read_influences(primitive["attributes"], joints.size(), *points); !read) return read;
     }
@@ -258,16 +244,16 @@ class GltfMeshReader {
     for (std::size_t k = 0; k < corners.size(); ++k) corners[k] = static_cast<std::uint32_t>(k);
     if (primitive["indices"].present()) {
       auto read = modal::read_indices(glb_, primitive["indices"], max_points());
-      if (!read) return fail(read.error());
+      if (!read) return fail(read);
       corners = std::move(*read);
       if (std::ranges::any_of(corners, [&](std::uint32_t corner) { return corner >= points->count(); }))
-        return primitive["indices"].wrong("numbers of the primitive's " + std::to_string(points->count()) + " points");
+        return primitive["indices"].wrong(formatted("numbers of the primitive's {} points", points->count()));
     }
     const std::size_t triangles =
         *mode == kList ? corners.size() / 3 : corners.size() - std::min<std::size_t>(corners.size(), 2);
     if (soup_.points.size() + points->count() > max_points() || soup_.triangles.size() + triangles > max_triangles_) {
-      return fail(ErrorKind::too_large, glb_.name + " has more than " + std::to_string(max_triangles_) +
-                                            " triangles; simplify it in a mesh tool first");
+      return fail(ErrorKind::too_large, "{} has more than {} triangles; simplify it in a mesh tool first", glb_.name,
+                  max_triangles_);
     }
     add_triangles(put(*points, joints, place), corners, *mode, triangles);
     return {};
@@ -276,16 +262,16 @@ class GltfMeshReader {
   // Positions, moved by the morph targets that have a weight.
   Result<MeshPoints> points_of(const JsonPlace& primitive, const JsonPlace& weights) const {
     auto positions = modal::read_numbers(glb_, primitive["attributes"]["POSITION"], 3, max_points());
-    if (!positions) return fail(positions.error());
+    if (!positions) return fail(positions);
     MeshPoints points;
     points.at = std::move(*positions);
     const JsonPlace targets = primitive["targets"];
     for (std::size_t t = 0; t < std::min(targets.size(), weights.size()); ++t) {
       const auto weight = weights[t].number();
-      if (!weight) return fail(weight.error());
+      if (!weight) return fail(weight);
       if (*weight == 0 || !targets[t]["POSITION"].present()) continue;
       const auto shifts = modal::read_numbers(glb_, targets[t]["POSITION"], 3, max_points());
-      if (!shifts) return fail(shifts.error());
+      if (!shifts) return fail(shifts);
       if (shifts->size() != points.at.size()) return targets[t]["POSITION"].wrong("a shift for each point");
       for (std::size_t k = 0; k < points.at.size(); ++k) points.at[k] += *weight * (*shifts)[k];
     }
@@ -297,8 +283,8 @@ class GltfMeshReader {
   Result<void> read_influences(const JsonPlace& attributes, std::size_t joint_count, MeshPoints& points) const {
     const std::size_t count = points.count();
     for (std::size_t set = 0; set < kMaxInfluences; ++set) {
-      const JsonPlace joints = attributes["JOINTS_" + std::to_string(set)];
-      const JsonPlace weights = attributes["WEIGHTS_" + std::to_string(set)];
+      const JsonPlace joints = attributes[formatted("JOINTS_{}", set)];
+      const JsonPlace weights = attributes[formatted("WEIGHTS_{}", set)];
       if (!joints.present() || !weights.present()) {
         if (set == 0) return joints.wrong("given, with weights: the mesh has a skin");
         break;
@@ -390,7 +376,7 @@ Result<TriangleSoup> read_gltf_mesh(std::string_view content, const std::filesys
                                     std::size_t max_triangles) {
   const auto glb = modal::parse_gltf(std::as_bytes(std::span(without_tail(content))), path.string(),
                                      modal::files_beside(path), kMaxJsonBytes);
-  if (!glb) return fail(glb.error());
+  if (!glb) return fail(glb);
   return GltfMeshReader(*glb, max_triangles).read();
 }
 

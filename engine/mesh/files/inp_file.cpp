@@ -121,7 +121,7 @@ class Deck {
   }
 
   [[nodiscard]] tl::unexpected<Error> wrong(int line, const std::string& what) const {
-    return fail(ErrorKind::bad_input, name_ + ", line " + std::to_string(line) + ": " + what);
+    return fail(ErrorKind::bad_input, "{}, line {}: {}", name_, line, what);
   }
   [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const {
     return fail(ErrorKind::bad_input, name_ + ": " + what);
@@ -170,7 +170,7 @@ class Reader {
       }
       const Keyword keyword = deck_.take_keyword();
       if (keyword.name == "STEP") break;
-      if (auto read = follow(keyword); !read) return fail(read.error());
+      if (auto read = follow(keyword); !read) return fail(read);
     }
     return assemble();
   }
@@ -184,9 +184,8 @@ class Reader {
     if (name == "ELEMENT") return read_elements(keyword);
     if (name == "INCLUDE") return deck_.wrong(keyword.line, "*INCLUDE is not followed; write one file");
     if (is_generator(name)) {
-      return deck_.wrong(keyword.line, "*" + name +
-                                           " is not followed; generate nodes and elements in the program that "
-                                           "wrote it");
+      return deck_.wrong(keyword.line,
+                         "*" + name + " is not followed; generate nodes and elements in the program that wrote it");
     }
     if (name == "SYSTEM") return deck_.wrong(keyword.line, "*SYSTEM is not followed; write all nodes in one frame");
     return enter(keyword);
@@ -258,7 +257,7 @@ class Reader {
     if (is_new) {
       places_.push_back(place);
     } else if (places_[node->second] != place) {
-      return deck_.wrong(deck_.number(), "node " + std::to_string(number) + " appears a second time, at another place");
+      return deck_.wrong(deck_.number(), formatted("node {} appears a second time, at another place", number));
     }
     return {};
   }
@@ -272,7 +271,7 @@ class Reader {
     }
     const int nodes = tetrahedron_nodes(type);
     if (nodes == 0) {
-      return deck_.wrong(keyword.line, "elements are of type " + type + "; " + std::string(kOnlyTetrahedra));
+      return deck_.wrong(keyword.line, formatted("elements are of type {}; {}", type, kOnlyTetrahedra));
     }
     if (within_ == Within::kAssembly) {
       return deck_.wrong(keyword.line, "solid elements should be in the part, not in the assembly");
@@ -303,11 +302,13 @@ class Reader {
       on = deck_.line().ends_with(',');
     }
     if (numbers.size() != wanted) {
-      return deck_.wrong(line, "an element should have its number and " + std::to_string(per_element_) +
-                                   " nodes, with a comma where it continues in the next line");
+      return deck_.wrong(
+          line,
+          formatted("an element should have its number and {} nodes, with a comma where it continues in the next line",
+                    per_element_));
     }
     if (!elements_.insert(numbers[0]).second) {
-      return deck_.wrong(line, "element " + std::to_string(numbers[0]) + " appears a second time");
+      return deck_.wrong(line, formatted("element {} appears a second time", numbers[0]));
     }
     element_lines_.push_back(line);
     element_nodes_.insert(element_nodes_.end(), numbers.begin() + 1, numbers.end());
@@ -319,8 +320,9 @@ class Reader {
     if (part_line_ > 0 && !has_instance_) return deck_.wrong(part_line_, "this *PART has no *INSTANCE");
     if (places_.empty()) return deck_.wrong("has no *NODE; only .inp decks of Abaqus and CalculiX are supported");
     if (element_lines_.empty()) {
-      return deck_.wrong("has no tetrahedra" + (passed_over_.empty() ? "" : ", but elements of type " + passed_over_) +
-                         "; " + std::string(kOnlyTetrahedra));
+      return deck_.wrong(formatted("has no tetrahedra{}; {}",
+                                   passed_over_.empty() ? "" : ", but elements of type " + passed_over_,
+                                   kOnlyTetrahedra));
     }
     TetMesh mesh;
     mesh.nodes.resize(static_cast<Eigen::Index>(places_.size()), 3);
@@ -334,7 +336,7 @@ class Reader {
         const std::int64_t number = element_nodes_[next++];
         const auto node = nodes_.find(number);
         if (node == nodes_.end()) {
-          return deck_.wrong(element_lines_[e], "there is no node " + std::to_string(number));
+          return deck_.wrong(element_lines_[e], formatted("there is no node {}", number));
         }
         mesh.elements(e, c) = node->second;
       }

@@ -50,8 +50,8 @@ Result<TriangleSoup> read_obj(std::string_view content, const std::string& name)
     for (std::size_t k = 1; k < lines.words().size(); ++k) {
       const std::int64_t point = point_of(lines.words()[k], before);
       if (point < 0 || point >= static_cast<std::int64_t>(soup.points.size())) {
-        return lines.wrong("the face names a point " + std::string(lines.words()[k].substr(0, 40)) +
-                           ", and the file has " + std::to_string(soup.points.size()));
+        return lines.wrong(formatted("the face names a point {}, and the file has {}", lines.words()[k].substr(0, 40),
+                                     soup.points.size()));
       }
       corners.push_back(static_cast<std::int32_t>(point));
     }

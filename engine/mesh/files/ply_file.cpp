@@ -83,7 +83,7 @@ Result<PlyHeader> read_header(std::string_view content, const std::string& name)
       if (!lines.read(2, kind.count)) return lines.wrong("an element should have a name and a number");
     } else if (word == "property") {
       Result<PlyProperty> property = read_property(lines);
-      if (!property) return fail(property.error());
+      if (!property) return fail(property);
       if (header.kinds.empty()) return lines.wrong("a property should follow an element");
       header.kinds.back().properties.push_back(std::move(*property));
     } else if (word == "end_header") {
@@ -168,7 +168,7 @@ class PlyReader {
                     name_ + ": its triangles are strips, which are not supported; save it with faces");
       if (kind.properties.empty()) continue;
       for (std::uint64_t n = 0; n < kind.count; ++n) {
-        if (auto good = read_element(kind, n); !good) return fail(good.error());
+        if (auto good = read_element(kind, n); !good) return fail(good);
       }
     }
     for (const auto& [first, count] : faces_) {
@@ -177,8 +177,8 @@ class PlyReader {
         return corner < 0 || static_cast<std::size_t>(corner) >= soup_.points.size();
       });
       if (unknown != corners.end()) {
-        return fail(ErrorKind::bad_input, name_ + ": a face names point " + std::to_string(*unknown) +
-                                              ", and the file has " + std::to_string(soup_.points.size()));
+        return fail(ErrorKind::bad_input, "{}: a face names point {}, and the file has {}", name_, *unknown,
+                    soup_.points.size());
       }
       add_polygon(soup_, corners);
     }
@@ -188,8 +188,7 @@ class PlyReader {
 
  private:
   [[nodiscard]] tl::unexpected<Error> wrong(const ElementKind& kind, std::uint64_t n, const std::string& what) const {
-    return fail(ErrorKind::bad_input,
-                name_ + ": " + kind.name + " " + std::to_string(n) + " of " + std::to_string(kind.count) + " " + what);
+    return fail(ErrorKind::bad_input, "{}: {} {} of {} {}", name_, kind.name, n, kind.count, what);
   }
 
   Result<void> read_element(const ElementKind& kind, std::uint64_t n) {
@@ -238,7 +237,7 @@ class PlyReader {
 
 Result<TriangleSoup> read_ply(std::string_view content, const std::string& name) {
   const Result<PlyHeader> header = read_header(content, name);
-  if (!header) return fail(header.error());
+  if (!header) return fail(header);
   return PlyReader(*header, content, name).read();
 }
 

@@ -66,21 +66,22 @@ Result<TriangleSoup> read_text(std::string_view content, const std::string& name
 Result<TriangleSoup> read_binary(std::string_view content, const std::string& name) {
   if (content.size() < kHeaderBytes) {
     return fail(ErrorKind::bad_input,
-                name + " is not an STL file: it neither begins with \"solid\", as text does, nor has the " +
-                    std::to_string(kHeaderBytes) + " bytes of its binary header");
+                "{} is not an STL file: it neither begins with \"solid\", as text does, nor has the {} bytes of its "
+                "binary header",
+                name, kHeaderBytes);
   }
   const std::size_t said = announced(content), there = (content.size() - kHeaderBytes) / kTriangleBytes;
   const bool whole = (content.size() - kHeaderBytes) % kTriangleBytes == 0;
   if (!whole && (said == 0 || said > there)) {
-    return fail(ErrorKind::bad_input, name + " was cut off, or is not an STL file: its header says " +
-                                          std::to_string(said) + " triangles, and it ends within the one after " +
-                                          std::to_string(there));
+    return fail(
+        ErrorKind::bad_input,
+        "{} was cut off, or is not an STL file: its header says {} triangles, and it ends within the one after {}",
+        name, said, there);
   }
   const std::size_t count = whole ? there : said;
   TriangleSoup soup;
   if (said != there) {
-    soup.notes.push_back("its header says " + std::to_string(said) + " triangles, but " + std::to_string(there) +
-                         " follow; " + std::to_string(count) + " were read");
+    soup.notes.push_back(formatted("its header says {} triangles, but {} follow; {} were read", said, there, count));
   }
   for (std::size_t t = 0; t < count; ++t) {
     std::array<float, 9> corners{};

@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -23,7 +22,7 @@ Result<TriangleSoup> read_soup(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, error))
     return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": there is no such file");
   const Result<std::string> content = read_whole_file(path, kMaxSurfaceFileBytes);
-  if (!content) return fail(content.error());
+  if (!content) return fail(content);
   if (is_of_kind(path, FileKind::gltf)) return read_gltf_mesh(*content, path, kMaxTriangles);
   for (const SurfaceReader& reader : kSurfaceReaders) {
     if (has_ending(path, reader.ending)) return reader.read(*content, path.string());
@@ -56,13 +55,10 @@ std::string note_of_rounding(const decltype(TriangleMesh::nodes)& nodes, const T
   }
   const double share = 0.5 * rounding * area / std::abs(volume);
   if (!(share > kMaxShare) || !std::isfinite(share)) return "";
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "its coordinates reach %.3g, where 32-bit floats lie %.2g apart, so that its volume may be wrong by up to "
-      "%.2g %%; move it to the origin before it is exported",
+  return formatted(
+      "its coordinates reach {:.3g}, where 32-bit floats lie {:.2g} apart, so that its volume may be wrong by up to "
+      "{:.2g} %; move it to the origin before it is exported",
       nodes.cwiseAbs().maxCoeff(), rounding, 100 * share);
-  return text;
 }
 
 }  // namespace
@@ -70,18 +66,17 @@ std::string note_of_rounding(const decltype(TriangleMesh::nodes)& nodes, const T
 Result<TriangleMesh> read_surface(const std::filesystem::path& path, std::vector<std::string>* notes) {
   const std::string name = path.string();
   const Result<TriangleSoup> soup = read_soup(path);
-  if (!soup) return fail(soup.error());
+  if (!soup) return fail(soup);
   if (soup->triangles.empty()) return fail(ErrorKind::bad_input, name + " has no triangles; a body needs a surface");
   if (soup->triangles.size() > kMaxTriangles) {
-    return fail(ErrorKind::too_large, name + " has more than " + std::to_string(kMaxTriangles) +
-                                          " triangles; simplify it in a mesh tool first");
+    return fail(ErrorKind::too_large, "{} has more than {} triangles; simplify it in a mesh tool first", name,
+                kMaxTriangles);
   }
   const TriangleMesh mesh = mesh_of(*soup);
   for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
     for (int i = 0; i < 3; ++i) {
       if (mesh.nodes.row(mesh.triangles(t, i)).allFinite()) continue;
-      return fail(ErrorKind::bad_input,
-                  name + ": a corner of triangle " + std::to_string(t) + " is not a finite number");
+      return fail(ErrorKind::bad_input, "{}: a corner of triangle {} is not a finite number", name, t);
     }
   }
   const double length = diagonal_of(mesh);

@@ -37,13 +37,12 @@ Result<Counts> read_counts(TextLines& lines, const char* what) {
   Counts counts;
   lines.next();
   if (!lines.read(0, counts.rows) || !lines.read(1, counts.second)) {
-    return lines.wrong(std::string("the number of ") + what + " is missing here, and how many numbers each has");
+    return lines.wrong(formatted("the number of {} is missing here, and how many numbers each has", what));
   }
   if (counts.rows < 1) return lines.wrong(std::string("there are no ") + what);
   const auto width = static_cast<std::uint64_t>(std::clamp<std::int64_t>(counts.second, 1, 10)) + 1;
   if (static_cast<std::uint64_t>(counts.rows) > (lines.characters_left() + 1) / (2 * width)) {
-    return lines.wrong("it announces " + std::to_string(counts.rows) + " " + what +
-                       ", more than the rest of the file can hold");
+    return lines.wrong(formatted("it announces {} {}, more than the rest of the file can hold", counts.rows, what));
   }
   return counts;
 }
@@ -58,7 +57,7 @@ Result<std::int64_t> read_nodes(TextLines& lines, std::int64_t count, Points& no
     if (!lines.read(0, number)) return lines.wrong("a node should begin with its number");
     if (n == 0) first = number;
     if (first != 0 && first != 1) return lines.wrong("nodes should be numbered from 0 or 1");
-    if (number != first + n) return lines.wrong("this should be node " + std::to_string(first + n));
+    if (number != first + n) return lines.wrong(formatted("this should be node {}", first + n));
     for (int k = 0; k < 3; ++k) {
       if (!lines.read(1 + k, nodes(n, k))) return lines.wrong("a node should have three finite coordinates");
     }
@@ -78,9 +77,8 @@ Result<void> read_elements(TextLines& lines, std::int64_t count, std::int64_t fi
     if (number - e != first_element) return lines.wrong("elements should be numbered one by one");
     for (Eigen::Index c = 0; c < elements.cols(); ++c) {
       std::int64_t node = 0;
-      if (!lines.read(1 + c, node))
-        return lines.wrong("an element should have " + std::to_string(elements.cols()) + " nodes");
-      if (node < first || node >= first + nodes) return lines.wrong("there is no node " + std::to_string(node));
+      if (!lines.read(1 + c, node)) return lines.wrong(formatted("an element should have {} nodes", elements.cols()));
+      if (node < first || node >= first + nodes) return lines.wrong(formatted("there is no node {}", node));
       elements(e, c) = static_cast<std::int32_t>(node - first);
     }
   }
@@ -113,7 +111,7 @@ bool sort_edge_nodes(TetMesh& mesh, Eigen::Index element) {
 Result<std::string> contents(const std::filesystem::path& path) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return fail(ErrorKind::bad_input, path.string() + ": cannot be read (" + error.message() + ")");
+  if (error) return fail(ErrorKind::bad_input, "{}: cannot be read ({})", path.string(), error.message());
   if (size > kMaxFileBytes)
     return fail(ErrorKind::too_large, path.string() + ": is larger than 4 GB; mesh the object with fewer elements");
   std::ifstream file(path, std::ios::binary);
@@ -151,7 +149,7 @@ class Bytes {
 
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
   [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const {
-    return fail(ErrorKind::bad_input, name_ + ", byte " + std::to_string(at_) + ": " + what);
+    return fail(ErrorKind::bad_input, "{}, byte {}: {}", name_, at_, what);
   }
 
  private:
@@ -185,22 +183,23 @@ Result<TetMesh> read_tetgen(std::string_view node_text, std::string_view ele_tex
   TetMesh mesh;
   TextLines node_lines(node_text, name + ".node");
   const auto node_counts = read_counts(node_lines, "nodes");
-  if (!node_counts) return fail(node_counts.error());
+  if (!node_counts) return fail(node_counts);
   if (node_counts->second != 3) return node_lines.wrong("nodes should have 3 coordinates");
   const auto first = read_nodes(node_lines, node_counts->rows, mesh.nodes);
-  if (!first) return fail(first.error());
+  if (!first) return fail(first);
   TextLines lines(ele_text, name + ".ele");
   const auto counts = read_counts(lines, "elements");
-  if (!counts) return fail(counts.error());
+  if (!counts) return fail(counts);
   if (counts->second != 4 && counts->second != 10) return lines.wrong("elements should have 4 or 10 nodes");
   mesh.elements.resize(counts->rows, counts->second);
   const auto read = read_elements(lines, counts->rows, *first, node_counts->rows, mesh.elements);
-  if (!read) return fail(read.error());
+  if (!read) return fail(read);
   if (counts->second == 10) {
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
       if (!sort_edge_nodes(mesh, e)) {
-        return fail(ErrorKind::bad_input, name + ".ele: the nodes 5 to 10 of its element " + std::to_string(e + 1) +
-                                              " do not lie in the middles of its six edges");
+        return fail(ErrorKind::bad_input,
+                    "{}.ele: the nodes 5 to 10 of its element {} do not lie in the middles of its six edges", name,
+                    e + 1);
       }
     }
   }
@@ -217,10 +216,10 @@ Result<TetMesh> read_vega(std::string_view text, const std::string& name) {
     if (word == "*vertices") {
       if (mesh.nodes.rows() > 0) return lines.wrong("*VERTICES appears a second time");
       const auto counts = read_counts(lines, "nodes");
-      if (!counts) return fail(counts.error());
+      if (!counts) return fail(counts);
       if (counts->second != 3) return lines.wrong("nodes should have 3 coordinates");
       const auto read = read_nodes(lines, counts->rows, mesh.nodes);
-      if (!read) return fail(read.error());
+      if (!read) return fail(read);
       first = *read;
     } else if (word == "*elements") {
       if (mesh.nodes.rows() == 0) return lines.wrong("*ELEMENTS should come after *VERTICES");
@@ -229,11 +228,11 @@ Result<TetMesh> read_vega(std::string_view text, const std::string& name) {
       if (kind.empty() || !lower(std::string(kind[0])).starts_with("tet"))
         return lines.wrong("elements should be of type TET");
       const auto counts = read_counts(lines, "elements");
-      if (!counts) return fail(counts.error());
+      if (!counts) return fail(counts);
       if (counts->second != 4) return lines.wrong("elements should have 4 nodes");
       mesh.elements.resize(counts->rows, 4);
       const auto read = read_elements(lines, counts->rows, first, mesh.nodes.rows(), mesh.elements);
-      if (!read) return fail(read.error());
+      if (!read) return fail(read);
     }
   }
   if (mesh.nodes.rows() == 0) return fail(ErrorKind::bad_input, name + ": has no *VERTICES");
@@ -246,10 +245,10 @@ Result<TetMesh> read_isostuffer(std::span<const std::byte> file, const std::stri
   const std::size_t header = nodes_by_length(file, 8) >= 0 ? 8 : 4;
   const std::int64_t nodes = nodes_by_length(file, header);
   if (nodes < 0) {
-    return fail(
-        ErrorKind::bad_input,
-        name + ": its length of " + std::to_string(file.size()) +
-            " bytes does not fit the numbers of nodes and elements in it; it is damaged, or not a .tet of IsoStuffer");
+    return fail(ErrorKind::bad_input,
+                "{}: its length of {} bytes does not fit the numbers of nodes and elements in it; it is damaged, or "
+                "not a .tet of IsoStuffer",
+                name, file.size());
   }
   std::int32_t elements = 0;
   for (std::size_t at = 0; at < header; at += 4) bytes.read(elements);
@@ -264,7 +263,7 @@ Result<TetMesh> read_isostuffer(std::span<const std::byte> file, const std::stri
   if (elements < 1) return bytes.wrong("there are no elements");
   mesh.elements.resize(elements, 4);
   for (std::int32_t& node : std::span(mesh.elements.data(), mesh.elements.size())) {
-    if (!bytes.read(node) || node < 0 || node >= nodes) return bytes.wrong("there is no node " + std::to_string(node));
+    if (!bytes.read(node) || node < 0 || node >= nodes) return bytes.wrong(formatted("there is no node {}", node));
   }
   return mesh;
 }
@@ -289,13 +288,13 @@ Result<TetMesh> read_tet_file(const std::filesystem::path& path) {
   const std::string ending = ending_of(path);
   if (ending == ".node" || ending == ".ele") {
     const auto nodes = contents(ending == ".node" ? path : sibling(path, ".node"));
-    if (!nodes) return fail(nodes.error());
+    if (!nodes) return fail(nodes);
     const auto elements = contents(ending == ".ele" ? path : sibling(path, ".ele"));
-    if (!elements) return fail(elements.error());
+    if (!elements) return fail(elements);
     return read_tetgen(*nodes, *elements, (path.parent_path() / path.stem()).string());
   }
   const auto file = contents(path);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   const auto* const reader = std::ranges::find(kTetReaders, std::string_view(ending), &TetReader::ending);
   if (reader == std::end(kTetReaders))
     return fail(ErrorKind::bad_input, path.string() + " is not a file of tetrahedra");

@@ -52,7 +52,7 @@ class TextLines {
   [[nodiscard]] std::size_t characters_left() const { return at_ < text_.size() ? text_.size() - at_ : 0; }
 
   [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const {
-    return fail(ErrorKind::bad_input, name_ + ", line " + std::to_string(number_) + ": " + what);
+    return fail(ErrorKind::bad_input, "{}, line {}: {}", name_, number_, what);
   }
 
   // Reads word `index` of the line as a whole number or a finite one.

@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -54,11 +53,11 @@ class StuffedBody {
     if (refilled || refilled.error().kind == ErrorKind::cancelled) return refilled;
     if (refilled.error().kind == ErrorKind::too_large) return refilled;
     Cells cells = cells_for(options_.size_m, kMaxSolvedElements);
-    if (auto fine = check_walls(cells, kMaxSolvedElements); !fine) return fail(fine.error());
+    if (auto fine = check_walls(cells, kMaxSolvedElements); !fine) return fail(fine);
     const Result<Stuffed> stuffed = stuff_thin(cells);
     if (!stuffed) return fail(stuffed.error().kind, name_ + " cannot be stuffed: " + stuffed.error().message);
     Result<CheckedMesh> checked = check_mesh(stuffed->mesh, name_);
-    if (!checked) return fail(checked.error());
+    if (!checked) return fail(checked);
     Body body{.mesh = std::move(*checked), .making = Making::kStuffed, .notes = {}};
     body.mesh.gaps_m = surface_gaps(body.mesh.mesh, surface_, cells.size_m, true);
     body.notes.push_back("its skin was not filled by gmsh: " + refilled.error().message);
@@ -87,15 +86,13 @@ class StuffedBody {
     const bool vanish = wall_m_ < kVanishing * finest_forced_m();
     if (force_ && !vanish) return {};
     const double elements = kElementsPerCell * volume_m3_ / std::pow(cells.wanted_m, 3);
-    char text[500];
-    std::snprintf(text, sizeof text,
-                  " has walls of %.3g mm, which cells of %.3g mm would follow: about %.1e elements, more than %.0e; "
-                  "the finest possible cells, %.3g mm, would tear them. Mend the faults that `ringdown check mesh` "
-                  "lists, so that gmsh can fill it%s",
-                  1000 * wall_m_, 1000 * cells.wanted_m, elements, max_elements, 1000 * cells.size_m,
-                  vanish ? "; with --force-coarse nothing would be left of such walls"
-                         : ", or accept a wrong sound with --force-coarse");
-    return fail(ErrorKind::too_large, name_ + text);
+    return fail(ErrorKind::too_large,
+                "{} has walls of {:.3g} mm, which cells of {:.3g} mm would follow: about {:.1e} elements, more than "
+                "{:.0e}; the finest possible cells, {:.3g} mm, would tear them. Mend the faults that `ringdown check "
+                "mesh` lists, so that gmsh can fill it{}",
+                name_, 1000 * wall_m_, 1000 * cells.wanted_m, elements, max_elements, 1000 * cells.size_m,
+                vanish ? "; with --force-coarse nothing would be left of such walls"
+                       : ", or accept a wrong sound with --force-coarse");
   }
 
   // Stuffs a body whose walls are thinner than a cell, which is done only with force_coarse. Most or all of such a wall
@@ -129,7 +126,7 @@ class StuffedBody {
 
   Result<Body> refill_by(double largest_m) {
     const Cells cells = cells_for(largest_m, kMaxSkinElements);
-    if (auto fine = check_walls(cells, kMaxSkinElements); !fine) return fail(fine.error());
+    if (auto fine = check_walls(cells, kMaxSkinElements); !fine) return fail(fine);
     if (wall_m_ > 0 && cells.size_m > wall_m_)
       return fail(ErrorKind::bad_input, "the finest possible cells would tear its walls");
     Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
@@ -137,7 +134,7 @@ class StuffedBody {
     const TriangleMesh skin = skin_of(stuffed->mesh);
     if (!diagnose(skin).sound()) return fail(ErrorKind::bad_input, "it has faults");
     Result<Filled> filled = fill(skin, options_, name_);
-    if (!filled) return fail(filled.error());
+    if (!filled) return fail(filled);
     // A note means that gmsh used the skin's own small triangles, which give too many elements.
     if (!filled->note.empty()) return fail(ErrorKind::bad_input, filled->note);
     Body body{.mesh = std::move(filled->mesh), .making = Making::kRefilled, .notes = {}};
@@ -147,12 +144,10 @@ class StuffedBody {
   }
 
   void tell(Body& body, const char* made, const Cells& cells, int crumbs) const {
-    char text[200];
-    std::snprintf(
-        text, sizeof text, "%s with cells of %.3g mm%s", made, 1000 * cells.size_m,
-        cells.size_m > cells.wanted_m ? ", coarser than its walls need, because finer cells would be too many" : "");
-    body.notes.emplace_back(text);
-    if (crumbs > 0) body.notes.push_back("left out: " + std::to_string(crumbs) + " crumbs");
+    body.notes.push_back(formatted(
+        "{} with cells of {:.3g} mm{}", made, 1000 * cells.size_m,
+        cells.size_m > cells.wanted_m ? ", coarser than its walls need, because finer cells would be too many" : ""));
+    if (crumbs > 0) body.notes.push_back(formatted("left out: {} crumbs", crumbs));
     if (wall_m_ > 0 && cells.size_m > wall_m_) body.wall_elements = wall_m_ / cells.size_m;
   }
 

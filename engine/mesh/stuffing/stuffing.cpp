@@ -13,7 +13,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -309,12 +308,6 @@ class Stuffing {
   TetMesh mesh_;
 };
 
-std::string text(const char* format, double a, double b) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof buffer, format, a, b);
-  return buffer;
-}
-
 }  // namespace
 
 double Solid::exit_fraction(const Vector3d& a, const Vector3d& b) const {
@@ -335,11 +328,10 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   const Vector3d cubes = (extent / size).array().ceil() + 2 * kMargin;
   const double points = 2 * cubes.prod();
   if (!(points < kMaxLatticePoints)) {
-    return fail(
-        ErrorKind::too_large,
-        text("a mesh size of %.3g mm would need a lattice of %.2g million points, above 30 million", size * 1e3,
-             points / 1e6) +
-            text("; %.3g mm is the finest that fits", 1.05 * size * std::cbrt(points / kMaxLatticePoints) * 1e3, 0));
+    return fail(ErrorKind::too_large,
+                "a mesh size of {:.3g} mm would need a lattice of {:.2g} million points, above 30 million; {:.3g} mm "
+                "is the finest that fits",
+                size * 1e3, points / 1e6, 1.05 * size * std::cbrt(points / kMaxLatticePoints) * 1e3);
   }
   const Vector3d origin = (solid.low + solid.high - size * cubes) / 2;
   Stuffing stuffing(solid, BccLattice(origin, size, cubes.cast<int>()), options.threads, progress);
@@ -350,9 +342,10 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   stuffed.crumbs = trimmed.crumbs;
   stuffed.hinges = trimmed.hinges;
   if (stuffed.mesh.elements.rows() == 0) {
-    return fail(ErrorKind::bad_input, text("a mesh size of %.3g mm finds nothing inside the surface: it is open, or "
-                                           "its walls are thinner; close it, or choose a smaller mesh size",
-                                           size * 1e3, 0));
+    return fail(ErrorKind::bad_input,
+                "a mesh size of {:.3g} mm finds nothing inside the surface: it is open, or its walls are thinner; "
+                "close it, or choose a smaller mesh size",
+                size * 1e3);
   }
   return stuffed;
 }

@@ -1,7 +1,7 @@
 // Fills any surface that looks closed with tetrahedra, by isosurface stuffing. [worker]
 //
 //   Result<Stuffed> stuffed = stuff(soup, {.size_m = 0.003});
-//   if (!stuffed) return fail(stuffed.error());
+//   if (!stuffed) return fail(stuffed);
 //
 // The surface may be a soup: with holes, doubled or overlapping patches, or cutting itself. Inside is where its winding
 // number (winding_number.h) is above one half, so each hole is closed by a smooth skin.

@@ -48,7 +48,10 @@ void cut_across(const std::array<Vector3d, 3>& triangle, double shortest, std::s
   double longest = 0;
   for (int k = 0; k < 3; ++k) {
     const double length = (triangle[(k + 1) % 3] - triangle[k]).norm();
-    if (length > longest) longest = length, from = k;
+    if (length > longest) {
+      longest = length;
+      from = k;
+    }
   }
   if (longest <= shortest || longest * longest < 2 * kLong * area_of(triangle).norm() || pieces.size() >= max) {
     if (area_of(triangle).norm() > 0) pieces.push_back(triangle);
@@ -218,28 +221,38 @@ WindingNumber::Bounded WindingNumber::far_field(const Node& node, const Vector3d
   return {value / (4 * std::numbers::pi), error / (4 * std::numbers::pi)};
 }
 
-// Clusters smaller than `opening` times their distance are replaced by their expansions.
-WindingNumber::Bounded WindingNumber::sum(const Vector3d& point, double opening) const {
-  Bounded total{0, 0};
+// Calls leaf(triangle) for the triangles of every node that enter() lets pass together with all nodes above it.
+template <class Enter, class Leaf>
+void WindingNumber::descend(const Enter& enter, const Leaf& leaf) const {
   std::array<int, 64> waiting;
   int depth = 0;
   if (!nodes_.empty()) waiting[depth++] = 0;
   while (depth > 0) {
     const int number = waiting[--depth];
     const Node& node = nodes_[number];
-    const Vector3d offset = node.centre - point;
-    const double distance = offset.norm();
-    if (node.count > 2 && node.radius < opening * distance) {
-      const Bounded part = far_field(node, offset, distance);
-      total.value += part.value;
-      total.error += part.error;
-    } else if (node.right == 0) {
-      for (int t = node.first; t < node.first + node.count; ++t) total.value += solid_angle(triangles_[t], point);
+    if (!enter(node)) continue;
+    if (node.right == 0) {
+      for (int t = node.first; t < node.first + node.count; ++t) leaf(triangles_[t]);
     } else {
       waiting[depth++] = node.right;
       waiting[depth++] = number + 1;
     }
   }
+}
+
+// Clusters smaller than `opening` times their distance are replaced by their expansions.
+WindingNumber::Bounded WindingNumber::sum(const Vector3d& point, double opening) const {
+  Bounded total{0, 0};
+  const auto enter = [&](const Node& node) {
+    const Vector3d offset = node.centre - point;
+    const double distance = offset.norm();
+    if (node.count <= 2 || !(node.radius < opening * distance)) return true;
+    const Bounded part = far_field(node, offset, distance);
+    total.value += part.value;
+    total.error += part.error;
+    return false;
+  };
+  descend(enter, [&](const Triangle& triangle) { total.value += solid_angle(triangle, point); });
   return total;
 }
 
@@ -263,77 +276,46 @@ bool WindingNumber::inside(const Vector3d& point) const {
 std::vector<double> WindingNumber::crossings(const Vector3d& a, const Vector3d& b) const {
   std::vector<double> found;
   const Vector3d d = b - a;
-  std::array<int, 64> waiting;
-  int depth = 0;
-  if (!nodes_.empty()) waiting[depth++] = 0;
-  while (depth > 0) {
-    const int number = waiting[--depth];
-    const Node& node = nodes_[number];
-    if (!meets(node.low, node.high, a, d)) continue;
-    if (node.right == 0) {
-      for (int t = node.first; t < node.first + node.count; ++t) {
-        if (const double at = hit(triangles_[t], a, d); at >= 0) found.push_back(at);
-      }
-    } else {
-      waiting[depth++] = node.right;
-      waiting[depth++] = number + 1;
-    }
-  }
+  descend([&](const Node& node) { return meets(node.low, node.high, a, d); },
+          [&](const Triangle& triangle) {
+            if (const double at = hit(triangle, a, d); at >= 0) found.push_back(at);
+          });
   std::sort(found.begin(), found.end());
   return found;
 }
 
 bool WindingNumber::near(const Vector3d& low, const Vector3d& high) const {
-  std::array<int, 64> waiting;
-  int depth = 0;
-  if (!nodes_.empty()) waiting[depth++] = 0;
-  while (depth > 0) {
-    const int number = waiting[--depth];
-    const Node& node = nodes_[number];
-    if ((node.low.array() > high.array()).any() || (node.high.array() < low.array()).any()) continue;
-    if (node.right == 0) {
-      for (int t = node.first; t < node.first + node.count; ++t) {
-        const auto& [p, q, r] = triangles_[t];
-        const Vector3d min = p.cwiseMin(q).cwiseMin(r), max = p.cwiseMax(q).cwiseMax(r);
-        if ((min.array() <= high.array()).all() && (max.array() >= low.array()).all()) return true;
-      }
-    } else {
-      waiting[depth++] = node.right;
-      waiting[depth++] = number + 1;
-    }
-  }
-  return false;
+  const auto meets_box = [&](const Vector3d& min, const Vector3d& max) {
+    return (min.array() <= high.array()).all() && (max.array() >= low.array()).all();
+  };
+  bool found = false;
+  descend([&](const Node& node) { return !found && meets_box(node.low, node.high); },
+          [&](const Triangle& triangle) {
+            const auto& [p, q, r] = triangle;
+            found = found || meets_box(p.cwiseMin(q).cwiseMin(r), p.cwiseMax(q).cwiseMax(r));
+          });
+  return found;
 }
 
 bool WindingNumber::normal_at(const Vector3d& point, double reach, Vector3d& normal) const {
   double nearest = reach;
   bool found = false;
-  std::array<int, 64> waiting;
-  int depth = 0;
-  if (!nodes_.empty()) waiting[depth++] = 0;
-  while (depth > 0) {
-    const int number = waiting[--depth];
-    const Node& node = nodes_[number];
-    if (((node.low - point).array() > reach).any() || ((point - node.high).array() > reach).any()) continue;
-    if (node.right != 0) {
-      waiting[depth++] = node.right;
-      waiting[depth++] = number + 1;
-      continue;
+  const auto enter = [&](const Node& node) {
+    return ((node.low - point).array() <= reach).all() && ((point - node.high).array() <= reach).all();
+  };
+  descend(enter, [&](const Triangle& triangle) {
+    const auto& [p, q, r] = triangle;
+    const Vector3d area = area_of(triangle), unit = area.normalized();
+    const double off = std::abs(unit.dot(point - p)), twice = 2 * area.norm();
+    constexpr double kHair = -1e-3;
+    if (off > nearest || unit.dot((q - p).cross(point - p)) < kHair * twice ||
+        unit.dot((r - q).cross(point - q)) < kHair * twice || unit.dot((p - r).cross(point - r)) < kHair * twice) {
+      return;
     }
-    for (int t = node.first; t < node.first + node.count; ++t) {
-      const auto& [p, q, r] = triangles_[t];
-      const Vector3d area = area_of(triangles_[t]), unit = area.normalized();
-      const double off = std::abs(unit.dot(point - p)), twice = 2 * area.norm();
-      constexpr double kHair = -1e-3;
-      if (off > nearest || unit.dot((q - p).cross(point - p)) < kHair * twice ||
-          unit.dot((r - q).cross(point - q)) < kHair * twice || unit.dot((p - r).cross(point - r)) < kHair * twice) {
-        continue;
-      }
-      nearest = off;
-      normal = unit;
-      found = true;
-    }
-  }
+    nearest = off;
+    normal = unit;
+    found = true;
+  });
   return found;
 }
 

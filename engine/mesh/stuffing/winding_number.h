@@ -64,6 +64,8 @@ class WindingNumber {
   [[nodiscard]] bool faces_inward() const;
   void expand(Node& node) const;
   static Bounded far_field(const Node& node, const Eigen::Vector3d& offset, double distance);
+  template <class Enter, class Leaf>
+  void descend(const Enter& enter, const Leaf& leaf) const;
   [[nodiscard]] Bounded sum(const Eigen::Vector3d& point, double opening) const;
 
   std::vector<Triangle> triangles_;

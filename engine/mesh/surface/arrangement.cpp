@@ -1,5 +1,6 @@
 #include "engine/mesh/surface/arrangement.h"
 
+#include "engine/base/groups.h"
 #include "engine/mesh/surface/surface_check.h"
 
 // Silences CGAL's warning at every start about exact crossings of crossings, which are few here.
@@ -14,7 +15,6 @@
 #include <cmath>
 #include <exception>
 #include <map>
-#include <numeric>
 #include <utility>
 
 // Cutting a surface along itself
@@ -53,10 +53,7 @@ struct Group {
 
 class Arranger {
  public:
-  explicit Arranger(const TriangleMesh& mesh)
-      : mesh_(mesh), group_of_(static_cast<std::size_t>(mesh.triangles.rows())) {
-    std::iota(group_of_.begin(), group_of_.end(), 0);
-  }
+  explicit Arranger(const TriangleMesh& mesh) : mesh_(mesh), groups_(static_cast<std::size_t>(mesh.triangles.rows())) {}
 
   Result<Arrangement> run() {
     const auto pairs = self_intersections(mesh_, kMaxCuts);
@@ -69,22 +66,22 @@ class Arranger {
     std::vector<std::pair<std::int32_t, std::array<std::int32_t, 2>>> segments;  // triangle and nodes
     for (const auto& [a, b] : pairs) {
       met_.clear();
-      if (meet(a, b)) join(a, b);
+      if (meet(a, b)) groups_.join_to(a, b);
       for (const auto& segment : met_) {
         segments.emplace_back(a, segment);
         segments.emplace_back(b, segment);
       }
     }
     std::map<std::int32_t, Group> groups;
-    std::vector<bool> cut(group_of_.size(), false);
+    std::vector<bool> cut(static_cast<std::size_t>(mesh_.triangles.rows()), false);
     for (const auto& pair : pairs) {
       for (const std::int32_t t : pair) {
         if (cut[static_cast<std::size_t>(t)]) continue;
         cut[static_cast<std::size_t>(t)] = true;
-        groups[root(t)].triangles.push_back(t);
+        groups[groups_.root(t)].triangles.push_back(t);
       }
     }
-    for (const auto& [triangle, segment] : segments) groups[root(triangle)].segments.push_back(segment);
+    for (const auto& [triangle, segment] : segments) groups[groups_.root(triangle)].segments.push_back(segment);
     for (const auto& [first, group] : groups) triangulate(group);
     for (std::size_t t = 0; t < cut.size(); ++t) {
       if (cut[t]) continue;
@@ -113,15 +110,6 @@ class Arranger {
     if (fresh) made_.push_back(at);
     return known->second;
   }
-
-  std::int32_t root(std::int32_t t) {
-    while (group_of_[static_cast<std::size_t>(t)] != t) {
-      std::int32_t& up = group_of_[static_cast<std::size_t>(t)];
-      t = up = group_of_[static_cast<std::size_t>(up)];
-    }
-    return t;
-  }
-  void join(std::int32_t a, std::int32_t b) { group_of_[static_cast<std::size_t>(root(a))] = root(b); }
 
   // Records in met_ the segment or point that two triangles have in common. Returns true if they share a polygon.
   bool meet(std::int32_t a, std::int32_t b) {
@@ -249,7 +237,7 @@ class Arranger {
   }
 
   const TriangleMesh& mesh_;
-  std::vector<std::int32_t> group_of_;  // union-find: for each triangle a link towards the first triangle of its group
+  Groups<std::int32_t> groups_;  // of triangles
   std::map<ExactPoint, std::int32_t> number_;
   std::vector<ExactPoint> made_;
   std::vector<std::array<std::int32_t, 2>> met_;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <utility>
 
@@ -30,13 +29,12 @@ Result<void> check_apart(const PartedSurface& parted, const std::string& body) {
   if (cuts.empty()) return {};
   const auto [a, b] = cuts.front();
   const Eigen::RowVector3d at = parted.mesh.nodes.row(parted.mesh.triangles(a, 0));
-  char where[120];
-  std::snprintf(where, sizeof where, " near (%.4g, %.4g, %.4g) m", at[0], at[1], at[2]);
+  const std::string where = formatted(" near ({:.4g}, {:.4g}, {:.4g}) m", at[0], at[1], at[2]);
   return fail(ErrorKind::bad_input,
-              "the surfaces " + surface_name(parted.source[static_cast<std::size_t>(a)], parted, body) + " and " +
-                  surface_name(parted.source[static_cast<std::size_t>(b)], parted, body) + " cross or touch" + where +
-                  "; a part's surface must lie completely inside the body. Parts that reach its skin are groups of a "
-                  "geometry or a mesh");
+              "the surfaces {} and {} cross or touch{}; a part's surface must lie completely inside the body. Parts "
+              "that reach its skin are groups of a geometry or a mesh",
+              surface_name(parted.source[static_cast<std::size_t>(a)], parted, body),
+              surface_name(parted.source[static_cast<std::size_t>(b)], parted, body), where);
 }
 
 }  // namespace
@@ -89,7 +87,7 @@ Result<PartedSurface> part(const TriangleMesh& body, const std::vector<NamedSurf
     append(parted, surface.mesh, static_cast<std::int32_t>(parted.names.size()));
     parted.names.push_back(surface.name);
   }
-  if (auto apart = check_apart(parted, name); !apart) return fail(apart.error());
+  if (auto apart = check_apart(parted, name); !apart) return fail(apart);
   const Shells shells = shells_of(parted.mesh);
   std::vector<std::int32_t> source(static_cast<std::size_t>(shells.count), -1);
   for (std::size_t t = 0; t < parted.source.size(); ++t) {
@@ -99,8 +97,9 @@ Result<PartedSurface> part(const TriangleMesh& body, const std::vector<NamedSurf
   for (std::size_t s = 0; s < regions.size(); ++s) {
     const bool inside = shells.parent[s] >= 0 && regions[static_cast<std::size_t>(shells.parent[s])].filled;
     if (source[s] < 0 || inside) continue;
-    return fail(ErrorKind::bad_input, "the surface of a part, " + surface_name(source[s], parted, name) +
-                                          ", lies outside of " + name + " or in one of its cavities; move it inside");
+    return fail(ErrorKind::bad_input,
+                "the surface of a part, {}, lies outside of {} or in one of its cavities; move it inside",
+                surface_name(source[s], parted, name), name);
   }
   for (Eigen::Index t = 0; t < parted.mesh.triangles.rows(); ++t) {
     const std::int32_t s = shells.shell[static_cast<std::size_t>(t)];

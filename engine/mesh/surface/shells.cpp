@@ -1,5 +1,6 @@
 #include "engine/mesh/surface/shells.h"
 
+#include "engine/base/groups.h"
 #include "engine/mesh/stuffing/winding_number.h"
 
 #include <Eigen/Geometry>
@@ -33,7 +34,8 @@ using Node = Eigen::RowVector3d;
 
 class Grower {
  public:
-  Grower(const TriangleMesh& mesh, const std::vector<bool>& usable) : mesh_(mesh), edges_(edges_of(mesh, usable)) {
+  Grower(const TriangleMesh& mesh, const std::vector<bool>& usable)
+      : mesh_(mesh), edges_(edges_of(mesh, usable)), part_(usable.size()) {
     const auto count = static_cast<std::size_t>(mesh.triangles.rows());
     shells_.shell.assign(count, -1);
     shells_.turned.assign(count, false);
@@ -55,8 +57,6 @@ class Grower {
 
   void link(std::size_t count) {
     links_.resize(count);
-    part_.resize(count);
-    std::iota(part_.begin(), part_.end(), std::size_t{0});
     for (std::size_t first = 0, last; first < edges_.size(); first = last) {
       last = end_of_edge(edges_, first);
       if (last - first == 2) join(edges_[first], edges_[first + 1]);
@@ -72,15 +72,11 @@ class Grower {
     const bool agrees = a.forward != b.forward;
     links_[static_cast<std::size_t>(a.triangle)].push_back({b.triangle, agrees});
     links_[static_cast<std::size_t>(b.triangle)].push_back({a.triangle, agrees});
-    part_[part_of(a)] = part_of(b);
+    part_.join_to(static_cast<std::size_t>(a.triangle), static_cast<std::size_t>(b.triangle));
   }
 
   // Returns the present part of the use's triangle, as the number of the part's first triangle.
-  std::size_t part_of(const EdgeUse& use) {
-    auto t = static_cast<std::size_t>(use.triangle);
-    while (part_[t] != t) t = part_[t] = part_[part_[t]];
-    return t;
-  }
+  std::size_t part_of(const EdgeUse& use) { return part_.root(static_cast<std::size_t>(use.triangle)); }
 
   // Links the two triangles of each part at this edge, however the parts are wound. Returns false if some part does not
   // have exactly two there, one in either direction.
@@ -198,8 +194,8 @@ class Grower {
   const TriangleMesh& mesh_;
   std::vector<EdgeUse> edges_;
   std::vector<std::vector<Link>> links_;
-  std::vector<std::size_t> part_;  // union-find: for each triangle a link towards the first of its part
-  std::vector<bool> free_;         // triangles with an edge through which they have no neighbour
+  Groups<> part_;           // of triangles
+  std::vector<bool> free_;  // triangles with an edge through which they have no neighbour
   Shells shells_;
 };
 

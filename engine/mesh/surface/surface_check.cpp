@@ -218,8 +218,10 @@ class Cutter {
       for (int j = 0; j < 3; ++j) {
         if (node(a, i) != node(b, j)) continue;
         ++shared;
-        at_a = i, at_b = j;
-        sum_a += i, sum_b += j;
+        at_a = i;
+        at_b = j;
+        sum_a += i;
+        sum_b += j;
       }
     }
     if (shared == 0) return CGAL::do_intersect(triangle(a), triangle(b));

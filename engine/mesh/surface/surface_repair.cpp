@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -50,7 +49,7 @@ class SurfaceRepair {
     drop_rags();
     close_holes();
     flat_ += split_at_flats(mesh_, steps_);
-    say(flat_, "removed %d triangle%s without area");
+    say(flat_, "removed {} triangle{} without area");
     turn_outward();
     smooth_noise();
     unite_bodies();
@@ -63,11 +62,9 @@ class SurfaceRepair {
   }
 
  private:
-  void say(auto count, const char* words) {
-    if (count <= 0) return;
-    char text[120];
-    std::snprintf(text, sizeof text, words, static_cast<int>(count), count == 1 ? "" : "s");
-    actions_.emplace_back(text);
+  template <class Count>
+  void say(Count count, Pattern<Count, const char*> words) {
+    if (count > 0) actions_.push_back(formatted<Count, const char*>(words, count, count == 1 ? "" : "s"));
   }
 
   std::size_t drop(const std::vector<bool>& unwanted) {
@@ -98,8 +95,8 @@ class SurfaceRepair {
   }
 
   void drop_repeated() {
-    say(drop_walls(), "dropped %d triangle%s of internal walls");
-    say(drop(duplicates_in(mesh_)), "dropped %d duplicated triangle%s");
+    say(drop_walls(), "dropped {} triangle{} of internal walls");
+    say(drop(duplicates_in(mesh_)), "dropped {} duplicated triangle{}");
     std::vector<bool> narrow(static_cast<std::size_t>(mesh_.triangles.rows()));
     for (std::size_t t = 0; t < narrow.size(); ++t) {
       const auto row = mesh_.triangles.row(static_cast<Eigen::Index>(t));
@@ -169,7 +166,7 @@ class SurfaceRepair {
     Eigen::Index next = mesh_.triangles.rows();
     mesh_.triangles.conservativeResize(next + static_cast<Eigen::Index>(patches.size()), 3);
     for (const auto& [a, b, c] : patches) mesh_.triangles.row(next++) << a, b, c;
-    say(closed, "closed %d hole%s");
+    say(closed, "closed {} hole{}");
   }
 
   // All sides of all triangles, by edge.
@@ -228,7 +225,7 @@ class SurfaceRepair {
       std::sort(candidates.begin(), candidates.end());
       candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
     }
-    say(drop(gone), "dropped %d fin%s");
+    say(drop(gone), "dropped {} fin{}");
   }
 
   void flip(std::size_t t) {
@@ -244,7 +241,7 @@ class SurfaceRepair {
       flip(t);
       ++turned;
     }
-    say(turned, "turned %d flipped triangle%s");
+    say(turned, "turned {} flipped triangle{}");
   }
 
   void drop_scraps() {
@@ -268,7 +265,7 @@ class SurfaceRepair {
       unwanted[t] = shells.shell[t] >= 0 && scraps[static_cast<std::size_t>(shells.shell[t])];
     }
     drop(unwanted);
-    say(count, "dropped %d open scrap%s");
+    say(count, "dropped {} open scrap{}");
   }
 
   // Drops parts that are too wide open to be bodies, before their rims would be closed as holes.
@@ -302,7 +299,7 @@ class SurfaceRepair {
     for (std::size_t t = 0; t < shells.shell.size(); ++t) {
       if (shells.shell[t] >= 0 && wrong[static_cast<std::size_t>(shells.shell[t])]) flip(t);
     }
-    say(std::count(wrong.begin(), wrong.end(), true), "turned %d shell%s the right way out");
+    say(std::count(wrong.begin(), wrong.end(), true), "turned {} shell{} the right way out");
   }
 
   // Smooths scans that noise has folded and that cut themselves in thousands of places. Uniting such a surface would
@@ -316,9 +313,7 @@ class SurfaceRepair {
       if (2 * cuts(smooth.mesh) > cuts(mesh_)) return;
     }
     rough_ = std::exchange(mesh_, std::move(smooth.mesh));
-    char text[80];
-    std::snprintf(text, sizeof text, "smoothed noise of %.2g mm that folded the surface", 1000 * smooth.moved_m);
-    actions_.emplace_back(text);
+    actions_.push_back(formatted("smoothed noise of {:.2g} mm that folded the surface", 1000 * smooth.moved_m));
   }
 
   // Unites shells, several times if needed: rounding, and merging of nearly equal points, may cause new cuts in places
@@ -346,7 +341,7 @@ class SurfaceRepair {
     if (!united) return;
     const int after = bodies().first;
     if (after < before) {
-      actions_.push_back("united " + std::to_string(before) + " shells into " + std::to_string(after));
+      actions_.push_back(formatted("united {} shells into {}", before, after));
     } else {
       actions_.emplace_back("united the surface where it intersects itself");
     }

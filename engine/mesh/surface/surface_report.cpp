@@ -1,7 +1,8 @@
 #include "engine/mesh/surface/surface_report.h"
 
+#include "engine/base/formatted.h"
+
 #include <algorithm>
-#include <cstdio>
 
 namespace ringdown::mesh {
 namespace {
@@ -48,11 +49,8 @@ Words words_of(Fault fault) {
 
 std::string with_place(const Finding& finding) {
   if (finding.places.empty()) return "";
-  char text[96];
   const Eigen::RowVector3d& at = finding.places.front();
-  std::snprintf(text, sizeof text, ", %sat (%.4g, %.4g, %.4g) m", finding.count > 1 ? "the first " : "", at[0], at[1],
-                at[2]);
-  return text;
+  return formatted(", {}at ({:.4g}, {:.4g}, {:.4g}) m", finding.count > 1 ? "the first " : "", at[0], at[1], at[2]);
 }
 
 }  // namespace
@@ -80,12 +78,9 @@ std::string describe(const Finding& finding) {
   const Words words = words_of(finding.fault);
   const bool cuts = finding.fault == Fault::kSelfIntersection || finding.fault == Fault::kOverlap;
   std::string text = cuts && finding.count >= kMaxIntersections ? "at least " : "";
-  text += std::to_string(finding.count) + " " + (finding.count == 1 ? words.one : words.many);
+  text += formatted("{} {}", finding.count, finding.count == 1 ? words.one : words.many);
   if (finding.length_m > 0) {
-    char around[64];
-    std::snprintf(around, sizeof around, ", %s%.3g m around", finding.count > 1 ? "the longest " : "",
-                  finding.length_m);
-    text += around;
+    text += formatted(", {}{:.3g} m around", finding.count > 1 ? "the longest " : "", finding.length_m);
   }
   return text + with_place(finding);
 }

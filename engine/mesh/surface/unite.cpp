@@ -1,5 +1,6 @@
 #include "engine/mesh/surface/unite.h"
 
+#include "engine/base/groups.h"
 #include "engine/mesh/files/surface_file.h"
 #include "engine/mesh/stuffing/winding_number.h"
 #include "engine/mesh/surface/arrangement.h"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 // The skin of a union
@@ -28,14 +28,12 @@ using Eigen::Vector3d;
 class Skin {
  public:
   Skin(const TriangleMesh& surface, const Arrangement& parts)
-      : winding_(surface), parts_(parts), patch_(parts.layers.size()) {
-    std::iota(patch_.begin(), patch_.end(), std::size_t{0});
-  }
+      : winding_(surface), parts_(parts), patches_(parts.layers.size()) {}
 
   TriangleMesh run() {
     link();
-    std::vector<std::vector<std::size_t>> members(patch_.size());
-    for (std::size_t t = 0; t < patch_.size(); ++t) members[root(t)].push_back(t);
+    std::vector<std::vector<std::size_t>> members(parts_.layers.size());
+    for (std::size_t t = 0; t < parts_.layers.size(); ++t) members[patches_.root(t)].push_back(t);
     TriangleMesh skin{.nodes = parts_.mesh.nodes, .triangles = parts_.mesh.triangles};
     Eigen::Index kept = 0;
     for (std::vector<std::size_t>& patch : members) {
@@ -49,19 +47,14 @@ class Skin {
  private:
   static Eigen::Index index(std::size_t t) { return static_cast<Eigen::Index>(t); }
 
-  std::size_t root(std::size_t t) {
-    while (patch_[t] != t) t = patch_[t] = patch_[patch_[t]];
-    return t;
-  }
-
   void link() {
-    const std::vector<EdgeUse> edges = edges_of(parts_.mesh, std::vector<bool>(patch_.size(), true));
+    const std::vector<EdgeUse> edges = edges_of(parts_.mesh, std::vector<bool>(parts_.layers.size(), true));
     for (std::size_t first = 0, last; first < edges.size(); first = last) {
       last = end_of_edge(edges, first);
       const auto a = static_cast<std::size_t>(edges[first].triangle);
       const auto b = static_cast<std::size_t>(edges[last - 1].triangle);
       const bool agree = last - first == 2 && edges[first].forward != edges[last - 1].forward;
-      if (agree && parts_.layers[a] == parts_.layers[b]) patch_[root(a)] = root(b);
+      if (agree && parts_.layers[a] == parts_.layers[b]) patches_.join_to(a, b);
     }
   }
 
@@ -105,14 +98,14 @@ class Skin {
 
   WindingNumber winding_;
   const Arrangement& parts_;
-  std::vector<std::size_t> patch_;  // union-find: for each part a link towards the first of its patch
+  Groups<> patches_;  // of parts
 };
 
 }  // namespace
 
 Result<TriangleMesh> unite(const TriangleMesh& mesh) {
   const Result<Arrangement> parts = arrange(mesh);
-  if (!parts) return fail(parts.error());
+  if (!parts) return fail(parts);
   TriangleMesh skin = Skin(mesh, *parts).run();
   drop_unused_nodes(skin);
   return weld(skin, kMergeShare * diagonal_of(skin));

@@ -51,9 +51,26 @@ AtInstants at_instants(const float* row, const std::vector<AtInstants>& coordina
   return sums;
 }
 
-bool is_spared(const Vec3f& point, const StressSearch& search) {
+bool is_spared(const Vec3f& point, std::span<const Vec3> places_m, double radius_m) {
   const Vec3 at{static_cast<double>(point[0]), static_cast<double>(point[1]), static_cast<double>(point[2])};
-  return search.spared_radius_m > 0 && length(at - search.spared_m) < search.spared_radius_m;
+  return std::ranges::any_of(places_m, [&](const Vec3& place) { return length(at - place) < radius_m; });
+}
+
+// Calls visit(point, instant, stress) for the principal stress at all points that are not spared, where it is tensile.
+template <class Visit>
+void for_each_stress(const StressTable& table, const std::vector<AtInstants>& coordinates, std::size_t instants,
+                     std::span<const Vec3> spared_m, double radius_m, const Visit& visit) {
+  const std::size_t modes = coordinates.size();
+  for (std::size_t p = 0; p < table.positions.size(); ++p) {
+    if (is_spared(table.positions[p], spared_m, radius_m)) continue;
+    const float* row = &table.stress[3 * p * modes];
+    const AtInstants s11 = at_instants(row, coordinates), s22 = at_instants(row + modes, coordinates),
+                     s12 = at_instants(row + 2 * modes, coordinates);
+    for (std::size_t i = 0; i < instants; ++i) {
+      const float principal = (s11[i] + s22[i]) / 2 + std::hypot((s11[i] - s22[i]) / 2, s12[i]);
+      if (principal > 0) visit(p, i, principal);
+    }
+  }
 }
 
 }  // namespace
@@ -79,8 +96,8 @@ double stress_bound_pa(const StressTable& table, const ModalState& state, const 
 
 PeakStress peak_stress(const StressTable& table, const ModalState& state, const Blow* blow,
                        const StressSearch& search) {
-  const std::size_t modes = state.modes.size(), points = table.positions.size();
-  assert(table.stress.size() == 3 * points * modes);
+  const std::size_t modes = state.modes.size();
+  assert(table.stress.size() == 3 * table.positions.size() * modes);
   PeakStress peak;
   float largest = 0;
   const std::vector<double> times = instants_of(blow, search);
@@ -92,20 +109,37 @@ PeakStress peak_stress(const StressTable& table, const ModalState& state, const 
       for (std::size_t j = 0; j < modes; ++j)
         coordinates[j][i] = static_cast<float>(motion_of(then.modes[j], then.amplitudes[j]).coordinate);
     }
-    for (std::size_t p = 0; p < points; ++p) {
-      if (is_spared(table.positions[p], search)) continue;
-      const float* row = &table.stress[3 * p * modes];
-      const AtInstants s11 = at_instants(row, coordinates), s22 = at_instants(row + modes, coordinates),
-                       s12 = at_instants(row + 2 * modes, coordinates);
-      for (std::size_t i = 0; i < count; ++i) {
-        const float principal = (s11[i] + s22[i]) / 2 + std::hypot((s11[i] - s22[i]) / 2, s12[i]);
-        if (principal <= largest) continue;
-        largest = principal;
-        peak = {.stress_pa = static_cast<double>(principal), .point = p, .time_s = times[first + i]};
-      }
-    }
+    for_each_stress(table, coordinates, count, std::span(&search.spared_m, 1), search.spared_radius_m,
+                    [&](std::size_t point, std::size_t i, float stress) {
+                      if (stress <= largest) return;
+                      largest = stress;
+                      peak = {.stress_pa = static_cast<double>(stress), .point = point, .time_s = times[first + i]};
+                    });
   }
   return peak;
+}
+
+std::optional<PeakStress> first_reaching(const StressTable& table, const MotionSamples& samples, double stress_pa,
+                                         std::span<const Vec3> spared_m, double spared_radius_m) {
+  const std::size_t modes = table.largest.size();
+  assert(samples.coordinates.size() == samples.times_s.size() * modes);
+  for (std::size_t first = 0; first < samples.times_s.size(); first += kInstants) {
+    const std::size_t count = std::min(kInstants, samples.times_s.size() - first);
+    std::vector<AtInstants> coordinates(modes, AtInstants{});
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j < modes; ++j) coordinates[j][i] = samples.coordinates[(first + i) * modes + j];
+    }
+    std::optional<PeakStress> earliest;
+    for_each_stress(table, coordinates, count, spared_m, spared_radius_m,
+                    [&](std::size_t point, std::size_t i, float stress) {
+                      const double pa = static_cast<double>(stress), time_s = samples.times_s[first + i];
+                      if (pa < stress_pa || (earliest && earliest->time_s < time_s)) return;
+                      if (earliest && earliest->time_s == time_s && earliest->stress_pa >= pa) return;
+                      earliest = PeakStress{.stress_pa = pa, .point = point, .time_s = time_s};
+                    });
+    if (earliest) return earliest;
+  }
+  return {};
 }
 
 }  // namespace ringdown::modal

@@ -11,6 +11,8 @@
 #include "engine/modal/material_scale.h"
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace ringdown::modal {
@@ -53,5 +55,17 @@ struct PeakStress {
 // instant, 1 to 3 ms for 300 points, 100 modes and 60 instants.
 PeakStress peak_stress(const StressTable& table, const ModalState& state, const Blow* blow,
                        const StressSearch& search = {});
+
+// The motion of a body at some instants, ascending.
+struct MotionSamples {
+  std::vector<double> times_s;     // T
+  std::vector<float> coordinates;  // T x M [kg^1/2 m]
+};
+
+// Returns the largest stress of the first instant at which it reaches `stress_pa` anywhere on the skin but within
+// `spared_radius_m` of the places `spared_m`; nothing if it never does. Cost: 3 P M products for each instant until
+// then.
+std::optional<PeakStress> first_reaching(const StressTable& table, const MotionSamples& samples, double stress_pa,
+                                         std::span<const Vec3> spared_m, double spared_radius_m);
 
 }  // namespace ringdown::modal

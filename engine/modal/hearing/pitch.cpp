@@ -23,7 +23,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -312,14 +311,9 @@ std::optional<double> scaled_pitch(std::optional<double> pitch_hz, const Materia
 }
 
 std::string describe(const Pitch& pitch) {
-  char text[160];
-  if (pitch.hz) {
-    std::snprintf(text, sizeof text, "%.2f Hz (%s), %s", *pitch.hz, note_name(*pitch.hz).c_str(),
-                  pitch.stated ? "as its maker states" : "as estimated from its modes");
-  } else {
-    std::snprintf(text, sizeof text, "none: %s; %.2f Hz comes closest to one", pitch.reason.c_str(), pitch.tone_hz);
-  }
-  return text;
+  if (!pitch.hz) return formatted("none: {}; {:.2f} Hz comes closest to one", pitch.reason, pitch.tone_hz);
+  return formatted("{:.2f} Hz ({}), {}", *pitch.hz, note_name(*pitch.hz),
+                   pitch.stated ? "as its maker states" : "as estimated from its modes");
 }
 
 }  // namespace ringdown::modal

@@ -34,6 +34,14 @@ double inverse_mass(const ContactSide& side, const Motion& motion, Vec3 point_m,
   return inverse_effective_mass(*side.mass, to_matrix(motion.rotation), point_m - motion.position_m, normal);
 }
 
+double inverse_mass(const ContactSide& side, const Motion& motion, const PushedPlace& at, const PushedPlace& push) {
+  if (!side.mass) return 0;
+  const Matrix3 turn = to_matrix(motion.rotation);
+  const Vec3 moment = transpose(turn) * cross(push.point_m - motion.position_m, push.normal);
+  const Vec3 spin = turn * (inverse(side.mass->inertia_kg_m2) * moment);
+  return dot(at.normal, push.normal) / side.mass->mass_kg + dot(at.normal, cross(spin, at.point_m - motion.position_m));
+}
+
 ContactSide side_of(const BodyDescription& body, const Solid& solid, const modal::Bank* bank,
                     const modal::MaterialScale& scale) {
   ContactSide side{.surface = body.surface,

@@ -32,6 +32,13 @@ Vec3 to_object(const Motion& motion, const ContactSide& side, Vec3 world_m);
 // Returns one over the side's effective mass against a push along the unit `normal`; 0 if it cannot move. [1/kg]
 double inverse_mass(const ContactSide& side, const Motion& motion, Vec3 point_m, Vec3 normal);
 
+// A place where a side is pushed along a unit normal, in the world.
+struct PushedPlace {
+  Vec3 point_m, normal;
+};
+// Returns the velocity that a push of 1 N s gives the side at another place, along that place's normal. [1/kg]
+double inverse_mass(const ContactSide& side, const Motion& motion, const PushedPlace& at, const PushedPlace& push);
+
 // Returns a side without its object. The elasticity is that of the surface if it gives one, else that of the bank's
 // material, scaled, else that of hard stone.
 ContactSide side_of(const BodyDescription& body, const Solid& solid, const modal::Bank* bank,

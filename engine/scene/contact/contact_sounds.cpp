@@ -16,7 +16,7 @@
 // 2. A pair with a point that approaches faster than the bounce threshold may strike: ContactLives decides whether this
 //    is a new strike or chatter. Every such point becomes a strike event for both objects, and all of them together one
 //    click, the rigid body's own sound (process_pair, strike, click). If a body breaks
-//    under its blows (breaks), it ends here.
+//    under its blows (break_share), it ends here.
 // 3. The points of any other pair are combined into one contact (combine_points), which ContactLives and RestDampings
 //    follow over time.
 // 4. At the end of the step come the reports of lasting contacts (LastingEvents) and the dampers of resting ones.
@@ -215,13 +215,17 @@ void ContactSounds::strike(BodyPair pair, std::span<const ContactPoint* const> p
     if (!is_impact(*point) || !body || !other) continue;
     const double since_s = std::clamp(point->depth_m / point->approach_m_s, 0.0, step_s_);
     latest_s_ = std::max(latest_s_, now_s + point->found_s - since_s);
-    strikes_.push_back({point, face_s ? *face_s : contact_time_s(*body, *other, *point), timeline.frame(latest_s_)});
+    const bool by_hertz = !face_s && !combine(body->surface, other->surface).contact_time_s;
+    strikes_.push_back({point, face_s ? *face_s : contact_time_s(*body, *other, *point), timeline.frame(latest_s_),
+                        point->found_s - since_s, by_hertz});
   }
   if (strikes_.empty()) return;
-  const bool first_breaks = breaks(pair.first, pair.second), second_breaks = breaks(pair.second, pair.first);
+  const std::optional<double> first_breaks = break_share(pair.first, pair.second),
+                              second_breaks = break_share(pair.second, pair.first);
   const bool whole = !first_breaks && !second_breaks;
-  const double share = whole ? 1 : share_until_peak(strikes_.front().contact_time_s);
-  for (const auto& [point, lasting_s, frame] : strikes_) {
+  const double share = std::min(first_breaks.value_or(1), second_breaks.value_or(1));
+  for (const PairStrike& strike : strikes_) {
+    const auto& [point, lasting_s, frame, touched_s, by_hertz] = strike;
     const ContactSide &body = sides_.at(point->body), &other = sides_.at(point->other);
     const bool two_way = (body.two_way || other.two_way) && whole;
     if (two_way && strike_two_way(body, other, *point, lasting_s, frame)) continue;
@@ -237,17 +241,39 @@ void ContactSounds::strike(BodyPair pair, std::span<const ContactPoint* const> p
   if (second_breaks) end_contacts(pair.second, strikes_.front().frame);
 }
 
-// Asks the judge.
-bool ContactSounds::breaks(BodyId body, BodyId other) {
-  const ContactSide& side = sides_.at(body);
-  if (!side.breaks || !side.object || !judge_) return false;
-  const double restitution = combine(side.surface, sides_.at(other).surface).restitution;
-  std::vector<BodyBlow> blows;
-  for (const auto& [point, lasting_s, frame] : strikes_) {
+// Asks the judge. Where the contact time is that of the whole pair, each point has the part of the mass that its
+// impulse stands for, so that all its springs together bounce in that time.
+std::optional<double> ContactSounds::break_share(BodyId body, BodyId other) const {
+  const ContactSide &side = sides_.at(body), &striker = sides_.at(other);
+  if (!side.breaks || !side.object || !judge_) return {};
+  constexpr double kMinBounce = 0.05, kMinContact_s = 1e-5;
+  const double bounce = std::clamp(combine(side.surface, striker.surface).restitution, kMinBounce, 1.0);
+  std::vector<PairStrike> strikes = strikes_;
+  std::ranges::stable_sort(strikes, {}, [](const PairStrike& s) { return -length(s.point->impulse_ns); });
+  if (strikes.size() > contact::kMaxContacts) strikes.resize(contact::kMaxContacts);
+  const double first_s = std::ranges::min_element(strikes, {}, &PairStrike::touched_s)->touched_s;
+  BodyBlows blows{.frame = strikes_.front().frame, .strikes = {}, .meeting = {}};
+  std::vector<PushedPlace> pushes;
+  const Motion* of_striker = nullptr;
+  for (const auto& [point, lasting_s, frame, touched_s, by_hertz] : strikes) {
     const bool straight = point->body == body;
     const Motion& motion = straight ? point->motions->of_body : point->motions->of_other;
-    blows.push_back({frame, strike_of(*point, side, motion, (straight ? 1 : -1) * point->impulse_ns, lasting_s),
-                     0.5 * length(point->impulse_ns) * point->approach_m_s / (1 + restitution)});
+    of_striker = straight ? &point->motions->of_other : &point->motions->of_body;
+    const Vec3 normal = (straight ? 1 : -1) * point->normal, impulse_ns = (straight ? 1 : -1) * point->impulse_ns;
+    blows.strikes.push_back(strike_of(*point, side, motion, impulse_ns, lasting_s));
+    const double mass_kg = by_hertz ? 1 / inverse_mass_of(sides_.at(point->body), sides_.at(point->other), *point)
+                                    : dot(impulse_ns, normal) / ((1 + bounce) * point->approach_m_s);
+    const double stiffness = hertz_stiffness(mass_kg, point->approach_m_s, std::max(lasting_s, kMinContact_s));
+    blows.meeting.points.push_back({.point_m = blows.strikes.back().point_m,
+                                    .normal = transpose(to_matrix(motion.rotation)) * normal,
+                                    .closing_m_s = point->approach_m_s,
+                                    .gap_m = (touched_s - first_s) * point->approach_m_s,
+                                    .law = {.stiffness = stiffness, .bounce = bounce}});
+    pushes.push_back({point->point_m, normal});
+  }
+  for (const PushedPlace& at : pushes) {
+    for (const PushedPlace& push : pushes)
+      blows.meeting.other_per_kg.push_back(inverse_mass(striker, *of_striker, at, push));
   }
   return judge_(body, other, blows);
 }
@@ -276,7 +302,6 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
   };
   const Vec3 impulse_ns = (straight ? 1 : -1) * point.impulse_ns;
   const Vec3 way = (1 / length(impulse_ns)) * impulse_ns;
-  constexpr double kHertz = 2.94;  // contact time over depth, times speed
   constexpr double kMinBounce = 0.05;
   // Bodies that share an impact with others, or graze an edge, give less than they would alone.
   const double pushed_m_s = length(impulse_ns) * inverse_mass;
@@ -288,7 +313,7 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
   hit.direction = in_frame_of(straight, way);
   hit.speed_m_s = speed;
   hit.mass_kg = 1 / inverse_mass;
-  hit.stiffness = 1.25 * hit.mass_kg * speed * speed / std::pow(contact_time_s * speed / kHertz, 2.5);
+  hit.stiffness = hertz_stiffness(hit.mass_kg, speed, contact_time_s);
   hit.bounce = std::clamp(pushed_m_s / speed - 1, kMinBounce, 1.0);
   if (head.object && *head.object != *struck.object) {
     hit.other = *head.object;

@@ -5,6 +5,7 @@
 // much resting contacts damp each object. [one thread at a time]
 #pragma once
 
+#include "engine/breaking/collision.h"
 #include "engine/scene/contact/contact_life.h"
 #include "engine/scene/contact/contact_side.h"
 #include "engine/scene/contact/heard_contact.h"
@@ -28,26 +29,24 @@ struct FrameClock {
   [[nodiscard]] synth::Frame frame(double time_s) const;
 };
 
-// A blow on a body that may break, in its object's frame.
-struct BodyBlow {
-  synth::Frame frame = 0;
-  synth::verb::Strike strike;
-  double energy_j = 0;  // of the approach: no more can be in the body's vibration at the peak of the force
+// The blows of one step on a body that may break, by one other body, in its object's frame.
+struct BodyBlows {
+  synth::Frame frame = 0;                    // of the first touch
+  std::vector<synth::verb::Strike> strikes;  // as from rigid bodies
+  breaking::Meeting meeting;                 // of the same points
 };
 
-// A pair strikes, and one of its bodies may break: all its blows of one step.
-using BlowJudge = std::function<bool(BodyId body, BodyId other, std::span<const BodyBlow> blows)>;
-
-// A body that breaks under a blow does so at the peak of the force. Only this share of the impulse has acted by then.
-inline double share_until_peak(double contact_time_s) { return contact_time_s > 0 ? 0.5 : 1; }
+// A pair strikes, and one of its bodies may break. Returns the share of the blows' impulse that has acted when it does;
+// nothing if it does not break.
+using BlowJudge = std::function<std::optional<double>(BodyId body, BodyId other, const BodyBlows& blows)>;
 
 class ContactSounds {
  public:
   explicit ContactSounds(const SceneDescription& scene);
 
   // Lets `judge` decide whether a body breaks under its blows, before they are reported. If one does, its own strikes
-  // are left out, those of the other body have the share of the impulse until the peak, and so have the clicks of
-  // both; the body's lasting contacts end, and it takes no more part.
+  // are left out, those of the other body have the share of the impulse that has acted by then, and so have the clicks
+  // of both; the body's lasting contacts end, and it takes no more part.
   void judge_by(BlowJudge judge) { judge_ = std::move(judge); }
 
   // Lets the contact between a body that has gone and another one go on with a piece of the body, so that the blow
@@ -91,9 +90,11 @@ class ContactSounds {
     const ContactPoint* point;
     double contact_time_s;
     synth::Frame frame;
+    double touched_s;  // when the surfaces touched, from the beginning of the step
+    bool by_hertz;     // whether the contact time is that of this point alone
   };
   void strike(BodyPair pair, std::span<const ContactPoint* const> points, double now_s, const FrameClock& timeline);
-  [[nodiscard]] bool breaks(BodyId body, BodyId other);
+  [[nodiscard]] std::optional<double> break_share(BodyId body, BodyId other) const;
   void end_contacts(BodyId body, synth::Frame frame);
   [[nodiscard]] bool strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
                                     double contact_time_s, synth::Frame frame);

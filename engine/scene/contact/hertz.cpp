@@ -28,4 +28,9 @@ double hertz_time(double inverse_mass, double radius_m, double modulus_pa, doubl
   return 2.87 * std::pow(inverse_mass * inverse_mass * radius_m * modulus_pa * modulus_pa * approach_m_s, -0.2);
 }
 
+double hertz_stiffness(double mass_kg, double approach_m_s, double contact_time_s) {
+  constexpr double kTimes = 2.94;  // contact time over the largest depth, times speed
+  return 1.25 * mass_kg * approach_m_s * approach_m_s / std::pow(contact_time_s * approach_m_s / kTimes, 2.5);
+}
+
 }  // namespace ringdown::scene

@@ -39,4 +39,8 @@ double inverse_effective_mass(const RigidMass& mass, const Matrix3& to_world, Ve
 // Returns the contact time T, from the sum of both inverse masses [1/kg] and the approach speed, > 0. [s]
 double hertz_time(double inverse_mass, double radius_m, double modulus_pa, double approach_m_s);
 
+// Returns the stiffness k of the spring F = k d^1.5 on which a mass that approaches with this speed bounces in the
+// contact time, all > 0. By Hertz's law k = 4/3 E* sqrt(R). [N/m^1.5]
+double hertz_stiffness(double mass_kg, double approach_m_s, double contact_time_s);
+
 }  // namespace ringdown::scene

@@ -42,7 +42,8 @@ void RestingContacts::add(const PairContact& contact, std::span<const ContactPoi
   life.moves =
       life.moves || length(contact.slide_m_s) > kMinContactSpeed_m_s || contact.max_roll_m_s > kMinContactSpeed_m_s;
   life.latest.pair = contact.pair;
-  life.latest.first = contact.first, life.latest.second = contact.second;
+  life.latest.first = contact.first;
+  life.latest.second = contact.second;
   life.latest.points.clear();
   for (const ContactPoint* point : points) {
     const double along_ns = dot(point->impulse_ns, point->normal);

@@ -66,53 +66,6 @@ BodyDescription piece_description(const BodyDescription& whole, const modal::Ban
   return piece;
 }
 
-// The blows of one pair, as a body's vibration receives them: the hardest one, whose force is followed in time, and the
-// others, which count as whole blows before it.
-struct Blows {
-  explicit Blows(std::span<const BodyBlow> blows) : all(blows.begin(), blows.end()) {
-    const auto hardness = [](const BodyBlow& blow) { return length(blow.strike.impulse_ns); };
-    std::ranges::iter_swap(all.begin(), std::ranges::max_element(all, {}, hardness));
-  }
-  std::vector<BodyBlow> all;  // the hardest first
-  [[nodiscard]] const BodyBlow& hardest() const { return all.front(); }
-  void let_follow_others(breaking::Breakable& state) const {
-    for (const BodyBlow& blow : std::span(all).subspan(1)) state.follow({.frame = blow.frame, .verb = blow.strike});
-  }
-};
-
-// The energy that blows have put into the modes of a body at the peak of the hardest one's force.
-double energy_of(const Blows& blows, const breaking::Breakable& before) {
-  breaking::Breakable after = before, unstruck = before;
-  blows.let_follow_others(after);
-  modal::ModalState change = after.at_peak(blows.hardest().strike, blows.hardest().frame);
-  const modal::ModalState& rest = unstruck.advance_to(blows.hardest().frame);
-  for (std::size_t m = 0; m < change.amplitudes.size(); ++m) change.amplitudes[m] -= rest.amplitudes[m];
-  return modal::modal_energy(change).total_j();
-}
-
-// Hertz's contact time is that of bodies which give way at the contact only. A body that bends there is touched for
-// longer, or the blow would give its modes more energy than the approach has. Contact times are therefore made as much
-// longer as that energy asks for. For one mode that is much faster than the blow this is the time in which the
-// mode's stiffness turns the striker back.
-Blows with_bending(const Blows& blows, const breaking::Breakable& before) {
-  constexpr double kShortest_s = 1e-5, kMaxFactor = 1e4;
-  double available_j = 0;
-  for (const BodyBlow& blow : blows.all) available_j += blow.energy_j;
-  const auto lengthened = [&](double factor) {
-    Blows longer = blows;
-    for (BodyBlow& blow : longer.all)
-      blow.strike.contact_time_s = factor * std::max(blow.strike.contact_time_s, kShortest_s);
-    return longer;
-  };
-  if (energy_of(blows, before) <= available_j) return blows;
-  double low = 1, high = kMaxFactor;
-  while (high > 1.02 * low) {
-    const double factor = std::sqrt(low * high);
-    (energy_of(lengthened(factor), before) > available_j ? low : high) = factor;
-  }
-  return lengthened(high);
-}
-
 // Changes a motion by an impulse at a point of the world.
 void push(Motion& motion, const RigidMass& mass, Vec3 point_m, Vec3 impulse_ns) {
   const Matrix3 turn = to_matrix(motion.rotation);
@@ -136,7 +89,7 @@ std::size_t BreakingBodies::Pattern::body_count() const {
 BreakingBodies::BreakingBodies(SceneBodies& bodies, std::uint64_t seed, double sample_rate_hz)
     : scene_(bodies), seed_(seed), sample_rate_hz_(sample_rate_hz) {
   scene_.sounds.judge_by(
-      [this](BodyId body, BodyId other, std::span<const BodyBlow> blows) { return judge(body, other, blows); });
+      [this](BodyId body, BodyId other, const BodyBlows& blows) { return judge(body, other, blows); });
 }
 
 Result<void> BreakingBodies::add(BodyId id, const Body& body) {
@@ -211,27 +164,28 @@ void BreakingBodies::set_sample_rate(double sample_rate_hz) {
   }
 }
 
-bool BreakingBodies::judge(BodyId body, BodyId other, std::span<const BodyBlow> blows) {
+std::optional<double> BreakingBodies::judge(BodyId body, BodyId other, const BodyBlows& blows) {
   const auto found = bodies_.find(body);
-  if (found == bodies_.end()) return false;
+  if (found == bodies_.end()) return {};
   Entry& entry = found->second;
-  const Blows limited = with_bending(Blows(blows), entry.state);
-  const BodyBlow& hardest = limited.hardest();
-  breaking::Breakable state = entry.state;
-  limited.let_follow_others(state);
-  Vec3 impulse_ns;
-  for (const BodyBlow& blow : blows) impulse_ns = impulse_ns + blow.strike.impulse_ns;
-  const bool breaks = (entry.breaks.impulse_ns && length(impulse_ns) >= *entry.breaks.impulse_ns) ||
-                      (entry.strength_pa && state.exceeds(hardest.strike, hardest.frame, *entry.strength_pa));
-  const auto goes_on = [&] {
-    for (const BodyBlow& blow : blows) entry.state.follow({.frame = blow.frame, .verb = blow.strike});
-    return false;
+  breaking::Breakable& state = entry.state;
+  const breaking::Course course = state.course_of(blows.meeting, blows.frame, entry.strength_pa);
+  const auto goes_on = [&]() -> std::optional<double> {
+    state.follow(course);
+    return {};
   };
-  if (!breaks) return goes_on();
+  Vec3 impulse_ns;
+  double pressed_ns = 0;
+  for (std::size_t i = 0; i < blows.strikes.size(); ++i) {
+    impulse_ns = impulse_ns + blows.strikes[i].impulse_ns;
+    pressed_ns += dot(blows.strikes[i].impulse_ns, blows.meeting.points[i].normal);
+  }
+  const bool by_impulse = entry.breaks.impulse_ns && length(impulse_ns) >= *entry.breaks.impulse_ns;
+  if (!by_impulse && !course.strained_s) return goes_on();
 
   std::size_t bodies_to_come = scene_.store.bodies().size();
   for (const Broken& before : broken_) bodies_to_come += before.entry.patterns[before.pattern].body_count() - 1;
-  std::vector<std::size_t> levels = state.levels_at(hardest.strike.point_m);
+  std::vector<std::size_t> levels = state.levels_at(blows.strikes.front().point_m);
   std::erase_if(
       levels, [&](std::size_t level) { return bodies_to_come - 1 + entry.patterns[level].body_count() > kMaxBodies; });
   if (levels.empty()) {
@@ -242,27 +196,32 @@ bool BreakingBodies::judge(BodyId body, BodyId other, std::span<const BodyBlow> 
     return goes_on();
   }
   const double factor = entry.breaks.crack_energy_factor / modal::kFractureEnergyFactor;
-  modal::ModalState peak = state.at_peak(hardest.strike, hardest.frame);
-  const double energy_j = modal::modal_energy(peak).total_j();
+  const double when_s =
+      by_impulse ? std::min(course.hardest_s, course.strained_s.value_or(course.hardest_s)) : *course.strained_s;
+  breaking::Breakable::Moment moment = state.moment_of(blows.meeting, blows.frame, when_s);
+  const double energy_j = modal::modal_energy(moment.state).total_j();
   const std::size_t level = factor > 0 ? state.affordable(levels, energy_j / factor) : levels.back();
   Pattern& pattern = entry.patterns[level];
   const synth::ObjectNumber object = *scene_.store.bodies().at(body).object;
-  breaking::Shattered shattered = state.shatter(*pattern.set, {.blow = hardest.strike,
-                                                               .frame = hardest.frame,
+  breaking::Shattered shattered = state.shatter(*pattern.set, {.blow = blows.strikes.front(),
+                                                               .frame = blows.frame,
+                                                               .motion = moment.state,
                                                                .crack_energy_j = factor * state.crack_cost_j(level),
                                                                .rest = breaking::RestOfBlow::to_striker,
                                                                .body = object,
                                                                .pieces = pattern.objects});
-  const double share = share_until_peak(blows.front().strike.contact_time_s);
-  broken_.push_back({body, other, std::move(entry), level, share, std::move(peak), std::move(shattered)});
+  const bool at_once = blows.strikes.front().contact_time_s <= 0;  // an ideal impulse
+  const double share = at_once || !(pressed_ns > 0) ? 1 : std::min(moment.impulse_ns / pressed_ns, 1.0);
+  broken_.push_back(
+      {body, other, object, std::move(entry), level, share, std::move(moment.state), std::move(shattered)});
   bodies_.erase(found);
-  return true;
+  return share;
 }
 
-std::vector<BodyId> BreakingBodies::replace_broken(std::span<const ContactPoint> points,
-                                                   std::vector<synth::Event>& events,
-                                                   std::vector<std::string>& notices) {
-  std::vector<BodyId> gone;
+std::vector<synth::ObjectNumber> BreakingBodies::replace_broken(std::span<const ContactPoint> points,
+                                                                std::vector<synth::Event>& events,
+                                                                std::vector<std::string>& notices) {
+  std::vector<synth::ObjectNumber> gone;
   for (std::string& sentence : std::exchange(crowded_, {})) notices.push_back(std::move(sentence));
   if (broken_.empty()) return gone;
   const std::vector<Broken> all = std::exchange(broken_, {});
@@ -273,7 +232,7 @@ std::vector<BodyId> BreakingBodies::replace_broken(std::span<const ContactPoint>
   for (const Broken& broken : all) {
     events.insert(events.end(), broken.shattered.events.begin(), broken.shattered.events.end());
     replace(broken, notices);
-    gone.push_back(broken.body);
+    gone.push_back(broken.object);
   }
   return gone;
 }

@@ -52,13 +52,13 @@ class BreakingBodies {
   [[nodiscard]] bool empty() const { return bodies_.empty(); }
 
   // Decides whether a body breaks under the blows of one pair (BlowJudge).
-  bool judge(BodyId body, BodyId other, std::span<const BodyBlow> blows);
+  std::optional<double> judge(BodyId body, BodyId other, const BodyBlows& blows);
 
   // Replaces the bodies that judge() has let break since the last call by their pieces. `points` are the contact points
-  // of the part. Adds events, in no order, and a sentence for each body. Returns the numbers of the bodies that are
+  // of the part. Adds events, in no order, and a sentence for each body. Returns the objects of the bodies that are
   // gone.
-  std::vector<BodyId> replace_broken(std::span<const ContactPoint> points, std::vector<synth::Event>& events,
-                                     std::vector<std::string>& notices);
+  std::vector<synth::ObjectNumber> replace_broken(std::span<const ContactPoint> points,
+                                                  std::vector<synth::Event>& events, std::vector<std::string>& notices);
 
  private:
   // A piece of a pattern as a body.
@@ -81,6 +81,7 @@ class BreakingBodies {
   };
   struct Broken {
     BodyId body = 0, other = 0;
+    synth::ObjectNumber object = 0;
     Entry entry;
     std::size_t pattern = 0;
     double share = 1;  // of the pair's impulse that has acted

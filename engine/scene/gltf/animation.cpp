@@ -1,5 +1,6 @@
 #include "engine/scene/gltf/animation.h"
 
+#include "engine/base/formatted.h"
 #include "engine/base/quote.h"
 #include "engine/scene/description.h"
 
@@ -34,7 +35,10 @@ double GltfAnimations::frame_s() const {
       if (channel.target == Target::scale) continue;  // two keys that hide a body until it starts lie anywhere
       for (std::size_t k = 0; k + 1 < channel.times_s.size(); ++k) {
         const double apart_s = static_cast<double>(channel.times_s[k + 1]) - static_cast<double>(channel.times_s[k]);
-        if (apart_s < 0.99 * shortest_s) shortest_s = apart_s, span_s = 0;
+        if (apart_s < 0.99 * shortest_s) {
+          shortest_s = apart_s;
+          span_s = 0;
+        }
       }
       const double whole_s = static_cast<double>(channel.times_s.back()) - static_cast<double>(channel.times_s.front());
       span_s = std::max(span_s, whole_s);
@@ -148,7 +152,10 @@ std::vector<double> GltfAnimations::value_at(const Channel& channel, double time
   double a = 1 - t, b = t;
   if (sign * along < 1 && !held && channel.target == Target::rotation && channel.way == Way::linear) {
     const double angle = std::acos(std::clamp(sign * along, -1.0, 1.0));
-    if (angle > 1e-6) a = std::sin((1 - t) * angle) / std::sin(angle), b = std::sin(t * angle) / std::sin(angle);
+    if (angle > 1e-6) {
+      a = std::sin((1 - t) * angle) / std::sin(angle);
+      b = std::sin(t * angle) / std::sin(angle);
+    }
   }
   for (std::size_t c = 0; c < width; ++c) {
     if (held) {
@@ -182,7 +189,11 @@ Affine GltfAnimations::local_at(std::size_t node, double time_s) const {
     }
   }
   Affine local{to_matrix(turn), place};
-  for (auto& row : local.linear) row[0] *= scale.x, row[1] *= scale.y, row[2] *= scale.z;
+  for (auto& row : local.linear) {
+    row[0] *= scale.x;
+    row[1] *= scale.y;
+    row[2] *= scale.z;
+  }
   return local;
 }
 
@@ -204,10 +215,11 @@ std::shared_ptr<const MotionPath> GltfAnimations::path_of(std::size_t node) {
   const double count = std::ceil(length_s_ / every_s_ - 1e-3) + 1;
   const double nodes = static_cast<double>(chain.size());
   if (!(count <= static_cast<double>(kMaxPathPoses)) || !(count * nodes <= static_cast<double>(kMaxPoses - poses_))) {
-    document_.notes.add("the animations are longer than " +
-                        std::to_string(static_cast<int>(static_cast<double>(kMaxPathPoses) * every_s_)) +
-                        " s, or than " + std::to_string(static_cast<int>(static_cast<double>(kMaxPoses) * every_s_)) +
-                        " s of all bodies and the nodes above them together; further bodies do not move");
+    document_.notes.add(
+        formatted("the animations are longer than {} s, or than {} s of all bodies and the nodes above them together; "
+                  "further bodies do not move",
+                  static_cast<int>(static_cast<double>(kMaxPathPoses) * every_s_),
+                  static_cast<int>(static_cast<double>(kMaxPoses) * every_s_)));
     return nullptr;
   }
   poses_ += static_cast<std::size_t>(count * nodes);

@@ -97,18 +97,18 @@ void GltfNotes::add(const std::string& sentence) {
 Result<GltfDocument> GltfDocument::read(const modal::Glb& glb) {
   GltfDocument document(glb);
   const JsonPlace nodes = document.root()["nodes"];
-  if (nodes.size() > kMaxNodes) return nodes.wrong("at most " + std::to_string(kMaxNodes) + " nodes");
+  if (nodes.size() > kMaxNodes) return nodes.wrong(formatted("at most {} nodes", kMaxNodes));
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const std::string name = nodes[k]["name"].text_or("");
     document.nodes_.push_back(
-        {.field = nodes[k], .name = name.empty() ? "node" + std::to_string(k) : name, .local = document.local_of(k)});
+        {.field = nodes[k], .name = name.empty() ? formatted("node{}", k) : name, .local = document.local_of(k)});
   }
   document.link_nodes();
-  if (const auto good = document.result(); !good) return fail(good.error());
+  if (const auto good = document.result(); !good) return fail(good);
   document.place_nodes();
-  if (const auto good = document.result(); !good) return fail(good.error());
+  if (const auto good = document.result(); !good) return fail(good);
   document.place_skins();
-  if (const auto good = document.result(); !good) return fail(good.error());
+  if (const auto good = document.result(); !good) return fail(good);
   return document;
 }
 
@@ -134,7 +134,7 @@ void GltfDocument::link_nodes() {
     const JsonPlace children = nodes_[k].field["children"];
     for (std::size_t c = 0; c < children.size(); ++c) {
       const auto child = children[c].index();
-      if (!child) return refuse(tl::unexpected(child.error()));
+      if (!child) return refuse(fail(child));
       if (*child >= nodes_.size() || *child == k || nodes_[*child].parent)
         return refuse(children[c].wrong("a node of the file that has no other parent"));
       nodes_[*child].parent = k;
@@ -153,7 +153,7 @@ std::vector<std::size_t> GltfDocument::roots() {
     }
     return found;
   }
-  if (scenes.size() > 1) notes.add("only one of the file's " + std::to_string(scenes.size()) + " scenes is played");
+  if (scenes.size() > 1) notes.add(formatted("only one of the file's {} scenes is played", scenes.size()));
   const JsonPlace number = root()["scene"];
   const JsonPlace scene = number.present() ? element(number, scenes) : scenes[0];
   for (std::size_t k = 0; k < scene["nodes"].size(); ++k) {
@@ -239,7 +239,7 @@ void GltfDocument::place_skins() {
 
 double GltfDocument::number(const JsonPlace& field, double fallback) {
   const auto value = field.number_or(fallback);
-  if (!value) refuse(tl::unexpected(value.error()));
+  if (!value) refuse(fail(value));
   return value.value_or(fallback);
 }
 

@@ -84,7 +84,7 @@ class JointMaker {
     check_ends(freedoms);
     made_.name = first_.node.name;
     for (int k = 2; std::ranges::count(scene_.joints, made_.name, &JointDescription::name) > 0; ++k)
-      made_.name = first_.node.name + "-" + std::to_string(k);
+      made_.name = formatted("{}-{}", first_.node.name, k);
     scene_.joints.push_back(made_);
   }
 
@@ -247,8 +247,8 @@ class JointMaker {
                               .drive = drive_of(drive, 0, now(drive.turns, drive.axis))});
     }
     if (made_.limits.size() > kMaxJointParts || made_.drives.size() > kMaxJointParts)
-      document_.refuse(fail(ErrorKind::too_large, "joint " + quote(first_.node.name) + " has more than " +
-                                                      std::to_string(kMaxJointParts) + " limits or drives"));
+      document_.refuse(fail(ErrorKind::too_large, "joint {} has more than {} limits or drives", quote(first_.node.name),
+                            kMaxJointParts));
   }
 
   // The way along an axis, or the twist about it, with which the scene begins.

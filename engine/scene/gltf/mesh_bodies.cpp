@@ -120,7 +120,7 @@ std::optional<Shape> shape_of_meshes(GltfDocument& document, const MeshBody& bod
     return {};
   }
   if (mesh.points_m.size() > kMaxMeshPoints) {
-    document.notes.add(who + " has more than " + std::to_string(kMaxMeshPoints) + " points, and touches nothing");
+    document.notes.add(formatted("{} has more than {} points, and touches nothing", who, kMaxMeshPoints));
     return {};
   }
   Shape shape{.type = ShapeType::trimesh};

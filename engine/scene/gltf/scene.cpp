@@ -72,8 +72,12 @@ bool same(const FrictionSurface& a, const FrictionSurface& b) {
 class GltfSceneReader {
  public:
   GltfSceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside,
-                  const std::optional<FoleyLimits>& foley)
-      : document_(document), path_(std::move(path)), read_beside_(read_beside), animations_(document, foley) {
+                  const std::optional<FoleyLimits>& foley, const std::optional<std::string>& camera)
+      : document_(document),
+        path_(std::move(path)),
+        read_beside_(read_beside),
+        camera_(camera),
+        animations_(document, foley) {
     scene_.foley = foley;
   }
 
@@ -82,12 +86,12 @@ class GltfSceneReader {
     collect();
     for (const GatheredBody& body : bodies_) add(body);
     if (scene_.foley && animations_.length_s() > 0) scene_.duration_s = std::max(animations_.length_s(), 0.01);
-    if (const auto good = document_.result(); !good) return fail(good.error());
+    if (const auto good = document_.result(); !good) return fail(good);
     add_joints();
-    add_camera();
-    if (const auto good = document_.result(); !good) return fail(good.error());
+    if (const auto added = add_camera(); !added) return fail(added);
+    if (const auto good = document_.result(); !good) return fail(good);
     if (const auto good = check(scene_); !good)
-      return fail(good.error().kind, path_.string() + ": " + good.error().message);
+      return fail(path_.string(), good);
     return GltfScene{std::move(scene_), document_.notes.sentences()};
   }
 
@@ -312,7 +316,7 @@ class GltfSceneReader {
     StaticDescription plane = place_plane(collider.geometry, nodes()[collider.node].world);
     plane.name = nodes()[collider.node].name;
     for (int k = 2; std::ranges::count(scene_.statics, plane.name, &StaticDescription::name) > 0; ++k)
-      plane.name = nodes()[collider.node].name + "-" + std::to_string(k);
+      plane.name = formatted("{}-{}", nodes()[collider.node].name, k);
     plane.surface = collider.surface;
     plane.filter = collider.filter;
     scene_.statics.push_back(std::move(plane));
@@ -361,7 +365,7 @@ class GltfSceneReader {
     if (motion["mass"].present()) {
       double wanted_kg = document_.number(motion["mass"], 1);
       if (wanted_kg == 0)
-        note("an infinite mass is replaced by " + std::to_string(static_cast<int>(range::kMass_kg.high)) + " kg");
+        note(formatted("an infinite mass is replaced by {} kg", static_cast<int>(range::kMass_kg.high)));
       if (wanted_kg == 0) wanted_kg = range::kMass_kg.high;
       if (!range::kMass_kg.holds(wanted_kg)) return document_.refuse(motion["mass"].wrong("0, or 1e-7 to 1e7 kg"));
       mass.inertia_kg_m2 = (wanted_kg / mass.mass_kg) * mass.inertia_kg_m2;
@@ -412,27 +416,54 @@ class GltfSceneReader {
     return found == names_.end() ? "" : found->second;
   }
 
-  // The first camera is the listener. A camera looks along its -z axis; y is up.
-  void add_camera() {
-    const auto found = std::ranges::find_if(
-        nodes(), [](const GltfNode& node) { return node.in_scene && node.field["camera"].present(); });
-    if (found == nodes().end()) return;
+  // The names by which a camera may be asked for: that of its node, of the nodes above it, and its own.
+  std::vector<std::string> names_of_camera(const GltfNode& node) {
+    std::vector<std::string> names = {node.name};
+    for (auto at = node.parent; at; at = nodes()[*at].parent) names.push_back(nodes()[*at].name);
+    names.push_back(
+        std::string(document_.element(node.field["camera"], document_.root()["cameras"])["name"].text_or("")));
+    return names;
+  }
+
+  // A camera looks along its -z axis; y is up.
+  Result<void> add_camera() {
+    std::string known;
+    const auto found = std::ranges::find_if(nodes(), [&](const GltfNode& node) {
+      if (!node.in_scene || !node.field["camera"].present()) return false;
+      if (!camera_) return true;
+      const std::vector<std::string> names = names_of_camera(node);
+      known += (known.empty() ? "" : ", ") + quote(names.front());
+      return std::ranges::find(names, *camera_) != names.end();
+    });
+    if (found == nodes().end()) {
+      if (!camera_) return {};
+      return fail(ErrorKind::bad_input, path_.string() + " has no camera " + quote(*camera_) +
+                                            (known.empty() ? " and no other one" : "; its cameras are " + known));
+    }
     const Pose pose{found->world.shift_m, parts_of(found->world.linear).rotation};
     const Rotation forward_left_up = Rotation::from_xyzw(-0.5, 0.5, 0.5, 0.5);  // x to -z, y to -x, z to y
     const JsonPlace camera = document_.element(found->field["camera"], document_.root()["cameras"]);
     const double yfov_rad = document_.number(camera["perspective"]["yfov"], 0.8);
     scene_.listener = ListenerDescription{.position_m = pose.position_m, .rotation = pose.rotation * forward_left_up};
+    if (const auto way = animations_.path_of(static_cast<std::size_t>(found - nodes().begin()))) {
+      auto path = std::make_shared<MotionPath>(*way);
+      for (Pose& at : path->poses) at.rotation = at.rotation * forward_left_up;
+      scene_.listener->position_m = path->poses.front().position_m;
+      scene_.listener->rotation = path->poses.front().rotation;
+      scene_.listener->path = std::move(path);
+    }
     scene_.camera = CameraDescription{
         .position_m = pose.position_m,
         .target_m = pose.position_m + rotated(pose.rotation, {0, 0, -1}),
         .field_of_view_degrees = std::clamp(yfov_rad * 180 / std::numbers::pi, range::kFieldOfView_degrees.low,
                                             range::kFieldOfView_degrees.high)};
+    return {};
   }
 
   std::string unique_body(const std::string& wanted) const {
     std::string name = wanted;
     for (int k = 2; std::ranges::count(scene_.bodies, name, &BodyDescription::name) > 0; ++k)
-      name = wanted + "-" + std::to_string(k);
+      name = formatted("{}-{}", wanted, k);
     return name;
   }
 
@@ -445,13 +476,14 @@ class GltfSceneReader {
     if (!is_object_name(plain)) plain = "n" + plain;
     std::string name = plain;
     for (int k = 2; std::ranges::count(scene_.objects, name, &ObjectDescription::name) > 0; ++k)
-      name = plain + "-" + std::to_string(k);
+      name = formatted("{}-{}", plain, k);
     return name;
   }
 
   GltfDocument& document_;
   std::filesystem::path path_;
   const modal::ReadBeside& read_beside_;
+  const std::optional<std::string>& camera_;
   GltfAnimations animations_;
   std::map<std::tuple<std::size_t, std::size_t, double, double, double>, std::shared_ptr<const modal::SurfaceRelief>>
       reliefs_;           // by surface, mesh and size
@@ -477,13 +509,14 @@ std::string fingerprint(const SceneDescription& scene) {
 bool is_gltf(const std::filesystem::path& path) { return is_of_kind(path, FileKind::gltf); }
 
 Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& path,
-                                   const modal::ReadBeside& read_beside, const std::optional<FoleyLimits>& foley) {
+                                   const modal::ReadBeside& read_beside, const std::optional<FoleyLimits>& foley,
+                                   const std::optional<std::string>& camera) {
   return within_memory("read " + path.string(), [&]() -> Result<GltfScene> {
     const auto glb = modal::parse_gltf(bytes, path.string(), read_beside);
-    if (!glb) return fail(glb.error());
+    if (!glb) return fail(glb);
     auto document = GltfDocument::read(*glb);
-    if (!document) return fail(document.error());
-    auto read = GltfSceneReader(*document, path, read_beside, foley).read();
+    if (!document) return fail(document);
+    auto read = GltfSceneReader(*document, path, read_beside, foley, camera).read();
     const JsonPlace own = glb->root()["extras"]["ringdown"];
     if (!read || !own["scene"].present() || foley) return read;
     if (own["fingerprint"].text_or("") != fingerprint(read->scene)) {
@@ -492,7 +525,8 @@ Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::
       return read;
     }
     auto exact = parse_scene(own["scene"].text_or(""), path, {});
-    if (!exact) return fail(exact.error());
+    if (!exact) return fail(exact);
+    if (camera) exact->listener = read->scene.listener;
     return GltfScene{*std::move(exact), {}};
   });
 }

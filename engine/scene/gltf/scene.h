@@ -38,7 +38,10 @@ bool is_gltf(const std::filesystem::path& path);
 //
 // With limits for `foley`, the contacts of animated bodies are recovered from their motion: meshes without physics are
 // bodies, too (gltf/mesh_bodies.h), animations play once at the frames of the file, and the scene is as long as they.
+//
+// The camera of the name `camera`, by default the first, is the listener and goes where the animations take it.
 Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& path,
-                                   const modal::ReadBeside& read_beside, const std::optional<FoleyLimits>& foley = {});
+                                   const modal::ReadBeside& read_beside, const std::optional<FoleyLimits>& foley = {},
+                                   const std::optional<std::string>& camera = {});
 
 }  // namespace ringdown::scene

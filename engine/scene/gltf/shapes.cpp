@@ -102,14 +102,14 @@ void add_mesh(GltfDocument& document, const JsonPlace& mesh, const Affine& map, 
     }
     const auto positions =
         modal::read_numbers(document.glb(), primitive["attributes"]["POSITION"], 3, 4 * kMaxMeshPoints);
-    if (!positions) return document.refuse(tl::unexpected(positions.error()));
+    if (!positions) return document.refuse(fail(positions));
     ShapeMesh part;
     for (std::size_t p = 0; p < positions->size(); p += 3)
       part.points_m.push_back({(*positions)[p], (*positions)[p + 1], (*positions)[p + 2]});
     std::vector<std::uint32_t> corners;
     if (primitive["indices"].present()) {
       auto indices = modal::read_indices(document.glb(), primitive["indices"], 12 * kMaxMeshPoints);
-      if (!indices) return document.refuse(tl::unexpected(indices.error()));
+      if (!indices) return document.refuse(fail(indices));
       corners = *std::move(indices);
     } else {
       for (std::uint32_t c = 0; c < part.points_m.size(); ++c) corners.push_back(c);
@@ -151,7 +151,7 @@ std::optional<GltfGeometry> made_of(GltfDocument& document, const ShapeMesh& tri
   if (!document.result()) return {};
   ShapeMesh mesh = welded(triangles);
   if (mesh.points_m.size() > kMaxMeshPoints) {
-    document.refuse(reference.wrong("a reference to meshes of at most " + std::to_string(kMaxMeshPoints) + " points"));
+    document.refuse(reference.wrong(formatted("a reference to meshes of at most {} points", kMaxMeshPoints)));
     return {};
   }
   if (mesh.triangles.empty()) {

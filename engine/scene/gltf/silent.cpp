@@ -60,7 +60,7 @@ class SilentFinder {
       if (body && body->surface.triangles.empty() && body->trouble.empty()) continue;
       if (body) found.bodies.push_back(std::move(*body));
     }
-    if (const auto good = document_.result(); !good) return fail(good.error());
+    if (const auto good = document_.result(); !good) return fail(good);
     found.notes = document_.notes.sentences();
     return found;
   }
@@ -196,7 +196,7 @@ class SilentFinder {
     }
     if (volumes > 1) {
       geo += "BooleanUnion{ Volume{1}; Delete; }{ Volume{2";
-      for (int k = 3; k <= volumes; ++k) geo += ", " + std::to_string(k);
+      for (int k = 3; k <= volumes; ++k) geo += formatted(", {}", k);
       geo += "}; Delete; }\n";
     }
     if (volumes > 0 && meshes.empty()) body.geo = "SetFactory(\"OpenCASCADE\");\n" + geo;
@@ -278,7 +278,7 @@ bool has_mesh_bodies(const modal::Glb& glb) {
 
 Result<SilentBodies> find_silent_bodies(const modal::Glb& glb) {
   auto document = GltfDocument::read(glb);
-  if (!document) return fail(document.error());
+  if (!document) return fail(document);
   return SilentFinder(*document).find();
 }
 

@@ -61,8 +61,8 @@ std::optional<modal::SurfaceTrack> read_profile(GltfDocument& document, const Js
   if (!profile.present()) return {};
   const auto heights = modal::read_floats(document.glb(), profile, 1, modal::kMaxTrackSamples);
   const auto spacing_m = finish["sampleSpacing"].number();
-  if (!heights) document.refuse(tl::unexpected(heights.error()));
-  if (!spacing_m) document.refuse(tl::unexpected(spacing_m.error()));
+  if (!heights) document.refuse(fail(heights));
+  if (!spacing_m) document.refuse(fail(spacing_m));
   if (!heights || !spacing_m) return {};
   auto track = modal::SurfaceTrack::make(*heights, *spacing_m);
   if (!track) {
@@ -88,8 +88,8 @@ Result<void> Reliefs::keep(SceneDescription& scene) {
     } else if (kept_.size() < kMax) {
       kept_.push_back(*relief);
     } else {
-      return fail(ErrorKind::too_large, "more than " + std::to_string(kMax) +
-                                            " surfaces with profiles or normal maps were played; restart the program");
+      return fail(ErrorKind::too_large,
+                  "more than {} surfaces with profiles or normal maps were played; restart the program", kMax);
     }
   }
   return {};

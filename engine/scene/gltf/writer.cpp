@@ -34,20 +34,20 @@ class GlbScene {
     add_models();
     for (const StaticDescription& item : scene_.statics) add(item);
     for (const BodyDescription& body : scene_.bodies) {
-      if (const auto added = add(body); !added) return fail(added.error());
+      if (const auto added = add(body); !added) return fail(added);
     }
     for (const EmitterDescription& emitter : scene_.emitters) {
-      if (const auto added = add(emitter.body); !added) return fail(added.error());
+      if (const auto added = add(emitter.body); !added) return fail(added);
     }
     for (const JointDescription& joint : scene_.joints) add(joint);
     if (scene_.camera) add(*scene_.camera);
     Json document = finished();
     if (!keyframes_.finished().empty()) return std::move(writer_).finish(std::move(document));
     const auto seen = parse_gltf_scene(modal::GlbWriter(writer_).finish(document), "scene.glb", {});
-    if (!seen) return fail(seen.error());
+    if (!seen) return fail(seen);
     SceneDescription own = scene_;
     for (std::size_t k = 0; k < own.objects.size(); ++k) {
-      own.objects[k].bank = "#" + std::to_string(model_of_[k]);
+      own.objects[k].bank = formatted("#{}", model_of_[k]);
       own.objects[k].gain *= banks_[k].gain;
     }
     document["extras"]["ringdown"] = {{"scene", to_toml(own)}, {"fingerprint", fingerprint(seen->scene)}};
@@ -169,7 +169,7 @@ class GlbScene {
     const auto number = static_cast<std::size_t>(object - scene_.objects.begin());
     const modal::MaterialScale scaled = sounds ? object->material : modal::MaterialScale{};
     const auto solid = make_solid(body, sounds ? &banks_[number] : nullptr, scaled);
-    if (!solid) return fail(solid.error().kind, "body " + quote(body.name) + ": " + solid.error().message);
+    if (!solid) return fail("body " + quote(body.name), solid);
     Json node = {{"name", body.name},
                  {"translation", json_of(to_file(body.position_m))},
                  {"rotation", json_of(to_file(normalized(body.rotation)))}};

@@ -66,7 +66,11 @@ class Sleep {
 
 // The first three components of an ODE vector.
 inline Vec3 to_vec3(const double* v) { return {v[0], v[1], v[2]}; }
-inline void copy(Vec3 from, double* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
+inline void copy(Vec3 from, double* to) {
+  to[0] = from.x;
+  to[1] = from.y;
+  to[2] = from.z;
+}
 
 // A body with its shape, or a static, which is a shape alone. Public members are constant, except for `island`, `sleep`
 // and a ghost that `shape` may get (shape.h).

@@ -30,8 +30,10 @@ void Partings::limit(std::span<Overlap> overlaps, double part_s) {
     Parting& pair = pairs_[pair_of(overlap)];
     const Vec3 normal = overlap.point->normal;
     if (!pair.touches) {
-      pair.touches = true, pair.differ = false;
-      pair.normal = normal, pair.deepest_m = 0;
+      pair.touches = true;
+      pair.differ = false;
+      pair.normal = normal;
+      pair.deepest_m = 0;
       const double wall_m = std::min(overlap.body->shape.surface.thickness_m, overlap.other->shape.surface.thickness_m);
       pair.limit_s = kWayOut * wall_m * part_s / overlap.max_m;
     }

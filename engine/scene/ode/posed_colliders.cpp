@@ -13,17 +13,6 @@
 #include <utility>
 
 namespace ringdown::scene {
-namespace {
-
-struct WorldDeleter {
-  void operator()(dxWorld* world) const { dWorldDestroy(world); }
-};
-struct SpaceDeleter {
-  void operator()(dxSpace* space) const { dSpaceDestroy(space); }
-};
-
-}  // namespace
-
 struct PosedColliders::State {
   std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
   std::unique_ptr<dxSpace, SpaceDeleter> space{dSimpleSpaceCreate(nullptr)};

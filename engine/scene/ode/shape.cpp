@@ -50,6 +50,8 @@ void make_trimesh(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
 
 void GeomDeleter::operator()(dxGeom* geom) const { dGeomDestroy(geom); }
 void MeshDeleter::operator()(dxTriMeshData* data) const { dGeomTriMeshDataDestroy(data); }
+void SpaceDeleter::operator()(dxSpace* space) const { dSpaceDestroy(space); }
+void WorldDeleter::operator()(dxWorld* world) const { dWorldDestroy(world); }
 
 OdeShape make_shape(dxSpace* space, const CollisionShape& shape) {
   OdeShape out;

@@ -13,6 +13,7 @@
 struct dxGeom;
 struct dxSpace;
 struct dxTriMeshData;
+struct dxWorld;
 
 namespace ringdown::scene {
 
@@ -21,6 +22,12 @@ struct GeomDeleter {
 };
 struct MeshDeleter {
   void operator()(dxTriMeshData* data) const;
+};
+struct SpaceDeleter {
+  void operator()(dxSpace* space) const;
+};
+struct WorldDeleter {
+  void operator()(dxWorld* world) const;
 };
 
 // An ODE geometry and the arrays it points into. Destruction removes the geometry from its space. Callers hold OdeLock.

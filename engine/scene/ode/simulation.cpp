@@ -34,13 +34,6 @@
 namespace ringdown::scene {
 namespace {
 
-struct WorldDeleter {
-  void operator()(dxWorld* world) const { dWorldDestroy(world); }
-};
-struct SpaceDeleter {
-  void operator()(dxSpace* space) const { dSpaceDestroy(space); }
-};
-
 // If fewer than one body in this many is awake, each awake body searches for its contacts by itself.
 constexpr std::size_t kFewAwake = 16;
 

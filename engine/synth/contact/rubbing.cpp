@@ -103,7 +103,8 @@ double Rubbing::Spline::slope_at(double u) REALTIME {
     for (std::size_t i = 0; i < around.size(); ++i)
       around[i] = random_at(seed, wanted - 1 + static_cast<std::int64_t>(i));
   }
-  place = wanted, fresh = false;
+  place = wanted;
+  fresh = false;
   return -0.5 * rest * rest * around[0] + (1.5 * t - 2) * t * around[1] + ((-1.5 * t + 1) * t + 0.5) * around[2] +
          0.5 * t * t * around[3];
 }
@@ -154,9 +155,12 @@ void Rubbing::rescale(Frame now, double ratio) {
   const auto moved = [now, ratio](Frame frame) {
     return now + static_cast<Frame>(std::llround(static_cast<double>(frame - now) * ratio));
   };
-  for (Ramp* ramp : {&force_n_, &slip_m_s_, &roll_m_s_, &known_[0].speed_m_s, &known_[1].speed_m_s})
-    ramp->begin = moved(ramp->begin), ramp->end = moved(ramp->end);
-  updated_ = moved(updated_), time_out_ = moved(time_out_);
+  for (Ramp* ramp : {&force_n_, &slip_m_s_, &roll_m_s_, &known_[0].speed_m_s, &known_[1].speed_m_s}) {
+    ramp->begin = moved(ramp->begin);
+    ramp->end = moved(ramp->end);
+  }
+  updated_ = moved(updated_);
+  time_out_ = moved(time_out_);
   rate_hz_ *= ratio;
 }
 

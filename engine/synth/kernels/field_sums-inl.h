@@ -102,8 +102,10 @@ FieldSums::FieldSums() : spread_{}, grid_{nullptr, spread_.data()}, waiting_{}, 
       const std::complex<double> share = grid.spread[p][n];
       float* const by_re = spread_.data() + p * 4 * kGridReach;
       float* const by_im = by_re + 2 * kGridReach;
-      by_re[n] = static_cast<float>(share.real()), by_re[kGridReach + n] = static_cast<float>(share.imag());
-      by_im[n] = -by_re[kGridReach + n], by_im[kGridReach + n] = by_re[n];
+      by_re[n] = static_cast<float>(share.real());
+      by_re[kGridReach + n] = static_cast<float>(share.imag());
+      by_im[n] = -by_re[kGridReach + n];
+      by_im[kGridReach + n] = by_re[n];
     }
   }
   for (std::size_t j = 0; j < kChunkFrames; ++j) {

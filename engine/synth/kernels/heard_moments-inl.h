@@ -171,14 +171,18 @@ HWY_INLINE void take_group(const ModeArrays& modes, std::size_t first, std::size
     const Narrow re = hn::DemoteTo(narrow, z.re), im = hn::DemoteTo(narrow, z.im);
     Narrow gain_re = hn::Set(narrow, 1.0f), gain_im = hn::Zero(narrow), step_re = gain_im, step_im = gain_im;
     if (hearing.gain_re != nullptr) {
-      gain_re = hn::Load(narrow, hearing.gain_re + at), gain_im = hn::Load(narrow, hearing.gain_im + at);
+      gain_re = hn::Load(narrow, hearing.gain_re + at);
+      gain_im = hn::Load(narrow, hearing.gain_im + at);
     }
     if (kWay != Way::still && hearing.step_re != nullptr) {
-      step_re = hn::Load(narrow, hearing.step_re + at), step_im = hn::Load(narrow, hearing.step_im + at);
+      step_re = hn::Load(narrow, hearing.step_re + at);
+      step_im = hn::Load(narrow, hearing.step_im + at);
       const Narrow middle = hn::Set(narrow, hearing.offset + static_cast<float>(kMomentMiddle));
-      gain_re = hn::MulAdd(step_re, middle, gain_re), gain_im = hn::MulAdd(step_im, middle, gain_im);
+      gain_re = hn::MulAdd(step_re, middle, gain_re);
+      gain_im = hn::MulAdd(step_im, middle, gain_im);
       const Narrow scale = hn::Set(narrow, static_cast<float>(kMomentScale));
-      step_re = hn::Mul(step_re, scale), step_im = hn::Mul(step_im, scale);
+      step_re = hn::Mul(step_re, scale);
+      step_im = hn::Mul(step_im, scale);
     }
     Narrow level_re = times_re(re, im, gain_re, gain_im), level_im = times_im(re, im, gain_re, gain_im);
     if constexpr (kWay == Way::still) {

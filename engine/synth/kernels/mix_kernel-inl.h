@@ -39,8 +39,14 @@ void add_filtered_here(const float* samples, std::size_t taps, const FilterOutpu
       const float* const from = samples + n + j;
       const Vector s0 = hn::LoadU(tag, from), s1 = hn::LoadU(tag, from + lanes);
       const Vector s2 = hn::LoadU(tag, from + 2 * lanes), s3 = hn::LoadU(tag, from + 3 * lanes);
-      a0 = hn::MulAdd(a, s0, a0), a1 = hn::MulAdd(a, s1, a1), a2 = hn::MulAdd(a, s2, a2), a3 = hn::MulAdd(a, s3, a3);
-      b0 = hn::MulAdd(b, s0, b0), b1 = hn::MulAdd(b, s1, b1), b2 = hn::MulAdd(b, s2, b2), b3 = hn::MulAdd(b, s3, b3);
+      a0 = hn::MulAdd(a, s0, a0);
+      a1 = hn::MulAdd(a, s1, a1);
+      a2 = hn::MulAdd(a, s2, a2);
+      a3 = hn::MulAdd(a, s3, a3);
+      b0 = hn::MulAdd(b, s0, b0);
+      b1 = hn::MulAdd(b, s1, b1);
+      b2 = hn::MulAdd(b, s2, b2);
+      b3 = hn::MulAdd(b, s3, b3);
     }
     hn::StoreU(a0, tag, to), hn::StoreU(a1, tag, to + lanes), hn::StoreU(a2, tag, to + 2 * lanes);
     hn::StoreU(a3, tag, to + 3 * lanes), hn::StoreU(b0, tag, other), hn::StoreU(b1, tag, other + lanes);

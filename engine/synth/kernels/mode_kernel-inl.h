@@ -36,17 +36,21 @@ HWY_INLINE void hear_group(const Hearing& hearing, std::size_t first, std::size_
     auto gain_re = hn::Load(tag, hearing.gain_re + first + i), gain_im = hn::Load(tag, hearing.gain_im + first + i);
     auto step_re = hn::Zero(tag), step_im = hn::Zero(tag);
     if (hearing.step_re != nullptr) {
-      step_re = hn::Load(tag, hearing.step_re + first + i), step_im = hn::Load(tag, hearing.step_im + first + i);
+      step_re = hn::Load(tag, hearing.step_re + first + i);
+      step_im = hn::Load(tag, hearing.step_im + first + i);
       const auto middle = hn::Set(tag, hearing.offset + 0.5f * static_cast<float>(kRun - 1));
-      gain_re = hn::MulAdd(step_re, middle, gain_re), gain_im = hn::MulAdd(step_im, middle, gain_im);
+      gain_re = hn::MulAdd(step_re, middle, gain_re);
+      gain_im = hn::MulAdd(step_im, middle, gain_im);
       const auto run = hn::Set(tag, static_cast<float>(kRun));
-      step_re = hn::Mul(step_re, run), step_im = hn::Mul(step_im, run);
+      step_re = hn::Mul(step_re, run);
+      step_im = hn::Mul(step_im, run);
     }
     for (std::size_t r = 0; r < runs; ++r) {
       const auto re = hn::Load(tag, anchors.re[r] + i), im = hn::Load(tag, anchors.im[r] + i);
       hn::Store(hn::NegMulAdd(im, gain_im, hn::Mul(re, gain_re)), tag, anchors.re[r] + i);
       hn::Store(hn::MulAdd(im, gain_re, hn::Mul(re, gain_im)), tag, anchors.im[r] + i);
-      gain_re = hn::Add(gain_re, step_re), gain_im = hn::Add(gain_im, step_im);
+      gain_re = hn::Add(gain_re, step_re);
+      gain_im = hn::Add(gain_im, step_im);
     }
   }
 }

@@ -121,13 +121,15 @@ constexpr double kMaxWidth = kPi / 4;  // |imaginary part of delta| within a ban
 // Coefficients of x^0 ... of the Chebyshev polynomial T_n.
 std::array<double, kMoments> chebyshev(std::size_t n) {
   std::array<double, kMoments> before{}, now{};
-  before[0] = 1, now[1] = 1;
+  before[0] = 1;
+  now[1] = 1;
   if (n == 0) return before;
   for (std::size_t k = 1; k < n; ++k) {
     std::array<double, kMoments> next{};
     for (std::size_t m = 0; m + 1 < kMoments; ++m) next[m + 1] = 2 * now[m];
     for (std::size_t m = 0; m < kMoments; ++m) next[m] -= before[m];
-    before = now, now = next;
+    before = now;
+    now = next;
   }
   return now;
 }

@@ -30,7 +30,8 @@ class BandMoments {
     by_im_ = multiply_add(Pair::all(z_im), weight, by_im_);
   }
   HWY_INLINE BandMoments& operator+=(const BandMoments& other) {
-    by_re_ = by_re_ + other.by_re_, by_im_ = by_im_ + other.by_im_;
+    by_re_ = by_re_ + other.by_re_;
+    by_im_ = by_im_ + other.by_im_;
     return *this;
   }
   [[nodiscard]] HWY_INLINE Pair moments(const float* level_and_slope) const {

@@ -98,7 +98,10 @@ double CoupledModes::strength(const double* re, const double* im) const REALTIME
   for (std::size_t m = 0; m < modes_; ++m) {
     const std::size_t c = t.columns[m];
     double z_re = re[c], z_im = im[c];
-    if (running_) z_re += t.output[m] * now_[m], z_im += state_im(m);
+    if (running_) {
+      z_re += t.output[m] * now_[m];
+      z_im += state_im(m);
+    }
     sum += t.detuning[m] * (z_re * z_re + z_im * z_im);
   }
   return sum;

@@ -163,7 +163,10 @@ void Glide::follow(const double* re, const double* im, bool moments) REALTIME {
   const bool begins = !active_;
   active_ = total > (begins ? 1.0F : 0.5F) * kMinDetuning;
   const bool anew = begins || moments != moments_, all = anew || total > kGrowth * total_;
-  if (all) share_ = 1, next_ = 0;
+  if (all) {
+    share_ = 1;
+    next_ = 0;
+  }
   const float could_change = std::abs(total - total_), change = share_ * could_change;
   could_move_ += could_change;
   const float calls = 1.0F + static_cast<float>(waited_);
@@ -237,8 +240,10 @@ void Glide::move(std::size_t c, double delta) REALTIME {
   row(exponent_im)[c] = own_im[c] + delta;
   const Phasor pole = times(own.pole_re[c], own.pole_im[c], turn_re, turn_im);
   const Phasor full = times(own.advance_re[c], own.advance_im[c], full_turn.real(), full_turn.imag());
-  row(pole_re)[c] = pole.real(), row(pole_im)[c] = pole.imag();
-  row(full_re)[c] = full.real(), row(full_im)[c] = full.imag();
+  row(pole_re)[c] = pole.real();
+  row(pole_im)[c] = pole.imag();
+  row(full_re)[c] = full.real();
+  row(full_im)[c] = full.imag();
   if (moments_ && c < table_.slow_groups() * kModePadding) {
     const long band = std::lround((own_im[c] + delta) / kPerBand);
     return weigh(c, static_cast<std::uint16_t>(std::min<long>(band, kBands - 1)));
@@ -255,7 +260,8 @@ void Glide::move(std::size_t c, double delta) REALTIME {
     to[l] = static_cast<float>(power.real());
     to[kRun + l] = static_cast<float>(-power.imag());
     const Phasor next = times(re, im, turn_re, turn_im);
-    re = next.real(), im = next.imag();
+    re = next.real();
+    im = next.imag();
   }
 }
 
@@ -279,11 +285,13 @@ void Glide::weigh(std::size_t c, std::uint16_t band) REALTIME {
 }
 
 void Glide::apply(ModeArrays& modes, std::size_t frames) const REALTIME {
-  modes.pole_re = row(pole_re), modes.pole_im = row(pole_im);
+  modes.pole_re = row(pole_re);
+  modes.pole_im = row(pole_im);
   const bool full = frames == kChunkFrames;
   modes.advance_re = full ? row(full_re) : nullptr;
   modes.advance_im = full ? row(full_im) : nullptr;
-  modes.stride_re = strides_.get(), modes.stride_im = strides_.get() + columns_;
+  modes.stride_re = strides_.get();
+  modes.stride_im = strides_.get() + columns_;
   modes.runs = runs_.get();
 }
 

@@ -29,7 +29,10 @@ void ModeGains::begin() REALTIME {
     const auto passed = static_cast<float>(passed_);
     float *re = row(gain_re), *im = row(gain_im);
     const float *by_re = row(step_re), *by_im = row(step_im);
-    for (std::size_t c = 0; c < columns_; ++c) re[c] += passed * by_re[c], im[c] += passed * by_im[c];
+    for (std::size_t c = 0; c < columns_; ++c) {
+      re[c] += passed * by_re[c];
+      im[c] += passed * by_im[c];
+    }
   }
 }
 
@@ -102,7 +105,8 @@ void ModeGains::put(Hearing& hearing, std::size_t offset) const REALTIME {
     hearing.gain_re = hearing.gain_im = hearing.step_re = hearing.step_im = nullptr;
     return;
   }
-  hearing.gain_re = row(gain_re), hearing.gain_im = row(gain_im);
+  hearing.gain_re = row(gain_re);
+  hearing.gain_im = row(gain_im);
   hearing.step_re = moving_ ? row(step_re) : nullptr;
   hearing.step_im = moving_ ? row(step_im) : nullptr;
   hearing.offset = static_cast<float>(passed_ + static_cast<double>(offset));

@@ -40,10 +40,15 @@ void add_decayed(BlowAmplitudes blow, double gain, std::uint32_t group, std::siz
     im[i] = a.real() * by.imag() + a.imag() * by.real();
   }
   ModeArrays struck = states.for_kernel(0);
-  struck.z_re = re, struck.z_im = im;
-  struck.pole_re += first, struck.pole_im += first;
+  struck.z_re = re;
+  struck.z_im = im;
+  struck.pole_re += first;
+  struck.pole_im += first;
   skip_modes(struck, kModePadding, frames_left);
-  for (std::size_t i = 0; i < kModePadding; ++i) states.re()[first + i] += re[i], states.im()[first + i] += im[i];
+  for (std::size_t i = 0; i < kModePadding; ++i) {
+    states.re()[first + i] += re[i];
+    states.im()[first + i] += im[i];
+  }
 }
 
 // Tables cannot shift pitches: all fast modes are moved on sample by sample.
@@ -53,9 +58,13 @@ bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std:
   for (const float** row : {&hearing.gain_re, &hearing.gain_im, &hearing.step_re, &hearing.step_im}) {
     if (*row != nullptr) *row += first;
   }
-  hearing.log_re += first, hearing.log_im += first;
+  hearing.log_re += first;
+  hearing.log_im += first;
   ModeArrays fast = all;
-  fast.z_re += first, fast.z_im += first, fast.pole_re += first, fast.pole_im += first;
+  fast.z_re += first;
+  fast.z_im += first;
+  fast.pole_re += first;
+  fast.pole_im += first;
   fast.hearing = &hearing;
   return drive_modes(fast, table.columns() - first, {}, out, frames) <= kAbsurdEnergy;
 }

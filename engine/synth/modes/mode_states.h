@@ -117,6 +117,12 @@ class ModeStates {
     std::size_t slow = 0;                 // of the sounding ones, those that take moments
     bool fading = false;                  // something fades out (fade_out())
     bool cut_short = false;               // modes above the threshold are muted, because there was no time for them
+    // Adds the numbers of modes.
+    void add(const Counts& other) REALTIME {
+      sounding += other.sounding;
+      muted += other.muted;
+      slow += other.slow;
+    }
   };
   [[nodiscard]] Counts counts() const REALTIME {
     const std::size_t slow = std::min(kModePadding * slow_.count, table_.slow_modes());

@@ -238,8 +238,14 @@ ModeArrays ModeTable::modes(double* z_re, double* z_im, std::size_t frames) cons
                    .stride_re = strides_.get(),
                    .stride_im = strides_.get() + columns_,
                    .runs = runs_.get()};
-  if (frames == kChunkFrames) modes.advance_re = row(full_re), modes.advance_im = row(full_im);
-  if (frames == rest_frames_) modes.advance_re = row(rest_re), modes.advance_im = row(rest_im);
+  if (frames == kChunkFrames) {
+    modes.advance_re = row(full_re);
+    modes.advance_im = row(full_im);
+  }
+  if (frames == rest_frames_) {
+    modes.advance_re = row(rest_re);
+    modes.advance_im = row(rest_im);
+  }
   return modes;
 }
 

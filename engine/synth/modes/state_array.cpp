@@ -81,7 +81,10 @@ void StateArray::skip(std::uint64_t frames) REALTIME { skip_modes(for_kernel(0),
 void StateArray::skip(std::uint64_t frames, std::uint32_t group) REALTIME {
   const std::size_t first = std::size_t{group} * kModePadding;
   ModeArrays here = for_kernel(0);
-  here.z_re += first, here.z_im += first, here.pole_re += first, here.pole_im += first;
+  here.z_re += first;
+  here.z_im += first;
+  here.pole_re += first;
+  here.pole_im += first;
   skip_modes(here, kModePadding, frames);
 }
 

@@ -6,7 +6,8 @@ bool TouchedStates::render(const TouchForces& touch, double* out, std::size_t fr
   states_.wake();
   states_.threshold_ = states_.applied_ = ModeStates::kNoThreshold;
   ModeArrays all = states_.states_.for_kernel(0);
-  all.pole_re = touch.stepped.pole_re, all.pole_im = touch.stepped.pole_im;
+  all.pole_re = touch.stepped.pole_re;
+  all.pole_im = touch.stepped.pole_im;
   bool sane = !states_.fade_.running() || states_.fade_.render(out, frames);
   const double energy =
       drive_touched(all, states_.table_.columns(), touch.forces, touch.ports, out, frames, touch.substeps);

@@ -190,10 +190,7 @@ void InstanceGroup::count_levels(const Chunk& chunk, LevelHistogram& histogram) 
 
 ModeStates::Counts InstanceGroup::counts() const REALTIME {
   ModeStates::Counts all;
-  for (const ModeStates& sum : sums_) {
-    const ModeStates::Counts counts = sum.counts();
-    all.sounding += counts.sounding, all.muted += counts.muted, all.slow += counts.slow;
-  }
+  for (const ModeStates& sum : sums_) all.add(sum.counts());
   return all;
 }
 

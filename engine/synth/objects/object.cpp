@@ -316,10 +316,7 @@ void Object::count_levels(const Chunk& chunk, LevelHistogram& histogram) REALTIM
 
 ModeStates::Counts Object::counts() const REALTIME {
   ModeStates::Counts all;
-  voices.for_each([&all](const Voice& voice) REALTIME {
-    const ModeStates::Counts counts = voice.counts();
-    all.sounding += counts.sounding, all.muted += counts.muted, all.slow += counts.slow;
-  });
+  voices.for_each([&all](const Voice& voice) REALTIME { all.add(voice.counts()); });
   return all;
 }
 

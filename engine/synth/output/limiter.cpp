@@ -46,7 +46,10 @@ Limiter::Gain Limiter::Least::push(Gain value) REALTIME {
   const std::size_t size = entries_.size();
   const auto place = [&](std::size_t i) REALTIME { return first_ + i < size ? first_ + i : first_ + i - size; };
   ++frame_;
-  if (count_ > 0 && ring[first_].frame + length_ <= frame_) first_ = place(1), --count_;
+  if (count_ > 0 && ring[first_].frame + length_ <= frame_) {
+    first_ = place(1);
+    --count_;
+  }
   while (count_ > 0 && ring[place(count_ - 1)].value >= value) --count_;
   ring[place(count_++)] = {value, frame_};
   return ring[first_].value;

@@ -58,10 +58,7 @@ void TouchGroup::set(std::span<TouchSlot* const> touches) REALTIME {
 
 ModeStates::Counts TouchGroup::counts() const REALTIME {
   ModeStates::Counts all;
-  for (std::size_t b = 0; b < body_count_; ++b) {
-    const ModeStates::Counts counts = bodies_[b].object->counts();
-    all.sounding += counts.sounding, all.muted += counts.muted, all.slow += counts.slow;
-  }
+  for (std::size_t b = 0; b < body_count_; ++b) all.add(bodies_[b].object->counts());
   return all;
 }
 
@@ -72,7 +69,10 @@ TouchGroup::Body& TouchGroup::body_of(const Object& object) REALTIME {
 
 ModeArrays TouchGroup::modes_of(const Body& body, const StateArray& states) const REALTIME {
   ModeArrays modes = states.for_kernel(0);
-  if (substeps_ > 1) modes.pole_re = body.poles, modes.pole_im = body.poles + kMaxTouchColumns;
+  if (substeps_ > 1) {
+    modes.pole_re = body.poles;
+    modes.pole_im = body.poles + kMaxTouchColumns;
+  }
   return modes;
 }
 
@@ -129,8 +129,11 @@ void TouchGroup::play_touch(const Touch& how, Frame frame, const Object& object,
         touch.raised_m = 0;
       } else {
         Touch& kept = touch.touch;
-        kept.force_n = last.force_n, kept.mass_kg = last.mass_kg, kept.stiffness = last.stiffness;
-        kept.friction = last.friction, kept.sliding = last.sliding;
+        kept.force_n = last.force_n;
+        kept.mass_kg = last.mass_kg;
+        kept.stiffness = last.stiffness;
+        kept.friction = last.friction;
+        kept.sliding = last.sliding;
       }
       touch.relief.update(frame, how.contact);
       const std::array<Vec3, 2> along = across(how.direction);
@@ -172,7 +175,8 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
         const std::size_t normals = touch->contact.impact ? 1 : 0,
                           end = which == Directions::normal ? normals : touch->contact.freedoms();
         for (std::size_t k = along ? normals : 0; k < end && count < kMaxPlaces; ++k, ++count) {
-          weights[count] = side.ports[k].weight.get(), freedoms[count] = touch->first + k,
+          weights[count] = side.ports[k].weight.get();
+          freedoms[count] = touch->first + k;
           out[count] = room[count].data();
         }
       }
@@ -199,7 +203,8 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
       }
       // The states of an impulse of 1 i: Re (i A p^n) = -(answer to an impulse of 1).
       ModeArrays struck = modes_of(body, TouchedStates(voice).open());
-      struck.z_re = const_cast<double*>(kZeros.data()), struck.z_im = exciter->amplitudes.get();
+      struck.z_re = const_cast<double*>(kZeros.data());
+      struck.z_im = exciter->amplitudes.get();
       to_move(struck, steps + 1);
       for (std::size_t k = 0; k < count; ++k) {
         double* const to = row_of(approach_, freedoms[k]);

@@ -91,7 +91,8 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
     const std::complex<double> kick = rest * std::complex<double>(1 - poles.pole_re[c], -poles.pole_im[c]);
     port.weight[c] = amplitude / (output * output * w);
     port.leaning += rest.real();
-    port.kick_re[c] = kick.real(), port.kick_im[c] = kick.imag();
+    port.kick_re[c] = kick.real();
+    port.kick_im[c] = kick.imag();
     per_kg += amplitude * amplitude / (output * output);
   }
   return per_kg;
@@ -169,9 +170,14 @@ void TouchGroup::find_taps() REALTIME {
       std::array<double*, kMaxPlaces> out{};
       std::array<std::array<double, kChunkFrames>, kMaxPlaces> room;
       std::size_t wanted = 0;
-      for (std::size_t i = 0; i <= j; ++i) weights[i] = places[i].port->weight.get(), out[i] = room[i].data(), ++wanted;
+      for (std::size_t i = 0; i <= j; ++i) {
+        weights[i] = places[i].port->weight.get();
+        out[i] = room[i].data();
+        ++wanted;
+      }
       ModeArrays kicked = modes_of(body, TouchedStates(*body.object->voices.current()).open());
-      kicked.z_re = places[j].port->kick_re.get(), kicked.z_im = places[j].port->kick_im.get();
+      kicked.z_re = places[j].port->kick_re.get();
+      kicked.z_im = places[j].port->kick_im.get();
       free_motion(kicked, body.table->columns(), {weights.data(), wanted}, {out.data(), wanted}, kMaxTouchSteps);
       for (std::size_t i = 0; i <= j; ++i) {
         const std::size_t low = std::min(places[i].freedom, places[j].freedom);

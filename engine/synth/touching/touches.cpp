@@ -34,8 +34,10 @@ bool is_sane(const Touch& t) REALTIME {
 
 Touch touch_of(const verb::Bow& bow) REALTIME {
   Touch touch{.kind = Touch::Kind::bow, .number = bow.number, .point_m = bow.point_m, .direction = bow.direction};
-  touch.speed_m_s = bow.speed_m_s, touch.force_n = bow.force_n;
-  touch.friction = bow.rosin, touch.width_m = bow.width_m;
+  touch.speed_m_s = bow.speed_m_s;
+  touch.force_n = bow.force_n;
+  touch.friction = bow.rosin;
+  touch.width_m = bow.width_m;
   return touch;
 }
 
@@ -43,33 +45,50 @@ Touch touch_of(const verb::Mallet& mallet) REALTIME {
   Touch touch{.kind = Touch::Kind::mallet, .point_m = mallet.point_m};
   touch.speed_m_s = length(mallet.velocity_m_s);
   touch.direction = (1 / touch.speed_m_s) * mallet.velocity_m_s;
-  touch.mass_kg = mallet.mass_kg, touch.stiffness = mallet.head, touch.bounce = mallet.bounce;
+  touch.mass_kg = mallet.mass_kg;
+  touch.stiffness = mallet.head;
+  touch.bounce = mallet.bounce;
   return touch;
 }
 
 Touch touch_of(const verb::Couple& couple) REALTIME {
   Touch touch{.kind = Touch::Kind::couple, .number = couple.number, .point_m = couple.point_m};
   touch.direction = couple.direction;
-  touch.force_n = couple.weight_n, touch.mass_kg = couple.mass_kg, touch.gap_m = couple.gap_m;
-  touch.stiffness = couple.stiffness, touch.friction = couple.friction, touch.bounce = couple.bounce;
-  touch.other = couple.other, touch.other_point_m = couple.other_point_m;
+  touch.force_n = couple.weight_n;
+  touch.mass_kg = couple.mass_kg;
+  touch.gap_m = couple.gap_m;
+  touch.stiffness = couple.stiffness;
+  touch.friction = couple.friction;
+  touch.bounce = couple.bounce;
+  touch.other = couple.other;
+  touch.other_point_m = couple.other_point_m;
   return touch;
 }
 
 Touch touch_of(const verb::Collision& hit) REALTIME {
   Touch touch{.kind = Touch::Kind::mallet, .point_m = hit.point_m, .direction = hit.direction};
   touch.speed_m_s = hit.speed_m_s;
-  touch.mass_kg = hit.mass_kg, touch.stiffness = hit.stiffness, touch.bounce = hit.bounce;
-  touch.other = hit.other, touch.other_point_m = hit.other_point_m, touch.other_direction = hit.other_direction;
+  touch.mass_kg = hit.mass_kg;
+  touch.stiffness = hit.stiffness;
+  touch.bounce = hit.bounce;
+  touch.other = hit.other;
+  touch.other_point_m = hit.other_point_m;
+  touch.other_direction = hit.other_direction;
   return touch;
 }
 
 Touch touch_of(const verb::Rub& rub) REALTIME {
   Touch touch{.kind = Touch::Kind::rub, .number = rub.contact.number, .point_m = rub.point_m};
-  touch.direction = rub.direction, touch.slide_m_s = rub.slide_m_s, touch.force_n = rub.load_n;
-  touch.mass_kg = rub.mass_kg, touch.friction = rub.friction, touch.sliding = rub.sliding;
+  touch.direction = rub.direction;
+  touch.slide_m_s = rub.slide_m_s;
+  touch.force_n = rub.load_n;
+  touch.mass_kg = rub.mass_kg;
+  touch.friction = rub.friction;
+  touch.sliding = rub.sliding;
   touch.stiffness = rub.stiffness;
-  touch.other = rub.other, touch.other_point_m = rub.other_point_m, touch.to_other = rub.to_other;
+  touch.other = rub.other;
+  touch.other_point_m = rub.other_point_m;
+  touch.to_other = rub.to_other;
   touch.contact = rub.contact;
   return touch;
 }

@@ -1,0 +1,125 @@
+// Glasses fall onto stone. Strengths are those of the material's sources, drawn for twenty seeds; orientation and
+// height decide.
+#include "engine/breaking/breakable.h"
+#include "engine/modal/bank_file.h"
+#include "engine/modal/fracture/fracture.h"
+#include "engine/modal/strike_map.h"
+#include "tests/scene/box_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace ringdown::scene {
+namespace {
+
+constexpr std::size_t kSeeds = 20;
+
+struct Preset {
+  explicit Preset(const std::string& name)
+      : bank(std::make_shared<const modal::Bank>(
+            modal::read_bank(std::filesystem::path(RINGDOWN_SOURCE_DIR) / "presets/banks" / (name + ".glb")).value())),
+        map(std::make_shared<const modal::StrikeMap>(bank)) {
+    for (std::size_t p = 0; p < bank->fracture->patterns.size(); ++p)
+      pieces.push_back(std::make_shared<const breaking::PieceSet>(*map, modal::MaterialScale{}, p));
+  }
+  std::shared_ptr<const modal::Bank> bank;
+  std::shared_ptr<const modal::StrikeMap> map;
+  std::vector<std::shared_ptr<const breaking::PieceSet>> pieces;
+};
+
+struct Fallen {
+  std::size_t broken = 0, pieces = 0;
+};
+
+// Returns how many of twenty bodies, turned by `degrees` about the y axis, break within `seconds` after they have
+// fallen onto granite from this height, and into how many pieces together. Each has a strength of its own.
+Fallen twenty_fall(const Preset& preset, double degrees, double height_m, double seconds) {
+  std::vector<BodyDescription> bodies;
+  std::vector<SoundingObject> objects;
+  for (std::size_t i = 0; i < kSeeds; ++i) {
+    const std::string name = "glass" + std::to_string(i);
+    objects.push_back({name, static_cast<synth::ObjectNumber>(i), preset.bank, preset.map, preset.pieces});
+    BodyDescription body = test::body_of(name, ShapeType::convex, {});
+    body.rotation = about({0, 1, 0}, degrees * std::numbers::pi / 180);
+    double lowest_m = 0;
+    for (const modal::Vec3f& p : preset.bank->positions)
+      lowest_m = std::min(lowest_m, rotated(body.rotation, Vec3{p[0], p[1], p[2]}).z);
+    body.position_m = {static_cast<double>(i), 0, 0.001 - lowest_m};
+    body.velocity_m_s.z = -std::sqrt(2 * 9.81 * height_m);
+    body.breaks.emplace();
+    bodies.push_back(body);
+  }
+  SceneDescription scene = test::scene_of(std::move(bodies), 0.4);
+  scene.statics[0].surface.young_pa = 50e9;
+  World world = test::world_of(scene, objects);
+  Fallen fallen;
+  while (world.time_s() < seconds && fallen.broken < kSeeds) {
+    for (const std::string& notice : world.step().notices) {
+      const auto at = notice.find("broke into ");
+      if (at == std::string::npos) continue;
+      ++fallen.broken;
+      fallen.pieces += std::stoul(notice.substr(at + 11));
+    }
+  }
+  return fallen;
+}
+
+TEST(BreakingPresets, AGlassBreaksFromATableAndNotFromAHandsBreadth) {
+  const Preset tumbler("tumbler");
+  for (const double degrees : {90.0, 140.0}) {  // on its side, on its rim
+    EXPECT_GE(twenty_fall(tumbler, degrees, 0.75, 0.05).broken, 18u) << degrees;
+    EXPECT_EQ(twenty_fall(tumbler, degrees, 0.05, 0.3).broken, 0u) << degrees;
+  }
+  EXPECT_EQ(twenty_fall(tumbler, 0, 0.05, 0.1).broken, 0u) << "on its base";
+}
+
+TEST(BreakingPresets, HarderFallsMakeMorePieces) {
+  const Preset tumbler("tumbler");
+  const Fallen low = twenty_fall(tumbler, 90, 0.75, 0.05), high = twenty_fall(tumbler, 90, 3, 0.05);
+  EXPECT_EQ(high.broken, kSeeds);
+  EXPECT_GT(high.pieces * low.broken, low.pieces * high.broken);
+}
+
+// A tile is thick, so most of its pieces have no mode below 20 kHz, and the others ring for a shorter time.
+TEST(BreakingPresets, ATileBreaksDullyAndAPaneRings) {
+  struct Ringing {
+    double silent = 0;   // share of the pieces
+    double decay_s = 0;  // in which a mode's energy falls to 1/e, weighted by the energy
+  };
+  const auto ringing_of = [](const std::string& name, Vec3 impulse_ns) {
+    const Preset preset(name);
+    const breaking::PieceSet& pieces = *preset.pieces.back();
+    auto body = breaking::Breakable::make(preset.map, {}, 48000, 0).value();
+    const Vec3 at_m = preset.bank->fracture->patterns.back().at_m;
+    const modal::Broken broken = pieces.breaking()(body.at_peak({at_m, impulse_ns, 1e-4}, 100), 0);
+    Ringing ringing;
+    double all_j = 0;
+    for (std::size_t i = 0; i < broken.pieces.size(); ++i) {
+      const std::vector<modal::DampedMode>& modes = pieces.pieces()[i].modes;
+      ringing.silent += modes.empty() ? 1 / static_cast<double>(broken.pieces.size()) : 0;
+      for (std::size_t k = 0; k < modes.size(); ++k) {
+        modal::ModalState one = modal::at_rest({modes[k]}, *preset.bank->mass);
+        one.amplitudes[0] = broken.pieces[i].amplitudes[k];
+        const double energy_j = modal::modal_energy(one).total_j();
+        all_j += energy_j;
+        ringing.decay_s += energy_j / (2 * modes[k].decay_per_s);
+      }
+    }
+    ringing.decay_s /= all_j;
+    return ringing;
+  };
+  const Ringing pane = ringing_of("window-pane", {0, 0, -0.1}), tile = ringing_of("ceramic-tile", {0, 0, -0.2});
+  EXPECT_LT(pane.silent, 0.35);
+  EXPECT_GT(tile.silent, 0.5);
+  EXPECT_GT(pane.decay_s, 1.5 * tile.decay_s) << pane.decay_s << " " << tile.decay_s;
+}
+
+}  // namespace
+}  // namespace ringdown::scene
