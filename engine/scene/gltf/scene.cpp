@@ -90,8 +90,7 @@ class GltfSceneReader {
     add_joints();
     if (const auto added = add_camera(); !added) return fail(added);
     if (const auto good = document_.result(); !good) return fail(good);
-    if (const auto good = check(scene_); !good)
-      return fail(path_.string(), good);
+    if (const auto good = check(scene_); !good) return fail(path_.string(), good);
     return GltfScene{std::move(scene_), document_.notes.sentences()};
   }
 
