@@ -48,10 +48,10 @@ Result<void> animate(scene::SceneDescription& scene, const SceneArguments& argum
   if (arguments.seconds) scene.duration_s = *arguments.seconds;
   std::vector<scene::SoundingObject> objects;
   for (std::size_t k = 0; k < banks.size(); ++k)
-    objects.push_back({scene.objects[k].name, static_cast<synth::ObjectNumber>(k),
-                       std::make_shared<const modal::Bank>(banks[k])});
-  auto recording = scene::record(scene, objects, *arguments.animate_fps,
-                                       [&stop](double) { return !stop.stop_requested(); });
+    objects.push_back(
+        {scene.objects[k].name, static_cast<synth::ObjectNumber>(k), std::make_shared<const modal::Bank>(banks[k])});
+  auto recording =
+      scene::record(scene, objects, *arguments.animate_fps, [&stop](double) { return !stop.stop_requested(); });
   if (!recording) return fail(recording.error());
   for (const std::string& notice : recording->notices) complain(notice, ExitCode::ok);
   scene = std::move(recording->scene);

@@ -50,7 +50,9 @@ class JsonCounter {
 Json accessor_json(std::size_t component_type, std::size_t count, std::size_t width) {
   return {{"componentType", component_type},
           {"count", count},
-          {"type", width == 1 ? "SCALAR" : width == 4 ? "VEC4" : "VEC3"}};
+          {"type", width == 1   ? "SCALAR"
+                   : width == 4 ? "VEC4"
+                                : "VEC3"}};
 }
 
 Json float_accessor(std::span<const float> values, std::size_t width, bool with_bounds) {

@@ -80,7 +80,8 @@ Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::fi
   const auto text = roots.read(path, is_gltf ? modal::kMaxBankFileBytes : kMaxTomlFileBytes);
   if (!text) return fail(text);
   if (!is_gltf && camera)
-    return fail(ErrorKind::bad_input, "{} has no cameras to listen by; its [listener] says where one is", path.string());
+    return fail(ErrorKind::bad_input, "{} has no cameras to listen by; its [listener] says where one is",
+                path.string());
   if (!is_gltf) return scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
   auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside(roots, path), foley, camera);
   if (!read) return fail(read);

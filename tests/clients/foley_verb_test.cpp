@@ -48,14 +48,15 @@ class FoleyVerb : public testing::Test {
     const double landing_s = std::sqrt(2 * 0.3 / 9.81);
     for (int k = 0; k <= 18; ++k) {
       const double t = k / 30.0, since = t - landing_s;
-      const double y = since < 0 ? 0.3 - 0.5 * 9.81 * t * t : 0.5 * 9.81 * landing_s * since - 0.5 * 9.81 * since * since;
+      const double y =
+          since < 0 ? 0.3 - 0.5 * 9.81 * t * t : 0.5 * 9.81 * landing_s * since - 0.5 * 9.81 * since * since;
       times.push_back(static_cast<float>(t));
       places.insert(places.end(), {0, static_cast<float>(0.03 + y), 0});
     }
-    room.json["animations"] = {
-        {{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "translation"}}}}}},
-         {"samplers",
-          {{{"input", room.add_array(times, 5126, "SCALAR", 1)}, {"output", room.add_array(places, 5126, "VEC3", 3)}}}}}};
+    room.json["animations"] = {{{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "translation"}}}}}},
+                                {"samplers",
+                                 {{{"input", room.add_array(times, 5126, "SCALAR", 1)},
+                                   {"output", room.add_array(places, 5126, "VEC3", 3)}}}}}};
     return folder_.write("fall.glb", room.glb());
   }
 
@@ -64,15 +65,15 @@ class FoleyVerb : public testing::Test {
 
 TEST_F(FoleyVerb, ASimulatedSceneIsHeardByItsKeyframes) {
   const std::string glb = folder_ / "rain.glb", wav = folder_ / "rain.wav", report = folder_ / "rain.csv";
-  const Outcome exported =
-      ringdown({"scene", "export", "marble-rain", "--animate", "30", "--seconds", "2", "-o", glb});
+  const Outcome exported = ringdown({"scene", "export", "marble-rain", "--animate", "30", "--seconds", "2", "-o", glb});
   ASSERT_EQ(exported.exit_code, 0) << exported.output;
   const Outcome heard = ringdown({"foley", glb, "-o", wav, "--report", report, "--tail", "0"});
   EXPECT_EQ(heard.exit_code, 0) << heard.output;
   EXPECT_GT(count(report, "impact"), 20u);
 
   // The file is a scene, too, of which a second recording is made, at another rate.
-  const Outcome again = ringdown({"scene", "export", glb, "--animate", "24", "--seconds", "1", "-o", folder_ / "again.glb"});
+  const Outcome again =
+      ringdown({"scene", "export", glb, "--animate", "24", "--seconds", "1", "-o", folder_ / "again.glb"});
   EXPECT_EQ(again.exit_code, 0) << again.output;
 }
 
@@ -95,7 +96,8 @@ TEST_F(FoleyVerb, ABakeTakesMaterialsByNameAndFromTheCommandLine) {
   const std::vector<std::string> bake = {"bake", glb, "--band", "20", "6000"};
   Outcome baked = ringdown(bake);
   EXPECT_EQ(baked.exit_code, 0) << baked.output;
-  EXPECT_NE(baked.output.find("Cube: the material 'wine glass 02', taken for glass"), std::string::npos) << baked.output;
+  EXPECT_NE(baked.output.find("Cube: the material 'wine glass 02', taken for glass"), std::string::npos)
+      << baked.output;
   EXPECT_NE(baked.output.find("Floor: the material 'Frobnium', not known; it stays silent"), std::string::npos)
       << baked.output;
   const Outcome heard = ringdown({"foley", glb, "-o", wav});

@@ -243,7 +243,8 @@ TEST(FoleyInput, MirroredAndUnevenlyScaledNodesStrikeAndTheirBakeIsRefused) {
   const std::size_t node = add_falling_cube(room, 0, "glass");
   room.json["materials"] = {{{"name", "glass"}}};
   room.json["meshes"][1]["primitives"][0]["material"] = 0;
-  for (const auto& [scale, part] : {std::pair(std::vector<double>{-1, 1, 1}, 1.0), {{2, 1, 0.5}, 1.0}, {{2, 1, 2}, 4.0}}) {
+  for (const auto& [scale, part] :
+       {std::pair(std::vector<double>{-1, 1, 1}, 1.0), {{2, 1, 0.5}, 1.0}, {{2, 1, 2}, 4.0}}) {
     room.json["nodes"][node]["scale"] = scale;
     expect_one_landing(hear(room), part);
     const std::string bytes = room.glb();

@@ -29,8 +29,7 @@ std::map<BodyPair, std::vector<Stretch>> stretches_of(const std::vector<HeardCon
   for (const HeardContact& c : contacts) {
     if (c.kind == HeardContact::blow) continue;
     std::vector<Stretch>& all = found[c.pair];
-    if (c.kind == HeardContact::lasting && !open[c.pair] &&
-        (all.empty() || c.time_s - all.back().end_s > bridge_s)) {
+    if (c.kind == HeardContact::lasting && !open[c.pair] && (all.empty() || c.time_s - all.back().end_s > bridge_s)) {
       all.push_back({c.time_s, c.time_s});
     }
     if (!all.empty()) all.back().end_s = c.time_s;
@@ -188,10 +187,11 @@ Comparison compare(const std::vector<HeardContact>& truth, const std::vector<Hea
 std::string sentence_of(const Comparison& result) {
   std::array<char, 400> text{};
   std::snprintf(text.data(), text.size(),
-                "found %zu of %zu, %zu false, of which %zu are pushes, 90%% within %.2f ms, all within %.2f ms, median %.2f dB; %zu groups, "
+                "found %zu of %zu, %zu false, of which %zu are pushes, 90%% within %.2f ms, all within %.2f ms, median "
+                "%.2f dB; %zu groups, "
                 "median %.2f dB; %zu of %zu ends of slides within two frames",
-                result.found, result.alone, result.false_ones, result.pushes, result.time_ms, result.worst_ms, result.impulse_db,
-                result.groups, result.group_db, result.ends_found, result.ends);
+                result.found, result.alone, result.false_ones, result.pushes, result.time_ms, result.worst_ms,
+                result.impulse_db, result.groups, result.group_db, result.ends_found, result.ends);
   return text.data();
 }
 

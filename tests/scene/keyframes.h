@@ -33,16 +33,16 @@ std::vector<scene::HeardContact> play(const scene::SceneDescription& animated,
 
 struct Comparison {
   std::size_t alone = 0, found = 0, false_ones = 0;  // blows that lie apart from the pair's others; of them found
-  std::size_t pushes = 0;                // false ones where the pair's lasting contact has that impulse
+  std::size_t pushes = 0;                            // false ones where the pair's lasting contact has that impulse
   double time_ms = 0, worst_ms = 0;                  // error of time: 90th percentile, largest
   double impulse_db = 0;                             // median of the error's size
   std::size_t groups = 0;
-  double group_db = 0;  // of the summed impulses of dense blows: median of the error's size
+  double group_db = 0;                   // of the summed impulses of dense blows: median of the error's size
   std::size_t ends = 0, ends_found = 0;  // of contacts that slide or roll for four frames or more; within two frames
 };
 
-// Blows are compared from two frames on, because a blow at the first frames has no motion before it. Blows below -30 dB of
-// the loudest are not looked for, and found ones below -40 dB are not counted as false.
+// Blows are compared from two frames on, because a blow at the first frames has no motion before it. Blows below -30 dB
+// of the loudest are not looked for, and found ones below -40 dB are not counted as false.
 Comparison compare(const std::vector<scene::HeardContact>& truth, const std::vector<scene::HeardContact>& recovered,
                    double fps, bool verbose = false);
 

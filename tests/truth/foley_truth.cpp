@@ -25,9 +25,10 @@ void add_row(const std::string& name, double fps, bool each) {
   const auto recovered = test::play(truth.animated, preset.objects);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   const test::Comparison c = test::compare(truth.contacts, recovered, fps, each);
-  std::printf("| %s | %.0f | %zu of %zu | %zu (%zu) | %.1f ms | %.1f ms | %.2f dB | %zu groups, %.1f dB | %zu of %zu |\n",
-              name.c_str(), fps, c.found, c.alone, c.false_ones, c.pushes, c.time_ms, c.worst_ms, c.impulse_db, c.groups,
-              c.group_db, c.ends_found, c.ends);
+  std::printf(
+      "| %s | %.0f | %zu of %zu | %zu (%zu) | %.1f ms | %.1f ms | %.2f dB | %zu groups, %.1f dB | %zu of %zu |\n",
+      name.c_str(), fps, c.found, c.alone, c.false_ones, c.pushes, c.time_ms, c.worst_ms, c.impulse_db, c.groups,
+      c.group_db, c.ends_found, c.ends);
   std::fprintf(stderr, "%s at %.0f: %.1f s\n", name.c_str(), fps, took.count());
 }
 
@@ -62,8 +63,10 @@ int cost() {
   const double took_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  std::printf("a minute of 50 bodies at 30 frames a second: contacts in %.1f s of processor time, the process has %.0f MiB at most\n",
-              took_s, static_cast<double>(usage.ru_maxrss) / 1024);
+  std::printf(
+      "a minute of 50 bodies at 30 frames a second: contacts in %.1f s of processor time, the process has %.0f MiB at "
+      "most\n",
+      took_s, static_cast<double>(usage.ru_maxrss) / 1024);
   return world ? 0 : 1;
 }
 
@@ -89,7 +92,8 @@ int main(int count, char** arguments) {
   if (scenes.empty()) scenes = {"demo", "cutlery", "marble-rain", "dominoes"};
   if (rates.empty()) rates = {24, 30, 60};
   std::printf(
-      "| scene | frames a second | found | false (pushes) | 90 %% of the times within | all within | impulse, median error | "
+      "| scene | frames a second | found | false (pushes) | 90 %% of the times within | all within | impulse, median "
+      "error | "
       "dense blows | ends of slides |\n|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& scene : scenes) {
     for (const double rate : rates) add_row(scene, rate, each);

@@ -18,9 +18,9 @@ struct Meeter {
 
 // The contact points of a pair in one interval. No points: the two do not touch.
 struct Meeting {
-  std::vector<PosedContact> points;  // normals into the first body
-  Motion first, second;              // as the two come to each other
-  double share = 0;                  // of the interval, where the points were found
+  std::vector<PosedContact> points;       // normals into the first body
+  Motion first, second;                   // as the two come to each other
+  double share = 0;                       // of the interval, where the points were found
   bool onward = false, backward = false;  // on which of both ways the two were found to touch
 };
 

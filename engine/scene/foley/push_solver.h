@@ -45,8 +45,8 @@ class PushSystem {
 
   PushedBody& body(std::size_t frame, std::size_t number) { return slots_[frame * bodies_ + number]; }
 
-  // Add the points of a blow at the share `s` of an interval, where geometry sees it, or of a lasting contact around one
-  // frame. Both must be frames of the system. Return the number of the first contact.
+  // Add the points of a blow at the share `s` of an interval, where geometry sees it, or of a lasting contact around
+  // one frame. Both must be frames of the system. Return the number of the first contact.
   std::size_t add_blow(std::vector<PushContact> points, double s);
   std::size_t add_load(std::vector<PushContact> points);
 

@@ -220,7 +220,8 @@ class Recoverer {
         const Touch* touch = touch_of(pair, k);
         if (!touch || approaches.contains(k)) continue;
         const auto [approach_m_s, parting_m_s, normal, inverse_mass] = touch->closing;
-        const double fastest_m_s = touch->answers ? std::max(approach_m_s, sent_m_s(result_.bodies, touches_[k], *touch, k)) : approach_m_s;
+        const double fastest_m_s =
+            touch->answers ? std::max(approach_m_s, sent_m_s(result_.bodies, touches_[k], *touch, k)) : approach_m_s;
         const bool strikes = fastest_m_s > limits_.strike_m_s;
         if (!(inverse_mass > 0) || !(strikes || parting_m_s > kBurst_m_s)) continue;
         approaches[k] = {normal, (strikes ? fastest_m_s : 2 * kBurst_m_s) / inverse_mass, touch->share};

@@ -25,10 +25,10 @@ struct Touch {
   Meeting met;
   std::vector<Vec3> before_ns, after_ns;
   Closing closing;
-  bool blow = false;                   // the two strike each other
-  bool answers = false;                // the second carries the first, immovable, while another body strikes the first
-  double share = 0;                    // of the interval, when one of these happens
-  std::vector<Vec3> blow_ns;           // impulses of that at the points
+  bool blow = false;          // the two strike each other
+  bool answers = false;       // the second carries the first, immovable, while another body strikes the first
+  double share = 0;           // of the interval, when one of these happens
+  std::vector<Vec3> blow_ns;  // impulses of that at the points
   std::size_t contacts = 0, loads_before = 0, loads_after = 0;  // their first contacts in the system of pushes
 };
 
@@ -36,8 +36,8 @@ struct Touch {
 std::vector<double> shares_of(const Touch& touch);
 Vec3 mean_point(const Touch& touch);
 
-// Finds out which touches of interval `k` are blows faster than `strike_m_s`, and removes those that cannot have been: a
-// blow on one of the bodies, before or after the touch, led the body away from where the touch was seen.
+// Finds out which touches of interval `k` are blows faster than `strike_m_s`, and removes those that cannot have been:
+// a blow on one of the bodies, before or after the touch, led the body away from where the touch was seen.
 void find_blows(std::span<const FoleyBody> bodies, std::vector<Touch>& touches, std::size_t k, double strike_m_s);
 
 // Returns the speed at which the other blows of interval `k` send the two bodies of a touch against each other.

@@ -205,7 +205,8 @@ std::shared_ptr<const MotionPath> GltfAnimations::path_of(std::size_t node) {
     const auto found = channels_.find(*at);
     if (found == channels_.end()) continue;
     animated = true;
-    for (const Channel& channel : found->second) scales = scales || (channel.target == Target::scale && changes_size(channel));
+    for (const Channel& channel : found->second)
+      scales = scales || (channel.target == Target::scale && changes_size(channel));
   }
   if (!animated || !(length_s_ > 0)) return nullptr;
   if (scales)

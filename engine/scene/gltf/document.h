@@ -66,9 +66,9 @@ class GltfNotes {
 
 class GltfDocument {
  public:
-  // Reads the nodes. A mesh whose skin follows one bone rigidly becomes a node below that bone; a mesh that several bones
-  // bend stays where it is, which the notes say. Fails on indices that refer to nothing, on nodes with two parents or within themselves, and on
-  // poses that are not finite.
+  // Reads the nodes. A mesh whose skin follows one bone rigidly becomes a node below that bone; a mesh that several
+  // bones bend stays where it is, which the notes say. Fails on indices that refer to nothing, on nodes with two
+  // parents or within themselves, and on poses that are not finite.
   static Result<GltfDocument> read(const modal::Glb& glb);
 
   [[nodiscard]] const std::vector<GltfNode>& nodes() const { return nodes_; }

@@ -1,4 +1,5 @@
-// Places, rotations and cameras in the axes of glTF files, in which y points up. For the writers of scenes. [any thread]
+// Places, rotations and cameras in the axes of glTF files, in which y points up. For the writers of scenes. [any
+// thread]
 #pragma once
 
 #include "engine/base/rotation.h"

@@ -90,8 +90,7 @@ class GltfSceneReader {
     add_joints();
     if (const auto added = add_camera(); !added) return fail(added);
     if (const auto good = document_.result(); !good) return fail(good);
-    if (const auto good = check(scene_); !good)
-      return fail(path_.string(), good);
+    if (const auto good = check(scene_); !good) return fail(path_.string(), good);
     return GltfScene{std::move(scene_), document_.notes.sentences()};
   }
 
@@ -296,7 +295,8 @@ class GltfSceneReader {
       made.rotation = path->poses[0].rotation;
       made.path = std::move(path);
       made.start_s = animations_.appears_s(frame_node(body));
-      if (scene_.foley && !made.mass && (made.object.empty() || !has_mass_)) made.mass = mass_of(made.shape, kUsualDensity_kg_m3);
+      if (scene_.foley && !made.mass && (made.object.empty() || !has_mass_))
+        made.mass = mass_of(made.shape, kUsualDensity_kg_m3);
     }
     names_[body.node] = made.name;
     scene_.bodies.push_back(std::move(made));

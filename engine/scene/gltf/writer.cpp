@@ -284,8 +284,9 @@ class GlbScene {
   void add(const JointDescription& joint) {
     if (joint.type == JointType::free) return add_free(joint);
     const bool hinge = joint.type == JointType::hinge, slider = joint.type == JointType::slider;
-    const Rotation axes =
-        hinge || slider ? normalized(turn_between({1, 0, 0}, to_file((1 / length(joint.axis)) * joint.axis))) : Rotation{};
+    const Rotation axes = hinge || slider
+                              ? normalized(turn_between({1, 0, 0}, to_file((1 / length(joint.axis)) * joint.axis)))
+                              : Rotation{};
     const auto limit = [](const char* kind, std::vector<int> held) {
       return Json{{kind, held}, {"min", 0}, {"max", 0}};
     };
