@@ -35,11 +35,10 @@ std::filesystem::path muxed_path(const std::filesystem::path& sound, const std::
 }
 
 // Refuses what mux() could not do when all is rendered.
-Result<void> check_mux(const SoundOutput& output) {
-  const std::filesystem::path& picture = *output.mux;
+Result<void> check_mux(const std::filesystem::path& picture, const std::filesystem::path& sound) {
   if (!std::filesystem::is_regular_file(picture))
     return fail(ErrorKind::bad_input, "--mux: there is no file " + picture.string());
-  const std::filesystem::path sound = output.path, target = muxed_path(sound, picture);
+  const std::filesystem::path target = muxed_path(sound, picture);
   if (sound.extension().empty() || target == sound ||
       std::filesystem::weakly_canonical(target) == std::filesystem::weakly_canonical(picture))
     return fail(ErrorKind::usage, "--mux: the result would be " + target.string() +
@@ -53,7 +52,7 @@ Result<void> check_mux(const SoundOutput& output) {
 // Puts the sound under the picture, which begins `from_s` before the sound.
 Result<std::filesystem::path> mux(const std::filesystem::path& picture, const std::filesystem::path& sound,
                                   double from_s, const std::stop_token& stop) {
-  const std::filesystem::path target = muxed_path(sound, picture);
+  std::filesystem::path target = muxed_path(sound, picture);
   std::filesystem::path part = target;
   part.replace_extension("." + std::to_string(::getpid()) + ".part" + picture.extension().string());
   const auto done = run_child({.command = {"ffmpeg",
@@ -178,7 +177,7 @@ ExitCode write_sound(session::OfflineOptions options, const SoundOutput& output,
   if (options.seconds && options.tail_s)
     return complain("--seconds is the length with its tail: leave out --tail", ExitCode::usage);
   if (output.mux) {
-    if (const auto good = check_mux(output); !good) return complain(good.error());
+    if (const auto good = check_mux(*output.mux, output.path); !good) return complain(good.error());
   }
   if (output.takes == 0) return write_take(options, output, output.path, stop, more, judge);
   ExitCode outcome = ExitCode::ok;

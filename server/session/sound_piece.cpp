@@ -103,7 +103,7 @@ Result<void> PieceFile::write() {
 Result<void> PieceFile::finish(float gain) {
   if (const auto written = write(); !written) return written;
   if (waiting_) {
-    std::rewind(waiting_.get());
+    if (std::fseek(waiting_.get(), 0, SEEK_SET) != 0) return no_room();
     samples_.resize(kKept / channels_ * channels_);
     for (std::size_t count = 1; count > 0;) {
       count = std::fread(samples_.data(), sizeof(float), samples_.size(), waiting_.get());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace ringdown::session {
@@ -146,7 +147,7 @@ class ObjectStems {
   }
 
  private:
-  enum Kind : std::size_t { impact, slide, roll };
+  enum Kind : std::uint8_t { impact, slide, roll };
   struct Stem {
     PieceFile file;
     float peak = 0;
@@ -183,15 +184,12 @@ class ObjectStems {
         posed ? Event{posed->frame, cursor.object, synth::verb::Pose{posed->pose}} : *std::get<EventEntry>(entry.what);
     synth::verb::Contact room;
     const synth::Effect effect = effect_of(event);
-    if (!own) {
-      all_.push(event);
-    } else if (const auto* contact = contact_of(event, room)) {
-      all_.push(event);
-      play_contact(*contact, event);
-    } else if (effect == synth::Effect::excites || effect == synth::Effect::begins) {
-      all_.push(event);
-    } else {
+    const auto* contact = own ? contact_of(event, room) : nullptr;
+    if (contact) play_contact(*contact, event);
+    if (own && effect != synth::Effect::excites && effect != synth::Effect::begins) {
       each_player([&](Player& player) { player.push(event); });
+    } else {
+      all_.push(event);
     }
   }
 
