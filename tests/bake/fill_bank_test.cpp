@@ -55,6 +55,8 @@ TEST(FillBank, RimModesComeFromTheShapesAlone) {
   ASSERT_TRUE(full) << full.error().message;
   expect_rim_modes(full->bank, {636.6, 1840.7}, 0.005);
   expect_rim_modes(full->bank, {3589.4}, 0.008);
+  // Compressible water has a mode of m = 0 at 3923 Hz, which the bank's shapes would give 11 % too high.
+  for (const double hz : full->bank.frequency_hz) EXPECT_FALSE(hz > 3800 && hz < 5000) << hz;
   // Viscosity takes 0.95 1/s of the lowest mode of the rim; flat triangles make it more.
   const modal::ModeLoss loss = full->bank.losses[pair_near(full->bank, 636.6).first];
   EXPECT_NEAR(loss.support_per_s, 0.95, 0.3);
