@@ -55,6 +55,8 @@ TEST(FillBank, RimModesComeFromTheShapesAlone) {
   ASSERT_TRUE(full) << full.error().message;
   expect_rim_modes(full->bank, {636.6, 1840.7}, 0.005);
   expect_rim_modes(full->bank, {3589.4}, 0.008);
+  // Compressible water has a mode of m = 0 at 3923 Hz, which the bank's shapes would give 11 % too high.
+  for (const double hz : full->bank.frequency_hz) EXPECT_FALSE(hz > 3800 && hz < 5000) << hz;
   // Viscosity takes 0.95 1/s of the lowest mode of the rim; flat triangles make it more.
   const modal::ModeLoss loss = full->bank.losses[pair_near(full->bank, 636.6).first];
   EXPECT_NEAR(loss.support_per_s, 0.95, 0.3);
@@ -84,10 +86,11 @@ TEST(FillBank, LiquidOfNoDensityLeavesThePitchAsItWas) {
   const modal::Bank dry = glass();
   const auto filled = bake::fill_bank(dry, nothing);
   ASSERT_TRUE(filled) << filled.error().message;
-  for (std::size_t m = 0; m < dry.mode_count(); ++m) {
+  EXPECT_GT(filled->bank.mode_count(), dry.mode_count() / 3);
+  for (const double hz : filled->bank.frequency_hz) {
     double nearest = 1e9;
-    for (const double hz : filled->bank.frequency_hz) nearest = std::min(nearest, std::abs(hz - dry.frequency_hz[m]));
-    EXPECT_LT(nearest / dry.frequency_hz[m], 1e-6);
+    for (const double own : dry.frequency_hz) nearest = std::min(nearest, std::abs(hz - own));
+    EXPECT_LT(nearest / hz, 1e-6);
   }
 }
 

@@ -30,7 +30,8 @@ constexpr double kSamePitch = 5e-4;         // relative, of two modes of the dry
 constexpr double kSplit = 0.03;             // of the mass of a pair, that panels without its symmetry may cause
 constexpr std::array kShares = {0.5, 0.8};  // of the highest dry frequency, up to which smaller bases reach
 constexpr double kMostOfIt = 0.5;           // of a mode's amplitudes squared
-constexpr double kMapError_db = 3;          // stated of fields that are mixed from those of the dry body
+constexpr double kNetFlow = 0.004;  // of the mean of the squared flow: a mode that pushes the liquid up and down
+constexpr double kMapError_db = 3;  // stated of fields that are mixed from those of the dry body
 
 mesh::TriangleMesh surface_of(const modal::Bank& bank) {
   mesh::TriangleMesh surface;
@@ -80,7 +81,7 @@ Result<void> check(const modal::Bank& bank) {
 struct Part {
   liquid::Potential potential;
   std::optional<liquid::WaterModes> modes;
-  MatrixXd bound, error;
+  MatrixXd flow, bound, error;
   Index first = 0, count = 0, row = 0;
 };
 
@@ -139,7 +140,7 @@ class BankFiller {
           liquid::WetPanels::of(wet.wetted, static_cast<int>(liquid::kWetNodes / kFewer));
       if (!coarse) return fail(coarse.error());
       const MatrixXd flow = liquid::flow_of(wet.wetted, plan_.skin, shapes_);
-      Part part{.potential = panels->potential_of(flow), .modes = {}, .bound = {}, .error = {}};
+      Part part{.potential = panels->potential_of(flow), .modes = {}, .flow = flow, .bound = {}, .error = {}};
       MatrixXd& mass = part.potential.added_mass;
       part.error = wet.density / (kFewer - 1) * (mass - coarse->potential_of(flow).added_mass);
       part.error += wet.density * facet_share(wet.wetted) * mass;
@@ -251,16 +252,30 @@ class BankFiller {
       }
       const double band = modal::hz_to_rad_per_s(bank_.provenance.band_high_hz);
       if (wet.lambda[k] > std::min(lambda_.maxCoeff(), band > 0 ? band * band : HUGE_VAL)) break;
-      if (!(error <= kMaxFillError)) {
+      if (!(error <= kMaxFillError) || pumps(own)) {
         ++result.left_out;
         continue;
       }
-      add(wet, k, strain, error, modes);
+      if (!add(wet, k, strain, error, modes)) ++result.left_out;
     }
     if (modes.mode_count() == 0)
       return fail(ErrorKind::bad_input, "no mode of the filled bank is known well enough; bake the object with [fill]");
     result.bank = ordered(modes);
     return result;
+  }
+
+  // A mode of a round vessel that does not change around it moves the whole column of liquid. Few dry modes have its
+  // pattern, and even large bases miss it by several percent.
+  [[nodiscard]] bool pumps(const VectorXd& own) const {
+    constexpr double kMoves = 1e-3;  // share of the energy in the liquid
+    return std::ranges::any_of(parts_, [&](const Part& part) {
+      const auto& [wetted, density, sound_speed, drag_si] =
+          plan_.parts[static_cast<std::size_t>(&part - parts_.data())];
+      if (density * own.dot(part.potential.added_mass * own) < kMoves) return false;
+      const VectorXd flow = part.flow * own;
+      return std::pow(flow.sum(), 2) >
+             kNetFlow * wetted.areas.sum() * (flow.array().square() / wetted.areas.array()).sum();
+    });
   }
 
   [[nodiscard]] modal::Bank emptied() const {
@@ -276,7 +291,8 @@ class BankFiller {
     return bank;
   }
 
-  void add(const liquid::WetModes& wet, Index k, const VectorXd& strain, double error, modal::Bank& to) const {
+  // Returns false for a mode that the liquid's friction over-damps.
+  bool add(const liquid::WetModes& wet, Index k, const VectorXd& strain, double error, modal::Bank& to) const {
     const VectorXd own = wet.body.col(k);
     const double omega = std::sqrt(wet.lambda[k]);
     modal::ModeLoss loss;
@@ -290,14 +306,18 @@ class BankFiller {
       loss.support_per_s += own[at] * own[at] * dry.support_per_s;
     }
     loss.support_per_s += drag_of(wet, k, omega);
+    modal::FarField field;
     if (bank_.radiation) {
-      modal::FarField field = field_of(own, omega);
+      field = field_of(own, omega);
       loss.air_per_s = modal::radiation_decay_per_s(modal::rms(field), omega, bank_.radiation->air);
+    }
+    const modal::DampedMode mode = modal::with_decay(wet.lambda[k], loss.total_per_s());
+    if (!(mode.frequency_hz > 0)) return false;
+    if (bank_.radiation) {
       to.radiation->maps.modes.push_back(std::move(field));
       to.radiation->error_db.push_back(kMapError_db);
       to.radiation->reason.emplace_back("the field is mixed from those of the dry body");
     }
-    const modal::DampedMode mode = modal::with_decay(wet.lambda[k], loss.total_per_s());
     to.frequency_hz.push_back(mode.frequency_hz);
     to.decay_per_s.push_back(mode.decay_per_s);
     to.losses.push_back(loss);
@@ -306,6 +326,7 @@ class BankFiller {
     for (Index row = 0; row < shape.size(); row += 3)
       to.shapes.push_back(
           {static_cast<float>(shape[row]), static_cast<float>(shape[row + 1]), static_cast<float>(shape[row + 2])});
+    return true;
   }
 
   [[nodiscard]] modal::FarField field_of(const VectorXd& own, double omega) const {

@@ -20,10 +20,11 @@ using Eigen::Index;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr int kMaxPartials = 3;     // of a tube
-constexpr double kMaxKa = 1;        // above it the air in the mouth is no piston
-constexpr double kSameMode = 1e-7;  // share of others below which a mode stays as it was
-constexpr double kMinTerm = 1e-4;   // of a field, as in the radiation of bodies
+constexpr int kMaxPartials = 3;      // of a tube
+constexpr double kMaxKa = 1;         // above it the air in the mouth is no piston
+constexpr double kSameMode = 1e-7;   // share of others below which a mode stays as it was
+constexpr double kMinMotion = 0.02;  // of a body's mode, in a tube's higher mode; with less it is left out
+constexpr double kMinTerm = 1e-4;    // of a field, as in the radiation of bodies
 constexpr double kDbPerNeper = 8.685889638;
 
 // One mode of a tube before it is coupled.
@@ -32,6 +33,7 @@ struct Partial {
   VectorXcd bond;   // of the heard modes [rad/s], with the signs that shapes have in a bank
   VectorXcd field;  // of a tube mode of amplitude 1, in harmonics [m^2 kg^-1/2]
   double frequency_error = 0, bond_error = 0;
+  bool lowest = false;  // of its tube
 };
 
 VectorXcd dense_terms(const modal::FarField& field, Index size) {
@@ -92,6 +94,7 @@ class Coupler {
       if (!mode && n == 0) return fail(ErrorKind::bad_input, too_wide(line, guess));
       if (!mode) break;
       partials_.push_back(partial_of(*mode, answer, line, length));
+      partials_.back().lowest = n == 0;
       if (n == 0) note = note_of(resonator, line, answer.outside, *mode);
       guess = tube::partial_rad_s(line, -answer.outside.end_m.real(), air_, n + 1);
     }
@@ -119,6 +122,7 @@ class Coupler {
     const Eigen::MatrixXd shapes = shapes_of(heard_, modes_);
     std::vector<HeardMode> changed;
     modes_.shapes.conservativeResize(Eigen::NoChange, modes_.shapes.cols() + tubes);
+    modes_.shapes.rightCols(tubes).setZero();
     for (Index n = 0; n < bars + tubes; ++n) {
       const VectorXcd mix = coupled.mixing.col(n);
       if (n < bars && mix.cwiseAbs2().sum() - std::norm(mix[n]) < kSameMode * kSameMode &&
@@ -126,6 +130,7 @@ class Coupler {
         changed.push_back(heard_[n]);
         continue;
       }
+      if (n >= bars && !partials_[n - bars].lowest && mix.head(bars).cwiseAbs().maxCoeff() < kMinMotion) continue;
       changed.push_back(mixed(n, coupled.omega_rad_s[n], mix, shapes, terms, changed));
     }
     heard_ = std::move(changed);
