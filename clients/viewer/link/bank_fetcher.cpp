@@ -1,5 +1,7 @@
 #include "clients/viewer/link/bank_fetcher.h"
 
+#include "engine/modal/bank_file.h"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -57,7 +59,19 @@ void BankFetcher::begin_transfer(KnownObjects& objects, const std::string& chose
     object->bank_retry_at_s = now_s + kRetry_s;
     return;
   }
-  transfer_.emplace(BankTransfer::Subject{object->name, object->version, object->bank_bytes, object->bank_content});
+  const auto [content, model, scale] = key_of(*object);
+  BankTransfer::Subject subject{object->name, object->version, object->bank_bytes, content, model, scale};
+  const auto file = files_.find(object->bank_content);
+  if (file != files_.end()) {
+    transfer_.emplace(std::move(subject), file->second);
+  } else {
+    transfer_.emplace(std::move(subject));
+  }
+}
+
+BankFetcher::Key BankFetcher::key_of(const KnownObject& object) {
+  const modal::ModelChoice model = modal::split_bank_path(object.bank_path).model;
+  return {object.bank_content, model.number, model.scale};
 }
 
 // Ends the transfer when its bank is complete or at fault, or when the object no longer needs it.
@@ -75,7 +89,8 @@ void BankFetcher::finish_transfer(KnownObjects& objects, double now_s) {
   if (*outcome) {
     object.bank = std::move(**outcome);
     object.bank_fault.clear();
-    banks_.insert_or_assign(object.bank_content, object.bank);
+    banks_.insert_or_assign(key_of(object), object.bank);
+    files_.insert_or_assign(object.bank_content, transfer_->file());
   } else {
     object.bank_fault = outcome->error().message;
     if (transfer_->refused()) object.bank_retry_at_s = now_s + kRetry_s;
@@ -83,16 +98,21 @@ void BankFetcher::finish_transfer(KnownObjects& objects, double now_s) {
   transfer_.reset();
 }
 
-// Shares a bank of one object with the others that play its file.
+// Shares a bank of one object with the others that play the same model of its file.
 void BankFetcher::share_banks(KnownObjects& objects) {
   std::erase_if(banks_, [](const auto& bank) { return bank.second.expired(); });
   for (auto& [name, object] : objects.all()) {
     if (object.bank) continue;
-    const auto found = banks_.find(object.bank_content);
+    const auto found = banks_.find(key_of(object));
     if (found == banks_.end()) continue;
     object.bank = found->second.lock();
     object.bank_fault.clear();
   }
+  std::erase_if(files_, [&](const auto& file) {
+    return std::ranges::none_of(objects.all(), [&](const auto& known) {
+      return !known.second.bank && known.second.bank_fault.empty() && known.second.bank_content == file.first;
+    });
+  });
 }
 
 }  // namespace ringdown::viewer
