@@ -1,6 +1,7 @@
 #include "clients/viewer/link/bank_fetcher.h"
 
 #include "engine/modal/bank_file.h"
+#include "engine/modal/fracture/fracture.h"
 
 #include <algorithm>
 #include <numeric>
@@ -98,14 +99,33 @@ void BankFetcher::finish_transfer(KnownObjects& objects, double now_s) {
   transfer_.reset();
 }
 
+// Returns a bank that an object has, or that of a piece whose body an object has; null if there is none.
+std::shared_ptr<const KnownBank> BankFetcher::find(const Key& key) {
+  const auto& [content, model, scale] = key;
+  if (const auto found = banks_.find(key); found != banks_.end()) return found->second.lock();
+  const auto whole = banks_.find({content, std::nullopt, 1});
+  if (!model || scale != 1 || whole == banks_.end()) return nullptr;
+  const std::shared_ptr<const KnownBank> body = whole->second.lock();
+  if (!body || !body->bank.fracture) return nullptr;
+  for (const modal::BreakPattern& pattern : body->bank.fracture->patterns) {
+    for (const modal::PieceBank& piece : pattern.pieces) {
+      if (piece.model != *model || piece.bank.mode_count() == 0) continue;
+      auto bank = known(piece.bank);
+      banks_.insert_or_assign(key, bank);
+      return bank;
+    }
+  }
+  return nullptr;
+}
+
 // Shares a bank of one object with the others that play the same model of its file.
 void BankFetcher::share_banks(KnownObjects& objects) {
   std::erase_if(banks_, [](const auto& bank) { return bank.second.expired(); });
   for (auto& [name, object] : objects.all()) {
     if (object.bank) continue;
-    const auto found = banks_.find(key_of(object));
-    if (found == banks_.end()) continue;
-    object.bank = found->second.lock();
+    auto bank = find(key_of(object));
+    if (!bank) continue;
+    object.bank = std::move(bank);
     object.bank_fault.clear();
   }
   std::erase_if(files_, [&](const auto& file) {

@@ -29,14 +29,15 @@ class BankFetcher {
   void add_requests(KnownObjects& objects, const std::string& chosen, double now_s, Requests& requests);
 
  private:
+  using Key = std::tuple<std::string, std::optional<std::size_t>, double>;  // content of a file, model in it, scale
+  static Key key_of(const KnownObject& object);
   void finish_transfer(KnownObjects& objects, double now_s);
   void share_banks(KnownObjects& objects);
+  [[nodiscard]] std::shared_ptr<const KnownBank> find(const Key& key);
   void begin_transfer(KnownObjects& objects, const std::string& chosen, double now_s);
 
   std::size_t max_bytes_;
   std::optional<BankTransfer> transfer_;
-  using Key = std::tuple<std::string, std::optional<std::size_t>, double>;  // content of a file, model in it, scale
-  static Key key_of(const KnownObject& object);
   std::map<Key, std::weak_ptr<const KnownBank>> banks_;
   std::map<std::string, BankTransfer::File> files_;  // by content, while an object needs another model of the file
 };

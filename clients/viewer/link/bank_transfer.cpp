@@ -26,11 +26,7 @@ BankTransfer::Outcome read(std::span<const std::byte> file, const BankTransfer::
   }
   Result<modal::Bank> bank = modal::parse_bank(file, name, {.number = subject.model, .scale = subject.scale});
   if (!bank) return fail(bank.error());
-  KnownBank known{std::move(*bank), {}};
-  known.by_frequency.resize(known.bank.mode_count());
-  std::iota(known.by_frequency.begin(), known.by_frequency.end(), 0u);
-  std::ranges::stable_sort(known.by_frequency, {}, [&](std::uint32_t mode) { return known.bank.frequency_hz[mode]; });
-  return std::make_shared<const KnownBank>(std::move(known));
+  return known(std::move(*bank));
 }
 
 // Unlike the future of std::async, this one does not wait for its thread when it is dropped.
@@ -43,6 +39,14 @@ std::future<BankTransfer::Outcome> read_apart(BankTransfer::File file, BankTrans
 }
 
 }  // namespace
+
+std::shared_ptr<const KnownBank> known(modal::Bank bank) {
+  KnownBank made{std::move(bank), {}};
+  made.by_frequency.resize(made.bank.mode_count());
+  std::iota(made.by_frequency.begin(), made.by_frequency.end(), 0u);
+  std::ranges::stable_sort(made.by_frequency, {}, [&](std::uint32_t mode) { return made.bank.frequency_hz[mode]; });
+  return std::make_shared<const KnownBank>(std::move(made));
+}
 
 BankTransfer::BankTransfer(Subject subject) : subject_(std::move(subject)) {
   if (subject_.bytes <= 0) {

@@ -31,6 +31,8 @@ struct KnownBank {
   std::vector<std::uint32_t> by_frequency;  // the bank's mode of each rank; rank 0 has the lowest frequency
 };
 
+std::shared_ptr<const KnownBank> known(modal::Bank bank);
+
 class BankTransfer {
  public:
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // a larger bank file is not fetched
