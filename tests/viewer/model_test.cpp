@@ -163,6 +163,27 @@ TEST_F(ModelWithFile, TheBankOfTheChosenObjectIsFetchedFirst) {
   for (const auto& question : asked<protocol::ReadBank>(1)) EXPECT_EQ(question.object.name, "a");
 }
 
+// A body and its pieces are models of one file.
+TEST_F(ModelWithFile, AFileIsFetchedOnceForAllOfItsModels) {
+  const auto file = bytes_of(preset_bank("tumbler"));
+  for (const auto& [name, path] : {std::pair{"a", "tumbler.glb"}, {"a.0", "tumbler.glb#1"}, {"a.1", "tumbler.glb#2"}}) {
+    protocol::ObjectReply reply = playing(file, name);
+    reply.bank = path;
+    model.apply(reply, 0);
+  }
+  serve("a", 1, file, 0.1);
+  std::set<std::size_t> points;
+  for (const char* name : {"a", "a.0", "a.1"}) {
+    for (int i = 0; i < 500 && !model.object(name)->bank; ++i) {
+      EXPECT_TRUE(asked<protocol::ReadBank>(200 + 0.016 * i).empty());
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    ASSERT_TRUE(model.object(name)->bank) << name;
+    points.insert(model.object(name)->bank->bank.point_count());
+  }
+  EXPECT_EQ(points.size(), 3u) << "three different surfaces";
+}
+
 TEST_F(ModelWithFile, ANewBankReplacesTheOldAndTheirPiecesDoNotMix) {
   const auto glass = bytes_of(preset_bank("wine-glass")), bell = bytes_of(preset_bank("bronze-bell"));
   model.apply(playing(glass, "x", 1), 0);

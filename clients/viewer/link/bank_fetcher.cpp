@@ -1,6 +1,8 @@
 #include "clients/viewer/link/bank_fetcher.h"
 
 #include "engine/base/formatted.h"
+#include "engine/modal/bank_file.h"
+#include "engine/modal/fracture/fracture.h"
 
 #include <algorithm>
 #include <numeric>
@@ -59,7 +61,19 @@ void BankFetcher::begin_transfer(KnownObjects& objects, const std::string& chose
     object->bank_retry_at_s = now_s + kRetry_s;
     return;
   }
-  transfer_.emplace(BankTransfer::Subject{object->name, object->version, object->bank_bytes, object->bank_content});
+  const auto [content, model, scale] = key_of(*object);
+  BankTransfer::Subject subject{object->name, object->version, object->bank_bytes, content, model, scale};
+  const auto file = files_.find(object->bank_content);
+  if (file != files_.end()) {
+    transfer_.emplace(std::move(subject), file->second);
+  } else {
+    transfer_.emplace(std::move(subject));
+  }
+}
+
+BankFetcher::Key BankFetcher::key_of(const KnownObject& object) {
+  const modal::ModelChoice model = modal::split_bank_path(object.bank_path).model;
+  return {object.bank_content, model.number, model.scale};
 }
 
 // Ends the transfer when its bank is complete or at fault, or when the object no longer needs it.
@@ -77,7 +91,8 @@ void BankFetcher::finish_transfer(KnownObjects& objects, double now_s) {
   if (*outcome) {
     object.bank = std::move(**outcome);
     object.bank_fault.clear();
-    banks_.insert_or_assign(object.bank_content, object.bank);
+    banks_.insert_or_assign(key_of(object), object.bank);
+    files_.insert_or_assign(object.bank_content, transfer_->file());
   } else {
     object.bank_fault = outcome->error().message;
     if (transfer_->refused()) object.bank_retry_at_s = now_s + kRetry_s;
@@ -85,16 +100,40 @@ void BankFetcher::finish_transfer(KnownObjects& objects, double now_s) {
   transfer_.reset();
 }
 
-// Shares a bank of one object with the others that play its file.
+// Returns a bank that an object has, or that of a piece whose body an object has; null if there is none.
+std::shared_ptr<const KnownBank> BankFetcher::find(const Key& key) {
+  const auto& [content, model, scale] = key;
+  if (const auto found = banks_.find(key); found != banks_.end()) return found->second.lock();
+  const auto whole = banks_.find({content, std::nullopt, 1});
+  if (!model || scale != 1 || whole == banks_.end()) return nullptr;
+  const std::shared_ptr<const KnownBank> body = whole->second.lock();
+  if (!body || !body->bank.fracture) return nullptr;
+  for (const modal::BreakPattern& pattern : body->bank.fracture->patterns) {
+    for (const modal::PieceBank& piece : pattern.pieces) {
+      if (piece.model != *model || piece.bank.mode_count() == 0) continue;
+      auto bank = known(piece.bank);
+      banks_.insert_or_assign(key, bank);
+      return bank;
+    }
+  }
+  return nullptr;
+}
+
+// Shares a bank of one object with the others that play the same model of its file.
 void BankFetcher::share_banks(KnownObjects& objects) {
   std::erase_if(banks_, [](const auto& bank) { return bank.second.expired(); });
   for (auto& [name, object] : objects.all()) {
     if (object.bank) continue;
-    const auto found = banks_.find(object.bank_content);
-    if (found == banks_.end()) continue;
-    object.bank = found->second.lock();
+    auto bank = find(key_of(object));
+    if (!bank) continue;
+    object.bank = std::move(bank);
     object.bank_fault.clear();
   }
+  std::erase_if(files_, [&](const auto& file) {
+    return std::ranges::none_of(objects.all(), [&](const auto& known) {
+      return !known.second.bank && known.second.bank_fault.empty() && known.second.bank_content == file.first;
+    });
+  });
 }
 
 }  // namespace ringdown::viewer

@@ -1,6 +1,7 @@
 // Fetches the banks of all objects, one at a time: the chosen object's first, then the others in the order of their
-// names. Objects that play the same file share one bank, which is fetched once. A bank that the daemon refuses, or that
-// would exceed the bound on all banks together, is requested again after five seconds. [one thread: the window's]
+// names. Objects that play the same model of a file share one bank. A file is fetched once for all of its models. A
+// bank that the daemon refuses, or that would exceed the bound on all banks together, is requested again after five
+// seconds. [one thread: the window's]
 #pragma once
 
 #include "clients/viewer/link/bank_transfer.h"
@@ -11,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 
 namespace ringdown::viewer {
 
@@ -27,13 +29,17 @@ class BankFetcher {
   void add_requests(KnownObjects& objects, const std::string& chosen, double now_s, Requests& requests);
 
  private:
+  using Key = std::tuple<std::string, std::optional<std::size_t>, double>;  // content of a file, model in it, scale
+  static Key key_of(const KnownObject& object);
   void finish_transfer(KnownObjects& objects, double now_s);
   void share_banks(KnownObjects& objects);
+  [[nodiscard]] std::shared_ptr<const KnownBank> find(const Key& key);
   void begin_transfer(KnownObjects& objects, const std::string& chosen, double now_s);
 
   std::size_t max_bytes_;
   std::optional<BankTransfer> transfer_;
-  std::map<std::string, std::weak_ptr<const KnownBank>> banks_;  // by content
+  std::map<Key, std::weak_ptr<const KnownBank>> banks_;
+  std::map<std::string, BankTransfer::File> files_;  // by content, while an object needs another model of the file
 };
 
 }  // namespace ringdown::viewer

@@ -24,25 +24,29 @@ BankTransfer::Outcome read(std::span<const std::byte> file, const BankTransfer::
     return fail(ErrorKind::refused,
                 name + " is not the one that the daemon plays: its file was changed; load it again");
   }
-  Result<modal::Bank> bank = modal::parse_bank(file, name);
+  Result<modal::Bank> bank = modal::parse_bank(file, name, {.number = subject.model, .scale = subject.scale});
   if (!bank) return fail(bank);
-  KnownBank known{std::move(*bank), {}};
-  known.by_frequency.resize(known.bank.mode_count());
-  std::iota(known.by_frequency.begin(), known.by_frequency.end(), 0u);
-  std::ranges::stable_sort(known.by_frequency, {}, [&](std::uint32_t mode) { return known.bank.frequency_hz[mode]; });
-  return std::make_shared<const KnownBank>(std::move(known));
+  return known(std::move(*bank));
 }
 
 // Unlike the future of std::async, this one does not wait for its thread when it is dropped.
-std::future<BankTransfer::Outcome> read_apart(std::vector<std::byte> file, BankTransfer::Subject subject) {
+std::future<BankTransfer::Outcome> read_apart(BankTransfer::File file, BankTransfer::Subject subject) {
   std::packaged_task<BankTransfer::Outcome()> task(
-      [file = std::move(file), subject = std::move(subject)] { return read(file, subject); });
+      [file = std::move(file), subject = std::move(subject)] { return read(*file, subject); });
   auto outcome = task.get_future();
   std::thread(std::move(task)).detach();
   return outcome;
 }
 
 }  // namespace
+
+std::shared_ptr<const KnownBank> known(modal::Bank bank) {
+  KnownBank made{std::move(bank), {}};
+  made.by_frequency.resize(made.bank.mode_count());
+  std::iota(made.by_frequency.begin(), made.by_frequency.end(), 0u);
+  std::ranges::stable_sort(made.by_frequency, {}, [&](std::uint32_t mode) { return made.bank.frequency_hz[mode]; });
+  return std::make_shared<const KnownBank>(std::move(made));
+}
 
 BankTransfer::BankTransfer(Subject subject) : subject_(std::move(subject)) {
   if (subject_.bytes <= 0) {
@@ -53,6 +57,11 @@ BankTransfer::BankTransfer(Subject subject) : subject_(std::move(subject)) {
   } else {
     file_.resize(static_cast<std::size_t>(subject_.bytes));
   }
+}
+
+BankTransfer::BankTransfer(Subject subject, File file)
+    : subject_(std::move(subject)), whole_(std::move(file)), received_bytes_(whole_->size()) {
+  reading_ = read_apart(whole_, subject_);
 }
 
 std::vector<protocol::Request> BankTransfer::wants(double now_s) {
@@ -81,7 +90,9 @@ void BankTransfer::take(const protocol::BankReply& piece) {
   std::ranges::copy(piece.bytes, file_.begin() + offset);
   asked_at_s_.erase(asked);
   received_bytes_ += piece.bytes.size();
-  if (received_bytes_ == file_.size()) reading_ = read_apart(std::exchange(file_, {}), subject_);
+  if (received_bytes_ < file_.size()) return;
+  whole_ = std::make_shared<const std::vector<std::byte>>(std::exchange(file_, {}));
+  reading_ = read_apart(whole_, subject_);
 }
 
 void BankTransfer::refuse(std::string sentence) {

@@ -31,6 +31,8 @@ struct KnownBank {
   std::vector<std::uint32_t> by_frequency;  // the bank's mode of each rank; rank 0 has the lowest frequency
 };
 
+std::shared_ptr<const KnownBank> known(modal::Bank bank);
+
 class BankTransfer {
  public:
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // a larger bank file is not fetched
@@ -41,12 +43,21 @@ class BankTransfer {
     std::string object;
     std::int32_t version = 0;  // version of its bank
     std::int32_t bytes = 0;
-    std::string content;  // hash of the file (ContentHash)
+    std::string content;                    // hash of the file (ContentHash)
+    std::optional<std::size_t> model = {};  // the model of the file that is the bank; nothing: the first
+    double scale = 1;                       // of the model's points (modal::BankPath)
     friend bool operator==(const Subject&, const Subject&) = default;
   };
 
   // A subject that is empty or too large allocates nothing; the outcome is then an error.
   explicit BankTransfer(Subject subject);
+
+  using File = std::shared_ptr<const std::vector<std::byte>>;
+  // A bank of a file that has been fetched before.
+  BankTransfer(Subject subject, File file);
+
+  // The whole file; null until it has arrived.
+  [[nodiscard]] const File& file() const { return whole_; }
 
   [[nodiscard]] const Subject& subject() const { return subject_; }
   [[nodiscard]] std::vector<protocol::Request> wants(double now_s);
@@ -67,6 +78,7 @@ class BankTransfer {
 
  private:
   Subject subject_;
+  File whole_;
   std::vector<std::byte> file_;
   std::map<std::uint32_t, double> asked_at_s_;  // time of the last request, by offset
   std::uint32_t next_offset_ = 0;               // offset of the first piece that has not been requested yet
