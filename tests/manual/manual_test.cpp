@@ -16,10 +16,9 @@ namespace ringdown::test {
 namespace {
 
 const std::string kShare = RINGDOWN_BIN_DIR "/../share/";
-const std::vector<std::string> kPrograms = {"ringdownd",        "ringdown",         "ringdown-bake",
-                                            "ringdown-check",   "ringdown-tune",    "ringdown-fit",
-                                            "ringdown-compare", "ringdown-frf",     "ringdown-picture",
-                                            "ringdown-viewer"};
+const std::vector<std::string> kPrograms = {"ringdownd",        "ringdown",       "ringdown-bake",    "ringdown-check",
+                                            "ringdown-tune",    "ringdown-fit",   "ringdown-compare", "ringdown-frf",
+                                            "ringdown-picture", "ringdown-viewer"};
 
 std::string text_of(const std::string& path) {
   std::ifstream file(path);
