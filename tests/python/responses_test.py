@@ -57,6 +57,15 @@ class ResponsesTest(unittest.TestCase):
         expected = self.bank.pressure_frf((0.1, 0, 0.05), (1, 0, 0), (0, 2, 0.5), got["frequency_hz"])
         np.testing.assert_allclose(got["real"] + 1j * got["imag"], expected, rtol=1e-5)
 
+    def test_a_table_of_radiated_energy_is_what_python_says(self):
+        words = ("--at", "0.1,0,0.05", "--direction", "1,0,0", "--energy")
+        run("frf", BELL, "-o", self.folder / "a.csv", *words)
+        got = table((self.folder / "a.csv").read_text())
+        expected = self.bank.energy_spectrum((0.1, 0, 0.05), (1, 0, 0), got["frequency_hz"])
+        np.testing.assert_allclose(got["energy"], expected, rtol=1e-5)
+        run("frf", BELL, "-o", self.folder / "a.png", *words)
+        self.assertEqual((self.folder / "a.png").read_bytes()[1:4], b"PNG")
+
     def test_the_table_has_each_mode_and_the_band(self):
         run("frf", BELL, "-o", self.folder / "a.csv", "--band", 300, 3000, "--count", 20)
         hz = table((self.folder / "a.csv").read_text())["frequency_hz"]
@@ -93,6 +102,7 @@ class ResponsesTest(unittest.TestCase):
             ((BELL, "-o", "a.csv", "--kind", "speed"), 2, "accelerance"),
             ((BELL, "-o", "a.csv", "--band", 300, 200), 2, "lower first"),
             ((BELL, "-o", "a.csv", "--to", "0,0,0", "--air", "1,0,0"), 2, "--air"),
+            ((BELL, "-o", "a.uff", "--energy"), 2, ".csv"),
             ((BELL, "-o", "a.csv", "--at", "9,9,9"), 3, "off the object"),
             ((RODS, "-o", "a.csv", "--residual", "/nowhere.npy"), 3, "/nowhere.npy"),
         ):

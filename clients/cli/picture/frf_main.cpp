@@ -31,6 +31,7 @@ struct Arguments {
   std::filesystem::path output, residual;
   std::vector<double> at, direction, to, to_direction, air, band;
   int count = 2000;
+  bool energy = false;
 };
 
 void add_vector(manual::App& app, const char* option, std::vector<double>& numbers, const char* sentence) {
@@ -59,6 +60,10 @@ void add_options(manual::App& app, Arguments& arguments) {
              "Direction of the response; default: that of the force, or the normal at --to.");
   add_vector(app, "--air", arguments.air,
              "A point in the air: the response is the sound pressure there. Needs a bank with radiation.");
+  app.add_flag(
+      "--energy", arguments.energy,
+      "The energy that the body radiates per hertz after an impulse of 1 N s, over all directions. Needs a bank "
+      "with radiation.");
   app.add_option("--kind", arguments.kind, "receptance (displacement), mobility (velocity) or accelerance.")
       ->type_name("receptance|mobility|accelerance")
       ->capture_default_str();
@@ -125,6 +130,13 @@ Result<ResponseTable> table_of(const modal::Bank& bank, const Arguments& argumen
     residual = std::move(*read);
   }
   using enum ResponseTable::Kind;
+  if (arguments.energy) {
+    table.kind = energy;
+    const auto energies = modal::energy_spectrum(bank, surface, from, table.frequencies_hz);
+    if (!energies) return fail(energies.error());
+    table.values.assign(energies->begin(), energies->end());
+    return table;
+  }
   table.kind = !arguments.air.empty()           ? pressure
                : arguments.kind == "receptance" ? receptance
                : arguments.kind == "mobility"   ? mobility
@@ -184,6 +196,10 @@ ExitCode run(int argc, char** argv) {
     return manual::complain_of_usage(app, "--band takes two frequencies, the lower first");
   if (!arguments.air.empty() && !(arguments.to.empty() && arguments.to_direction.empty()))
     return manual::complain_of_usage(app, "--air takes the place of --to and --to-direction");
+  if (arguments.energy && (!arguments.air.empty() || !arguments.to.empty() || app.count("--kind") > 0))
+    return manual::complain_of_usage(app, "--energy goes with neither --air nor --to nor --kind");
+  if (arguments.energy && (ending == ".uff" || ending == ".unv"))
+    return manual::complain_of_usage(app, "--energy is written as .csv, .png or .svg");
   keep_stdout_for(arguments.output);
   return compute(arguments, ending);
 }

@@ -25,7 +25,10 @@ double step_for(double length, double count) {
   return 10 * power;
 }
 
-double level_db(const std::complex<double>& value) { return 20 * std::log10(std::abs(value) + 1e-300); }
+double level_db(const ResponseTable& table, std::size_t i) {
+  const double decibels = table.kind == ResponseTable::Kind::energy ? 10 : 20;
+  return decibels * std::log10(std::abs(table.values[i]) + 1e-300);
+}
 
 void draw_curve(Canvas& canvas, const Chart& chart, const std::vector<Dot>& curve, Colour colour) {
   const auto& [x, y, width, height] = chart.box;
@@ -36,22 +39,22 @@ void draw_curve(Canvas& canvas, const Chart& chart, const std::vector<Dot>& curv
 
 void draw_magnitude(Canvas& canvas, const ResponseTable& table, const Axis& frequencies) {
   double top = -1e300, bottom = 1e300;
-  for (const auto& value : table.values) {
-    top = std::max(top, level_db(value));
-    bottom = std::min(bottom, level_db(value));
+  for (std::size_t i = 0; i < table.values.size(); ++i) {
+    top = std::max(top, level_db(table, i));
+    bottom = std::min(bottom, level_db(table, i));
   }
   bottom = std::max(bottom, top - 140);
   const double high = std::ceil((top + 3) / 10) * 10, low = std::min(std::floor(bottom / 10) * 10, high - 20);
+  const bool alone = table.kind == ResponseTable::Kind::energy;
   Axis x = frequencies;
-  x.title = "";
+  if (!alone) x.title = "";
   const Chart chart{
-      {86, 90, 610, 220},
-      x,
+      alone ? Box{86, 90, 994, 400} : Box{86, 90, 610, 220}, x,
       linear_axis(low, high, high - low > 80 ? 20 : 10, formatted("magnitude [dB re 1 {}]", unit_of(table.kind)))};
   chart.draw_frame(canvas, kTextSize);
   std::vector<Dot> curve;
   for (std::size_t i = 0; i < table.values.size(); ++i)
-    curve.push_back(chart.at(table.frequencies_hz[i], level_db(table.values[i])));
+    curve.push_back(chart.at(table.frequencies_hz[i], level_db(table, i)));
   draw_curve(canvas, chart, curve, kBlue);
 }
 
@@ -106,14 +109,18 @@ std::string draw_response(Canvas::Kind kind, const ResponseTable& table) {
   const bool is_air = table.kind == ResponseTable::Kind::pressure;
   canvas.text({40, 36}, clean_text(table.name.empty() ? "bank" : table.name) + "  ·  " + name_of(table.kind), 20, kInk,
               Align::left, true);
+  const bool of_energy = table.kind == ResponseTable::Kind::energy;
+  const std::string struck = place_text(table.at_m, table.direction, false);
   canvas.text({40, 58},
-              "force at " + place_text(table.at_m, table.direction, false) + ", response at " +
-                  place_text(table.to_m, table.to_direction, is_air),
+              of_energy ? "after an impulse of 1 N s at " + struck
+                        : "force at " + struck + ", response at " + place_text(table.to_m, table.to_direction, is_air),
               13, kFaint);
   const Axis frequencies = log_axis(table.frequencies_hz.front(), table.frequencies_hz.back(), "frequency [Hz]");
   draw_magnitude(canvas, table, frequencies);
-  draw_phase(canvas, table, frequencies);
-  draw_nyquist(canvas, table);
+  if (!of_energy) {
+    draw_phase(canvas, table, frequencies);
+    draw_nyquist(canvas, table);
+  }
   return std::move(canvas).finish();
 }
 

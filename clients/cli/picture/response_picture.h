@@ -1,4 +1,5 @@
-// A frequency response as a picture: magnitude and phase over frequency, and Nyquist's curve. [any]
+// A frequency response as a picture: magnitude and phase over frequency, and Nyquist's curve; of an energy the
+// magnitude alone. [any]
 #pragma once
 
 #include "clients/cli/picture/canvas.h"

@@ -29,16 +29,22 @@ int axis_of(Vec3 direction) {
 }  // namespace
 
 const char* name_of(ResponseTable::Kind kind) {
-  constexpr const char* kNames[] = {"receptance", "mobility", "accelerance", "pressure per force"};
+  constexpr const char* kNames[] = {"receptance", "mobility", "accelerance", "pressure per force", "radiated energy"};
   return kNames[static_cast<int>(kind)];
 }
 
 const char* unit_of(ResponseTable::Kind kind) {
-  constexpr const char* kUnits[] = {"m/N", "m/(N s)", "1/kg", "Pa/N"};
+  constexpr const char* kUnits[] = {"m/N", "m/(N s)", "1/kg", "Pa/N", "J/Hz/(N s)^2"};
   return kUnits[static_cast<int>(kind)];
 }
 
 std::string response_csv(const ResponseTable& table) {
+  if (table.kind == ResponseTable::Kind::energy) {
+    std::string text = "frequency_hz,energy\n";
+    for (std::size_t i = 0; i < table.values.size(); ++i)
+      text += format("%.10g,%.10g\n", table.frequencies_hz[i], table.values[i].real());
+    return text;
+  }
   std::string text = "frequency_hz,real,imag,magnitude,phase_deg\n";
   for (std::size_t i = 0; i < table.values.size(); ++i) {
     const std::complex<double>& h = table.values[i];

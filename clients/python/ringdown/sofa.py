@@ -3,20 +3,23 @@
 import importlib
 import os
 from datetime import datetime, timezone
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from ._core import Bank, Numbers, version
+from ._core import Bank, version
 from .errors import Error, InputError
+
+if TYPE_CHECKING:
+    from ._core import Numbers
 
 
 def write(
     bank: Bank,
     path: Union[str, "os.PathLike[str]"],
-    at_m: Numbers,
-    direction: Numbers,
+    at_m: "Numbers",
+    direction: "Numbers",
     frequencies_hz: npt.ArrayLike,
     step_deg: float = 5.0,
     distance_m: float = 0.0,
