@@ -35,9 +35,9 @@ struct SceneArguments {
 Result<scene::SceneDescription> read(const std::filesystem::path& path) {
   if (!scene::is_gltf(path)) return scene::read_scene(path, preset_folder().value_or(std::filesystem::path()));
   const auto text = read_whole_file(path, modal::kMaxBankFileBytes);
-  if (!text) return fail(text.error());
+  if (!text) return fail(text);
   auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, modal::files_beside(path));
-  if (!read) return fail(read.error());
+  if (!read) return fail(read);
   for (const std::string& note : read->notes) complain(note, ExitCode::ok);
   return std::move(read->scene);
 }
@@ -52,7 +52,7 @@ Result<void> animate(scene::SceneDescription& scene, const SceneArguments& argum
         {scene.objects[k].name, static_cast<synth::ObjectNumber>(k), std::make_shared<const modal::Bank>(banks[k])});
   auto recording =
       scene::record(scene, objects, *arguments.animate_fps, [&stop](double) { return !stop.stop_requested(); });
-  if (!recording) return fail(recording.error());
+  if (!recording) return fail(recording);
   for (const std::string& notice : recording->notices) complain(notice, ExitCode::ok);
   scene = std::move(recording->scene);
   return {};

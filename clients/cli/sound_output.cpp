@@ -80,7 +80,7 @@ Result<std::filesystem::path> mux(const std::filesystem::path& picture, const st
   if (done && done->exit_code == 0) std::filesystem::rename(part, target, error);
   if (done && done->exit_code == 0 && !error) return target;
   std::filesystem::remove(part, error);
-  if (!done) return fail(done.error());
+  if (!done) return fail(done);
   if (done->stopped) return fail(ErrorKind::cancelled, "cancelled; " + target.string() + " was not written");
   return fail(ErrorKind::refused,
               "--mux: ffmpeg could not put the sound under " + picture.string() + ": " + last_line(done->errors));

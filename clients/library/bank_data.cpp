@@ -43,7 +43,7 @@ std::vector<double> numbers_of(const modal::Bank& bank, ringdown_bank_list list)
 }
 
 Result<void> give_response(const Result<modal::Response>& response, double* frf) {
-  if (!response) return fail(response.error());
+  if (!response) return fail(response);
   for (const std::complex<double>& value : *response) {
     *frf++ = value.real();
     *frf++ = value.imag();
@@ -91,7 +91,7 @@ ringdown_result ringdown_bank_read_residual(ringdown_bank* bank, const char* pat
     if (!bank) return missing("bank");
     if (!path) return missing("path");
     auto residual = modal::read_residual(path, known(bank).point_count());
-    if (!residual) return fail(residual.error());
+    if (!residual) return fail(residual);
     bank->residual = std::move(*residual);
     return {};
   });
@@ -139,7 +139,7 @@ ringdown_result ringdown_bank_energy_spectrum(const ringdown_bank* bank, const d
     if (!energies) return missing("energies");
     const auto found =
         modal::energy_spectrum(known(bank), surface(bank), {vector(at_m), vector(direction)}, {frequencies_hz, count});
-    if (!found) return fail(found.error());
+    if (!found) return fail(found);
     std::ranges::copy(*found, energies);
     return {};
   });

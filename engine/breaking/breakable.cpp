@@ -60,7 +60,7 @@ Result<void> Breakable::check(const modal::Bank& bank) {
 Result<Breakable> Breakable::make(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
                                   double sample_rate_hz, Frame present) {
   const modal::Bank& bank = map->bank();
-  if (auto good = check(bank); !good) return fail(good.error());
+  if (auto good = check(bank); !good) return fail(good);
   std::vector<modal::DampedMode> modes = modes_of(bank, material);
   for (std::size_t m = 0; m < modes.size(); ++m) {
     if (modes[m].frequency_hz == 0 && bank.frequency_hz[m] > 0)

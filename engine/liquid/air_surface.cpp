@@ -258,7 +258,7 @@ Result<AirSurface> air_surface_of(const Skin& skin, const std::vector<Wetted>& l
   std::vector<FreeSurface> free;
   for (const Wetted& liquid : liquids) {
     Result<FreeSurface> one = builder.add(skin, liquid);
-    if (!one) return fail(one.error());
+    if (!one) return fail(one);
     free.push_back(std::move(*one));
   }
   AirSurface air = builder.finish(skin, liquids);

@@ -26,7 +26,7 @@ void read_figure(TomlTable& file, const char* key, double& value, const Range& r
 
 Result<Liquid> read_liquid(const std::filesystem::path& path) {
   Result<TomlTable> file = TomlTable::read(path);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   Liquid liquid;
   std::string description;
   file->require({"name", "density_kg_m3", "sound_speed_m_s", "viscosity_pa_s"});
@@ -36,7 +36,7 @@ Result<Liquid> read_liquid(const std::filesystem::path& path) {
   read_figure(*file, "sound_speed_m_s", liquid.sound_speed_m_s, kSoundSpeed_m_s);
   read_figure(*file, "viscosity_pa_s", liquid.viscosity_pa_s, kViscosity_pa_s);
   if (liquid.name != path.stem()) file->complain("name", "the name must be that of the file");
-  if (auto good = file->finish(); !good) return fail(good.error());
+  if (auto good = file->finish(); !good) return fail(good);
   return liquid;
 }
 

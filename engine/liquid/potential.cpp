@@ -169,10 +169,10 @@ Result<WetPanels> WetPanels::of(const Wetted& liquid, int nodes, int threads) {
   body.flow.normals.resize(0, 3);
   body.flow.flow.resize(0, 0);
   const Result<radiate::Original> original = radiate::Original::of(body, liquid.open ? 1 : 0);
-  if (!original) return fail(original.error());
+  if (!original) return fail(original);
   const double side = std::sqrt(liquid.wall_area() / (0.866 * nodes));
   const Result<radiate::Skin> skin = radiate::skin_of(*original, side);
-  if (!skin) return fail(skin.error());
+  if (!skin) return fail(skin);
   const auto made = std::make_shared<Parts>();
   Parts& parts = *made;
   parts.open = liquid.open;

@@ -181,11 +181,11 @@ Result<Mouth> Mouth::of(const radiate::Body& body, const MouthPlace& place, int 
     return fail(ErrorKind::bad_input, "the tube and the body cut each other; move the mouth away from the body");
   const radiate::Body both = together(body, place);
   const Result<radiate::Original> original = radiate::Original::of(both);
-  if (!original) return fail(original.error());
+  if (!original) return fail(original);
   Mouth mouth(place, (both.surface.nodes.rowwise() - place.middle.transpose()).rowwise().norm().maxCoeff());
   for (const double count : {nodes / kCoarser, static_cast<double>(nodes)}) {
     Result<radiate::Skin> skin = radiate::skin_of(*original, std::sqrt(original->panels->area() / (0.866 * count)));
-    if (!skin) return fail(skin.error());
+    if (!skin) return fail(skin);
     Grid grid{.skin = std::move(*skin), .lid = {}};
     const radiate::Panels& panels = grid.skin.panels;
     for (int t = 0; t < panels.triangle_count(); ++t) {

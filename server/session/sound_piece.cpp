@@ -67,11 +67,11 @@ Piece Cut::part(const RenderedBlock& block, Frame first, Frame end, Frame late) 
 Result<PieceFile> PieceFile::create(const std::filesystem::path& path, double sample_rate_hz,
                                     const PieceFormat& format) {
   const auto target = output_target(path);
-  if (!target) return fail(target.error());
+  if (!target) return fail(target);
   SoundFormat sound{.channels = format.channels, .frames = format.frames, .bits = format.bits};
   if (format.ambisonic) sound.comment = "AmbiX: channels in ACN order, SN3D";
   auto file = SoundFile::create(*target, sample_rate_hz, sound);
-  if (!file) return fail(file.error());
+  if (!file) return fail(file);
   PieceFile made(std::move(*file), format.channels);
   if (format.scaled) {
     made.waiting_.reset(std::tmpfile());

@@ -131,7 +131,7 @@ class ObjectStems {
       play_until(k);
       const Frame end = k + 1 < blocks.size() ? blocks[k + 1] : settings_.cut.end;
       if (end <= blocks[k]) continue;
-      if (const auto written = render(blocks[k], end); !written) return fail(written.error());
+      if (const auto written = render(blocks[k], end); !written) return fail(written);
       if (!progress(static_cast<double>(end) / static_cast<double>(settings_.cut.end)))
         return fail(ErrorKind::cancelled, "cancelled; not all stems were written");
     }
@@ -140,7 +140,7 @@ class ObjectStems {
     std::size_t count = 0;
     for (auto& stem : stems_) {
       if (!stem || stem->peak == 0) continue;
-      if (const auto finished = stem->file.finish(); !finished) return fail(finished.error());
+      if (const auto finished = stem->file.finish(); !finished) return fail(finished);
       ++count;
     }
     return count;
@@ -239,7 +239,7 @@ class ObjectStems {
                              .ambisonic = !piece.ambisonics.empty(),
                              .frames = static_cast<std::size_t>(cut.end - cut.first),
                              .bits = settings_.bits});
-      if (!file) return fail(file.error());
+      if (!file) return fail(file);
       stem.emplace(Stem{*std::move(file)});
     }
     stem->peak = std::max(stem->peak, peak_of(piece));

@@ -54,7 +54,7 @@ Result<void> Exports::write(const bake::Baked& baked, const Progress& progress) 
   }
   if (residual.empty()) return {};
   const Result<modal::Residual> found = bake::residual_of(baked, progress);
-  if (!found) return fail(found.error());
+  if (!found) return fail(found);
   return modal::write_residual(*found, residual);
 }
 

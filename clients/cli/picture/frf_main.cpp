@@ -126,14 +126,14 @@ Result<ResponseTable> table_of(const modal::Bank& bank, const Arguments& argumen
   std::optional<modal::Residual> residual;
   if (!arguments.residual.empty()) {
     auto read = modal::read_residual(arguments.residual, bank.point_count());
-    if (!read) return fail(read.error());
+    if (!read) return fail(read);
     residual = std::move(*read);
   }
   using enum ResponseTable::Kind;
   if (arguments.energy) {
     table.kind = energy;
     const auto energies = modal::energy_spectrum(bank, surface, from, table.frequencies_hz);
-    if (!energies) return fail(energies.error());
+    if (!energies) return fail(energies);
     table.values.assign(energies->begin(), energies->end());
     return table;
   }
@@ -145,7 +145,7 @@ Result<ResponseTable> table_of(const modal::Bank& bank, const Arguments& argumen
                       ? modal::pressure_response(bank, surface, from, table.to_m, table.frequencies_hz)
                       : modal::frequency_response(bank, surface, from, to, static_cast<modal::Motion>(table.kind),
                                                   table.frequencies_hz, residual ? &*residual : nullptr);
-  if (!response) return fail(response.error());
+  if (!response) return fail(response);
   table.values = std::move(*response);
   return table;
 }

@@ -42,7 +42,7 @@ std::string response_csv(const ResponseTable& table) {
   if (table.kind == ResponseTable::Kind::energy) {
     std::string text = "frequency_hz,energy\n";
     for (std::size_t i = 0; i < table.values.size(); ++i)
-      text += format("%.10g,%.10g\n", table.frequencies_hz[i], table.values[i].real());
+      text += formatted("{:.10g},{:.10g}\n", table.frequencies_hz[i], table.values[i].real());
     return text;
   }
   std::string text = "frequency_hz,real,imag,magnitude,phase_deg\n";

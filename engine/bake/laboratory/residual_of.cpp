@@ -85,7 +85,7 @@ Result<modal::Residual> residual_of(const Baked& baked, const Progress& progress
     lowest = std::min(lowest, modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]}));
   solve::SlavedResponse response(moving, kept, kShift * lowest);
   if (auto factored = response.factor([&] { return !progress || progress("residual", 0); }); !factored)
-    return fail(factored.error());
+    return fail(factored);
 
   const fem::SparseMatrix forces = forces_at(body.mesh, bank.positions);
   const Eigen::Index rows = forces.cols();

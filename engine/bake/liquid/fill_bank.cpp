@@ -110,11 +110,11 @@ class BankFiller {
   }
 
   Result<FilledBank> run() {
-    if (auto found = find_parts(); !found) return fail(found.error());
+    if (auto found = find_parts(); !found) return fail(found);
     std::vector<Index> all(static_cast<std::size_t>(lambda_.size()));
     std::iota(all.begin(), all.end(), 0);
     const Result<liquid::WetModes> wet = solve(all);
-    if (!wet) return fail(wet.error());
+    if (!wet) return fail(wet);
     // Smaller bases show how far a mode depends on dry modes that are left out.
     std::vector<Smaller> smaller;
     for (const double share : kShares) {
@@ -123,7 +123,7 @@ class BankFiller {
         if (lambda_[m] <= share * share * lambda_.maxCoeff()) one.basis.push_back(m);
       }
       Result<liquid::WetModes> modes = solve(one.basis);
-      if (!modes) return fail(modes.error());
+      if (!modes) return fail(modes);
       one.modes = std::move(*modes);
       smaller.push_back(std::move(one));
     }
@@ -135,10 +135,10 @@ class BankFiller {
     const double highest = kLiquidBand * std::sqrt(lambda_.maxCoeff());
     for (const WetPart& wet : plan_.parts) {
       const Result<liquid::WetPanels> panels = liquid::WetPanels::of(wet.wetted);
-      if (!panels) return fail(panels.error());
+      if (!panels) return fail(panels);
       const Result<liquid::WetPanels> coarse =
           liquid::WetPanels::of(wet.wetted, static_cast<int>(liquid::kWetNodes / kFewer));
-      if (!coarse) return fail(coarse.error());
+      if (!coarse) return fail(coarse);
       const MatrixXd flow = liquid::flow_of(wet.wetted, plan_.skin, shapes_);
       Part part{.potential = panels->potential_of(flow), .modes = {}, .flow = flow, .bound = {}, .error = {}};
       MatrixXd& mass = part.potential.added_mass;
@@ -420,9 +420,9 @@ class BankFiller {
 }  // namespace
 
 Result<FilledBank> fill_bank(const modal::Bank& bank, const Filling& filling) {
-  if (auto good = check(bank); !good) return fail(good.error());
+  if (auto good = check(bank); !good) return fail(good);
   WetPlan plan{.skin = liquid::flat_skin(surface_of(bank)), .parts = {}, .air = {}, .notes = {}};
-  if (auto planned = plan_filling(filling, WetUnits{}, plan); !planned) return fail(planned.error());
+  if (auto planned = plan_filling(filling, WetUnits{}, plan); !planned) return fail(planned);
   return BankFiller(bank, std::move(plan)).run();
 }
 

@@ -173,24 +173,23 @@ class WetSolver {
 
   Result<WetBody> run(const Progress& progress) {
     if (progress && !progress("liquid", 0)) return fail_cancelled();
-    if (auto modes = find_liquid_modes(); !modes) return fail(modes.error());
+    if (auto modes = find_liquid_modes(); !modes) return fail(modes);
     solve::SlavedResponse response(system_, dry_.shapes, kShift * top_);
-    if (auto done = response.factor([&] { return !progress || progress("liquid", 0.1); }); !done)
-      return fail(done.error());
+    if (auto done = response.factor([&] { return !progress || progress("liquid", 0.1); }); !done) return fail(done);
     std::vector<MatrixXd> pressures;
     for (std::size_t p = 0; p < terms_.size(); ++p) pressures.push_back(first_pressures(p));
     correct(response(forces_of_all(pressures)));
     add_masses();
     Result<liquid::WetModes> wet = liquid::wet_modes_of(coupled_);
-    if (!wet) return fail(wet.error());
+    if (!wet) return fail(wet);
     if (progress && !progress("liquid", 0.5)) return fail_cancelled();
     for (std::size_t p = 0; p < terms_.size(); ++p) pressures[p] = pressures_of(p, *wet);
     correct(response(forces_of_all(pressures)));
     add_masses();
     wet = liquid::wet_modes_of(coupled_);
-    if (!wet) return fail(wet.error());
+    if (!wet) return fail(wet);
     if (progress && !progress("liquid", 0.8)) return fail_cancelled();
-    if (auto estimated = estimate_errors(); !estimated) return fail(estimated.error());
+    if (auto estimated = estimate_errors(); !estimated) return fail(estimated);
     return finish(*wet);
   }
 
@@ -198,7 +197,7 @@ class WetSolver {
   Result<void> find_liquid_modes() {
     for (const WetPart& part : plan_.parts) {
       Result<liquid::WetPanels> panels = liquid::WetPanels::of(part.wetted);
-      if (!panels) return fail(panels.error());
+      if (!panels) return fail(panels);
       PartTerms& terms = terms_.emplace_back(PartTerms{.panels = std::move(*panels)});
       if (!part.wetted.outside) terms.modes.emplace(part.wetted, terms.panels.panels());
     }
@@ -267,7 +266,7 @@ class WetSolver {
     for (std::size_t p = 0; p < terms_.size(); ++p) {
       const WetPart& part = plan_.parts[p];
       const auto coarse = liquid::WetPanels::of(part.wetted, static_cast<int>(liquid::kWetNodes / kFewer));
-      if (!coarse) return fail(coarse.error());
+      if (!coarse) return fail(coarse);
       error_ += part.density / (kFewer - 1) *
                 (terms_[p].potential.added_mass - coarse->potential_of(terms_[p].flow).added_mass);
     }
@@ -421,10 +420,10 @@ Result<void> plan_filling(const Filling& filling, const WetUnits& units, WetPlan
   liquid::Amount amount = filling.amount;
   amount.value *= amount.kind == liquid::Amount::Kind::kVolume ? metre * metre * metre : metre;
   const auto basins = chosen_basins(filling, wall, units.length_m);
-  if (!basins) return fail(basins.error());
+  if (!basins) return fail(basins);
   for (const liquid::Basin& basin : *basins) {
     const Result<double> level = liquid::level_of(wall, basin, amount, metre);
-    if (!level) return fail(level.error());
+    if (!level) return fail(level);
     const liquid::Piece piece = liquid::piece_of(wall, basin, *level);
     if (piece.triangles.empty())
       return fail(ErrorKind::bad_input, "the liquid spills into another basin below that level; fill that one");
@@ -439,15 +438,15 @@ Result<WetPlan> plan_liquids(const Liquids& liquids, const mesh::TetMesh& unit_m
                              const WetUnits& units) {
   WetPlan plan{.skin = liquid::skin_of(unit_mesh, surface), .parts = {}, .air = {}, .notes = {}};
   if (liquids.fill) {
-    if (auto planned = plan_filling(*liquids.fill, units, plan); !planned) return fail(planned.error());
+    if (auto planned = plan_filling(*liquids.fill, units, plan); !planned) return fail(planned);
   }
   if (liquids.bath) {
-    if (auto planned = plan_bath(*liquids.bath, units, plan); !planned) return fail(planned.error());
+    if (auto planned = plan_bath(*liquids.bath, units, plan); !planned) return fail(planned);
   }
   std::vector<liquid::Wetted> wetted;
   for (const WetPart& part : plan.parts) wetted.push_back(part.wetted);
   Result<liquid::AirSurface> air = liquid::air_surface_of(plan.skin, wetted);
-  if (!air) return fail(air.error());
+  if (!air) return fail(air);
   plan.air = std::move(*air);
   return plan;
 }

@@ -65,7 +65,7 @@ class Coupler {
     double wanted_rad_s = 0;
     if (!resonator.length_m) {
       const Result<double> tuned = wanted_frequency(resonator);
-      if (!tuned) return fail(tuned.error());
+      if (!tuned) return fail(tuned);
       wanted_rad_s = *tuned;
     }
     const double first =
@@ -75,7 +75,7 @@ class Coupler {
     const Result<tube::Mouth> mouth = tube::Mouth::of(
         vibrating_,
         {at(resonator.mouth_m) / length, at(resonator.axis).normalized(), line.radius_m / length, shown / length});
-    if (!mouth) return fail(mouth.error());
+    if (!mouth) return fail(mouth);
     modal::ResonatorNote note;
     double guess = first;
     for (int n = 0; n < kMaxPartials; ++n) {
@@ -303,7 +303,7 @@ Result<std::vector<modal::ResonatorNote>> add_tubes(const RadiatingBody& body, c
   std::vector<modal::ResonatorNote> notes;
   for (const Resonator& resonator : resonators) {
     Result<modal::ResonatorNote> note = coupler.add(resonator, progress);
-    if (!note) return fail(note.error());
+    if (!note) return fail(note);
     notes.push_back(*note);
   }
   coupler.couple();

@@ -41,7 +41,7 @@ std::size_t numbers_of(const Bank& bank) {
 
 Result<double> read_size(const JsonPlace& field, double max) {
   const auto number = field.number();
-  if (!number) return fail(number.error());
+  if (!number) return fail(number);
   if (!(*number >= 0 && *number <= max)) return field.wrong("at least 0, at most " + Json(max).dump());
   return *number;
 }
@@ -49,7 +49,7 @@ Result<double> read_size(const JsonPlace& field, double max) {
 // A number above 0.
 Result<void> read_positive(const JsonPlace& field, double max, double& target) {
   const auto number = field.number();
-  if (!number) return fail(number.error());
+  if (!number) return fail(number);
   if (!(*number > 0 && *number <= max)) return field.wrong("above 0, at most " + Json(max).dump());
   target = *number;
   return {};
@@ -61,7 +61,7 @@ Result<std::optional<Strength>> read_strength(const JsonPlace& field) {
   for (const auto& read : {read_positive(field["stress"], kMaxStrength_pa, strength.strength_pa),
                            read_positive(field["weibullModulus"], kMaxModulus, strength.weibull_modulus),
                            read_positive(field["area"], kMaxArea_m2, strength.reference_area_m2)}) {
-    if (!read) return fail(read.error());
+    if (!read) return fail(read);
   }
   if (strength.weibull_modulus < 1) return field["weibullModulus"].wrong("at least 1");
   return strength;
@@ -71,13 +71,13 @@ Result<std::optional<Strength>> read_strength(const JsonPlace& field) {
 Result<StressTable> read_stress(const Glb& glb, const JsonPlace& field, std::size_t modes) {
   if (!field.present()) return StressTable{};
   const auto positions = read_floats(glb, field["positions"], 3, kMaxStressPoints);
-  if (!positions) return fail(positions.error());
+  if (!positions) return fail(positions);
   const auto largest = read_floats(glb, field["largest"], 1, modes);
-  if (!largest) return fail(largest.error());
+  if (!largest) return fail(largest);
   if (largest->size() != modes) return field["largest"].wrong(std::to_string(modes) + " numbers, one for each mode");
   const std::size_t points = positions->size() / 3;
   const auto components = read_floats(glb, field["components"], 3, modes * points);
-  if (!components) return fail(components.error());
+  if (!components) return fail(components);
   if (components->size() != 3 * modes * points)
     return field["components"].wrong(std::to_string(modes * points) + " elements (modes times points)");
   StressTable table{.positions = {}, .stress = std::vector<float>(components->size()), .largest = *largest};
@@ -102,15 +102,15 @@ Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers
   const auto bank = [&]() -> Result<Bank> {
     if (!field["model"].present()) return readers.silent(field);
     const auto model = field["model"].index();
-    if (!model) return fail(model.error());
+    if (!model) return fail(model);
     return readers.model(*model);
   }();
-  if (!bank) return fail(bank.error());
+  if (!bank) return fail(bank);
   if (!is_solid(bank->mass)) return field.wrong(kSolid);
   const JsonPlace opens = field["opens"];
   const auto near_m = read_size(opens[0], kMaxLength_m), far_m = read_size(opens[1], kMaxLength_m);
-  if (!near_m) return fail(near_m.error());
-  if (!far_m) return fail(far_m.error());
+  if (!near_m) return fail(near_m);
+  if (!far_m) return fail(far_m);
   if (*far_m < *near_m) return opens.wrong("two distances, the nearer one first");
   return PieceBank{
       .bank = *bank, .handover = {}, .near_m = *near_m, .far_m = *far_m, .model = field["model"].index().value_or(0)};
@@ -118,7 +118,7 @@ Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers
 
 Result<void> read_handovers(const Glb& glb, const JsonPlace& field, std::size_t columns, BreakPattern& pattern) {
   const auto numbers = read_floats(glb, field, 1, kMaxHandover);
-  if (!numbers) return fail(numbers.error());
+  if (!numbers) return fail(numbers);
   std::size_t rows = 0;
   for (const PieceBank& piece : pattern.pieces) rows += kRigidMotions + piece.bank.mode_count();
   if (numbers->size() != rows * columns) {
@@ -181,15 +181,15 @@ Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const 
   if (patterns.size() == 0 || patterns.size() > kMaxPatterns)
     return fracture.wrong("a list `patterns` of 1 to " + std::to_string(kMaxPatterns));
   auto stress = read_stress(glb, fracture["stress"], body.mode_count());
-  if (!stress) return fail(stress.error());
+  if (!stress) return fail(stress);
   out.stress = std::move(*stress);
   const auto strength = read_strength(fracture["strength"]);
-  if (!strength) return fail(strength.error());
+  if (!strength) return fail(strength);
   out.strength = *strength;
   for (const auto& [key, target, max] : {std::tuple("skinArea", &out.skin_m2, kMaxArea_m2),
                                          std::tuple("crackEnergy", &out.crack_energy_j_m2, kMaxCrackEnergy_j_m2)}) {
     if (!fracture[key].present()) continue;
-    if (auto read = read_positive(fracture[key], max, *target); !read) return fail(read.error());
+    if (auto read = read_positive(fracture[key], max, *target); !read) return fail(read);
   }
   if (out.strength && out.skin_m2 == 0) return fracture["skinArea"].wrong("an area above 0, which strength refers to");
   std::size_t count = 0, numbers = out.stress.stress.size();
@@ -201,22 +201,22 @@ Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const 
       return field.wrong("a list of 2 or more `pieces`, at most " + std::to_string(kMaxPieces) + " in all patterns");
     for (double* const number : {&pattern.at_m.x, &pattern.at_m.y, &pattern.at_m.z}) {
       const auto read = field["at"][number - &pattern.at_m.x].number();
-      if (!read) return fail(read.error());
+      if (!read) return fail(read);
       if (std::abs(*read) > kMaxLength_m) return field["at"].wrong("a place within a million metres");
       *number = *read;
     }
     const auto area = read_size(field["crackArea"], kMaxLength_m);
-    if (!area) return fail(area.error());
+    if (!area) return fail(area);
     pattern.crack_area_m2 = *area;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       auto piece = read_piece(pieces[i], readers);
-      if (!piece) return fail(piece.error());
+      if (!piece) return fail(piece);
       pattern.pieces.push_back(std::move(*piece));
       numbers += numbers_of(pattern.pieces.back().bank);
       if (numbers > kMaxNumbers) return pieces.wrong("pieces of at most " + std::to_string(kMaxNumbers) + " numbers");
     }
     if (auto read = read_handovers(glb, field["handover"], kRigidMotions + body.mode_count(), pattern); !read)
-      return fail(read.error());
+      return fail(read);
     for (const PieceBank& piece : pattern.pieces) numbers += piece.handover.size();
     if (numbers > kMaxNumbers) return pieces.wrong("pieces of at most " + std::to_string(kMaxNumbers) + " numbers");
   }

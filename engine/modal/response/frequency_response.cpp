@@ -114,10 +114,10 @@ double level_at(const Bank& bank, std::size_t m, double omega) {
 
 Result<Response> frequency_response(const Bank& bank, const SurfaceIndex& surface, const Place& from, const Place& to,
                                     Motion motion, std::span<const double> frequencies_hz, const Residual* residual) {
-  if (auto good = check_frequencies(frequencies_hz); !good) return fail(good.error());
+  if (auto good = check_frequencies(frequencies_hz); !good) return fail(good);
   const Result<Found> a = find(bank, surface, from), b = find(bank, surface, to);
-  if (!a) return fail(a.error());
-  if (!b) return fail(b.error());
+  if (!a) return fail(a);
+  if (!b) return fail(b);
   const std::vector<double> pushed = shares_at(bank, *a), seen = shares_at(bank, *b);
   const double rigid = rigid_accelerance(bank, *a, *b);
   double flexibility = 0, inertia = 0;
@@ -139,10 +139,10 @@ Result<Response> frequency_response(const Bank& bank, const SurfaceIndex& surfac
 
 Result<Response> pressure_response(const Bank& bank, const SurfaceIndex& surface, const Place& from, Vec3 to_m,
                                    std::span<const double> frequencies_hz) {
-  if (auto good = check_frequencies(frequencies_hz); !good) return fail(good.error());
-  if (auto good = check_radiation(bank); !good) return fail(good.error());
+  if (auto good = check_frequencies(frequencies_hz); !good) return fail(good);
+  if (auto good = check_radiation(bank); !good) return fail(good);
   const Result<Found> a = find(bank, surface, from);
-  if (!a) return fail(a.error());
+  if (!a) return fail(a);
   const auto& [maps, air, errors, reasons] = *bank.radiation;
   const Vec3 way = to_m - maps.origin_m;
   const double distance_m = length(way);
@@ -176,10 +176,10 @@ Result<Response> pressure_response(const Bank& bank, const SurfaceIndex& surface
 
 Result<std::vector<double>> power_response(const Bank& bank, const SurfaceIndex& surface, const Place& from,
                                            std::span<const double> frequencies_hz) {
-  if (auto good = check_frequencies(frequencies_hz); !good) return fail(good.error());
-  if (auto good = check_radiation(bank); !good) return fail(good.error());
+  if (auto good = check_frequencies(frequencies_hz); !good) return fail(good);
+  if (auto good = check_radiation(bank); !good) return fail(good);
   const Result<Found> a = find(bank, surface, from);
-  if (!a) return fail(a.error());
+  if (!a) return fail(a);
   const auto& [maps, air, errors, reasons] = *bank.radiation;
   const std::vector<double> pushed = shares_at(bank, *a);
   std::vector<double> powers;

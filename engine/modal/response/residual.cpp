@@ -36,7 +36,7 @@ Result<Residual> read_residual(const std::filesystem::path& path, std::size_t po
   if (points > kMaxResidualPoints)
     return fail(ErrorKind::too_large, "a residual is of at most " + std::to_string(kMaxResidualPoints) + " points");
   const Result<std::string> bytes = read_whole_file(path, kHeaderEnd + 2 * sizeof(float) * size + 1);
-  if (!bytes) return fail(bytes.error());
+  if (!bytes) return fail(bytes);
   if (bytes->size() != kHeaderEnd + 2 * sizeof(float) * size || !bytes->starts_with(header_of(points)))
     return fail(ErrorKind::bad_input, path.string() + " is not the residual of a bank of " + std::to_string(points) +
                                           " points; `ringdown bake --export-residual` writes it with the bank");

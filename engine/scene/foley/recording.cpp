@@ -60,7 +60,7 @@ Result<Recording> record(const SceneDescription& scene, std::span<const Sounding
                          const std::function<bool(double)>& go_on) {
   const SceneDescription whole = without_breaks(scene);
   auto world = World::create(whole, objects, kAnyRate_hz);
-  if (!world) return fail(world.error());
+  if (!world) return fail(world);
   const double wanted = scene.duration_s * frames_per_s + 1;
   if (!(frames_per_s > 0 && wanted <= static_cast<double>(kMaxPathPoses)))
     return fail(ErrorKind::bad_input, "a recording of more than " + std::to_string(kMaxPathPoses) +

@@ -54,7 +54,7 @@ Result<Recovery> recover_contacts(const SceneDescription& scene, const BodyStore
     if (!d.fixed) continue;
     const SoundingObject* object = store.find_object(d.object);
     const auto solid = make_solid(d, object ? object->bank.get() : nullptr, store.scale_of(d.object));
-    if (!solid) return fail(solid.error());
+    if (!solid) return fail(solid);
     colliders.add(id, *solid);
     filter.set(id, d.filter);
     FoleyBody made{.id = id, .name = d.name, .surface = d.surface, .radius_m = outer_radius(solid->shape)};

@@ -29,7 +29,7 @@ class PictureScene {
   Result<std::vector<std::byte>> write() {
     for (const StaticDescription& item : scene_.statics) add(item);
     for (const BodyDescription& body : scene_.bodies) {
-      if (const auto added = add(body); !added) return fail(added.error());
+      if (const auto added = add(body); !added) return fail(added);
     }
     Json document = {{"asset", {{"version", "2.0"}, {"generator", std::string("Ringdown ") + kVersion}}}, {"scene", 0}};
     if (scene_.camera) {
