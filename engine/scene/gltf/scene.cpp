@@ -9,6 +9,7 @@
 #include "engine/modal/bank_file.h"
 #include "engine/scene/check.h"
 #include "engine/scene/gltf/animation.h"
+#include "engine/scene/gltf/camera.h"
 #include "engine/scene/gltf/document.h"
 #include "engine/scene/gltf/joints.h"
 #include "engine/scene/gltf/mesh_bodies.h"
@@ -23,7 +24,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -88,7 +88,8 @@ class GltfSceneReader {
     if (scene_.foley && animations_.length_s() > 0) scene_.duration_s = std::max(animations_.length_s(), 0.01);
     if (const auto good = document_.result(); !good) return fail(good);
     add_joints();
-    if (const auto added = add_camera(); !added) return fail(added);
+    if (const auto added = add_camera(document_, animations_, camera_, scene_); !added)
+      return fail(path_.string(), added);
     if (const auto good = document_.result(); !good) return fail(good);
     if (const auto good = check(scene_); !good) return fail(path_.string(), good);
     return GltfScene{std::move(scene_), document_.notes.sentences()};
@@ -413,50 +414,6 @@ class GltfSceneReader {
     if (!owner) owner = nearest(node, [](const GltfNode& n) { return physics_of(n)["collider"].present(); });
     const auto found = owner ? names_.find(owner_of(*owner)) : names_.end();
     return found == names_.end() ? "" : found->second;
-  }
-
-  // The names by which a camera may be asked for: that of its node, of the nodes above it, and its own.
-  std::vector<std::string> names_of_camera(const GltfNode& node) {
-    std::vector<std::string> names = {node.name};
-    for (auto at = node.parent; at; at = nodes()[*at].parent) names.push_back(nodes()[*at].name);
-    names.push_back(
-        std::string(document_.element(node.field["camera"], document_.root()["cameras"])["name"].text_or("")));
-    return names;
-  }
-
-  // A camera looks along its -z axis; y is up.
-  Result<void> add_camera() {
-    std::string known;
-    const auto found = std::ranges::find_if(nodes(), [&](const GltfNode& node) {
-      if (!node.in_scene || !node.field["camera"].present()) return false;
-      if (!camera_) return true;
-      const std::vector<std::string> names = names_of_camera(node);
-      known += (known.empty() ? "" : ", ") + quote(names.front());
-      return std::ranges::find(names, *camera_) != names.end();
-    });
-    if (found == nodes().end()) {
-      if (!camera_) return {};
-      return fail(ErrorKind::bad_input, path_.string() + " has no camera " + quote(*camera_) +
-                                            (known.empty() ? " and no other one" : "; its cameras are " + known));
-    }
-    const Pose pose{found->world.shift_m, parts_of(found->world.linear).rotation};
-    const Rotation forward_left_up = Rotation::from_xyzw(-0.5, 0.5, 0.5, 0.5);  // x to -z, y to -x, z to y
-    const JsonPlace camera = document_.element(found->field["camera"], document_.root()["cameras"]);
-    const double yfov_rad = document_.number(camera["perspective"]["yfov"], 0.8);
-    scene_.listener = ListenerDescription{.position_m = pose.position_m, .rotation = pose.rotation * forward_left_up};
-    if (const auto way = animations_.path_of(static_cast<std::size_t>(found - nodes().begin()))) {
-      auto path = std::make_shared<MotionPath>(*way);
-      for (Pose& at : path->poses) at.rotation = at.rotation * forward_left_up;
-      scene_.listener->position_m = path->poses.front().position_m;
-      scene_.listener->rotation = path->poses.front().rotation;
-      scene_.listener->path = std::move(path);
-    }
-    scene_.camera = CameraDescription{
-        .position_m = pose.position_m,
-        .target_m = pose.position_m + rotated(pose.rotation, {0, 0, -1}),
-        .field_of_view_degrees = std::clamp(yfov_rad * 180 / std::numbers::pi, range::kFieldOfView_degrees.low,
-                                            range::kFieldOfView_degrees.high)};
-    return {};
   }
 
   std::string unique_body(const std::string& wanted) const {
