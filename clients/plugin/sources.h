@@ -14,7 +14,7 @@ namespace ringdown::plugin {
 inline constexpr std::size_t kOwnFiles = 8;
 inline constexpr std::size_t kFirstPreset = kOwnFiles + 1;
 // Their order is stored in people's sessions: new ones are added at the end.
-inline constexpr std::array<std::string_view, 45> kPresets = {"vibraphone-key",
+inline constexpr std::array<std::string_view, 46> kPresets = {"vibraphone-key",
                                                               "anvil",
                                                               "block",
                                                               "bottle",
@@ -58,7 +58,8 @@ inline constexpr std::array<std::string_view, 45> kPresets = {"vibraphone-key",
                                                               "opera-gong",
                                                               "crash-cymbal",
                                                               "tam-tam",
-                                                              "window-pane"};
+                                                              "window-pane",
+                                                              "marimba-key"};
 inline constexpr std::array<std::string_view, 3> kNoteMapPresets = {"vibraphone", "music-box-comb", "kalimba"};
 inline constexpr std::size_t kChoices = kFirstPreset + kPresets.size();
 

@@ -15,7 +15,7 @@ import unittest
 BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
 SKIPPED = 77
 # Neither JACK, ODE nor anything under the GPL.
-MAY_NEED = {"libc6", "libgcc-s1", "libstdc++6", "libhwy1", "libkissfft-float131", "libmeshoptimizer2d", "libmysofa1"}
+MAY_NEED = {"libc6", "libfmt9", "libgcc-s1", "libstdc++6", "libhwy1", "libkissfft-float131", "libmeshoptimizer2d", "libmysofa1"}
 
 
 def done(*command, **settings):
