@@ -146,19 +146,20 @@ std::vector<ModeLoss> read_losses(const JsonPlace& field, const std::vector<doub
 
 // Returns an empty list unless every mode has a strength and a time [s] for each of its relaxations, in the ranges of
 // solids, and they give the loss to heat that the bank states.
-std::vector<ModeHeat> read_heat(const JsonPlace& list, const Bank& bank) {
+std::vector<ModeHeat> read_heat(const JsonPlace& list, const std::vector<double>& frequency_hz,
+                                const std::vector<double>& decay_per_s, const std::vector<ModeLoss>& losses) {
   constexpr std::size_t kNumbers = 2 * kRelaxations;
   constexpr double kMaxStrength = 10, kMaxTime_s = 1e9, kRounding = 1e-3;
-  const std::vector<double> numbers = read_numbers(list, kNumbers * bank.mode_count());
-  if (bank.losses.empty()) return {};
+  const std::vector<double> numbers = read_numbers(list, kNumbers * frequency_hz.size());
+  if (losses.empty()) return {};
   std::vector<ModeHeat> heat(numbers.size() / kNumbers);
   for (std::size_t i = 0; i < numbers.size(); i += 2) {
     if (numbers[i] > kMaxStrength || numbers[i + 1] > kMaxTime_s) return {};
     heat[i / kNumbers][i % kNumbers / 2] = {.strength = numbers[i], .time_s = numbers[i + 1]};
   }
   for (std::size_t m = 0; m < heat.size(); ++m) {
-    const double omega = std::sqrt(undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]}));
-    const double stated = bank.losses[m].heat_per_s;
+    const double omega = std::sqrt(undamped_lambda({frequency_hz[m], decay_per_s[m]}));
+    const double stated = losses[m].heat_per_s;
     if (std::abs(heat_loss(heat[m], omega) - stated) > kRounding * stated) return {};
   }
   return heat;
@@ -361,7 +362,7 @@ Result<void> read_extras(const Glb& glb, const JsonPlace& extras, Bank& bank) {
   bank.frequency_error = read_numbers(extras["frequencyErrors"], bank.mode_count());
   bank.shape_error = read_numbers(extras["shapeErrors"], bank.mode_count());
   bank.losses = read_losses(extras["losses"], bank.decay_per_s);
-  bank.heat = read_heat(extras["relaxations"], bank);
+  bank.heat = read_heat(extras["relaxations"], bank.frequency_hz, bank.decay_per_s, bank.losses);
   if (bank.material) {
     bank.material->loss_factors = read_loss_factors(extras["lossFactors"]);
     if (!bank.material->loss_factors.empty())

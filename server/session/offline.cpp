@@ -27,10 +27,11 @@ class Run {
 
   // Warnings are added to `warnings`. With `stems` what happens to each object is kept.
   Run(const OfflineOptions& options, std::vector<std::string>& warnings, bool stems = false)
-      : options_(options), warnings_(warnings), session_(options.sample_rate_hz), score_(options.score) {
+      : options_(options),
+        warnings_(warnings),
+        session_(options.sample_rate_hz, {}, options.variation ? Rack::Vary(Variation(*options.variation)) : nullptr),
+        score_(options.score) {
     if (stems) stems_.emplace(session_.rack());
-    if (options.variation) session_.rack().vary_by(Variation(*options.variation));
-    if (options.camera) session_.scene().listen_by(*options.camera);
     session_.rack().set_on_warning([this](const std::string& sentence) { warnings_.push_back(sentence); });
   }
 
@@ -42,11 +43,12 @@ class Run {
     for (const auto& [name, bank] : options_.objects) {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded);
     }
+    ScenePlayer::Watch watch;
     if (options_.foley) {
       session_.scene().set_watched(true);  // contacts are reported even if nothing can sound
-      session_.scene().recover_contacts(
-          *options_.foley, [this](std::span<const scene::HeardContact> contacts) { contacts_.add(contacts); });
+      watch = [this](std::span<const scene::HeardContact> contacts) { contacts_.add(contacts); };
     }
+    session_.scene().read_with(options_.foley, options_.camera, std::move(watch));
     if (options_.scene) {
       if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded);
     }

@@ -44,8 +44,10 @@ inline constexpr double kMaxAhead_s = 3600;
 
 class Rack {
  public:
-  // `banks` must outlive the rack.
-  Rack(double sample_rate_hz, BankReader& banks) : mixer_(sample_rate_hz), banks_(banks) {}
+  // `vary`, if there is one, may change every event before it is handed to the mixer. `banks` must outlive the rack.
+  using Vary = std::function<void(synth::Event&)>;
+  Rack(double sample_rate_hz, BankReader& banks, Vary vary = {})
+      : mixer_(sample_rate_hz), banks_(banks), vary_(std::move(vary)) {}
 
   [[nodiscard]] synth::Mixer& mixer() { return mixer_; }
   [[nodiscard]] const synth::Mixer& mixer() const { return mixer_; }
@@ -67,9 +69,6 @@ class Rack {
   // in the object, and a listener is remembered. Neither locks nor allocates, unless Observers::keep() does. [the
   // producer's thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
-
-  // Lets `vary` change every event before it is handed to the mixer. [main, before anything is loaded]
-  void vary_by(std::function<void(synth::Event&)> vary) { vary_ = std::move(vary); }
 
   // The listener's last pose and air, if there is a listener. [any but audio]
   [[nodiscard]] const ListenerMemory& listener() const { return listener_; }
@@ -144,10 +143,10 @@ class Rack {
 
   synth::Mixer mixer_;
   BankReader& banks_;  // worker
+  Vary vary_;
   Observers observers_;
   ObjectTable objects_;
   std::function<void(const std::string&)> on_warning_;
-  std::function<void(synth::Event&)> vary_;
   Buses buses_;
   Excitations excitations_;  // worker
   std::atomic<std::uint32_t> inputs_ = 0;

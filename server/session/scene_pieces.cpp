@@ -119,11 +119,11 @@ void ScenePieces::free(const std::set<synth::ObjectNumber>& numbers) const {
 }
 
 void ScenePieces::keep_loaded() {
+  for (std::atomic<bool>& broken : broken_) broken = false;
   std::set<synth::ObjectNumber> before = std::exchange(loaded_, {});
   {
     const std::scoped_lock lock(mutex_);
     std::swap(before, pieces_);
-    broken_.clear();
     for (const synth::ObjectNumber number : pieces_) before.erase(number);
   }
   free(before);
@@ -144,14 +144,7 @@ void ScenePieces::free() {
 }
 
 void ScenePieces::note_broken(std::span<const synth::ObjectNumber> objects) {
-  if (objects.empty()) return;
-  const std::scoped_lock lock(mutex_);
-  broken_.insert(objects.begin(), objects.end());
-}
-
-bool ScenePieces::is_broken(synth::ObjectNumber object) const {
-  const std::scoped_lock lock(mutex_);
-  return broken_.contains(object);
+  for (const synth::ObjectNumber object : objects) broken_.at(object) = true;
 }
 
 bool ScenePieces::contains(synth::ObjectNumber object) const {

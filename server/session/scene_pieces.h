@@ -14,6 +14,8 @@
 
 #include <filesystem>
 #include <map>
+#include <array>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -44,9 +46,11 @@ class ScenePieces {
 
   [[nodiscard]] bool contains(synth::ObjectNumber object) const;  // [any but audio]
 
-  // Notes objects whose bodies have broken, until another scene's pieces are kept. [any but audio]
+  // Notes objects whose bodies have broken, until they are freed or another scene's pieces are kept. Neither locks nor
+  // allocates. [any]
   void note_broken(std::span<const synth::ObjectNumber> objects);
-  [[nodiscard]] bool is_broken(synth::ObjectNumber object) const;  // [any but audio]
+  void note_freed(synth::ObjectNumber object) { broken_.at(object) = false; }
+  [[nodiscard]] bool is_broken(synth::ObjectNumber object) const { return object < broken_.size() && broken_[object]; }
 
  private:
   Result<void> load_piece(const ObjectState& object, const breaking::BodyPiece& piece, BankFile file,
@@ -55,9 +59,9 @@ class ScenePieces {
 
   Rack& rack_;
   std::set<synth::ObjectNumber> loaded_;  // since the last keep_loaded()
-  mutable std::mutex mutex_;              // guards pieces_ and broken_
+  mutable std::mutex mutex_;              // guards pieces_
   std::set<synth::ObjectNumber> pieces_;  // all, those in loaded_ included
-  std::set<synth::ObjectNumber> broken_;
+  std::array<std::atomic<bool>, synth::kMaxObjects> broken_{};
 };
 
 }  // namespace ringdown::session

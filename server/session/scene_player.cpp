@@ -270,6 +270,7 @@ Result<void> ScenePlayer::object_changed(const ObjectState& object) {
 }
 
 void ScenePlayer::object_freed(synth::ObjectNumber number) {
+  pieces_.note_freed(number);
   const std::scoped_lock lock(mutex_);
   if (!world_) return;
   ++version_;

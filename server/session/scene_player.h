@@ -60,16 +60,15 @@ class ScenePlayer {
   // Passes the reports to `sink` instead of the rack. Call before anything is loaded. [main]
   void send_to(Sink sink) { sink_ = std::move(sink); }
 
-  // Reads the scenes to come so that contacts of animated bodies are recovered from their motion, and passes the
-  // contacts of every step to `watch` as well. [main]
+  // Says how the scenes to come are read: with `limits`, contacts of animated bodies are recovered from their motion;
+  // with `camera`, the listener is the scene's camera of this name. `watch`, if there is one, gets the contacts of
+  // every step. [main]
   using Watch = std::function<void(std::span<const scene::HeardContact>)>;
-  void recover_contacts(const scene::FoleyLimits& limits, Watch watch) {
+  void read_with(std::optional<scene::FoleyLimits> limits, std::optional<std::string> camera, Watch watch) {
     foley_ = limits;
+    camera_ = std::move(camera);
     watch_ = std::move(watch);
   }
-
-  // Lets the scenes to come be heard from their camera of this name. [main]
-  void listen_by(std::string camera) { camera_ = std::move(camera); }
 
   // Sets the function that hands tasks to the worker and returns whether the worker took them. The tasks retune
   // objects, which bodies resting on them damp; without the function they are carried out at once. Call while the scene
@@ -146,11 +145,8 @@ class ScenePlayer {
   // time at which they were dropped; nullopt if there is no scene. [any but audio]
   [[nodiscard]] std::optional<scene::SceneDescription> description() const;
 
-  // Returns true if the object is a piece of one of the scene's bodies. [any but audio]
-  [[nodiscard]] bool is_piece(synth::ObjectNumber object) const { return pieces_.contains(object); }
-
-  // Returns true if the object's body in the scene has broken. [any but audio]
-  [[nodiscard]] bool is_broken(synth::ObjectNumber object) const { return pieces_.is_broken(object); }
+  // The pieces of the scene's bodies, and which bodies have broken. [any but audio]
+  [[nodiscard]] const ScenePieces& pieces() const { return pieces_; }
 
   [[nodiscard]] std::size_t body_count() const { return body_count_; }  // [any]
 

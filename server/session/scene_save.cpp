@@ -34,7 +34,7 @@ fs::path bank_path(const fs::path& bank, const fs::path& folder, const fs::path&
 scene::SceneDescription scene_of(const Session& session) {
   scene::SceneDescription scene = session.scene().description().value_or(scene::SceneDescription());
   for (const ObjectSnapshot& object : session.rack().objects()) {
-    if (session.breakage().is_piece(object->number) || session.scene().is_piece(object->number)) continue;
+    if (session.breakage().is_piece(object->number) || session.scene().pieces().contains(object->number)) continue;
     auto described = std::ranges::find(scene.objects, object->name, &scene::ObjectDescription::name);
     if (described == scene.objects.end()) described = scene.objects.insert(described, {.name = object->name});
     described->bank = object->bank;

@@ -25,7 +25,7 @@ Result<void> Session::check(const protocol::MixerRequest& request, synth::Frame 
   for (const synth::Event& event : events_) {
     if (!acts(event)) continue;
     if (auto whole = breakage_.check_whole(event.object); !whole) return whole;
-    if (scene_.is_broken(event.object))
+    if (scene_.pieces().is_broken(event.object))
       return fail(ErrorKind::refused,
                   "its body has broken in the scene; strike its pieces, or load the scene again to have it whole");
   }

@@ -32,9 +32,12 @@ namespace ringdown::session {
 
 class Session {
  public:
-  // Files are read below `roots` only.
-  explicit Session(double sample_rate_hz, FileRoots roots = {})
-      : roots_(std::move(roots)), banks_(roots_), rack_(sample_rate_hz, banks_), scene_(rack_, banks_, roots_) {}
+  // Files are read below `roots` only. `vary` may change every event (Rack).
+  explicit Session(double sample_rate_hz, FileRoots roots = {}, Rack::Vary vary = {})
+      : roots_(std::move(roots)),
+        banks_(roots_),
+        rack_(sample_rate_hz, banks_, std::move(vary)),
+        scene_(rack_, banks_, roots_) {}
 
   [[nodiscard]] const FileRoots& roots() const { return roots_; }
   [[nodiscard]] BankReader& banks() { return banks_; }

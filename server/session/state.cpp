@@ -178,7 +178,7 @@ State state_of(const Session& session) {
   State state;
   std::error_code ignored;
   for (const ObjectSnapshot& object : rack.objects()) {
-    if (session.breakage().is_piece(object->number) || session.scene().is_piece(object->number))
+    if (session.breakage().is_piece(object->number) || session.scene().pieces().contains(object->number))
       continue;  // the whole object is saved
     const auto scenes = object->dampers.lower_bound(modal::kFirstSceneDamper);
     state.objects.push_back({object->name,

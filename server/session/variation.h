@@ -2,7 +2,7 @@
 // and lasting contacts over other places of a rough surface. [any thread]
 //
 //   const Variation take({.seed = 3});
-//   rack.vary_by(take);                     // every event that is pushed from now on
+//   Session session(48000, {}, take);       // every event that is pushed
 //
 // An event is varied by what it is and by its frame, and not by what came before: two renderings with one seed are
 // equal, whatever the size of their blocks.

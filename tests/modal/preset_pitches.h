@@ -18,7 +18,7 @@ inline const std::vector<PresetPitch>& preset_pitches() {
   static const std::vector<PresetPitch> list = {
       // Tuned keys and bars: the first bending mode, which is the note that their makers tune.
       {"vibraphone-key", {220.0}},     // A3
-      {"marimba-key", {220.0}},       // A3: both modes of the pair that it makes with its tube
+      {"marimba-key", {220.0}},        // A3: both modes of the pair that it makes with its tube
       {"xylophone-key", {440.0}},      // A4
       {"glockenspiel-bar", {1046.5}},  // C6
       {"wooden-bar", {431.8}},         // a xylophone's bar that nobody has tuned exactly

@@ -72,7 +72,7 @@ TEST_F(BreakingScene, PiecesAreObjectsOfTheSceneUntilItIsCleared) {
   for (int k = 0; k < 12; ++k) {
     const auto piece = session.rack().find({.name = "plate." + std::to_string(k)});
     ASSERT_TRUE(piece) << k;
-    EXPECT_TRUE(session.scene().is_piece((*piece)->number));
+    EXPECT_TRUE(session.scene().pieces().contains((*piece)->number));
     EXPECT_EQ((*piece)->gain, 0.5);
     EXPECT_EQ((*piece)->pan, -0.3);
     EXPECT_EQ((*piece)->group, "shelf");

@@ -13,9 +13,9 @@ namespace {
 
 using modal::JsonPlace;
 
-std::vector<std::string> names_of(const GltfNode& node, const GltfDocument& document, const JsonPlace& camera) {
+std::vector<std::string> names_of(const GltfNode& node, const std::vector<GltfNode>& nodes, const JsonPlace& camera) {
   std::vector<std::string> names = {node.name};
-  for (auto at = node.parent; at; at = document.nodes()[*at].parent) names.push_back(document.nodes()[*at].name);
+  for (auto at = node.parent; at; at = nodes[*at].parent) names.push_back(nodes[*at].name);
   names.emplace_back(camera["name"].text_or(""));
   return names;
 }
@@ -33,7 +33,7 @@ Result<void> add_camera(GltfDocument& document, GltfAnimations& animations, cons
   const auto found = std::ranges::find_if(nodes, [&](const GltfNode& node) {
     if (!node.in_scene || !node.field["camera"].present()) return false;
     if (!name) return true;
-    const std::vector<std::string> names = names_of(node, document, camera_of(node));
+    const std::vector<std::string> names = names_of(node, nodes, camera_of(node));
     known += (known.empty() ? "" : ", ") + quote(names.front());
     return std::ranges::find(names, *name) != names.end();
   });

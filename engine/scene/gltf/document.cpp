@@ -53,6 +53,48 @@ bool is_finite(const Affine& map) {
          ringdown::is_finite(map.shift_m);
 }
 
+// Returns the roots of the scene that is played; of a file without scenes, all roots.
+Result<std::vector<std::size_t>> roots_of(const JsonPlace& root, const std::vector<GltfNode>& nodes) {
+  std::vector<std::size_t> found;
+  const JsonPlace scenes = root["scenes"];
+  if (scenes.size() == 0) {
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (!nodes[k].parent) found.push_back(k);
+    }
+    return found;
+  }
+  const Result<std::size_t> number = root["scene"].present() ? root["scene"].index() : 0;
+  if (!number || *number >= scenes.size()) return root["scene"].wrong("the number of an element of scenes");
+  const JsonPlace listed = scenes[*number]["nodes"];
+  for (std::size_t k = 0; k < listed.size(); ++k) {
+    const auto node = listed[k].index();
+    if (!node || *node >= nodes.size() || nodes[*node].parent)
+      return listed[k].wrong("a node of the file without a parent");
+    found.push_back(*node);
+  }
+  return found;
+}
+
+// Returns which joint of its skin all points of a mesh follow; nothing if they follow several.
+std::optional<std::size_t> only_bone(const modal::Glb& glb, const JsonPlace& mesh, const JsonPlace& skin) {
+  constexpr double kWeight = 0.01;  // smaller ones are the rounding of a program that has blurred them
+  if (skin["joints"].size() == 1) return 0;
+  std::optional<std::size_t> only;
+  for (std::size_t k = 0; k < mesh["primitives"].size(); ++k) {
+    const JsonPlace attributes = mesh["primitives"][k]["attributes"];
+    const auto joints = modal::read_numbers(glb, attributes["JOINTS_0"], 4, kMaxSkinPoints);
+    const auto weights = modal::read_numbers(glb, attributes["WEIGHTS_0"], 4, kMaxSkinPoints);
+    if (!joints || !weights || joints->size() != weights->size()) return {};
+    for (std::size_t c = 0; c < joints->size(); ++c) {
+      if (!((*weights)[c] > kWeight)) continue;
+      const auto joint = static_cast<std::size_t>((*joints)[c]);
+      if (only.value_or(joint) != joint) return {};
+      only = joint;
+    }
+  }
+  return only;
+}
+
 }  // namespace
 
 Affine operator*(const Affine& outer, const Affine& inner) {
@@ -143,33 +185,13 @@ void GltfDocument::link_nodes() {
   }
 }
 
-// The roots of the scene that is played; of a file without scenes, all roots.
-std::vector<std::size_t> GltfDocument::roots() {
-  std::vector<std::size_t> found;
-  const JsonPlace scenes = root()["scenes"];
-  if (scenes.size() == 0) {
-    for (std::size_t k = 0; k < nodes_.size(); ++k) {
-      if (!nodes_[k].parent) found.push_back(k);
-    }
-    return found;
-  }
-  if (scenes.size() > 1) notes.add(formatted("only one of the file's {} scenes is played", scenes.size()));
-  const JsonPlace number = root()["scene"];
-  const JsonPlace scene = number.present() ? element(number, scenes) : scenes[0];
-  for (std::size_t k = 0; k < scene["nodes"].size(); ++k) {
-    const auto node = scene["nodes"][k].index();
-    if (!node || *node >= nodes_.size() || nodes_[*node].parent) {
-      refuse(scene["nodes"][k].wrong("a node of the file without a parent"));
-      return {};
-    }
-    found.push_back(*node);
-  }
-  return found;
-}
-
 // Goes from the roots down. A node within itself is below no root, so it is never reached.
 void GltfDocument::place_nodes() {
-  std::vector<std::size_t> open = roots();
+  const std::size_t scenes = root()["scenes"].size();
+  if (scenes > 1) notes.add(formatted("only one of the file's {} scenes is played", scenes));
+  Result<std::vector<std::size_t>> found = roots_of(root(), nodes_);
+  if (!found) return refuse(fail(found));
+  std::vector<std::size_t> open = *std::move(found);
   for (const std::size_t top : open) nodes_[top].world = upright(nodes_[top].local);
   while (!open.empty()) {
     GltfNode& node = nodes_[open.back()];
@@ -184,27 +206,6 @@ void GltfDocument::place_nodes() {
   }
 }
 
-// Returns which joint of its skin all points of a node's mesh follow.
-std::optional<std::size_t> GltfDocument::only_bone(std::size_t node, const JsonPlace& skin) {
-  constexpr double kWeight = 0.01;  // smaller ones are the rounding of a program that has blurred them
-  if (skin["joints"].size() == 1) return 0;
-  const JsonPlace mesh = element(nodes_[node].field["mesh"], root()["meshes"]);
-  std::optional<std::size_t> only;
-  for (std::size_t k = 0; k < mesh["primitives"].size(); ++k) {
-    const JsonPlace attributes = mesh["primitives"][k]["attributes"];
-    const auto joints = modal::read_numbers(*glb_, attributes["JOINTS_0"], 4, kMaxSkinPoints);
-    const auto weights = modal::read_numbers(*glb_, attributes["WEIGHTS_0"], 4, kMaxSkinPoints);
-    if (!joints || !weights || joints->size() != weights->size()) return {};
-    for (std::size_t c = 0; c < joints->size(); ++c) {
-      if (!((*weights)[c] > kWeight)) continue;
-      const auto joint = static_cast<std::size_t>((*joints)[c]);
-      if (only.value_or(joint) != joint) return {};
-      only = joint;
-    }
-  }
-  return only;
-}
-
 // A skinned mesh lies in the frame that its bone makes of the bone's inverse bind matrix, wherever its own node is.
 void GltfDocument::place_skins() {
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
@@ -213,7 +214,7 @@ void GltfDocument::place_skins() {
       continue;
     const JsonPlace skin = element(node.field["skin"], root()["skins"]);
     if (!skin.present()) return;
-    const auto only = only_bone(k, skin);
+    const auto only = only_bone(*glb_, element(node.field["mesh"], root()["meshes"]), skin);
     const auto bone = only ? skin["joints"][*only].index() : Result<std::size_t>(nodes_.size());
     if (!bone || *bone >= nodes_.size() || *bone == k || !nodes_[*bone].in_scene) {
       notes.add("the mesh of " + quote(node.name) +

@@ -96,9 +96,7 @@ class GltfDocument {
   void link_nodes();
   void place_nodes();
   void place_skins();
-  std::optional<std::size_t> only_bone(std::size_t node, const modal::JsonPlace& skin);
   [[nodiscard]] Affine local_of(std::size_t number_of_node);
-  std::vector<std::size_t> roots();
 
   const modal::Glb* glb_;
   std::vector<GltfNode> nodes_;
