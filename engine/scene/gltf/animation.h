@@ -27,6 +27,7 @@ class GltfAnimations {
   // paths are played once, and have their poses at the frames of the file or as often as its limits say.
   explicit GltfAnimations(GltfDocument& document, const std::optional<FoleyLimits>& foley = {});
 
+  [[nodiscard]] GltfDocument& document() { return document_; }
   [[nodiscard]] double length_s() const { return length_s_; }
 
   // Returns the path of a node's frame in the world. Null if neither the node nor any node above it is animated. Also

@@ -1,6 +1,7 @@
 #include "engine/scene/gltf/camera.h"
 
 #include "engine/base/quote.h"
+#include "engine/scene/gltf/document.h"
 
 #include <algorithm>
 #include <memory>
@@ -23,8 +24,8 @@ std::vector<std::string> names_of(const GltfNode& node, const std::vector<GltfNo
 }  // namespace
 
 // A camera looks along its -z axis; y is up.
-Result<void> add_camera(GltfDocument& document, GltfAnimations& animations, const std::optional<std::string>& name,
-                        SceneDescription& scene) {
+Result<void> add_camera(GltfAnimations& animations, const std::optional<std::string>& name, SceneDescription& scene) {
+  GltfDocument& document = animations.document();
   const std::vector<GltfNode>& nodes = document.nodes();
   const auto camera_of = [&](const GltfNode& node) {
     return document.element(node.field["camera"], document.root()["cameras"]);

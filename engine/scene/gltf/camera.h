@@ -4,16 +4,15 @@
 #include "engine/base/result.h"
 #include "engine/scene/description.h"
 #include "engine/scene/gltf/animation.h"
-#include "engine/scene/gltf/document.h"
 
 #include <optional>
 #include <string>
 
 namespace ringdown::scene {
 
-// Adds the camera called `name`, which may be its own name, its node's or that of a node above; without a name the
-// first one, if there is any. The listener follows an animated camera. Fails if no camera has the name.
-Result<void> add_camera(GltfDocument& document, GltfAnimations& animations, const std::optional<std::string>& name,
-                        SceneDescription& scene);
+// Adds the camera of the animations' document that is called `name`, which may be its own name, its node's or that of a
+// node above; without a name the first one, if there is any. The listener follows an animated camera. Fails if no
+// camera has the name.
+Result<void> add_camera(GltfAnimations& animations, const std::optional<std::string>& name, SceneDescription& scene);
 
 }  // namespace ringdown::scene

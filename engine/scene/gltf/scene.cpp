@@ -88,8 +88,7 @@ class GltfSceneReader {
     if (scene_.foley && animations_.length_s() > 0) scene_.duration_s = std::max(animations_.length_s(), 0.01);
     if (const auto good = document_.result(); !good) return fail(good);
     add_joints();
-    if (const auto added = add_camera(document_, animations_, camera_, scene_); !added)
-      return fail(path_.string(), added);
+    if (const auto added = add_camera(animations_, camera_, scene_); !added) return fail(path_.string(), added);
     if (const auto good = document_.result(); !good) return fail(good);
     if (const auto good = check(scene_); !good) return fail(path_.string(), good);
     return GltfScene{std::move(scene_), document_.notes.sentences()};
