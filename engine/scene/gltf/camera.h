@@ -10,9 +10,9 @@
 
 namespace ringdown::scene {
 
-// Adds the camera of the animations' document that is called `name`, which may be its own name, its node's or that of a
-// node above; without a name the first one, if there is any. The listener follows an animated camera. Fails if no
-// camera has the name.
+// Adds the camera of the animations' document that is called `name`: its own name, its node's or that of a node above.
+// Without a name it is the first one, if there is any. The listener follows an animated camera. Fails if no camera has
+// the name.
 Result<void> add_camera(GltfAnimations& animations, const std::optional<std::string>& name, SceneDescription& scene);
 
 }  // namespace ringdown::scene
