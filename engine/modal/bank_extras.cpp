@@ -148,7 +148,7 @@ std::vector<ModeLoss> read_losses(const JsonPlace& field, const std::vector<doub
 // solids, and they give the loss to heat that the bank states.
 std::vector<ModeHeat> read_heat(const JsonPlace& list, const std::vector<double>& frequency_hz,
                                 const std::vector<double>& decay_per_s, const std::vector<ModeLoss>& losses) {
-  constexpr std::size_t kNumbers = 2 * kRelaxations;
+  constexpr std::size_t kNumbers = std::size_t{2} * kRelaxations;
   constexpr double kMaxStrength = 10, kMaxTime_s = 1e9, kRounding = 1e-3;
   const std::vector<double> numbers = read_numbers(list, kNumbers * frequency_hz.size());
   if (losses.empty()) return {};
