@@ -1,4 +1,4 @@
-// What laboratories ask of a bank: errors, losses, provenance, and frequency responses.
+// The library's functions that laboratories ask a bank with: errors, losses, provenance, and frequency responses.
 #include "clients/library/handles.h"
 
 #include "engine/modal/bank_file.h"

@@ -32,7 +32,7 @@ struct ComplexSpectrum {
 Spectrum spectrum(const Eigen::MatrixXd& symmetric);
 Spectrum3 spectrum_of_3(const Eigen::Matrix3d& symmetric);
 Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& symmetric);
-// Of any square matrix, in no order.
+// Returns the eigenvalues and eigenvectors of any square matrix, in no order.
 ComplexSpectrum complex_spectrum(Eigen::MatrixXcd matrix);
 
 // Solves stiffness x = lambda mass x, with x^T mass x = 1. Empty when the mass is not positive definite.

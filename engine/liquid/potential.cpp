@@ -80,7 +80,8 @@ struct WetPanels::Parts {
   std::vector<int> triangle_at;                         // N: the panel of each sample
   Eigen::SparseMatrix<double, Eigen::RowMajor> mass;    // V x V, of the hats
   Eigen::VectorXd weights;                              // V: its row sums
-  // Of a full closed cavity: the flow of the motion x/3, over the volume, and |x|^2/6; x from the middle of the nodes.
+  // A full closed cavity has the flow of the motion x/3, over the volume, and |x|^2/6; x is from the middle of the
+  // nodes.
   Eigen::VectorXd swelling, quadratic;  // V
   double volume = 0;
   Eigen::MatrixXf side;               // M/2 - K'

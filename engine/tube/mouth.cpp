@@ -90,7 +90,7 @@ radiate::FlowSamples lid_samples(const MouthPlace& place) {
   return samples;
 }
 
-// Both bodies; the flow of the lid is the last column.
+// Returns body and tube as one body; the flow of the lid is the last column.
 radiate::Body together(const radiate::Body& body, const MouthPlace& place) {
   const mesh::TriangleMesh tube = closed_tube(place);
   const radiate::FlowSamples lid = lid_samples(place);

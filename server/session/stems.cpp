@@ -72,7 +72,7 @@ class Player {
     return block_;
   }
 
-  // Whether something could not be played.
+  // Returns true if an event could not be played.
   [[nodiscard]] bool lost() const { return lost_; }
 
  private:

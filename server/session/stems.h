@@ -5,7 +5,7 @@
 //   log.begin_block(frame);               // before every block that the rack's mixer renders
 //   write_stems(log, settings, progress); // when all is rendered
 //
-// What happened to an object is played to it again, alone, in a mixer of its own. A second mixer gets only its lasting
+// Each object gets its events again, alone, in a mixer of its own. A second mixer gets only its lasting
 // contacts, and a third only those that slide. Slides are what the third renders, rolls are what the second renders
 // beyond that, and impacts all that is left of the first: blows and their ringing. So the sum is exact, even where an
 // object's modes exchange energy. Objects that feel each other (two-way contacts) play together, and one is heard. So
@@ -54,7 +54,7 @@ class StemLog : public Observer {
     synth::Mixer::Install how;
     synth::Frame at = 0;
   };
-  // What came before a block, counted from 0. Poses, of which there are many, take little room.
+  // A pose that came before a block. Poses are kept apart from other events, because there are many.
   struct Posed {
     synth::Frame frame = 0;
     Pose pose;

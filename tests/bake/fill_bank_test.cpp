@@ -35,7 +35,8 @@ std::pair<std::size_t, std::size_t> pair_near(const modal::Bank& bank, double hz
   return {near[0], near[1]};
 }
 
-// Both modes of each pair are within a share of the exact frequency and the stated error, and less than a cent apart.
+// The test expects both modes of each pair within a share of the exact frequency and the stated error, and less than a
+// cent apart.
 void expect_rim_modes(const modal::Bank& bank, const std::vector<double>& exact_hz, double share) {
   for (const double exact : exact_hz) {
     const auto [a, b] = pair_near(bank, exact);

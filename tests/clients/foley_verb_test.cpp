@@ -1,4 +1,4 @@
-// From a scene or a file of meshes to the sound of an animation, by the commands of docs/use/film.md.
+// The commands of docs/use/film.md turn a scene or a file of meshes into the sound of an animation.
 #include "engine/modal/bank_file.h"
 #include "tests/integration/process.h"
 #include "tests/scene/gltf_room.h"

@@ -1,4 +1,5 @@
-// What ringdown-bake writes beside a bank for laboratories: modes at all nodes, matrices, and the residual. [main]
+// The files that ringdown-bake writes beside a bank for laboratories: modes at all nodes, matrices, and the residual.
+// [main]
 #pragma once
 
 #include "engine/bake/bake_object.h"

@@ -24,9 +24,9 @@ const char* unit_of(ResponseTable::Kind kind);  // "m/(N s)"
 // Columns: frequency_hz, real, imag, magnitude, phase_deg; of an energy frequency_hz, energy.
 std::string response_csv(const ResponseTable& table);
 
-// Of anything but an energy: one dataset 58 with complex doubles and uneven spacing. The places are nodes 1 and 2, with
-// their coordinates in a dataset 15 before it. A direction along an axis of the body is stated; any other one is stated
-// as a scalar, with its components in the description.
+// Returns one dataset 58 with complex doubles and uneven spacing; a table of energies has none. The places are nodes 1
+// and 2, with their coordinates in a dataset 15 before it. A direction along an axis of the body is stated; any other
+// one is stated as a scalar, with its components in the description.
 std::string response_uff(const ResponseTable& table);
 
 }  // namespace ringdown::cli

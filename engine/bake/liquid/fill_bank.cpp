@@ -29,7 +29,7 @@ using Eigen::VectorXd;
 constexpr double kSamePitch = 5e-4;         // relative, of two modes of the dry body that count as a pair
 constexpr double kSplit = 0.03;             // of the mass of a pair, that panels without its symmetry may cause
 constexpr std::array kShares = {0.5, 0.8};  // of the highest dry frequency, up to which smaller bases reach
-constexpr double kMostOfIt = 0.5;           // of a mode's amplitudes squared
+constexpr double kMinOwnShare = 0.5;        // of a mode's amplitudes squared
 constexpr double kNetFlow = 0.004;  // of the mean of the squared flow: a mode that pushes the liquid up and down
 constexpr double kMapError_db = 3;  // stated of fields that are mixed from those of the dry body
 
@@ -226,7 +226,7 @@ class BankFiller {
   [[nodiscard]] static double change_of(const liquid::WetModes& wet, Index mode, const std::vector<Smaller>& smaller) {
     for (const Smaller& one : smaller) {
       const VectorXd own = wet.body.col(mode)(one.basis);
-      if (own.squaredNorm() < kMostOfIt * wet.body.col(mode).squaredNorm()) continue;
+      if (own.squaredNorm() < kMinOwnShare * wet.body.col(mode).squaredNorm()) continue;
       const VectorXd likeness = (one.modes.body.transpose() * own).cwiseAbs();
       double change = HUGE_VAL;
       for (Index other = 0; other < likeness.size(); ++other) {

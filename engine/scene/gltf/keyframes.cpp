@@ -28,7 +28,7 @@ void KeyframeWriter::add(std::size_t node, const MotionPath& path, double start_
   add_channel(node, "translation", times, writer_.add_floats(places, 3), "LINEAR");
   add_channel(node, "rotation", times, writer_.add_floats(turns, 4), "LINEAR");
   if (!(start_s > 0) || path.poses.size() < 2) return;
-  // What starts after the end appears in the last frame, so that the animation does not become longer.
+  // A body that starts after the end appears in the last frame, so that the animation does not become longer.
   const double end_s = path.every_s * static_cast<double>(path.poses.size() - 1);
   const std::vector<float> moments{0, static_cast<float>(std::min(start_s, end_s))}, scales{0, 0, 0, 1, 1, 1};
   add_channel(node, "scale", writer_.add_floats(moments, 1, modal::GlbWriter::Use::times),
