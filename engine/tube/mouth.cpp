@@ -71,17 +71,17 @@ mesh::TriangleMesh closed_tube(const MouthPlace& place) {
 
 // Samples of the lid: rings of equal area, each piece of it moved by 1 out of the tube.
 radiate::FlowSamples lid_samples(const MouthPlace& place) {
-  constexpr int kRings = 12;
+  constexpr Index kRings = 12;
   const Vector3d across = place.axis.unitOrthogonal(), other = place.axis.cross(across);
   radiate::FlowSamples samples;
   samples.positions.resize(kRings * kAround, 3);
   samples.normals.resize(kRings * kAround, 3);
   samples.areas.setConstant(kRings * kAround, kPi * place.radius * place.radius / (kRings * kAround));
-  for (int ring = 0; ring < kRings; ++ring) {
+  for (Index ring = 0; ring < kRings; ++ring) {
     const double radius = place.radius * std::sqrt((ring + 0.5) / kRings);
-    for (int i = 0; i < kAround; ++i) {
+    for (Index i = 0; i < kAround; ++i) {
       const double angle = 2 * kPi * (i + 0.5) / kAround;
-      const int row = ring * kAround + i;
+      const Index row = ring * kAround + i;
       samples.positions.row(row) =
           (place.middle + radius * (std::cos(angle) * across + std::sin(angle) * other)).transpose();
       samples.normals.row(row) = -place.axis.transpose();
