@@ -1,9 +1,9 @@
 #include "engine/bake/nonlinear_modes.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/dense/blas_threads.h"
 #include "engine/dense/decompositions.h"
 #include "engine/dense/products.h"
-#include "engine/fem/blas_threads.h"
 #include "engine/fem/quadratic_strain.h"
 #include "engine/solve/slaved_response.h"
 
@@ -161,7 +161,7 @@ Result<NonlinearModes> find_nonlinear(const mesh::TetMesh& unit_mesh, const fem:
   if (progress && !progress("nonlinear", 0)) return fail_cancelled();
   solve::SlavedResponse response(system, kept, kShift * lambda[0]);
   if (auto done = response.factor([&] { return !progress || progress("nonlinear", 0); }); !done) return fail(done);
-  const fem::BlasThreads one(1);
+  const dense::BlasThreads one(1);
   const fem::QuadraticStrain strain(unit_mesh, elastic, shapes);
   const Operator apply(strain, response, lambda, shapes);
 

@@ -2,7 +2,7 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/base/rotation.h"
-#include "engine/fem/blas_threads.h"
+#include "engine/dense/blas_threads.h"
 #include "engine/fem/surface_stress.h"
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/face_points.h"
@@ -191,7 +191,7 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
   std::vector<Vec3> places_m = shatter.places_m;
   if (places_m.empty()) places_m.push_back(middle_of_surface(body, mass));
   if (progress && !progress("pieces", 0)) return fail_cancelled();
-  const fem::BlasThreads one(1);  // or a bake that ends would set it for those that go on
+  const dense::BlasThreads one(1);  // or a bake that ends would set it for those that go on
   modal::Fracture fracture = strength_of(body, *whole.bank.material);
   Work work{.progress = progress, .mutex = {}};
   for (const int pieces : shatter.pieces) work.count += places_m.size() * static_cast<std::size_t>(pieces);

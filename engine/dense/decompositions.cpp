@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <complex>
 #include <limits>
 #include <utility>
@@ -21,6 +22,12 @@ void zgeev_(const char* left, const char* right, const int* n, std::complex<doub
             std::complex<double>* values, std::complex<double>* left_vectors, const int* ldl,
             std::complex<double>* vectors, const int* ldr, std::complex<double>* work, const int* lwork, double* rwork,
             int* info);
+void zheevd_(const char* job, const char* triangle, const int* n, std::complex<double>* a, const int* lda,
+             double* values, std::complex<double>* work, const int* lwork, double* rwork, const int* lrwork, int* iwork,
+             const int* liwork, int* info);
+void zgelsy_(const int* m, const int* n, const int* columns, std::complex<double>* a, const int* lda,
+             std::complex<double>* b, const int* ldb, int* pivots, const double* precision, int* rank,
+             std::complex<double>* work, const int* lwork, double* rwork, int* info);
 void dgetri_(const int* n, double* a, const int* lda, const int* pivots, double* work, const int* lwork, int* info);
 }
 
@@ -72,6 +79,25 @@ VectorXd eigenvalues(const MatrixXd& symmetric) {
   return solve_spectrum(a, false);
 }
 
+HermitianSpectrum hermitian_spectrum(Eigen::MatrixXcd matrix) {
+  const auto n = static_cast<int>(matrix.rows());
+  VectorXd values = VectorXd::Constant(n, kNan);
+  int info = 1;
+  if (n > 0 && matrix.allFinite()) {
+    const int work_size = 2 * n + n * n, real_size = 1 + 5 * n + 2 * n * n, whole_size = 3 + 5 * n;
+    std::vector<std::complex<double>> work(static_cast<std::size_t>(work_size));
+    std::vector<double> real_work(static_cast<std::size_t>(real_size));
+    std::vector<int> whole_work(static_cast<std::size_t>(whole_size));
+    zheevd_("V", "L", &n, matrix.data(), &n, values.data(), work.data(), &work_size, real_work.data(), &real_size,
+            whole_work.data(), &whole_size, &info);
+  }
+  if (info != 0) {
+    values.setConstant(kNan);
+    matrix.setConstant(kNan);
+  }
+  return {std::move(values), std::move(matrix)};
+}
+
 ComplexSpectrum complex_spectrum(Eigen::MatrixXcd matrix) {
   const auto n = static_cast<int>(matrix.rows());
   ComplexSpectrum solved{Eigen::VectorXcd::Constant(n, kNan), Eigen::MatrixXcd::Constant(n, n, kNan)};
@@ -113,6 +139,21 @@ void divide_by_upper(const MatrixXd& lower, MatrixXd& b) {
 }
 
 MatrixXd solve_symmetric(const MatrixXd& a, const MatrixXd& b) { return Eigen::LDLT<MatrixXd>(a).solve(b); }
+
+Eigen::MatrixXcd least_squares(Eigen::MatrixXcd a, Eigen::MatrixXcd b) {
+  constexpr double kPrecision = std::numeric_limits<double>::epsilon();
+  const auto rows = static_cast<int>(a.rows()), columns = static_cast<int>(a.cols()),
+             sides = static_cast<int>(b.cols());
+  if (columns == 0 || !a.allFinite()) return Eigen::MatrixXcd::Constant(columns, sides, kNan);
+  const int work_size = columns + kBlock * (columns + std::max(columns, sides));
+  std::vector<int> pivots(static_cast<std::size_t>(columns));
+  std::vector<std::complex<double>> work(static_cast<std::size_t>(work_size));
+  std::vector<double> real_work(2 * static_cast<std::size_t>(columns));
+  int rank = 0, info = 0;
+  zgelsy_(&rows, &columns, &sides, a.data(), &rows, b.data(), &rows, pivots.data(), &kPrecision, &rank, work.data(),
+          &work_size, real_work.data(), &info);
+  return b.topRows(columns);
+}
 
 MatrixXd inverse(const MatrixXd& a) {
   MatrixXd inverted = a;

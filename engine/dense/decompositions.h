@@ -18,6 +18,10 @@ struct Spectrum {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
 };
+struct HermitianSpectrum {
+  Eigen::VectorXd values;
+  Eigen::MatrixXcd vectors;
+};
 struct Spectrum3 {
   Eigen::Vector3d values;
   Eigen::Matrix3d vectors;
@@ -32,6 +36,7 @@ struct ComplexSpectrum {
 Spectrum spectrum(const Eigen::MatrixXd& symmetric);
 Spectrum3 spectrum_of_3(const Eigen::Matrix3d& symmetric);
 Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& symmetric);
+HermitianSpectrum hermitian_spectrum(Eigen::MatrixXcd matrix);
 // Returns the eigenvalues and eigenvectors of any square matrix, in no order.
 ComplexSpectrum complex_spectrum(Eigen::MatrixXcd matrix);
 
@@ -46,6 +51,9 @@ void divide_by_upper(const Eigen::MatrixXd& lower, Eigen::MatrixXd& b);
 
 // a^-1 b for a symmetric a that is positive definite or nearly so, by L D L^T.
 Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
+// The x that makes |a x - b| least and, where a has not full rank, x as well; a has no fewer rows than columns.
+Eigen::MatrixXcd least_squares(Eigen::MatrixXcd a, Eigen::MatrixXcd b);
 
 // The inverse of any square matrix, by L U.
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& a);

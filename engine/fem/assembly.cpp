@@ -1,7 +1,7 @@
 #include "engine/fem/assembly.h"
 
 #include "engine/base/in_parallel.h"
-#include "engine/fem/blas_threads.h"
+#include "engine/dense/blas_threads.h"
 #include "engine/fem/element.h"
 
 #include <algorithm>
@@ -275,7 +275,7 @@ Result<System> assemble(const mesh::TetMesh& mesh, const Solid& solid, Element e
   assert(mesh.order() == order_of(element));
   if (auto stable = check_solid(solid); !stable) return fail(stable);
   const auto useful = static_cast<int>(mesh.elements.rows() / kElementsPerThread + 1);
-  const BlasThreads one(1);
+  const dense::BlasThreads one(1);
   try {
     return assemble_checked(mesh, solid, element, std::min(thread_count(threads), useful));
   } catch (const std::exception&) {

@@ -1,9 +1,9 @@
 #include "engine/fem/error_estimate.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/dense/blas_threads.h"
 #include "engine/dense/decompositions.h"
 #include "engine/dense/products.h"
-#include "engine/fem/blas_threads.h"
 #include "engine/fem/surplus.h"
 
 #include <algorithm>
@@ -299,7 +299,7 @@ Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Solid&
                                          const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads,
                                          const Holding& holding) {
   threads = thread_count(threads);
-  const BlasThreads one(1);
+  const dense::BlasThreads one(1);
   try {
     SurplusProblem problem(mesh, solid, holding);
     std::vector<Rows> residuals = problem.residuals(lambda, shapes, threads);

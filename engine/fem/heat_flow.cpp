@@ -1,9 +1,9 @@
 #include "engine/fem/heat_flow.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/dense/blas_threads.h"
 #include "engine/dense/decompositions.h"
 #include "engine/dense/products.h"
-#include "engine/fem/blas_threads.h"
 
 #include <Eigen/SparseCore>
 
@@ -197,7 +197,7 @@ HeatProblem::HeatProblem(const HeatSource& source, int threads)
     : source_(source),
       threads_(thread_count(threads)),
       heat_mesh_(source.mesh.order() < 3 ? mesh::to_order(source.mesh, 3) : source.mesh) {
-  const BlasThreads one(1);
+  const dense::BlasThreads one(1);
   const int order = heat_mesh_.order();
   const Rule rule(order, order);
   const Eigen::Index n = heat_mesh_.elements.cols(), points = static_cast<Eigen::Index>(rule.points.size());
@@ -236,7 +236,7 @@ HeatProblem::HeatProblem(const HeatSource& source, int threads)
 
 // Threads share the modes, so that each sum is in the order of the elements.
 Eigen::MatrixXd HeatProblem::warmth(const Eigen::Ref<const Eigen::MatrixXd>& shapes) const {
-  const BlasThreads one(1);
+  const dense::BlasThreads one(1);
   const mesh::TetMesh& mesh = source_.mesh;
   const Rule rule(mesh.order(), heat_mesh_.order());
   const Eigen::Index n = mesh.elements.cols(), points = static_cast<Eigen::Index>(rule.points.size());

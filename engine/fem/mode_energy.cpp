@@ -1,8 +1,8 @@
 #include "engine/fem/mode_energy.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/dense/blas_threads.h"
 #include "engine/dense/products.h"
-#include "engine/fem/blas_threads.h"
 #include "engine/fem/element.h"
 
 namespace ringdown::fem {
@@ -12,7 +12,7 @@ namespace ringdown::fem {
 ModeEnergy mode_energy(const mesh::TetMesh& mesh, const Solid& solid, const std::vector<std::int32_t>& part_of,
                        int parts, const Eigen::Ref<const Eigen::MatrixXd>& shapes) {
   const int threads = thread_count(0);
-  const BlasThreads one(1);
+  const dense::BlasThreads one(1);
   const Eigen::Index n = mesh.elements.cols(), modes = shapes.cols(), elements = mesh.elements.rows();
   const ModeEnergy none{Eigen::MatrixXd::Zero(parts, modes), Eigen::MatrixXd::Zero(parts, modes)};
   std::vector<ModeEnergy> sums(threads, none);

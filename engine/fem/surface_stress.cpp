@@ -1,8 +1,8 @@
 #include "engine/fem/surface_stress.h"
 
+#include "engine/dense/blas_threads.h"
 #include "engine/dense/decompositions.h"
 #include "engine/dense/products.h"
-#include "engine/fem/blas_threads.h"
 #include "engine/mesh/face_points.h"
 
 #include <Eigen/Geometry>
@@ -145,7 +145,7 @@ Eigen::Matrix3d plane_stress_law(const Law& law, const Eigen::Matrix3d& frame) {
 SurfaceStress surface_stress(const mesh::TetMesh& mesh, const Solid& solid,
                              const Eigen::Ref<const Eigen::MatrixXd>& shapes, Eigen::Index points) {
   assert(shapes.rows() == 3 * mesh.nodes.rows() && points >= 1);
-  const BlasThreads one(1);
+  const dense::BlasThreads one(1);
   const mesh::FacePoints candidates = mesh::face_points(mesh);
   FaceStress on_face(mesh.order(), solid, shapes, candidates);
   const Eigen::Index modes = shapes.cols(), faces = candidates.nodes.rows();

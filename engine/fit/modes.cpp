@@ -1,6 +1,7 @@
 #include "engine/fit/modes.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/dense/blas_threads.h"
 #include "engine/fit/sinusoids.h"
 #include "engine/fit/band_powers.h"
 #include "engine/fit/extent.h"
@@ -114,6 +115,7 @@ std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, 
   for (const auto& band : samples) peaks.push_back(band.size() > 0 ? band.cwiseAbs().maxCoeff() : 0);
   const double min = 0.25 * std::pow(10, -options.floor_db / 20) * *std::ranges::max_element(peaks);
   std::vector<std::vector<Candidate>> found(samples.size());
+  const dense::BlasThreads one(1);
   for_all(samples.size(), options.threads, [&](std::size_t band) {
     if (peaks[band] > min) found[band] = search_band(samples[band], pass, band);
   });

@@ -1,8 +1,8 @@
 #include "engine/fit/poles.h"
 
+#include "engine/dense/decompositions.h"
+
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -69,17 +69,16 @@ std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eig
   const Eigen::Index length = signal.size() / 3;
   const Eigen::MatrixXcd sum = covariance(signal, length);
   if (is_noise(sum)) return {};
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(sum);
-  if (solver.info() != Eigen::Success) return {};
-  const Eigen::Index count = signal_directions(solver.eigenvalues(), std::min(max, length / 2));
+  const dense::HermitianSpectrum directions = dense::hermitian_spectrum(sum);
+  if (!directions.values.allFinite()) return {};
+  const Eigen::Index count = signal_directions(directions.values, std::min(max, length / 2));
   if (count == 0) return {};
-  const Eigen::MatrixXcd space = solver.eigenvectors().rightCols(count);
-  const Eigen::MatrixXcd shift =
-      space.topRows(length - 1).colPivHouseholderQr().solve(space.bottomRows(length - 1)).eval();
-  const Eigen::ComplexEigenSolver<Eigen::MatrixXcd> poles(shift, false);
-  if (poles.info() != Eigen::Success) return {};
+  const Eigen::MatrixXcd space = directions.vectors.rightCols(count);
+  const dense::ComplexSpectrum poles =
+      dense::complex_spectrum(dense::least_squares(space.topRows(length - 1), space.bottomRows(length - 1)));
+  if (!poles.values.allFinite()) return {};
   std::vector<std::complex<double>> logarithms;
-  for (const std::complex<double> pole : poles.eigenvalues()) {
+  for (const std::complex<double> pole : poles.values) {
     if (std::abs(pole) > 1e-6) logarithms.push_back(std::log(pole));
   }
   return logarithms;

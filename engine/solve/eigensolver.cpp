@@ -2,8 +2,8 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/base/quote.h"
+#include "engine/dense/blas_threads.h"
 #include "engine/dense/decompositions.h"
-#include "engine/fem/blas_threads.h"
 #include "engine/solve/methods.h"
 #include "engine/solve/second_opinion.h"
 #include "engine/solve/spectra.h"
@@ -193,7 +193,7 @@ double EigenRequest::hertz(double lambda) const {
 }
 
 Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& request, const Progress& progress) {
-  const fem::BlasThreads one(1);
+  const dense::BlasThreads one(1);
   try {
     return Solve(system, request, progress).run();
   } catch (const Cancelled&) {

@@ -1,6 +1,6 @@
 #include "tests/stress/ritz.h"
 
-#include "engine/fem/blas_threads.h"
+#include "engine/dense/blas_threads.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -118,7 +118,7 @@ double slopes(const Powers& u, int i, const Powers& v, int j) {
 
 std::vector<double> box_frequencies(const Eigen::Vector3d& size_m, const fem::Elastic& elastic,
                                     const Eigen::Vector3i& degree, int total, std::size_t count) {
-  const fem::BlasThreads one(1);
+  const dense::BlasThreads one(1);
   const Box box(size_m, elastic, degree);
   std::array<std::vector<BoxFunction>, 8> families;
   for (int axis = 0; axis < 3; ++axis) {

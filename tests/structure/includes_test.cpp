@@ -68,7 +68,7 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/bake/",
      {"engine/base/", "engine/dense/", "engine/materials/", "engine/modal/", "engine/mesh/", "engine/fem/",
       "engine/solve/", "engine/radiate/", "engine/shatter/", "engine/liquid/", "engine/tube/", "engine/bake/"}},
-    {"engine/fit/", {"engine/base/", "engine/modal/", "engine/fit/"}},
+    {"engine/fit/", {"engine/base/", "engine/dense/", "engine/modal/", "engine/fit/"}},
     // rigid bodies
     {"engine/scene/",
      {"engine/base/", "engine/gltf/", "engine/modal/", "engine/breaking/", "engine/scene/",

@@ -5,7 +5,7 @@
 // the object around work, not inside it.
 #pragma once
 
-namespace ringdown::fem {
+namespace ringdown::dense {
 
 class BlasThreads {
  public:
@@ -18,4 +18,4 @@ class BlasThreads {
   int before_;
 };
 
-}  // namespace ringdown::fem
+}  // namespace ringdown::dense

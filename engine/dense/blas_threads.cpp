@@ -1,10 +1,10 @@
-#include "engine/fem/blas_threads.h"
+#include "engine/dense/blas_threads.h"
 
 #include <cblas.h>
 
-namespace ringdown::fem {
+namespace ringdown::dense {
 
 BlasThreads::BlasThreads(int threads) : before_(openblas_get_num_threads()) { openblas_set_num_threads(threads); }
 BlasThreads::~BlasThreads() { openblas_set_num_threads(before_); }
 
-}  // namespace ringdown::fem
+}  // namespace ringdown::dense
