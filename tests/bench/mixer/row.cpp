@@ -2,7 +2,6 @@
 
 #include "engine/base/atomic_file.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -32,6 +31,13 @@ std::string text(const char* format, double value) {
   return buffer;
 }
 
+// A name as a field of CSV: in quotes, since it may hold commas.
+std::string field(const std::string& name) {
+  std::string quoted = "\"";
+  for (const char c : name) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + '"';
+}
+
 }  // namespace
 
 void show(const Row& row) {
@@ -53,13 +59,12 @@ Result<void> write_csv(const std::filesystem::path& path, const Rows& rows, cons
   for (const Field& field : kFields) csv << ',' << field.name;
   csv << ",machine\n";
   for (const Row& row : rows) {
-    std::string status = row.status;
-    std::replace(status.begin(), status.end(), ',', ';');
-    csv << row.part << ',' << row.who << ',' << row.modes << ',' << row.objects << ',' << row.block << ',' << status;
+    csv << row.part << ',' << field(row.who) << ',' << row.modes << ',' << row.objects << ',' << row.block << ','
+        << field(row.status);
     for (const Field& field : kFields) {
       csv << ',' << (std::isnan(row.*field.value) ? "" : text("%.6g", row.*field.value));
     }
-    csv << ',' << machine << '\n';
+    csv << ',' << field(machine) << '\n';
   }
   return write_file_atomically(path, csv.str());
 }
