@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -85,6 +86,22 @@ TEST(BreakingPresets, HarderFallsMakeMorePieces) {
   const Fallen low = twenty_fall(tumbler, 90, 0.75, 0.05), high = twenty_fall(tumbler, 90, 3, 0.05);
   EXPECT_EQ(high.broken, kSeeds);
   EXPECT_GT(high.pieces * low.broken, low.pieces * high.broken);
+}
+
+// Prints the table in docs/how/fracture.md.
+TEST(BreakingPresets, DISABLED_TheTableOfFalls) {
+  for (const char* name :
+       {"tumbler", "wine-glass", "bottle", "window-pane", "dinner-plate", "ceramic-tile", "flower-pot"}) {
+    const Preset preset(name);
+    std::string row = std::string("| `") + name + "` |";
+    for (const double degrees : {0.0, 90.0, 137.0}) {
+      for (const double height_m : {0.05, 0.75}) {
+        row += " " + std::to_string(twenty_fall(preset, degrees, height_m, 0.15).broken);
+        row += height_m < 0.1 ? "," : " |";
+      }
+    }
+    std::puts(row.c_str());
+  }
 }
 
 // A tile is thick, so most of its pieces have no mode below 20 kHz, and the others ring for a shorter time.
