@@ -146,7 +146,7 @@ Result<BakedLevel> bake_level(const Cut& cut, const shatter::Level& level, const
   return pieces;
 }
 
-constexpr Eigen::Index kStressPointsOfPiece = 100;
+constexpr Eigen::Index kStressPointsOfPiece = 50;
 
 // The options of a piece, which keeps all its modes and is held by nothing.
 BakeOptions options_of_piece(const BakeOptions& of_body, const Shatter& shatter) {

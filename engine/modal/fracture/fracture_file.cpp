@@ -22,6 +22,8 @@ constexpr std::size_t kMaxNumbers = std::size_t{1} << 27;  // of all pieces toge
 constexpr std::size_t kMaxStressPoints = std::size_t{1} << 14;
 constexpr double kMaxStress = 1.01;   // over the mode's largest: at most 1 but for rounding
 constexpr double kStressSteps = 512;  // of a packed stress, for the mode's largest
+constexpr int kHandoverExponent =
+    -17;  // packed entries of handovers from coarser pieces are multiples of 2 to this power
 constexpr double kMaxArea_m2 = 1e12, kMaxCrackEnergy_j_m2 = 1e12, kMaxStrength_pa = 1e15, kMaxModulus = 1e4;
 constexpr const char* kSolid = "one with massProperties, a mass and three moments of inertia above 0";
 
@@ -197,6 +199,13 @@ std::size_t add_packed_stress(GlbWriter& writer, const std::vector<float>& compo
   return writer.add_exponentials(words, 3);
 }
 
+std::size_t add_packed_handovers(GlbWriter& writer, const std::vector<float>& handovers) {
+  std::vector<std::int32_t> whole;
+  for (const float entry : handovers)
+    whole.push_back(static_cast<std::int32_t>(std::lround(std::ldexp(entry, -kHandoverExponent))));
+  return writer.add_exponentials(exponential_words(whole, kHandoverExponent), 1);
+}
+
 Json stress_json(const StressTable& table, GlbWriter& writer, bool packed) {
   const std::size_t modes = table.largest.size(), rows = 3 * table.positions.size();
   std::vector<float> components, positions;
@@ -291,7 +300,9 @@ Json fracture_json(const Fracture& fracture, GlbWriter& writer, bool packed,
                  {"crackArea", pattern.crack_area_m2},
                  {"handover", writer.add_floats(handovers, 1)},
                  {"pieces", std::move(pieces)}};
-    if (!from_coarser.empty()) json["handoverFromCoarser"] = writer.add_floats(from_coarser, 1);
+    if (!from_coarser.empty())
+      json["handoverFromCoarser"] =
+          packed ? add_packed_handovers(writer, from_coarser) : writer.add_floats(from_coarser, 1);
     patterns.push_back(std::move(json));
   }
   Json json = {{"patterns", std::move(patterns)}};

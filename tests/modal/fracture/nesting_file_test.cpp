@@ -28,7 +28,8 @@ Bank nested_bank() {
     piece.coarser = i == 1 ? 1 : 0;
     const std::size_t columns = kRigidMotions + fracture.patterns[0].pieces[*piece.coarser].bank.mode_count();
     for (std::size_t k = 0; k < (kRigidMotions + piece.bank.mode_count()) * columns; ++k)
-      piece.from_coarser.push_back(entry(random));
+      piece.from_coarser.push_back(
+          std::ldexp(std::round(std::ldexp(entry(random), 17)), -17));  // as packed files have it
   }
   PieceBank& first = fracture.patterns[0].pieces[0];
   first.crack_area_m2 = 0.25;
