@@ -28,8 +28,8 @@
 //   P = [R_s Psi]^T M_s [R_b Phi]
 //
 // with the mass matrix M_s of the piece, its rigid motions R_s and modes Psi, and those of the body, R_b and Phi, at
-// the piece's nodes. The complete product over all motions of all pieces is orthogonal; pieces whose modes end at the
-// band's top take less.
+// the piece's nodes. A coarser piece takes the body's place where it breaks again. The complete product over all
+// motions of all pieces is orthogonal; pieces whose modes end at the band's top take less.
 namespace ringdown::bake {
 namespace {
 
@@ -58,31 +58,48 @@ struct Cut {
   shatter::CutBody parts;
 };
 
-std::vector<float> handover(const Cut& cut, const shatter::PieceMesh& mesh, const Baked& piece) {
-  const SolvedBody& solved = *piece.body;
+// A piece that has been baked, with its motions at its nodes.
+struct BakedPiece {
+  modal::PieceBank bank;
+  shatter::PieceMesh mesh;
+  SolvedBody solved;
+};
+using BakedLevel = std::vector<BakedPiece>;
+
+// Returns P of a piece for a whole that has this mass and, at the piece's nodes, these modes.
+std::vector<float> handover(const BakedPiece& piece, const modal::MassProperties& whole,
+                            const Eigen::MatrixXd& whole_shapes) {
+  const SolvedBody& solved = piece.solved;
   const Eigen::Index rigid = modal::kRigidMotions;
   Eigen::MatrixXd own(solved.shapes.rows(), rigid + solved.shapes.cols());
-  own << rigid_motions(solved.mesh.nodes, *piece.bank.mass), solved.shapes;
-  Eigen::MatrixXd of_body(solved.shapes.rows(), rigid + cut.body.shapes.cols());
-  of_body << rigid_motions(solved.mesh.nodes, cut.mass), shatter::restricted(mesh, cut.body.mesh, cut.body.shapes);
-  const Eigen::MatrixXf p = (own.transpose() * fem::mass_times(solved.node_mass, of_body)).cast<float>();
+  own << rigid_motions(solved.mesh.nodes, *piece.bank.bank.mass), solved.shapes;
+  Eigen::MatrixXd of_whole(solved.shapes.rows(), rigid + whole_shapes.cols());
+  of_whole << rigid_motions(solved.mesh.nodes, whole), whole_shapes;
+  const Eigen::MatrixXf p = (own.transpose() * fem::mass_times(solved.node_mass, of_whole)).cast<float>();
   std::vector<float> rows;
   rows.reserve(static_cast<std::size_t>(p.size()));
   for (const auto& row : p.rowwise()) rows.insert(rows.end(), row.begin(), row.end());
   return rows;
 }
 
-Result<modal::PieceBank> bake_piece(const Cut& cut, const shatter::PieceMesh& mesh, const modal::Material& material,
-                                    const BakeOptions& options, const Vec3& place_m, const std::string& name) {
+Result<BakedPiece> bake_piece(const Cut& cut, shatter::PieceMesh mesh, const modal::Material& material,
+                              const BakeOptions& options, const Vec3& place_m, const std::string& name) {
   Result<Baked> baked = bake({.mesh = mesh.mesh, .pieces = 1}, material, options, name);
   if (!baked) return fail(baked);
-  modal::PieceBank piece{.bank = std::move(baked->bank)};
-  baked->bank.mass = piece.bank.mass;
-  piece.handover = handover(cut, mesh, *baked);
-  const Eigen::VectorXd distances = (mesh.mesh.nodes.rowwise() - vector_of(place_m).transpose()).rowwise().norm();
-  piece.near_m = distances.minCoeff();
-  piece.far_m = distances.maxCoeff();
+  BakedPiece piece{{.bank = std::move(baked->bank)}, std::move(mesh), *std::move(baked->body)};
+  piece.bank.handover = handover(piece, cut.mass, shatter::restricted(piece.mesh, cut.body.mesh, cut.body.shapes));
+  const Eigen::VectorXd distances = (piece.mesh.mesh.nodes.rowwise() - vector_of(place_m).transpose()).rowwise().norm();
+  piece.bank.near_m = distances.minCoeff();
+  piece.bank.far_m = distances.maxCoeff();
   return piece;
+}
+
+// Notes which coarser piece a piece belongs to, and the projection of that one's motions.
+void nest(BakedPiece& piece, const BakedLevel& coarser, std::size_t number) {
+  const BakedPiece& whole = coarser[number];
+  piece.bank.coarser = number;
+  piece.bank.from_coarser =
+      handover(piece, *whole.bank.bank.mass, shatter::restricted(piece.mesh, whole.mesh, whole.solved.shapes));
 }
 
 // Counts finished pieces over all patterns, for the progress.
@@ -106,26 +123,30 @@ struct Work {
   }
 };
 
-Result<modal::BreakPattern> bake_level(const Cut& cut, const shatter::Level& level, const modal::Bank& whole,
-                                       const BakeOptions& options, const Vec3& place_m, Work& work) {
-  modal::BreakPattern pattern{.at_m = place_m, .crack_area_m2 = level.crack_area_m2, .pieces = {}};
-  pattern.pieces.resize(level.pieces.size());
+// Bakes the pieces of a level; they are nested in those of `coarser` unless that is empty.
+Result<BakedLevel> bake_level(const Cut& cut, const shatter::Level& level, const BakedLevel& coarser,
+                              const modal::Bank& whole, const BakeOptions& options, const Vec3& place_m, Work& work) {
+  std::vector<std::optional<BakedPiece>> baked(level.pieces.size());
   std::atomic<std::size_t> next = 0;
   const auto bake_some = [&](int /*worker*/) {
-    for (std::size_t i = next++; i < pattern.pieces.size() && work.go_on(0); i = next++) {
-      const shatter::PieceMesh mesh =
-          piece_mesh(cut.parts, cut.body.mesh, elements_of(level, static_cast<std::int32_t>(i)));
-      Result<modal::PieceBank> piece =
-          bake_piece(cut, mesh, *whole.material, options, place_m, formatted("{}.{}", whole.name, i));
+    for (std::size_t i = next++; i < baked.size() && work.go_on(0); i = next++) {
+      shatter::PieceMesh mesh = piece_mesh(cut.parts, cut.body.mesh, elements_of(level, static_cast<std::int32_t>(i)));
+      Result<BakedPiece> piece =
+          bake_piece(cut, std::move(mesh), *whole.material, options, place_m, formatted("{}.{}", whole.name, i));
       if (!piece) return work.fail_with(piece.error());
-      pattern.pieces[i] = std::move(*piece);
+      if (!coarser.empty()) nest(*piece, coarser, static_cast<std::size_t>(level.pieces[i].coarser));
+      baked[i] = std::move(*piece);
       work.go_on(1);
     }
   };
   in_parallel(thread_count(0), bake_some);
   if (work.failure) return fail(*work.failure);
-  return pattern;
+  BakedLevel pieces;
+  for (std::optional<BakedPiece>& piece : baked) pieces.push_back(*std::move(piece));
+  return pieces;
 }
+
+constexpr Eigen::Index kStressPointsOfPiece = 50;
 
 // The options of a piece, which keeps all its modes and is held by nothing.
 BakeOptions options_of_piece(const BakeOptions& of_body, const Shatter& shatter) {
@@ -148,10 +169,12 @@ Vec3 middle_of_surface(const SolvedBody& body, const modal::MassProperties& mass
   return {nearest[0], nearest[1], nearest[2]};
 }
 
-// The stress of the body's modes; the body is of one isotropic material.
-modal::StressTable stress_table(const SolvedBody& body, const modal::Material& material) {
+// The stress of the body's modes at up to `points` places; the body is of one isotropic material.
+modal::StressTable stress_table(const SolvedBody& body, const modal::Material& material,
+                                Eigen::Index points = fem::kStressPoints) {
   const fem::SurfaceStress stress = fem::surface_stress(
-      body.mesh, fem::Elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3}, body.shapes);
+      body.mesh, fem::Elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3}, body.shapes,
+      points);
   modal::StressTable table;
   for (const auto& at : stress.positions.cast<float>().rowwise()) table.positions.push_back({at[0], at[1], at[2]});
   table.stress.reserve(static_cast<std::size_t>(stress.components.size()));
@@ -169,6 +192,18 @@ modal::Fracture strength_of(const SolvedBody& body, const modal::Material& mater
   fracture.crack_energy_j_m2 = modal::crack_energy_j_m2(material.brittleness->toughness_pa_sqrt_m,
                                                         material.youngs_modulus_pa, material.poisson_ratio);
   return fracture;
+}
+
+// What pieces need in order to break again: the area of their skins and of the cracks inside them, and the stress of
+// their modes.
+void add_second_breaks(BakedLevel& pieces, const shatter::Level& level, const modal::Material& material) {
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    auto& [bank, mesh, solved] = pieces[i];
+    bank.crack_area_m2 = level.pieces[i].crack_area_m2;
+    if (bank.crack_area_m2 == 0 || bank.bank.mode_count() == 0) continue;  // it breaks no more
+    bank.skin_m2 = mesh::face_points(solved.mesh).areas.sum();
+    bank.stress = stress_table(solved, material, kStressPointsOfPiece);
+  }
 }
 
 // More pieces than a bank's file may have (fracture.h) are refused before they are baked.
@@ -204,15 +239,21 @@ Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter,
     Result<shatter::CutBody> parts = shatter::cut_body(body.mesh, seeds->points);
     if (!parts) return fail(whole.bank.name, parts);
     const Cut cut{body, mass, std::move(*parts)};
-    for (const shatter::Level& level : levels_of(cut.parts, body.mesh, seeds->group_of_cell, min_share)) {
+    const std::vector<shatter::Level> levels = levels_of(cut.parts, body.mesh, seeds->group_of_cell, min_share);
+    BakedLevel coarser;
+    for (const shatter::Level& level : levels) {
       if (level.pieces.size() < 2)
         return fail(ErrorKind::bad_input, whole.bank.name + " breaks into one piece only; ask for more `pieces`");
       count += level.pieces.size();
       if (auto fits = check_count(count, whole.bank.name); !fits) return fail(fits);
-      Result<modal::BreakPattern> pattern =
-          bake_level(cut, level, whole.bank, options_of_piece(options, shatter), place_m, work);
-      if (!pattern) return fail(pattern);
-      fracture.patterns.push_back(std::move(*pattern));
+      Result<BakedLevel> pieces =
+          bake_level(cut, level, coarser, whole.bank, options_of_piece(options, shatter), place_m, work);
+      if (!pieces) return fail(pieces);
+      if (&level != &levels.back()) add_second_breaks(*pieces, level, *whole.bank.material);
+      modal::BreakPattern& pattern =
+          fracture.patterns.emplace_back(modal::BreakPattern{place_m, level.crack_area_m2, {}});
+      for (BakedPiece& piece : *pieces) pattern.pieces.push_back(piece.bank);
+      coarser = *std::move(pieces);
     }
   }
   return fracture;

@@ -24,10 +24,11 @@ struct Shatter {
 };
 
 // The pattern for each place and each level, and the stress of the body's modes on its skin; strength and the energy of
-// cracks are those of the body's material and absent if that is ductile. `whole` was baked from a free body of one
-// material with options.interior, and `options` are its options: the pieces have its element, its surface points'
-// error, its solver and its air, and all modes in their own band. Progress stage: "pieces". Fails as bake() does, and
-// when a body breaks into one piece only.
+// cracks are those of the body's material and absent if that is ductile. Levels are nested: pieces break again into
+// those of the next level that they consist of, and have the stress of their modes for that. `whole` was baked from a
+// free body of one material with options.interior, and `options` are its options: the pieces have its element, its
+// surface points' error, its solver and its air, and all modes in their own band. Progress stage: "pieces". Fails as
+// bake() does, and when a body breaks into one piece only.
 Result<modal::Fracture> shatter_body(const Baked& whole, const Shatter& shatter, const BakeOptions& options,
                                      const Progress& progress = {});
 

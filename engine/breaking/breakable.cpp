@@ -21,7 +21,8 @@ using synth::Frame;
 using synth::verb::Strike;
 
 // Points as near to a blow do not count for strength. A point force has no finite stress under itself; from 3 cm on,
-// the stress of a glass pane converges with the modes below 20 kHz.
+// the stress of a glass pane converges with the modes below 20 kHz. Points that stand for a line of contact act as that
+// line from one spacing on, where stress does converge.
 constexpr double kSparedRadius_m = 0.03;
 
 // Velocities [J^1/2] that an impulse gives the modes of a bank in a material.
@@ -174,8 +175,8 @@ Course Breakable::course_of(const Meeting& meeting, Frame frame, std::optional<d
   }
   std::vector<Vec3> spared_m;
   for (const MeetingPoint& point : meeting.points) spared_m.push_back((1 / material_.size) * point.point_m);
-  if (const auto strained =
-          modal::first_reaching(baked, samples, limit_pa, spared_m, kSparedRadius_m / material_.size)) {
+  const double spared = meeting.spacing_m > 0 ? std::min(meeting.spacing_m, kSparedRadius_m) : kSparedRadius_m;
+  if (const auto strained = modal::first_reaching(baked, samples, limit_pa, spared_m, spared / material_.size)) {
     course.strained_s = strained->time_s;
   }
   return course;

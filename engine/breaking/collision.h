@@ -37,6 +37,9 @@ struct Meeting {
   // N x N: how much an impulse of 1 N s at point j slows the closing at point i through the other body's motion [1/kg].
   // Empty: the other body does not move.
   std::vector<double> other_per_kg;
+  // The distance between points that stand for a line or a face, which bear a force that is spread: 0 for points that
+  // bear alone.
+  double spacing_m = 0;
 };
 
 class Collision {

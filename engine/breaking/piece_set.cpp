@@ -66,6 +66,7 @@ PieceSet::PieceSet(const modal::StrikeMap& body, const modal::MaterialScale& mat
     if (whole.pieces[i].bank.mode_count() == 0) continue;
     modal::Bank own = whole.pieces[i].bank;
     own.gain = body.bank().gain;
+    if (!own.fracture) own.fracture = fracture_of_piece(*body.bank().fracture, pattern, i);
     made.map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(own)));
   }
 }

@@ -16,7 +16,7 @@ std::vector<modal::DampedMode> modes_of(const modal::Bank& bank, const modal::Ma
 
 struct BodyPiece {
   // The piece's own bank at the gain of the body's, as baked: whoever plays it sets the body's material. Null: the
-  // piece has no mode, and is never heard.
+  // piece has no mode, and is never heard. A piece that breaks again has its own patterns in its bank.
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MassProperties mass;            // in the body's frame, size and material
   std::vector<modal::DampedMode> modes;  // in the body's size and material; those that ring

@@ -97,31 +97,19 @@ struct Kept {
 };
 Kept changed_bank(const modal::Bank& bank, const Change& change);
 
-// Rows of the piece's rigid motions and of its modes in this order.
-std::vector<float> chosen_rows(const modal::PieceBank& piece, const std::vector<std::size_t>& order) {
-  const std::size_t columns = piece.handover.size() / (modal::kRigidMotions + piece.bank.mode_count());
-  const auto row = [&](std::size_t number) {
-    return piece.handover.begin() + static_cast<std::ptrdiff_t>(number * columns);
-  };
-  std::vector<float> rows(row(0), row(modal::kRigidMotions));
-  for (const std::size_t m : order)
-    rows.insert(rows.end(), row(modal::kRigidMotions + m), row(modal::kRigidMotions + m + 1));
-  return rows;
-}
-
 // Each piece changes as a body of its own, of the body's old material. Strength and toughness become those of the new
 // material; a ductile one has none.
 modal::Fracture changed_pieces(const modal::Fracture& fracture, const Change& change, const modal::MaterialScale& scale,
                                const std::optional<modal::Material>& from, const modal::Material& to) {
-  modal::Fracture out = modal::scaled(fracture, scale);
+  modal::Fracture out = modal::resized(fracture, scale);
   for (std::size_t p = 0; p < out.patterns.size(); ++p) {
     for (std::size_t i = 0; i < out.patterns[p].pieces.size(); ++i) {
-      modal::PieceBank whole = fracture.patterns[p].pieces[i];
-      whole.bank.material = from;
-      Kept kept = changed_bank(whole.bank, change);
-      modal::PieceBank& piece = out.patterns[p].pieces[i];
-      piece.bank = std::move(kept.bank);
-      piece.handover = chosen_rows(whole, kept.order);
+      modal::Bank whole = fracture.patterns[p].pieces[i].bank;
+      const std::size_t modes = whole.mode_count();
+      whole.material = from;
+      Kept kept = changed_bank(whole, change);
+      out.patterns[p].pieces[i].bank = std::move(kept.bank);
+      take_modes_of_piece(out, p, i, modes, kept.order);
     }
   }
   if (!change.material) return out;

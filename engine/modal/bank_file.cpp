@@ -272,6 +272,16 @@ Result<void> read_pieces(const Glb& glb, const JsonPlace& fracture, Bank& bank) 
   return {};
 }
 
+Result<Bank> piece_of(const Bank& body, std::size_t pattern, std::size_t number, const std::string& name) {
+  const Fracture* const fracture = body.fracture.get();
+  if (!fracture || pattern >= fracture->patterns.size() || number >= fracture->patterns[pattern].pieces.size())
+    return fail(ErrorKind::bad_input, "{} has no piece {} in a pattern {}", name, number, pattern);
+  Bank piece = fracture->patterns[pattern].pieces[number].bank;
+  piece.gain = body.gain;
+  piece.fracture = fracture_of_piece(*fracture, pattern, number);
+  return piece;
+}
+
 Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, const ModelChoice& chosen,
                      const ReadBeside& read_beside) {
   const auto glb = read_beside ? parse_gltf(bytes, name, read_beside) : parse_glb(bytes, name);
@@ -281,7 +291,8 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
     return fail(ErrorKind::bad_input, "{} holds no modal model (extension {}); make one with `ringdown bake`", name,
                 kExtension);
   }
-  const auto instance = chosen.number ? Result<Instance>(Instance{.model = *chosen.number}) : find_instance(*glb);
+  const auto instance =
+      chosen.number && !chosen.piece ? Result<Instance>(Instance{.model = *chosen.number}) : find_instance(*glb);
   if (!instance) return fail(instance);
   const JsonPlace model = extension["modalModels"][instance->model];
   if (!model.present())
@@ -300,7 +311,7 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
         !scaled)
       return fail(scaled);
   }
-  return bank;
+  return chosen.piece ? piece_of(bank, *chosen.number, *chosen.piece, name) : bank;
 }
 
 }  // namespace
@@ -310,11 +321,15 @@ BankPath split_bank_path(const std::filesystem::path& path) {
   const std::size_t mark = text.rfind('#');
   if (mark == std::string::npos) return {path, {}};
   BankPath split{text.substr(0, mark), {0}};
-  auto& [model, factor] = split.model;
+  auto& [model, factor, piece] = split.model;
   const std::string file = split.file.string();
   const char *at = text.data() + mark + 1, *const end = text.data() + text.size();
-  const auto number = std::from_chars(at, end, *model);
+  auto number = std::from_chars(at, end, *model);
   bool good = number.ec == std::errc() && *model <= kMaxModelNumber;
+  if (good && number.ptr != end && *number.ptr == '.') {
+    number = std::from_chars(number.ptr + 1, end, piece.emplace());
+    good = number.ec == std::errc() && *piece <= kMaxModelNumber;
+  }
   if (good && number.ptr != end) {
     const auto scale = std::from_chars(number.ptr + 1, end, factor);
     good = *number.ptr == '@' && scale.ec == std::errc() && scale.ptr == end && kBankPathScale.holds(factor);
@@ -323,9 +338,10 @@ BankPath split_bank_path(const std::filesystem::path& path) {
 }
 
 std::filesystem::path bank_path(const BankPath& path) {
-  const auto& [number, scale] = path.model;
+  const auto& [number, scale, piece] = path.model;
   if (!number) return path.file;
-  const std::string text = formatted("{}#{}", path.file.string(), *number);
+  std::string text = formatted("{}#{}", path.file.string(), *number);
+  if (piece) text += formatted(".{}", *piece);
   return scale == 1 ? text : text + "@" + Json(scale).dump();
 }
 

@@ -28,15 +28,17 @@ Result<Bank> read_bank(const std::filesystem::path& path);
 
 // Which of a file's models is read. `scale` moves its points alone: it is the scale of a node of a scene, for which the
 // model was made, so pitch, shapes and mass are those in the file. Without a number the file's first node with a model
-// decides, with the node's gain and with its scale as a change of the object's size.
+// decides, with the node's gain and with its scale as a change of the object's size. With a `piece`, the number is that
+// of a pattern of that body, and the bank is that piece of it, at the body's gain; it may have no mode.
 struct ModelChoice {
   std::optional<std::size_t> number;
   double scale = 1;  // from kBankPathScale
+  std::optional<std::size_t> piece = {};
 };
 inline constexpr Range kBankPathScale{1e-6, 1e6};
 
 // A path that may choose a model: "room.glb#2" is model 2 of room.glb, "room.glb#2@0.5" that model with its points half
-// as far from the frame's origin.
+// as far from the frame's origin, and "glass.glb#0.5" piece 5 of the first pattern of the body in glass.glb.
 struct BankPath {
   std::filesystem::path file;
   ModelChoice model;

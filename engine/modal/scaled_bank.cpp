@@ -14,17 +14,12 @@
 namespace ringdown::modal {
 namespace {
 
-// Keeps the rows of the piece's rigid motions and of its modes that still ring under `scale`.
-std::vector<float> ringing_rows(const PieceBank& piece, const MaterialScale& scale) {
-  const std::size_t rows = kRigidMotions + piece.bank.mode_count(), columns = piece.handover.size() / rows;
-  std::vector<float> kept;
-  kept.reserve(piece.handover.size());
-  for (std::size_t row = 0; row < rows; ++row) {
-    if (row >= kRigidMotions && rescale(piece.bank, row - kRigidMotions, scale).frequency_hz == 0) continue;
-    const auto from = piece.handover.begin() + static_cast<std::ptrdiff_t>(row * columns);
-    kept.insert(kept.end(), from, from + static_cast<std::ptrdiff_t>(columns));
+std::vector<std::size_t> ringing_modes(const Bank& bank, const MaterialScale& scale) {
+  std::vector<std::size_t> ringing;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    if (rescale(bank, m, scale).frequency_hz > 0) ringing.push_back(m);
   }
-  return kept;
+  return ringing;
 }
 
 StressTable scaled(const StressTable& table, const MaterialScale& scale) {
@@ -40,10 +35,9 @@ StressTable scaled(const StressTable& table, const MaterialScale& scale) {
 
 Bank scaled(const Bank& bank, const MaterialScale& scale) {
   Bank out = bank;
-  std::vector<std::size_t> ringing;
+  const std::vector<std::size_t> ringing = ringing_modes(bank, scale);
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const DampedMode mode = rescale(bank, m, scale);
-    if (mode.frequency_hz > 0) ringing.push_back(m);
     out.frequency_hz[m] = mode.frequency_hz;
     out.decay_per_s[m] = mode.decay_per_s;
     if (!bank.losses.empty()) out.losses[m] = rescaled_loss(bank, m, scale);
@@ -70,21 +64,34 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
   return out;
 }
 
+Fracture resized(const Fracture& fracture, const MaterialScale& scale) {
+  Fracture out = fracture;
+  const double area = scale.size * scale.size;
+  out.stress = scaled(fracture.stress, scale);
+  out.skin_m2 *= area;
+  out.crack_energy_j_m2 /= scale.stiffness;
+  for (BreakPattern& pattern : out.patterns) {
+    pattern.at_m = scale.size * pattern.at_m;
+    pattern.crack_area_m2 *= area;
+    for (PieceBank& piece : pattern.pieces) {
+      piece.near_m *= scale.size;
+      piece.far_m *= scale.size;
+      piece.crack_area_m2 *= area;
+      piece.skin_m2 *= area;
+      piece.stress = scaled(piece.stress, scale);
+    }
+  }
+  return out;
+}
+
 Fracture scaled(const Fracture& fracture, const MaterialScale& scale) {
-  Fracture out{.stress = scaled(fracture.stress, scale),
-               .skin_m2 = scale.size * scale.size * fracture.skin_m2,
-               .strength = fracture.strength,
-               .crack_energy_j_m2 = fracture.crack_energy_j_m2 / scale.stiffness};
-  for (const BreakPattern& pattern : fracture.patterns) {
-    BreakPattern& changed = out.patterns.emplace_back();
-    changed.at_m = scale.size * pattern.at_m;
-    changed.crack_area_m2 = scale.size * scale.size * pattern.crack_area_m2;
-    for (const PieceBank& piece : pattern.pieces) {
-      changed.pieces.push_back({.bank = scaled(piece.bank, scale),
-                                .handover = ringing_rows(piece, scale),
-                                .near_m = scale.size * piece.near_m,
-                                .far_m = scale.size * piece.far_m,
-                                .model = piece.model});
+  Fracture out = resized(fracture, scale);
+  for (std::size_t p = 0; p < out.patterns.size(); ++p) {
+    for (std::size_t i = 0; i < out.patterns[p].pieces.size(); ++i) {
+      const Bank& bank = fracture.patterns[p].pieces[i].bank;
+      const std::vector<std::size_t> ringing = ringing_modes(bank, scale);
+      out.patterns[p].pieces[i].bank = scaled(bank, scale);
+      if (ringing.size() < bank.mode_count()) take_modes_of_piece(out, p, i, bank.mode_count(), ringing);
     }
   }
   return out;
@@ -105,11 +112,13 @@ Result<void> scale_size(Bank& bank, double size, const std::string& name) {
   };
   const auto pieces_finite = [&] {
     if (!bank.fracture) return true;
-    const StressTable& table = bank.fracture->stress;
-    if (!all_finite(table.positions) || !finite(table.stress) || !finite(table.largest)) return false;
+    const auto table_finite = [&](const StressTable& table) {
+      return all_finite(table.positions) && finite(table.stress) && finite(table.largest);
+    };
+    if (!table_finite(bank.fracture->stress)) return false;
     return std::ranges::all_of(bank.fracture->patterns, [&](const BreakPattern& pattern) {
       return std::ranges::all_of(pattern.pieces, [&](const PieceBank& piece) {
-        return all_finite(piece.bank.positions) && all_finite(piece.bank.shapes);
+        return all_finite(piece.bank.positions) && all_finite(piece.bank.shapes) && table_finite(piece.stress);
       });
     });
   };
@@ -138,6 +147,9 @@ void spread_points(Bank& bank, double factor) {
       spread_points(piece.bank, factor);
       piece.near_m *= factor;
       piece.far_m *= factor;
+      piece.crack_area_m2 *= factor * factor;
+      piece.skin_m2 *= factor * factor;
+      for (Vec3f& p : piece.stress.positions) p = {moved(p[0]), moved(p[1]), moved(p[2])};
     }
   }
   bank.fracture = std::make_shared<const Fracture>(std::move(fracture));

@@ -20,6 +20,9 @@ Bank scaled(const Bank& bank, const MaterialScale& scale);
 // falls as the stiffness rises. The skin grows with the size, so a larger body is weaker by Weibull's law.
 Fracture scaled(const Fracture& fracture, const MaterialScale& scale);
 
+// Scales all of a body's patterns but the banks of the pieces and what depends on which of their modes ring.
+Fracture resized(const Fracture& fracture, const MaterialScale& scale);
+
 // Makes the object `size` times as large. Fails if a mode would no longer ring or a number would overflow; errors begin
 // with `name`.
 Result<void> scale_size(Bank& bank, double size, const std::string& name);

@@ -44,8 +44,19 @@ bool are_apart(const PosedHull& one, const PosedHull& two, double gap_m, Vec3& d
   return false;
 }
 
-void FreshPairs::add(std::span<const BodyId> siblings) {
-  for (const BodyId id : siblings) family_of_[id] = siblings.front();
+void FreshPairs::add(std::span<const BodyId> siblings, std::optional<BodyId> whole) {
+  if (siblings.empty()) return;
+  const auto known = whole ? family_of_.find(*whole) : family_of_.end();
+  const BodyId family = known == family_of_.end() ? siblings.front() : known->second;
+  for (const BodyId id : siblings) family_of_[id] = family;
+  if (whole) {
+    const std::vector<Pair> before = pairs_;
+    for (const Pair& pair : before) {
+      const auto one = static_cast<BodyId>(pair.key >> 32), two = static_cast<BodyId>(pair.key);
+      if (one != *whole && two != *whole) continue;
+      for (const BodyId id : siblings) pairs_.push_back({key_of(one == *whole ? two : one, id), {}});
+    }
+  }
   for (std::size_t i = 0; i < siblings.size(); ++i) {
     for (std::size_t j = i + 1; j < siblings.size(); ++j) pairs_.push_back({key_of(siblings[i], siblings[j]), {}});
   }

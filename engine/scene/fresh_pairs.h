@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -33,8 +34,9 @@ bool are_apart(const PosedHull& one, const PosedHull& two, double gap_m, Vec3& d
 
 class FreshPairs {
  public:
-  // Keeps every two of these bodies from touching.
-  void add(std::span<const BodyId> siblings);
+  // Keeps every two of these bodies from touching. If they are the pieces of a body that is a piece itself, they may
+  // not touch what that body may not touch yet, and become siblings of its siblings.
+  void add(std::span<const BodyId> siblings, std::optional<BodyId> whole = {});
   void forget(BodyId id);
 
   [[nodiscard]] bool empty() const { return pairs_.empty(); }

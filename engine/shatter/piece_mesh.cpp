@@ -2,6 +2,8 @@
 
 #include "engine/base/groups.h"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -143,6 +145,7 @@ PieceMesh piece_mesh(const CutBody& cut, const mesh::TetMesh& body, const std::v
       piece.mesh.nodes.row(node) = shares.transpose() * whole;
     }
   }
+  piece.parts = std::move(parts);
   return piece;
 }
 
@@ -154,6 +157,46 @@ Eigen::MatrixXd restricted(const PieceMesh& piece, const mesh::TetMesh& body, co
     const auto whole = body.elements.row(piece.parent[node]);
     for (Eigen::Index a = 0; a < shares.size(); ++a) {
       fields.middleRows<3>(3 * node) += shares[a] * shapes.middleRows<3>(3 * Eigen::Index{whole[a]});
+    }
+  }
+  return fields;
+}
+
+// Each node belongs to the element of the coarser piece that reaches farthest around a place beside the node, inside
+// the node's own element. Elements that only touch each other have nodes of their own, so the node itself would not
+// tell them apart.
+Eigen::MatrixXd restricted(const PieceMesh& piece, const PieceMesh& coarser, const Eigen::MatrixXd& shapes) {
+  constexpr double kBeside = 0.01;  // the share of the way to the middle of the node's element
+  assert(shapes.rows() == 3 * coarser.mesh.nodes.rows());
+  std::vector<std::pair<std::int32_t, std::size_t>> by_parent;  // a body's element, and the number of a part of it
+  std::vector<Eigen::Matrix4d> to_own(coarser.parts.size());
+  for (std::size_t e = 0; e < coarser.parts.size(); ++e) {
+    by_parent.emplace_back(coarser.parts[e].parent, e);
+    to_own[e] = coarser.parts[e].barycentric.inverse();
+  }
+  std::sort(by_parent.begin(), by_parent.end());
+  const int order = coarser.mesh.order();
+  const mesh::Barycentric inside = mesh::reference_nodes(order);
+  const Eigen::RowVector4d middle = Eigen::RowVector4d::Constant(0.25);
+  Eigen::MatrixXd fields = Eigen::MatrixXd::Zero(3 * piece.mesh.nodes.rows(), shapes.cols());
+  std::vector<bool> done(static_cast<std::size_t>(piece.mesh.nodes.rows()), false);
+  for (std::size_t e = 0; e < piece.parts.size(); ++e) {
+    const SubElement& own = piece.parts[e];
+    const auto candidates =
+        std::ranges::equal_range(by_parent, own.parent, {}, &decltype(by_parent)::value_type::first);
+    for (Eigen::Index a = 0; a < inside.rows(); ++a) {
+      const std::int32_t node = piece.mesh.elements(static_cast<Eigen::Index>(e), a);
+      if (done[node]) continue;
+      done[node] = true;
+      const Eigen::RowVector4d place = inside.row(a) * own.barycentric;
+      const Eigen::RowVector4d beside = place + kBeside * (middle * own.barycentric - place);
+      const auto reach = [&](const auto& candidate) { return (beside * to_own[candidate.second]).minCoeff(); };
+      assert(!candidates.empty());
+      const std::size_t part = std::ranges::max_element(candidates, {}, reach)->second;
+      const Eigen::VectorXd shares = mesh::interpolation(order, (place * to_own[part]).transpose());
+      const auto whole = coarser.mesh.elements.row(static_cast<Eigen::Index>(part));
+      for (Eigen::Index k = 0; k < shares.size(); ++k)
+        fields.middleRows<3>(3 * Eigen::Index{node}) += shares[k] * shapes.middleRows<3>(3 * Eigen::Index{whole[k]});
     }
   }
   return fields;

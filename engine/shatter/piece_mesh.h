@@ -1,4 +1,4 @@
-// A piece of a cut body as a mesh of its own, and fields of the body restricted to it. [worker]
+// A piece of a cut body as a mesh of its own, and fields of the body, or of a coarser piece, restricted to it. [worker]
 #pragma once
 
 #include "engine/mesh/tet_mesh.h"
@@ -15,6 +15,7 @@ struct PieceMesh {
   mesh::TetMesh mesh;                // of the body's order; n nodes
   std::vector<std::int32_t> parent;  // for each node, one of the body's elements that it lies in
   mesh::Barycentric barycentric;     // n x 4, its coordinates in that element
+  std::vector<SubElement> parts;     // for each element of the mesh, the part of the body's element that it is
 };
 
 // Makes a mesh of some parts of the body, numbers in CutBody::elements, which should be joined by faces. Neighbours in
@@ -26,5 +27,9 @@ PieceMesh piece_mesh(const CutBody& cut, const mesh::TetMesh& body, const std::v
 // Restricts fields on the body, 3N x m with the component i of node k in row 3 k + i, to the piece's nodes, 3n x m. The
 // piece's elements then have the body's fields exactly. O(n m).
 Eigen::MatrixXd restricted(const PieceMesh& piece, const mesh::TetMesh& body, const Eigen::MatrixXd& shapes);
+
+// Restricts fields on a coarser piece of the same cut, 3N x m, to a piece that is a part of it, 3n x m. The fields are
+// exact, except in elements that were divided in the coarser piece only (piece_mesh()). O(n m).
+Eigen::MatrixXd restricted(const PieceMesh& piece, const PieceMesh& coarser, const Eigen::MatrixXd& shapes);
 
 }  // namespace ringdown::shatter

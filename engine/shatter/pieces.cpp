@@ -62,10 +62,19 @@ double crack_area_m2(const PartGraph& graph, const Parts& parts) {
 Level level_of(const PartGraph& graph, Parts parts) {
   Level level;
   for (const double volume_m3 : volumes_of(graph, parts))
-    level.pieces.push_back({.volume_m3 = volume_m3, .coarser = -1});
+    level.pieces.push_back({.volume_m3 = volume_m3, .coarser = -1, .crack_area_m2 = 0});
   level.crack_area_m2 = crack_area_m2(graph, parts);
   level.piece_of_element = std::move(parts);
   return level;
+}
+
+// Adds the cracks of the finer level to those pieces of the coarser one that they divide.
+void add_inner_cracks(const PartGraph& graph, const Level& finer, Level& coarser) {
+  for (const auto& [a, b, area_m2] : graph.joints) {
+    const std::int32_t piece = coarser.piece_of_element[a];
+    if (piece == coarser.piece_of_element[b] && finer.piece_of_element[a] != finer.piece_of_element[b])
+      coarser.pieces[piece].crack_area_m2 += area_m2;
+  }
 }
 
 }  // namespace
@@ -102,6 +111,8 @@ std::vector<Level> levels_of(const CutBody& cut, const mesh::TetMesh& body,
     graph = merged(graph, parts);
     bit_of_element = std::move(part_of_element);
   }
+  for (std::size_t level = 0; level + 1 < levels.size(); ++level)
+    add_inner_cracks(elements, levels[level + 1], levels[level]);
   return levels;
 }
 

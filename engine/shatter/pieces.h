@@ -15,6 +15,7 @@ namespace ringdown::shatter {
 struct Piece {
   double volume_m3 = 0;      // of the curved body; exact in the sum over a level, good to the curvature for each piece
   std::int32_t coarser = 0;  // the piece of the next coarser level that it belongs to; -1 in the coarsest
+  double crack_area_m2 = 0;  // of the faces between those pieces of the next finer level that belong to it
 };
 
 struct Level {

@@ -30,6 +30,15 @@ Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name
   });
 }
 
+std::vector<std::byte> drawn_file(const modal::Bank& bank) {
+  if (bank.mode_count() > 0) return modal::to_glb(bank);
+  modal::Bank drawn = bank;
+  drawn.frequency_hz = {20000};
+  drawn.decay_per_s = {1};
+  drawn.shapes.assign(bank.positions.size(), {});
+  return modal::to_glb(drawn);
+}
+
 Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   const std::string key = key_of(path);
   if (const auto known = known_.find(key); known != known_.end()) {
@@ -45,7 +54,7 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   const bool in_scene = model.number || has_ending(at, ".gltf");  // whose buffers may be in other files
   auto file = parse_bank_file(*bytes, path.string(), model, in_scene ? beside : modal::ReadBeside());
   if (file && in_scene) {
-    file->alone = std::make_shared<const std::vector<std::byte>>(modal::to_glb(file->map->bank()));
+    file->alone = std::make_shared<const std::vector<std::byte>>(drawn_file(file->map->bank()));
     file->bytes = file->alone->size();
     file->content = ContentHasher().bytes(*file->alone).hash();
   }

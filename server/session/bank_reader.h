@@ -31,6 +31,9 @@ struct BankFile {
 Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name, const modal::ModelChoice& model = {},
                                  const modal::ReadBeside& read_beside = {});
 
+// A bank for whoever draws an object: files have at least one mode, so a piece without modes gets a silent one.
+std::vector<std::byte> drawn_file(const modal::Bank& bank);
+
 class BankReader {
  public:
   // Reads below `roots` only, which must outlive the reader.

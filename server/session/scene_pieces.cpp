@@ -15,14 +15,6 @@
 namespace ringdown::session {
 namespace {
 
-// A bank for who draws the piece: files have at least one mode.
-modal::Bank with_silent_mode(modal::Bank bank) {
-  bank.frequency_hz = {20000};
-  bank.decay_per_s = {1};
-  bank.shapes.assign(bank.positions.size(), {});
-  return bank;
-}
-
 // Returns true if a body of the scene plays the object and may break.
 bool breaks(const scene::SceneDescription& scene, const std::string& object) {
   const auto does = [&](const scene::BodyDescription& body) { return body.breaks && body.object == object; };
@@ -71,28 +63,27 @@ Result<ScenePieces::Sets> ScenePieces::load(const ObjectState& object, synth::Fr
       if (!piece.map) {
         modal::Bank own = fracture.patterns[p].pieces[i].bank;
         own.gain = object.map->bank().gain;
-        file.alone = std::make_shared<const std::vector<std::byte>>(modal::to_glb(with_silent_mode(own)));
+        file.alone = std::make_shared<const std::vector<std::byte>>(drawn_file(own));
         file.bytes = file.alone->size();
         file.content = ContentHasher().bytes(*file.alone).hash();
         file.map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(own)));
       }
-      const std::string name = scene::piece_name(object.name, fracture, p, i);
-      if (auto loaded = load_piece(object, piece, std::move(file), name, frame); !loaded)
+      if (auto loaded = load_piece(object, piece, {p, i}, std::move(file), frame); !loaded)
         return fail(loaded.error().kind, "object \"{}\" cannot break: {}", object.name, loaded.error().message);
     }
   }
   return sets;
 }
 
-Result<void> ScenePieces::load_piece(const ObjectState& object, const breaking::BodyPiece& piece, BankFile file,
-                                     const std::string& name, synth::Frame frame) {
+Result<void> ScenePieces::load_piece(const ObjectState& object, const breaking::BodyPiece& piece, const Place& place,
+                                     BankFile file, synth::Frame frame) {
+  const std::string name = scene::piece_name(object.name, *object.map->bank().fracture, place.pattern, place.piece);
   if (const auto known = rack_.find({.name = name}); known && !contains((*known)->number))
     return fail(ErrorKind::refused, "an object \"" + name + "\" exists already");
-  // No path leads to a piece without modes, which is no model of the file.
-  const std::filesystem::path whole = modal::split_bank_path(object.bank).file;
-  const std::filesystem::path path =
-      piece.map ? modal::bank_path({whole, {piece.model}}) : std::filesystem::path(whole.string() + "#" + name);
-  const auto number = rack_.add(name, path, std::move(file));
+  // A piece without modes is no model of the file.
+  modal::BankPath path{modal::split_bank_path(object.bank).file, {piece.model}};
+  if (!piece.map) path.model = {.number = place.pattern, .piece = place.piece};
+  const auto number = rack_.add(name, modal::bank_path(path), std::move(file));
   if (!number) return fail(number);
   loaded_.insert(*number);
   {

@@ -53,8 +53,11 @@ class ScenePieces {
   [[nodiscard]] bool is_broken(synth::ObjectNumber object) const { return object < broken_.size() && broken_[object]; }
 
  private:
-  Result<void> load_piece(const ObjectState& object, const breaking::BodyPiece& piece, BankFile file,
-                          const std::string& name, synth::Frame frame);
+  struct Place {
+    std::size_t pattern, piece;  // numbers
+  };
+  Result<void> load_piece(const ObjectState& object, const breaking::BodyPiece& piece, const Place& place,
+                          BankFile file, synth::Frame frame);
   void free(const std::set<synth::ObjectNumber>& numbers) const;
 
   Rack& rack_;

@@ -50,6 +50,27 @@ inline modal::Bank breaking_plate(const PlateGrid& grid = {}) {
   return plate;
 }
 
+// The plate in two halves, each of which breaks again into its half of the grid; `along` is even. The plate's own
+// vibration never pays for the fine pattern.
+inline modal::Bank nested_plate(const PlateGrid& grid = {}) {
+  PlateGrid halves = grid;
+  halves.along = 2;
+  halves.across = 1;
+  modal::Bank plate = breaking_plate(halves);
+  modal::Fracture fracture = *plate.fracture;
+  modal::BreakPattern fine = breaking_plate(grid).fracture->patterns[0];
+  for (std::size_t i = 0; i < fine.pieces.size(); ++i) {
+    fine.pieces[i].coarser = i % grid.along * 2 / grid.along;
+    fine.pieces[i].from_coarser = fine.pieces[i].handover;
+  }
+  fine.crack_area_m2 = 1;
+  fracture.patterns.push_back(std::move(fine));
+  fracture.crack_energy_j_m2 = 1e6;
+  for (modal::PieceBank& half : fracture.patterns[0].pieces) half.crack_area_m2 = 0.5;
+  plate.fracture = std::make_shared<const modal::Fracture>(std::move(fracture));
+  return plate;
+}
+
 // The plate as object 0, and its pieces as objects 1 and up.
 inline std::vector<scene::SoundingObject> plate_objects(const modal::Bank& plate, const std::string& name = "plate") {
   std::vector<scene::SoundingObject> objects{sounding(name, 0, plate)};

@@ -4,12 +4,15 @@
 #include "engine/modal/bank_file.h"
 #include "engine/modal/fracture/fracture.h"
 #include "engine/modal/strike_map.h"
+#include "engine/scene/scene_file.h"
 #include "tests/scene/box_bank.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -85,6 +88,56 @@ TEST(BreakingPresets, HarderFallsMakeMorePieces) {
   const Fallen low = twenty_fall(tumbler, 90, 0.75, 0.05), high = twenty_fall(tumbler, 90, 3, 0.05);
   EXPECT_EQ(high.broken, kSeeds);
   EXPECT_GT(high.pieces * low.broken, low.pieces * high.broken);
+}
+
+// Prints the table in docs/how/fracture.md.
+TEST(BreakingPresets, DISABLED_TheTableOfFalls) {
+  for (const char* name :
+       {"tumbler", "wine-glass", "bottle", "window-pane", "dinner-plate", "ceramic-tile", "flower-pot"}) {
+    const Preset preset(name);
+    std::string row = std::string("| `") + name + "` |";
+    for (const double degrees : {0.0, 90.0, 137.0}) {
+      for (const double height_m : {0.05, 0.75}) {
+        row += " " + std::to_string(twenty_fall(preset, degrees, height_m, 0.15).broken);
+        row += height_m < 0.1 ? "," : " |";
+      }
+    }
+    std::puts(row.c_str());
+  }
+}
+
+// Prints the ten longest steps of the scene `bull`, in processor time.
+TEST(BreakingPresets, DISABLED_TheCostOfBull) {
+  const std::filesystem::path presets = std::filesystem::path(RINGDOWN_SOURCE_DIR) / "presets";
+  const SceneDescription scene = read_scene(presets / "scenes/bull.toml", presets).value();
+  std::vector<SoundingObject> objects;
+  for (const ObjectDescription& object : scene.objects) {
+    const Preset preset(object.bank.stem().string());
+    objects.push_back(
+        {object.name, static_cast<synth::ObjectNumber>(objects.size()), preset.bank, preset.map, preset.pieces});
+  }
+  World world = test::world_of(scene, objects);
+  struct Cost {
+    double ms = 0, at_s = 0;
+    std::size_t bodies = 0;
+    std::string notice;
+  };
+  std::vector<Cost> costs;
+  const auto now_ms = [] {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+  };
+  while (world.time_s() < scene.duration_s) {
+    const double begin_ms = now_ms(), at_s = world.time_s();
+    const StepReport report = world.step();
+    costs.push_back({now_ms() - begin_ms, at_s, 0, report.notices.empty() ? "" : report.notices[0]});
+    if (costs.back().ms > 2) costs.back().bodies = world.bodies().size();
+  }
+  std::ranges::sort(costs, std::ranges::greater(), &Cost::ms);
+  for (std::size_t i = 0; i < 10; ++i)
+    std::printf("%.2f ms at %.3f s, %zu bodies %s\n", costs[i].ms, costs[i].at_s, costs[i].bodies,
+                costs[i].notice.c_str());
 }
 
 // A tile is thick, so most of its pieces have no mode below 20 kHz, and the others ring for a shorter time.

@@ -139,6 +139,33 @@ TEST_F(Breaking, ABodyBreaksOnceAndIsMended) {
   EXPECT_TRUE(session.play(protocol::Strike{{.name = "bar"}, {kPoint, {0, 0, 1}, 0}}, 0));
 }
 
+// A piece that has pieces is an object that breaks, and goes with the body's pieces when the body is mended.
+TEST_F(Breaking, APieceBreaksAgain) {
+  const auto map =
+      std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(test::bar_in_two_and_four()));
+  Session one(kSampleRate);
+  ASSERT_TRUE(one.rack().add("b", "b.glb", {.map = map}));
+  const auto blow_on = [](const std::string& name, int pattern) {
+    return BreakObject{{.name = name}, kPoint, {0, 0, 0.02}, 2e-4, pattern};
+  };
+  ASSERT_EQ(one.perform(blow_on("b", 0), 0).value(), 2);
+  ASSERT_EQ(one.perform(blow_on("b.1", -1), 1000).value(), 2);
+  EXPECT_TRUE(one.rack().find({.name = "b.1.0"}));
+  EXPECT_FALSE(one.perform(blow_on("b.1.0", -1), 2000)) << "it consists of no pieces";
+  const auto again = one.perform(blow_on("b.1", -1), 2000);
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.error().message.find("broken"), std::string::npos);
+  const auto report = one.breakage().report({.name = "b.1"});
+  ASSERT_TRUE(report);
+  Vec3 momentum;
+  for (const auto& piece : report->pieces) momentum = momentum + piece.mass.mass_kg * piece.velocity_m_s;
+  EXPECT_NEAR(momentum.z, 0.01, 1e-9) << "half of the blow on the piece";
+  EXPECT_GT(test::peak(render(one, 4000)), 0);
+  ASSERT_TRUE(one.perform(protocol::MendObject{{.name = "b"}}, 4000));
+  for (const char* name : {"b.0", "b.1", "b.1.0", "b.1.1"}) EXPECT_FALSE(one.rack().find({.name = name})) << name;
+  ASSERT_EQ(one.perform(blow_on("b", 1), 5000).value(), 4) << "whole again, and into the fine pieces at once";
+}
+
 // The harder blow pays for the finer pattern.
 TEST_F(Breaking, AWeakBlowMakesFewPieces) {
   modal::Bank bar = test::quiet_bar_bank(6);

@@ -110,6 +110,35 @@ TEST_F(BreakingScene, PiecesAreObjectsOfTheSceneUntilItIsCleared) {
   EXPECT_FALSE(session.rack().find({.name = "plate.0"})) << "this scene has no pieces";
 }
 
+// What another daemon needs for the scene's events (--scene-to), and what a score loads: a path to each piece.
+TEST_F(BreakingScene, APieceWithoutModesIsLoadedByItsPathAndClicks) {
+  modal::Bank plate = test::breaking_plate();
+  modal::Fracture fracture = *plate.fracture;
+  modal::PieceBank& silent = fracture.patterns[0].pieces[5];
+  silent.bank.frequency_hz.clear();
+  silent.bank.decay_per_s.clear();
+  silent.bank.shapes.clear();
+  silent.handover.resize(modal::kRigidMotions * (modal::kRigidMotions + 1));
+  plate.fracture = std::make_shared<const modal::Fracture>(std::move(fracture));
+  ASSERT_TRUE(modal::write_bank(plate, folder_ / "plate.glb"));
+  Session scene(kPlateRate_hz), other(kPlateRate_hz);
+  ASSERT_TRUE(scene.scene().load(scene_, 0));
+  for (const ObjectSnapshot& object : scene.rack().objects()) {
+    const auto loaded = other.perform(protocol::LoadObject{object->name, object->bank.string()}, 0);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_EQ((*other.rack().find({.name = object->name}))->map->bank().mode_count(), object->map->bank().mode_count());
+  }
+  const ObjectSnapshot piece = *other.rack().find({.name = "plate.5"});
+  EXPECT_EQ(piece->map->bank().mode_count(), 0u);
+  ASSERT_TRUE(other.rack().push(synth::Producer::worker, {0, piece->number, synth::verb::Click{{0, 0, 0.1}, 1e-4}}));
+  std::vector<float> left(4800), right(4800);
+  other.rack().mixer().render(left, right);
+  EXPECT_GT(*std::ranges::max_element(left), 0);
+  const auto none = other.perform(protocol::LoadObject{"more", (folder_ / "plate.glb#0.12").string()}, 0);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("no piece 12"), std::string::npos) << none.error().message;
+}
+
 TEST_F(BreakingScene, ANameThatIsTakenIsRefusedAndNothingIsLeft) {
   Session session(kPlateRate_hz);
   ASSERT_TRUE(session.rack().load("plate.7", folder_ / "plate.glb"));

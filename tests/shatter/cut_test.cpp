@@ -224,6 +224,29 @@ TEST(ShatterCut, AnyFieldOfACurvedBodyIsAFieldOfItsPieces) {
   }
 }
 
+// A piece of a coarser piece has the same field, whether it comes from the body at once or by way of that piece.
+TEST(ShatterCut, FieldsComeThroughCoarserPieces) {
+  for (const Body& body : {Body{"tube", tube(2, 12, 4)}, {"bowl", bowl(3, 4)}}) {
+    const auto seeds =
+        shatter::make_seeds(body.mesh, {.pattern = shatter::Pattern::kUniform, .pieces = {3, 10}}).value();
+    const CutBody cut = cut_body(body.mesh, seeds.points).value();
+    const std::vector<Level> levels = levels_of(cut, body.mesh, seeds.group_of_cell);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> any(0, 1);
+    Eigen::MatrixXd field(3 * body.mesh.nodes.rows(), 2);
+    for (double& value : field.reshaped()) value = any(random);
+    std::vector<PieceMesh> coarse;
+    for (std::int32_t k = 0; k < std::ssize(levels[0].pieces); ++k)
+      coarse.push_back(piece_mesh(cut, body.mesh, elements_of(levels[0], k)));
+    for (std::int32_t k = 0; k < std::ssize(levels[1].pieces); ++k) {
+      const PieceMesh piece = piece_mesh(cut, body.mesh, elements_of(levels[1], k));
+      const PieceMesh& whole = coarse[static_cast<std::size_t>(levels[1].pieces[static_cast<std::size_t>(k)].coarser)];
+      const Eigen::MatrixXd through = restricted(piece, whole, restricted(whole, body.mesh, field));
+      EXPECT_LT((through - restricted(piece, body.mesh, field)).cwiseAbs().maxCoeff(), 1e-11) << body.name;
+    }
+  }
+}
+
 // A face that belongs to one part only lies on the body's skin.
 TEST(ShatterCut, NeighboursShareFacesAcrossCells) {
   for (const mesh::TetMesh& body : {plate(8), tube(1, 16, 5), shaken(box_mesh({4, 4, 4}, {1, 1, 1}), 0.04)}) {

@@ -74,6 +74,9 @@ TEST(ShatterPieces, LevelsAreNested) {
       for (std::size_t level = 1; level < 3; ++level) {
         EXPECT_GT(levels[level].pieces.size(), levels[level - 1].pieces.size());
         EXPECT_GT(levels[level].crack_area_m2, levels[level - 1].crack_area_m2);
+        double cracks_m2 = levels[level - 1].crack_area_m2;
+        for (const shatter::Piece& piece : levels[level - 1].pieces) cracks_m2 += piece.crack_area_m2;
+        EXPECT_NEAR(cracks_m2 / levels[level].crack_area_m2, 1, 1e-12) << "cracks are inside a piece or between pieces";
         std::vector<double> volumes(levels[level - 1].pieces.size(), 0);
         for (const shatter::Piece& piece : levels[level].pieces) volumes[piece.coarser] += piece.volume_m3;
         for (std::size_t k = 0; k < volumes.size(); ++k) {

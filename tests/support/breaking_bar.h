@@ -63,4 +63,19 @@ inline modal::BreakPattern even_pieces(std::size_t count, std::size_t modes) {
   return pattern;
 }
 
+// The bar in two equal pieces, each of which breaks again in two.
+inline modal::Bank bar_in_two_and_four() {
+  modal::Bank bar = quiet_bar_bank(6);
+  modal::Fracture fracture{.patterns = {even_pieces(2, 6), even_pieces(4, 3)}};
+  const modal::BreakPattern halves = even_pieces(2, 3);
+  for (std::size_t i = 0; i < 4; ++i) {
+    modal::PieceBank& piece = fracture.patterns[1].pieces[i];
+    piece.coarser = i / 2;
+    piece.from_coarser = halves.pieces[i % 2].handover;
+  }
+  for (modal::PieceBank& half : fracture.patterns[0].pieces) half.crack_area_m2 = 1e-5;
+  bar.fracture = std::make_shared<const modal::Fracture>(std::move(fracture));
+  return bar;
+}
+
 }  // namespace ringdown::test

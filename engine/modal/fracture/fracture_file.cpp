@@ -22,6 +22,8 @@ constexpr std::size_t kMaxNumbers = std::size_t{1} << 27;  // of all pieces toge
 constexpr std::size_t kMaxStressPoints = std::size_t{1} << 14;
 constexpr double kMaxStress = 1.01;   // over the mode's largest: at most 1 but for rounding
 constexpr double kStressSteps = 512;  // of a packed stress, for the mode's largest
+constexpr int kHandoverExponent =
+    -17;  // packed entries of handovers from coarser pieces are multiples of 2 to this power
 constexpr double kMaxArea_m2 = 1e12, kMaxCrackEnergy_j_m2 = 1e12, kMaxStrength_pa = 1e15, kMaxModulus = 1e4;
 constexpr const char* kSolid = "one with massProperties, a mass and three moments of inertia above 0";
 
@@ -37,6 +39,10 @@ std::size_t numbers_of(const Bank& bank) {
   if (!bank.radiation) return count;
   for (const FarField& field : bank.radiation->maps.modes) count += 3 * (field.terms.size() + field.levels.size());
   return count;
+}
+
+std::size_t numbers_of(const PieceBank& piece) {
+  return numbers_of(piece.bank) + piece.stress.stress.size() + piece.handover.size() + piece.from_coarser.size();
 }
 
 Result<double> read_size(const JsonPlace& field, double max) {
@@ -97,8 +103,24 @@ Result<StressTable> read_stress(const Glb& glb, const JsonPlace& field, std::siz
   return table;
 }
 
-Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers) {
-  PieceBank piece;
+// Reads how a piece breaks again.
+Result<void> read_second_break(const Glb& glb, const JsonPlace& field, PieceBank& piece) {
+  auto stress = read_stress(glb, field["stress"], piece.bank.mode_count());
+  if (!stress) return fail(stress);
+  piece.stress = std::move(*stress);
+  for (const auto& [key, target] :
+       {std::pair("skinArea", &piece.skin_m2), std::pair("crackArea", &piece.crack_area_m2)}) {
+    if (!field[key].present()) continue;
+    if (auto read = read_positive(field[key], kMaxArea_m2, *target); !read) return fail(read);
+  }
+  if (!field["coarser"].present()) return {};
+  const auto coarser = field["coarser"].index();
+  if (!coarser) return fail(coarser);
+  piece.coarser = *coarser;
+  return {};
+}
+
+Result<PieceBank> read_piece(const Glb& glb, const JsonPlace& field, const PieceReaders& readers) {
   const auto bank = [&]() -> Result<Bank> {
     if (!field["model"].present()) return readers.silent(field);
     const auto model = field["model"].index();
@@ -112,28 +134,52 @@ Result<PieceBank> read_piece(const JsonPlace& field, const PieceReaders& readers
   if (!near_m) return fail(near_m);
   if (!far_m) return fail(far_m);
   if (*far_m < *near_m) return opens.wrong("two distances, the nearer one first");
-  return PieceBank{
+  PieceBank piece{
       .bank = *bank, .handover = {}, .near_m = *near_m, .far_m = *far_m, .model = field["model"].index().value_or(0)};
+  if (auto read = read_second_break(glb, field, piece); !read) return fail(read);
+  return piece;
 }
 
-Result<void> read_handovers(const Glb& glb, const JsonPlace& field, std::size_t columns, BreakPattern& pattern) {
+// Reads the matrices of all pieces of a pattern, which follow each other: of each piece's motions, and of those motions
+// that columns(piece) counts.
+template <class Columns>
+Result<void> read_handovers(const Glb& glb, const JsonPlace& field, BreakPattern& pattern,
+                            std::vector<float> PieceBank::*target, const Columns& columns) {
   const auto numbers = read_floats(glb, field, 1, kMaxHandover);
   if (!numbers) return fail(numbers);
-  std::size_t rows = 0;
-  for (const PieceBank& piece : pattern.pieces) rows += kRigidMotions + piece.bank.mode_count();
-  if (numbers->size() != rows * columns) {
-    return field.wrong(std::to_string(rows * columns) + " numbers: " + std::to_string(columns) + " for each of " +
-                       std::to_string(rows) + " motions of the pieces");
-  }
+  const auto size_of = [&](const PieceBank& piece) {
+    return (kRigidMotions + piece.bank.mode_count()) * (kRigidMotions + columns(piece));
+  };
+  std::size_t size = 0;
+  for (const PieceBank& piece : pattern.pieces) size += size_of(piece);
+  if (numbers->size() != size)
+    return field.wrong(formatted("{} numbers, one for each motion of a piece and each motion of the whole", size));
   if (!std::ranges::all_of(*numbers, [](float x) { return std::abs(x) <= kMaxEntry; }))
     return field.wrong("numbers from -1 to 1");
   auto from = numbers->begin();
   for (PieceBank& piece : pattern.pieces) {
-    const auto to = from + static_cast<std::ptrdiff_t>((kRigidMotions + piece.bank.mode_count()) * columns);
-    piece.handover.assign(from, to);
+    const auto to = from + static_cast<std::ptrdiff_t>(size_of(piece));
+    (piece.*target).assign(from, to);
     from = to;
   }
   return {};
+}
+
+// Reads how the last pattern is nested in the one before. All of its pieces are nested, or none is.
+Result<void> read_nesting(const Glb& glb, const JsonPlace& field, std::vector<BreakPattern>& patterns) {
+  BreakPattern& pattern = patterns.back();
+  const auto nested = [](const PieceBank& piece) { return piece.coarser.has_value(); };
+  if (std::ranges::none_of(pattern.pieces, nested)) return {};
+  if (patterns.size() < 2 || patterns[patterns.size() - 2].at_m != pattern.at_m)
+    return field["pieces"].wrong("pieces without `coarser`, as no pattern of the same place comes before");
+  const std::vector<PieceBank>& coarser = patterns[patterns.size() - 2].pieces;
+  if (!std::ranges::all_of(pattern.pieces,
+                           [&](const PieceBank& p) { return p.coarser && *p.coarser < coarser.size(); })) {
+    return field["pieces"].wrong(
+        formatted("pieces that all have `coarser`, one of the {} pieces of the pattern before", coarser.size()));
+  }
+  return read_handovers(glb, field["handoverFromCoarser"], pattern, &PieceBank::from_coarser,
+                        [&](const PieceBank& piece) { return coarser[*piece.coarser].bank.mode_count(); });
 }
 
 // Adds the components of all modes, each rounded to whole multiples of a power of two.
@@ -151,6 +197,13 @@ std::size_t add_packed_stress(GlbWriter& writer, const std::vector<float>& compo
     words.insert(words.end(), mode.begin(), mode.end());
   }
   return writer.add_exponentials(words, 3);
+}
+
+std::size_t add_packed_handovers(GlbWriter& writer, const std::vector<float>& handovers) {
+  std::vector<std::int32_t> whole;
+  for (const float entry : handovers)
+    whole.push_back(static_cast<std::int32_t>(std::lround(std::ldexp(entry, -kHandoverExponent))));
+  return writer.add_exponentials(exponential_words(whole, kHandoverExponent), 1);
 }
 
 Json stress_json(const StressTable& table, GlbWriter& writer, bool packed) {
@@ -209,15 +262,18 @@ Result<Fracture> read_fracture(const Glb& glb, const JsonPlace& fracture, const 
     if (!area) return fail(area);
     pattern.crack_area_m2 = *area;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-      auto piece = read_piece(pieces[i], readers);
+      auto piece = read_piece(glb, pieces[i], readers);
       if (!piece) return fail(piece);
       pattern.pieces.push_back(std::move(*piece));
-      numbers += numbers_of(pattern.pieces.back().bank);
+      numbers += numbers_of(pattern.pieces.back());
       if (numbers > kMaxNumbers) return pieces.wrong("pieces of at most " + std::to_string(kMaxNumbers) + " numbers");
     }
-    if (auto read = read_handovers(glb, field["handover"], kRigidMotions + body.mode_count(), pattern); !read)
+    if (auto read = read_handovers(glb, field["handover"], pattern, &PieceBank::handover,
+                                   [&](const PieceBank& /*piece*/) { return body.mode_count(); });
+        !read)
       return fail(read);
-    for (const PieceBank& piece : pattern.pieces) numbers += piece.handover.size();
+    if (auto read = read_nesting(glb, field, out.patterns); !read) return fail(read);
+    for (const PieceBank& piece : pattern.pieces) numbers += piece.handover.size() + piece.from_coarser.size();
     if (numbers > kMaxNumbers) return pieces.wrong("pieces of at most " + std::to_string(kMaxNumbers) + " numbers");
   }
   return out;
@@ -228,17 +284,26 @@ Json fracture_json(const Fracture& fracture, GlbWriter& writer, bool packed,
   Json patterns = Json::array();
   for (const BreakPattern& pattern : fracture.patterns) {
     Json pieces = Json::array();
-    std::vector<float> handovers;
+    std::vector<float> handovers, from_coarser;
     for (const PieceBank& piece : pattern.pieces) {
       Json json = describe(piece);
       json["opens"] = {piece.near_m, piece.far_m};
+      if (piece.coarser) json["coarser"] = *piece.coarser;
+      if (piece.skin_m2 > 0) json["skinArea"] = piece.skin_m2;
+      if (piece.crack_area_m2 > 0) json["crackArea"] = piece.crack_area_m2;
+      if (!piece.stress.positions.empty()) json["stress"] = stress_json(piece.stress, writer, packed);
       pieces.push_back(std::move(json));
       handovers.insert(handovers.end(), piece.handover.begin(), piece.handover.end());
+      from_coarser.insert(from_coarser.end(), piece.from_coarser.begin(), piece.from_coarser.end());
     }
-    patterns.push_back({{"at", {pattern.at_m.x, pattern.at_m.y, pattern.at_m.z}},
-                        {"crackArea", pattern.crack_area_m2},
-                        {"handover", writer.add_floats(handovers, 1)},
-                        {"pieces", std::move(pieces)}});
+    Json json = {{"at", {pattern.at_m.x, pattern.at_m.y, pattern.at_m.z}},
+                 {"crackArea", pattern.crack_area_m2},
+                 {"handover", writer.add_floats(handovers, 1)},
+                 {"pieces", std::move(pieces)}};
+    if (!from_coarser.empty())
+      json["handoverFromCoarser"] =
+          packed ? add_packed_handovers(writer, from_coarser) : writer.add_floats(from_coarser, 1);
+    patterns.push_back(std::move(json));
   }
   Json json = {{"patterns", std::move(patterns)}};
   if (!fracture.stress.positions.empty()) json["stress"] = stress_json(fracture.stress, writer, packed);

@@ -51,6 +51,7 @@ ContactSide side_of(const BodyDescription& body, const Solid& solid, const modal
                    .two_way = body.two_way,
                    .center_m = solid.mass.center_m};
   if (!body.fixed) side.mass = solid.mass;
+  if (side.breaks) side.corners_m = solid.shape.points;
   return side;
 }
 

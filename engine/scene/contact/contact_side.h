@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
 namespace ringdown::scene {
 
@@ -18,6 +19,7 @@ struct ContactSide {
   std::optional<RigidMass> mass;              // nothing: immovable
   std::optional<synth::ObjectNumber> object;  // nothing: silent
   bool breaks = false;                        // whether its blows are judged (ContactSounds::judge_by())
+  std::vector<Vec3> corners_m;                // of a body that breaks: its shape's corners, about the centre of mass
   bool two_way = false;                       // whether contacts feel the object's vibration
   Vec3 center_m;                              // centre of mass in the object's frame
 };

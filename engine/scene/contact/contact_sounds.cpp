@@ -241,6 +241,36 @@ void ContactSounds::strike(BodyPair pair, std::span<const ContactPoint* const> p
   if (second_breaks) end_contacts(pair.second, strikes_.front().frame);
 }
 
+// Returns the corners of the body's face between the points of the strikes, in the world: those that are nearly as deep
+// as the deepest one, as many as a meeting may have, spread evenly. Empty if the strikes span no face.
+std::vector<Vec3> ContactSounds::face_around(const ContactSide& side, bool straight) const {
+  constexpr double kMin_m2 = 1e-6, kDepth_m = 1e-4;
+  constexpr std::size_t kMax = 12;
+  std::vector<Vec3> places, corners;
+  for (const PairStrike& strike : strikes_) places.push_back(strike.point->point_m);
+  const ContactPoint& first = *strikes_.front().point;
+  const Vec3 normal = (straight ? 1 : -1) * first.normal;  // into the body
+  if (places.size() < 3 || side.corners_m.empty() || !(patch_area(places, normal) > kMin_m2)) return {};
+  const Motion& motion = straight ? first.motions->of_body : first.motions->of_other;
+  const Matrix3 turn = to_matrix(motion.rotation);
+  double lowest_m = HUGE_VAL;
+  for (const Vec3& corner : side.corners_m) {
+    corners.push_back(motion.position_m + turn * corner);
+    lowest_m = std::min(lowest_m, dot(normal, corners.back()));
+  }
+  std::erase_if(corners, [&](const Vec3& corner) { return dot(normal, corner) > lowest_m + kDepth_m; });
+  if (corners.size() <= places.size()) return {};
+  std::vector<double> distance(corners.size(), HUGE_VAL);
+  std::vector<Vec3> chosen;
+  for (std::size_t next = 0; chosen.size() < std::min(kMax, corners.size());) {
+    chosen.push_back(corners[next]);
+    for (std::size_t k = 0; k < corners.size(); ++k)
+      distance[k] = std::min(distance[k], length(corners[k] - corners[next]));
+    next = static_cast<std::size_t>(std::ranges::max_element(distance) - distance.begin());
+  }
+  return chosen;
+}
+
 // Asks the judge. Where the contact time is that of the whole pair, each point has the part of the mass that its
 // impulse stands for, so that all its springs together bounce in that time.
 std::optional<double> ContactSounds::break_share(BodyId body, BodyId other) const {
@@ -254,22 +284,46 @@ std::optional<double> ContactSounds::break_share(BodyId body, BodyId other) cons
   const double first_s = std::ranges::min_element(strikes, {}, &PairStrike::touched_s)->touched_s;
   BodyBlows blows{.frame = strikes_.front().frame, .strikes = {}, .meeting = {}};
   std::vector<PushedPlace> pushes;
-  const Motion* of_striker = nullptr;
+  const Motion *of_body = nullptr, *of_striker = nullptr;
   for (const auto& [point, lasting_s, frame, touched_s, by_hertz] : strikes) {
     const bool straight = point->body == body;
-    const Motion& motion = straight ? point->motions->of_body : point->motions->of_other;
+    of_body = straight ? &point->motions->of_body : &point->motions->of_other;
     of_striker = straight ? &point->motions->of_other : &point->motions->of_body;
     const Vec3 normal = (straight ? 1 : -1) * point->normal, impulse_ns = (straight ? 1 : -1) * point->impulse_ns;
-    blows.strikes.push_back(strike_of(*point, side, motion, impulse_ns, lasting_s));
+    blows.strikes.push_back(strike_of(*point, side, *of_body, impulse_ns, lasting_s));
+    blows.pressed_ns += dot(impulse_ns, normal);
     const double mass_kg = by_hertz ? 1 / inverse_mass_of(sides_.at(point->body), sides_.at(point->other), *point)
                                     : dot(impulse_ns, normal) / ((1 + bounce) * point->approach_m_s);
     const double stiffness = hertz_stiffness(mass_kg, point->approach_m_s, std::max(lasting_s, kMinContact_s));
     blows.meeting.points.push_back({.point_m = blows.strikes.back().point_m,
-                                    .normal = transpose(to_matrix(motion.rotation)) * normal,
+                                    .normal = transpose(to_matrix(of_body->rotation)) * normal,
                                     .closing_m_s = point->approach_m_s,
                                     .gap_m = (touched_s - first_s) * point->approach_m_s,
                                     .law = {.stiffness = stiffness, .bounce = bounce}});
     pushes.push_back({point->point_m, normal});
+  }
+  if (const std::vector<Vec3> face = face_around(side, strikes_.front().point->body == body); !face.empty()) {
+    const PushedPlace like = pushes.front();
+    breaking::MeetingPoint point = blows.meeting.points.front();
+    // Together, springs of a stated contact time are as stiff as those of the strikes.
+    if (!strikes.front().by_hertz)
+      point.law.stiffness *= static_cast<double>(pushes.size()) / static_cast<double>(face.size());
+    double lowest_m = HUGE_VAL;
+    for (const Vec3& at : face) lowest_m = std::min(lowest_m, dot(like.normal, at));
+    pushes.clear();
+    blows.meeting.points.clear();
+    for (const Vec3& at : face) {
+      double nearest_m = HUGE_VAL;
+      for (const Vec3& other_at : face) {
+        if (&other_at != &at) nearest_m = std::min(nearest_m, length(other_at - at));
+      }
+      blows.meeting.spacing_m = std::max(blows.meeting.spacing_m, nearest_m);
+      point.point_m = to_object(*of_body, side, at);
+      point.closing_m_s = dot(like.normal, of_striker->velocity_at(at) - of_body->velocity_at(at));
+      point.gap_m = dot(like.normal, at) - lowest_m;
+      blows.meeting.points.push_back(point);
+      pushes.push_back({at, like.normal});
+    }
   }
   for (const PushedPlace& at : pushes) {
     for (const PushedPlace& push : pushes)

@@ -33,7 +33,9 @@ struct FrameClock {
 struct BodyBlows {
   synth::Frame frame = 0;                    // of the first touch
   std::vector<synth::verb::Strike> strikes;  // as from rigid bodies
-  breaking::Meeting meeting;                 // of the same points
+  double pressed_ns = 0;                     // the sum of their impulses along the normals
+  // At the places of the strikes, or all around the face on which the body lands: a simulation needs only some of them.
+  breaking::Meeting meeting;
 };
 
 // A pair strikes, and one of its bodies may break. Returns the share of the blows' impulse that has acted when it does;
@@ -95,6 +97,7 @@ class ContactSounds {
   };
   void strike(BodyPair pair, std::span<const ContactPoint* const> points, double now_s, const FrameClock& timeline);
   [[nodiscard]] std::optional<double> break_share(BodyId body, BodyId other) const;
+  [[nodiscard]] std::vector<Vec3> face_around(const ContactSide& side, bool straight) const;
   void end_contacts(BodyId body, synth::Frame frame);
   [[nodiscard]] bool strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
                                     double contact_time_s, synth::Frame frame);

@@ -83,7 +83,14 @@ std::string piece_name(const std::string& whole, const modal::Fracture& fracture
 }
 
 std::size_t BreakingBodies::Pattern::body_count() const {
-  return static_cast<std::size_t>(std::ranges::count_if(pieces, [](const auto& piece) { return piece.has_value(); }));
+  return static_cast<std::size_t>(std::ranges::count_if(pieces, [](const auto& piece) { return piece != nullptr; }));
+}
+
+void BreakingBodies::Pattern::silence(synth::ObjectNumber object) {
+  std::ranges::replace(objects, std::optional(object), std::nullopt);
+  for (const std::shared_ptr<Pattern>& one : finer) {
+    if (one) one->silence(object);
+  }
 }
 
 BreakingBodies::BreakingBodies(SceneBodies& bodies, std::uint64_t seed, double sample_rate_hz)
@@ -104,15 +111,10 @@ Result<void> BreakingBodies::add(BodyId id, const Body& body) {
   auto state = breaking::Breakable::make(map, scale, sample_rate_hz_, 0);
   if (!state) return refuse(state.error().message);
   const modal::Fracture& fracture = state->fracture();
-  Entry entry{.state = *state, .breaks = *body.description.breaks, .strength_pa = {}, .patterns = {}};
-  if (!fracture.stress.positions.empty()) {
-    entry.strength_pa = entry.breaks.strength_pa;
-    if (!entry.strength_pa && fracture.strength && fracture.skin_m2 > 0)
-      entry.strength_pa =
-          modal::drawn_strength_pa(*fracture.strength, scale.size * scale.size * fracture.skin_m2, seed_, id);
-  } else if (entry.breaks.strength_pa) {
+  Entry entry{.state = *state, .breaks = *body.description.breaks, .number = id, .strength_pa = {}, .patterns = {}};
+  entry.strength_pa = strength_of(entry);
+  if (!state->knows_stress() && entry.breaks.strength_pa)
     return refuse("its bank does not know the stress of its modes; bake it again, or give impulse_ns");
-  }
   if (!entry.strength_pa && !entry.breaks.impulse_ns) {
     return refuse(
         "its bank knows no strength; give breaks an impulse_ns, or bake it of a material that has a strength");
@@ -122,8 +124,40 @@ Result<void> BreakingBodies::add(BodyId id, const Body& body) {
     if (!pattern) return refuse(pattern.error().message);
     entry.patterns.push_back(std::move(*pattern));
   }
+  nest(entry.patterns, *state);
   bodies_.insert_or_assign(id, std::move(entry));
   return {};
+}
+
+// Nothing if stress does not break the body.
+std::optional<double> BreakingBodies::strength_of(const Entry& entry) const {
+  if (!entry.state.knows_stress()) return {};
+  if (entry.breaks.strength_pa) return entry.breaks.strength_pa;
+  const modal::Fracture& fracture = entry.state.fracture();
+  if (!fracture.strength || !(fracture.skin_m2 > 0)) return {};
+  const double size = entry.state.material().size;
+  return modal::drawn_strength_pa(*fracture.strength, size * size * fracture.skin_m2, seed_, entry.number);
+}
+
+// Makes the patterns by which pieces break again, from the finest on, because they contain each other.
+void BreakingBodies::nest(std::vector<Pattern>& patterns, const breaking::Breakable& state) {
+  for (std::size_t p = patterns.size() - 1; p-- > 0;) {
+    Pattern& pattern = patterns[p];
+    const Pattern& next = patterns[p + 1];
+    for (std::size_t i = 0; i < pattern.finer.size(); ++i) {
+      const auto& map = pattern.set->pieces()[i].map;
+      if (!pattern.pieces[i] || !pattern.pieces[i]->description.breaks) continue;
+      auto& set = finer_sets_[{pattern.set, i}];
+      if (!set) set = std::make_shared<const breaking::PieceSet>(*map, state.material(), 0);
+      Pattern& own = *(pattern.finer[i] = std::make_shared<Pattern>());
+      own.set = set;
+      for (const std::size_t k : modal::pieces_of_piece(state.fracture(), p, i)) {
+        own.objects.push_back(next.objects[k]);
+        own.pieces.push_back(next.pieces[k]);
+        own.finer.push_back(next.finer[k]);
+      }
+    }
+  }
 }
 
 Result<BreakingBodies::Pattern> BreakingBodies::pattern_of(const Body& body, const SoundingObject& object,
@@ -138,6 +172,7 @@ Result<BreakingBodies::Pattern> BreakingBodies::pattern_of(const Body& body, con
     const SoundingObject* sounds = scene_.store.find_object(piece_name(object.name, fracture, number, i));
     pattern.objects.push_back(sounds ? std::optional(sounds->number) : std::nullopt);
     auto& piece = pattern.pieces.emplace_back();
+    pattern.finer.emplace_back();
     if (mass.mass_kg < std::max(body.description.breaks->min_mass_kg, range::kMass_kg.low)) continue;
     BodyDescription description =
         piece_description(body.description, fracture.patterns[number].pieces[i].bank, state.material(), mass);
@@ -145,14 +180,16 @@ Result<BreakingBodies::Pattern> BreakingBodies::pattern_of(const Body& body, con
     if (sounds) description.object = sounds->name;
     Result<Solid> solid = make_solid(description, nullptr);
     if (!solid) return fail(solid.error().kind, "its piece " + std::to_string(i) + ": " + solid.error().message);
-    piece = {std::move(description), std::move(*solid)};
+    const auto& map = pattern.set->pieces()[i].map;
+    if (map && map->bank().fracture) description.breaks = body.description.breaks;
+    piece = std::make_shared<const PieceBody>(PieceBody{std::move(description), std::move(*solid)});
   }
   return pattern;
 }
 
 void BreakingBodies::silence(synth::ObjectNumber object) {
   for (auto& [id, entry] : bodies_) {
-    for (Pattern& pattern : entry.patterns) std::ranges::replace(pattern.objects, std::optional(object), std::nullopt);
+    for (Pattern& pattern : entry.patterns) pattern.silence(object);
   }
 }
 
@@ -175,11 +212,7 @@ std::optional<double> BreakingBodies::judge(BodyId body, BodyId other, const Bod
     return {};
   };
   Vec3 impulse_ns;
-  double pressed_ns = 0;
-  for (std::size_t i = 0; i < blows.strikes.size(); ++i) {
-    impulse_ns = impulse_ns + blows.strikes[i].impulse_ns;
-    pressed_ns += dot(blows.strikes[i].impulse_ns, blows.meeting.points[i].normal);
-  }
+  for (const synth::verb::Strike& strike : blows.strikes) impulse_ns = impulse_ns + strike.impulse_ns;
   const bool by_impulse = entry.breaks.impulse_ns && length(impulse_ns) >= *entry.breaks.impulse_ns;
   if (!by_impulse && !course.strained_s) return goes_on();
 
@@ -211,9 +244,9 @@ std::optional<double> BreakingBodies::judge(BodyId body, BodyId other, const Bod
                                                                .body = object,
                                                                .pieces = pattern.objects});
   const bool at_once = blows.strikes.front().contact_time_s <= 0;  // an ideal impulse
-  const double share = at_once || !(pressed_ns > 0) ? 1 : std::min(moment.impulse_ns / pressed_ns, 1.0);
-  broken_.push_back(
-      {body, other, object, std::move(entry), level, share, std::move(moment.state), std::move(shattered)});
+  const double share = at_once || !(blows.pressed_ns > 0) ? 1 : std::min(moment.impulse_ns / blows.pressed_ns, 1.0);
+  broken_.push_back({body, other, object, blows.frame, std::move(entry), level, share, std::move(moment.state),
+                     std::move(shattered)});
   bodies_.erase(found);
   return share;
 }
@@ -273,7 +306,6 @@ void BreakingBodies::replace(const Broken& broken, std::vector<std::string>& not
   if (found == scene_.store.bodies().end()) return;  // it left the scene in the same step
   const Body whole = found->second;
   const Pattern& pattern = broken.entry.patterns[broken.pattern];
-  scene_.remove(broken.body);
 
   const Matrix3 turn = to_matrix(whole.motion.rotation);
   std::vector<BodyId> siblings;
@@ -294,11 +326,31 @@ void BreakingBodies::replace(const Broken& broken, std::vector<std::string>& not
     scene_.put(id, scene_.store.bodies().at(id), solid);
     siblings.push_back(id);
     if (i == broken.shattered.under) under = id;
+    if (pattern.finer[i]) follow_piece(broken, i, id);
   }
-  scene_.simulation.keep_from_touching(siblings);
+  scene_.simulation.keep_from_touching(siblings, broken.body);
+  scene_.remove(broken.body);
   if (under) scene_.sounds.pass_on(broken.other, broken.body, *under);
   notices.push_back("body " + quote(whole.description.name) + " broke into " + std::to_string(pattern.pieces.size()) +
                     " pieces");
+}
+
+// Lets a piece break again. It rings already.
+void BreakingBodies::follow_piece(const Broken& broken, std::size_t piece, BodyId id) {
+  const Pattern& pattern = broken.entry.patterns[broken.pattern];
+  const auto object = pattern.objects[piece];
+  auto state = breaking::Breakable::make(pattern.set->pieces()[piece].map, broken.entry.state.material(),
+                                         sample_rate_hz_, broken.frame);
+  if (!object || !state) return;
+  for (const synth::Event& event : broken.shattered.events) {
+    if (event.object == *object) state->follow(event);
+  }
+  const std::uint64_t number = ((broken.entry.number + 1) << 11U) + piece;
+  Entry entry{.state = *state, .breaks = broken.entry.breaks, .number = number, .strength_pa = {}, .patterns = {}};
+  entry.strength_pa = strength_of(entry);
+  if (!entry.strength_pa && !entry.breaks.impulse_ns) return;
+  entry.patterns.push_back(*pattern.finer[piece]);
+  bodies_.insert_or_assign(id, std::move(entry));
 }
 
 }  // namespace ringdown::scene

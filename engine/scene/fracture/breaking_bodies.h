@@ -12,7 +12,8 @@
 // The body breaks at the peak of the force. Half of the blow's impulse is therefore taken back from both bodies, and
 // from what supports them; what then is left of the striker's motion acts on the pieces as new contacts. Each piece
 // starts with the motion that it had as a part of the body: linear and angular momentum are kept to rounding. Pieces
-// below the least mass are heard and have no body. [one thread at a time]
+// below the least mass are heard and have no body. A piece whose bank has pieces itself breaks again, by the same
+// rules: it has a strength of its own, and its motion is followed from the break on. [one thread at a time]
 #pragma once
 
 #include "engine/base/result.h"
@@ -69,12 +70,15 @@ class BreakingBodies {
   struct Pattern {
     std::shared_ptr<const breaking::PieceSet> set;
     std::vector<std::optional<synth::ObjectNumber>> objects;  // of the pieces; nothing: it is not heard
-    std::vector<std::optional<PieceBody>> pieces;             // nothing: it has no body
+    std::vector<std::shared_ptr<const PieceBody>> pieces;     // null: it has no body
+    std::vector<std::shared_ptr<Pattern>> finer;              // of each piece; null: it does not break again
     [[nodiscard]] std::size_t body_count() const;
+    void silence(synth::ObjectNumber object);
   };
   struct Entry {
     breaking::Breakable state;
     Breaks breaks;
+    std::uint64_t number = 0;  // its strength is drawn by it
     std::optional<double> strength_pa;
     std::vector<Pattern> patterns;
     bool crowded = false;  // whether it was said that there is no room for its pieces
@@ -82,6 +86,7 @@ class BreakingBodies {
   struct Broken {
     BodyId body = 0, other = 0;
     synth::ObjectNumber object = 0;
+    synth::Frame frame = 0;
     Entry entry;
     std::size_t pattern = 0;
     double share = 1;  // of the pair's impulse that has acted
@@ -91,6 +96,9 @@ class BreakingBodies {
 
   Result<Pattern> pattern_of(const Body& body, const SoundingObject& object, const breaking::Breakable& state,
                              std::size_t number) const;
+  void nest(std::vector<Pattern>& patterns, const breaking::Breakable& state);
+  [[nodiscard]] std::optional<double> strength_of(const Entry& entry) const;
+  void follow_piece(const Broken& broken, std::size_t piece, BodyId id);
   void take_back(const Broken& broken, std::span<const ContactPoint> points, std::set<BodyId>& taken);
   void replace(const Broken& broken, std::vector<std::string>& notices);
 
@@ -98,6 +106,9 @@ class BreakingBodies {
   std::uint64_t seed_;
   double sample_rate_hz_;
   std::map<BodyId, Entry> bodies_;
+  // The pieces of pieces, made once for all bodies that share their pieces: by the set and the number of the piece.
+  using PieceOfSet = std::pair<std::shared_ptr<const breaking::PieceSet>, std::size_t>;
+  std::map<PieceOfSet, std::shared_ptr<const breaking::PieceSet>> finer_sets_;
   std::vector<Broken> broken_;
   std::vector<std::string> crowded_;  // sentences
 };

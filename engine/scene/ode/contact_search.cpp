@@ -1,5 +1,6 @@
 #include "engine/scene/ode/contact_search.h"
 
+#include "engine/scene/fresh_pairs.h"
 #include "engine/scene/ode/collider.h"
 #include "engine/scene/ode/surface_pairs.h"
 
@@ -173,6 +174,23 @@ bool agree(std::span<const dContactGeom> found) {
   });
 }
 
+// Returns true if two hulls are farther apart than surfaces that touch may be. ODE tests the planes of all faces and of
+// all pairs of edges: 0.1 ms for hulls of 16 corners, most of which do not touch although their boxes overlap. This
+// search takes some hundred products. If it finds no plane between two hulls that are apart, ODE's own search does.
+bool far_apart(const Collider& one, const Collider& two) {
+  constexpr double kFar_m = 2 * SurfacePairs::kMargin_m;
+  const auto hull_of = [](const Collider& collider) {
+    const Motion motion = collider.motion();
+    return PosedHull{collider.shape.points, to_matrix(motion.rotation), motion.position_m};
+  };
+  if (one.shape.points.empty() || two.shape.points.empty()) return false;
+  const PosedHull of_one = hull_of(one), of_two = hull_of(two);
+  const Vec3 way = of_two.position_m - of_one.position_m;
+  if (!(length(way) > 0)) return false;
+  Vec3 direction = (1 / length(way)) * way;
+  return are_apart(of_one, of_two, kFar_m, direction);
+}
+
 // Finds contacts by the surfaces of two bodies if these serve better than ODE's, otherwise by ODE. Hulls whose faces
 // lie on each other rest on the polygon that the faces share, whereas they would rock on corners of round outlines; for
 // hulls that share no face ODE finds a single point. Meshes within each other, such as nested bowls, touch in many
@@ -182,6 +200,7 @@ int find_best(dxGeom* first, dxGeom* second, SurfacePairs& pairs, std::span<dCon
   const Collider& two = collider_of(second);
   if (!SurfacePairs::covers(one, two)) return find_all(first, second, room, part_s);
   if (are_hulls(dGeomGetClass(first), dGeomGetClass(second))) {
+    if (far_apart(one, two)) return 0;
     const int on_faces = find_all(first, second, room, part_s);
     if (on_faces >= kFaceCorners) return on_faces;
     const int count = pairs.find(one, two, part_s, room);

@@ -391,7 +391,9 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
 
 void Simulation::set_filter(BodyId id, const CollisionFilter& filter) { state_->filter.set(id, filter); }
 
-void Simulation::keep_from_touching(std::span<const BodyId> pieces) { state_->fresh.add(pieces); }
+void Simulation::keep_from_touching(std::span<const BodyId> pieces, std::optional<BodyId> whole) {
+  state_->fresh.add(pieces, whole);
+}
 
 void Simulation::remove_body(BodyId id) {
   const OdeLock lock;

@@ -42,8 +42,9 @@ class Simulation {
                 double gravity_factor = 1);
   void set_filter(BodyId id, const CollisionFilter& filter);  // for a body or a static; holds until it is removed
 
-  // Keeps the pieces of a broken body, which are hulls, from touching each other until they have been apart.
-  void keep_from_touching(std::span<const BodyId> pieces);
+  // Keeps the pieces of a broken body, which are hulls, from touching each other until they have been apart. `whole` is
+  // the body, if it is still there.
+  void keep_from_touching(std::span<const BodyId> pieces, std::optional<BodyId> whole = {});
   void remove_body(BodyId id);  // also removes its joints
 
   // Joins two bodies in their present poses, or one body to the world. The names in the description are ignored.

@@ -11,11 +11,8 @@ namespace {
 // A part of the thinner body's thickness up to which bodies may overlap at rest.
 constexpr double kDeepest = 0.2;
 
-// Surfaces that are this close touch, so that a resting body does not lose and find its contacts.
-constexpr double kMargin_m = 1e-4;
-
 // Contacts are reused while two bodies have moved by less than this relative to each other: a new contact could be no
-// nearer than kMargin_m less this.
+// nearer than SurfacePairs::kMargin_m less this.
 constexpr double kSame_m = 3e-5;
 
 struct GeomPose {

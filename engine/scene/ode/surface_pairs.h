@@ -17,6 +17,9 @@ namespace ringdown::scene {
 
 class SurfacePairs {
  public:
+  // Surfaces that are this close touch, so that a resting body does not lose and find its contacts.
+  static constexpr double kMargin_m = 1e-4;
+
   // Returns whether the two shapes' contacts are found by surfaces: not for spheres, planes, and two boxes.
   [[nodiscard]] static bool covers(const Collider& one, const Collider& two);
 
