@@ -367,18 +367,26 @@ public sealed class Mixer : IDisposable {
     if (left.Length != right.Length) throw new ArgumentException("left and right must be of one length");
     Native.ringdown_render(handle_, left, right, (UIntPtr)left.Length);
   }
-  // [audio] Left and right, and the first ambisonic channels: AmbiX, ACN order, SN3D. All are as long as the block.
-  public void Render(float[] left, float[] right, float[][] ambisonics) {
-    if (left.Length != right.Length || Array.Exists(ambisonics, channel => channel.Length != left.Length))
-      throw new ArgumentException("all channels must be of one length");
+  // [audio] Left and right, the first ambisonic channels (AmbiX, ACN order, SN3D), and the first pickups. All are as long
+  // as the block.
+  public void Render(float[] left, float[] right, float[][] ambisonics, params float[][] pickups) {
     if (ambisonics.Length > Native.kAmbisonicChannels) throw new ArgumentException("there are at most 16 ambisonic channels");
-    var pinned = new GCHandle[2 + ambisonics.Length];
-    try {
-      for (int c = 0; c < pinned.Length; ++c) {
-        pinned[c] = GCHandle.Alloc(c == 0 ? left : c == 1 ? right : ambisonics[c - 2], GCHandleType.Pinned);
-        (c < 2 ? block_.Mix : block_.Ambisonics)[c < 2 ? c : c - 2] = pinned[c].AddrOfPinnedObject();
+    if (pickups.Length > Native.kPickups) throw new ArgumentException("there are at most 8 pickups");
+    var pinned = new GCHandle[2 + ambisonics.Length + pickups.Length];
+    int used = 0;
+    Action<float[][], IntPtr[]> pin = (channels, pointers) => {
+      for (int c = 0; c < pointers.Length; ++c) {
+        pointers[c] = IntPtr.Zero;
+        if (c >= channels.Length) continue;
+        if (channels[c].Length != left.Length) throw new ArgumentException("all channels must be of one length");
+        pinned[used] = GCHandle.Alloc(channels[c], GCHandleType.Pinned);
+        pointers[c] = pinned[used++].AddrOfPinnedObject();
       }
-      for (int c = ambisonics.Length; c < Native.kAmbisonicChannels; ++c) block_.Ambisonics[c] = IntPtr.Zero;
+    };
+    try {
+      pin(new[] { left, right }, block_.Mix);
+      pin(ambisonics, block_.Ambisonics);
+      pin(pickups, block_.Pickups);
       block_.Frames = (UIntPtr)left.Length;
       Native.ringdown_render_all(handle_, ref block_);
     } finally {
@@ -417,17 +425,19 @@ static class Native {
     public int ExactContacts, AmbisonicOrder, Threads;
     public IntPtr Head;
   }
-  internal const int kAmbisonicChannels = 16;
+  internal const int kAmbisonicChannels = 16, kPickups = 8;
   [StructLayout(LayoutKind.Sequential)]
   internal struct Block {
     public UIntPtr Size, Frames;
     [MarshalAs(UnmanagedType.ByValArray, SizeConst = 2)] public IntPtr[] Mix;
     [MarshalAs(UnmanagedType.ByValArray, SizeConst = kAmbisonicChannels)] public IntPtr[] Ambisonics;
     [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public IntPtr[] Inputs;
+    [MarshalAs(UnmanagedType.ByValArray, SizeConst = kPickups)] public IntPtr[] Pickups;
 
     internal static Block Empty() {
       return new Block { Size = (UIntPtr)Marshal.SizeOf(typeof(Block)), Mix = new IntPtr[2],
-                         Ambisonics = new IntPtr[kAmbisonicChannels], Inputs = new IntPtr[4] };
+                         Ambisonics = new IntPtr[kAmbisonicChannels], Inputs = new IntPtr[4],
+                         Pickups = new IntPtr[kPickups] };
     }
   }
   [DllImport(kLibrary)] internal static extern int ringdown_bank_open(byte[] path, out IntPtr bank, IntPtr error);

@@ -250,7 +250,7 @@ RINGDOWN_API ringdown_result ringdown_set_sample_rate(ringdown_mixer* mixer, dou
 
 /* ---- Objects [worker] -------------------------------------------------------------------------------------------- */
 
-enum { RINGDOWN_MAX_OBJECTS = 2048, RINGDOWN_MAX_DAMPERS = 8, RINGDOWN_MAX_INPUTS = 4 };
+enum { RINGDOWN_MAX_OBJECTS = 2048, RINGDOWN_MAX_DAMPERS = 8, RINGDOWN_MAX_INPUTS = 4, RINGDOWN_MAX_PICKUPS = 8 };
 
 /* Adds an object that plays the bank and writes its number, which all other functions take, to `object`. An existing
  * object of this name gets the new bank and keeps its number; ringing sounds continue with the old bank. A name has 1
@@ -568,7 +568,7 @@ RINGDOWN_API ringdown_result ringdown_listener_air(ringdown_mixer* mixer, int64_
 /* Writes the next `frames` frames of left and right, any number, which need not be the same each time. */
 RINGDOWN_API void ringdown_render(ringdown_mixer* mixer, float* left, float* right, size_t frames);
 
-/* Renders the next frames with ambisonic channels and inputs. A NULL pointer is a channel that is not needed, which
+/* Renders the next frames with ambisonic channels, inputs and pickups. A NULL pointer is a channel that is not needed, which
  * costs nothing, or an input that is silent. */
 typedef struct ringdown_block {
   size_t size;                              /* sizeof the struct; smaller blocks render nothing */
@@ -576,6 +576,7 @@ typedef struct ringdown_block {
   float* mix[2];                            /* left, right */
   float* ambisonics[16];                    /* AmbiX: ACN order, SN3D; without limiter, not delayed */
   const float* inputs[RINGDOWN_MAX_INPUTS]; /* ringdown_excite() */
+  float* pickups[RINGDOWN_MAX_PICKUPS];     /* ringdown_pickup(): number 1 is the first */
 } ringdown_block;
 RINGDOWN_API void ringdown_render_all(ringdown_mixer* mixer, const ringdown_block* block);
 
