@@ -32,7 +32,7 @@ inline constexpr Quantity kCorrelation{"m", 1e-7, 10};
 inline constexpr Quantity kSpectralSlope{"", -10, 0};
 inline constexpr Quantity kDamperNumber{"", 0, modal::kMaxDampers - 1};
 inline constexpr Quantity kInput{"", 1, kMaxInputs};
-inline constexpr Quantity kPickup{"", 1, synth::kMaxPickups};
+inline constexpr Quantity kPickup{"", 1, kMaxPickups};
 inline constexpr Quantity kMotion{"", 0, 2};
 inline constexpr Quantity kSensitivity{"", -1e12, 1e12};
 inline constexpr Quantity kContactTime{"s", 0, 0.1};

@@ -254,6 +254,20 @@ public sealed class Mixer : IDisposable {
   public void Pan(uint body, double pan, long frame = 0) {
     eventFailure_.Check(Native.ringdown_pan(handle_, frame, body, pan, eventFailure_.Room));
   }
+  // Sends the motion of a point of the object to an output of its own, as a contact microphone or a laser vibrometer
+  // measures it: port pickup_1 to pickup_8. Gain, pan, mute and listener do not change it. A pickup of this number on
+  // another object moves here; a direction of 0 0 0 removes it.
+  public void Pickup(uint body, Vector point, Vector direction, uint bus = 1, uint motion = 1, double gain = 1,
+                     long frame = 0) {
+    var args = new Native.PickupArgs();
+    Native.ringdown_pickup_args_init(ref args, (UIntPtr)Marshal.SizeOf(typeof(Native.PickupArgs)));
+    args.Point = point;
+    args.Direction = direction;
+    args.Bus = bus;
+    args.Motion = motion;
+    args.Gain = gain;
+    eventFailure_.Check(Native.ringdown_pickup(handle_, frame, body, ref args, eventFailure_.Room));
+  }
   // Starts modes without a strike, each as a sine from 0.
   public void Ring(uint body, uint first, uint count = 1, double amplitude = 0.1, long frame = 0) {
     eventFailure_.Check(Native.ringdown_ring(handle_, frame, body, first, count, amplitude, eventFailure_.Room));
@@ -470,6 +484,18 @@ static class Native {
                                                                  double ramp, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_pan(IntPtr mixer, long frame, uint body, double pan,
                                                                 IntPtr error);
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct PickupArgs {
+    public UIntPtr Size;
+    public Vector Point;
+    public Vector Direction;
+    public uint Bus;
+    public uint Motion;
+    public double Gain;
+  }
+  [DllImport(kLibrary)] internal static extern void ringdown_pickup_args_init(ref PickupArgs args, UIntPtr size);
+  [DllImport(kLibrary)] internal static extern int ringdown_pickup(IntPtr mixer, long frame, uint body,
+                                                                   ref PickupArgs args, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_ring(IntPtr mixer, long frame, uint body, uint first,
                                                                  uint count, double amplitude, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_impart(IntPtr mixer, long frame, uint body, uint mode,

@@ -407,6 +407,26 @@ RINGDOWN_API ringdown_result ringdown_gain(ringdown_mixer* mixer, int64_t frame,
 RINGDOWN_API ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double pan,
                                           ringdown_error* error);
 
+/* Sends the motion of a point of the object to an output of its own, as a contact microphone or a laser vibrometer
+ * measures it: port pickup_1 to pickup_8. Gain, pan, mute and listener do not change it. A pickup of this number on
+ * another object moves here; a direction of 0 0 0 removes it. */
+typedef struct ringdown_pickup_args {
+  size_t size; /* sizeof the struct, as _init sets it */
+  /* The point; the surface point nearest to it counts. */
+  double point_m[3];
+  /* The direction of the motion; any length. */
+  double direction[3];
+  /* The pickup's number, and that of its output. 1 ... 8, default 1. */
+  uint32_t bus;
+  /* 0 is displacement, 1 velocity, 2 acceleration. 0 ... 2, default 1. */
+  uint32_t motion;
+  /* The sample for a motion of 1 m, 1 m/s or 1 m/s2. -1e12 ... 1e12, default 1. */
+  double gain;
+} ringdown_pickup_args;
+RINGDOWN_API void ringdown_pickup_args_init(ringdown_pickup_args* args, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_pickup(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                             const ringdown_pickup_args* args, ringdown_error* error);
+
 /* Starts modes without a strike, each as a sine from 0. first: The lowest of these modes; mode 0 has the lowest
  * frequency. 0 ... 16777215. count: The number of modes, counted upwards. 0 ... 2147483647, default 1. amplitude: The
  * amplitude of each mode, at gain 1, before the pan; 1 is full scale. 0 ... 1, default 0.1. */

@@ -146,7 +146,7 @@ Result<void> Rack::set_heard(const ObjectRef& ref, bool ObjectState::*flag, bool
   return {};
 }
 
-static_assert(protocol::kMaxInputs == synth::kMaxInputs);
+static_assert(protocol::kMaxInputs == synth::kMaxInputs && protocol::kMaxPickups == synth::kMaxPickups);
 
 Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& point_m, const Vec3& force_n) {
   const auto found = find(ref);
