@@ -116,8 +116,7 @@ Cases pickup_cases() {
   const std::string a = "/object/bell/pickup";
   return {{{a, {1, 2, 3, 0, 0, -1}, claim<SetPickup>([](const SetPickup& p) {
               return p.object == named("bell") && p.verb.point_m == Vec3{1, 2, 3} &&
-                     p.verb.direction == Vec3{0, 0, -1} && p.verb.number == 1 && p.verb.motion == 1 &&
-                     p.verb.gain == 1;
+                     p.verb.direction == Vec3{0, 0, -1} && p.verb.number == 1 && p.verb.motion == 1 && p.verb.gain == 1;
             })},
            {a, {0, 0, 0, 0, 0, 0, 8, 2, -1e6}, claim<SetPickup>([](const SetPickup& p) {
               return p.verb.direction == Vec3{} && p.verb.number == 8 && p.verb.motion == 2 && p.verb.gain == -1e6;

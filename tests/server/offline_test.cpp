@@ -202,9 +202,8 @@ clicks = false
 TEST_F(OfflineTest, PickupsOfAScoreAreAFileOfTheirOwn) {
   ASSERT_TRUE(modal::write_bank(test::single_mode_bank(440, 3), folder_ / "one.glb"));
   const protocol::ObjectRef one{.name = "one"};
-  const std::vector<wire::ScoreEvent> score{
-      {0.1, format(protocol::SetPickup{one, {{1, 0, 0}, {0, 0, 1}, 2, 0, 1e6}})},
-      {0.2, format(protocol::Strike{one, {{1, 0, 0}, {0, 0, 0.01}, 0}})}};
+  const std::vector<wire::ScoreEvent> score{{0.1, format(protocol::SetPickup{one, {{1, 0, 0}, {0, 0, 1}, 2, 0, 1e6}})},
+                                            {0.2, format(protocol::Strike{one, {{1, 0, 0}, {0, 0, 0.01}, 0}})}};
   OfflineOptions options{.score = score, .objects = {{"one", folder_ / "one.glb"}}, .seconds = 0.5, .fade_s = 0.1};
   const auto go = [](double) { return true; };
   const auto done = render_to_file(options, folder_ / "sound.wav", go, {.pickups = folder_ / "felt.wav"});

@@ -68,7 +68,8 @@ class Crowd {
       const protocol::Strike blow{{.name = name(random() % kObjects)}, {{0.1, 0, 0}, {0, 0.01, 0.02}, 0}};
       strikes += session_.play(blow, now + static_cast<synth::Frame>(random() % 100)).has_value();
       const protocol::SetPickup pickup{
-          blow.object, {{0.1, 0, 0}, random() % 2 == 0 ? Vec3{0, 0, 1} : Vec3{}, 1 + static_cast<std::uint32_t>(random() % 8)}};
+          blow.object,
+          {{0.1, 0, 0}, random() % 2 == 0 ? Vec3{0, 0, 1} : Vec3{}, 1 + static_cast<std::uint32_t>(random() % 8)}};
       if (random() % 16 == 0) static_cast<void>(session_.play(pickup, now));
       std::this_thread::yield();
     }

@@ -48,7 +48,8 @@ struct Felt {
   std::array<Samples, kMaxPickups> of;
 };
 
-// The answer of a place to an impulse of unit modal velocity, `frames` after it: displacement, velocity or acceleration.
+// The answer of a place to an impulse of unit modal velocity, `frames` after it: displacement, velocity or
+// acceleration.
 double answer(double frequency_hz, double decay_per_s, double seconds, std::uint32_t motion) {
   const std::complex<double> s(-decay_per_s, 2 * std::numbers::pi * frequency_hz);
   std::complex<double> z = std::exp(s * seconds) / std::complex<double>(0, s.imag());

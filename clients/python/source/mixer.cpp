@@ -161,7 +161,8 @@ void add_sound(Class& mixer) {
           py::arg("array"), py::arg("ambisonics") = py::none(), py::arg("inputs") = py::none(),
           py::arg("pickups") = py::none(),
           "Fills an array of frames x 2 numbers of type float32 with the next frames, without a copy if its columns "
-          "are contiguous (order='F'); and `ambisonics`, if given, with the ambisonic channels, and `pickups`, frames x "
+          "are contiguous (order='F'); and `ambisonics`, if given, with the ambisonic channels, and `pickups`, frames "
+          "x "
           "8, with the motion that pickups feel.")
       .def(
           "render_ambisonics",

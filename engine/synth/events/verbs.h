@@ -271,9 +271,8 @@ struct Rub {
 
 // The verbs that every door has, in the order of the reference.
 using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Pickup, verb::Ring,
-                          verb::Impart,
-                          verb::Clear, verb::Choke, verb::Contact, verb::Bow, verb::Mallet, verb::Couple, verb::Click,
-                          verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
+                          verb::Impart, verb::Clear, verb::Choke, verb::Contact, verb::Bow, verb::Mallet, verb::Couple,
+                          verb::Click, verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
 using Verbs = Joined<PublicVerbs, Types<verb::Collision, verb::Rub>>;
 using Verb = OneOf<Verbs>;
 

@@ -1,8 +1,9 @@
-// Pickups: outputs that carry the motion of one place of an object, as a contact microphone or a laser vibrometer would.
+// Pickups: outputs that carry the motion of one place of an object, as a contact microphone or a laser vibrometer
+// would.
 //
 // A pickup lies on one object from its event's frame on, until one of the same number lies elsewhere, it is removed, or
-// the object is gone. It does not care for the object's gain, pan or place: it feels the sum of the modes' shapes at its
-// point times their displacement, velocity or acceleration, in every sample and however the sound is rendered
+// the object is gone. It does not care for the object's gain, pan or place: it feels the sum of the modes' shapes at
+// its point times their displacement, velocity or acceleration, in every sample and however the sound is rendered
 // (modes/probes.h). What rings out of an older bank of the object is felt, too, as long as no third bank has come.
 //
 // There is a fixed number of places for pickups, which the audio thread takes and gives back. [audio, after

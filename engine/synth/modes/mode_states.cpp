@@ -71,8 +71,8 @@ bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std:
 
 // Renders the modes that exchange energy, whose states are zero meanwhile. Modes that are heard by gains of their own
 // stay in the kernels, and so do all while modes are muted.
-Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, double* out,
-                         std::size_t frames, std::span<const Probes::One> probes) REALTIME {
+Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, double* out, std::size_t frames,
+                         std::span<const Probes::One> probes) REALTIME {
   const bool allowed = !muting && states.for_kernel(0).hearing == nullptr;
   return coupling.render(states.re(), states.im(), allowed, out, frames, probes);
 }

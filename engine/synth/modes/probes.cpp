@@ -5,8 +5,8 @@
 namespace ringdown::synth {
 namespace {
 
-// How a probe hears modes. Where a listener hears them Doppler-shifted, the states run in that shifted time, and so does
-// the probe.
+// How a probe hears modes. Where a listener hears them Doppler-shifted, the states run in that shifted time, and so
+// does the probe.
 Hearing hearing_of(const Probes::One& probe, const ModeArrays& modes) REALTIME {
   Hearing hearing{.gain_re = probe.gain_re, .gain_im = probe.gain_im};
   if (modes.hearing == nullptr) return hearing;

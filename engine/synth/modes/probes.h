@@ -18,8 +18,8 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMaxProbes = 2 * kMaxPickups;     // of a voice: in one chunk pickups may leave and come
-inline constexpr std::size_t kMaxProbedColumns = 4096;         // of a voice's modes; with more, nothing is probed
+inline constexpr std::size_t kMaxProbes = 2 * kMaxPickups;  // of a voice: in one chunk pickups may leave and come
+inline constexpr std::size_t kMaxProbedColumns = 4096;      // of a voice's modes; with more, nothing is probed
 
 class Probes {
  public:

@@ -101,7 +101,7 @@ bool Object::play_next(const Chunk& chunk, Workspace& workspace) REALTIME {
 struct Object::Play {
   // The stage, the listener or a TouchGroup plays these.
   using Elsewhere = Types<verb::Click, verb::Bow, verb::Mallet, verb::Couple, verb::Collision, verb::Rub, verb::Pickup,
-                          verb::Pose,                          verb::Listener, verb::ListenerOff, verb::ListenerAir>;
+                          verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
 
   Object& object;
   Frame frame;
@@ -336,7 +336,8 @@ bool Object::can_share(Frame now) const REALTIME {
   const Voice* const voice = voices.current();
   const InstanceGroup* const group = voice ? voice->table().instances : nullptr;
   if (voice && voice->table().glide) return false;  // its pitch depends on its own amplitude
-  if (!group || touched || pickups.any() || voices.has_tails() || !exciters.all().empty() || voice->counts().fading) return false;
+  if (!group || touched || pickups.any() || voices.has_tails() || !exciters.all().empty() || voice->counts().fading)
+    return false;
   // Gains are part of the group's sums, and what is absurdly loud should not depend on sharing.
   if (std::abs(strip.final_gain()) > kMaxSharedGain) return false;
   return group->accepts(strip.bus()) && strip.still_at(now);

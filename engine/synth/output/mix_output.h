@@ -49,7 +49,7 @@ class MixOutput {
 
   std::optional<Limiter> limiter_;
   std::optional<Binaural> binaural_;
-  Outputs outputs_;                    // outputs of the present block
+  Outputs outputs_;                                      // outputs of the present block
   float mix_peak_ = 0, bus_peak_ = 0, pickup_peak_ = 0;  // largest |sample| written to mix, buses and pickups
   std::vector<float> spare_left_ = std::vector<float>(kMaxSpare), spare_right_ = spare_left_;
 };
