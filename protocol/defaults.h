@@ -17,4 +17,7 @@ inline constexpr std::uint32_t kMaxBankBytes = 8192, kMaxSoundFrames = 256, kMax
 // Audio inputs that may excite objects.
 inline constexpr std::uint32_t kMaxInputs = 4;
 
+// Pickups of a mixer, each with an output of its own.
+inline constexpr std::uint32_t kMaxPickups = 8;
+
 }  // namespace ringdown::protocol

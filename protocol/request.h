@@ -54,6 +54,7 @@ using Strike = RequestOf<synth::verb::Strike>;
 using StrikeVertex = RequestOf<synth::verb::StrikeVertex>;
 using SetGain = RequestOf<synth::verb::Gain>;
 using SetPan = RequestOf<synth::verb::Pan>;
+using SetPickup = RequestOf<synth::verb::Pickup>;
 using RingModes = RequestOf<synth::verb::Ring>;
 using ClearObject = RequestOf<synth::verb::Clear>;
 using SetContact = RequestOf<synth::verb::Contact>;

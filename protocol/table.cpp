@@ -108,6 +108,24 @@ Row row(SetPan& s) {
                 {object(&s.object), number(&s.verb.pan, "pan", kPan, "-1 is left, 0 the middle, 1 right.")});
 }
 
+Row row(SetPickup& s) {
+  return silent(
+      s = {kBell, {{0.05, 0, 0.02}, {1, 0, 0}, 1, 1, 10}}, "/object/{object}/pickup",
+      "Sends the motion of a point of the object to an output of its own, as a contact microphone or a laser "
+      "vibrometer "
+      "measures it: port pickup_1 to pickup_8. Gain, pan, mute and listener do not change it. A pickup of this number "
+      "on "
+      "another object moves here; a direction of 0 0 0 removes it.",
+      {object(&s.object),
+       vector(&s.verb.point_m, "point", {"x", "y", "z"}, kPosition,
+              "The point; the surface point nearest to it counts."),
+       vector(&s.verb.direction, "direction", {"dx", "dy", "dz"}, kDirection,
+              "The direction of the motion; any length."),
+       optional(integer(&s.verb.number, "bus", kPickup, "The pickup's number, and that of its output.")),
+       optional(integer(&s.verb.motion, "motion", kMotion, "0 is displacement, 1 velocity, 2 acceleration.")),
+       optional(number(&s.verb.gain, "gain", kSensitivity, "The sample for a motion of 1 m, 1 m/s or 1 m/s2."))});
+}
+
 Row row(SetMaterial& s) {
   return answered(
       s = {kBell, {1, 1, 1, 4, 0.5}}, "/object/{object}/material",

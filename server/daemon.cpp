@@ -307,7 +307,7 @@ Result<void> Daemon::play(wire::OscSocket socket) {
                                              session_.scene().advance_to(frame, std::nullopt);
                                              wait_for_capture(session_.rack().mixer());
                                            },
-                                       .buses = [&rack] { return rack.buses().names(); },
+                                       .buses = [&rack] { return rack.ports(); },
                                        .inputs = [&rack] { return rack.inputs(); },
                                        .notes = [this] { return notes_.table(); },
                                        .notes_played = rack.observers().notes_played()});

@@ -45,7 +45,8 @@ class Driver {
     // Advances the scene to this frame; may block. The driver calls it before each block while it freewheels: nothing
     // else advances the scene then.
     std::function<void(synth::Frame)> prepare_offline;
-    // Returns numbers and names of the mixer's buses that should have a port. [any but audio]
+    // Returns numbers and names of the mixer's buses and pickups that should have a port; pickups have the numbers from
+    // synth::kMaxBuses on. [any but audio]
     std::function<std::map<std::size_t, std::string>()> buses;
     // Returns the mixer's inputs that should have a port; bit 0 is the first input. [any but audio]
     std::function<std::uint32_t()> inputs;

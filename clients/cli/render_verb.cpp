@@ -74,6 +74,9 @@ void add_render_verb(manual::App& app, ExitCode& outcome) {
   verb->add_option("--block", options.block_frames, "Frames per block; affects only rounding.")
       ->check(manual::between(1, 8192))
       ->capture_default_str();
+  verb->add_option("--pickups", arguments->output.file.pickups,
+                   "Sound file for the motion that the score's pickups feel (/object/NAME/pickup), a channel for each.")
+      ->type_name("FILE");
   add_sound_output(*verb, options, arguments->output);
   verb->callback([arguments, &outcome] {
     keep_stdout_for(arguments->output.path);

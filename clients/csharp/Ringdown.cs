@@ -254,6 +254,20 @@ public sealed class Mixer : IDisposable {
   public void Pan(uint body, double pan, long frame = 0) {
     eventFailure_.Check(Native.ringdown_pan(handle_, frame, body, pan, eventFailure_.Room));
   }
+  // Sends the motion of a point of the object to an output of its own, as a contact microphone or a laser vibrometer
+  // measures it: port pickup_1 to pickup_8. Gain, pan, mute and listener do not change it. A pickup of this number on
+  // another object moves here; a direction of 0 0 0 removes it.
+  public void Pickup(uint body, Vector point, Vector direction, uint bus = 1, uint motion = 1, double gain = 1,
+                     long frame = 0) {
+    var args = new Native.PickupArgs();
+    Native.ringdown_pickup_args_init(ref args, (UIntPtr)Marshal.SizeOf(typeof(Native.PickupArgs)));
+    args.Point = point;
+    args.Direction = direction;
+    args.Bus = bus;
+    args.Motion = motion;
+    args.Gain = gain;
+    eventFailure_.Check(Native.ringdown_pickup(handle_, frame, body, ref args, eventFailure_.Room));
+  }
   // Starts modes without a strike, each as a sine from 0.
   public void Ring(uint body, uint first, uint count = 1, double amplitude = 0.1, long frame = 0) {
     eventFailure_.Check(Native.ringdown_ring(handle_, frame, body, first, count, amplitude, eventFailure_.Room));
@@ -367,18 +381,26 @@ public sealed class Mixer : IDisposable {
     if (left.Length != right.Length) throw new ArgumentException("left and right must be of one length");
     Native.ringdown_render(handle_, left, right, (UIntPtr)left.Length);
   }
-  // [audio] Left and right, and the first ambisonic channels: AmbiX, ACN order, SN3D. All are as long as the block.
-  public void Render(float[] left, float[] right, float[][] ambisonics) {
-    if (left.Length != right.Length || Array.Exists(ambisonics, channel => channel.Length != left.Length))
-      throw new ArgumentException("all channels must be of one length");
+  // [audio] Left and right, the first ambisonic channels (AmbiX, ACN order, SN3D), and the first pickups. All are as long
+  // as the block.
+  public void Render(float[] left, float[] right, float[][] ambisonics, params float[][] pickups) {
     if (ambisonics.Length > Native.kAmbisonicChannels) throw new ArgumentException("there are at most 16 ambisonic channels");
-    var pinned = new GCHandle[2 + ambisonics.Length];
-    try {
-      for (int c = 0; c < pinned.Length; ++c) {
-        pinned[c] = GCHandle.Alloc(c == 0 ? left : c == 1 ? right : ambisonics[c - 2], GCHandleType.Pinned);
-        (c < 2 ? block_.Mix : block_.Ambisonics)[c < 2 ? c : c - 2] = pinned[c].AddrOfPinnedObject();
+    if (pickups.Length > Native.kPickups) throw new ArgumentException("there are at most 8 pickups");
+    var pinned = new GCHandle[2 + ambisonics.Length + pickups.Length];
+    int used = 0;
+    Action<float[][], IntPtr[]> pin = (channels, pointers) => {
+      for (int c = 0; c < pointers.Length; ++c) {
+        pointers[c] = IntPtr.Zero;
+        if (c >= channels.Length) continue;
+        if (channels[c].Length != left.Length) throw new ArgumentException("all channels must be of one length");
+        pinned[used] = GCHandle.Alloc(channels[c], GCHandleType.Pinned);
+        pointers[c] = pinned[used++].AddrOfPinnedObject();
       }
-      for (int c = ambisonics.Length; c < Native.kAmbisonicChannels; ++c) block_.Ambisonics[c] = IntPtr.Zero;
+    };
+    try {
+      pin(new[] { left, right }, block_.Mix);
+      pin(ambisonics, block_.Ambisonics);
+      pin(pickups, block_.Pickups);
       block_.Frames = (UIntPtr)left.Length;
       Native.ringdown_render_all(handle_, ref block_);
     } finally {
@@ -417,17 +439,19 @@ static class Native {
     public int ExactContacts, AmbisonicOrder, Threads;
     public IntPtr Head;
   }
-  internal const int kAmbisonicChannels = 16;
+  internal const int kAmbisonicChannels = 16, kPickups = 8;
   [StructLayout(LayoutKind.Sequential)]
   internal struct Block {
     public UIntPtr Size, Frames;
     [MarshalAs(UnmanagedType.ByValArray, SizeConst = 2)] public IntPtr[] Mix;
     [MarshalAs(UnmanagedType.ByValArray, SizeConst = kAmbisonicChannels)] public IntPtr[] Ambisonics;
     [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public IntPtr[] Inputs;
+    [MarshalAs(UnmanagedType.ByValArray, SizeConst = kPickups)] public IntPtr[] Pickups;
 
     internal static Block Empty() {
       return new Block { Size = (UIntPtr)Marshal.SizeOf(typeof(Block)), Mix = new IntPtr[2],
-                         Ambisonics = new IntPtr[kAmbisonicChannels], Inputs = new IntPtr[4] };
+                         Ambisonics = new IntPtr[kAmbisonicChannels], Inputs = new IntPtr[4],
+                         Pickups = new IntPtr[kPickups] };
     }
   }
   [DllImport(kLibrary)] internal static extern int ringdown_bank_open(byte[] path, out IntPtr bank, IntPtr error);
@@ -460,6 +484,18 @@ static class Native {
                                                                  double ramp, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_pan(IntPtr mixer, long frame, uint body, double pan,
                                                                 IntPtr error);
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct PickupArgs {
+    public UIntPtr Size;
+    public Vector Point;
+    public Vector Direction;
+    public uint Bus;
+    public uint Motion;
+    public double Gain;
+  }
+  [DllImport(kLibrary)] internal static extern void ringdown_pickup_args_init(ref PickupArgs args, UIntPtr size);
+  [DllImport(kLibrary)] internal static extern int ringdown_pickup(IntPtr mixer, long frame, uint body,
+                                                                   ref PickupArgs args, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_ring(IntPtr mixer, long frame, uint body, uint first,
                                                                  uint count, double amplitude, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_impart(IntPtr mixer, long frame, uint body, uint mode,

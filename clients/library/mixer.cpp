@@ -14,6 +14,7 @@ using library::check_index, library::check_within, library::first_null, library:
 
 static_assert(static_cast<int>(RINGDOWN_MAX_OBJECTS) == static_cast<int>(synth::kMaxObjects));
 static_assert(static_cast<int>(RINGDOWN_MAX_INPUTS) == static_cast<int>(synth::kMaxInputs));
+static_assert(static_cast<int>(RINGDOWN_MAX_PICKUPS) == static_cast<int>(synth::kMaxPickups));
 static_assert(static_cast<int>(RINGDOWN_MAX_DAMPERS) == static_cast<int>(modal::kFirstSceneDamper));
 
 namespace {
@@ -242,6 +243,11 @@ void ringdown_render_all(ringdown_mixer* mixer, const ringdown_block* block) {
   const std::size_t channels = order ? synth::ambisonic_channels(*order) : 0;
   for (std::size_t acn = 0; acn < channels; ++acn) {
     if (block->ambisonics[acn]) outputs.listen_to_ambisonics(acn, block->ambisonics[acn]);
+  }
+  if (block->size >= offsetof(ringdown_block, pickups) + sizeof block->pickups) {
+    for (std::size_t pickup = 0; pickup < synth::kMaxPickups; ++pickup) {
+      if (block->pickups[pickup]) outputs.listen_to_pickup(pickup, block->pickups[pickup]);
+    }
   }
   synth::Inputs inputs;
   std::copy_n(block->inputs, inputs.size(), inputs.begin());

@@ -250,7 +250,7 @@ RINGDOWN_API ringdown_result ringdown_set_sample_rate(ringdown_mixer* mixer, dou
 
 /* ---- Objects [worker] -------------------------------------------------------------------------------------------- */
 
-enum { RINGDOWN_MAX_OBJECTS = 2048, RINGDOWN_MAX_DAMPERS = 8, RINGDOWN_MAX_INPUTS = 4 };
+enum { RINGDOWN_MAX_OBJECTS = 2048, RINGDOWN_MAX_DAMPERS = 8, RINGDOWN_MAX_INPUTS = 4, RINGDOWN_MAX_PICKUPS = 8 };
 
 /* Adds an object that plays the bank and writes its number, which all other functions take, to `object`. An existing
  * object of this name gets the new bank and keeps its number; ringing sounds continue with the old bank. A name has 1
@@ -406,6 +406,26 @@ RINGDOWN_API ringdown_result ringdown_gain(ringdown_mixer* mixer, int64_t frame,
 /* Pans the object at equal power. pan: -1 is left, 0 the middle, 1 right. -1 ... 1. */
 RINGDOWN_API ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double pan,
                                           ringdown_error* error);
+
+/* Sends the motion of a point of the object to an output of its own, as a contact microphone or a laser vibrometer
+ * measures it: port pickup_1 to pickup_8. Gain, pan, mute and listener do not change it. A pickup of this number on
+ * another object moves here; a direction of 0 0 0 removes it. */
+typedef struct ringdown_pickup_args {
+  size_t size; /* sizeof the struct, as _init sets it */
+  /* The point; the surface point nearest to it counts. */
+  double point_m[3];
+  /* The direction of the motion; any length. */
+  double direction[3];
+  /* The pickup's number, and that of its output. 1 ... 8, default 1. */
+  uint32_t bus;
+  /* 0 is displacement, 1 velocity, 2 acceleration. 0 ... 2, default 1. */
+  uint32_t motion;
+  /* The sample for a motion of 1 m, 1 m/s or 1 m/s2. -1e12 ... 1e12, default 1. */
+  double gain;
+} ringdown_pickup_args;
+RINGDOWN_API void ringdown_pickup_args_init(ringdown_pickup_args* args, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_pickup(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                             const ringdown_pickup_args* args, ringdown_error* error);
 
 /* Starts modes without a strike, each as a sine from 0. first: The lowest of these modes; mode 0 has the lowest
  * frequency. 0 ... 16777215. count: The number of modes, counted upwards. 0 ... 2147483647, default 1. amplitude: The
@@ -568,7 +588,7 @@ RINGDOWN_API ringdown_result ringdown_listener_air(ringdown_mixer* mixer, int64_
 /* Writes the next `frames` frames of left and right, any number, which need not be the same each time. */
 RINGDOWN_API void ringdown_render(ringdown_mixer* mixer, float* left, float* right, size_t frames);
 
-/* Renders the next frames with ambisonic channels and inputs. A NULL pointer is a channel that is not needed, which
+/* Renders the next frames with ambisonic channels, inputs and pickups. A NULL pointer is a channel that is not needed, which
  * costs nothing, or an input that is silent. */
 typedef struct ringdown_block {
   size_t size;                              /* sizeof the struct; smaller blocks render nothing */
@@ -576,6 +596,7 @@ typedef struct ringdown_block {
   float* mix[2];                            /* left, right */
   float* ambisonics[16];                    /* AmbiX: ACN order, SN3D; without limiter, not delayed */
   const float* inputs[RINGDOWN_MAX_INPUTS]; /* ringdown_excite() */
+  float* pickups[RINGDOWN_MAX_PICKUPS];     /* ringdown_pickup(): number 1 is the first */
 } ringdown_block;
 RINGDOWN_API void ringdown_render_all(ringdown_mixer* mixer, const ringdown_block* block);
 

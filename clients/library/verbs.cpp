@@ -37,6 +37,26 @@ ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t obje
   return play<synth::verb::Pan>(mixer, frame, numbers, error);
 }
 
+void ringdown_pickup_args_init(ringdown_pickup_args* args, size_t size) {
+  ringdown_pickup_args ours{};
+  ours.bus = 1;
+  ours.motion = 1;
+  ours.gain = 1;
+  fill_in(args, size, ours);
+}
+
+ringdown_result ringdown_pickup(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                const ringdown_pickup_args* args, ringdown_error* error) {
+  ringdown_pickup_args defaults{};
+  ringdown_pickup_args_init(&defaults, sizeof defaults);
+  const auto given = taken(args, defaults);
+  if (!given) return refuse(given.error(), error);
+  const double numbers[] = {static_cast<double>(object), given->point_m[0], given->point_m[1], given->point_m[2],
+                            given->direction[0], given->direction[1], given->direction[2],
+                            static_cast<double>(given->bus), static_cast<double>(given->motion), given->gain};
+  return play<synth::verb::Pickup>(mixer, frame, numbers, error);
+}
+
 ringdown_result ringdown_ring(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t first,
                               uint32_t count, double amplitude, ringdown_error* error) {
   const double numbers[] = {static_cast<double>(object), static_cast<double>(first), static_cast<double>(count),

@@ -11,6 +11,7 @@
 #include <complex>
 #include <cstdint>
 #include <numbers>
+#include <random>
 
 namespace ringdown::fit {
 namespace {
@@ -78,6 +79,21 @@ double mean_square_cents(const std::vector<double>& heard, const std::vector<dou
   }
   return sum / static_cast<double>(heard.size()) +
          kOfBaked * other / static_cast<double>(std::max<std::size_t>(count, 1));
+}
+
+// The number of baked modes that have a heard mode within the tolerance. A heard mode counts for its nearest one.
+std::size_t count_matches(const std::vector<double>& heard, const std::vector<double>& baked, double tuning_cents,
+                          double tolerance) {
+  const double factor = std::exp2(tuning_cents / 1200);
+  std::vector<bool> has(baked.size());
+  for (const double f : heard) {
+    const auto above = std::ranges::lower_bound(baked, f / factor);
+    auto nearest = above == baked.end() ? above - 1 : above;
+    if (above != baked.begin() && f * f < factor * factor * *nearest * *(above - 1)) nearest = above - 1;
+    if (std::abs(cents_between(f / factor, *nearest)) <= tolerance)
+      has[static_cast<std::size_t>(nearest - baked.begin())] = true;
+  }
+  return static_cast<std::size_t>(std::ranges::count(has, true));
 }
 
 double energy_of(const Mode& mode) { return mode.amplitude * mode.amplitude / mode.decay_per_s; }
@@ -178,6 +194,42 @@ NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks
   const double rise = std::max(aside(choice.poisson_ratio - kAside), aside(choice.poisson_ratio + kAside));
   choice.told = inside && rise > kTelling_cents;
   return choice;
+}
+
+Chance chance_of(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options,
+                 std::size_t matches) {
+  constexpr int kLists = 100, kRatios = 12;
+  constexpr double kMinShift_cents = 50, kMaxShift_cents = 300, kTuningStep_cents = 5;
+  const Between between(banks);
+  std::vector<std::vector<double>> baked;
+  for (int k = 0; k < kRatios; ++k) {
+    const double share = k / (kRatios - 1.0);
+    baked.push_back(between.at((1 - share) * banks.front().poisson_ratio + share * banks.back().poisson_ratio));
+  }
+  std::minstd_rand random(1);
+  const auto uniform = [&random] { return static_cast<double>(random()) / static_cast<double>(random.max()); };
+  Chance chance;
+  for (int list = 0; list < kLists; ++list) {
+    std::vector<double> shifted;
+    for (const Mode& mode : heard) {
+      const double shift = kMinShift_cents + (kMaxShift_cents - kMinShift_cents) * uniform();
+      shifted.push_back(mode.frequency_hz * std::exp2((uniform() < 0.5 ? -shift : shift) / 1200));
+    }
+    std::ranges::sort(shifted);
+    double least = INFINITY;
+    std::size_t found = 0;
+    for (const std::vector<double>& frequencies : baked) {
+      for (double tuning = -options.max_tuning_cents; tuning <= options.max_tuning_cents; tuning += kTuningStep_cents) {
+        const double square = mean_square_cents(shifted, frequencies, tuning, options.tolerance_cents);
+        if (!(square < least)) continue;
+        least = square;
+        found = count_matches(shifted, frequencies, tuning, options.tolerance_cents);
+      }
+    }
+    chance.matches += static_cast<double>(found) / kLists;
+    chance.share += found >= matches ? 1.0 / kLists : 0;
+  }
+  return chance;
 }
 
 std::vector<Mode> as_recorded(std::span<const Mode> recording, const modal::Bank& bank, const Calibration& calibration,

@@ -43,6 +43,18 @@ struct NuChoice {
 // banks of one shape, with ascending ratios.
 NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options);
 
+// What chance would find: the matches of lists of modes that are not the object's.
+struct Chance {
+  double matches = 0;  // mean over the lists
+  double share = 0;    // of the lists that match as many modes, or more
+};
+
+// Shifts each heard mode by a random 50 to 300 cents up or down, searches ratio and tuning for each such list as choose_nu()
+// does, in coarser steps, and counts the modes that then lie within the tolerance of a baked mode of their own. `matches`
+// is what the heard modes have. The lists are the same in every call.
+Chance chance_of(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options,
+                 std::size_t matches);
+
 // The bank's matching modes, with the calibrated tuning and damping, as loud as in the recording. They sound like the
 // bank struck in the same way as the object.
 std::vector<Mode> as_recorded(std::span<const Mode> recording, const modal::Bank& bank, const Calibration& calibration,

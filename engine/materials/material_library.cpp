@@ -173,6 +173,19 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
     material.damping = modal::fit_rayleigh_to_list(material.loss_factors);
     return {};
   }
+  if (key == "expansion_per_k" && value == 0) {  // what does not expand has no heat that flows
+    material.thermal.reset();
+    return {};
+  }
+  if (material.thermal) {
+    for (const Figure& figure : figures_of(*material.thermal)) {
+      known += std::string(", ") + figure.key;
+      if (key != figure.key) continue;
+      if (auto good = check_range(value, figure.range); !good) return fail(key, good);
+      figure.value = value;
+      return {};
+    }
+  }
   known += ", loss_factor";
   if (material.brittleness) {
     for (const Figure& figure : figures_of(*material.brittleness)) {

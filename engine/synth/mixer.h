@@ -36,7 +36,7 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMaxBuses = kFirstAmbisonic - kFirstBus;  // outputs beside mix and ambisonics
+inline constexpr std::size_t kMaxBuses = kFirstPickup - kFirstBus;  // outputs beside mix, pickups and ambisonics
 
 struct MixerSettings {
   // The sound pressure at 1 m from an object that becomes a sample of 1 at gain 1 [Pa]; > 0, fixed once the mixer is

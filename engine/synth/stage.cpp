@@ -69,6 +69,7 @@ void Stage::execute(const Command& command, const verb::Strike& impulse, Frame n
   if (command.kind == Kind::remove) object.voices.fade_out({});
   object.voices.replace(command.voice, command.kind == Kind::retune);
   forces_->exciters.refit(object.voices.current(), object.exciters);
+  Pickups::refit(object.pickups, object.voices);
   active_objects_.add(object);  // the next chunk finds out what rings, and retires what does not
 }
 
@@ -227,6 +228,10 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
       return false;
     } else if constexpr (std::is_same_v<One, verb::Contact>) {
       return accept_contact(one, due, chunk) && rings_alone();
+    } else if constexpr (std::is_same_v<One, verb::Pickup>) {
+      part(object, chunk.begin);
+      if (!forces_->pickups.set(one, due.event.frame, object.pickups, object.voices)) count(counters_.refused);
+      return false;
     } else if constexpr (One::kEffect == Effect::excites) {
       return true;
     } else {
@@ -391,6 +396,7 @@ void Stage::finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace
     join(object, chunk.end(), shedding, workspace);
     return false;
   });
+  if (forces_) forces_->pickups.drop_finished(chunk.end());
   for (std::size_t i = 0; i < due_count_; ++i) {
     const DueEvent& due = due_[i];
     if (!due.waits) events_.release(due.queued.event);
@@ -402,8 +408,10 @@ bool Stage::stays_active(Object& object, const Chunk& chunk) REALTIME {
   const bool had_tails = object.voices.has_tails();
   const bool pulse = object.voices.current() && object.exciters.has_pulse();
   object.voices.drop_silent_tails([&](Voice* voice, bool last) REALTIME {
-    if (last)
-      object.strip.reset(), object.placement.forget();  // before the worker learns that the number is free again
+    if (last) {  // before the worker learns that the number is free again
+      object.strip.reset(), object.placement.forget();
+      forces_->pickups.leave(object.pickups);
+    }
     voices_.retire(object.number, voice);
   });
   const bool stays = object.ringing() || object.touched || (pulse && !had_tails);

@@ -7,6 +7,7 @@
 #include "engine/synth/contact/exciters.h"
 #include "engine/synth/touching/touches.h"
 #include "engine/synth/listening/listening.h"
+#include "engine/synth/listening/pickups.h"
 #include "engine/synth/meters.h"
 #include "engine/synth/modes/click.h"
 #include "engine/synth/objects/object.h"
@@ -106,6 +107,7 @@ class Stage {
       object->voices.renew(renew);
       for (Exciter* exciter : object->exciters.all()) exciter->rescale(now, ratio);
       forces_->exciters.refit(object->voices.current(), object->exciters);
+      Pickups::refit(object->pickups, object->voices);
     }
   }
 
@@ -115,11 +117,12 @@ class Stage {
   [[nodiscard]] std::size_t object_limit() const REALTIME { return object_limit_; }
 
  private:
-  // The forces that act on objects for some time.
+  // What acts on objects for some time, and what feels them.
   struct Forces {
     explicit Forces(MixerCounters& counters) : exciters(counters) {}
     Exciters exciters;
     Touches touches;
+    Pickups pickups;
   };
 
   // Sources that are rendered, in the order in which they became active.

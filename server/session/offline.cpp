@@ -62,6 +62,18 @@ class Run {
     return {};
   }
 
+  // Hands what the score's pickups feel to `take`, too. Returns their number, up to the last; 0: the score sets none.
+  std::size_t feel(const Take& take) {
+    for (const wire::ScoreEvent& event : score_) {
+      const auto request = protocol::parse(event.message);
+      const auto* const set = request ? request->get_if<protocol::SetPickup>() : nullptr;
+      if (set) felt_.resize(std::max<std::size_t>(felt_.size(), set->verb.number));
+    }
+    for (std::vector<float>& samples : felt_) samples.resize(options_.block_frames);
+    take_felt_ = take;
+    return felt_.size();
+  }
+
   // The length of the sound. Before render() it is the largest possible one. Valid once the run is prepared.
   [[nodiscard]] std::size_t frames() const { return static_cast<std::size_t>(longest_ - cut_.first); }
   [[nodiscard]] PieceFormat format() const {
@@ -212,6 +224,8 @@ class Run {
     synth::Outputs outputs(block_.left.data(), block_.right.data());
     for (std::size_t c = 0; c < block_.ambisonics.size(); ++c)
       outputs.listen_to_ambisonics(c, block_.ambisonics[c].data());
+    for (std::size_t pickup = 0; pickup < felt_.size(); ++pickup)
+      outputs.listen_to_pickup(pickup, felt_[pickup].data());
     session_.rack().mixer().render(outputs, static_cast<std::size_t>(end - block_.begin));
     session_.rack().collect();
     const Frame late = latency();
@@ -224,6 +238,17 @@ class Run {
       peak_since_ = std::max(peak_since_, peak_of(Cut::part(block_, cut_.end - second_, cut_.end, late)));
     }
     if (taken_) taken_ = take_(piece);
+    if (taken_ && !felt_.empty()) taken_ = take_felt_(felt_piece());
+  }
+
+  [[nodiscard]] Piece felt_piece() const {
+    const Frame from = std::clamp(cut_.first, block_.begin, block_.end), to = std::clamp(cut_.end, from, block_.end);
+    Piece piece;
+    for (const std::vector<float>& samples : felt_) {
+      piece.ambisonics.push_back(std::span(samples).subspan(static_cast<std::size_t>(from - block_.begin),
+                                                            static_cast<std::size_t>(to - from)));
+    }
+    return piece;
   }
 
   // Advances in short pieces, because a long block may have more events than the mixer's ring holds.
@@ -267,7 +292,8 @@ class Run {
   bool tail_ = false;                   // whether the length depends on how long the sound rings
   float loudest_ = 0, peak_since_ = 0;  // largest |sample| of the tail's sound: of all, and of the last second
   RenderedBlock block_;
-  Take take_;
+  std::vector<std::vector<float>> felt_;  // of the block, for each pickup
+  Take take_, take_felt_;
   Result<void> taken_;  // the result of take_
 };
 
@@ -306,6 +332,15 @@ Result<Rendering> render_to_file(const OfflineOptions& options, const std::files
   format.scaled = file_options.lufs.has_value();
   auto file = PieceFile::create(path, options.sample_rate_hz, format);
   if (!file) return fail(file);
+  std::optional<PieceFile> felt;
+  if (file_options.pickups) {
+    const std::size_t pickups = run.feel([&felt](const Piece& piece) { return felt->take(piece); });
+    if (pickups == 0) return fail(ErrorKind::usage, "--pickups: the score sets no pickup (/object/NAME/pickup)");
+    auto made = PieceFile::create(*file_options.pickups, options.sample_rate_hz,
+                                  {.channels = pickups, .frames = run.frames(), .bits = format.bits});
+    if (!made) return fail(made);
+    felt.emplace(std::move(*made));
+  }
   Loudness loudness(options.sample_rate_hz);
   const auto write = [&](const Piece& piece) {
     rendering.peak = std::max(rendering.peak, peak_of(piece));
@@ -332,6 +367,9 @@ Result<Rendering> render_to_file(const OfflineOptions& options, const std::files
     rendering.stems = *stems;
   }
   if (const auto finished = file->finish(static_cast<float>(rendering.gain)); !finished) return fail(finished);
+  if (felt) {
+    if (const auto finished = felt->finish(); !finished) return fail(finished);
+  }
   rendering.contacts = run.contacts();
   rendering.bodies = run.bodies();
   rendering.seconds = static_cast<double>(run.frames()) / options.sample_rate_hz;

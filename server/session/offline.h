@@ -86,6 +86,8 @@ struct FileOptions {
   int bits = 32;                               // of a sample in a WAV: 32 (float) or 24
   std::optional<double> lufs;                  // the loudness that the file shall have
   std::optional<std::filesystem::path> stems;  // folder to write stems into (stems.h), which are not made louder
+  // Sound file for what the pickups of the score feel, one channel for each up to the last; not faded or made louder.
+  std::optional<std::filesystem::path> pickups;
 };
 
 // Renders into a file equal, sample for sample, to that of write_audio(), but keeps at most a second in memory.

@@ -39,6 +39,7 @@ bool Rack::push(synth::Producer producer, const Event& described) {
     if (gain) object->gain.set(gain->gain);
     if (pan) object->pan.set(pan->pan);
   }
+  if (const auto* const pickup = event.verb.get_if<synth::verb::Pickup>()) pickups_ |= 1u << (pickup->number - 1);
   listener_.keep(event);
   observers_.keep(producer, event);
   return true;
@@ -145,7 +146,7 @@ Result<void> Rack::set_heard(const ObjectRef& ref, bool ObjectState::*flag, bool
   return {};
 }
 
-static_assert(protocol::kMaxInputs == synth::kMaxInputs);
+static_assert(protocol::kMaxInputs == synth::kMaxInputs && protocol::kMaxPickups == synth::kMaxPickups);
 
 Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& point_m, const Vec3& force_n) {
   const auto found = find(ref);
@@ -184,6 +185,14 @@ Result<void> Rack::assign(const ObjectState& object) {
   return fail(ErrorKind::refused, "too many changes of objects at once; try again");
 }
 
+std::map<std::size_t, std::string> Rack::ports() const {
+  std::map<std::size_t, std::string> ports = buses_.names();
+  for (std::size_t pickup = 0; pickup < synth::kMaxPickups; ++pickup) {
+    if ((pickups_ >> pickup & 1) != 0) ports[synth::kMaxBuses + pickup] = formatted("pickup_{}", pickup + 1);
+  }
+  return ports;
+}
+
 void Rack::collect() {
   {
     const std::scoped_lock lock(rate_mutex_);
@@ -197,7 +206,8 @@ void Rack::collect() {
     buses_.leave(number);
     return true;
   });
-  if (faded > 0) observers_.report_change();
+  const std::uint32_t pickups = pickups_;
+  if (faded > 0 || std::exchange(shown_pickups_, pickups) != pickups) observers_.report_change();
 }
 
 Result<void> Rack::free(const ObjectRef& ref) {

@@ -25,6 +25,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -122,6 +123,11 @@ class Rack {
   // The buses, which make objects audible at their own ports beside the mix.
   [[nodiscard]] Buses& buses() { return buses_; }
 
+  // The pickups that have ever been set; their ports stay. Bit 0 is pickup 1. [any]
+  [[nodiscard]] std::uint32_t pickups() const { return pickups_; }
+  // The outputs beside the mix that should have a port: the buses and the pickups, by number. [any but audio]
+  [[nodiscard]] std::map<std::size_t, std::string> ports() const;
+
   // Fades the object out. Its name may be used again at once, its number when the object is silent. [worker]
   Result<void> free(const protocol::ObjectRef& object);
 
@@ -149,7 +155,8 @@ class Rack {
   std::function<void(const std::string&)> on_warning_;
   Buses buses_;
   Excitations excitations_;  // worker
-  std::atomic<std::uint32_t> inputs_ = 0;
+  std::atomic<std::uint32_t> inputs_ = 0, pickups_ = 0;
+  std::uint32_t shown_pickups_ = 0;  // worker: those that observers know of
   ListenerMemory listener_;
   Silences silences_{mixer_};             // worker
   std::set<synth::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus

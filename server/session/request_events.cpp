@@ -58,6 +58,19 @@ Result<void> check_turn(Rotation& turn) {
   return {};
 }
 
+Result<void> check(synth::verb::Pickup& pickup, const ObjectState& object) {
+  const double size = length(pickup.direction);
+  if (!(size > 0)) return {};
+  if (auto good = check_point(pickup.point_m, object); !good) return good;
+  if (object.map->bank().mode_count() > synth::kMaxProbedColumns) {
+    return fail(ErrorKind::too_large,
+                "\"{}\" has more than the {} modes that a pickup can feel; bake it with `ringdown bake --keep`",
+                object.name, synth::kMaxProbedColumns);
+  }
+  pickup.direction = (1 / size) * pickup.direction;
+  return {};
+}
+
 Result<void> check(synth::verb::Pose& verb, const ObjectState& /*object*/) { return check_turn(verb.pose.rotation); }
 
 struct AppendEvents {

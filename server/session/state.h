@@ -36,8 +36,8 @@
 //   paused = false
 //   cleared = false                           # whether its bodies were removed
 //
-// The file does not contain ringing sound, the poses of bodies and objects, spawned bodies, or the connections of
-// ports, which a session manager keeps itself. [worker, or before the worker runs]
+// The file does not contain ringing sound, the poses of bodies and objects, spawned bodies, pickups, or the connections
+// of ports, which a session manager keeps itself. [worker, or before the worker runs]
 #pragma once
 
 #include "engine/base/result.h"

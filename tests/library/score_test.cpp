@@ -48,6 +48,9 @@ class Composer {
       case 1:
         return protocol::SetGain{object, {number(0, 0.5), number(0, 0.1)}};
       case 2:
+        if (random_() % 4 == 0) {
+          return protocol::SetPickup{object, {vector(0.15), vector(1), 1 + static_cast<std::uint32_t>(random_() % 8)}};
+        }
         return protocol::SetPan{object, {number(-1, 1)}};
       case 3:
         return protocol::RingModes{object, {static_cast<std::uint32_t>(random_() % 5), 2, number(0, 0.02)}};
@@ -113,6 +116,14 @@ struct Player {
   }
   ringdown_result operator()(const protocol::SetPan& s) {
     return ringdown_pan(mixer, frame, *s.object.number, s.verb.pan, &error);
+  }
+  ringdown_result operator()(const protocol::SetPickup& s) {
+    ringdown_pickup_args pickup;
+    ringdown_pickup_args_init(&pickup, sizeof pickup);
+    std::ranges::copy(xyz(s.verb.point_m), pickup.point_m);
+    std::ranges::copy(xyz(s.verb.direction), pickup.direction);
+    pickup.bus = s.verb.number;
+    return ringdown_pickup(mixer, frame, *s.object.number, &pickup, &error);
   }
   ringdown_result operator()(const protocol::RingModes& s) {
     return ringdown_ring(mixer, frame, *s.object.number, s.verb.first, s.verb.count, s.verb.amplitude, &error);

@@ -499,6 +499,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/record/stop", record_stop_cases()},
       {"/object/{object}/gain", gain_cases()},
       {"/object/{object}/pan", pan_cases()},
+      {"/object/{object}/pickup", pickup_cases()},
       {"/object/{object}/pose", pose_cases()},
       {"/poses", poses_cases()},
       {"/listener", listener_cases()},

@@ -56,6 +56,7 @@ Cases bow_cases();
 Cases mallet_cases();
 Cases couple_cases();
 Cases contact_cases();
+Cases pickup_cases();
 Cases hold_cases();
 
 // By the address as the table has it.

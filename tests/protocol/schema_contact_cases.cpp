@@ -112,6 +112,28 @@ Cases contact_cases() {
            {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1}, "slope"}}};
 }
 
+Cases pickup_cases() {
+  const std::string a = "/object/bell/pickup";
+  return {{{a, {1, 2, 3, 0, 0, -1}, claim<SetPickup>([](const SetPickup& p) {
+              return p.object == named("bell") && p.verb.point_m == Vec3{1, 2, 3} &&
+                     p.verb.direction == Vec3{0, 0, -1} && p.verb.number == 1 && p.verb.motion == 1 && p.verb.gain == 1;
+            })},
+           {a, {0, 0, 0, 0, 0, 0, 8, 2, -1e6}, claim<SetPickup>([](const SetPickup& p) {
+              return p.verb.direction == Vec3{} && p.verb.number == 8 && p.verb.motion == 2 && p.verb.gain == -1e6;
+            })}},
+          {{"/object/b%/pickup", {0, 0, 0, 0, 0, 1}, "object"},
+           {a, {kNan, 0, 0, 0, 0, 1}, "x"},
+           {a, {0, 1e5, 0, 0, 0, 1}, "y"},
+           {a, {0, 0, "up", 0, 0, 1}, "z"},
+           {a, {0, 0, 0, kInfinity, 0, 1}, "dx"},
+           {a, {0, 0, 0, 0, 1e4, 1}, "dy"},
+           {a, {0, 0, 0, 0, 1}, "dz"},
+           {a, {0, 0, 0, 0, 0, 1, 0}, "bus"},
+           {a, {0, 0, 0, 0, 0, 1, 9}, "bus"},
+           {a, {0, 0, 0, 0, 0, 1, 1, 3}, "motion"},
+           {a, {0, 0, 0, 0, 0, 1, 1, 1, 1e13}, "gain"}}};
+}
+
 Cases hold_cases() {
   const std::string a = "/object/bell/hold";
   return {{{a, {1, 2, 3, 5}, claim<Hold>([](const Hold& h) {

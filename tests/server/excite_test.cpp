@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
+#include <string>
 #include <unistd.h>
 
 namespace ringdown::session {
@@ -81,6 +83,25 @@ TEST_F(Excite, PointsFarFromTheObjectAreRefused) {
   EXPECT_EQ(refusal(session_.play(protocol::Strike{{.name = "a"}, {{100, 0, 0}, {0, 0, 1}, 0}}, 0)), "");
   ASSERT_TRUE(session_.perform(protocol::SetMaterial{{.name = "a"}, {.size = 0.01}}, 0));
   EXPECT_NE(excite_at(1).find("m off the object"), std::string::npos) << "the object measures 2 cm now";
+}
+
+// The other way round, a pickup is an output that shows how a point moves, with a port of its own.
+TEST_F(Excite, APickupIsCheckedAsAStrikeIsAndGetsAPort) {
+  const auto pickup = [&](Vec3 point_m, Vec3 direction, std::uint32_t number) {
+    const auto set = session_.play(protocol::SetPickup{{.name = "a"}, {point_m, direction, number}}, 0);
+    return set ? std::string() : set.error().message;
+  };
+  EXPECT_TRUE(session_.rack().ports().empty());
+  EXPECT_NE(pickup({100, 0, 0}, {0, 0, 1}, 3).find("m off the object"), std::string::npos);
+  EXPECT_EQ(pickup({1, 0, 0}, {0, 0, 7}, 3), "");
+  const std::map<std::size_t, std::string> wanted{{synth::kMaxBuses + 2, "pickup_3"}};
+  EXPECT_EQ(session_.rack().ports(), wanted);
+  strike(2);
+  EXPECT_EQ(session_.rack().mixer().counters().refused, 0u);
+  EXPECT_EQ(pickup({}, {}, 3), "");
+  const auto changes = session_.rack().observers().version();
+  session_.rack().collect();
+  EXPECT_GT(session_.rack().observers().version(), changes) << "the driver is told of the port";
 }
 
 TEST_F(Excite, AnInputsForceIsTheSameAtAnotherRate) {

@@ -40,6 +40,8 @@ const std::map<std::string, double> kConstants = {
     ROW(synth::kMaxObjects),
     ROW(synth::kMaxVoices),
     ROW(synth::kMaxBuses),
+    ROW(synth::kMaxPickups),
+    ROW(synth::kMaxProbedColumns),
     ROW(synth::kMaxInputs),
     ROW(synth::kMaxDrivenColumns),
     ROW(synth::kQueueCapacity),

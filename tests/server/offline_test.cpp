@@ -17,6 +17,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <unistd.h>
 
 namespace ringdown::session {
@@ -195,6 +196,34 @@ clicks = false
     const double decay = test::fit_damped_sinusoid(std::span(sound).subspan(48960), 48000).decay_per_s;
     EXPECT_NEAR(decay, 3 + (rests ? 0.5 * 1.5 * 0.6 * 2 * 9.81 : 0), 0.3) << rests;
   }
+}
+
+// The mode of mass 1 begins to move with 0.01 m/s, at the time of the strike.
+TEST_F(OfflineTest, PickupsOfAScoreAreAFileOfTheirOwn) {
+  ASSERT_TRUE(modal::write_bank(test::single_mode_bank(440, 3), folder_ / "one.glb"));
+  const protocol::ObjectRef one{.name = "one"};
+  const std::vector<wire::ScoreEvent> score{{0.1, format(protocol::SetPickup{one, {{1, 0, 0}, {0, 0, 1}, 2, 0, 1e6}})},
+                                            {0.2, format(protocol::Strike{one, {{1, 0, 0}, {0, 0, 0.01}, 0}})}};
+  OfflineOptions options{.score = score, .objects = {{"one", folder_ / "one.glb"}}, .seconds = 0.5, .fade_s = 0.1};
+  const auto go = [](double) { return true; };
+  const auto done = render_to_file(options, folder_ / "sound.wav", go, {.pickups = folder_ / "felt.wav"});
+  ASSERT_TRUE(done) << done.error().message;
+  SF_INFO info{};
+  SNDFILE* const file = sf_open((folder_ / "felt.wav").c_str(), SFM_READ, &info);
+  ASSERT_TRUE(file);
+  std::vector<float> samples(static_cast<std::size_t>(info.frames * info.channels));
+  sf_readf_float(file, samples.data(), info.frames);
+  sf_close(file);
+  ASSERT_EQ(info.channels, 2);
+  ASSERT_EQ(info.frames, 24000);
+  const double omega = 2 * std::numbers::pi * 440;
+  for (std::size_t n = 0; n < 24000; ++n) {
+    const double t = (static_cast<double>(n) - 9600) / 48000;
+    ASSERT_EQ(samples[2 * n], 0) << n;
+    ASSERT_NEAR(samples[2 * n + 1], t > 0 ? 1e6 * 0.01 / omega * std::exp(-3 * t) * std::sin(omega * t) : 0, 1e-4) << n;
+  }
+  options.score.erase(options.score.begin());
+  EXPECT_FALSE(render_to_file(options, folder_ / "sound.wav", go, {.pickups = folder_ / "felt.wav"}));
 }
 
 TEST_F(OfflineTest, TwoRendersAreTheSameFileBitForBit) {

@@ -67,6 +67,10 @@ class Crowd {
       const auto now = session_.rack().mixer().counters().frames.load();
       const protocol::Strike blow{{.name = name(random() % kObjects)}, {{0.1, 0, 0}, {0, 0.01, 0.02}, 0}};
       strikes += session_.play(blow, now + static_cast<synth::Frame>(random() % 100)).has_value();
+      const protocol::SetPickup pickup{
+          blow.object,
+          {{0.1, 0, 0}, random() % 2 == 0 ? Vec3{0, 0, 1} : Vec3{}, 1 + static_cast<std::uint32_t>(random() % 8)}};
+      if (random() % 16 == 0) static_cast<void>(session_.play(pickup, now));
       std::this_thread::yield();
     }
   }
@@ -82,14 +86,16 @@ TEST(Realtime, BlocksWhileOthersStrikeAndLoadAllocateNothingLockNothingAndCallNo
   session.merge_within(0);
   session.rack().mixer().meters().watch_objects(true);
   Crowd crowd(session);
-  std::array<float, kFrames> left{}, right{};
+  std::array<float, kFrames> left{}, right{}, felt{};
+  synth::Outputs outputs(left.data(), right.data());
+  for (std::size_t pickup = 0; pickup < synth::kMaxPickups; ++pickup) outputs.listen_to_pickup(pickup, felt.data());
   test::RealtimeViolations seen;
   std::uint64_t broken = 0;
   {
     const test::RealtimeScope scope;
     const auto& strikes = session.rack().mixer().counters().strikes;  // without those of objects that were just freed
     for (std::uint64_t block = 0; block < kBlocks || !crowd.done() || strikes <= kStrikes / 20; ++block) {
-      session.rack().mixer().render(left, right);
+      session.rack().mixer().render(outputs, kFrames);
       for (std::size_t n = 0; n < kFrames; ++n) broken += !(std::abs(left[n]) < 1e6f && std::abs(right[n]) < 1e6f);
     }
     seen = scope.seen();

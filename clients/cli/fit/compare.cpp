@@ -57,7 +57,7 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
                  "Largest error of a matching mode in cents, after the common tuning is removed.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
-  app.add_flag("--keep-nu", arguments.keep_nu, "Keep the material's Poisson's ratio: one bake instead of eleven.");
+  app.add_flag("--keep-nu", arguments.keep_nu, "Keep the material's Poisson's ratio, which takes two bakes in place of seven.");
 }
 
 struct Inputs {
@@ -95,20 +95,50 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   return inputs;
 }
 
-// Bakes the shape again and again, and says how far it is.
-class Baker {
+// Shows how far the work is: a share of all that has to be done.
+class Work {
  public:
-  Baker(const Inputs& inputs, const CompareArguments& arguments, fs::path folder, std::stop_token stop)
-      : inputs_(inputs),
-        arguments_(arguments),
-        folder_(std::move(folder)),
-        stop_(std::move(stop)),
+  Work(std::size_t sounds, bool keeps_nu)
+      : all_(kOfSound * static_cast<double>(sounds) + (keeps_nu ? 1 : kSearchBakes) + kOfLastBake),
         line_("ringdown-compare",
               isatty(STDERR_FILENO) == 1 ? cli::ProgressLine::Style::bar : cli::ProgressLine::Style::none) {}
 
+  void begin(const std::string& stage, double share) {
+    line_.show(stage, done_ / all_);
+    done_ += share;
+  }
+
+  static constexpr double kOfSound = 1.5, kSearchBakes = 6, kOfLastBake = 3;  // in quick bakes
+
+ private:
+  double all_, done_ = 0;
+  cli::ProgressLine line_;
+};
+
+// Bakes the shape again and again. A search needs nothing but frequencies, and their errors are much alike in all of its
+// bakes: it takes elements of order 2, and lets no heat flow.
+class Baker {
+ public:
+  Baker(const Inputs& inputs, const CompareArguments& arguments, fs::path folder, std::stop_token stop, Work& work)
+      : inputs_(inputs), arguments_(arguments), folder_(std::move(folder)), stop_(std::move(stop)), work_(work) {}
+
   // With this Poisson's ratio, or the material's own.
-  Result<modal::Bank> bake(std::optional<double> nu) {
-    constexpr double kBakes = 11;
+  Result<modal::Bank> bake_quickly(std::optional<double> nu) {
+    work_.begin(nu ? formatted("baking with nu {:.3f}", *nu) : "baking", 1);
+    return bake(nu, {"--element", "tet10", "--set-material", "expansion_per_k=0"});
+  }
+  // The same, as it is heard: with elements that leave no error that counts, unless those of `quick` do, and with heat.
+  Result<modal::Bank> bake_well(std::optional<double> nu, const modal::Bank& quick) {
+    constexpr double kOfTolerance = 0.25;
+    work_.begin("baking at last", Work::kOfLastBake);
+    const auto errors = modal::error_spread(quick.frequency_error);
+    const double limit = std::exp2(kOfTolerance * arguments_.match.tolerance_cents / 1200) - 1;
+    if (errors && errors->median < limit) return bake(nu, {"--element", "tet10"});
+    return bake(nu, {});
+  }
+
+ private:
+  Result<modal::Bank> bake(std::optional<double> nu, const std::vector<std::string>& options) {
     const Result<fs::path> program = find_beside("ringdown-bake");
     if (!program) return fail(program);
     const fs::path to = folder_ / "baked.glb";
@@ -116,14 +146,14 @@ class Baker {
     ChildRequest request{.command = {program->string(), inputs_.shape.string(), "-o", to.string(), "--quiet", "--band",
                                      "20", std::to_string(top_hz)},
                          .keep_going = [this] { return !stop_.stop_requested(); }};
+    request.command.insert(request.command.end(), options.begin(), options.end());
     const auto add = [&request](const std::string& option, const std::string& value) {
       request.command.insert(request.command.end(), {option, value});
     };
     if (!arguments_.material.empty()) add("--material", arguments_.material);
     if (!arguments_.materials.empty()) add("--materials", arguments_.materials.string());
     if (nu) add("--set-material", formatted("poisson_ratio={:f}", *nu));
-    line_.show(formatted("baking {}", done_ + 1), arguments_.keep_nu ? 0 : done_ / kBakes);
-    ++done_;
+    if (arguments_.bank.empty()) add("--shape-error", "50%");  // nobody asked for shapes
     const Result<ChildOutcome> done = run_child(request);
     if (!done) return fail(done);
     if (done->stopped) return fail(ErrorKind::cancelled, "cancelled; nothing was written");
@@ -131,18 +161,19 @@ class Baker {
     return modal::read_bank(to);
   }
 
- private:
   const Inputs& inputs_;
   const CompareArguments& arguments_;
   fs::path folder_;
   std::stop_token stop_;
-  cli::ProgressLine line_;
-  int done_ = 0;
+  Work& work_;
 };
 
-Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments) {
+Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments,
+                                                    const std::stop_token& stop, Work& work) {
   std::vector<cli::ComparedSound> sounds;
   for (const fs::path& path : inputs.sounds) {
+    if (stop.stop_requested()) return fail(ErrorKind::cancelled, "cancelled; nothing was written");
+    work.begin("listening to " + path.filename().string(), Work::kOfSound);
     Result<cli::Sound> sound = cli::read_sound(path, std::nullopt);
     if (!sound) return fail(sound);
     if (!sound->note.empty()) complain("warning: " + path.string() + ": " + sound->note, ExitCode::ok);
@@ -159,49 +190,60 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
   return sounds;
 }
 
-// Bakes with three ratios around `middle`, and chooses between them.
-Result<fit::NuChoice> choose_between(Baker& baker, fit::CalibrateOptions match, std::span<const fit::Mode> heard,
-                                     double middle, double aside, double around_cents) {
-  constexpr double kMin = 0.02, kMax = 0.47;
-  const double centre = std::clamp(middle, kMin + aside, kMax - aside);
+// A search for Poisson's ratio: three bakes, and the choice between them.
+struct Search {
   std::array<modal::Bank, 3> banks;
   std::array<fit::NuBank, 3> choices{};
+  fit::NuChoice choice;
+};
+
+// Bakes with three ratios around `middle`, and chooses between them.
+Result<Search> search_nu(Baker& baker, const fit::CalibrateOptions& match, std::span<const fit::Mode> heard,
+                         double middle, double aside) {
+  constexpr double kMin = 0.02, kMax = 0.47;
+  const double centre = std::clamp(middle, kMin + aside, kMax - aside);
+  Search search;
   for (std::size_t i = 0; i < 3; ++i) {
     const double nu = centre + aside * (static_cast<double>(i) - 1);
-    Result<modal::Bank> bank = baker.bake(nu);
+    Result<modal::Bank> bank = baker.bake_quickly(nu);
     if (!bank) return fail(bank);
-    banks[i] = std::move(*bank);
-    choices[i] = {nu, &banks[i]};
+    search.banks[i] = std::move(*bank);
+    search.choices[i] = {nu, &search.banks[i]};
   }
-  if (around_cents != 0) {
-    match.max_tuning_cents = 2 * match.tolerance_cents;
-    match.around_cents = around_cents;
-  }
-  return fit::choose_nu(heard, choices, match);
+  search.choice = fit::choose_nu(heard, search.choices, match);
+  return search;
 }
 
-// The bank at the Poisson's ratio that the recordings ask for, or at the material's own where they do not tell.
-Result<void> find_bank(Baker& baker, const CompareArguments& arguments, cli::Comparison& c, double& around_cents) {
-  constexpr double kMiddle = 0.25;  // of what solids have
-  Result<modal::Bank> own = baker.bake(std::nullopt);
+fit::CalibrateOptions around(fit::CalibrateOptions match, double tuning_cents) {
+  match.max_tuning_cents = 2 * match.tolerance_cents;
+  match.around_cents = tuning_cents;
+  return match;
+}
+
+// The bank at the Poisson's ratio that the recordings ask for, or at the material's own where they do not tell. Sets the
+// search of the tuning, and the wide search in which chance may be tried.
+Result<void> find_bank(Baker& baker, CompareArguments& arguments, cli::Comparison& c, Search& wide) {
+  constexpr double kMiddle = 0.25, kWide = 0.2, kNarrow = 0.06;  // of what solids have
+  Result<modal::Bank> own = baker.bake_quickly(std::nullopt);
   if (!own) return fail(own);
   if (!own->material) return fail(ErrorKind::bad_input, "the bank of " + c.name + " has no material");
   c.material = own->material->name;
   c.poisson_ratio = c.given_poisson_ratio = own->material->poisson_ratio;
-  c.bank = *own;
-  if (arguments.keep_nu || own->material->orthotropy) return {};  // a grain's constants leave nothing to nu
-  Result<fit::NuChoice> choice = fit::NuChoice{.poisson_ratio = kMiddle};
-  for (const double aside : {0.2, 0.06, 0.03}) {
-    choice = choose_between(baker, arguments.match, c.heard, choice->poisson_ratio, aside, around_cents);
-    if (!choice) return fail(choice);
-    around_cents = choice->tuning_cents;
+  std::optional<double> nu;
+  if (!arguments.keep_nu && !own->material->orthotropy) {  // a grain's constants leave nothing to nu
+    auto found = search_nu(baker, arguments.match, c.heard, kMiddle, kWide);
+    if (!found) return fail(found);
+    wide = std::move(*found);
+    for (std::size_t i = 0; i < 3; ++i) wide.choices[i].bank = &wide.banks[i];
+    const auto narrow = search_nu(baker, around(arguments.match, wide.choice.tuning_cents), c.heard,
+                                  wide.choice.poisson_ratio, kNarrow);
+    if (!narrow) return fail(narrow);
+    arguments.match.around_cents = narrow->choice.tuning_cents;
+    c.nu_told = narrow->choice.told;
+    if (c.nu_told) nu = c.poisson_ratio = narrow->choice.poisson_ratio;
   }
-  if (!choice->told) return {};
-  Result<modal::Bank> best = baker.bake(choice->poisson_ratio);
+  Result<modal::Bank> best = baker.bake_well(nu, *own);
   if (!best) return fail(best);
-  around_cents = choice->tuning_cents;
-  c.nu_told = true;
-  c.poisson_ratio = choice->poisson_ratio;
   c.bank = std::move(*best);
   return {};
 }
@@ -225,7 +267,8 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   if (arguments.output.empty()) arguments.output = arguments.folder / "compare.html";
   const Result<Inputs> inputs = find_inputs(arguments.folder, arguments.bank);
   if (!inputs) return complain(inputs);
-  Result<std::vector<cli::ComparedSound>> sounds = read_sounds(*inputs, arguments);
+  Work work(inputs->sounds.size(), arguments.keep_nu);
+  Result<std::vector<cli::ComparedSound>> sounds = read_sounds(*inputs, arguments, stop, work);
   if (!sounds) return complain(sounds);
   cli::Comparison c{.name = inputs->shape.stem().string(), .sounds = std::move(*sounds)};
   std::vector<std::vector<fit::Mode>> each;
@@ -238,14 +281,14 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   }
   const PrivateFolder folder("ringdown-compare");
   if (folder.path().empty()) return complain({ErrorKind::input_output, "cannot make a folder for temporary files"});
-  double around_cents = 0;
+  const fit::CalibrateOptions wide_match = arguments.match;
+  Search wide;
   {
-    Baker baker(*inputs, arguments, folder.path(), stop);
-    const auto found = find_bank(baker, arguments, c, around_cents);
+    Baker baker(*inputs, arguments, folder.path(), stop, work);
+    const auto found = find_bank(baker, arguments, c, wide);
     if (!found) return complain(found);
   }
-  if (around_cents != 0) {  // where E/rho and nu were searched together
-    arguments.match.around_cents = around_cents;
+  if (arguments.match.around_cents != 0) {  // E/rho and nu were searched together, with errors of quick bakes
     arguments.match.max_tuning_cents = arguments.match.tolerance_cents;
   }
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
@@ -253,6 +296,8 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   if (!calibration)
     return complain({calibration.error().kind, arguments.folder.string() + ": " + calibration.error().message});
   c.calibration = std::move(*calibration);
+  if (wide.choices[0].bank != nullptr)
+    c.chance = fit::chance_of(c.heard, wide.choices, wide_match, c.calibration.matches.size());
   for (cli::ComparedSound& s : c.sounds) {
     s.baked = fit::as_recorded(s.found.modes, c.bank, c.calibration, arguments.match);
     s.distance_db = distance_of(s);

@@ -158,6 +158,111 @@ std::string rows(const Comparison& c) {
   return text + "</table>\n";
 }
 
+double cents_over(double a, double b) { return 1200 * std::log2(a / b); }
+
+std::size_t recordings_of(const Comparison& c, const fit::Mode& mode) {
+  constexpr double kSame_cents = 6;
+  return static_cast<std::size_t>(std::ranges::count_if(c.sounds, [&](const ComparedSound& s) {
+    return std::ranges::any_of(s.found.modes, [&](const fit::Mode& other) {
+      return std::abs(cents_over(other.frequency_hz, mode.frequency_hz)) < kSame_cents;
+    });
+  }));
+}
+
+// Two stronger heard modes whose frequencies add up to that of `mode`, or differ by it, as they do where a microphone, a
+// loose part or a contact is not linear.
+bool is_combination(const Comparison& c, const fit::Mode& mode) {
+  constexpr double kClose_cents = 3;
+  for (const fit::Mode& a : c.heard) {
+    for (const fit::Mode& b : c.heard) {
+      if (a.amplitude <= mode.amplitude || b.amplitude <= mode.amplitude) continue;
+      for (const double f : {a.frequency_hz + b.frequency_hz, a.frequency_hz - b.frequency_hz}) {
+        if (f > 0 && std::abs(cents_over(f, mode.frequency_hz)) < kClose_cents) return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Why a heard mode has no match, by what its pitch, its decay and its recordings show.
+struct Unmatched {
+  const fit::Mode* mode;
+  std::string kind, text;
+};
+
+Unmatched reason_of(const Comparison& c, const fit::Mode& mode) {
+  constexpr double kHeld = 3, kFew = 0.25;
+  const double tuning = std::exp2(c.calibration.tuning_cents / 1200);
+  for (const fit::Match& match : c.calibration.matches) {
+    const double off = cents_over(mode.frequency_hz, c.heard[match.recorded].frequency_hz);
+    if (std::abs(off) >= fit::kCompanion_cents) continue;
+    return {&mode, "beside a match",
+            formatted("{:+.0f} cents beside match {}: the other of a pair, which the real shape splits, or the room", off,
+                      match.baked)};
+  }
+  const auto nearest = std::ranges::min_element(c.bank.frequency_hz, {}, [&](double f) {
+    return std::abs(cents_over(mode.frequency_hz, tuning * f));
+  });
+  const auto number = static_cast<std::size_t>(nearest - c.bank.frequency_hz.begin());
+  const double material = fit::fitted_loss(c.calibration, c.bank, number, mode.frequency_hz).total_per_s();
+  if (mode.decay_per_s > kHeld * material) {
+    return {&mode, "held",
+            formatted("dies {:.1f} times as fast as the material lets it: of a hand, the table or the room",
+                      mode.decay_per_s / material)};
+  }
+  const std::size_t heard_in = recordings_of(c, mode);
+  if (static_cast<double>(heard_in) <= kFew * static_cast<double>(c.sounds.size())) {
+    return {&mode, "in few recordings",
+            formatted("in {} of {} recordings: not of the body, which all of them hear", heard_in, c.sounds.size())};
+  }
+  if (is_combination(c, mode))
+    return {&mode, "a combination", "the sum or difference of two stronger modes: something is not linear"};
+  const double off = cents_over(mode.frequency_hz, tuning * *nearest);
+  const double error = c.bank.frequency_error.empty() ? 0 : cents_over(1 + c.bank.frequency_error[number], 1);
+  return {&mode, "missing",
+          formatted("the nearest baked mode is {:+.0f} cents off, and its error by the mesh {:.1f} cents: the shape", off,
+                    error)};
+}
+
+std::vector<Unmatched> unmatched(const Comparison& c) {
+  std::vector<Unmatched> all;
+  for (std::size_t m = 0; m < c.heard.size(); ++m) {
+    if (std::ranges::none_of(c.calibration.matches, [&](const fit::Match& match) { return match.recorded == m; }))
+      all.push_back(reason_of(c, c.heard[m]));
+  }
+  return all;
+}
+
+// "9 beside a match, 6 held", in the order in which the kinds first occur.
+std::string counted(const std::vector<Unmatched>& all) {
+  std::vector<std::pair<std::string, int>> kinds;
+  for (const Unmatched& one : all) {
+    const auto known = std::ranges::find(kinds, one.kind, &std::pair<std::string, int>::first);
+    if (known == kinds.end()) {
+      kinds.emplace_back(one.kind, 1);
+    } else {
+      ++known->second;
+    }
+  }
+  std::string text;
+  for (const auto& [kind, count] : kinds) text += formatted("{}{} {}", text.empty() ? "" : ", ", count, kind);
+  return text;
+}
+
+std::string unmatched_rows(const Comparison& c) {
+  const double loudest = std::ranges::max(c.heard, {}, &fit::Mode::amplitude).amplitude;
+  std::string text =
+      "<table><tr><th>recorded [Hz]</th><th>T60 [s]</th><th>level [dB]</th><th>recordings</th>"
+      "<th style=\"text-align:left\">why it has no match</th></tr>\n";
+  for (const Unmatched& one : unmatched(c)) {
+    text += formatted(
+        "<tr><td>{:.2f}</td><td>{:.3g}</td><td>{:.0f}</td><td>{}</td><td style=\"text-align:left\">{}</td></tr>\n",
+        one.mode->frequency_hz, modal::t60_s(one.mode->decay_per_s), 20 * std::log10(one.mode->amplitude / loudest),
+        recordings_of(c, *one.mode), one.text);
+  }
+  return text + "</table>\n";
+}
+
 }  // namespace
 
 double Comparison::stiffness() const { return std::exp2(calibration.tuning_cents / 600); }
@@ -232,6 +337,11 @@ std::string verdict(const Comparison& c) {
           judged(c), 100 * c.matched_part(), c.mean_cents()) +
       formatted("{}: {} of the {} recorded modes match one of the bank's {}\n", c.name, matches, c.heard.size(),
                 c.bank.mode_count()) +
+      (c.chance ? formatted("chance       {:.1f} matches on average of lists with shifted modes; {:.0f} % of these have as "
+                            "many\n",
+                            c.chance->matches, 100 * c.chance->share)
+                : std::string()) +
+      (c.heard.size() > matches ? formatted("unmatched    {}\n", counted(unmatched(c))) : std::string()) +
       formatted("frequencies  {:.1f} cents off on average, {:.1f} at most, after E/rho and nu\n", c.mean_cents(),
                 c.worst_cents()) +
       formatted("E/rho        {:.4f} times that of {}\n", c.stiffness(), c.material) +
@@ -270,7 +380,8 @@ std::string compare_page(const Comparison& c) {
         "other octave [dB]; dashed: baked, beside the recording's noise:</p>\n{}",
         escaped(s.name), s.distance_db, spectra(s), decays(s));
   }
-  return text + "<h2>Modes</h2>\n" + rows(c) + "</body></html>\n";
+  return text + "<h2>Modes that match</h2>\n" + rows(c) + "<h2>Modes without a match</h2>\n" + unmatched_rows(c) +
+         "</body></html>\n";
 }
 
 }  // namespace ringdown::cli

@@ -28,6 +28,7 @@ struct Comparison {
   fit::Calibration calibration;
   double poisson_ratio = 0, given_poisson_ratio = 0;
   bool nu_told = false;
+  std::optional<fit::Chance> chance;  // where nu was searched
   std::vector<ComparedSound> sounds;
 
   [[nodiscard]] double stiffness() const;   // fitted E/rho over that of the material

@@ -53,20 +53,28 @@ class Rendering {
 
 using Inputs = std::optional<py::array_t<float, py::array::f_style | py::array::forcecast>>;
 
-void fill(Mixer& self, py::ssize_t frames, const std::optional<py::array>& stereo,
-          const std::optional<py::array>& ambisonics, const Inputs& inputs) {
-  std::optional<Channels> mix, sphere;
+// The arrays that one call fills, each of frames x channels; what is missing is not rendered.
+struct Sound {
+  std::optional<py::array> mix, ambisonics, pickups;
+};
+
+void fill(Mixer& self, py::ssize_t frames, const Sound& sound, const Inputs& inputs) {
+  std::optional<Channels> mix, sphere, motion;
   ringdown_block block{};
   block.size = sizeof block;
   block.frames = static_cast<std::size_t>(frames);
-  if (stereo) {
-    mix.emplace(*stereo, "the array", frames, 2);
+  if (sound.mix) {
+    mix.emplace(*sound.mix, "the array", frames, 2);
     for (std::size_t c = 0; c < 2; ++c) block.mix[c] = mix->channel(c);
   }
-  if (ambisonics) {
+  if (sound.ambisonics) {
     if (self.ambisonic_channels == 0) refuse("the mixer was made without ambisonic_order");
-    sphere.emplace(*ambisonics, "ambisonics", frames, self.ambisonic_channels);
+    sphere.emplace(*sound.ambisonics, "ambisonics", frames, self.ambisonic_channels);
     for (std::size_t c = 0; c < self.ambisonic_channels; ++c) block.ambisonics[c] = sphere->channel(c);
+  }
+  if (sound.pickups) {
+    motion.emplace(*sound.pickups, "pickups", frames, RINGDOWN_MAX_PICKUPS);
+    for (std::size_t c = 0; c < RINGDOWN_MAX_PICKUPS; ++c) block.pickups[c] = motion->channel(c);
   }
   if (inputs && frames > 0) {
     if (inputs->ndim() != 2 || inputs->shape(0) != frames || inputs->shape(1) > RINGDOWN_MAX_INPUTS) {
@@ -80,20 +88,22 @@ void fill(Mixer& self, py::ssize_t frames, const std::optional<py::array>& stere
     ringdown_render_all(self.handle, &block);
     if (mix) mix->write_back();
     if (sphere) sphere->write_back();
+    if (motion) motion->write_back();
   }
   ringdown_collect(self.handle);
 }
 
 // The next frames as an array whose columns are contiguous, so that the library writes into it directly.
-py::array render(Mixer& self, py::ssize_t frames, const Inputs& inputs, bool ambisonic) {
+py::array render(Mixer& self, py::ssize_t frames, const Inputs& inputs, std::optional<py::array> Sound::*which,
+                 std::size_t channels) {
   constexpr py::ssize_t kMaxFrames = py::ssize_t{1} << 40;
   if (frames < 0 || frames > kMaxFrames) refuse("frames must be from 0 to 2^40");
   const auto size = static_cast<py::ssize_t>(sizeof(float));
-  const auto channels = static_cast<py::ssize_t>(ambisonic ? self.ambisonic_channels : 2);
-  const py::array_t<float> sound({frames, channels}, {size, size * frames});
-  const std::optional<py::array> filled(sound), nothing;
-  fill(self, frames, ambisonic ? nothing : filled, ambisonic ? filled : nothing, inputs);
-  return sound;
+  const py::array_t<float> samples({frames, static_cast<py::ssize_t>(channels)}, {size, size * frames});
+  Sound sound;
+  sound.*which = samples;
+  fill(self, frames, sound, inputs);
+  return samples;
 }
 
 std::int64_t at(const Mixer& mixer, const FrameOrNow& frame) { return frame ? *frame : ringdown_now(mixer.handle); }
@@ -137,26 +147,38 @@ void add_sound(Class& mixer) {
       .def(
           "render",
           [](Mixer& self, Whole<py::ssize_t> frames, const Inputs& inputs) {
-            return render(self, frames, inputs, false);
+            return render(self, frames, inputs, &Sound::mix, 2);
           },
           py::arg("frames"), py::arg("inputs") = py::none(),
           "The next frames of sound, frames x 2 numbers of type float32. While it computes, other threads "
           "run.\n\n`inputs`, frames x at most 4 numbers, push the objects that excite() names.")
       .def(
           "render_into",
-          [](Mixer& self, const py::array& array, const std::optional<py::array>& ambisonics, const Inputs& inputs) {
-            fill(self, array.ndim() > 0 ? array.shape(0) : 0, array, ambisonics, inputs);
+          [](Mixer& self, const py::array& array, const std::optional<py::array>& ambisonics, const Inputs& inputs,
+             const std::optional<py::array>& pickups) {
+            fill(self, array.ndim() > 0 ? array.shape(0) : 0, {array, ambisonics, pickups}, inputs);
           },
           py::arg("array"), py::arg("ambisonics") = py::none(), py::arg("inputs") = py::none(),
+          py::arg("pickups") = py::none(),
           "Fills an array of frames x 2 numbers of type float32 with the next frames, without a copy if its columns "
-          "are contiguous (order='F'); and `ambisonics`, if given, with the ambisonic channels.")
+          "are contiguous (order='F'); and `ambisonics`, if given, with the ambisonic channels, and `pickups`, frames "
+          "x "
+          "8, with the motion that pickups feel.")
       .def(
           "render_ambisonics",
           [](Mixer& self, Whole<py::ssize_t> frames, const Inputs& inputs) {
-            return render(self, frames, inputs, true);
+            return render(self, frames, inputs, &Sound::ambisonics, self.ambisonic_channels);
           },
           py::arg("frames"), py::arg("inputs") = py::none(),
           "The next frames as (ambisonic_order + 1)^2 channels: AmbiX, channels in ACN order, SN3D.")
+      .def(
+          "render_pickups",
+          [](Mixer& self, Whole<py::ssize_t> frames, const Inputs& inputs) {
+            return render(self, frames, inputs, &Sound::pickups, RINGDOWN_MAX_PICKUPS);
+          },
+          py::arg("frames"), py::arg("inputs") = py::none(),
+          "The next frames of the 8 pickups, without the sound: frames x 8 numbers of type float32. Column 0 is "
+          "pickup 1.")
       .def_property_readonly(
           "now", [](const Mixer& self) { return ringdown_now(self.handle); },
           "Frames rendered so far: the first frame of the next block.")

@@ -181,6 +181,17 @@ struct Pan {
   double pan = 0;
 };
 
+// The motion of a place of the surface, as a contact microphone or a laser vibrometer measures it, becomes output
+// `number` from this frame on. A pickup of this number that is elsewhere ends at this frame.
+struct Pickup {
+  static constexpr Effect kEffect = Effect::sets;
+  Vec3 point_m;
+  Vec3 direction;            // of the motion, a unit vector; 0 0 0 removes the pickup from the object
+  std::uint32_t number = 1;  // 1 to kMaxPickups
+  std::uint32_t motion = 1;  // 0: displacement, 1: velocity, 2: acceleration
+  double gain = 1;           // sample over motion in m, m/s or m/s^2
+};
+
 // Fades what rings to silence within ramp_s, or a few milliseconds if that is longer, and ends every contact.
 struct Clear {
   static constexpr Effect kEffect = Effect::damps;
@@ -259,9 +270,9 @@ struct Rub {
 }  // namespace verb
 
 // The verbs that every door has, in the order of the reference.
-using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Ring, verb::Impart,
-                          verb::Clear, verb::Choke, verb::Contact, verb::Bow, verb::Mallet, verb::Couple, verb::Click,
-                          verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
+using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Pickup, verb::Ring,
+                          verb::Impart, verb::Clear, verb::Choke, verb::Contact, verb::Bow, verb::Mallet, verb::Couple,
+                          verb::Click, verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
 using Verbs = Joined<PublicVerbs, Types<verb::Collision, verb::Rub>>;
 using Verb = OneOf<Verbs>;
 

@@ -10,11 +10,13 @@
 
 namespace ringdown::synth {
 
-// Channels: left and right of the mix, then the buses. Ambisonic channels, if there are any, take the places of the
-// last buses.
+// Channels: left and right of the mix, the buses, the pickups, and ambisonic channels.
 inline constexpr std::size_t kMaxChannels = 64;
 inline constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;
 inline constexpr std::size_t kFirstAmbisonic = kMaxChannels - kMaxAmbisonicChannels;
+inline constexpr std::size_t kMaxPickups = 8;  // pickups of a mixer, each with a channel of its own
+inline constexpr std::size_t kFirstPickup = kFirstAmbisonic - kMaxPickups;
+constexpr bool is_pickup(std::size_t channel) { return channel >= kFirstPickup && channel < kFirstAmbisonic; }
 inline constexpr std::size_t kNoBus = 0;  // means no bus where a bus's channel is expected
 
 // A set of channels: bit c stands for channel c.
@@ -32,6 +34,7 @@ class Outputs {
   Outputs(float* left, float* right) REALTIME { listen(kLeft, left), listen(kRight, right); }
   void listen_to_mix(std::size_t side, float* samples) REALTIME { listen(side, samples); }  // 0 left, 1 right
   void listen_to_bus(std::size_t bus, float* samples) REALTIME { listen(kFirstBus + bus, samples); }
+  void listen_to_pickup(std::size_t pickup, float* samples) REALTIME { listen(kFirstPickup + pickup, samples); }
   void listen_to_ambisonics(std::size_t acn, float* samples) REALTIME { listen(kFirstAmbisonic + acn, samples); }
 
   [[nodiscard]] ChannelSet wanted() const REALTIME { return wanted_; }

@@ -81,6 +81,7 @@ struct Workspace {
   ChunkCounts counts;
   alignas(64) std::array<double, kChunkFrames> mono{};                              // one object's samples
   alignas(64) std::array<std::array<double, kChunkFrames>, kMaxForces> impulses{};  // of the forces on one object
+  AlignedArray<double> spare = aligned_zeros<double>(2 * kMaxProbedColumns);        // a copy of one voice's states
   // Set by Shedding before each source:
   Level threshold = ModeStates::kNoThreshold;  // modes below this level are muted
   bool at_once = false;                        // mute without a ramp

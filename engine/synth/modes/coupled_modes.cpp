@@ -212,13 +212,22 @@ double CoupledModes::step() REALTIME {
   return forced;
 }
 
-bool CoupledModes::render(double* out, std::size_t frames) REALTIME {
+bool CoupledModes::render(double* out, std::size_t frames, std::span<const Probes::One> probes) REALTIME {
   const double* const output = table_.output.data();
   std::array<double, kChunkFrames> samples;
   assert(frames <= samples.size());
   for (std::size_t n = 0; n < frames; ++n) {
     double sum = 0;
     for (std::size_t m = 0; m < modes_; ++m) sum += output[m] * now_[m];
+    for (const Probes::One& probe : probes) {
+      double motion = 0;
+      for (std::size_t m = 0; m < modes_; ++m) {
+        const std::size_t c = table_.columns[m];
+        motion += static_cast<double>(probe.gain_re[c]) * output[m] * now_[m] -
+                  static_cast<double>(probe.gain_im[c]) * state_im(m);
+      }
+      probe.to[n] += motion;
+    }
     const double forced = step();
     if (taken_) fading_ += forced_ - forced;
     taken_ = false;
@@ -262,7 +271,8 @@ Coupling::Coupling(const ModeTable& table) {
   if (table.coupled) modes_ = std::make_unique<CoupledModes>(*table.coupled);
 }
 
-Coupling::Outcome Coupling::render(double* re, double* im, bool allowed, double* out, std::size_t frames) REALTIME {
+Coupling::Outcome Coupling::render(double* re, double* im, bool allowed, double* out, std::size_t frames,
+                                   std::span<const Probes::One> probes) REALTIME {
   constexpr double kBegin = 0.004, kEnd = 0.001;  // relative detuning: 7 and 1.7 cents
   if (!modes_) return Outcome::nothing;
   if (!allowed || !affordable || !(modes_->strength(re, im) > (modes_->running() ? kEnd : kBegin))) {
@@ -271,7 +281,7 @@ Coupling::Outcome Coupling::render(double* re, double* im, bool allowed, double*
     return ended ? Outcome::ended : Outcome::nothing;
   }
   modes_->take(re, im);
-  return modes_->render(out, frames) ? Outcome::rendered : Outcome::absurd;
+  return modes_->render(out, frames, probes) ? Outcome::rendered : Outcome::absurd;
 }
 
 bool Coupling::give_back(double* re, double* im) REALTIME {

@@ -20,10 +20,12 @@
 #include "engine/modal/material_scale.h"
 #include "engine/synth/kernels/aligned_array.h"
 #include "engine/synth/kernels/coupled_kernel.h"
+#include "engine/synth/modes/probes.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace ringdown::synth {
@@ -64,7 +66,8 @@ class CoupledModes {
   void take(double* re, double* im) REALTIME;
   // Adds `frames` <= kChunkFrames samples to `out` and moves on. False when a state or a sample is absurd
   // (kAbsurdEnergy, kAbsurdSample): nothing was added then, and the modes have come to rest.
-  bool render(double* out, std::size_t frames) REALTIME;
+  // `probes` feel its modes, too.
+  bool render(double* out, std::size_t frames, std::span<const Probes::One> probes = {}) REALTIME;
   // While it is at rest: adds what is left of the forces' sound, or cuts it off.
   void fade(double* out, std::size_t frames) REALTIME;
   void cut_off() REALTIME { forced_ = fading_ = 0; }
@@ -119,7 +122,8 @@ class Coupling {
   // Takes over what rings in the states while that is loud enough and `allowed`, and adds its sound to `out`; else
   // gives it back, and says `ended` when it did.
   enum class Outcome : std::uint8_t { nothing, rendered, ended, absurd };
-  Outcome render(double* re, double* im, bool allowed, double* out, std::size_t frames) REALTIME;
+  Outcome render(double* re, double* im, bool allowed, double* out, std::size_t frames,
+                 std::span<const Probes::One> probes = {}) REALTIME;
   void cut_off() REALTIME {
     if (modes_) modes_->cut_off();
   }

@@ -44,19 +44,33 @@ bool FadeOut::render(double* out, std::size_t frames) REALTIME {
   double sum[kChunkFrames] = {};
   ActiveGroups all{all_groups_.data(), all_groups_.size()};
   const bool sane = render_modes(states_.for_kernel(frames), all, kKeepAllGroups, sum, frames);
-  if (nepers_ == 0) {
-    for (std::size_t n = 0; n < frames && left_ > 0; ++n, --left_) {
-      out[n] += sum[n] * static_cast<double>(left_) / static_cast<double>(frames_);
-    }
-  } else {
-    const double each = std::exp(-nepers_ / static_cast<double>(frames_));
-    double fallen = std::exp(-nepers_ * static_cast<double>(frames_ - left_) / static_cast<double>(frames_));
-    for (std::size_t n = 0; n < frames && left_ > 0; ++n, --left_, fallen *= each) {
-      out[n] += sum[n] * fallen * std::min(1.0, static_cast<double>(left_) / static_cast<double>(kMinFrames));
-    }
-  }
+  add_faded(sum, out, frames);
+  left_ -= std::min(frames, left_);
   if (left_ == 0) states_.clear();
   return sane;
+}
+
+void FadeOut::feel(const Probes& probes, std::size_t frames) REALTIME {
+  for (const Probes::One& probe : probes.all()) {
+    double sum[kChunkFrames] = {};
+    probes.ring(probe, states_, {all_groups_.data(), all_groups_.size()}, sum, frames);
+    add_faded(sum, probe.to, frames);
+  }
+}
+
+void FadeOut::add_faded(const double* samples, double* out, std::size_t frames) const REALTIME {
+  std::size_t left = left_;
+  if (nepers_ == 0) {
+    for (std::size_t n = 0; n < frames && left > 0; ++n, --left) {
+      out[n] += samples[n] * static_cast<double>(left) / static_cast<double>(frames_);
+    }
+    return;
+  }
+  const double each = std::exp(-nepers_ / static_cast<double>(frames_));
+  double fallen = std::exp(-nepers_ * static_cast<double>(frames_ - left) / static_cast<double>(frames_));
+  for (std::size_t n = 0; n < frames && left > 0; ++n, --left, fallen *= each) {
+    out[n] += samples[n] * fallen * std::min(1.0, static_cast<double>(left) / static_cast<double>(kMinFrames));
+  }
 }
 
 void FadeOut::skip(std::size_t frames) REALTIME {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/synth/modes/probes.h"
 #include "engine/synth/modes/state_array.h"
 
 #include <cstddef>
@@ -35,6 +36,8 @@ class FadeOut {
   // Adds the next `frames` <= kChunkFrames samples to `out`. False when a state is absurd: nothing was added. Runs only
   // while running().
   bool render(double* out, std::size_t frames) REALTIME;
+  // Adds what probes feel of the next `frames`.
+  void feel(const Probes& probes, std::size_t frames) REALTIME;
   // Moves on as render() does, without a sound.
   void skip(std::size_t frames) REALTIME;
   void clear() REALTIME;
@@ -46,6 +49,9 @@ class FadeOut {
   [[nodiscard]] const StateArray& states() const REALTIME { return states_; }
 
  private:
+  // Adds the samples of the next `frames` under the falling gain to `out`.
+  void add_faded(const double* samples, double* out, std::size_t frames) const REALTIME;
+
   StateArray states_;
   std::vector<std::uint32_t> all_groups_;
   std::size_t left_ = 0, frames_ = kMinFrames;

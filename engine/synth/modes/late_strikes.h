@@ -29,6 +29,7 @@ class LateStrikes {
 
   [[nodiscard]] bool has(std::uint32_t group) const REALTIME { return listed_[group] != 0; }
   [[nodiscard]] const GroupList& groups() const REALTIME { return groups_; }  // that have been struck
+  [[nodiscard]] ActiveGroups active() REALTIME { return groups_.active(); }
   void hear_by(const Hearing* hearing) REALTIME { states_.hear_by(hearing); }
   [[nodiscard]] const StateArray& states() const REALTIME { return states_; }
   void clear() REALTIME;

@@ -71,10 +71,10 @@ bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std:
 
 // Renders the modes that exchange energy, whose states are zero meanwhile. Modes that are heard by gains of their own
 // stay in the kernels, and so do all while modes are muted.
-Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, double* out,
-                         std::size_t frames) REALTIME {
+Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, double* out, std::size_t frames,
+                         std::span<const Probes::One> probes) REALTIME {
   const bool allowed = !muting && states.for_kernel(0).hearing == nullptr;
-  return coupling.render(states.re(), states.im(), allowed, out, frames);
+  return coupling.render(states.re(), states.im(), allowed, out, frames, probes);
 }
 
 }  // namespace
@@ -178,10 +178,19 @@ void ModeStates::fade_out(const Fading& fade) REALTIME {
   rest();
 }
 
+// Lets the probes feel what rings freely in the next `frames`.
+void ModeStates::feel(std::size_t frames) REALTIME {
+  if (probes.all().empty()) return;
+  for (const ActiveGroups* groups : {&slow_, &fast_}) probes.ring(states_, *groups, frames);
+  if (fade_.running()) fade_.feel(probes, frames);
+  if (muting_.changing()) muting_.feel(states_, probes, frames);
+}
+
 bool ModeStates::render(double* out, std::size_t frames, double floor) REALTIME {
-  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames);
+  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames, probes.all());
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(false);
+  feel(frames);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
   for (ActiveGroups* groups : {&slow_, &fast_}) {
@@ -195,9 +204,10 @@ bool ModeStates::render(double* out, std::size_t frames, double floor) REALTIME 
 
 bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                                 double floor) REALTIME {
-  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames);
+  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames, probes.all());
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(true);
+  feel(frames);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   const ModeArrays all = states_.for_kernel(frames);
   bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
@@ -239,6 +249,11 @@ void ModeStates::add_late(BlowAmplitudes blow, double gain, std::size_t frames_l
 }
 
 bool ModeStates::render_late(double* out, std::size_t frames, std::optional<std::span<const Force>> forces) REALTIME {
+  if (forces) {
+    probes.drive(late_.states(), *forces, frames);
+  } else {
+    probes.ring(late_.states(), late_.active(), frames);
+  }
   const bool sane = forces ? late_.drive(*forces, out, frames) : late_.render(out, frames);
   if (!sane) silence();
   return sane;

@@ -18,6 +18,7 @@
 #include "engine/synth/modes/mode_table.h"
 #include "engine/synth/modes/mode_watch.h"
 #include "engine/synth/modes/muting.h"
+#include "engine/synth/modes/probes.h"
 #include "engine/synth/modes/state_array.h"
 
 #include <algorithm>
@@ -68,6 +69,9 @@ class ModeStates {
 
   // Its modes that exchange energy, if its bank has any.
   Coupling coupling;
+
+  // Places of the surface that all functions which render feel, too.
+  Probes probes;
 
   // How the modes are heard, which changes nothing of what they do: by gains of their own, and in a time that runs
   // `rate` times as fast, which bends by `bend` (Hearing). hear() is called before every function that renders, with
@@ -146,6 +150,7 @@ class ModeStates {
   void settle() REALTIME;
   void unmute() REALTIME;
   void mark() REALTIME;
+  void feel(std::size_t frames) REALTIME;
 
   const ModeTable& table_;
   StateArray states_;

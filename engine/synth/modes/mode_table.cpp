@@ -224,6 +224,30 @@ std::optional<double> ModeTable::strike(const verb::Strike& strike, std::span<do
   return weigh({mode_of_, column_, weight_, frequency_hz_}, scratch, strike.contact_time_s, amplitudes);
 }
 
+// A state is z = W (w q - i (v + s q)), with w the damped frequency, s the decay and W the output per modal velocity v,
+// so that q = Re z / (W w); each derivative multiplies z by i w - s. weight_ has W times the scale of shapes, and so
+// has the place's shape, one scale for each.
+double ModeTable::find_motion(const verb::Pickup& pickup, std::span<double> scratch, float* re,
+                              float* im) const REALTIME {
+  map_->excite(per_size_ * pickup.point_m, pickup.direction, scratch);
+  std::fill_n(re, columns_, 0.0f);
+  std::fill_n(im, columns_, 0.0f);
+  const double shape = modal::shape_factor(material_);
+  double largest = 0;
+  for (std::size_t i = 0; i < playable_modes(); ++i) {
+    if (weight_[i] == 0) continue;
+    const std::size_t c = column(i);
+    const auto s = sample_rate_hz_ * std::complex<double>(row(exponent_re)[c], row(exponent_im)[c]);
+    std::complex<double> gain = pickup.gain * shape * shape * scratch[mode_of(i)] / (weight_[i] * s.imag());
+    for (std::uint32_t k = 0; k < pickup.motion; ++k)
+      gain = {gain.real() * s.real() - gain.imag() * s.imag(), gain.real() * s.imag() + gain.imag() * s.real()};
+    re[c] = static_cast<float>(gain.real());
+    im[c] = static_cast<float>(gain.imag());
+    largest = std::max(largest, std::abs(gain));
+  }
+  return largest;
+}
+
 void ModeTable::prepare(std::size_t frames) REALTIME {
   if (frames == kChunkFrames || frames == rest_frames_) return;
   rest_frames_ = frames;

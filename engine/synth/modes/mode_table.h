@@ -85,6 +85,11 @@ class ModeTable {
   [[nodiscard]] std::optional<double> strike(const verb::Impart& impart, std::span<double> scratch,
                                              double* amplitudes) const REALTIME;
 
+  // Finds by which complex gains the states of all columns move a place: Re(gain z) adds up to what the pickup feels.
+  // `scratch` has one element per mode of the bank, `re` and `im` one per column. Returns the largest size of a gain. A
+  // mode that radiates nothing has no state and moves nothing. [audio]
+  double find_motion(const verb::Pickup& pickup, std::span<double> scratch, float* re, float* im) const REALTIME;
+
   // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
   void prepare(std::size_t frames) REALTIME;
 

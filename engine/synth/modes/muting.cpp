@@ -50,16 +50,34 @@ void Muting::forget(StateArray& states, std::uint32_t group) REALTIME {
   muted_at_[group] = kNotMuted;
 }
 
+namespace {
+
+// Adds samples of what leaves and of what enters, under their ramps.
+void add_changes(const double* down, const double* up, double* out, std::size_t frames) REALTIME {
+  for (std::size_t n = 0; n < frames; ++n) {
+    const double level = static_cast<double>(n) / static_cast<double>(frames);
+    out[n] += (1 - level) * down[n] + level * up[n];
+  }
+}
+
+}  // namespace
+
 bool Muting::render_changes(StateArray& states, double* out, std::size_t frames) REALTIME {
   double down[kChunkFrames] = {}, up[kChunkFrames] = {};
   ActiveGroups going = leaving.active(), coming = entering.active();
   bool sane = render_modes(states.for_kernel(frames), going, kKeepAllGroups, down, frames);
   sane = render_modes(states.for_kernel(frames), coming, kKeepAllGroups, up, frames) && sane;
-  for (std::size_t n = 0; n < frames; ++n) {
-    const double level = static_cast<double>(n) / static_cast<double>(frames);
-    out[n] += (1 - level) * down[n] + level * up[n];
-  }
+  add_changes(down, up, out, frames);
   return sane;
+}
+
+void Muting::feel(const StateArray& states, const Probes& probes, std::size_t frames) REALTIME {
+  for (const Probes::One& probe : probes.all()) {
+    double down[kChunkFrames] = {}, up[kChunkFrames] = {};
+    probes.ring(probe, states, leaving.active(), down, frames);
+    probes.ring(probe, states, entering.active(), up, frames);
+    add_changes(down, up, probe.to, frames);
+  }
 }
 
 bool Muting::render_changes(StateArray& states, std::span<const MomentTarget> targets, std::size_t frames) REALTIME {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/synth/modes/probes.h"
 #include "engine/synth/modes/state_array.h"
 
 #include <cstddef>
@@ -76,6 +77,8 @@ class Muting {
   // `frames`. False when a state is absurd.
   bool render_changes(StateArray& states, double* out, std::size_t frames) REALTIME;
   bool render_changes(StateArray& states, std::span<const MomentTarget> targets, std::size_t frames) REALTIME;
+  // Adds what probes feel of these groups.
+  void feel(const StateArray& states, const Probes& probes, std::size_t frames) REALTIME;
   // Ends a chunk of `frames`. What has left is muted, and what has entered is appended to `sounding`.
   void advance(const StateArray& states, std::size_t frames, ActiveGroups& sounding) REALTIME {
     clock_ += static_cast<Frame>(frames);

@@ -8,6 +8,8 @@ bool TouchedStates::render(const TouchForces& touch, double* out, std::size_t fr
   ModeArrays all = states_.states_.for_kernel(0);
   all.pole_re = touch.stepped.pole_re;
   all.pole_im = touch.stepped.pole_im;
+  states_.probes.touch(states_.states_, all, touch.forces, touch.ports, frames, touch.substeps);
+  if (states_.fade_.running() && !states_.probes.all().empty()) states_.fade_.feel(states_.probes, frames);
   bool sane = !states_.fade_.running() || states_.fade_.render(out, frames);
   const double energy =
       drive_touched(all, states_.table_.columns(), touch.forces, touch.ports, out, frames, touch.substeps);

@@ -58,6 +58,11 @@ class Voice : public ModeStates {
     return {amplitudes_.get(), displaced_ ? amplitudes_.get() + table_->columns() : nullptr};
   }
 
+  // As ModeTable::find_motion(). [audio]
+  double find_motion(const verb::Pickup& pickup, float* re, float* im) REALTIME {
+    return table_->find_motion(pickup, {scratch_.data(), scratch_.size()}, re, im);
+  }
+
   // A new voice with another table of the same bank, which takes over what rings in this one. [worker, while nothing
   // renders either]
   [[nodiscard]] std::unique_ptr<Voice> with_table(std::shared_ptr<ModeTable> table);

@@ -12,6 +12,7 @@ inline constexpr double kStrikePerMode = 9;         // a strike on an object tha
 inline constexpr double kSharedStrikePerMode = 12;  // a strike on an object whose states are shared
 inline constexpr double kJoinPerMode = 1.5;         // beginning or ending to share states
 inline constexpr double kDrivePerMode = 6;          // a lasting force, per chunk
+inline constexpr double kProbePerMode = 6;          // a place whose motion is an output, per chunk
 inline constexpr double kTouchPerMode = 9;          // a touched object, per chunk of steps
 inline constexpr double kTouchPerContact = 20000;   // a two-way contact, per chunk
 inline constexpr double kCoupledPerTerm = 0.005;    // modes that exchange energy, per frame and number of H

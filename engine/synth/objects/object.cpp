@@ -41,6 +41,7 @@ bool keep_sane(std::span<const double> samples, const VoiceStack& voices, const 
 
 void Object::render(const Chunk& chunk, Workspace& workspace) REALTIME {
   workspace.counts.look_terms += placement.begin_chunk(chunk, voices, strip);
+  pickups.begin(chunk);
   apply_threshold(chunk, workspace);
   voices.for_each([&](Voice& voice) REALTIME {
     if (voice.coupling.possible())
@@ -53,6 +54,7 @@ void Object::render(const Chunk& chunk, Workspace& workspace) REALTIME {
   } else {
     render_by_tables(chunk, workspace);
   }
+  pickups.end(chunk, voices, workspace);
   placement.end_chunk(chunk, voices);
   voices.for_each([&](const Voice& voice) REALTIME {
     if (!voice.ringing()) return;
@@ -85,7 +87,7 @@ bool Object::only_struck(const Chunk& chunk) const REALTIME {
 
 // The amplitude of states below which modes rest. A force that acts may yet make a weak mode loud, little by little.
 double Object::floor(const Chunk& chunk) const REALTIME {
-  return driven(chunk) ? 0 : chunk.floor / std::max(1.0, strip.max_gain());
+  return driven(chunk) ? 0 : chunk.floor / std::max(1.0, strip.max_gain()) * pickups.floor_factor();
 }
 
 // Takes the next event off the list. False when there is none, or no time for it: then it waits for the next chunk.
@@ -98,8 +100,8 @@ bool Object::play_next(const Chunk& chunk, Workspace& workspace) REALTIME {
 // Plays an event of the object at its frame.
 struct Object::Play {
   // The stage, the listener or a TouchGroup plays these.
-  using Elsewhere = Types<verb::Click, verb::Bow, verb::Mallet, verb::Couple, verb::Collision, verb::Rub, verb::Pose,
-                          verb::Listener, verb::ListenerOff, verb::ListenerAir>;
+  using Elsewhere = Types<verb::Click, verb::Bow, verb::Mallet, verb::Couple, verb::Collision, verb::Rub, verb::Pickup,
+                          verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
 
   Object& object;
   Frame frame;
@@ -164,6 +166,7 @@ void Object::render_segment(std::size_t begin, std::size_t end, const Chunk& chu
   double* const mono = workspace.mono.data();
   std::fill_n(mono + begin, end - begin, 0.0);
   hear(begin, end, chunk);
+  pickups.listen(begin, chunk, voices, workspace);
   voices.for_each([&](Voice& voice) REALTIME {
     if (!voice.ringing()) return;
     if (!voice.render(mono + begin, end - begin, floor(chunk))) count(chunk.counters->not_finite);
@@ -197,6 +200,7 @@ void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) REALTIM
   voices.for_each([&](const Voice& voice) REALTIME { samples = samples || voice.needs_samples(); });
   double* const mono = workspace.mono.data();
   if (samples) std::fill_n(mono, chunk.frames, 0.0);
+  pickups.listen(0, chunk, voices, workspace);
   voices.for_each([&](Voice& voice) REALTIME {
     if (!voice.ringing()) return;
     if (!voice.render_moments(targets, mono, chunk.frames, floor(chunk))) count(chunk.counters->not_finite);
@@ -216,6 +220,7 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) REALTIME {
   std::size_t at = 0;
   const auto render_to = [&](std::size_t end) REALTIME {
     hear(at, end, chunk);
+    pickups.listen(at, chunk, voices, workspace);
     if (driven) {
       drive(at, end, chunk, workspace);
     } else if (struck && end > at && !voice->render_late(workspace.mono.data() + at, end - at)) {
@@ -245,6 +250,7 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) REALTIME {
 
 void Object::begin_touched(const Chunk& chunk, Workspace& workspace) REALTIME {
   workspace.counts.look_terms += placement.begin_chunk(chunk, voices, strip);
+  pickups.begin(chunk);
 }
 
 void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace,
@@ -252,6 +258,7 @@ void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chu
   double* const mono = workspace.mono.data();
   std::fill_n(mono + begin, end - begin, 0.0);
   hear(begin, end, chunk);
+  pickups.listen(begin, chunk, voices, workspace);
   voices.for_each([&](Voice& voice) REALTIME {
     const bool current = &voice == voices.current();
     if (!current && !voice.ringing()) return;
@@ -266,6 +273,7 @@ void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chu
 }
 
 void Object::end_touched(const Chunk& chunk, Workspace& workspace) REALTIME {
+  pickups.end(chunk, voices, workspace);
   placement.end_chunk(chunk, voices);
   voices.for_each([&](const Voice& voice) REALTIME {
     if (!voice.ringing()) return;
@@ -328,7 +336,8 @@ bool Object::can_share(Frame now) const REALTIME {
   const Voice* const voice = voices.current();
   const InstanceGroup* const group = voice ? voice->table().instances : nullptr;
   if (voice && voice->table().glide) return false;  // its pitch depends on its own amplitude
-  if (!group || touched || voices.has_tails() || !exciters.all().empty() || voice->counts().fading) return false;
+  if (!group || touched || pickups.any() || voices.has_tails() || !exciters.all().empty() || voice->counts().fading)
+    return false;
   // Gains are part of the group's sums, and what is absurdly loud should not depend on sharing.
   if (std::abs(strip.final_gain()) > kMaxSharedGain) return false;
   return group->accepts(strip.bus()) && strip.still_at(now);

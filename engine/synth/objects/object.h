@@ -7,6 +7,7 @@
 #include "engine/base/realtime.h"
 #include "engine/synth/contact/exciters.h"
 #include "engine/synth/objects/instance_group.h"
+#include "engine/synth/listening/pickups.h"
 #include "engine/synth/listening/placement.h"
 #include "engine/synth/modes/touched_states.h"
 #include "engine/synth/output/channel_strip.h"
@@ -56,6 +57,7 @@ class Object final : public Source {
   ChannelStrip strip;
   Placement placement;
   ExciterSlots exciters;
+  PickupSlots pickups;
   GroupMember member;
   bool touched = false;   // a TouchGroup renders it
   Frame left_group = -1;  // the chunk in which something else than strikes happens to it

@@ -28,7 +28,7 @@ ChannelSet MixOutput::to_render() const REALTIME {
 
 void MixOutput::begin_block(const Outputs& outputs, std::size_t frames) REALTIME {
   outputs_ = outputs;
-  mix_peak_ = bus_peak_ = 0;
+  mix_peak_ = bus_peak_ = pickup_peak_ = 0;
   if (!(sound_tap.watched() || capture_tap.watched()) || frames > kMaxSpare) return;
   if (!contains(outputs.wanted(), kLeft)) outputs_.listen_to_mix(0, spare_left_.data());
   if (!contains(outputs.wanted(), kRight)) outputs_.listen_to_mix(1, spare_right_.data());
@@ -48,7 +48,7 @@ void MixOutput::write_piece(const ChannelSums& sums, std::size_t at, std::size_t
     const auto channel = static_cast<std::size_t>(std::countr_zero(rest));
     float* const out = outputs_.at(channel) + at;
     if (const double* samples = channel < kFirstBus ? mix[channel] : sums.result(channel)) {
-      float& peak = channel < kFirstBus ? mix_peak_ : bus_peak_;
+      float& peak = channel < kFirstBus ? mix_peak_ : is_pickup(channel) ? pickup_peak_ : bus_peak_;
       peak = std::max(peak, write_samples(samples, out, frames));
     } else {
       std::fill_n(out, frames, 0.0f);
@@ -61,7 +61,7 @@ float MixOutput::end_block(Frame begin, std::size_t frames, double sample_rate_h
                         REALTIME { return contains(wanted(), channel) ? outputs_.at(channel) : nullptr; };
   float* const left = side(kLeft);
   float* const right = side(kRight);
-  const bool spoilt = std::isinf(std::max(mix_peak_, bus_peak_));
+  const bool spoilt = std::isinf(std::max({mix_peak_, bus_peak_, pickup_peak_}));
   float mix = test_tone.add(left, right, frames, sample_rate_hz).value_or(mix_peak_);
   if (limiter_) mix = limiter_->process(left, right, frames);
   for (SoundTap* const tap : {&sound_tap, &capture_tap}) {

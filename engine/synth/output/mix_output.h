@@ -40,7 +40,7 @@ class MixOutput {
   [[nodiscard]] ChannelSet to_render() const REALTIME;
   // Writes a chunk's sums to frames at ... at + frames - 1 of the block.
   void write(const ChannelSums& sums, std::size_t at, std::size_t frames) REALTIME;
-  // Ends the block, whose first frame is `begin`. Returns the largest |sample| of the outputs, or infinity if a piece
+  // Ends the block, whose first frame is `begin`. Returns the largest |sample| of mix and buses, or infinity if a piece
   // of a channel was silenced because a sample of it would not have been finite.
   [[nodiscard]] float end_block(Frame begin, std::size_t frames, double sample_rate_hz) REALTIME;
 
@@ -49,8 +49,8 @@ class MixOutput {
 
   std::optional<Limiter> limiter_;
   std::optional<Binaural> binaural_;
-  Outputs outputs_;                    // outputs of the present block
-  float mix_peak_ = 0, bus_peak_ = 0;  // largest |sample| written to the mix and to the buses
+  Outputs outputs_;                                      // outputs of the present block
+  float mix_peak_ = 0, bus_peak_ = 0, pickup_peak_ = 0;  // largest |sample| written to mix, buses and pickups
   std::vector<float> spare_left_ = std::vector<float>(kMaxSpare), spare_right_ = spare_left_;
 };
 
