@@ -77,7 +77,8 @@ void copy_text(std::string_view text, char* target, std::size_t size) {
   target[count] = 0;
 }
 
-// ---- The plug-in's own functions --------------------------------------------------------------------------------------
+// ---- The plug-in's own functions
+// --------------------------------------------------------------------------------------
 
 bool activate(const clap_plugin_t* plugin, double sample_rate_hz, std::uint32_t min_frames, std::uint32_t max_frames) {
   Plugin& ours = Plugin::of(plugin);
@@ -124,7 +125,8 @@ void on_main_thread(const clap_plugin_t* plugin) {
   ours.dpf->on_main_thread(ours.dpf);
 }
 
-// ---- Parameters -------------------------------------------------------------------------------------------------------
+// ---- Parameters
+// -------------------------------------------------------------------------------------------------------
 
 bool get_parameter_info(const clap_plugin_t*, std::uint32_t index, clap_param_info_t* about) {
   if (index >= kParameters) return false;
@@ -176,7 +178,8 @@ const clap_plugin_params_t kParams{[](const clap_plugin_t*) { return std::uint32
                                    text_to_value,
                                    flush};
 
-// ---- State ------------------------------------------------------------------------------------------------------------
+// ---- State
+// ------------------------------------------------------------------------------------------------------------
 
 bool save(const clap_plugin_t* plugin, const clap_ostream_t* stream) {
   std::string state;
@@ -258,11 +261,13 @@ bool load_from(const clap_plugin_t* plugin, std::uint32_t kind, const char* loca
 
 const clap::PresetLoad kPresetLoad{load_from};
 
-// ---- What the plug-in says about itself -------------------------------------------------------------------------------
+// ---- What the plug-in says about itself
+// -------------------------------------------------------------------------------
 
 bool get_audio_port(const clap_plugin_t* plugin, std::uint32_t index, bool is_input, clap_audio_port_info_t* about) {
   if (is_input || index > 0) return false;
-  if (!of_dpf<clap_plugin_audio_ports_t>(plugin, CLAP_EXT_AUDIO_PORTS)->get(plugin, index, is_input, about)) return false;
+  if (!of_dpf<clap_plugin_audio_ports_t>(plugin, CLAP_EXT_AUDIO_PORTS)->get(plugin, index, is_input, about))
+    return false;
   about->port_type = CLAP_PORT_STEREO;
   return true;
 }
@@ -293,20 +298,19 @@ const clap::VoiceInfo kVoiceInfo{[](const clap_plugin_t* plugin, clap::Voices* v
   return true;
 }};
 
-const clap::NoteNames kNoteNames{
-    [](const clap_plugin_t* plugin) {
-      Plugin& ours = Plugin::of(plugin);
-      ours.key_names = ours.instrument->key_names();
-      return static_cast<std::uint32_t>(ours.key_names.size());
-    },
-    [](const clap_plugin_t* plugin, std::uint32_t index, clap::NoteName* name) {
-      const Plugin& ours = Plugin::of(plugin);
-      if (index >= ours.key_names.size()) return false;
-      copy_text(ours.key_names[index].second, name->name, sizeof name->name);
-      name->port = name->channel = -1;
-      name->key = static_cast<std::int16_t>(ours.key_names[index].first);
-      return true;
-    }};
+const clap::NoteNames kNoteNames{[](const clap_plugin_t* plugin) {
+                                   Plugin& ours = Plugin::of(plugin);
+                                   ours.key_names = ours.instrument->key_names();
+                                   return static_cast<std::uint32_t>(ours.key_names.size());
+                                 },
+                                 [](const clap_plugin_t* plugin, std::uint32_t index, clap::NoteName* name) {
+                                   const Plugin& ours = Plugin::of(plugin);
+                                   if (index >= ours.key_names.size()) return false;
+                                   copy_text(ours.key_names[index].second, name->name, sizeof name->name);
+                                   name->port = name->channel = -1;
+                                   name->key = static_cast<std::int16_t>(ours.key_names[index].first);
+                                   return true;
+                                 }};
 
 struct Page {
   const char *section, *name;
@@ -367,7 +371,8 @@ void destroy(const clap_plugin_t* plugin) {
   ours->dpf->destroy(ours->dpf);
 }
 
-// ---- The library ------------------------------------------------------------------------------------------------------
+// ---- The library
+// ------------------------------------------------------------------------------------------------------
 
 const clap_plugin_factory_t* dpf_factory() {
   return static_cast<const clap_plugin_factory_t*>(dpf_clap_entry.get_factory(CLAP_PLUGIN_FACTORY_ID));

@@ -86,8 +86,8 @@ void destroy(const Provider* provider) { const std::unique_ptr<const Listing> go
 const Provider* create(const PresetFactory*, const Indexer* indexer, const char* id) {
   if (!indexer || !id || std::strcmp(id, kAbout.id) != 0) return nullptr;
   const auto no_extension = [](const Provider*, const char*) -> const void* { return nullptr; };
-  auto made = std::make_unique<Listing>(
-      Listing{{&kAbout, nullptr, declare, destroy, get_metadata, no_extension}, indexer});
+  auto made =
+      std::make_unique<Listing>(Listing{{&kAbout, nullptr, declare, destroy, get_metadata, no_extension}, indexer});
   return &made.release()->outer;
 }
 

@@ -72,8 +72,8 @@ class Instrument {
   // Returns the names of keys that strike objects of their own, which only note maps have: "F3" for key 53.
   [[nodiscard]] std::vector<std::pair<std::size_t, std::string>> key_names() const;
 
-  // Returns how many objects the keys strike, at least 1; the number of the keys' map, which changes with the names; and
-  // the time after which the slowest mode is inaudible, at the present size and loss [s]. [any]
+  // Returns how many objects the keys strike, at least 1; the number of the keys' map, which changes with the names;
+  // and the time after which the slowest mode is inaudible, at the present size and loss [s]. [any]
   [[nodiscard]] std::size_t voices() const REALTIME { return voices_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t generation() const REALTIME { return generation_.load(std::memory_order_relaxed); }
   [[nodiscard]] double tail_s() const REALTIME { return tail_s_.load(std::memory_order_relaxed); }

@@ -129,8 +129,7 @@ class RingdownPlugin : public Plugin {
     values.values = new ParameterEnumerationValue[values.count];
     for (std::uint8_t i = 0; i < values.count; ++i) {
       values.values[i].value = i;
-      values.values[i].label =
-          ringdown::plugin::text_of(index, i).c_str();
+      values.values[i].label = ringdown::plugin::text_of(index, i).c_str();
     }
   }
 

@@ -22,7 +22,8 @@ std::size_t NoteExpressions::write(const NoteSaying& saying, std::array<Message,
   const double share = std::clamp(saying.value, 0.0, 1.0);
   if (saying.kind == NoteSaying::Kind::brightness) {
     const auto value = static_cast<std::uint8_t>(std::lround(127 * share));
-    messages[0] = {static_cast<std::uint8_t>(session::midi::kControl | notes_[key].channel), session::midi::kBrightness, value};
+    messages[0] = {static_cast<std::uint8_t>(session::midi::kControl | notes_[key].channel), session::midi::kBrightness,
+                   value};
     return 1;
   }
   const int code = tuning_code(kTuning_semitones * (2 * share - 1));

@@ -42,7 +42,8 @@ void write_presets(std::ostream& manifest, std::ostream& file) {
       manifest << bank(family) << "\n    a pset:Bank ;\n    rdfs:label \"" << family << "\" .\n";
     }
     manifest << preset(number) << "\n    a pset:Preset ;\n    lv2:appliesTo <" << kPlugin << "> ;\n    pset:bank "
-             << bank(family) << " ;\n    rdfs:label \"" << kPresets[number] << "\" ;\n    rdfs:seeAlso <presets.ttl> .\n";
+             << bank(family) << " ;\n    rdfs:label \"" << kPresets[number]
+             << "\" ;\n    rdfs:seeAlso <presets.ttl> .\n";
     file << preset(number) << "\n    lv2:port ";
     for (std::size_t i = 1; i < kParameters; ++i) {  // but the output
       const float value = i == static_cast<std::size_t>(Parameter::object) ? static_cast<float>(kFirstPreset + number)

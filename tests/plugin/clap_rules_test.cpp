@@ -79,15 +79,27 @@ Event note(std::uint16_t type, std::uint32_t time, int channel, int key, double 
 
 Event value_of(clap_id parameter, double value, std::uint32_t time = 0) {
   Event event{};
-  event.value = {{sizeof event.value, time, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_PARAM_VALUE, 0}, parameter, nullptr, -1,
-                 -1, -1, -1, value};
+  event.value = {{sizeof event.value, time, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_PARAM_VALUE, 0},
+                 parameter,
+                 nullptr,
+                 -1,
+                 -1,
+                 -1,
+                 -1,
+                 value};
   return event;
 }
 
 Event modulation_of(clap_id parameter, double amount) {
   Event event{};
   event.modulation = {{sizeof event.modulation, 0, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_PARAM_MOD, 0},
-                      parameter, nullptr, -1, -1, -1, -1, amount};
+                      parameter,
+                      nullptr,
+                      -1,
+                      -1,
+                      -1,
+                      -1,
+                      amount};
   return event;
 }
 
@@ -173,8 +185,7 @@ class Instance {
     Piecewise from{bytes, piece};
     const clap_istream_t stream{&from, [](const clap_istream_t* self, void* target, std::uint64_t size) {
                                   auto& all = *static_cast<Piecewise*>(self->ctx);
-                                  const std::size_t count =
-                                      std::min<std::size_t>({size, all.piece, all.bytes.size()});
+                                  const std::size_t count = std::min<std::size_t>({size, all.piece, all.bytes.size()});
                                   std::memcpy(target, all.bytes.data(), count);
                                   all.bytes.erase(0, count);
                                   return static_cast<std::int64_t>(count);
@@ -247,16 +258,24 @@ std::vector<clap_param_info_t> parameters(const Instance& instance) {
   return all;
 }
 
-// ---- The library ------------------------------------------------------------------------------------------------------
+// ---- The library
+// ------------------------------------------------------------------------------------------------------
 
 // [query-factory-nonexistent, create-id-with-trailing-garbage]
 TEST(ClapRules, OnlyWhatExistsIsMade) {
   EXPECT_EQ(entry().get_factory("ringdown.nothing"), nullptr);
   ASSERT_EQ(factory().get_plugin_count(&factory()), 1U);
   EXPECT_EQ(factory().get_plugin_descriptor(&factory(), 1), nullptr);
-  const clap_host_t host{CLAP_VERSION, nullptr, "t", "t", "", "1", [](const clap_host_t*, const char*) -> const void* {
-                           return nullptr;
-                         }, [](const clap_host_t*) {}, [](const clap_host_t*) {}, [](const clap_host_t*) {}};
+  const clap_host_t host{CLAP_VERSION,
+                         nullptr,
+                         "t",
+                         "t",
+                         "",
+                         "1",
+                         [](const clap_host_t*, const char*) -> const void* { return nullptr; },
+                         [](const clap_host_t*) {},
+                         [](const clap_host_t*) {},
+                         [](const clap_host_t*) {}};
   EXPECT_EQ(factory().create_plugin(&factory(), &host, "ringdown.instrumentx1"), nullptr);
   const clap_plugin_t* const unused = factory().create_plugin(&factory(), &host, kId);
   ASSERT_NE(unused, nullptr);
@@ -268,9 +287,9 @@ TEST(ClapRules, TheDescriptorIsCompleteAndTheSameEverywhere) {
   const Instance instance;
   const clap_plugin_descriptor_t& listed = *factory().get_plugin_descriptor(&factory(), 0);
   const clap_plugin_descriptor_t& own = *instance.raw()->desc;
-  for (const auto member : {&clap_plugin_descriptor_t::id, &clap_plugin_descriptor_t::name,
-                            &clap_plugin_descriptor_t::vendor, &clap_plugin_descriptor_t::version,
-                            &clap_plugin_descriptor_t::description}) {
+  for (const auto member :
+       {&clap_plugin_descriptor_t::id, &clap_plugin_descriptor_t::name, &clap_plugin_descriptor_t::vendor,
+        &clap_plugin_descriptor_t::version, &clap_plugin_descriptor_t::description}) {
     ASSERT_NE(listed.*member, nullptr);
     EXPECT_STRNE(listed.*member, "");
     EXPECT_STREQ(listed.*member, own.*member);
@@ -280,7 +299,8 @@ TEST(ClapRules, TheDescriptorIsCompleteAndTheSameEverywhere) {
   EXPECT_TRUE(features.contains("instrument"));
 }
 
-// ---- Parameters -------------------------------------------------------------------------------------------------------
+// ---- Parameters
+// -------------------------------------------------------------------------------------------------------
 
 TEST(ClapRules, ParametersAreOrderedNamedAndGrouped) {
   const Instance instance;
@@ -409,7 +429,8 @@ TEST(ClapRules, ModulationIsHeardAndLeavesTheValue) {
   EXPECT_NEAR(10 * std::log10(powers[1] / powers[0]), -20, 0.1);
 }
 
-// ---- Sound ------------------------------------------------------------------------------------------------------------
+// ---- Sound
+// ------------------------------------------------------------------------------------------------------------
 
 // [process-note-out-of-place-basic, process-note-inconsistent, process-varying-sample-rates,
 // process-varying-block-sizes, process-random-block-sizes]
@@ -492,7 +513,8 @@ TEST(ClapRules, WhatRingsOnSleepsOnceItIsInaudible) {
   EXPECT_LT(instance.blocks_until_sleep(30'000), 30'000);
 }
 
-// ---- State ------------------------------------------------------------------------------------------------------------
+// ---- State
+// ------------------------------------------------------------------------------------------------------------
 
 // [state-reproducibility-basic, -flush, -null-cookies, state-buffered-streams]
 TEST(ClapRules, StatesAreEqualHoweverTheyAreMadeAndRead) {
@@ -502,7 +524,8 @@ TEST(ClapRules, StatesAreEqualHoweverTheyAreMadeAndRead) {
   for (const clap_param_info_t& one : parameters(by_flush)) {
     if ((one.flags & CLAP_PARAM_IS_READONLY) != 0) continue;
     const double value = one.min_value + (random() % 1000) / 999.0 * (one.max_value - one.min_value);
-    events.push_back(value_of(one.id, one.id == kObject ? kMug : (one.flags & CLAP_PARAM_IS_STEPPED ? std::round(value) : value)));
+    events.push_back(
+        value_of(one.id, one.id == kObject ? kMug : (one.flags & CLAP_PARAM_IS_STEPPED ? std::round(value) : value)));
   }
   by_flush.flush(events);
   by_process.activate();
@@ -529,7 +552,8 @@ TEST(ClapRules, StatesAreEqualHoweverTheyAreMadeAndRead) {
   }
 }
 
-// ---- What the plug-in says about itself -------------------------------------------------------------------------------
+// ---- What the plug-in says about itself
+// -------------------------------------------------------------------------------
 
 TEST(ClapRules, PortsAreOneForNotesAndOneInStereo) {
   const Instance instance;
@@ -599,7 +623,8 @@ TEST(ClapRules, RemoteControlsNameParameters) {
   }
 }
 
-// ---- Presets ----------------------------------------------------------------------------------------------------------
+// ---- Presets
+// ----------------------------------------------------------------------------------------------------------
 
 struct Listed {
   std::string name, key, description;
@@ -619,22 +644,27 @@ Crawl crawl() {
   EXPECT_EQ(presets, entry().get_factory(abi::PresetFactory::kIds[1]));
   EXPECT_EQ(presets->count(presets), 1U);
   EXPECT_EQ(presets->get_descriptor(presets, 1), nullptr);
-  const abi::Indexer indexer{CLAP_VERSION, "test", "", "", "1", &found,
-                             [](const abi::Indexer* self, const abi::FileType* type) {
-                               static_cast<Crawl*>(self->data)->endings.emplace_back(type->ending);
-                               return true;
-                             },
-                             [](const abi::Indexer* self, const abi::Location* location) {
-                               static_cast<Crawl*>(self->data)
-                                   ->locations.emplace_back(location->kind, location->path ? location->path : "");
-                               return true;
-                             },
-                             [](const abi::Indexer*, const abi::Soundpack*) { return true; },
-                             [](const abi::Indexer*, const char*) -> const void* { return nullptr; }};
+  const abi::Indexer indexer{
+      CLAP_VERSION,
+      "test",
+      "",
+      "",
+      "1",
+      &found,
+      [](const abi::Indexer* self, const abi::FileType* type) {
+        static_cast<Crawl*>(self->data)->endings.emplace_back(type->ending);
+        return true;
+      },
+      [](const abi::Indexer* self, const abi::Location* location) {
+        static_cast<Crawl*>(self->data)->locations.emplace_back(location->kind, location->path ? location->path : "");
+        return true;
+      },
+      [](const abi::Indexer*, const abi::Soundpack*) { return true; },
+      [](const abi::Indexer*, const char*) -> const void* { return nullptr; }};
   EXPECT_EQ(presets->create(presets, &indexer, "ringdown.others"), nullptr);
-  const abi::Provider* const provider =
-      presets->create(presets, &indexer, presets->get_descriptor(presets, 0)->id);
-  EXPECT_STREQ(provider->about->id, presets->get_descriptor(presets, 0)->id);  // [preset-discovery-descriptor-consistency]
+  const abi::Provider* const provider = presets->create(presets, &indexer, presets->get_descriptor(presets, 0)->id);
+  EXPECT_STREQ(provider->about->id,
+               presets->get_descriptor(presets, 0)->id);  // [preset-discovery-descriptor-consistency]
   EXPECT_TRUE(provider->init(provider));
   static const auto last = [](const abi::MetadataReceiver* self) -> Listed& {
     return static_cast<Crawl*>(self->data)->presets.back();

@@ -231,7 +231,8 @@ class Vst3Host : public PluginHost {
     event.sample_offset = frame;
     if (kind == 0x90) {
       event.type = V3_EVENT_NOTE_ON;
-      event.note_on = {channel, midi.bytes[1], 0, static_cast<float>(midi.bytes[2]) / 127, 0, kFirstNote + midi.bytes[1]};
+      event.note_on = {
+          channel, midi.bytes[1], 0, static_cast<float>(midi.bytes[2]) / 127, 0, kFirstNote + midi.bytes[1]};
     } else if (kind == 0x80) {
       event.type = V3_EVENT_NOTE_OFF;
       event.note_off = {channel, midi.bytes[1], 0, -1, 0};

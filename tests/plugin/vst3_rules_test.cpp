@@ -108,8 +108,9 @@ TEST_F(Vst3Rules, EveryStepOfAParameterIsAWholeValue) {
   for (v3_param_id id = kFirst; id < end(); ++id) {
     const v3_param_info one = info(id);
     for (std::int32_t step = 0; step <= one.step_count && one.step_count > 0; ++step) {
-      const double plain = v3_cpp_obj(controller)->normalised_parameter_to_plain(controller, id,
-                                                                               step / static_cast<double>(one.step_count));
+      const double plain =
+          v3_cpp_obj(controller)
+              ->normalised_parameter_to_plain(controller, id, step / static_cast<double>(one.step_count));
       EXPECT_NEAR(plain, std::round(plain), 1e-4) << ascii(one.title);
     }
   }
