@@ -43,8 +43,8 @@ bool is_whole(Scale scale) { return scale == Scale::whole || scale == Scale::cho
 std::string three_digits(double value) {
   if (value == 0) return "0.00";
   const std::string rounded = formatted("{:.2e}", value);
-  const int exponent = std::atoi(rounded.c_str() + rounded.find('e') + 1);
-  return formatted("{:.{}f}", value, std::max(0, 2 - exponent));
+  const long exponent = std::strtol(rounded.c_str() + rounded.find('e') + 1, nullptr, 10);
+  return formatted("{:.{}f}", value, static_cast<int>(std::max(0L, 2 - exponent)));
 }
 
 }  // namespace
