@@ -1,17 +1,24 @@
 // The CLAP plug-in's entry: a layer in front of DPF's entry that adds what DPF 1.6 lacks.
 //
-// - Note expressions become MIDI: pressure is the key's aftertouch, brightness controller 74, tuning a bend of the key.
-// - Events that DPF would misread do not reach it: modulation, gestures, transport, unknown parameters, releases of
-//   all keys at once.
-// - A state may be read in pieces of any size; DPF takes a short piece for the end of a text.
+// - Events pass through clap_events.h, so that note expressions and modulation act.
+// - Parameters have units, names and groups; their texts are those of parameter_text.h.
+// - process() lets the host sleep while nothing sounds and the worker has nothing to do.
+// - A state is read and written in pieces of any size; DPF takes a short piece for the end of a text, and writes the
+//   beginning again after a short one.
 // - Notes may come as CLAP's own, which note expressions need, or as MPE.
+// - Extensions: tail, latency, voice info, note names, remote controls, state context, loading of presets.
 //
 // DPF's entry is compiled under the name dpf_clap_entry. Our plug-in is a copy of DPF's struct with a few functions
 // replaced; the others find their instance in the struct as before.
-#include "clients/plugin/keyboard.h"
-#include "clients/plugin/parameters.h"
+#include "clients/plugin/clap_abi.h"
+#include "clients/plugin/clap_events.h"
+#include "clients/plugin/clap_presets.h"
+#include "clients/plugin/instrument.h"
+#include "clients/plugin/parameter_text.h"
+#include "engine/base/version.h"
 
 #include "src/clap/entry.h"
+#include "src/clap/ext/audio-ports.h"
 #include "src/clap/ext/note-ports.h"
 #include "src/clap/ext/params.h"
 #include "src/clap/ext/state.h"
@@ -21,112 +28,41 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 extern "C" const clap_plugin_entry_t dpf_clap_entry;
 
 namespace {
 
 using namespace ringdown::plugin;
+namespace clap = ringdown::plugin::clap;
 
-constexpr std::size_t kMaxEvents = 2048, kMaxMidi = 512;   // of a block; further ones are dropped, by DPF too
 constexpr std::size_t kMaxState = std::size_t{256} << 20;  // bytes
-
-std::uint8_t seven_bits(double share) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(std::isfinite(share) ? share : 0.0, 0.0, 1.0) * 127));
-}
-
-// The events of one block for DPF: those of the host, and MIDI made from note expressions.
-class Events {
- public:
-  void take(const clap_input_events_t* given) {
-    used_ = midi_used_ = 0;
-    const std::uint32_t count = given ? given->size(given) : 0;
-    for (std::uint32_t i = 0; i < count; ++i) take(*given->get(given, i));
-  }
-  [[nodiscard]] const clap_input_events_t* list() const { return &list_; }
-
- private:
-  void take(const clap_event_header_t& event) {
-    if (event.space_id != CLAP_CORE_EVENT_SPACE_ID) return;
-    switch (event.type) {
-      case CLAP_EVENT_NOTE_ON:
-      case CLAP_EVENT_MIDI:
-        return add(event);
-      case CLAP_EVENT_NOTE_OFF:
-      case CLAP_EVENT_NOTE_CHOKE:
-        return release(reinterpret_cast<const clap_event_note_t&>(event));
-      case CLAP_EVENT_PARAM_VALUE:
-        if (reinterpret_cast<const clap_event_param_value_t&>(event).param_id < kParameters) add(event);
-        return;
-      case CLAP_EVENT_NOTE_EXPRESSION:
-        return express(reinterpret_cast<const clap_event_note_expression_t&>(event));
-      default:
-        return;
-    }
-  }
-  void add(const clap_event_header_t& event) {
-    if (used_ < kMaxEvents) events_[used_++] = &event;
-  }
-  void add_midi(std::uint32_t time, std::uint8_t status, int first, int second) {
-    if (midi_used_ == kMaxMidi) return;
-    clap_event_midi_t& midi = midi_[midi_used_++];
-    midi = {{sizeof midi, time, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_MIDI, 0},
-            0,
-            {status, static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(second)}};
-    add(midi.header);
-  }
-  // Adds a message on a channel, or on all channels if it is negative, as CLAP has it.
-  void add_midi_on(int channel, std::uint32_t time, int kind, int first, int second) {
-    for (int one = 0; one < 16; ++one) {
-      if (channel < 0 || channel == one) add_midi(time, static_cast<std::uint8_t>(kind | one), first, second);
-    }
-  }
-  // A release without a key is one of all keys.
-  void release(const clap_event_note_t& event) {
-    const bool one_key = event.key >= 0 && event.key < static_cast<int>(kKeys);
-    if (one_key) return add_midi_on(event.channel, event.header.time, 0x80, event.key, 0);
-    add_midi_on(event.channel, event.header.time, 0xb0, 123, 0);
-  }
-  // An expression without a key is one of all keys that its channel plays.
-  void express(const clap_event_note_expression_t& event) {
-    const int channel = event.channel;
-    const bool one_key = event.key >= 0 && event.key < static_cast<int>(kKeys);
-    const std::uint32_t time = event.header.time;
-    if (event.expression_id == CLAP_NOTE_EXPRESSION_PRESSURE) {
-      if (one_key) return add_midi_on(channel, time, 0xa0, event.key, seven_bits(event.value));
-      return add_midi_on(channel, time, 0xd0, seven_bits(event.value), 0);
-    }
-    if (event.expression_id == CLAP_NOTE_EXPRESSION_BRIGHTNESS) {
-      return add_midi_on(channel, time, 0xb0, 74, seven_bits(event.value));
-    }
-    if (event.expression_id != CLAP_NOTE_EXPRESSION_TUNING || !one_key || !std::isfinite(event.value)) return;
-    const int code = tuning_code(event.value);
-    add_midi(time, kTuneKeyHigh, event.key, code >> 7);
-    add_midi(time, kTuneKeyLow, event.key, code & 0x7f);
-  }
-
-  std::array<const clap_event_header_t*, kMaxEvents> events_{};
-  std::array<clap_event_midi_t, kMaxMidi> midi_{};
-  std::size_t used_ = 0, midi_used_ = 0;
-  clap_input_events_t list_{this,
-                            [](const clap_input_events_t* list) {
-                              return static_cast<std::uint32_t>(static_cast<const Events*>(list->ctx)->used_);
-                            },
-                            [](const clap_input_events_t* list, std::uint32_t index) -> const clap_event_header_t* {
-                              return static_cast<const Events*>(list->ctx)->events_[index];
-                            }};
-};
+constexpr double kTailStep = 0.1;                          // relative change of the tail that the host is told of
 
 struct Plugin {
   clap_plugin_t outer;  // what the host has: first, so that its address is the Plugin's
   const clap_plugin_t* dpf;
-  Events events;
+  const clap_host_t* host;
+  Instrument* instrument;
+  clap::Events events;
+  double sample_rate_hz = 0;
+  double told_tail_s = 0;              // [audio] the tail that the host was last told of
+  std::uint64_t asked_generation = 0;  // [audio] the keys' map for which the main thread was called
+  std::uint64_t told_generation = 0;   // [main] the keys' map whose names the host knows
+  std::vector<std::pair<std::size_t, std::string>> key_names;  // [main]
 
   static Plugin& of(const clap_plugin_t* plugin) {
     return *reinterpret_cast<Plugin*>(const_cast<clap_plugin_t*>(plugin));
+  }
+  // Returns the host's functions for an extension; null if it has none.
+  template <class Extension>
+  [[nodiscard]] const Extension* of_host(const char* id) const {
+    return static_cast<const Extension*>(host->get_extension(host, id));
   }
 };
 
@@ -135,22 +71,129 @@ const Extension* of_dpf(const clap_plugin_t* plugin, const char* id) {
   return static_cast<const Extension*>(Plugin::of(plugin).dpf->get_extension(Plugin::of(plugin).dpf, id));
 }
 
+void copy_text(std::string_view text, char* target, std::size_t size) {
+  const std::size_t count = std::min(text.size(), size - 1);
+  std::memcpy(target, text.data(), count);
+  target[count] = 0;
+}
+
+// ---- The plug-in's own functions
+// --------------------------------------------------------------------------------------
+
+bool activate(const clap_plugin_t* plugin, double sample_rate_hz, std::uint32_t min_frames, std::uint32_t max_frames) {
+  Plugin& ours = Plugin::of(plugin);
+  ours.sample_rate_hz = sample_rate_hz;
+  ours.asked_generation = 0;
+  return ours.dpf->activate(ours.dpf, sample_rate_hz, min_frames, max_frames);
+}
+
+void reset(const clap_plugin_t* plugin) { Plugin::of(plugin).instrument->silence(); }
+
+// Tells the host of changes that it may not have noticed. [audio]
+void report_changes(Plugin& ours) {
+  if (const double tail_s = ours.instrument->tail_s();
+      std::abs(tail_s - ours.told_tail_s) > kTailStep * ours.told_tail_s) {
+    ours.told_tail_s = tail_s;
+    if (const auto* tail = ours.of_host<clap::HostTail>(clap::Tail::kId)) tail->changed(ours.host);
+  }
+  if (const std::uint64_t generation = ours.instrument->generation(); generation != ours.asked_generation) {
+    ours.asked_generation = generation;
+    ours.host->request_callback(ours.host);
+  }
+}
+
 clap_process_status process(const clap_plugin_t* plugin, const clap_process_t* block) {
   Plugin& ours = Plugin::of(plugin);
-  ours.events.take(block->in_events);
+  ours.events.take(block->in_events, ours.instrument->parameters());
   clap_process_t filtered = *block;
   filtered.in_events = ours.events.list();
-  return ours.dpf->process(ours.dpf, &filtered);
+  if (ours.dpf->process(ours.dpf, &filtered) == CLAP_PROCESS_ERROR) return CLAP_PROCESS_ERROR;
+  report_changes(ours);
+  const bool sleeps = ours.events.empty() && ours.instrument->is_idle();
+  for (std::uint32_t i = 0; i < block->audio_outputs_count; ++i) block->audio_outputs[i].constant_mask = sleeps ? 3 : 0;
+  return sleeps ? CLAP_PROCESS_SLEEP : CLAP_PROCESS_CONTINUE;
+}
+
+void on_main_thread(const clap_plugin_t* plugin) {
+  Plugin& ours = Plugin::of(plugin);
+  if (const std::uint64_t generation = ours.instrument->generation(); generation != ours.told_generation) {
+    ours.told_generation = generation;
+    ours.key_names = ours.instrument->key_names();
+    if (const auto* names = ours.of_host<clap::HostNoteNames>(clap::NoteNames::kId)) names->changed(ours.host);
+    if (const auto* voices = ours.of_host<clap::HostVoiceInfo>(clap::VoiceInfo::kId)) voices->changed(ours.host);
+  }
+  ours.dpf->on_main_thread(ours.dpf);
+}
+
+// ---- Parameters
+// -------------------------------------------------------------------------------------------------------
+
+bool get_parameter_info(const clap_plugin_t*, std::uint32_t index, clap_param_info_t* about) {
+  if (index >= kParameters) return false;
+  const ParameterInfo& info = kParameterInfo[index];
+  *about = {};
+  about->id = index;
+  about->flags = info.scale == Scale::output ? CLAP_PARAM_IS_READONLY : CLAP_PARAM_IS_AUTOMATABLE;
+  if (info.scale == Scale::whole || info.scale == Scale::choice || info.scale == Scale::toggle) {
+    about->flags |= CLAP_PARAM_IS_STEPPED;
+  }
+  if (is_modulatable(info)) about->flags |= CLAP_PARAM_IS_MODULATABLE;
+  copy_text(info.name, about->name, sizeof about->name);
+  copy_text(kGroupInfo[static_cast<std::size_t>(info.group)].name, about->module, sizeof about->module);
+  about->min_value = static_cast<double>(info.min);
+  about->max_value = static_cast<double>(info.max);
+  about->default_value = static_cast<double>(info.standard);
+  return true;
+}
+
+bool get_value(const clap_plugin_t* plugin, clap_id id, double* value) {
+  if (id >= kParameters) return false;
+  *value = static_cast<double>(Plugin::of(plugin).instrument->parameters().get(id));
+  return true;
+}
+
+bool value_to_text(const clap_plugin_t*, clap_id id, double value, char* text, std::uint32_t size) {
+  if (id >= kParameters || size == 0) return false;
+  copy_text(text_of(id, value), text, size);
+  return true;
+}
+
+bool text_to_value(const clap_plugin_t*, clap_id id, const char* text, double* value) {
+  const auto found = text ? value_of(id, text) : std::nullopt;
+  if (found) *value = *found;
+  return found.has_value();
 }
 
 void flush(const clap_plugin_t* plugin, const clap_input_events_t* in, const clap_output_events_t* out) {
   Plugin& ours = Plugin::of(plugin);
-  ours.events.take(in);
+  ours.events.take(in, ours.instrument->parameters());
   of_dpf<clap_plugin_params_t>(plugin, CLAP_EXT_PARAMS)->flush(ours.dpf, ours.events.list(), out);
+  if (!ours.events.empty()) ours.host->request_process(ours.host);  // another object is installed between blocks only
 }
 
+const clap_plugin_params_t kParams{[](const clap_plugin_t*) { return std::uint32_t{kParameters}; },
+                                   get_parameter_info,
+                                   get_value,
+                                   value_to_text,
+                                   text_to_value,
+                                   flush};
+
+// ---- State
+// ------------------------------------------------------------------------------------------------------------
+
 bool save(const clap_plugin_t* plugin, const clap_ostream_t* stream) {
-  return of_dpf<clap_plugin_state_t>(plugin, CLAP_EXT_STATE)->save(plugin, stream);
+  std::string state;
+  const clap_ostream_t whole{&state, [](const clap_ostream_t* self, const void* bytes, std::uint64_t size) {
+                               static_cast<std::string*>(self->ctx)->append(static_cast<const char*>(bytes), size);
+                               return static_cast<std::int64_t>(size);
+                             }};
+  if (!of_dpf<clap_plugin_state_t>(plugin, CLAP_EXT_STATE)->save(plugin, &whole)) return false;
+  for (std::string_view left = state; !left.empty();) {
+    const std::int64_t count = stream->write(stream, left.data(), left.size());
+    if (count <= 0) return false;
+    left.remove_prefix(std::min(left.size(), static_cast<std::size_t>(count)));
+  }
+  return true;
 }
 
 // DPF ends a state with 0xfe.
@@ -174,32 +217,151 @@ bool load(const clap_plugin_t* plugin, const clap_istream_t* stream) {
   return of_dpf<clap_plugin_state_t>(plugin, CLAP_EXT_STATE)->load(plugin, &whole);
 }
 
-bool get_note_port(const clap_plugin_t* plugin, std::uint32_t index, bool is_input, clap_note_port_info_t* info) {
-  if (!of_dpf<clap_plugin_note_ports_t>(plugin, CLAP_EXT_NOTE_PORTS)->get(plugin, index, is_input, info)) return false;
-  info->supported_dialects |= CLAP_NOTE_DIALECT_CLAP | CLAP_NOTE_DIALECT_MIDI_MPE;
+const clap_plugin_state_t kState{save, load};
+
+// A project, a preset and a duplicate hold the same: everything.
+const clap::StateContext kStateContext{
+    [](const clap_plugin_t* plugin, const clap_ostream_t* stream, std::uint32_t) { return save(plugin, stream); },
+    [](const clap_plugin_t* plugin, const clap_istream_t* stream, std::uint32_t) { return load(plugin, stream); }};
+
+// The name of a failure, or nothing.
+std::string load_preset(Plugin& ours, std::uint32_t kind, const char* location, const char* key) {
+  if (kind == clap::kInPlugin && key) {
+    const auto* const found = std::find(kPresets.begin(), kPresets.end(), std::string_view(key));
+    if (found == kPresets.end()) return ringdown::formatted("there is no preset '{}'", key);
+    ours.instrument->load_preset(static_cast<std::size_t>(found - kPresets.begin()));
+    return "";
+  }
+  if (kind != clap::kFile || !location) return "presets are named by a key, or by a file";
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(location, error)) {
+    return ringdown::formatted("{}: this file cannot be read", location);
+  }
+  ours.instrument->set_file(location);
+  ours.instrument->parameters().set(Parameter::object, 0);
+  return "";
+}
+
+bool load_from(const clap_plugin_t* plugin, std::uint32_t kind, const char* location, const char* key) {
+  Plugin& ours = Plugin::of(plugin);
+  const std::string failure = load_preset(ours, kind, location, key);
+  const auto* host = ours.of_host<clap::HostPresetLoad>(clap::PresetLoad::kIds[0]);
+  if (!host) host = ours.of_host<clap::HostPresetLoad>(clap::PresetLoad::kIds[1]);
+  if (!failure.empty()) {
+    if (host) host->on_error(ours.host, kind, location, key, 0, failure.c_str());
+    return false;
+  }
+  if (const auto* params = ours.of_host<clap_host_params_t>(CLAP_EXT_PARAMS)) {
+    params->rescan(ours.host, CLAP_PARAM_RESCAN_VALUES | CLAP_PARAM_RESCAN_TEXT);
+  }
+  ours.host->request_process(ours.host);
+  if (host) host->loaded(ours.host, kind, location, key);
   return true;
 }
 
+const clap::PresetLoad kPresetLoad{load_from};
+
+// ---- What the plug-in says about itself
+// -------------------------------------------------------------------------------
+
+bool get_audio_port(const clap_plugin_t* plugin, std::uint32_t index, bool is_input, clap_audio_port_info_t* about) {
+  if (is_input || index > 0) return false;
+  if (!of_dpf<clap_plugin_audio_ports_t>(plugin, CLAP_EXT_AUDIO_PORTS)->get(plugin, index, is_input, about))
+    return false;
+  about->port_type = CLAP_PORT_STEREO;
+  return true;
+}
+
+const clap_plugin_audio_ports_t kAudioPorts{
+    [](const clap_plugin_t*, bool is_input) { return std::uint32_t{is_input ? 0U : 1U}; }, get_audio_port};
+
+bool get_note_port(const clap_plugin_t* plugin, std::uint32_t index, bool is_input, clap_note_port_info_t* about) {
+  if (!is_input || index > 0) return false;
+  if (!of_dpf<clap_plugin_note_ports_t>(plugin, CLAP_EXT_NOTE_PORTS)->get(plugin, index, is_input, about)) return false;
+  about->supported_dialects |= CLAP_NOTE_DIALECT_CLAP | CLAP_NOTE_DIALECT_MIDI_MPE;
+  return true;
+}
+
+const clap_plugin_note_ports_t kNotePorts{
+    [](const clap_plugin_t*, bool is_input) { return std::uint32_t{is_input ? 1U : 0U}; }, get_note_port};
+
+const clap::Tail kTail{[](const clap_plugin_t* plugin) {
+  const Plugin& ours = Plugin::of(plugin);
+  constexpr double kMax = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::uint32_t>(std::min(kMax, std::ceil(ours.instrument->tail_s() * ours.sample_rate_hz)));
+}};
+
+const clap::Latency kLatency{[](const clap_plugin_t*) { return std::uint32_t{0}; }};
+
+const clap::VoiceInfo kVoiceInfo{[](const clap_plugin_t* plugin, clap::Voices* voices) {
+  *voices = {static_cast<std::uint32_t>(Plugin::of(plugin).instrument->voices()), std::uint32_t{kKeys}, 0};
+  return true;
+}};
+
+const clap::NoteNames kNoteNames{[](const clap_plugin_t* plugin) {
+                                   Plugin& ours = Plugin::of(plugin);
+                                   ours.key_names = ours.instrument->key_names();
+                                   return static_cast<std::uint32_t>(ours.key_names.size());
+                                 },
+                                 [](const clap_plugin_t* plugin, std::uint32_t index, clap::NoteName* name) {
+                                   const Plugin& ours = Plugin::of(plugin);
+                                   if (index >= ours.key_names.size()) return false;
+                                   copy_text(ours.key_names[index].second, name->name, sizeof name->name);
+                                   name->port = name->channel = -1;
+                                   name->key = static_cast<std::int16_t>(ours.key_names[index].first);
+                                   return true;
+                                 }};
+
+struct Page {
+  const char *section, *name;
+  std::array<Parameter, clap::kControlsOfPage> parameters;
+};
+constexpr std::array<Page, 2> kPages = {
+    {{"Play",
+      "Play",
+      {Parameter::strike_point, Parameter::contact_time, Parameter::release, Parameter::hand, Parameter::size,
+       Parameter::loss, Parameter::gain, Parameter::width}},
+     {"Object",
+      "Object",
+      {Parameter::object, Parameter::tuning, Parameter::root_key, Parameter::size, Parameter::stiffness,
+       Parameter::density, Parameter::loss, Parameter::even_loudness}}}};
+
+const clap::RemoteControls kRemoteControls{
+    [](const clap_plugin_t*) { return static_cast<std::uint32_t>(kPages.size()); },
+    [](const clap_plugin_t*, std::uint32_t index, clap::ControlPage* page) {
+      if (index >= kPages.size()) return false;
+      *page = {};
+      copy_text(kPages[index].section, page->section, sizeof page->section);
+      copy_text(kPages[index].name, page->name, sizeof page->name);
+      page->id = index;
+      std::transform(kPages[index].parameters.begin(), kPages[index].parameters.end(), page->parameters,
+                     [](Parameter parameter) { return static_cast<clap_id>(parameter); });
+      return true;
+    }};
+
+struct NamedExtension {
+  std::string_view id;
+  const void* functions;
+};
+const std::array kExtensions = std::to_array<NamedExtension>({
+    {CLAP_EXT_PARAMS, &kParams},
+    {CLAP_EXT_STATE, &kState},
+    {CLAP_EXT_AUDIO_PORTS, &kAudioPorts},
+    {CLAP_EXT_NOTE_PORTS, &kNotePorts},
+    {clap::StateContext::kId, &kStateContext},
+    {clap::PresetLoad::kIds[0], &kPresetLoad},
+    {clap::PresetLoad::kIds[1], &kPresetLoad},
+    {clap::Tail::kId, &kTail},
+    {clap::Latency::kId, &kLatency},
+    {clap::VoiceInfo::kId, &kVoiceInfo},
+    {clap::NoteNames::kId, &kNoteNames},
+    {clap::RemoteControls::kIds[0], &kRemoteControls},
+    {clap::RemoteControls::kIds[1], &kRemoteControls},
+});
+
 const void* get_extension(const clap_plugin_t* plugin, const char* id) {
-  if (std::strcmp(id, CLAP_EXT_STATE) == 0) {
-    static const clap_plugin_state_t state{save, load};
-    return &state;
-  }
-  if (std::strcmp(id, CLAP_EXT_PARAMS) == 0) {
-    static const clap_plugin_params_t params = [plugin] {
-      clap_plugin_params_t changed = *of_dpf<clap_plugin_params_t>(plugin, CLAP_EXT_PARAMS);
-      changed.flush = flush;
-      return changed;
-    }();
-    return &params;
-  }
-  if (std::strcmp(id, CLAP_EXT_NOTE_PORTS) == 0) {
-    static const clap_plugin_note_ports_t ports = [plugin] {
-      clap_plugin_note_ports_t changed = *of_dpf<clap_plugin_note_ports_t>(plugin, CLAP_EXT_NOTE_PORTS);
-      changed.get = get_note_port;
-      return changed;
-    }();
-    return &ports;
+  for (const NamedExtension& extension : kExtensions) {
+    if (extension.id == id) return extension.functions;
   }
   return Plugin::of(plugin).dpf->get_extension(Plugin::of(plugin).dpf, id);
 }
@@ -209,35 +371,64 @@ void destroy(const clap_plugin_t* plugin) {
   ours->dpf->destroy(ours->dpf);
 }
 
+// ---- The library
+// ------------------------------------------------------------------------------------------------------
+
 const clap_plugin_factory_t* dpf_factory() {
   return static_cast<const clap_plugin_factory_t*>(dpf_clap_entry.get_factory(CLAP_PLUGIN_FACTORY_ID));
 }
 
+const clap_plugin_descriptor_t& about() {
+  static const clap_plugin_descriptor_t described = [] {
+    clap_plugin_descriptor_t changed = *dpf_factory()->get_plugin_descriptor(dpf_factory(), 0);
+    changed.version = ringdown::kVersion;
+    return changed;
+  }();
+  return described;
+}
+
 const clap_plugin_t* create(const clap_plugin_factory_t*, const clap_host_t* host, const char* id) {
-  const clap_plugin_descriptor_t* const about = dpf_factory()->get_plugin_descriptor(dpf_factory(), 0);
-  if (!host || !id || std::strcmp(id, about->id) != 0) return nullptr;
+  if (!host || !id || std::strcmp(id, clap::kPluginId) != 0) return nullptr;
   const clap_plugin_t* const made = dpf_factory()->create_plugin(dpf_factory(), host, id);
   if (!made) return nullptr;
   auto ours = std::make_unique<Plugin>();
   ours->outer = *made;
+  ours->outer.desc = &about();
+  ours->outer.activate = activate;
+  ours->outer.reset = reset;
   ours->outer.process = process;
   ours->outer.get_extension = get_extension;
+  ours->outer.on_main_thread = on_main_thread;
   ours->outer.destroy = destroy;
   ours->dpf = made;
+  ours->host = host;
+  ours->instrument = Instrument::newest();
   return &ours.release()->outer;
 }
 
 const clap_plugin_factory_t kFactory{
-    [](const clap_plugin_factory_t*) { return dpf_factory()->get_plugin_count(dpf_factory()); },
-    [](const clap_plugin_factory_t*, std::uint32_t index) {
-      return index == 0 ? dpf_factory()->get_plugin_descriptor(dpf_factory(), 0) : nullptr;
-    },
-    create};
+    [](const clap_plugin_factory_t*) { return std::uint32_t{1}; },
+    [](const clap_plugin_factory_t*, std::uint32_t index) { return index == 0 ? &about() : nullptr; }, create};
 
-const void* get_factory(const char* id) { return std::strcmp(id, CLAP_PLUGIN_FACTORY_ID) == 0 ? &kFactory : nullptr; }
+std::filesystem::path& own_path() {
+  static std::filesystem::path path;
+  return path;
+}
+
+bool open(const char* path) {
+  own_path() = path ? path : "";
+  return dpf_clap_entry.init(path);
+}
+
+const void* get_factory(const char* id) {
+  if (std::strcmp(id, CLAP_PLUGIN_FACTORY_ID) == 0) return &kFactory;
+  for (const char* const known : clap::PresetFactory::kIds) {
+    if (std::strcmp(id, known) == 0) return clap::preset_factory(own_path());
+  }
+  return nullptr;
+}
 
 }  // namespace
 
-extern "C" CLAP_EXPORT const clap_plugin_entry_t clap_entry = {
-    CLAP_VERSION, [](const char* path) { return dpf_clap_entry.init(path); }, [] { dpf_clap_entry.deinit(); },
-    get_factory};
+extern "C" CLAP_EXPORT const clap_plugin_entry_t clap_entry = {CLAP_VERSION, open, [] { dpf_clap_entry.deinit(); },
+                                                               get_factory};

@@ -4,6 +4,7 @@
 #include "engine/base/formatted.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -21,6 +22,10 @@ constexpr int kMaxWaits = 5000;  // a second: no block takes so long
 constexpr std::uint64_t kRoundsPerCollection = 32;
 constexpr double kGainRamp_s = 0.01;
 constexpr double kMiddleKey = 63.5;
+constexpr double kSilence_s = 0.1;  // of silence, after which the instrument is idle
+constexpr double kFade_s = 0.016;   // more than the mixer takes to fade what it clears at once
+constexpr std::size_t kFadeBlock = 128;
+thread_local Instrument* newest_made = nullptr;
 
 void report(const std::string& sentence) { std::fprintf(stderr, "Ringdown: %s\n", sentence.c_str()); }
 
@@ -53,6 +58,37 @@ bool same(const ringdown_material& a, const ringdown_material& b) {
 }
 
 }  // namespace
+
+Instrument::Instrument(double sample_rate_hz, std::filesystem::path binary)
+    : binary_(std::move(binary)), sample_rate_hz_(sample_rate_hz) {
+  newest_made = this;
+}
+
+Instrument* Instrument::newest() { return newest_made; }
+
+void Instrument::load_preset(std::size_t preset) {
+  for (std::size_t i = 0; i < kParameters; ++i) {
+    if (kParameterInfo[i].scale != Scale::output) parameters_.set(i, kParameterInfo[i].standard);
+  }
+  parameters_.set(Parameter::object, static_cast<double>(kFirstPreset + preset));
+  const std::lock_guard lock(mutex_);
+  if (running_) catch_up();
+}
+
+std::vector<std::pair<std::size_t, std::string>> Instrument::key_names() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::pair<std::size_t, std::string>> names;
+  if (!map_ || !map_->is_note_map) return names;
+  for (std::size_t key = 0; key < kKeys; ++key) {
+    if (map_->keys[key].sounds) names.emplace_back(key, map_->objects[map_->keys[key].object].name);
+  }
+  return names;
+}
+
+bool Instrument::is_idle() const REALTIME {
+  const auto choice = static_cast<std::size_t>(parameters_[Parameter::object]);
+  return settled_ == choice && static_cast<double>(silent_frames_) > kSilence_s * sample_rate_hz_;
+}
 
 void Instrument::set_file(const std::string& path) {
   const std::lock_guard lock(mutex_);
@@ -101,10 +137,14 @@ void Instrument::start() {
   keyboard_.reset();
   full_at_ = -1;
   gain_ = {};
+  silent_frames_ = 0;
+  parameters_.end_modulation();
   spread_generation_ = 0;
   mixer_ = make_mixer(sample_rate_hz_);
   if (!mixer_) return;
   catch_up();
+  if (map_) spread(*map_);
+  silence();  // so that objects stand in their places when the first note comes
   running_ = true;
   worker_ = std::thread([this] { work(); });
 }
@@ -135,9 +175,8 @@ void Instrument::catch_up() {
     full_at_ = install(*plan_) ? -1 : ringdown_now(mixer_.get());
     if (full_at_ < 0) plan_ = nullptr;
   }
-  if (map_) {
-    for (std::size_t i = 0; i < map_->objects.size(); ++i) tune(*map_, map_->objects[i], tunings_[i]);
-  }
+  if (map_) tune_all();
+  settled_ = plan_ ? kUnsettled : choice;
   std::erase_if(retired_, [&](const auto& map) { return map.get() != in_use_.load(); });
   if (++rounds_ % kRoundsPerCollection == 0) ringdown_collect(mixer_.get());
 }
@@ -186,8 +225,19 @@ void Instrument::silence_keys() {
 
 void Instrument::publish(std::unique_ptr<const KeyMap> map) {
   published_ = map.get();
+  voices_ = std::max<std::size_t>(1, map->objects.size());
+  generation_ = map->generation;
   if (map_) retired_.push_back(std::move(map_));
   map_ = std::move(map);
+}
+
+void Instrument::tune_all() {
+  double tail_s = 0;
+  for (std::size_t i = 0; i < map_->objects.size(); ++i) {
+    tune(*map_, map_->objects[i], tunings_[i]);
+    tail_s = std::max(tail_s, tunings_[i].material.size * map_->body_of(map_->objects[i]).ring_s);
+  }
+  tail_s_ = tail_s / parameters_[Parameter::loss];
 }
 
 bool Instrument::tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning) {
@@ -242,9 +292,25 @@ void Instrument::render(std::span<const MidiMessage> messages, float* left, floa
   ringdown_render(mixer_.get(), left, right, frames);
   if (!mixer_) std::fill_n(left, frames, 0.0F), std::fill_n(right, frames, 0.0F);
   apply_gain(left, right, frames);
-  float peak = 1e-6F;
+  float peak = 0;
   for (std::size_t i = 0; i < frames; ++i) peak = std::max({peak, std::abs(left[i]), std::abs(right[i])});
-  parameters_.set(Parameter::level, 20 * std::log10(static_cast<double>(peak)));
+  parameters_.set(Parameter::level, 20 * std::log10(std::max(static_cast<double>(peak), 1e-6)));
+  silent_frames_ = peak == 0 && messages.empty() ? silent_frames_ + frames : 0;
+  in_use_.store(nullptr);
+}
+
+// The mixer fades what it clears, so the fade is rendered here, and nobody hears it.
+void Instrument::silence() REALTIME {
+  const KeyMap* const map = take_map();
+  if (map) {
+    constexpr std::array<std::uint8_t, 1> kReset = {session::midi::kSystemReset};
+    keyboard_.begin_block();
+    keyboard_.play(kReset, {mixer_.get(), ringdown_now(mixer_.get()), *map, parameters_});
+  }
+  std::array<float, kFadeBlock> unheard{};
+  for (std::size_t i = 0; mixer_ && static_cast<double>(i) * kFadeBlock < kFade_s * sample_rate_hz_; ++i) {
+    ringdown_render(mixer_.get(), unheard.data(), unheard.data(), kFadeBlock);
+  }
   in_use_.store(nullptr);
 }
 

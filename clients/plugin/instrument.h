@@ -45,11 +45,14 @@ struct MidiMessage {
 
 class Instrument {
  public:
-  Instrument(double sample_rate_hz, std::filesystem::path binary)
-      : binary_(std::move(binary)), sample_rate_hz_(sample_rate_hz) {}
+  Instrument(double sample_rate_hz, std::filesystem::path binary);
   ~Instrument() { stop(); }
   Instrument(const Instrument&) = delete;
   Instrument& operator=(const Instrument&) = delete;
+
+  // Returns the instrument that this thread made last. The entry of a format sees only DPF's object, so it finds the
+  // instrument in that object by this function. [any]
+  static Instrument* newest();
 
   [[nodiscard]] ParameterValues& parameters() { return parameters_; }
   [[nodiscard]] const ParameterValues& parameters() const { return parameters_; }
@@ -62,6 +65,24 @@ class Instrument {
   // unless the parameter asks for it. It is used while a source of this name is selected.
   void set_embedded(const std::string& text);
   [[nodiscard]] std::string embedded() const;
+
+  // Plays a preset with all other parameters at their defaults, except the level.
+  void load_preset(std::size_t preset);
+
+  // Returns the names of keys that strike objects of their own, which only note maps have: "F3" for key 53.
+  [[nodiscard]] std::vector<std::pair<std::size_t, std::string>> key_names() const;
+
+  // Returns how many objects the keys strike, at least 1; the number of the keys' map, which changes with the names;
+  // and the time after which the slowest mode is inaudible, at the present size and loss [s]. [any]
+  [[nodiscard]] std::size_t voices() const REALTIME { return voices_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t generation() const REALTIME { return generation_.load(std::memory_order_relaxed); }
+  [[nodiscard]] double tail_s() const REALTIME { return tail_s_.load(std::memory_order_relaxed); }
+
+  // Ends all sound at once, and forgets pedals, bends and pressure. [audio]
+  void silence() REALTIME;
+
+  // Returns whether blocks stay silent until another message or parameter arrives. [audio]
+  [[nodiscard]] bool is_idle() const REALTIME;
 
   // Call only while stopped.
   void set_sample_rate(double sample_rate_hz) { sample_rate_hz_ = sample_rate_hz; }
@@ -93,6 +114,7 @@ class Instrument {
   void silence_keys();
   void publish(std::unique_ptr<const KeyMap> map);
   bool tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning);
+  void tune_all();
   void spread(const KeyMap& map) REALTIME;
   void apply_gain(float* left, float* right, std::size_t frames) REALTIME;
   const KeyMap* take_map() REALTIME;
@@ -120,6 +142,13 @@ class Instrument {
   std::uint64_t spread_generation_ = 0;                                // [audio] that of the map last spread
   double spread_pan_ = 0, spread_width_ = 0;                           // [audio]
   GainRamp gain_;                                                      // [audio]
+  std::size_t silent_frames_ = 0;                                      // [audio] since the last sound or message
+
+  static constexpr std::size_t kUnsettled = ~std::size_t{0};
+  std::atomic<std::size_t> settled_ = kUnsettled;  // the choice that the worker has installed
+  std::atomic<std::size_t> voices_ = 1;
+  std::atomic<std::uint64_t> generation_ = 0;
+  std::atomic<double> tail_s_ = 0;
 
   std::thread worker_;
   std::atomic<bool> running_ = false;

@@ -194,7 +194,7 @@ Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
     if (is_new) {
       const auto bank = path.parent_path() / file->banks / (entry.object + ".glb");
       if (const auto good = add_body(bank, {}, plan); !good) return fail(good);
-      plan.map.objects.push_back({.body = object->second, .key = entry.note});
+      plan.map.objects.push_back({.body = object->second, .key = entry.note, .name = entry.object});
     }
     if (const auto good = check_point(entry, plan.banks[object->second].get()); !good) {
       return fail(ErrorKind::bad_input, path.string() + ": " + good.error().message);
@@ -227,6 +227,9 @@ Result<Body> measure(const ringdown_bank* bank) {
   }
   double power = 0;
   for (const double amplitude : amplitudes_pa) power += amplitude * amplitude / 2;
+  const double* const decays_per_s = ringdown_bank_decays_per_s(bank);
+  const double slowest_per_s = *std::min_element(decays_per_s, decays_per_s + info.modes);
+  body.ring_s = kInaudible_db / 20 * std::numbers::ln10 / slowest_per_s;
   body.even_impulse_ns = power > 0 ? kEvenLevel_pa / std::sqrt(power) : kBlow_m_s * body.mass_kg;
   return body;
 }

@@ -42,7 +42,9 @@ struct Body {
   double pitch_hz = 1;                      // pitch by ringdown_bank_pitch()
   double mass_kg = 1;
   double even_impulse_ns = 0;  // impulse at the first station that gives kEvenLevel_pa
+  double ring_s = 0;           // time in which the slowest mode falls by kInaudible_db
 };
+inline constexpr double kInaudible_db = 100;
 inline constexpr double kEvenLevel_pa = 2;  // rms of the first sound, at 1 m: 20 dB below full scale
 
 // Measures a bank. [worker]
@@ -59,6 +61,7 @@ struct KeyMap {
     std::uint32_t number = 0;  // number in the mixer
     std::size_t body = 0;      // position in `bodies`
     std::size_t key = 0;       // lowest key that strikes it
+    std::string name = {};     // only in note maps
   };
   std::uint64_t generation = 0;  // unique number of the map
   bool is_note_map = false;

@@ -16,7 +16,6 @@ namespace midi = session::midi;
 constexpr double kMaxContact_s = 0.1, kMaxImpulse_ns = 1e4;  // what libringdown takes
 constexpr double kHardnessOctaves = 3;                       // a full controller 74 makes blows 8 times as short
 constexpr double kMasterBend_semitones = 2;                  // of MPE's channel 1
-constexpr double kRingsOn_s = 29.9;                          // a release from here on is none
 constexpr int kBendCentre = 8192;
 
 // Time that a released key takes to be damped; nothing: it continues to ring.

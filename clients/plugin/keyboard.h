@@ -76,7 +76,11 @@ class Keyboard {
   void strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
               const Playing& playing) REALTIME;
   void clear(std::uint32_t object, double within_s, const Playing& playing) REALTIME;
-  [[nodiscard]] bool takes_event() REALTIME { return events_left_ > 0 && events_left_-- > 0; }
+  [[nodiscard]] bool takes_event() REALTIME {
+    if (events_left_ == 0) return false;
+    --events_left_;
+    return true;
+  }
 
   std::size_t events_left_ = kMaxEvents;
   session::HeldKeys keys_;

@@ -32,20 +32,37 @@ enum class Parameter : std::size_t {
   embed,
 };
 inline constexpr std::size_t kParameters = 19;
+inline constexpr double kRingsOn_s = 29.9;  // a release from here on damps nothing
 
 enum class Scale { linear, logarithmic, whole, choice, toggle, output };
+
+// Parameters that hosts show together.
+enum class Group : std::size_t { object, body, strike, playing, output, session };
+inline constexpr std::size_t kGroups = 6;
+struct GroupInfo {
+  const char* symbol;  // name in files
+  const char* name;    // name for users
+};
+extern const std::array<GroupInfo, kGroups> kGroupInfo;
 
 struct ParameterInfo {
   const char* symbol;  // name in files
   const char* name;    // name for users
-  const char* unit;    // "" for a factor or a choice
+  const char* unit;    // "x" for a factor, "" for a choice
   float min, max, standard;
   Scale scale;
+  Group group;
   const char* meaning;  // one sentence
 };
 extern const std::array<ParameterInfo, kParameters> kParameterInfo;
 
-// The present values, which any thread may read and set.
+// Returns whether a host may add something to the value for a while: that makes sense for continuous values.
+inline bool is_modulatable(const ParameterInfo& info) REALTIME {
+  return info.scale == Scale::linear || info.scale == Scale::logarithmic;
+}
+
+// The present values, which any thread may read and set. What is played follows operator[], which includes modulation;
+// sessions and sliders follow get(), which does not.
 class ParameterValues {
  public:
   ParameterValues();
@@ -57,13 +74,15 @@ class ParameterValues {
   [[nodiscard]] float get(std::size_t parameter) const REALTIME {
     return parameter < kParameters ? values_[parameter].load(std::memory_order_relaxed) : 0;
   }
-  [[nodiscard]] double operator[](Parameter parameter) const REALTIME {
-    return static_cast<double>(get(static_cast<std::size_t>(parameter)));
-  }
+  // Adds an amount to the parameter's value until the next call. Parameters that cannot be modulated ignore it.
+  void modulate(std::size_t parameter, double amount) REALTIME;
+  void end_modulation() REALTIME;
+  [[nodiscard]] double operator[](Parameter parameter) const REALTIME;
   [[nodiscard]] bool on(Parameter parameter) const REALTIME { return (*this)[parameter] > 0.5; }
 
  private:
   std::array<std::atomic<float>, kParameters> values_;
+  std::array<std::atomic<float>, kParameters> modulation_{};
 };
 
 }  // namespace ringdown::plugin

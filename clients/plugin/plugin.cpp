@@ -1,10 +1,14 @@
 // The instrument as DPF wants it: this file and DistrhoPluginInfo.h are compiled once for every plug-in format.
 #include "clients/plugin/instrument.h"
+#include "clients/plugin/parameter_text.h"
+#include "clients/plugin/vst3_notes.h"
+#include "engine/base/version.h"
 
 #include <DistrhoPlugin.hpp>
 #include <DistrhoPluginUtils.hpp>
 
 #include <array>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,6 +24,8 @@ using ringdown::plugin::kParameters;
 using ringdown::plugin::MidiMessage;
 using ringdown::plugin::ParameterInfo;
 using Kind = ringdown::plugin::Scale;
+
+using Written = std::array<ringdown::plugin::NoteExpressions::Message, 2>;  // messages of one expression
 
 constexpr std::uint32_t kMaxMessages = 512;  // DPF hands over no more in a block
 constexpr const char* kFileKey = "file";
@@ -37,7 +43,11 @@ class RingdownPlugin : public Plugin {
   }
   const char* getMaker() const override { return "Ringdown"; }
   const char* getLicense() const override { return "MIT"; }
-  std::uint32_t getVersion() const override { return d_version(0, 1, 0); }
+  std::uint32_t getVersion() const override {
+    unsigned major = 0, minor = 0, micro = 0;
+    std::sscanf(ringdown::kVersion, "%u.%u.%u", &major, &minor, &micro);
+    return d_version(major, minor, micro);
+  }
   std::int64_t getUniqueId() const override { return d_cconst('R', 'n', 'g', 'd'); }
 
   void initAudioPort(bool input, std::uint32_t index, AudioPort& port) override {
@@ -57,8 +67,15 @@ class RingdownPlugin : public Plugin {
     parameter.symbol = info.symbol;
     parameter.unit = info.unit;
     parameter.description = info.meaning;
+    parameter.groupId = static_cast<std::uint32_t>(info.group);
     parameter.ranges = ParameterRanges(info.standard, info.min, info.max);
     if (info.scale == Kind::choice) name_choices(index, parameter.enumValues);
+  }
+
+  void initPortGroup(std::uint32_t group, PortGroup& shown) override {
+    if (group >= ringdown::plugin::kGroups) return Plugin::initPortGroup(group, shown);
+    shown.name = ringdown::plugin::kGroupInfo[group].name;
+    shown.symbol = ringdown::plugin::kGroupInfo[group].symbol;
   }
 
   void initState(std::uint32_t index, State& state) override {
@@ -89,13 +106,19 @@ class RingdownPlugin : public Plugin {
 
   void run(const float**, float** outputs, std::uint32_t frames, const MidiEvent* events,
            std::uint32_t count) override {
-    std::size_t used = 0;
-    for (std::uint32_t i = 0; i < count && used < kMaxMessages; ++i) {
+    used_ = 0;
+    const ringdown::plugin::NoteSayings* const sayings = ringdown::plugin::sayings_of_block();
+    std::size_t said = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
       const MidiEvent& event = events[i];
       if (event.size > MidiEvent::kDataSize) continue;  // system exclusive
-      messages_[used++] = {event.frame, {event.data, event.size}};
+      for (; sayings && said < sayings->count && sayings->list[said].frame <= event.frame; ++said) {
+        express(sayings->list[said], written_[said]);
+      }
+      add({event.frame, {event.data, event.size}});
     }
-    instrument_->render({messages_.data(), used}, outputs[0], outputs[1], frames);
+    for (; sayings && said < sayings->count; ++said) express(sayings->list[said], written_[said]);
+    instrument_->render({messages_.data(), used_}, outputs[0], outputs[1], frames);
   }
 
  private:
@@ -106,13 +129,24 @@ class RingdownPlugin : public Plugin {
     values.values = new ParameterEnumerationValue[values.count];
     for (std::uint8_t i = 0; i < values.count; ++i) {
       values.values[i].value = i;
-      values.values[i].label =
-          tuning ? (i == 0 ? "concert pitch" : "own pitch") : ringdown::plugin::choice_name(i).c_str();
+      values.values[i].label = ringdown::plugin::text_of(index, i).c_str();
     }
+  }
+
+  void add(const MidiMessage& message) {
+    if (used_ < kMaxMessages) messages_[used_++] = message;
+  }
+  // An expression precedes the messages of its frame: a note that begins with a tuning begins in tune.
+  void express(const ringdown::plugin::NoteSaying& saying, Written& written) {
+    const std::size_t count = expressions_.write(saying, written);
+    for (std::size_t i = 0; i < count; ++i) add({saying.frame, written[i]});
   }
 
   std::unique_ptr<Instrument> instrument_;
   std::array<MidiMessage, kMaxMessages> messages_{};
+  std::size_t used_ = 0;
+  ringdown::plugin::NoteExpressions expressions_;
+  std::array<Written, ringdown::plugin::NoteSayings::kMax> written_{};  // what messages_ of expressions point to
 
   DISTRHO_DECLARE_NON_COPYABLE_WITH_LEAK_DETECTOR(RingdownPlugin)
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <system_error>
+#include <vector>
 
 namespace ringdown::plugin {
 namespace {
@@ -23,7 +24,31 @@ std::filesystem::path own_file(std::size_t number) {
   return std::filesystem::exists(map, ignored) ? map : own_folder() / formatted("{}.glb", number);
 }
 
+struct Family {
+  std::string_view name;
+  std::vector<std::string_view> presets;
+};
+const std::vector<Family> kFamilies = {
+    {"Bars",
+     {"vibraphone", "vibraphone-key", "marimba-key", "xylophone-key", "glockenspiel-bar", "wooden-bar", "glass-slat",
+      "kalimba", "music-box-comb", "tuning-fork"}},
+    {"Bells", {"bronze-bell", "hand-bell", "cow-bell", "singing-bowl", "chime-tube"}},
+    {"Cymbals and gongs",
+     {"gong", "opera-gong", "tam-tam", "crash-cymbal", "crotale", "triangle", "thunder-sheet", "steel-plate"}},
+    {"Glass and porcelain",
+     {"wine-glass", "tumbler", "bottle", "window-pane", "mug", "porcelain-bowl", "dinner-plate", "ceramic-tile",
+      "flower-pot"}},
+    {"Wood and stone", {"wood-block", "block", "table-top", "brick", "granite-slab"}},
+};
+
 }  // namespace
+
+std::string_view family_of(std::string_view preset) {
+  for (const Family& family : kFamilies) {
+    if (std::find(family.presets.begin(), family.presets.end(), preset) != family.presets.end()) return family.name;
+  }
+  return "Things";
+}
 
 std::string choice_name(std::size_t choice) {
   if (choice == 0 || choice >= kChoices) return "file";

@@ -63,6 +63,9 @@ inline constexpr std::array<std::string_view, 46> kPresets = {"vibraphone-key",
 inline constexpr std::array<std::string_view, 3> kNoteMapPresets = {"vibraphone", "music-box-comb", "kalimba"};
 inline constexpr std::size_t kChoices = kFirstPreset + kPresets.size();
 
+// Returns the family of a preset, by which hosts sort: "Bars", "Bells"; "Things" for those of no other family.
+std::string_view family_of(std::string_view preset);
+
 // Returns a choice as shown to people: "file", "own 3", "mug".
 std::string choice_name(std::size_t choice);
 

@@ -44,6 +44,9 @@ std::unique_ptr<PluginHost> open_vst3();
 void express(PluginHost& host, int expression, int key, double value);
 void modulate(PluginHost& host, std::size_t number, double amount);
 
+// A note expression for a host of open_vst3(), which gives every key's note a number of its own.
+void express_vst3(PluginHost& host, int expression, int key, double value);
+
 // A shared library that stays open until the program ends, as in hosts; throws std::runtime_error if it does not open.
 class Module {
  public:

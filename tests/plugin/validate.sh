@@ -9,6 +9,9 @@ done
 report=$(lv2_validate "$folder"/ringdown.lv2/*.ttl 2>&1) || true
 grep -q '^Found 0 errors' <<<"$report" || { echo "$report"; exit 1; }
 about=$(LV2_PATH="$folder:/usr/lib/lv2" lv2info urn:ringdown:instrument)
-for line in 'Class: *Instrument Plugin' 'vibraphone-key' 'Symbol: *strike_point'; do
+for line in 'Class: *Instrument Plugin' 'vibraphone-key' 'Symbol: *strike_point' '44 = "wrench"' 'Group: .*portGroup_strike'; do
   grep -q "$line" <<<"$about" || { echo "lv2info does not show $line:"; echo "$about"; exit 1; }
+done
+for line in 'unit:unit unit:midiNote' '%.3g ms\|unit:unit unit:ms' '"%.3g x"'; do
+  grep -q "$line" "$folder/ringdown.lv2/ringdown.ttl" || { echo "ringdown.ttl does not have $line"; exit 1; }
 done

@@ -14,6 +14,7 @@ namespace {
 
 const std::string kPath = RINGDOWN_LIB_DIR "/vst3/ringdown.vst3/Contents/" RINGDOWN_VST3_FOLDER "/ringdown.so";
 constexpr int kBend = 129, kChannelPressure = 128;  // as controllers
+constexpr std::int32_t kFirstNote = 1000;           // number of the note of key 0
 
 v3_result no_interface(void*, const v3_tuid, void**) { return V3_NO_INTERFACE; }
 std::uint32_t one(void*) { return 1; }
@@ -167,6 +168,12 @@ class Vst3Host : public PluginHost {
     const double normal = v3_cpp_obj(controller_)->get_parameter_normalised(controller_, id);
     return v3_cpp_obj(controller_)->normalised_parameter_to_plain(controller_, id, normal);
   }
+  void express(int expression, int key, double value) {
+    v3_event event{};
+    event.type = V3_EVENT_NOTE_EXP_VALUE;
+    event.note_exp_value = {static_cast<std::uint32_t>(expression), kFirstNote + key, value};
+    events_.content.push_back(event);
+  }
   std::size_t parameters() override { return ids_.size(); }
   void render(const std::vector<MidiEvent>& events, float* left, float* right, std::uint32_t frames) override {
     for (const MidiEvent& midi : events) add(midi);
@@ -224,8 +231,8 @@ class Vst3Host : public PluginHost {
     event.sample_offset = frame;
     if (kind == 0x90) {
       event.type = V3_EVENT_NOTE_ON;
-      // DPF rounds velocities down, so that k / 127 may become k - 1.
-      event.note_on = {channel, midi.bytes[1], 0, (static_cast<float>(midi.bytes[2]) + 0.25F) / 127, 0, -1};
+      event.note_on = {
+          channel, midi.bytes[1], 0, static_cast<float>(midi.bytes[2]) / 127, 0, kFirstNote + midi.bytes[1]};
     } else if (kind == 0x80) {
       event.type = V3_EVENT_NOTE_OFF;
       event.note_off = {channel, midi.bytes[1], 0, -1, 0};
@@ -253,6 +260,10 @@ class Vst3Host : public PluginHost {
 };
 
 }  // namespace
+
+void express_vst3(PluginHost& host, int expression, int key, double value) {
+  dynamic_cast<Vst3Host&>(host).express(expression, key, value);
+}
 
 std::unique_ptr<PluginHost> open_vst3() { return std::make_unique<Vst3Host>(); }
 
