@@ -154,6 +154,13 @@ Motion KeyedMotion::backward(std::size_t k, double s) const {
   return {frames_[k + 1].position_m + t * end + 0.5 * t * t * g, rotation, end + t * g, spin(rotation, momentum)};
 }
 
+Motion KeyedMotion::free_start(std::size_t k, double step_s) const {
+  if (!moves()) return rest_;
+  const Pose& from = frames_[k];
+  const Vec3 velocity_m_s = intervals_[k].velocity_m_s - 0.5 * (every_s_ + step_s) * gravity_m_s2_;
+  return {from.position_m, from.rotation, velocity_m_s, spin(from.rotation, intervals_[k].momentum_nms)};
+}
+
 void KeyedMotion::begin_explaining() {
   explained_ = true;
   for (Interval& interval : intervals_) interval.before = interval.after = {};

@@ -64,6 +64,10 @@ class KeyedMotion {
   [[nodiscard]] Motion onward(std::size_t k, double s) const;
   [[nodiscard]] Motion backward(std::size_t k, double s) const;
 
+  // Returns the motion at frame `k` of a body that comes to the next frame without contacts, for a simulation whose
+  // steps move bodies by the velocity at their end.
+  [[nodiscard]] Motion free_start(std::size_t k, double step_s) const;
+
   // Forgets what was explained, but keeps to explanations from now on.
   void begin_explaining();
   // Adds what contacts of interval `k` contribute to the pushes around the frames before and after the interval.

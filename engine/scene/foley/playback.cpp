@@ -10,6 +10,13 @@ std::span<const ContactPoint> FoleyPlayback::step(double now_s, double step_s) {
   motions_.clear();
   while (next_blow_ < recovery_.blows.size() && recovery_.blows[next_blow_].time_s < now_s + step_s)
     play(recovery_.blows[next_blow_++], now_s);
+  for (; next_step_ < recovery_.steps.size() && recovery_.steps[next_step_].time_s < now_s + step_s; ++next_step_) {
+    const GuidedStep& step = recovery_.steps[next_step_];
+    for (ContactPoint point : step.points) {
+      point.found_s = std::max(step.time_s + point.found_s - now_s, 0.0);
+      points_.push_back(point);
+    }
+  }
   const double middle = (now_s + 0.5 * step_s) / recovery_.every_s;
   const auto interval = static_cast<std::size_t>(middle);
   const auto& touches = recovery_.touches;
@@ -22,7 +29,7 @@ std::span<const ContactPoint> FoleyPlayback::step(double now_s, double step_s) {
 bool FoleyPlayback::over(double now_s) const {
   const bool touches_over = recovery_.touches.empty() ||
                             now_s > static_cast<double>(recovery_.touches.back().interval + 1) * recovery_.every_s;
-  return next_blow_ == recovery_.blows.size() && touches_over;
+  return next_blow_ == recovery_.blows.size() && next_step_ == recovery_.steps.size() && touches_over;
 }
 
 void FoleyPlayback::play(const RecoveredBlow& blow, double now_s) {

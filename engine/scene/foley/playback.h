@@ -29,7 +29,7 @@ class FoleyPlayback {
   void play(const RecoveredTouch& touch, double share, double step_s);
 
   Recovery recovery_;
-  std::size_t next_blow_ = 0, first_touch_ = 0;
+  std::size_t next_step_ = 0, next_blow_ = 0, first_touch_ = 0;
   std::vector<ContactPoint> points_;
   std::deque<MotionPair> motions_;  // of the step's points, which keep their addresses
 };

@@ -6,6 +6,8 @@
 // 3. touches.h finds out which of these touches are blows.
 // 4. push_solver.h divides what acted on the bodies among blows and lasting contacts.
 // 5. For every pair of bodies, series.h takes the blows out of what the frames tell; the rest is a contact that lasts.
+//
+// guide.h replaces the contacts of a recovery by those of a simulation, as far as that meets the frames.
 #pragma once
 
 #include "engine/scene/foley/keyed_motion.h"
@@ -15,6 +17,7 @@
 #include "engine/scene/pair_filter.h"
 
 #include <cstddef>
+#include <deque>
 #include <map>
 #include <memory>
 #include <string>
@@ -52,11 +55,19 @@ struct RecoveredTouch {
   Vec3 start_shift_m, end_shift_m;  // of the points, at both frames
 };
 
+// The contact points of one step of a simulation (guide.h).
+struct GuidedStep {
+  double time_s = 0;
+  std::vector<ContactPoint> points;
+  std::shared_ptr<std::deque<MotionPair>> motions;  // of the points, which refer to them
+};
+
 struct Recovery {
   double every_s = 0;
   std::vector<FoleyBody> bodies;
   std::vector<RecoveredBlow> blows;     // by time
   std::vector<RecoveredTouch> touches;  // by interval
+  std::vector<GuidedStep> steps;        // by time
   std::vector<std::string> notes;       // sentences: bodies that jump, motion that no contact explains
 };
 

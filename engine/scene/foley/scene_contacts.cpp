@@ -1,5 +1,6 @@
 #include "engine/scene/foley/scene_contacts.h"
 
+#include "engine/scene/foley/guide.h"
 #include "engine/scene/motion_path.h"
 #include "engine/scene/ode/posed_colliders.h"
 #include "engine/scene/pair_filter.h"
@@ -49,6 +50,7 @@ Result<Recovery> recover_contacts(const SceneDescription& scene, const BodyStore
   PosedColliders colliders;
   PairFilter filter;
   std::vector<FoleyBody> moving, fixed;
+  std::vector<GuidedBody> solids, fixed_solids;
   for (const auto& [id, body] : store.bodies()) {
     const BodyDescription& d = body.description;
     if (!d.fixed) continue;
@@ -58,21 +60,25 @@ Result<Recovery> recover_contacts(const SceneDescription& scene, const BodyStore
     colliders.add(id, *solid);
     filter.set(id, d.filter);
     FoleyBody made{.id = id, .name = d.name, .surface = d.surface, .radius_m = outer_radius(solid->shape)};
+    GuidedBody guided{*solid, d.filter, d.gravity_factor};
     if (!d.path || frames.count < 2) {
       made.motion = KeyedMotion(body.start());
       fixed.push_back(std::move(made));
+      fixed_solids.push_back(std::move(guided));
       continue;
     }
     const auto from = static_cast<std::size_t>(std::ceil(d.start_s / frames.every_s - 1e-6));
     made.motion = KeyedMotion(in_frames(*d.path, {d.position_m, d.rotation}, frames), solid->mass,
                               d.gravity_factor * scene.gravity_m_s2, from, *scene.foley);
     moving.push_back(std::move(made));
+    solids.push_back(std::move(guided));
   }
   BodyId next = kFirstStatic;
   for (const StaticDescription& description : scene.statics) {
     colliders.add(next, description);
     filter.set(next, description.filter);
     fixed.push_back({.id = next++, .name = description.name, .surface = description.surface});
+    fixed_solids.push_back({.filter = description.filter});
   }
   const auto number = [&](const std::string& name) {
     return static_cast<BodyId>(std::ranges::find(scene.bodies, name, &BodyDescription::name) - scene.bodies.begin());
@@ -81,8 +87,12 @@ Result<Recovery> recover_contacts(const SceneDescription& scene, const BodyStore
     if (!joint.collides && !joint.other.empty()) filter.part(number(joint.body), number(joint.other));
   }
   moving.insert(moving.end(), std::make_move_iterator(fixed.begin()), std::make_move_iterator(fixed.end()));
-  return recover(std::move(moving), colliders, filter, *scene.foley, length(scene.gravity_m_s2), frames.every_s,
-                 frames.count);
+  solids.insert(solids.end(), std::make_move_iterator(fixed_solids.begin()),
+                std::make_move_iterator(fixed_solids.end()));
+  Recovery recovery = recover(std::move(moving), colliders, filter, *scene.foley, length(scene.gravity_m_s2),
+                              frames.every_s, frames.count);
+  guide(scene, solids, frames.count, recovery);
+  return recovery;
 }
 
 }  // namespace ringdown::scene

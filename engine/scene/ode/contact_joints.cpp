@@ -335,6 +335,12 @@ void ContactJoints::undo_part() {
   dropped_ = part_.dropped;
 }
 
+void ContactJoints::recall(const Memory& memory) {
+  partings_ = memory.partings;
+  loads_ = memory.loads;
+  pairs_ = {};
+}
+
 // Reduces each impulse to its impact's, and keeps the loads for the rolling resistance of the next part.
 void ContactJoints::end_part() {
   for (std::size_t k = part_.first_point; k < points_.size(); ++k) {

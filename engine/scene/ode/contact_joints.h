@@ -91,6 +91,14 @@ class ContactJoints {
     return std::span(points_).subspan(part_.first_point);
   }
 
+  // What is kept from one part to the next. Kept surface contacts are not part of it: they are found again.
+  struct Memory {
+    Partings partings;
+    ContactLoads loads;
+  };
+  [[nodiscard]] Memory memory() const { return {partings_, loads_}; }
+  void recall(const Memory& memory);
+
   // Number of points and whole pairs beyond kMaxContactsPerStep in the step.
   [[nodiscard]] std::size_t dropped() const { return dropped_; }
 

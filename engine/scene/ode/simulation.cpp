@@ -81,6 +81,11 @@ struct Part {
 
 }  // namespace
 
+struct SimulationMemory {
+  ContactJoints::Memory contacts;
+  unsigned long seed;
+};
+
 struct Simulation::State {
   explicit State(const SceneDescription& scene);
 
@@ -409,6 +414,22 @@ void Simulation::set_motion(BodyId id, const Motion& motion) {
   const OdeLock lock;
   state_->colliders.at(id).move(motion);
   state_->asleep = false;
+}
+
+void Simulation::rest(BodyId id, const Motion& motion) {
+  const OdeLock lock;
+  Collider& collider = state_->colliders.at(id);
+  collider.move({motion.position_m, motion.rotation, {}, {}});
+  collider.sleep.fall();
+}
+
+std::shared_ptr<const SimulationMemory> Simulation::memory() const {
+  return std::make_shared<SimulationMemory>(state_->contacts.memory(), state_->seed);
+}
+
+void Simulation::recall(const SimulationMemory& memory) {
+  state_->contacts.recall(memory.contacts);
+  state_->seed = memory.seed;
 }
 
 void Simulation::drive(BodyId id, const Motion& motion) {

@@ -26,6 +26,9 @@ inline constexpr double kMaxExactContacts = 52;
 // Maximum number of parts into which a step is divided, so that fast bodies do not fly through obstacles.
 inline constexpr int kMaxParts = 16;
 
+// What a simulation remembers of the steps before, beside the motions of its bodies.
+struct SimulationMemory;
+
 class Simulation {
  public:
   // Takes gravity, step and contact settings from the description, but not its bodies, statics and joints.
@@ -51,6 +54,14 @@ class Simulation {
   void add_joint(BodyId body, std::optional<BodyId> other, const JointDescription& description);
 
   void set_motion(BodyId id, const Motion& motion);  // wakes the body
+
+  // Places a body, which sleeps there until something touches it.
+  void rest(BodyId id, const Motion& motion);
+
+  // For a caller that simulates the same time several times over: with the motions of all bodies, recall() brings back
+  // the simulation as it was when memory() was called.
+  [[nodiscard]] std::shared_ptr<const SimulationMemory> memory() const;
+  void recall(const SimulationMemory& memory);
 
   // Sets the motion of a fixed body in the next step, at a constant velocity. Wakes all bodies if the body does move.
   void drive(BodyId id, const Motion& motion);
