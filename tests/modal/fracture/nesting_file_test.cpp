@@ -64,7 +64,7 @@ TEST(FractureFile, PiecesOfPiecesComeBackAsTheyWentIn) {
 }
 
 TEST(FractureFile, APieceBreaksIntoThePiecesThatBelongToIt) {
-  const Fracture& fracture = *nested_bank().fracture;
+  const Fracture fracture = *nested_bank().fracture;
   EXPECT_EQ(pieces_of_piece(fracture, 0, 0), (std::vector<std::size_t>{0, 2}));
   EXPECT_EQ(pieces_of_piece(fracture, 1, 0), std::vector<std::size_t>{});
   EXPECT_EQ(fracture_of_piece(fracture, 0, 1), nullptr) << "one piece alone belongs to it";
