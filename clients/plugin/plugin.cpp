@@ -8,7 +8,7 @@
 #include <DistrhoPluginUtils.hpp>
 
 #include <array>
-#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -44,9 +44,14 @@ class RingdownPlugin : public Plugin {
   const char* getMaker() const override { return "Ringdown"; }
   const char* getLicense() const override { return "MIT"; }
   std::uint32_t getVersion() const override {
-    unsigned major = 0, minor = 0, micro = 0;
-    std::sscanf(ringdown::kVersion, "%u.%u.%u", &major, &minor, &micro);
-    return d_version(major, minor, micro);
+    std::array<std::uint32_t, 3> numbers{};
+    const char* rest = ringdown::kVersion;
+    for (std::uint32_t& number : numbers) {
+      char* end = nullptr;
+      number = static_cast<std::uint32_t>(std::strtoul(rest, &end, 10));
+      rest = *end ? end + 1 : end;
+    }
+    return d_version(numbers[0], numbers[1], numbers[2]);
   }
   std::int64_t getUniqueId() const override { return d_cconst('R', 'n', 'g', 'd'); }
 

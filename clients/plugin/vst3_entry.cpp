@@ -146,7 +146,7 @@ struct Events {
 
 v3_result get_event(void* self, std::int32_t index, v3_event* event) {
   const Events& events = *static_cast<Events*>(self);
-  const v3_result result = v3_cpp_obj(events.host)->get_event(events.host, index, event);
+  const v3_result result = v3_cpp_obj(events.host)->get_event(static_cast<void*>(events.host), index, event);
   if (result != V3_OK) return result;
   const auto frame = static_cast<std::uint32_t>(std::max(0, event->sample_offset));
   if (event->type == V3_EVENT_NOTE_ON) {
@@ -167,7 +167,7 @@ v3_result get_event(void* self, std::int32_t index, v3_event* event) {
 const EventTable kEventTable{kStatic,
                              {[](void* self) {
                                 v3_event_list** const host = static_cast<Events*>(self)->host;
-                                return v3_cpp_obj(host)->get_event_count(host);
+                                return v3_cpp_obj(host)->get_event_count(static_cast<void*>(host));
                               },
                               get_event, [](void*, v3_event*) -> v3_result { return V3_NOT_IMPLEMENTED; }}};
 
@@ -227,9 +227,9 @@ bool find_ours(const v3_tuid id, void** object) {
   static const Units* const units = &kUnits;
   static const ExpressionTable* const expressions = &kExpressions;
   if (v3_tuid_match(id, v3_unit_information_iid)) {
-    *object = const_cast<const Units**>(&units);
+    *object = static_cast<void*>(const_cast<const Units**>(&units));
   } else if (v3_tuid_match(id, kNoteExpressionController)) {
-    *object = const_cast<const ExpressionTable**>(&expressions);
+    *object = static_cast<void*>(const_cast<const ExpressionTable**>(&expressions));
   } else {
     return false;
   }
