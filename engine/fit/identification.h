@@ -2,12 +2,13 @@
 // they move the frequencies. [worker]
 //
 //   Slopes slopes = ...;                                     // of bakes at the figures, and at each a step further
-//   const auto found = determine(heard_hz, slopes, options); // change the figures by found->changes, bake again, repeat
+//   const auto found = determine(heard_hz, slopes, options); // change the figures by found->changes, bake again,
+//   repeat
 //
-// To first order ln f = ln f0 + ln(E/rho) / 2 + sum over figures of slope x change. Each baked frequency is compared with
-// the nearest heard one within the tolerance, and the changes are those of least squares. Their standard errors follow
-// from what is left over: the spread of the frequencies about the best body, which has the errors of the measurement, of
-// the mesh and of the shape in it, and is taken to be alike and independent for all modes.
+// To first order ln f = ln f0 + ln(E/rho) / 2 + sum over figures of slope x change. Each baked frequency is compared
+// with the nearest heard one within the tolerance, and the changes are those of least squares. Their standard errors
+// follow from what is left over: the spread of the frequencies about the best body, which has the errors of the
+// measurement, of the mesh and of the shape in it, and is taken to be alike and independent for all modes.
 #pragma once
 
 #include "engine/base/result.h"
@@ -19,8 +20,8 @@ namespace ringdown::fit {
 
 // Frequencies by rank, and how they depend on figures.
 struct Slopes {
-  std::vector<double> frequency_hz;          // ascending
-  std::vector<std::vector<double>> slopes;   // of each figure: d ln f / d figure, for each frequency
+  std::vector<double> frequency_hz;         // ascending
+  std::vector<std::vector<double>> slopes;  // of each figure: d ln f / d figure, for each frequency
 };
 
 struct DetermineOptions {
@@ -38,7 +39,8 @@ struct Determined {
   [[nodiscard]] double correlation(std::size_t a, std::size_t b) const { return correlations[a * changes.size() + b]; }
 };
 
-// Fails when fewer frequencies match than there are figures and two more, or when two figures move all frequencies alike.
+// Fails when fewer frequencies match than there are figures and two more, or when two figures move all frequencies
+// alike.
 Result<Determined> determine(std::span<const double> heard_hz, const Slopes& slopes, const DetermineOptions& options);
 
 }  // namespace ringdown::fit

@@ -54,8 +54,8 @@ std::vector<double> other_loss(const modal::Bank& bank, const Loss& loss, double
   return samples;
 }
 
-// Modes at random pitches of three octaves: with n of them in 3600 cents and a tolerance of t, a heard mode has one within
-// t by chance with probability 1 - exp(-2 t n / 3600); the search of the tuning finds somewhat more.
+// Modes at random pitches of three octaves: with n of them in 3600 cents and a tolerance of t, a heard mode has one
+// within t by chance with probability 1 - exp(-2 t n / 3600); the search of the tuning finds somewhat more.
 TEST(Chance, FewModesMatchByChanceInASparseBankAndMostInADenseOne) {
   std::mt19937 random(5);
   const auto pitches = [&random](std::size_t count) {

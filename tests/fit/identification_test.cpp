@@ -1,4 +1,5 @@
-// Figures of a body from frequencies alone: a body whose frequencies are formulas, with noise of which everything is known.
+// Figures of a body from frequencies alone: a body whose frequencies are formulas, with noise of which everything is
+// known.
 #include "engine/fit/identification.h"
 
 #include <gtest/gtest.h>
@@ -100,7 +101,7 @@ TEST(Determine, ErrorsAndCorrelationsAreThoseOfRepeatedMeasurements) {
 TEST(Determine, FiguresThatNothingTellsApartAreRefused) {
   const std::vector<double> hz = Body{1, 1, 1}.frequencies();
   const std::vector<double> same(kModes, 0.5), none(kModes, 0.0);
-  EXPECT_FALSE(determine(hz, {hz, {same}}, {}));         // moves all frequencies as E/rho does
+  EXPECT_FALSE(determine(hz, {hz, {same}}, {}));  // moves all frequencies as E/rho does
   EXPECT_FALSE(determine(hz, {hz, {none}}, {}));
   EXPECT_FALSE(determine(std::span(hz).first(2), {hz, {}}, {}));
   EXPECT_TRUE(determine(std::span(hz).first(3), {hz, {}}, {}));

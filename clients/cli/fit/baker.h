@@ -25,8 +25,8 @@ class Work {
   ProgressLine line_;
 };
 
-// A figure of the body that differs from what its files say: a constant of the material, as --set-material takes it, or a
-// parameter of the geometry.
+// A figure of the body that differs from what its files say: a constant of the material, as --set-material takes it, or
+// a parameter of the geometry.
 struct Figure {
   std::string name;
   double value = 0;
@@ -48,7 +48,8 @@ class Baker {
   // The banks are written into `folder`. The work outlives the baker.
   Baker(BakeRequest request, std::filesystem::path folder, std::stop_token stop, Work& work);
 
-  // A search needs frequencies alone, whose errors are much alike in all of its bakes: elements of order 2, and no heat.
+  // A search needs frequencies alone, whose errors are much alike in all of its bakes: elements of order 2, and no
+  // heat.
   Result<modal::Bank> bake_quickly(const std::vector<Figure>& figures);
   // As exact as any bank, and with heat.
   Result<modal::Bank> bake_well(const std::vector<Figure>& figures);

@@ -63,14 +63,16 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
                  "Largest error of a matching mode in cents, after the common tuning is removed.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
-  app.add_option("--fit", arguments.fitted,
-                 "Besides E/rho, fit these figures in place of nu, beginning with these values: constants of the material "
-                 "(shear_modulus_12_pa=5e9, poisson_ratio=0.3) or parameters of the geometry (thickness=6).")
+  app.add_option(
+         "--fit", arguments.fitted,
+         "Besides E/rho, fit these figures in place of nu, beginning with these values: constants of the material "
+         "(shear_modulus_12_pa=5e9, poisson_ratio=0.3) or parameters of the geometry (thickness=6).")
       ->type_name("NAME=NUMBER");
   app.add_option("--weight", arguments.weight_kg,
                  "The weight of the object in kg, which tells its density, and so E itself.")
       ->check(manual::between(1e-9, 1e6));
-  app.add_flag("--keep-nu", arguments.keep_nu, "Keep the material's Poisson's ratio, which takes two bakes in place of seven.");
+  app.add_flag("--keep-nu", arguments.keep_nu,
+               "Keep the material's Poisson's ratio, which takes two bakes in place of seven.");
 }
 
 struct Inputs {
@@ -212,8 +214,8 @@ std::vector<double> heard_hz(const cli::Comparison& c) {
   return hz;
 }
 
-// Searches Poisson's ratio, and keeps how it moves the frequencies. `wide` is the search over all ratios that solids have,
-// in which chance may be tried.
+// Searches Poisson's ratio, and keeps how it moves the frequencies. `wide` is the search over all ratios that solids
+// have, in which chance may be tried.
 Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, const modal::Bank& own, cli::Comparison& c,
                      Search& wide) {
   constexpr double kMin = 0.05, kMax = 0.43, kAside = 0.04;
@@ -243,8 +245,8 @@ Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, const modal
   return {};
 }
 
-// Moves the figures of --fit, and E/rho, to the heard frequencies by least squares, with slopes from bakes one step of a
-// hundredth further.
+// Moves the figures of --fit, and E/rho, to the heard frequencies by least squares, with slopes from bakes one step of
+// a hundredth further.
 Result<void> find_figures(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c) {
   constexpr int kRounds = 4;
   constexpr double kStep = 0.01, kDone = 0.002, kMaxChange = 0.2;  // of a figure
@@ -302,7 +304,9 @@ void take_decays(cli::Comparison& c) {
   for (fit::Mode& mode : c.heard) {
     const auto nearest = std::ranges::min_element(
         c.bank.frequency_hz, {}, [&](double hz) { return std::abs(std::log(hz / mode.frequency_hz)); });
-    mode.decay_per_s = c.bank.decay_per_s[static_cast<std::size_t>(nearest - c.bank.frequency_hz.begin())];
+    constexpr double kMin = 1e-5;  // of the frequency: a material without loss has no logarithm
+    mode.decay_per_s = std::max(c.bank.decay_per_s[static_cast<std::size_t>(nearest - c.bank.frequency_hz.begin())],
+                                kMin * mode.frequency_hz);
   }
 }
 
@@ -318,7 +322,8 @@ double distance_of(const cli::ComparedSound& s) {
 
 // The bank with the fitted modulus and loss factors.
 modal::Bank fitted_bank(const cli::Comparison& c) {
-  return fit::with_losses(modal::scaled(c.bank, {.stiffness = c.stiffness()}), c.calibration);
+  modal::Bank bank = modal::scaled(c.bank, {.stiffness = c.stiffness()});
+  return c.decays_known ? fit::with_losses(bank, c.calibration) : bank;
 }
 
 ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {

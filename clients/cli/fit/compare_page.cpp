@@ -169,8 +169,8 @@ std::size_t recordings_of(const Comparison& c, const fit::Mode& mode) {
   }));
 }
 
-// Two stronger heard modes whose frequencies add up to that of `mode`, or differ by it, as they do where a microphone, a
-// loose part or a contact is not linear.
+// Two stronger heard modes whose frequencies add up to that of `mode`, or differ by it, as they do where a microphone,
+// a loose part or a contact is not linear.
 bool is_combination(const Comparison& c, const fit::Mode& mode) {
   constexpr double kClose_cents = 3;
   for (const fit::Mode& a : c.heard) {
@@ -197,12 +197,11 @@ Unmatched reason_of(const Comparison& c, const fit::Mode& mode) {
     const double off = cents_over(mode.frequency_hz, c.heard[match.recorded].frequency_hz);
     if (std::abs(off) >= fit::kCompanion_cents) continue;
     return {&mode, "beside a match",
-            formatted("{:+.0f} cents beside match {}: the other of a pair, which the real shape splits, or the room", off,
-                      match.baked)};
+            formatted("{:+.0f} cents beside match {}: the other of a pair, which the real shape splits, or the room",
+                      off, match.baked)};
   }
-  const auto nearest = std::ranges::min_element(c.bank.frequency_hz, {}, [&](double f) {
-    return std::abs(cents_over(mode.frequency_hz, tuning * f));
-  });
+  const auto nearest = std::ranges::min_element(
+      c.bank.frequency_hz, {}, [&](double f) { return std::abs(cents_over(mode.frequency_hz, tuning * f)); });
   const auto number = static_cast<std::size_t>(nearest - c.bank.frequency_hz.begin());
   const double material = fit::fitted_loss(c.calibration, c.bank, number, mode.frequency_hz).total_per_s();
   if (mode.decay_per_s > kHeld * material) {
@@ -220,8 +219,8 @@ Unmatched reason_of(const Comparison& c, const fit::Mode& mode) {
   const double off = cents_over(mode.frequency_hz, tuning * *nearest);
   const double error = c.bank.frequency_error.empty() ? 0 : cents_over(1 + c.bank.frequency_error[number], 1);
   return {&mode, "missing",
-          formatted("the nearest baked mode is {:+.0f} cents off, and its error by the mesh {:.1f} cents: the shape", off,
-                    error)};
+          formatted("the nearest baked mode is {:+.0f} cents off, and its error by the mesh {:.1f} cents: the shape",
+                    off, error)};
 }
 
 std::vector<Unmatched> unmatched(const Comparison& c) {
@@ -343,8 +342,8 @@ std::string fitted_figures(const Comparison& c) {
     text += formatted("nu           {:.4f}{}; the material says {:.3f}\n", c.poisson_ratio, error_text(c, 1, 0),
                       c.given_poisson_ratio);
   } else if (c.figures.empty()) {
-    text += formatted("nu           {:.3f} as the material says: the recordings do not determine it\n",
-                      c.poisson_ratio);
+    text +=
+        formatted("nu           {:.3f} as the material says: the recordings do not determine it\n", c.poisson_ratio);
   }
   for (std::size_t k = 0; k < c.figures.size() && !is_nu; ++k)
     text += formatted("{:<12} {:.6g}{}\n", c.figures[k].name, c.figures[k].value,
@@ -385,10 +384,11 @@ std::string verdict(const Comparison& c) {
           judged(c), 100 * c.matched_part(), c.mean_cents()) +
       formatted("{}: {} of the {} recorded modes match one of the bank's {}\n", c.name, matches, c.heard.size(),
                 c.bank.mode_count()) +
-      (c.chance ? formatted("chance       {:.1f} matches on average of lists with shifted modes; {:.0f} % of these have as "
-                            "many\n",
-                            c.chance->matches, 100 * c.chance->share)
-                : std::string()) +
+      (c.chance
+           ? formatted("chance       {:.1f} matches on average of lists with shifted modes; {:.0f} % of these have as "
+                       "many\n",
+                       c.chance->matches, 100 * c.chance->share)
+           : std::string()) +
       (c.heard.size() > matches ? formatted("unmatched    {}\n", counted(unmatched(c))) : std::string()) +
       formatted("frequencies  {:.1f} cents off on average, {:.1f} at most, after E/rho and nu\n", c.mean_cents(),
                 c.worst_cents()) +

@@ -30,12 +30,12 @@ struct Comparison {
   fit::Calibration calibration;
   double poisson_ratio = 0, given_poisson_ratio = 0;
   bool nu_told = false;
-  std::vector<Figure> figures;               // that were fitted besides E/rho
-  std::vector<std::vector<double>> slopes;   // of each: how it moves the bank's frequencies, by rank (fit::Slopes)
+  std::vector<Figure> figures;                // that were fitted besides E/rho
+  std::vector<std::vector<double>> slopes;    // of each: how it moves the bank's frequencies, by rank (fit::Slopes)
   std::optional<fit::Determined> determined;  // errors of E/rho and of these figures
   double weight_kg = 0;                       // 0: not known
   bool decays_known = true;                   // false: a list of frequencies alone
-  std::optional<fit::Chance> chance;  // where nu was searched
+  std::optional<fit::Chance> chance;          // where nu was searched
   std::vector<ComparedSound> sounds;
 
   [[nodiscard]] double stiffness() const;   // fitted E/rho over that of the material
