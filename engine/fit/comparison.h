@@ -49,9 +49,9 @@ struct Chance {
   double share = 0;    // of the lists that match as many modes, or more
 };
 
-// Shifts each heard mode by a random 50 to 300 cents up or down, searches ratio and tuning for each such list as choose_nu()
-// does, in coarser steps, and counts the modes that then lie within the tolerance of a baked mode of their own. `matches`
-// is what the heard modes have. The lists are the same in every call.
+// Shifts each heard mode by a random 50 to 300 cents up or down, searches ratio and tuning for each such list as
+// choose_nu() does, in coarser steps, and counts the modes that then lie within the tolerance of a baked mode of their
+// own. `matches` is what the heard modes have. The lists are the same in every call.
 Chance chance_of(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options,
                  std::size_t matches);
 

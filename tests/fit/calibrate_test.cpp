@@ -8,6 +8,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <vector>
+
 namespace ringdown::fit {
 namespace {
 
@@ -45,6 +52,33 @@ std::vector<double> other_loss(const modal::Bank& bank, const Loss& loss, double
   auto samples = struck(tones, seconds, 0.05);
   add_noise(samples, 1e-3 * rms(samples));
   return samples;
+}
+
+// Modes at random pitches of three octaves: with n of them in 3600 cents and a tolerance of t, a heard mode has one
+// within t by chance with probability 1 - exp(-2 t n / 3600); the search of the tuning finds somewhat more.
+TEST(Chance, FewModesMatchByChanceInASparseBankAndMostInADenseOne) {
+  std::mt19937 random(5);
+  const auto pitches = [&random](std::size_t count) {
+    std::vector<double> hz;
+    for (std::size_t m = 0; m < count; ++m)
+      hz.push_back(1000 * std::exp2(3.0 * static_cast<double>(random()) / 4294967296.0));
+    std::ranges::sort(hz);
+    return hz;
+  };
+  for (const std::size_t modes : {8, 60}) {
+    modal::Bank bank;
+    bank.frequency_hz = pitches(modes);
+    bank.decay_per_s.assign(modes, 5);
+    const std::array<NuBank, 3> banks{NuBank{0.1, &bank}, NuBank{0.2, &bank}, NuBank{0.3, &bank}};
+    std::vector<Mode> heard;
+    for (const double hz : pitches(10)) heard.push_back({.frequency_hz = hz, .decay_per_s = 5, .amplitude = 0.1});
+    const Chance chance = chance_of(heard, banks, {.tolerance_cents = 15, .max_tuning_cents = 100}, 8);
+    const double expected = 10 * (1 - std::exp(-2 * 15 * static_cast<double>(modes) / 3600));
+    std::printf("%zu modes: %.1f of 10 by chance, %.1f without a search\n", modes, chance.matches, expected);
+    EXPECT_GT(chance.matches, 0.9 * expected);
+    EXPECT_LT(chance.matches, expected + 2.5);
+    EXPECT_LE(chance.share, modes == 8 ? 0.0 : 0.7);
+  }
 }
 
 TEST(Merge, TheSameModeOfTwoRecordingsIsOneAndAPairOfOneRecordingIsTwo) {

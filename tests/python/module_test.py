@@ -237,6 +237,27 @@ class MixerTest(unittest.TestCase):
         with self.assertRaises(ValueError):
             self.mixer.render_into(stereo, sphere)
 
+    def test_a_pickup_feels_the_sum_of_shapes_times_velocity(self):
+        mixer = ringdown.Mixer(limiter_db=None)
+        glass = mixer.add(self.bank)
+        at, to, along, blow = 7, 20, np.array([0, 0.6, 0.8]), np.array([0.01, 0.002, 0])
+        mixer.pickup(glass, self.bank.points_m[to], along, bus=2, gain=1e3)
+        mixer.strike_vertex(glass, at, blow, contact_time_s=0, frame=100)
+        felt = mixer.render_pickups(4800)
+        self.assertEqual(felt.shape, (4800, 8))
+        shapes, omega = self.bank.shapes, 2 * np.pi * self.bank.frequencies_hz
+        decay, t = self.bank.decays_per_s, np.maximum(np.arange(4800) - 100, 0)[:, None] / 48000
+        motion = np.exp(-decay * t) * (np.cos(omega * t) - decay / omega * np.sin(omega * t))
+        velocity = motion @ ((shapes[:, to] @ along) * (shapes[:, at] @ blow))
+        velocity[:100] = 0
+        np.testing.assert_allclose(felt[:, 1], 1e3 * velocity, atol=1e-5 * 1e3 * np.abs(velocity).max())
+        self.assertFalse(np.delete(felt, 1, axis=1).any())
+        sound, motion = np.empty((256, 2), np.float32), np.empty((256, 8), np.float32)
+        mixer.render_into(sound, pickups=motion)
+        self.assertTrue(sound.any() and motion[:, 1].any())
+        mixer.pickup(glass, (0, 0, 0), (0, 0, 0), bus=2)
+        self.assertFalse(mixer.render_pickups(256).any())
+
     def test_the_rest_of_the_events(self):
         self.mixer.strike_vertex(self.glass, 3, (0, 0, 0.01))
         self.mixer.click(self.glass, (0, 0, 0.01))

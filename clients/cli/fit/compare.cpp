@@ -1,14 +1,16 @@
 // ringdown-compare: holds recordings of a thing against its baked bank.
+#include "clients/cli/fit/baker.h"
 #include "clients/cli/fit/compare_page.h"
+#include "clients/cli/fit/mode_list.h"
 #include "clients/cli/fit/sound.h"
 #include "clients/cli/long_work.h"
 #include "engine/base/file_format.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
-#include "engine/base/process/child_process.h"
 #include "engine/fit/band_powers.h"
 #include "engine/fit/burst.h"
 #include "engine/fit/comparison.h"
+#include "engine/fit/identification.h"
 #include "engine/mesh/files/file_kinds.h"
 #include "engine/modal/bank_file.h"
 #include "engine/modal/scaled_bank.h"
@@ -16,10 +18,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <utility>
-#include <unistd.h>
 
 namespace {
 
@@ -32,15 +34,18 @@ struct CompareArguments {
   fs::path folder, output, bank, materials;
   std::string material;
   double top_hz = 12000;
-  bool keep_nu = false;
+  bool top_given = false, keep_nu = false;
+  std::vector<std::string> fitted;
+  std::vector<cli::Figure> figures;  // of `fitted`
+  double weight_kg = 0;
   fit::Options options;
   fit::CalibrateOptions match{.tolerance_cents = 30, .max_tuning_cents = 250};
 };
 
 void add_compare_options(manual::App& app, CompareArguments& arguments) {
   app.add_option("folder", arguments.folder,
-                 "A folder with recordings of one blow each, and with the object's shape: one object file (.toml), or "
-                 "one mesh and --material.")
+                 "A folder with recordings of one blow each, or a list of measured modes (modes.csv), and with the "
+                 "object's shape: one object file (.toml), or one mesh and --material.")
       ->type_name("FOLDER")
       ->required();
   app.add_option("-o,--output", arguments.output, "The page to write (.html); default: compare.html in the folder.")
@@ -50,20 +55,37 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
       ->type_name("NAME");
   app.add_option("--materials", arguments.materials, "Folder of the materials; default: the presets'.")
       ->type_name("FOLDER");
-  app.add_option("--top", arguments.top_hz, "Modes are compared up to this frequency in Hz.")
-      ->check(manual::between(100.0, 20000.0))
+  app.add_option("--top", arguments.top_hz,
+                 "Modes are compared up to this frequency in Hz; default: 12000, or all of a list.")
+      ->check(manual::between(100.0, 1e8))
       ->capture_default_str();
   app.add_option("--tolerance", arguments.match.tolerance_cents,
                  "Largest error of a matching mode in cents, after the common tuning is removed.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
-  app.add_flag("--keep-nu", arguments.keep_nu, "Keep the material's Poisson's ratio, which takes two bakes in place of seven.");
+  app.add_option(
+         "--fit", arguments.fitted,
+         "Besides E/rho, fit these figures in place of nu, beginning with these values: constants of the material "
+         "(shear_modulus_12_pa=5e9, poisson_ratio=0.3) or parameters of the geometry (thickness=6).")
+      ->type_name("NAME=NUMBER");
+  app.add_option("--weight", arguments.weight_kg,
+                 "The weight of the object in kg, which tells its density, and so E itself.")
+      ->check(manual::between(1e-9, 1e6));
+  app.add_flag("--keep-nu", arguments.keep_nu,
+               "Keep the material's Poisson's ratio, which takes two bakes in place of seven.");
 }
 
 struct Inputs {
-  fs::path shape;
+  fs::path shape, list;  // list: modes.csv, or ""
   std::vector<fs::path> sounds;
 };
+
+std::optional<double> number_in(const std::string& text) {
+  double value = 0;
+  const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (wrong != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
 
 // `bank` is where the fitted bank goes: no mesh.
 Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
@@ -73,6 +95,7 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const fs::path& file = entry->path();
     if (is_of_kind(file, FileKind::sound)) inputs.sounds.push_back(file);
+    if (file.filename() == "modes.csv") inputs.list = file;
     if (is_of_kind(file, FileKind::table)) objects.push_back(file);
     if (mesh::is_body_file(file) || is_of_kind(file, FileKind::gltf)) meshes.push_back(file);
   }
@@ -81,9 +104,11 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   }
   if (error) return fail(ErrorKind::bad_input, "cannot read the folder {}: {}", folder.string(), error.message());
   std::ranges::sort(inputs.sounds);
-  if (inputs.sounds.empty()) {
-    return fail(ErrorKind::bad_input,
-                folder.string() + " has no recording: put a WAV or FLAC file of one blow into it");
+  if (!inputs.list.empty()) inputs.sounds.clear();  // the list is what counts
+  if (inputs.sounds.empty() && inputs.list.empty()) {
+    return fail(ErrorKind::bad_input, folder.string() +
+                                          " has no recording: put a WAV or FLAC file of one blow into it, or a list of "
+                                          "measured modes, modes.csv");
   }
   const std::vector<fs::path>& shapes = objects.empty() ? meshes : objects;
   if (shapes.size() != 1) {
@@ -95,85 +120,14 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   return inputs;
 }
 
-// Shows how far the work is: a share of all that has to be done.
-class Work {
- public:
-  Work(std::size_t sounds, bool keeps_nu)
-      : all_(kOfSound * static_cast<double>(sounds) + (keeps_nu ? 1 : kSearchBakes) + kOfLastBake),
-        line_("ringdown-compare",
-              isatty(STDERR_FILENO) == 1 ? cli::ProgressLine::Style::bar : cli::ProgressLine::Style::none) {}
-
-  void begin(const std::string& stage, double share) {
-    line_.show(stage, done_ / all_);
-    done_ += share;
-  }
-
-  static constexpr double kOfSound = 1.5, kSearchBakes = 6, kOfLastBake = 3;  // in quick bakes
-
- private:
-  double all_, done_ = 0;
-  cli::ProgressLine line_;
-};
-
-// Bakes the shape again and again. A search needs nothing but frequencies, and their errors are much alike in all of its
-// bakes: it takes elements of order 2, and lets no heat flow.
-class Baker {
- public:
-  Baker(const Inputs& inputs, const CompareArguments& arguments, fs::path folder, std::stop_token stop, Work& work)
-      : inputs_(inputs), arguments_(arguments), folder_(std::move(folder)), stop_(std::move(stop)), work_(work) {}
-
-  // With this Poisson's ratio, or the material's own.
-  Result<modal::Bank> bake_quickly(std::optional<double> nu) {
-    work_.begin(nu ? formatted("baking with nu {:.3f}", *nu) : "baking", 1);
-    return bake(nu, {"--element", "tet10", "--set-material", "expansion_per_k=0"});
-  }
-  // The same, as it is heard: with elements that leave no error that counts, unless those of `quick` do, and with heat.
-  Result<modal::Bank> bake_well(std::optional<double> nu, const modal::Bank& quick) {
-    constexpr double kOfTolerance = 0.25;
-    work_.begin("baking at last", Work::kOfLastBake);
-    const auto errors = modal::error_spread(quick.frequency_error);
-    const double limit = std::exp2(kOfTolerance * arguments_.match.tolerance_cents / 1200) - 1;
-    if (errors && errors->median < limit) return bake(nu, {"--element", "tet10"});
-    return bake(nu, {});
-  }
-
- private:
-  Result<modal::Bank> bake(std::optional<double> nu, const std::vector<std::string>& options) {
-    const Result<fs::path> program = find_beside("ringdown-bake");
-    if (!program) return fail(program);
-    const fs::path to = folder_ / "baked.glb";
-    const double top_hz = std::exp2(arguments_.match.max_tuning_cents / 1200) * arguments_.top_hz;
-    ChildRequest request{.command = {program->string(), inputs_.shape.string(), "-o", to.string(), "--quiet", "--band",
-                                     "20", std::to_string(top_hz)},
-                         .keep_going = [this] { return !stop_.stop_requested(); }};
-    request.command.insert(request.command.end(), options.begin(), options.end());
-    const auto add = [&request](const std::string& option, const std::string& value) {
-      request.command.insert(request.command.end(), {option, value});
-    };
-    if (!arguments_.material.empty()) add("--material", arguments_.material);
-    if (!arguments_.materials.empty()) add("--materials", arguments_.materials.string());
-    if (nu) add("--set-material", formatted("poisson_ratio={:f}", *nu));
-    if (arguments_.bank.empty()) add("--shape-error", "50%");  // nobody asked for shapes
-    const Result<ChildOutcome> done = run_child(request);
-    if (!done) return fail(done);
-    if (done->stopped) return fail(ErrorKind::cancelled, "cancelled; nothing was written");
-    if (done->exit_code != 0) return fail(ErrorKind::bad_input, last_line(done->errors));
-    return modal::read_bank(to);
-  }
-
-  const Inputs& inputs_;
-  const CompareArguments& arguments_;
-  fs::path folder_;
-  std::stop_token stop_;
-  Work& work_;
-};
+constexpr double kSearchBakes = 6, kSoundShare = 1;  // quick bakes of a search; of a recording, in quick bakes
 
 Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments,
-                                                    const std::stop_token& stop, Work& work) {
+                                                    const std::stop_token& stop, cli::Work& work) {
   std::vector<cli::ComparedSound> sounds;
   for (const fs::path& path : inputs.sounds) {
     if (stop.stop_requested()) return fail(ErrorKind::cancelled, "cancelled; nothing was written");
-    work.begin("listening to " + path.filename().string(), Work::kOfSound);
+    work.begin("listening to " + path.filename().string(), kSoundShare);
     Result<cli::Sound> sound = cli::read_sound(path, std::nullopt);
     if (!sound) return fail(sound);
     if (!sound->note.empty()) complain("warning: " + path.string() + ": " + sound->note, ExitCode::ok);
@@ -190,6 +144,8 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
   return sounds;
 }
 
+const std::string kNu = "poisson_ratio";
+
 // A search for Poisson's ratio: three bakes, and the choice between them.
 struct Search {
   std::array<modal::Bank, 3> banks;
@@ -197,21 +153,38 @@ struct Search {
   fit::NuChoice choice;
 };
 
-// Bakes with three ratios around `middle`, and chooses between them.
-Result<Search> search_nu(Baker& baker, const fit::CalibrateOptions& match, std::span<const fit::Mode> heard,
-                         double middle, double aside) {
-  constexpr double kMin = 0.02, kMax = 0.47;
-  const double centre = std::clamp(middle, kMin + aside, kMax - aside);
-  Search search;
+// Takes what was measured: modes of all recordings, or a list.
+Result<void> hear(const Inputs& inputs, CompareArguments& arguments, const std::stop_token& stop, cli::Work& work,
+                  cli::Comparison& c) {
+  if (!inputs.list.empty()) {
+    auto modes = cli::read_mode_list(inputs.list);
+    if (!modes) return fail(modes);
+    c.heard = std::move(*modes);
+    c.decays_known = std::ranges::all_of(c.heard, [](const fit::Mode& mode) { return mode.decay_per_s > 0; });
+    if (!arguments.top_given) arguments.top_hz = 1.02 * c.heard.back().frequency_hz;
+    return {};
+  }
+  auto sounds = read_sounds(inputs, arguments, stop, work);
+  if (!sounds) return fail(sounds);
+  c.sounds = std::move(*sounds);
+  std::vector<std::vector<fit::Mode>> each;
+  for (const cli::ComparedSound& s : c.sounds) each.push_back(s.found.modes);
+  c.heard = fit::merge(each);
+  return {};
+}
+
+// Bakes with these ratios, but for one that is there, and chooses between them.
+Result<void> search_nu(cli::Baker& baker, const fit::CalibrateOptions& match, std::span<const fit::Mode> heard,
+                       const std::array<double, 3>& ratios, const modal::Bank* known, Search& search) {
   for (std::size_t i = 0; i < 3; ++i) {
-    const double nu = centre + aside * (static_cast<double>(i) - 1);
-    Result<modal::Bank> bank = baker.bake_quickly(nu);
+    const bool is_known = known && known->material->poisson_ratio == ratios[i];
+    Result<modal::Bank> bank = is_known ? Result<modal::Bank>(*known) : baker.bake_quickly({{kNu, ratios[i]}});
     if (!bank) return fail(bank);
     search.banks[i] = std::move(*bank);
-    search.choices[i] = {nu, &search.banks[i]};
+    search.choices[i] = {ratios[i], &search.banks[i]};
   }
   search.choice = fit::choose_nu(heard, search.choices, match);
-  return search;
+  return {};
 }
 
 fit::CalibrateOptions around(fit::CalibrateOptions match, double tuning_cents) {
@@ -220,32 +193,121 @@ fit::CalibrateOptions around(fit::CalibrateOptions match, double tuning_cents) {
   return match;
 }
 
-// The bank at the Poisson's ratio that the recordings ask for, or at the material's own where they do not tell. Sets the
-// search of the tuning, and the wide search in which chance may be tried.
-Result<void> find_bank(Baker& baker, CompareArguments& arguments, cli::Comparison& c, Search& wide) {
-  constexpr double kMiddle = 0.25, kWide = 0.2, kNarrow = 0.06;  // of what solids have
-  Result<modal::Bank> own = baker.bake_quickly(std::nullopt);
+std::vector<double> ascending(const modal::Bank& bank) {
+  std::vector<double> frequencies = bank.frequency_hz;
+  std::ranges::sort(frequencies);
+  return frequencies;
+}
+
+// d ln f / d figure of each frequency by rank, from two bakes.
+std::vector<double> slopes_of(const modal::Bank& low, const modal::Bank& high, double step) {
+  const std::vector<double> below = ascending(low), above = ascending(high);
+  std::vector<double> slopes;
+  for (std::size_t k = 0; k < std::min(below.size(), above.size()); ++k)
+    slopes.push_back(std::log(above[k] / below[k]) / step);
+  return slopes;
+}
+
+std::vector<double> heard_hz(const cli::Comparison& c) {
+  std::vector<double> hz;
+  for (const fit::Mode& mode : c.heard) hz.push_back(mode.frequency_hz);
+  return hz;
+}
+
+// Searches Poisson's ratio, and keeps how it moves the frequencies. `wide` is the search over all ratios that solids
+// have, in which chance may be tried.
+Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, const modal::Bank& own, cli::Comparison& c,
+                     Search& wide) {
+  constexpr double kMin = 0.05, kMax = 0.43, kAside = 0.04;
+  constexpr int kRounds = 2;
+  const double middle = std::clamp(c.given_poisson_ratio, kMin + kAside, kMax - kAside);
+  const auto found = search_nu(baker, arguments.match, c.heard, {kMin, middle, kMax}, &own, wide);
+  if (!found) return found;
+  fit::NuChoice choice = wide.choice;
+  for (int round = 0; round < kRounds; ++round) {
+    const double best = std::clamp(choice.poisson_ratio, kMin, kMax);
+    Search narrow;
+    const auto refined = search_nu(baker, around(arguments.match, choice.tuning_cents), c.heard,
+                                   {best - kAside, best, best + kAside}, &own, narrow);
+    if (!refined) return refined;
+    choice = narrow.choice;
+    c.slopes = {slopes_of(narrow.banks[0], narrow.banks[2], 2 * kAside)};
+    if (std::abs(choice.poisson_ratio - best) < kAside / 2) break;  // the parabola holds there
+  }
+  arguments.match.around_cents = choice.tuning_cents;
+  c.nu_told = choice.told;
+  if (c.nu_told) {
+    c.poisson_ratio = choice.poisson_ratio;
+    c.figures = {{kNu, choice.poisson_ratio}};
+  } else {
+    c.slopes.clear();
+  }
+  return {};
+}
+
+// Moves the figures of --fit, and E/rho, to the heard frequencies by least squares, with slopes from bakes one step of
+// a hundredth further.
+Result<void> find_figures(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c) {
+  constexpr int kRounds = 4;
+  constexpr double kStep = 0.01, kDone = 0.002, kMaxChange = 0.2;  // of a figure
+  for (int round = 0; round < kRounds; ++round) {
+    Result<modal::Bank> base = baker.bake_quickly(c.figures);
+    if (!base) return fail(base);
+    c.slopes.clear();
+    for (std::size_t k = 0; k < c.figures.size(); ++k) {
+      std::vector<cli::Figure> further = c.figures;
+      further[k].value *= 1 + kStep;
+      const Result<modal::Bank> stepped = baker.bake_quickly(further);
+      if (!stepped) return fail(stepped);
+      c.slopes.push_back(slopes_of(*base, *stepped, further[k].value - c.figures[k].value));
+    }
+    const Result<fit::Calibration> tuned = fit::calibrate(c.heard, *base, arguments.match);
+    if (!tuned) return fail(tuned);
+    const auto found = fit::determine(heard_hz(c), {ascending(*base), c.slopes},
+                                      {2 * arguments.match.tolerance_cents, tuned->tuning_cents});
+    if (!found) return fail(found);
+    double largest = 0;
+    for (std::size_t k = 0; k < c.figures.size(); ++k) {
+      double& value = c.figures[k].value;
+      const double most = kMaxChange * std::abs(value), change = std::clamp(found->changes[k + 1], -most, most);
+      largest = std::max(largest, std::abs(change / value));
+      value += change;
+    }
+    if (largest < kDone) break;
+  }
+  return {};
+}
+
+// The bank at the figures that the recordings ask for, or at the files' own where they do not tell. Sets the search of
+// the tuning.
+Result<void> find_bank(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c, Search& wide) {
+  Result<modal::Bank> own = baker.bake_quickly(arguments.figures);
   if (!own) return fail(own);
   if (!own->material) return fail(ErrorKind::bad_input, "the bank of " + c.name + " has no material");
   c.material = own->material->name;
   c.poisson_ratio = c.given_poisson_ratio = own->material->poisson_ratio;
-  std::optional<double> nu;
-  if (!arguments.keep_nu && !own->material->orthotropy) {  // a grain's constants leave nothing to nu
-    auto found = search_nu(baker, arguments.match, c.heard, kMiddle, kWide);
-    if (!found) return fail(found);
-    wide = std::move(*found);
-    for (std::size_t i = 0; i < 3; ++i) wide.choices[i].bank = &wide.banks[i];
-    const auto narrow = search_nu(baker, around(arguments.match, wide.choice.tuning_cents), c.heard,
-                                  wide.choice.poisson_ratio, kNarrow);
-    if (!narrow) return fail(narrow);
-    arguments.match.around_cents = narrow->choice.tuning_cents;
-    c.nu_told = narrow->choice.told;
-    if (c.nu_told) nu = c.poisson_ratio = narrow->choice.poisson_ratio;
+  if (!arguments.figures.empty()) {
+    c.figures = arguments.figures;
+    if (const auto found = find_figures(baker, arguments, c); !found) return found;
+  } else if (!arguments.keep_nu && !own->material->orthotropy) {  // a grain's constants leave nothing to nu
+    if (const auto found = find_nu(baker, arguments, *own, c, wide); !found) return found;
   }
-  Result<modal::Bank> best = baker.bake_well(nu, *own);
+  Result<modal::Bank> best = baker.bake_well(c.figures);
   if (!best) return fail(best);
   c.bank = std::move(*best);
+  for (std::vector<double>& slopes : c.slopes) slopes.resize(c.bank.mode_count());
   return {};
+}
+
+// Gives the modes of a list without decays those of the nearest baked modes, so that the material's losses stay.
+void take_decays(cli::Comparison& c) {
+  for (fit::Mode& mode : c.heard) {
+    const auto nearest = std::ranges::min_element(
+        c.bank.frequency_hz, {}, [&](double hz) { return std::abs(std::log(hz / mode.frequency_hz)); });
+    constexpr double kMin = 1e-5;  // of the frequency: a material without loss has no logarithm
+    mode.decay_per_s = std::max(c.bank.decay_per_s[static_cast<std::size_t>(nearest - c.bank.frequency_hz.begin())],
+                                kMin * mode.frequency_hz);
+  }
 }
 
 double distance_of(const cli::ComparedSound& s) {
@@ -260,20 +322,25 @@ double distance_of(const cli::ComparedSound& s) {
 
 // The bank with the fitted modulus and loss factors.
 modal::Bank fitted_bank(const cli::Comparison& c) {
-  return fit::with_losses(modal::scaled(c.bank, {.stiffness = c.stiffness()}), c.calibration);
+  modal::Bank bank = modal::scaled(c.bank, {.stiffness = c.stiffness()});
+  return c.decays_known ? fit::with_losses(bank, c.calibration) : bank;
 }
 
 ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
+  for (const std::string& text : arguments.fitted) {
+    const auto equals = text.find('=');
+    const auto value = equals == text.npos ? std::nullopt : number_in(text.substr(equals + 1));
+    if (!value || *value == 0)
+      return complain("--fit " + text + " is not NAME=NUMBER, with a number that is not 0", ExitCode::usage);
+    arguments.figures.push_back({text.substr(0, equals), *value});
+  }
   if (arguments.output.empty()) arguments.output = arguments.folder / "compare.html";
   const Result<Inputs> inputs = find_inputs(arguments.folder, arguments.bank);
   if (!inputs) return complain(inputs);
-  Work work(inputs->sounds.size(), arguments.keep_nu);
-  Result<std::vector<cli::ComparedSound>> sounds = read_sounds(*inputs, arguments, stop, work);
-  if (!sounds) return complain(sounds);
-  cli::Comparison c{.name = inputs->shape.stem().string(), .sounds = std::move(*sounds)};
-  std::vector<std::vector<fit::Mode>> each;
-  for (const cli::ComparedSound& s : c.sounds) each.push_back(s.found.modes);
-  c.heard = fit::merge(each);
+  const double search = arguments.keep_nu ? 1 : arguments.figures.empty() ? kSearchBakes : 12;
+  cli::Work work(kSoundShare * static_cast<double>(inputs->sounds.size()) + search + cli::Baker::kWellShare);
+  cli::Comparison c{.name = inputs->shape.stem().string(), .weight_kg = arguments.weight_kg};
+  if (const auto heard = hear(*inputs, arguments, stop, work, c); !heard) return complain(heard);
   std::erase_if(c.heard, [&](const fit::Mode& mode) { return mode.frequency_hz > arguments.top_hz; });
   if (c.heard.size() < fit::kMinMatches) {
     return complain({ErrorKind::bad_input, formatted("{}: the recordings have {} modes below --top, and {} are needed",
@@ -284,7 +351,9 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   const fit::CalibrateOptions wide_match = arguments.match;
   Search wide;
   {
-    Baker baker(*inputs, arguments, folder.path(), stop, work);
+    const double top_hz = std::exp2(arguments.match.max_tuning_cents / 1200) * arguments.top_hz;
+    cli::Baker baker({inputs->shape, arguments.materials, arguments.material, top_hz, !arguments.bank.empty()},
+                     folder.path(), stop, work);
     const auto found = find_bank(baker, arguments, c, wide);
     if (!found) return complain(found);
   }
@@ -292,10 +361,14 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
     arguments.match.max_tuning_cents = arguments.match.tolerance_cents;
   }
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
+  if (!c.decays_known) take_decays(c);
   Result<fit::Calibration> calibration = fit::calibrate(c.heard, c.bank, arguments.match);
   if (!calibration)
     return complain({calibration.error().kind, arguments.folder.string() + ": " + calibration.error().message});
   c.calibration = std::move(*calibration);
+  const auto determined = fit::determine(heard_hz(c), {ascending(c.bank), c.slopes},
+                                         {arguments.match.tolerance_cents, c.calibration.tuning_cents});
+  if (determined) c.determined = *determined;
   if (wide.choices[0].bank != nullptr)
     c.chance = fit::chance_of(c.heard, wide.choices, wide_match, c.calibration.matches.size());
   for (cli::ComparedSound& s : c.sounds) {
@@ -325,6 +398,7 @@ ExitCode run_compare(int argc, char** argv) {
   CompareArguments arguments;
   add_compare_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, kCompareSections)) return *ended;
+  arguments.top_given = app.count("--top") > 0;
   for (const fs::path& path : {arguments.output, arguments.bank}) keep_stdout_for(path);
   return cli::run_cancellable([&arguments](const std::stop_token& stop) { return compare(arguments, stop); });
 }

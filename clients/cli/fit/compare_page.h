@@ -1,8 +1,10 @@
 // The page of `ringdown compare`: one HTML file with its pictures in it. [any]
 #pragma once
 
+#include "clients/cli/fit/baker.h"
 #include "clients/cli/fit/sound.h"
 #include "engine/fit/comparison.h"
+#include "engine/fit/identification.h"
 #include "engine/fit/modes.h"
 #include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank.h"
@@ -28,7 +30,12 @@ struct Comparison {
   fit::Calibration calibration;
   double poisson_ratio = 0, given_poisson_ratio = 0;
   bool nu_told = false;
-  std::optional<fit::Chance> chance;  // where nu was searched
+  std::vector<Figure> figures;                // that were fitted besides E/rho
+  std::vector<std::vector<double>> slopes;    // of each: how it moves the bank's frequencies, by rank (fit::Slopes)
+  std::optional<fit::Determined> determined;  // errors of E/rho and of these figures
+  double weight_kg = 0;                       // 0: not known
+  bool decays_known = true;                   // false: a list of frequencies alone
+  std::optional<fit::Chance> chance;          // where nu was searched
   std::vector<ComparedSound> sounds;
 
   [[nodiscard]] double stiffness() const;   // fitted E/rho over that of the material
