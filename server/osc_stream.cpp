@@ -183,16 +183,16 @@ void OscStream::Impl::turn_one_away(int listener) {
 }
 
 void OscStream::Impl::read(std::uint32_t id) {
-  using Outcome = wire::FrameDecoder::Outcome;
+  using Decoded = wire::FrameDecoder::Outcome;
   Connection& connection = connections.at(id);
   std::array<std::byte, 16384> bytes;
   const ssize_t got = ::recv(connection.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
   const bool closed = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
   bool is_osc = true;
   for (ssize_t i = 0; i < got && is_osc; ++i) {
-    const Outcome outcome = connection.decoder.push(bytes[static_cast<std::size_t>(i)]);
-    is_osc = outcome != Outcome::fault;
-    if (outcome != Outcome::packet) continue;
+    const Decoded outcome = connection.decoder.push(bytes[static_cast<std::size_t>(i)]);
+    is_osc = outcome != Decoded::fault;
+    if (outcome != Decoded::packet) continue;
     const std::vector<std::byte> packet = connection.decoder.take();
     is_osc = begins_as_osc(packet);
     if (!is_osc) break;
