@@ -9,11 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
 
-namespace ringdown::session {
+namespace ringdown::session::break_sound_test {
 namespace {
 
 constexpr double kRate_hz = 48000;
@@ -109,4 +110,4 @@ TEST(BreakSound, OnlyLinesOfPiecesAreLeft) {
 }
 
 }  // namespace
-}  // namespace ringdown::session
+}  // namespace ringdown::session::break_sound_test
