@@ -73,7 +73,8 @@ void BankFetcher::begin_transfer(KnownObjects& objects, const std::string& chose
 
 BankFetcher::Key BankFetcher::key_of(const KnownObject& object) {
   const modal::ModelChoice model = modal::split_bank_path(object.bank_path).model;
-  return {object.bank_content, model.number, model.scale};
+  // A piece without modes is sent as a file of its own.
+  return {object.bank_content, model.piece ? std::nullopt : model.number, model.scale};
 }
 
 // Ends the transfer when its bank is complete or at fault, or when the object no longer needs it.

@@ -129,7 +129,7 @@ Result<void> BreakingBodies::add(BodyId id, const Body& body) {
   return {};
 }
 
-// Nothing if stress does not break the body.
+// Returns nothing if stress does not break the body.
 std::optional<double> BreakingBodies::strength_of(const Entry& entry) const {
   if (!entry.state.knows_stress()) return {};
   if (entry.breaks.strength_pa) return entry.breaks.strength_pa;
