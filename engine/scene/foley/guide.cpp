@@ -35,6 +35,7 @@ constexpr double kTrust = 0.2;         // of the simulation of the interval befo
 constexpr double kLittleTrust = 1e-3;  // of a free fall
 constexpr double kStill_m = 1e-5;      // a body that moves less in an interval lies still
 constexpr double kAsleep_s = 0.3;      // bodies that have stayed in place for this long sleep
+constexpr double kRests = 0.05;        // a body that comes, and falls by less than this share of g h^2, is at rest
 constexpr double kFree = 0.05;         // change of velocity around a frame in free fall, as a share of g's
 constexpr double kMaxWork = 2e6;       // in body-steps, about ten seconds on one core
 constexpr double kWorkOfTouch = 25;    // of the recovery, for each touch of a pair in an interval
@@ -101,11 +102,13 @@ class Guide {
     tracks_[n].reach_m = std::max(0.5 * body.radius_m, 1e-4);
   }
 
-  [[nodiscard]] bool lies_still(std::size_t n, std::size_t k) const {
+  // The way of a body from a frame to the next one, turning included.
+  [[nodiscard]] double way_m(std::size_t n, std::size_t k) const {
     const Motion one = pose(n, k), two = pose(n, k + 1);
-    return length(two.position_m - one.position_m) < kStill_m &&
-           tracks_[n].reach_m * length(turn_between(one.rotation, two.rotation)) < kStill_m;
+    return length(two.position_m - one.position_m) +
+           tracks_[n].reach_m * length(turn_between(one.rotation, two.rotation));
   }
+  [[nodiscard]] bool lies_still(std::size_t n, std::size_t k) const { return way_m(n, k) < kStill_m; }
 
   [[nodiscard]] bool falls_freely(std::size_t n, std::size_t k) const {
     const Push push = motion(n).push(k);
@@ -127,6 +130,8 @@ class Guide {
     if (track.carried) {
       shooter.start.velocity_m_s = track.carried->velocity_m_s;
       shooter.start.spin_rad_s = track.carried->spin_rad_s;
+    } else if (comes && way_m(n, k) < kRests * gravity_m_s2_ * every_s_ * every_s_) {
+      shooter.trust = kLittleTrust;
     } else if (comes || falls_freely(n, k)) {
       shooter.start = motion(n).free_start(k, step_s_);
       shooter.trust = kLittleTrust;
