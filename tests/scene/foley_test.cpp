@@ -152,9 +152,9 @@ TEST(Foley, ImpactsOfTheDemoAreThoseOfItsSimulation) {
     EXPECT_GE(demo.alone, 12u);
     EXPECT_GE(demo.found, 0.95 * static_cast<double>(demo.alone));
     EXPECT_EQ(demo.false_ones, 0u);
-    EXPECT_LE(demo.time_ms, 2.5);
-    EXPECT_LE(demo.impulse_db, 1.5);
-    EXPECT_LE(demo.group_db, 2);
+    EXPECT_LE(demo.time_ms, 0.1);
+    EXPECT_LE(demo.impulse_db, 0.01);
+    EXPECT_LE(demo.group_db, 0.1);
   }
 }
 

@@ -17,7 +17,7 @@ namespace {
 constexpr double kFrame_s = 1.0 / 24;
 
 Shooter shooter_at(Vec3 place, Vec3 velocity, Vec3 target) {
-  return {.start = {place, {}, velocity, {}}, .target = {target, {}}, .reach_m = 0.05, .trust = 0.2};
+  return {.start = {place, {}, velocity, {}}, .target = {target, {}}, .reach_m = 0.05, .trust = 1e-3};
 }
 
 // Two balls of a radius of 5 cm on one line, whose motion is the closed form of one collision.
