@@ -106,6 +106,16 @@ void expect_one_landing(const Heard& heard, double impulse_part = 1) {
   EXPECT_NEAR(length(heard.blows[0].push), impulse_ns, 0.02 * impulse_ns);
 }
 
+TEST(FoleyInput, ARecordedSceneIsReadWithTheStepThatItWasSimulatedIn) {
+  GltfRoom room = stage();
+  add_falling_cube(room);
+  room.json["extras"]["ringdown"]["step_s"] = 0.0005;
+  const std::string bytes = room.glb();
+  const auto read = parse_gltf_scene(std::as_bytes(std::span(bytes)), "room.glb", {}, FoleyLimits{});
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->scene.step_s, 0.0005);
+}
+
 TEST(FoleyInput, EveryWayOfKeysIsHeardAlike) {
   GltfRoom linear = stage();
   add_falling_cube(linear);

@@ -3,13 +3,17 @@
 //
 //   foley_truth                             every scene at 24, 30 and 60 frames a second
 //   foley_truth [--each] SCENE [FPS ...]    one scene; with --each, every impact as well
+//   foley_truth --step S --noise M --bounce X ...   plays with another step, with poses M metres inexact, or with
+//                                           restitutions times X
 //   foley_truth --cost                      time and memory for a minute of 50 bodies at 30 frames a second
+#include "engine/scene/motion_path.h"
 #include "tests/scene/keyframes.h"
 
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <memory>
 #include <sys/resource.h>
 #include <string>
 #include <vector>
@@ -18,9 +22,29 @@ namespace {
 
 using namespace ringdown;
 
-void add_row(const std::string& name, double fps, bool each) {
+// What a file may lose of the scene that it was recorded from.
+struct Losses {
+  double step_s = 0;   // the scene's step: this one in its place; 0: none
+  double noise_m = 0;  // largest error of each coordinate of each pose
+  double bounce = 1;   // factor of each restitution
+};
+
+void lose(scene::SceneDescription& animated, const Losses& losses) {
+  if (losses.step_s > 0) animated.step_s = losses.step_s;
+  scene::Random random(1);
+  for (scene::BodyDescription& body : animated.bodies) {
+    body.surface.restitution *= losses.bounce;
+    if (!body.path || losses.noise_m == 0) continue;
+    auto path = std::make_shared<scene::MotionPath>(*body.path);
+    for (Pose& pose : path->poses) pose.position_m = pose.position_m + losses.noise_m * random.next_vec3();
+    body.path = path;
+  }
+}
+
+void add_row(const std::string& name, double fps, bool each, const Losses& losses) {
   const test::Preset preset = test::preset_scene(name);
-  const test::Played truth = test::simulate(preset.scene, preset.objects, fps);
+  test::Played truth = test::simulate(preset.scene, preset.objects, fps);
+  lose(truth.animated, losses);
   const auto begin = std::chrono::steady_clock::now();
   const auto recovered = test::play(truth.animated, preset.objects);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
@@ -76,8 +100,15 @@ int main(int count, char** arguments) {
   std::vector<std::string> scenes;
   std::vector<double> rates;
   bool each = false;
+  Losses losses;
   for (int k = 1; k < count; ++k) {
     const std::string text = arguments[k];
+    double* loss = text == "--step" ? &losses.step_s : text == "--noise" ? &losses.noise_m : nullptr;
+    if (text == "--bounce") loss = &losses.bounce;
+    if (loss && k + 1 < count) {
+      *loss = std::strtod(arguments[++k], nullptr);
+      continue;
+    }
     char* end = nullptr;
     const double rate = std::strtod(text.c_str(), &end);
     if (text == "--cost") return cost();
@@ -96,7 +127,7 @@ int main(int count, char** arguments) {
       "error | "
       "dense blows | ends of slides |\n|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& scene : scenes) {
-    for (const double rate : rates) add_row(scene, rate, each);
+    for (const double rate : rates) add_row(scene, rate, each, losses);
   }
   return 0;
 }

@@ -3,6 +3,7 @@
 #include "engine/scene/foley/shooting.h"
 #include "engine/scene/ode/simulation.h"
 #include "engine/scene/rotation.h"
+#include "engine/scene/stillness.h"
 #include "engine/scene/world.h"
 
 #include <algorithm>
@@ -27,16 +28,17 @@
 namespace ringdown::scene {
 namespace {
 
-constexpr double kMaxMiss_m = 5e-4;      // of a target
-constexpr double kMaxShift = 0.05;       // correction, as a share of the way in the interval
-constexpr double kMaxJitters = 1.5;      // further correction, in FoleyLimits::jitter_m_s
-constexpr double kTrust = 0.2;           // of the simulation of the interval before
-constexpr double kLittleTrust = 1e-3;    // of a free fall
-constexpr double kStill_m = 1e-7;        // a body that moves less in an interval lies still
-constexpr double kAsleep_s = 0.31;       // bodies that lie still for this long sleep
-constexpr double kFree = 0.05;           // change of velocity around a frame in free fall, as a share of g's
-constexpr double kMaxWork = 500'000;     // body-steps; about 10 microseconds each
-constexpr double kWorkOfTouch = 5;       // what the recovery has to do for each touch of a pair in an interval
+constexpr double kMaxMiss_m = 1e-3;    // of a target
+constexpr double kMaxShift = 0.05;     // correction, as a share of the way in the interval
+constexpr double kMaxJitters = 1.5;    // further correction, in FoleyLimits::jitter_m_s
+constexpr double kTrust = 0.2;         // of the simulation of the interval before
+constexpr double kLittleTrust = 1e-3;  // of a free fall
+constexpr double kStill_m = 1e-5;      // a body that moves less in an interval lies still
+constexpr double kAsleep_s = 0.3;      // bodies that have stayed in place for this long sleep
+constexpr double kRests = 0.05;        // a body that comes, and falls by less than this share of g h^2, is at rest
+constexpr double kFree = 0.05;         // change of velocity around a frame in free fall, as a share of g's
+constexpr double kMaxWork = 2e6;       // in body-steps, about ten seconds on one core
+constexpr double kWorkOfTouch = 25;    // of the recovery, for each touch of a pair in an interval
 
 class Guide {
  public:
@@ -72,16 +74,16 @@ class Guide {
     std::erase_if(recovery_.blows, [&](const RecoveredBlow& blow) {
       return is_known(static_cast<std::size_t>(blow.time_s / every_s_), index_.at(blow.first), index_.at(blow.second));
     });
-    std::erase_if(recovery_.touches, [&](const RecoveredTouch& touch) {
-      return is_known(touch.interval, touch.first, touch.second);
-    });
+    std::erase_if(recovery_.touches,
+                  [&](const RecoveredTouch& touch) { return is_known(touch.interval, touch.first, touch.second); });
   }
 
  private:
   struct Track {
     bool present = false;           // in the simulation
     std::optional<Motion> carried;  // the end of the last interval, if that was accepted
-    double still_s = 0;             // for how long the body has not moved before the interval
+    Stillness stillness;            // of the poses in the frames so far
+    bool rested = false;            // the body has not moved in the interval before
     double reach_m = 0;
   };
 
@@ -100,11 +102,13 @@ class Guide {
     tracks_[n].reach_m = std::max(0.5 * body.radius_m, 1e-4);
   }
 
-  [[nodiscard]] bool lies_still(std::size_t n, std::size_t k) const {
+  // The way of a body from a frame to the next one, turning included.
+  [[nodiscard]] double way_m(std::size_t n, std::size_t k) const {
     const Motion one = pose(n, k), two = pose(n, k + 1);
-    return length(two.position_m - one.position_m) < kStill_m &&
-           tracks_[n].reach_m * length(turn_between(one.rotation, two.rotation)) < kStill_m;
+    return length(two.position_m - one.position_m) +
+           tracks_[n].reach_m * length(turn_between(one.rotation, two.rotation));
   }
+  [[nodiscard]] bool lies_still(std::size_t n, std::size_t k) const { return way_m(n, k) < kStill_m; }
 
   [[nodiscard]] bool falls_freely(std::size_t n, std::size_t k) const {
     const Push push = motion(n).push(k);
@@ -120,12 +124,14 @@ class Guide {
                     .target = {next.position_m, next.rotation},
                     .reach_m = track.reach_m,
                     .trust = kTrust,
-                    .asleep = track.still_s > kAsleep_s,
-                    .rested = track.still_s > 0};
+                    .asleep = track.rested && track.stillness.still_s() > kAsleep_s,
+                    .rested = track.rested};
     if (shooter.rested) return shooter;
     if (track.carried) {
       shooter.start.velocity_m_s = track.carried->velocity_m_s;
       shooter.start.spin_rad_s = track.carried->spin_rad_s;
+    } else if (comes && way_m(n, k) < kRests * gravity_m_s2_ * every_s_ * every_s_) {
+      shooter.trust = kLittleTrust;
     } else if (comes || falls_freely(n, k)) {
       shooter.start = motion(n).free_start(k, step_s_);
       shooter.trust = kLittleTrust;
@@ -195,7 +201,6 @@ class Guide {
 
   static GuidedStep copy_of(std::span<const ContactPoint> points, double time_s) {
     GuidedStep step{.time_s = time_s, .points = {points.begin(), points.end()}};
-    std::vector<std::size_t> motions;
     const MotionPair* last = nullptr;
     step.motions = std::make_shared<std::deque<MotionPair>>();
     for (ContactPoint& point : step.points) {
@@ -215,12 +220,13 @@ class Guide {
       Track& track = tracks_[n];
       if (!motion(n).has_interval(k)) {
         track.carried.reset();
-        track.still_s = 0;
+        track.stillness.reset();
         if (!track.present) continue;
       }
       const bool comes = !track.present;
       if (comes) put(n, pose(n, k));
-      track.still_s = k > 0 && !comes && lies_still(n, k - 1) ? track.still_s + every_s_ : 0;
+      track.rested = !comes && lies_still(n, k - 1);
+      track.stillness.step({pose(n, k).position_m, pose(n, k).rotation}, recovery_.bodies[n].radius_m, every_s_);
       any_moves = any_moves || !lies_still(n, k);
       place_[n] = present_.size();
       present_.push_back(n);
@@ -235,7 +241,8 @@ class Guide {
   }
 
   [[nodiscard]] bool is_accepted(const Shooter& shooter) const {
-    const double way_m = every_s_ * (length(shooter.start.velocity_m_s) + shooter.reach_m * length(shooter.start.spin_rad_s));
+    const double way_m =
+        every_s_ * (length(shooter.start.velocity_m_s) + shooter.reach_m * length(shooter.start.spin_rad_s));
     return shooter.tracked && shooter.miss_m < kMaxMiss_m &&
            shooter.shift_m < kMaxShift * way_m + kMaxJitters * jitter_m_s_ * every_s_;
   }

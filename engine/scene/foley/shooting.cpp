@@ -16,11 +16,12 @@
 namespace ringdown::scene {
 namespace {
 
-constexpr double kMet_m = 5e-6;           // an island is done that misses by less
-constexpr double kNear_m = 5e-5;          // an island that misses by less is improved once, and not scattered
-constexpr double kProbe_m = 1e-6;         // shift that tells a slope
-constexpr int kRounds = 4, kSteps = 3;    // of slopes; of steps with the same slopes
-constexpr int kScattered = 8;             // shots of scatter()
+constexpr double kMet_m = 5e-6;                         // an island is done that misses by less
+constexpr double kNear_m = 5e-5;                        // an island that misses by less is not scattered
+constexpr double kProbe_m = 1e-6;                       // shift that tells a slope
+constexpr int kRounds = 4, kSteps = 3;                  // of slopes; of steps with the same slopes
+constexpr double kBetter = 0.7;                         // share of the cost after a step that is worth another round
+constexpr int kScattered = 8, kScatters = 2;            // shots of scatter(); how often it is called
 constexpr double kScatter_from = -6, kScatter_to = -3;  // powers of ten of its shifts [m]
 constexpr double kFirstDamping = 1e-3, kMinDamping = 1e-9, kMaxDamping = 1e6;
 constexpr std::size_t kSmall = 4;  // bodies of an island in which each start may move every body
@@ -150,19 +151,20 @@ void Shooting::group() {
 }
 
 // Tries other starts for all open islands at once, and keeps those of the islands that become better. Returns whether
-// any does.
+// one becomes much better.
 bool Shooting::attempt(const Aim& tried) {
   const Shot shot = fire_(starts_of(tried));
   std::vector<Six> misses;
   for (std::size_t n = 0; n < bodies_.size(); ++n) misses.push_back(miss_of(n, shot.ends[n]));
-  bool better = false;
+  bool better = false, any = false;
   for (Island& island : islands_) {
     if (!island.open) continue;
     if (!(cost_of(island, misses, tried) < island.cost)) {
       island.damping = std::min(10 * island.damping, kMaxDamping);
       continue;
     }
-    better = true;
+    better = better || cost_of(island, misses, tried) < kBetter * island.cost;
+    any = true;
     for (const std::size_t n : island.members) {
       aim_.shifts[n] = tried.shifts[n];
       aim_.asleep[n] = tried.asleep[n];
@@ -171,13 +173,13 @@ bool Shooting::attempt(const Aim& tried) {
     measure(island);
     island.damping = std::max(0.2 * island.damping, kMinDamping);
   }
-  if (!better) return false;
+  if (!any) return false;
   for (const auto& pair : shot.pairs) {
     if (std::ranges::find(pairs_, pair) != pairs_.end()) continue;
     pairs_.push_back(pair);
     regroup_ = true;
   }
-  return true;
+  return better;
 }
 
 // A body that lies still may sleep, and then lies heavier when it is struck.
@@ -240,7 +242,8 @@ void Shooting::step_down(const Island& island, Aim& tried) const {
     for (std::size_t k = 0; k < size; ++k) {
       const double slope = slopes[k * size + row];
       if (slope == 0) continue;
-      for (std::size_t column = 0; column < size; ++column) normal[row * size + column] += slope * slopes[k * size + column];
+      for (std::size_t column = 0; column < size; ++column)
+        normal[row * size + column] += slope * slopes[k * size + column];
       step[row] -= slope * misses_[island.members[k / 6]][k % 6];
     }
     const double weight = bodies_[n].trust * bodies_[n].trust;
@@ -286,12 +289,15 @@ void Shooting::aim() {
   pairs_ = first.pairs;
   group();
   if (any_open()) try_sleep();
+  int scattered = 0;
   for (int round = 0; round < kRounds && any_open(); ++round) {
     if (regroup_) group();
-    if (round > 0 && worst_m() < kNear_m) break;
     const bool better = descend();
     if (regroup_) group();
-    if (!better && round + 1 < kRounds && worst_m() > kNear_m) scatter();
+    if (better || !any_open()) continue;
+    if (worst_m() < kNear_m || scattered == kScatters) break;
+    scatter();
+    ++scattered;
   }
   if (regroup_) group();
   std::vector<Shooter> aimed = starts_of(aim_);

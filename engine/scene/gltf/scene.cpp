@@ -473,6 +473,10 @@ Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::
     if (!document) return fail(document);
     auto read = GltfSceneReader(*document, path, read_beside, foley, camera).read();
     const JsonPlace own = glb->root()["extras"]["ringdown"];
+    if (read && foley) {
+      const auto step_s = own["step_s"].number_or(read->scene.step_s);
+      if (step_s && range::kStep_s.holds(*step_s)) read->scene.step_s = *step_s;
+    }
     if (!read || !own["scene"].present() || foley) return read;
     if (own["fingerprint"].text_or("") != fingerprint(read->scene)) {
       read->notes.push_back(

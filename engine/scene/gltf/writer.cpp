@@ -42,7 +42,11 @@ class GlbScene {
     for (const JointDescription& joint : scene_.joints) add(joint);
     if (scene_.camera) add(*scene_.camera);
     Json document = finished();
-    if (!keyframes_.finished().empty()) return std::move(writer_).finish(std::move(document));
+    if (!keyframes_.finished().empty()) {
+      // In these steps the contacts between the frames can be simulated as they were.
+      document["extras"]["ringdown"]["step_s"] = scene_.step_s;
+      return std::move(writer_).finish(std::move(document));
+    }
     const auto seen = parse_gltf_scene(modal::GlbWriter(writer_).finish(document), "scene.glb", {});
     if (!seen) return fail(seen);
     SceneDescription own = scene_;
