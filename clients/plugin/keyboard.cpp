@@ -15,7 +15,11 @@ namespace midi = session::midi;
 
 constexpr double kMaxContact_s = 0.1, kMaxImpulse_ns = 1e4;  // what libringdown takes
 constexpr double kHardnessOctaves = 3;                       // a full controller 74 makes blows 8 times as short
-constexpr double kMasterBend_semitones = 2;                  // of MPE's channel 1
+constexpr double kMasterBend_semitones = 2;                  // of MPE's master channels
+constexpr double kMemberBend_semitones = 48;                 // of the others, once a zone has been configured
+constexpr std::size_t kLowerMaster = 0, kUpperMaster = midi::kChannels - 1;
+constexpr std::uint8_t kDataEntry = 6, kNrpnLow = 98, kNrpnHigh = 99, kRpnLow = 100, kRpnHigh = 101;
+constexpr std::uint8_t kBendRange = 0, kMpeConfiguration = 6;  // registered parameters
 constexpr int kBendCentre = 8192;
 
 // Time that a released key takes to be damped; nothing: it continues to ring.
@@ -30,6 +34,7 @@ std::optional<double> release_s(const Keyboard::Playing& playing) REALTIME {
 void Keyboard::reset() REALTIME {
   keys_ = {};
   channels_ = {};
+  members_ = {};
   key_tuning_ = {};
   for (std::size_t key = 0; key < kKeys; ++key) {
     bend_semitones_[key].store(0, std::memory_order_relaxed);
@@ -140,12 +145,20 @@ void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t va
     if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(playing.map.damp_s, playing);
   } else if (number == midi::kBrightness) {
     channels_[channel].hardness = std::clamp((value - 64) / 63.0, -1.0, 1.0);
+  } else if (number == kRpnHigh) {
+    channels_[channel].parameter_high = value;
+  } else if (number == kRpnLow) {
+    channels_[channel].parameter_low = value;
+  } else if (number == kNrpnHigh || number == kNrpnLow) {
+    channels_[channel].parameter_high = channels_[channel].parameter_low = kNull;
+  } else if (number == kDataEntry) {
+    enter_data(channel, value, playing);
   } else if (number == midi::kAllSoundOff) {
     damp_all(0, playing);
   } else if (number == midi::kResetControllers || midi::ends_notes(number)) {
-    // Channel 1 of MPE speaks for all channels.
-    const bool all = channel == 0 && playing.parameters.on(Parameter::mpe);
-    for (std::size_t one = all ? 0 : channel; one <= (all ? midi::kChannels - 1 : channel); ++one) {
+    // A master channel of MPE speaks for its zone.
+    for (std::size_t one = 0; one < midi::kChannels; ++one) {
+      if (one != channel && master_of(one, playing) != channel) continue;
       if (number == midi::kResetControllers) {
         reset_controllers(one, playing);
       } else {
@@ -153,6 +166,49 @@ void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t va
       }
     }
   }
+}
+
+// Sets a registered parameter. A configuration message belongs to a master channel and states how many channels its
+// zone has; a range that one of them states counts for all of them.
+void Keyboard::enter_data(std::size_t channel, std::uint8_t value, const Playing& playing) REALTIME {
+  if (channels_[channel].parameter_high != 0) return;
+  const std::uint8_t parameter = channels_[channel].parameter_low;
+  if (parameter == kBendRange) {
+    const std::size_t master = master_of(channel, playing);
+    for (std::size_t one = 0; one < midi::kChannels; ++one) {
+      const bool is_sister = master != kNone && one != master && master_of(one, playing) == master;
+      if (one == channel || is_sister) channels_[one].range_semitones = value;
+    }
+  } else if (parameter == kMpeConfiguration && (channel == kLowerMaster || channel == kUpperMaster)) {
+    constexpr std::size_t kMaxMembers = midi::kChannels - 1;
+    std::size_t& own = members_[channel == kLowerMaster ? 0 : 1];
+    std::size_t& other = members_[channel == kLowerMaster ? 1 : 0];
+    own = std::min<std::size_t>(value, kMaxMembers);
+    if (own + other + 1 >= kMaxMembers) other = own + 1 >= kMaxMembers ? 0 : kMaxMembers - 1 - own;
+    for (Channel& one : channels_) one.range_semitones = -1;
+  }
+}
+
+// Returns the master channel of the zone to which a channel belongs; kNone for one that plays by itself, and for
+// masters. The parameter MPE is a lower zone of all channels.
+std::size_t Keyboard::master_of(std::size_t channel, const Playing& playing) const REALTIME {
+  const bool all = playing.parameters.on(Parameter::mpe);
+  const std::size_t lower = all ? midi::kChannels - 1 : members_[0], upper = all ? 0 : members_[1];
+  if (channel != kLowerMaster && channel <= lower) return kLowerMaster;
+  if (channel != kUpperMaster && channel + upper >= kUpperMaster) return kUpperMaster;
+  return kNone;
+}
+
+bool Keyboard::is_master(std::size_t channel, const Playing& playing) const REALTIME {
+  const bool all = playing.parameters.on(Parameter::mpe);
+  return (channel == kLowerMaster && (all || members_[0] > 0)) || (channel == kUpperMaster && !all && members_[1] > 0);
+}
+
+double Keyboard::range_semitones(std::size_t channel, const Playing& playing) const REALTIME {
+  if (channels_[channel].range_semitones >= 0) return channels_[channel].range_semitones;
+  const bool is_member = master_of(channel, playing) != kNone;
+  const bool is_configured = is_member && !playing.parameters.on(Parameter::mpe);
+  return is_configured ? kMemberBend_semitones : playing.parameters[Parameter::bend_range];
 }
 
 // Resets what RP-015 of the MIDI Association lists, which leaves controller 74 as it is.
@@ -164,30 +220,30 @@ void Keyboard::reset_controllers(std::size_t channel, const Playing& playing) RE
 
 void Keyboard::bend(std::size_t channel, double bend, const Playing& playing) REALTIME {
   channels_[channel].bend = bend;
-  const bool mpe = playing.parameters.on(Parameter::mpe);
   for (std::size_t key = 0; key < kKeys; ++key) {
+    const std::size_t master = master_of(channel_of_[key], playing);
     // A channel of MPE may have gone on to another key; what the first one left ringing keeps its pitch.
-    const bool follows = !mpe || keys_.is_held(key);
-    if (follows && ((mpe && channel == 0) || channel_of_[key] == channel)) bend_key(key, playing);
+    const bool follows = (master == kNone && !is_master(channel, playing)) || keys_.is_held(key);
+    if (follows && (master == channel || channel_of_[key] == channel)) bend_key(key, playing);
   }
 }
 
 void Keyboard::bend_key(std::size_t key, const Playing& playing) REALTIME {
   const std::size_t channel = channel_of_[key];
-  const bool mpe = playing.parameters.on(Parameter::mpe);
-  double semitones = 0;
-  if (!mpe || channel != 0) semitones = channels_[channel].bend * playing.parameters[Parameter::bend_range];
-  if (mpe) semitones += channels_[0].bend * kMasterBend_semitones;
-  semitones += key_tuning_[key];
+  const std::size_t master = is_master(channel, playing) ? channel : master_of(channel, playing);
+  double semitones = key_tuning_[key];
+  if (master != channel) semitones += channels_[channel].bend * range_semitones(channel, playing);
+  if (master != kNone) {
+    const double stated = channels_[master].range_semitones;
+    semitones += channels_[master].bend * (stated >= 0 ? stated : kMasterBend_semitones);
+  }
   bend_semitones_[key].store(semitones, std::memory_order_relaxed);
 }
 
 void Keyboard::press_harder(std::size_t channel, double pressure, const Playing& playing) REALTIME {
-  const bool all = playing.parameters.on(Parameter::mpe) && channel == 0;
   for (std::size_t key = 0; key < kKeys; ++key) {
-    if (keys_.is_down(key) && (all || channel_of_[key] == channel)) {
-      pressure_[key].store(pressure, std::memory_order_relaxed);
-    }
+    const bool follows = channel_of_[key] == channel || master_of(channel_of_[key], playing) == channel;
+    if (keys_.is_down(key) && follows) pressure_[key].store(pressure, std::memory_order_relaxed);
   }
 }
 

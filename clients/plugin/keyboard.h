@@ -56,14 +56,22 @@ class Keyboard {
 
  private:
   static constexpr std::size_t kMaxEvents = 3900;
+  static constexpr std::size_t kNone = ~std::size_t{0};
+  static constexpr std::uint8_t kNull = 127;  // half of the number of no registered parameter
   struct Channel {
-    double bend = 0;      // -1 ... 1
-    double hardness = 0;  // from controller 74, -1 ... 1
+    double bend = 0;              // -1 ... 1
+    double hardness = 0;          // from controller 74, -1 ... 1
+    double range_semitones = -1;  // of a full bend, by the registered parameter 0; below 0: not stated
+    std::uint8_t parameter_high = kNull, parameter_low = kNull;  // the registered parameter that data entry sets
   };
   void press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Playing& playing) REALTIME;
   void tune_key(std::span<const std::uint8_t> message, const Playing& playing) REALTIME;
   void release(std::size_t key, std::size_t channel, const Playing& playing) REALTIME;
   void control(std::size_t channel, std::uint8_t number, std::uint8_t value, const Playing& playing) REALTIME;
+  void enter_data(std::size_t channel, std::uint8_t value, const Playing& playing) REALTIME;
+  [[nodiscard]] std::size_t master_of(std::size_t channel, const Playing& playing) const REALTIME;
+  [[nodiscard]] bool is_master(std::size_t channel, const Playing& playing) const REALTIME;
+  [[nodiscard]] double range_semitones(std::size_t channel, const Playing& playing) const REALTIME;
   void reset_controllers(std::size_t channel, const Playing& playing) REALTIME;
   void bend(std::size_t channel, double bend, const Playing& playing) REALTIME;
   void bend_key(std::size_t key, const Playing& playing) REALTIME;
@@ -84,7 +92,8 @@ class Keyboard {
 
   std::size_t events_left_ = kMaxEvents;
   session::HeldKeys keys_;
-  int tuning_high_ = 64;                    // first half of a single key's tuning that is arriving
+  std::array<std::size_t, 2> members_{};  // channels of MPE's lower and upper zone, as its configuration message states
+  int tuning_high_ = 64;                  // first half of a single key's tuning that is arriving
   std::array<double, kKeys> key_tuning_{};  // [semitones] bends of single keys
   std::array<Channel, session::midi::kChannels> channels_;
   std::array<std::uint8_t, kKeys> channel_of_{};  // channel that last played the key

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace ringdown::plugin {
 namespace {
@@ -117,6 +118,52 @@ TEST_F(InstrumentTest, WithMpeTheFirstChannelBendsAllKeysByTwoSemitones) {
   settle();
   hear(480);
   EXPECT_NEAR(pitch_hz() / (440 * std::exp2(2 / 12.0)), 1, 1e-4);
+}
+
+// Sets a registered parameter of a channel.
+void set_registered(const std::function<void(std::uint8_t, std::uint8_t)>& control, std::uint8_t number,
+                    std::uint8_t value) {
+  control(101, 0);
+  control(100, number);
+  control(6, value);
+}
+
+TEST_F(InstrumentTest, MpesConfigurationMessageMakesZones) {
+  const auto on = [&](std::uint8_t channel) {
+    return [this, channel](std::uint8_t number, std::uint8_t value) {
+      play(static_cast<std::uint8_t>(kControl | channel), number, value);
+    };
+  };
+  // What the key of channel 3 has become, in semitones.
+  const auto bent = [&] {
+    hear(480);
+    settle();
+    play(kOn | 2, 69, 100);
+    hear(480);
+    return 12 * std::log2(pitch_hz() / 440);
+  };
+  set_registered(on(0), 6, 7);   // channels 2 to 8
+  set_registered(on(15), 6, 3);  // channels 13 to 15
+  play(kOn | 2, 69, 100);
+  play(kBend | 2, 0, 80);  // a quarter
+  EXPECT_NEAR(bent(), 12, 0.02) << "of 48 semitones";
+  play(kBend | 15, 127, 127);
+  EXPECT_NEAR(bent(), 12, 0.02) << "the master of the other zone";
+  play(kBend, 127, 127);
+  EXPECT_NEAR(bent(), 14, 0.02) << "two semitones by the master";
+  set_registered(on(3), 0, 24);  // states it for the zone
+  play(kBend, 0, 64);
+  EXPECT_NEAR(bent(), 6, 0.02) << "a quarter of 24 semitones";
+  set_registered(on(0), 6, 0);  // ends the zone
+  play(kBend | 2, 127, 127);
+  EXPECT_NEAR(bent(), 2, 0.02) << "the parameter Bend range";
+  play(kBend, 127, 127);
+  EXPECT_NEAR(bent(), 2, 0.02) << "another channel";
+  play(kControl | 2, 100, 0);  // either half of the number may come first
+  play(kControl | 2, 101, 0);
+  play(kControl | 2, 6, 7);
+  play(kBend | 2, 127, 127);
+  EXPECT_NEAR(bent(), 7, 0.02);
 }
 
 TEST_F(InstrumentTest, ASingleKeyIsTunedByTheClapEntrysMessages) {
