@@ -223,13 +223,13 @@ Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, const modal
   constexpr double kMin = 0.05, kMax = 0.43, kAside = 0.04;
   constexpr int kRounds = 2;
   const double middle = std::clamp(c.given_poisson_ratio, kMin + kAside, kMax - kAside);
-  const auto found = search_nu(baker, arguments.match, c.heard, {kMin, middle, kMax}, &own, wide);
+  auto found = search_nu(baker, arguments.match, c.heard, {kMin, middle, kMax}, &own, wide);
   if (!found) return found;
   fit::NuChoice choice = wide.choice;
   for (int round = 0; round < kRounds; ++round) {
     const double best = std::clamp(choice.poisson_ratio, kMin, kMax);
     Search narrow;
-    const auto refined = search_nu(baker, around(arguments.match, choice.tuning_cents), c.heard,
+    auto refined = search_nu(baker, around(arguments.match, choice.tuning_cents), c.heard,
                                    {best - kAside, best, best + kAside}, &own, narrow);
     if (!refined) return refined;
     choice = narrow.choice;
