@@ -13,6 +13,7 @@
 
 #include "engine/base/result.h"
 
+#include <cstddef>
 #include <span>
 #include <vector>
 

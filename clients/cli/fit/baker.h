@@ -48,8 +48,7 @@ class Baker {
   // The banks are written into `folder`. The work outlives the baker.
   Baker(BakeRequest request, std::filesystem::path folder, std::stop_token stop, Work& work);
 
-  // A search needs frequencies alone, whose errors are much alike in all of its bakes: elements of order 2, and no
-  // heat.
+  // A search needs frequencies alone: elements of order 2, less the errors that the bank states of them, and no heat.
   Result<modal::Bank> bake_quickly(const std::vector<Figure>& figures);
   // As exact as any bank, and with heat.
   Result<modal::Bank> bake_well(const std::vector<Figure>& figures);

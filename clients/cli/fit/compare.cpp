@@ -124,6 +124,8 @@ constexpr double kSearchBakes = 6, kSoundShare = 1;  // quick bakes of a search;
 
 Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments,
                                                     const std::stop_token& stop, cli::Work& work) {
+  fit::Options options = arguments.options;
+  options.high_hz = std::min(options.high_hz, std::exp2(arguments.match.max_tuning_cents / 1200) * arguments.top_hz);
   std::vector<cli::ComparedSound> sounds;
   for (const fs::path& path : inputs.sounds) {
     if (stop.stop_requested()) return fail(ErrorKind::cancelled, "cancelled; nothing was written");
@@ -131,7 +133,7 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
     Result<cli::Sound> sound = cli::read_sound(path, std::nullopt);
     if (!sound) return fail(sound);
     if (!sound->note.empty()) complain("warning: " + path.string() + ": " + sound->note, ExitCode::ok);
-    Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
+    Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, options);
     if (!found) return fail(path.string(), found);
     if (found->modes.empty()) {
       std::fprintf(stderr, "ringdown-compare: %s has no mode above its noise and is left out\n", path.c_str());
@@ -221,13 +223,13 @@ Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, const modal
   constexpr double kMin = 0.05, kMax = 0.43, kAside = 0.04;
   constexpr int kRounds = 2;
   const double middle = std::clamp(c.given_poisson_ratio, kMin + kAside, kMax - kAside);
-  const auto found = search_nu(baker, arguments.match, c.heard, {kMin, middle, kMax}, &own, wide);
+  auto found = search_nu(baker, arguments.match, c.heard, {kMin, middle, kMax}, &own, wide);
   if (!found) return found;
   fit::NuChoice choice = wide.choice;
   for (int round = 0; round < kRounds; ++round) {
     const double best = std::clamp(choice.poisson_ratio, kMin, kMax);
     Search narrow;
-    const auto refined = search_nu(baker, around(arguments.match, choice.tuning_cents), c.heard,
+    auto refined = search_nu(baker, around(arguments.match, choice.tuning_cents), c.heard,
                                    {best - kAside, best, best + kAside}, &own, narrow);
     if (!refined) return refined;
     choice = narrow.choice;

@@ -13,8 +13,8 @@ namespace {
 constexpr double kFelt = 1e-6;  // amplitudes 120 dB below what is heard may still be felt
 
 bool is_sane(const verb::Pickup& how) REALTIME {
-  return how.number >= 1 && how.number <= kMaxPickups && is_finite(how.point_m) && is_finite(how.direction) &&
-         std::isfinite(how.gain);
+  return how.number >= 1 && how.number <= kMaxPickups && how.motion <= 2 && is_finite(how.point_m) &&
+         is_finite(how.direction) && std::isfinite(how.gain);
 }
 
 }  // namespace

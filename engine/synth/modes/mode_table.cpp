@@ -243,7 +243,7 @@ double ModeTable::find_motion(const verb::Pickup& pickup, std::span<double> scra
       gain = {gain.real() * s.real() - gain.imag() * s.imag(), gain.real() * s.imag() + gain.imag() * s.real()};
     re[c] = static_cast<float>(gain.real());
     im[c] = static_cast<float>(gain.imag());
-    largest = std::max(largest, std::abs(gain));
+    largest = std::max(largest, std::sqrt(std::norm(gain)));
   }
   return largest;
 }
