@@ -63,7 +63,7 @@ Result<void> plan_filling(const Filling& filling, const WetUnits& units, WetPlan
 // modes, and R further motions.
 struct WetLevels {
   Eigen::VectorXd level, volume;  // L
-  Eigen::MatrixXd further;        // 3S x R, at the skin's nodes
+  Eigen::MatrixXd further;        // 3S x R, at the skin's nodes; 0 of the last ones, too weak to be heard
   Eigen::MatrixXd stiffness, mass;
   Eigen::MatrixXd following;
   std::vector<Eigen::MatrixXd> added, bond, liquid_mass;

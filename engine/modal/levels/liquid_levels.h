@@ -24,13 +24,13 @@ struct LiquidLevels {
   std::vector<double> level_m;    // L, ascending: from the bottom of the basin, where it is empty, up to its rim
   std::vector<double> volume_m3;  // L
   std::size_t rigid = 0, further = 0, liquid = 0;  // F, R, J
-  std::vector<float> shapes;                       // R x P x 3 [kg^-1/2]
-  std::vector<float> stiffness, mass;              // packed N: K [1/s^2] and M_d of the body alone
-  std::vector<float> following;                    // N x J: V
-  std::vector<float> added;                        // L x packed N: M_a
-  std::vector<float> bond;                         // L x N x J: E [s^2]
-  std::vector<float> liquid_mass;                  // L x packed J: G [s^4]
-  std::vector<float> drag;  // L x M: the boundary layer takes drag sqrt(omega) of each mode [s^-1/2]
+  std::vector<float> shapes;           // Q x P x 3 [kg^-1/2], of the first Q further ones; others count as 0
+  std::vector<float> stiffness, mass;  // packed N: K [1/s^2] and M_d of the body alone
+  std::vector<float> following;        // N x J: V
+  std::vector<float> added;            // L x packed N: M_a
+  std::vector<float> bond;             // L x N x J: E [s^2]
+  std::vector<float> liquid_mass;      // L x packed J: G [s^4]
+  std::vector<float> drag;             // L x M: the boundary layer takes drag sqrt(omega) of each mode [s^-1/2]
 
   [[nodiscard]] std::size_t levels() const { return level_m.size(); }
   [[nodiscard]] std::size_t columns(std::size_t modes) const { return rigid + modes + further; }
