@@ -75,6 +75,11 @@ struct SetMaterial {  // /object/{object}/material
   ObjectRef object;
   modal::MaterialScale scale;
 };
+// Lets the liquid in the object stand at another level.
+struct SetFill {  // /object/{object}/fill
+  ObjectRef object;
+  double level_m = 0;  // along the liquid's `up`, in the frame of the object in its size
+};
 // Lays a damper on the object, or takes it away.
 struct Hold {  // /object/{object}/hold
   ObjectRef object;
@@ -235,7 +240,7 @@ using VerbRequests = decltype(detail::requests_of(synth::PublicVerbs()));
 
 using Requests =
     Joined<VerbRequests,
-           Types<StrikeMany, PoseMany, ClearAll, SetMaterial, Hold, SetGroup, SetMute, SetSolo, SelectModes,
+           Types<StrikeMany, PoseMany, ClearAll, SetMaterial, SetFill, Hold, SetGroup, SetMute, SetSolo, SelectModes,
                  WatchObject, DescribeObject, ReadBank, Excite, ArmObject, BreakObject, MendObject, SetStrength,
                  DescribePieces, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear,
                  ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart,

@@ -141,6 +141,17 @@ Row row(SetMaterial& s) {
        optional(number(&s.scale.air, "air", kDampingScale, "The factor on the loss to the air."))});
 }
 
+Row row(SetFill& s) {
+  return answered(
+      s = {kBell, 0.08}, "/object/{object}/fill",
+      "Lets the liquid in the object stand at another level, and retunes what rings. The bank must know its levels "
+      "(bake "
+      "it with [fill] and levels = 16). For a glide, send steps of about 1 mm.",
+      {object(&s.object), number(&s.level_m, "level", kPosition,
+                                 "The height of the surface in the object's frame, from the bottom, where it is empty, "
+                                 "to the rim.")});
+}
+
 Row row(Hold& s) {
   return answered(
       s = {kBell, {{0.05, 0, 0.02}, {}, 20}}, "/object/{object}/hold",

@@ -173,6 +173,13 @@ ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object, co
   });
 }
 
+ringdown_result ringdown_fill(ringdown_mixer* mixer, int64_t frame, uint32_t object, double level_m,
+                              ringdown_error* error) {
+  protocol::SetFill request{numbered(object), level_m};
+  return change(mixer, request, error,
+                [&](session::Rack& rack) { return rack.set_level(request.object, request.level_m, frame); });
+}
+
 ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t number,
                               const double point_m[3], const double direction[3], double damping_ns_m,
                               ringdown_error* error) {

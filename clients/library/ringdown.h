@@ -127,6 +127,7 @@ typedef struct ringdown_bank_info {
   int has_residual;  /* 1: ringdown_bank_read_residual() has read one */
   double inertia_kg_m2[3]; /* principal moments about the centre of mass */
   double axes_wxyz[4];     /* turns the principal axes into the object's frame */
+  double level_m[2];       /* the bottom and the rim, between which ringdown_fill() may set the level; 0 0: it may not */
 } ringdown_bank_info;
 
 /* Fills as many members as info->size has room for. Set info->size before. */
@@ -275,6 +276,12 @@ typedef struct ringdown_material {
 RINGDOWN_API void ringdown_material_init(ringdown_material* material, size_t size_of_struct); /* [any] */
 RINGDOWN_API ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object,
                                                    const ringdown_material* material, ringdown_error* error);
+
+/* Lets the liquid in the object stand at `level_m` in the object's frame and size, from frame `frame` on; what rings is
+ * retuned. The bank must know its levels (ringdown bake with [fill] and levels = 16). From the bottom, where it is
+ * empty, to the rim. For a glide, send steps of about 1 mm. */
+RINGDOWN_API ringdown_result ringdown_fill(ringdown_mixer* mixer, int64_t frame, uint32_t object, double level_m,
+                                           ringdown_error* error);
 
 /* Lays a hand or a table on the object: damper `number` < RINGDOWN_MAX_DAMPERS at the point of the surface nearest to
  * point_m resists motion along `direction` (0 0 0: any motion) with damping_ns_m newtons per m/s, 0 ... 1e6, from frame

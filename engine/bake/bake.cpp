@@ -6,6 +6,7 @@
 #include "engine/bake/body_shape.h"
 #include "engine/bake/fitted_makeup.h"
 #include "engine/bake/heard_modes.h"
+#include "engine/bake/liquid/level_matrices.h"
 #include "engine/bake/sample_points.h"
 #include "engine/bake/solve_body.h"
 #include "engine/base/range.h"
@@ -90,12 +91,17 @@ Reduced audition(modal::Bank& bank, const Task& task, modal::Bank heard_bank, in
 
 // Free of units, for the modes in their order. They are chosen for the modes by frequency, so that another order of the
 // same modes has the same points.
+// Further columns have shapes of their own after those of the modes.
 Result<SamplePoints> find_points(const Task& task, const std::vector<HeardMode>& kept, const BodyModes& modes,
-                                 const Progress& progress) {
+                                 const Eigen::MatrixXd& further, const Progress& progress) {
   std::vector<HeardMode> sorted = kept;
   std::sort(sorted.begin(), sorted.end(), [](const HeardMode& a, const HeardMode& b) { return a.number < b.number; });
+  Eigen::MatrixXd shapes = shapes_of(sorted, modes);
+  const Eigen::Index own = shapes.cols();
+  shapes.conservativeResize(Eigen::NoChange, own + further.cols());
+  shapes.rightCols(further.cols()) = further;
   Result<SamplePoints> points =
-      choose_points(task.unit_mesh, task.surface, shapes_of(sorted, modes),
+      choose_points(task.unit_mesh, task.surface, shapes,
                     {.shape_error = task.options.shape_error, .points = task.options.points}, progress);
   if (!points) return points;
   std::vector<Eigen::Index> order;
@@ -104,7 +110,9 @@ Result<SamplePoints> find_points(const Task& task, const std::vector<HeardMode>&
                                      [](const HeardMode& a, Eigen::Index number) { return a.number < number; }) -
                     sorted.begin());
   }
+  for (Eigen::Index k = 0; k < further.cols(); ++k) order.push_back(own + k);
   points->shapes = Eigen::MatrixXd(points->shapes(Eigen::all, order));
+  order.resize(kept.size());
   points->errors = Eigen::VectorXd(points->errors(order));
   return points;
 }
@@ -375,6 +383,27 @@ void fill_silent(const Task& task, const Sounding& sounding, Baked& baked) {
   if (sounding.modes.interior) baked.body = solved_body(task, sounding.modes, {});
 }
 
+// The columns of the bank's modes among those of the liquid's levels; empty where the bank gets no levels.
+std::vector<LevelColumn> level_columns(const std::vector<HeardMode>& kept, const BodyModes& modes) {
+  std::vector<LevelColumn> columns;
+  if (!modes.wet || !modes.wet->levels) return columns;
+  for (const HeardMode& mode : kept)
+    columns.push_back({mode.number, sign_of(modes.shapes.col(mode.number)) * (mode.turned ? -1 : 1)});
+  return columns;
+}
+
+// The shapes of the further columns at the surface's nodes, free of units: modes that the bank lacks, and those of the
+// further motions that have shapes, which come first.
+Eigen::MatrixXd further_shapes(const BodyModes& modes, const std::vector<LevelColumn>& columns) {
+  if (columns.empty()) return {modes.shapes.rows(), 0};
+  const WetLevels& levels = *modes.wet->levels;
+  const std::vector<Eigen::Index> missing = missing_modes(levels, columns);
+  const Eigen::Index shaped = (levels.further.colwise().squaredNorm().array() > 0).count();
+  Eigen::MatrixXd further(modes.shapes.rows(), static_cast<Eigen::Index>(missing.size()) + shaped);
+  further << modes.shapes(Eigen::all, missing), levels.further.leftCols(shaped);
+  return further;
+}
+
 // Chooses the modes that stay and the sample points, and fills the bank with both. `origin_m` is where the modes
 // radiate from, if they do.
 Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional<Vec3>& origin_m, Baked& baked,
@@ -386,9 +415,17 @@ Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional
   const Reduced reduced = audition(bank, task, corner_bank(task, sounding.heard, sounding.modes, air), bending);
   std::vector<HeardMode> kept;
   for (const std::size_t m : reduced.kept) kept.push_back(sounding.heard[m]);
-  const Result<SamplePoints> points = find_points(task, kept, sounding.modes, progress);
+  const std::vector<LevelColumn> columns = level_columns(kept, sounding.modes);
+  const Eigen::MatrixXd further = further_shapes(sounding.modes, columns);
+  Result<SamplePoints> points = find_points(task, kept, sounding.modes, further, progress);
   if (!points) return failed(task.name, points.error());
-  add_modes(bank, kept, task.units.shape() * points->shapes, air);
+  points->shapes *= task.units.shape();
+  add_modes(bank, kept, points->shapes.leftCols(static_cast<Eigen::Index>(kept.size())), air);
+  if (!columns.empty()) {
+    bank.levels = std::make_shared<const modal::LiquidLevels>(
+        bank_levels(*sounding.modes.wet->levels, columns, points->shapes.rightCols(further.cols()),
+                    {task.units.length_m, task.units.lambda(), task.units.density_kg_m3}));
+  }
   if (origin_m) bank.radiation->maps.origin_m = *origin_m;
   add_points(bank, task.units.length_m * points->positions);
   if (sounding.modes.interior) body = solved_body(task, sounding.modes, kept);

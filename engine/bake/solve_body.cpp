@@ -2,6 +2,7 @@
 
 #include "engine/bake/body_nonlinear.h"
 #include "engine/bake/body_shape.h"
+#include "engine/bake/liquid/level_matrices.h"
 #include "engine/fem/error_estimate.h"
 #include "engine/fem/heat_flow.h"
 #include "engine/solve/eigensolver.h"
@@ -55,10 +56,15 @@ bool heat_counts(const Task& task) { return task.makeup.heat.reference && fem::o
 
 // Replaces dry modes and their errors by those with the liquids, up to `top`. `all` has the dry shapes at every node.
 Result<void> add_liquids(const Task& task, const fem::System& moving, const std::vector<std::int32_t>& clamped,
-                         double top, Eigenmodes& modes, Eigen::VectorXd& errors, std::optional<WetEffects>& effects,
-                         const Progress& progress) {
+                         double top, const modal::MassProperties& mass, Eigenmodes& modes, Eigen::VectorXd& errors,
+                         std::optional<WetEffects>& effects, const Progress& progress) {
   Result<WetBody> wet = wet_body(*task.wet, task.surface, modes, moving, clamped, top, progress);
   if (!wet) return fail(wet);
+  if (!task.wet->levels.empty()) {
+    auto levels = level_matrices(*task.wet, task.surface, modes, moving, clamped, top, *wet, mass, progress);
+    if (!levels) return fail(levels);
+    wet->effects.levels = std::move(*levels);
+  }
   // Each dry mode errs by its share of the strain.
   const Eigen::VectorXd weighed = modes.lambda.tail(errors.size()).cwiseProduct(errors);
   modes = std::move(wet->modes);
@@ -109,9 +115,10 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (!errors) return fail(errors);
   *errors += rounding_of(*modes) * modes->lambda.tail(dry).cwiseInverse();
   report.estimate_seconds = watch.lap();
+  const modal::MassProperties mass = mass_properties(task.unit_mesh, system->node_mass);
   std::optional<WetEffects> wet;
   if (task.wet) {
-    if (auto added = add_liquids(task, moving, clamped, top, *modes, *errors, wet, progress); !added)
+    if (auto added = add_liquids(task, moving, clamped, top, mass, *modes, *errors, wet, progress); !added)
       return fail(added);
     if (!clamped.empty()) expanded = fem::with_nodes(modes->shapes, clamped);
     report.liquid_seconds = watch.lap();
@@ -133,7 +140,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   body.complete_to = task.wet ? top : request.highest_lambda;
   body.verified = request.verify;
   body.unknowns = moving.unknowns();
-  body.mass = mass_properties(task.unit_mesh, system->node_mass);
+  body.mass = mass;
   if (task.options.interior) body.interior = {elastic, system->node_mass};
   if (task.options.interior && task.options.equations) {
     equations.springs.swap(system->stiffness);  // now the body's own stiffness is in `system`

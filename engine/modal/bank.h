@@ -114,7 +114,8 @@ struct Provenance {
   double peak_pa = 0;  // peak pressure at 1 m after a blow of kPeakBlow_ns; 0 unless the bank was recorded
 };
 
-struct Fracture;  // fracture/fracture.h
+struct Fracture;      // fracture/fracture.h
+struct LiquidLevels;  // levels/liquid_levels.h
 
 struct Bank {
   std::string name;
@@ -133,7 +134,8 @@ struct Bank {
   bool held = false;               // true: supports hold the body; false: the body is free
   double gain = 1;                 // linear gain on the whole sound, by which its maker balances it against other banks
   std::optional<double> pitch_hz;  // pitch stated by the maker, in kStatedPitch_hz; absent: see hearing/pitch.h
-  std::shared_ptr<const Fracture> fracture;  // how the body breaks; null: it does not
+  std::shared_ptr<const Fracture> fracture;    // how the body breaks; null: it does not
+  std::shared_ptr<const LiquidLevels> levels;  // of the liquid in it; null: it knows its own level only
   Provenance provenance;
 
   [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }

@@ -10,6 +10,7 @@
 #include "engine/modal/bank_extras.h"
 #include "engine/modal/bank_model.h"
 #include "engine/modal/fracture/fracture_file.h"
+#include "engine/modal/levels/levels_file.h"
 #include "engine/modal/scaled_bank.h"
 
 #include <algorithm>
@@ -188,17 +189,21 @@ std::vector<std::uint32_t> rounded(std::span<const float> shape) {
   return exponential_words(whole, exponent);
 }
 
-std::size_t add_rounded_shapes(GlbWriter& writer, const Bank& bank) {
-  const std::span<const float> shapes = as_floats(bank.shapes);
+// Adds shapes of `numbers` numbers each.
+std::size_t add_rounded_shapes(GlbWriter& writer, std::span<const float> shapes, std::size_t numbers) {
   const auto fits = [](float x) { return std::abs(x) < kMaxRoundedShape; };
   if (!std::all_of(shapes.begin(), shapes.end(), fits)) return writer.add_packed_floats(shapes, 3);
   std::vector<std::uint32_t> words;
   words.reserve(shapes.size());
-  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    const std::vector<std::uint32_t> mode = rounded(shapes.subspan(m * 3 * bank.point_count(), 3 * bank.point_count()));
+  for (std::size_t at = 0; at < shapes.size(); at += numbers) {
+    const std::vector<std::uint32_t> mode = rounded(shapes.subspan(at, numbers));
     words.insert(words.end(), mode.begin(), mode.end());
   }
   return writer.add_exponentials(words, 3);
+}
+
+std::size_t add_shapes(GlbWriter& writer, std::span<const float> shapes, std::size_t points, bool packed) {
+  return packed ? add_rounded_shapes(writer, shapes, 3 * points) : writer.add_floats(shapes, 3);
 }
 
 Json mass_json(const MassProperties& mass) {
@@ -304,6 +309,11 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
   bank.gain = instance->gain;
   if (const auto pieces = read_pieces(*glb, model["extras"]["ringdown"]["fracture"], bank); !pieces)
     return fail(pieces);
+  if (const JsonPlace field = model["extras"]["ringdown"]["levels"]; field.present()) {
+    auto levels = read_levels(*glb, field, bank);
+    if (!levels) return fail(levels);
+    bank.levels = std::make_shared<const LiquidLevels>(std::move(*levels));
+  }
   if (chosen.scale != 1) spread_points(bank, chosen.scale);
   if (instance->scale != 1) {
     if (const auto scaled =
@@ -394,7 +404,7 @@ WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {
                    {"positions", positions},
                    {"frequencies", writer.add_floats(frequencies, 1)},
                    {"decayRates", writer.add_floats(decays, 1)},
-                   {"shapes", packed ? add_rounded_shapes(writer, bank) : writer.add_floats(as_floats(bank.shapes), 3)},
+                   {"shapes", add_shapes(writer, as_floats(bank.shapes), bank.point_count(), packed)},
                    {"extras", {{"ringdown", extras_json(bank, writer)}}}};
   written.primitive = surface.add_triangles(bank, written.model);
   if (bank.material) written.material = material_json(bank);
@@ -462,6 +472,11 @@ std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash, Com
     Json pieces = Json::array();
     for (std::size_t node = 1; node < document.nodes.size(); ++node) pieces.push_back(node);
     scenes.push_back({{"name", "pieces"}, {"nodes", std::move(pieces)}});
+  }
+  if (bank.levels) {
+    extras["levels"] = levels_json(*bank.levels, document.writer, document.packed, [&](std::span<const float> shapes) {
+      return add_shapes(document.writer, shapes, bank.point_count(), document.packed);
+    });
   }
   if (!extras.is_null()) document.models.front()["extras"]["ringdown"].update(extras);
   Json extension = {{"modalModels", std::move(document.models)}};

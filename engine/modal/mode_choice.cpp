@@ -10,7 +10,8 @@ namespace ringdown::modal {
 // Names every member of a bank, so that a new member that is not handled here does not compile.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
   auto& [name, frequencies, decays, losses, heat, radiation, nonlinear, errors, shape_errors, positions, shapes,
-         triangles, material, mass, held, gain, pitch, fracture, provenance] = bank;
+         triangles, material, mass, held, gain, pitch, fracture, levels, provenance] = bank;
+  levels.reset();  // their matrices are those of all modes
   if (fracture) {
     Fracture broken = *fracture;
     take_modes(broken, frequencies.size(), order);

@@ -49,6 +49,7 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
   for (Vec3f& point : out.positions) point = rescale(point, scale);
   if (out.radiation) out.radiation->maps.origin_m = scale.size * out.radiation->maps.origin_m;
   if (out.nonlinear) rescale(*out.nonlinear, scale);
+  out.levels.reset();
   if (out.mass) out.mass = rescale(*out.mass, scale);
   if (out.material) {
     out.material->density_kg_m3 *= scale.density;
@@ -136,6 +137,7 @@ void spread_points(Bank& bank, double factor) {
   for (Vec3f& p : bank.positions) p = {moved(p[0]), moved(p[1]), moved(p[2])};
   if (bank.radiation) bank.radiation->maps.origin_m = factor * bank.radiation->maps.origin_m;
   if (bank.mass) bank.mass->center_of_mass_m = factor * bank.mass->center_of_mass_m;
+  bank.levels.reset();
   if (!bank.fracture) return;
   Fracture fracture = *bank.fracture;
   for (Vec3f& p : fracture.stress.positions) p = {moved(p[0]), moved(p[1]), moved(p[2])};

@@ -10,9 +10,10 @@
 
 namespace ringdown::modal {
 
-// Scales frequencies, the stated pitch, decays, shapes, points, mass, the material and its grain, nonlinear terms and
-// radiation and pieces, each exactly (material_scale.h), except that radiation under another stiffness or density
-// follows its levels. Modes that become over-damped are left out; the order of the remaining modes stays.
+// The levels of a liquid are left out, because its density stays. Scales frequencies, the stated pitch, decays, shapes,
+// points, mass, the material and its grain, nonlinear terms and radiation and pieces, each exactly (material_scale.h),
+// except that radiation under another stiffness or density follows its levels. Modes that become over-damped are left
+// out; the order of the remaining modes stays.
 Bank scaled(const Bank& bank, const MaterialScale& scale);
 
 // Returns the patterns of a body of another size, stiffness or density. Modes of pieces that would no longer ring are

@@ -150,10 +150,11 @@ struct CollisionFilter {
 struct ObjectDescription {
   std::string name;  // must satisfy engine/base/object_name.h
   std::filesystem::path bank;
-  std::string group;              // empty: no group
-  double gain = 1;                // linear
-  double pan = 0;                 // -1 left ... +1 right
-  modal::MaterialScale material;  // the mixer rescales the modes; a World scales mass and geometry
+  std::string group;                   // empty: no group
+  double gain = 1;                     // linear
+  double pan = 0;                      // -1 left ... +1 right
+  modal::MaterialScale material;       // the mixer rescales the modes; a World scales mass and geometry
+  std::optional<double> level_m = {};  // of the liquid in it; unset: as baked. The liquid's weight is not moved
 };
 
 // When a body breaks into the pieces that its object's bank has (fracture/breaking_bodies.h): at the first blow that

@@ -226,6 +226,7 @@ class SceneReader {
       table.complain("gain", "gain times that of [scene] is too high; lower one of them");
     table.number("pan", object.pan, range::kPan);
     if (auto material = table.table("material")) read_material(*material, object);
+    if (table.has("level_m")) table.number("level_m", object.level_m.emplace(), range::kPosition_m);
     if (!object.name.empty() && !is_object_name(object.name)) {
       table.complain("name", "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
     }

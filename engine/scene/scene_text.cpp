@@ -104,6 +104,7 @@ class SceneWriter {
     unless("group", object.group, {});
     unless("gain", object.gain, 1.0);
     unless("pan", object.pan, 0.0);
+    if (object.level_m) line("level_m", *object.level_m);
     const modal::MaterialScale& m = object.material;
     if (m == modal::MaterialScale{}) return;
     text_ += "material = { alpha = " + text_of(m.alpha) + ", beta = " + text_of(m.beta) +

@@ -4,6 +4,17 @@
 
 namespace ringdown::session {
 
+std::optional<double> level_m(const ObjectState& object) {
+  if (!object.at_level) return std::nullopt;
+  return object.material.size * object.at_level->level_m;
+}
+
+std::shared_ptr<const modal::LevelTransfer> level_change(const ObjectState& before, const ObjectState& after) {
+  if (before.map == after.map || !after.at_level) return nullptr;
+  const modal::LevelModes from = before.at_level ? *before.at_level : modal::as_baked(before.map->bank());
+  return std::make_shared<const modal::LevelTransfer>(modal::transfer(from, *after.at_level));
+}
+
 Result<void> check_point(Vec3 point_m, const ObjectState& object) {
   const modal::SurfaceIndex& surface = object.map->surface();  // of the object in the size of its bank
   const double scale = object.material.size;

@@ -5,6 +5,7 @@
 #include "engine/base/result.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/damper.h"
+#include "engine/modal/levels/level_bank.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
 #include "engine/modal/strike_map.h"
@@ -15,6 +16,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,7 +43,9 @@ struct ObjectState {
   std::shared_ptr<const std::vector<std::byte>>
       bank_alone;                 // for a scene's bank, the file with this bank alone, which size and hash describe
   std::int32_t bank_version = 0;  // grows when the object gets a new bank
-  std::shared_ptr<const modal::StrikeMap> map;
+  std::shared_ptr<const modal::StrikeMap> map;        // of the bank that plays: at another level, one made for it
+  std::shared_ptr<const modal::StrikeMap> baked_map;  // of the bank in the file
+  std::shared_ptr<const modal::LevelModes> at_level;  // the modes of `map`; null: the liquid stands as baked
   modal::MaterialScale material;
   modal::Dampers dampers;  // dampers that touch the object
   modal::ModeRange modes;  // the modes of the bank that ring
@@ -55,6 +59,12 @@ struct ObjectState {
 // An object at one moment, with its latest gain and pan. It stays valid for whoever holds it, and so does its bank,
 // whatever is loaded later.
 using ObjectSnapshot = std::shared_ptr<const ObjectState>;
+
+// The level of the object's liquid [m, in the frame of the object in its size]; nothing where it stands as baked.
+std::optional<double> level_m(const ObjectState& object);
+
+// What becomes of what rings when the liquid goes from one level to another; null when its level stays. [worker]
+std::shared_ptr<const modal::LevelTransfer> level_change(const ObjectState& before, const ObjectState& after);
 
 // Refuses a point [m, object frame] whose distance from the object's bounding box exceeds the size of the box: such a
 // point is probably in millimetres, or in another object's coordinates. Every request that acts at a point of an object

@@ -58,7 +58,8 @@ Result<synth::ObjectNumber> Rack::add(const std::string& name, const std::filesy
                      .bank_content = bank.content,
                      .bank_alone = std::move(bank.alone),
                      .bank_version = last_bank_version_ + 1,
-                     .map = std::move(bank.map)};
+                     .map = bank.map,
+                     .baked_map = bank.map};
   const ObjectSnapshot old = objects_.find(name);
   if (old) {
     object.number = old->number;
@@ -92,7 +93,8 @@ void Rack::change(const ObjectState& object, const Edit& edit, synth::Frame at) 
 Result<void> Rack::retune(const ObjectState& object, const Edit& edit, synth::Frame at) {
   ObjectState next = object;
   edit(next);
-  if (const auto installed = install(next, synth::Mixer::Install::retune, at); !installed) return installed;
+  const auto installed = install(next, synth::Mixer::Install::retune, at, level_change(object, next));
+  if (!installed) return installed;
   change(object, edit, at);
   return {};
 }
@@ -117,6 +119,18 @@ Result<void> Rack::set_dampers(const ObjectRef& ref, const modal::Dampers& dampe
   if (all == (*object)->dampers) return {};
   return retune(
       **object, [&](ObjectState& o) { o.dampers = all; }, at);
+}
+
+Result<void> Rack::set_level(const ObjectRef& ref, double level_m, synth::Frame at) {
+  const auto object = find(ref);
+  if (!object) return fail(object);
+  auto found = modal::at_level((*object)->baked_map->bank(), level_m / (*object)->material.size);
+  if (!found) return fail("level", found);
+  const auto map =
+      std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(found->bank)));
+  const auto modes = std::make_shared<const modal::LevelModes>(std::move(found->modes));
+  return retune(
+      **object, [&](ObjectState& o) { o.map = map, o.at_level = modes; }, at);
 }
 
 Result<void> Rack::select_modes(const ObjectRef& ref, modal::ModeRange modes) {
@@ -231,10 +245,12 @@ void Rack::change_sample_rate(double sample_rate_hz) {
   mixer_.change_sample_rate(sample_rate_hz);
 }
 
-Result<void> Rack::install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at) {
+Result<void> Rack::install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at,
+                           std::shared_ptr<const modal::LevelTransfer> level_change) {
   const std::scoped_lock lock(rate_mutex_);
   auto voice =
       std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.dampers, object.modes));
+  voice->level_change = std::move(level_change);
   if (!mixer_.install(object.number, std::move(voice), how, at)) {
     return fail(ErrorKind::refused, "{} voices are still ringing out; try again later", synth::kMaxVoices);
   }

@@ -93,6 +93,10 @@ class Rack {
   Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
   Result<void> set_dampers(const protocol::ObjectRef& object, const modal::Dampers& dampers, synth::Frame at = 0);
 
+  // Lets the liquid in the object stand at another level [m, in the object's frame and size], which retunes what rings
+  // at frame `at`. Fails when the bank knows no levels, or not this one. A new bank stands as baked. [worker]
+  Result<void> set_level(const protocol::ObjectRef& object, double level_m, synth::Frame at = 0);
+
   // Restricts the object to a range of its modes. Modes outside the range fade within a few milliseconds. A new bank
   // removes the restriction. [worker]
   Result<void> select_modes(const protocol::ObjectRef& object, modal::ModeRange modes);
@@ -145,7 +149,8 @@ class Rack {
   void change(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
   [[nodiscard]] Result<void> retune(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
   [[nodiscard]] Result<void> assign(const ObjectState& object);
-  [[nodiscard]] Result<void> install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at = 0);
+  [[nodiscard]] Result<void> install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at = 0,
+                                     std::shared_ptr<const modal::LevelTransfer> level_change = {});
 
   synth::Mixer mixer_;
   BankReader& banks_;  // worker

@@ -23,6 +23,8 @@ std::vector<protocol::Request> requests_between(const ObjectState* before, const
     from = {.group = from.group, .gain = from.gain, .pan = from.pan, .mute = from.mute, .solo = from.solo};
   }
   if (after.material != from.material) requests.emplace_back(protocol::SetMaterial{ref, after.material});
+  if (const auto level = level_m(after); level && level != level_m(from))
+    requests.emplace_back(protocol::SetFill{ref, *level});
   if (after.modes != from.modes) requests.emplace_back(protocol::SelectModes{ref, after.modes});
   modal::Dampers dampers = after.dampers;
   for (const auto& [number, damper] : from.dampers) dampers.try_emplace(number);  // no damping: removed

@@ -37,6 +37,10 @@ Result<std::map<std::string, ScenePieces::Sets>> ScenePieces::load_objects(const
     if (object.material != modal::MaterialScale{}) {
       if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set);
     }
+    if (object.level_m) {
+      if (const auto set = rack_.set_level({.name = object.name}, *object.level_m); !set)
+        return fail("object " + object.name, set);
+    }
     const bool sent = rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
                       rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
     if (!sent)

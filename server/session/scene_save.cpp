@@ -42,6 +42,7 @@ scene::SceneDescription scene_of(const Session& session) {
     described->gain = object->gain;
     described->pan = object->pan;
     described->material = object->material;
+    described->level_m = level_m(*object);
   }
   return scene;
 }

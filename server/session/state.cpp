@@ -63,6 +63,7 @@ State::Object read_object(TomlTable& table) {
     material->number("heat", object.material.heat, kDamping);
     material->number("air", object.material.air, kDamping);
   }
+  if (table.has("level_m")) table.number("level_m", object.level_m.emplace(), kPosition_m);
   if (auto modes = table.table("modes")) object.modes = read_modes(*modes);
   for (TomlTable& damper : table.tables("touch")) read_damper(damper, object.dampers);
   return object;
@@ -141,6 +142,7 @@ std::string to_toml(const State& state) {
               ", size = " + toml_number(m.size) + ", heat = " + toml_number(m.heat) + ", air = " + toml_number(m.air) +
               " }\n";
     }
+    if (object.level_m) text += "level_m = " + toml_number(*object.level_m) + "\n";
     if (object.modes != modal::ModeRange{}) {
       text += "modes = { first = " + std::to_string(object.modes.first) +
               ", count = " + std::to_string(object.modes.count) + " }\n";
@@ -190,7 +192,8 @@ State state_of(const Session& session) {
                              object->modes,
                              {object->dampers.begin(), scenes},
                              object->mute,
-                             object->solo});
+                             object->solo,
+                             level_m(*object)});
   }
   for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
     const auto& excitation = rack.excitations()[input];
@@ -235,6 +238,9 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
   if (const auto set = rack.set_heard(ref, &ObjectState::solo, object.solo); !set) return set;
   if (object.material != (*rack.find(ref))->material) {
     if (const auto set = rack.set_material(ref, object.material); !set) return set;
+  }
+  if (object.level_m) {
+    if (const auto set = rack.set_level(ref, *object.level_m); !set) return set;
   }
   if (object.modes != modal::ModeRange{}) {
     if (const auto set = rack.select_modes(ref, object.modes); !set) return set;

@@ -69,6 +69,7 @@ struct State {
     modal::ModeRange modes;
     modal::Dampers dampers;  // except the dampers of the scene
     bool mute = false, solo = false;
+    std::optional<double> level_m;  // of its liquid; nothing: as baked
   };
   struct Input {
     std::size_t input = 1;  // in_1 is 1

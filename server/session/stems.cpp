@@ -48,6 +48,7 @@ class Player {
   void give(ObjectNumber object, const StemLog::Change& change) {
     auto voice =
         std::make_unique<synth::Voice>(mixer_.table_for(change.map, change.material, change.dampers, change.modes));
+    voice->level_change = change.level_change;
     lost_ = !mixer_.install(object, std::move(voice), change.how, change.at) || lost_;
   }
   void silence(ObjectNumber object) { lost_ = !mixer_.silence(object, true) || lost_; }
@@ -291,11 +292,13 @@ void StemLog::changed(const ObjectState* before, const ObjectState* after, Frame
   track.chaotic = after->map->bank().nonlinear.has_value();
   const bool new_bank = !before || before->bank_version != after->bank_version;
   const bool retuned = new_bank || before->material != after->material || before->dampers != after->dampers ||
-                       before->modes != after->modes;
+                       before->modes != after->modes || before->map != after->map;
   if (!retuned) return;
   const auto how = new_bank ? Mixer::Install::replace : Mixer::Install::retune;
-  track.entries.push_back({blocks_.size(), std::make_unique<const Change>(Change{
-                                               after->map, after->material, after->dampers, after->modes, how, at})});
+  auto level = new_bank ? nullptr : level_change(*before, *after);
+  track.entries.push_back(
+      {blocks_.size(), std::make_unique<const Change>(Change{after->map, after->material, after->dampers, after->modes,
+                                                             how, at, std::move(level)})});
 }
 
 Result<std::size_t> write_stems(const StemLog& log, const StemSettings& settings,

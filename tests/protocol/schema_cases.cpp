@@ -99,6 +99,13 @@ Cases pan_cases() {
           {{"/object/b%/pan", {1}, "object"}, {a, {1.01}, "pan"}, {a, {-1.01f}, "pan"}}};
 }
 
+Cases fill_cases() {
+  const std::string a = "/object/bell/fill";
+  return {{{a, {0.08}, claim<SetFill>([](const SetFill& s) { return s.object == named("bell") && s.level_m == 0.08; })},
+           {"/object/3/fill", {-1}, is_a<SetFill>()}},
+          {{"/object/b%/fill", {0.1}, "object"}, {a, {}, "level"}, {a, {1e5}, "level"}, {a, {0.1, 1}, "argument 2"}}};
+}
+
 Cases material_cases() {
   const std::string a = "/object/bell/material";
   return {{{a, {1, 2, 3, 4}, claim<SetMaterial>([](const SetMaterial& s) {
@@ -497,6 +504,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/solo", object_switch_cases<SetSolo>("solo")},
       {"/record/start", record_start_cases()},
       {"/record/stop", record_stop_cases()},
+      {"/object/{object}/fill", fill_cases()},
       {"/object/{object}/gain", gain_cases()},
       {"/object/{object}/pan", pan_cases()},
       {"/object/{object}/pickup", pickup_cases()},

@@ -1,5 +1,7 @@
 #include "tests/support/synthetic_bank.h"
 
+#include "engine/modal/levels/liquid_levels.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -52,6 +54,23 @@ modal::Bank single_mode_bank(double frequency_hz, double decay_per_s, modal::Vec
   bank.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
   bank.shapes.assign(4, shape);
   radiate_evenly(bank);
+  return bank;
+}
+
+modal::Bank leveled_bank(double frequency_hz, double decay_per_s) {
+  modal::Bank bank = single_mode_bank(frequency_hz, decay_per_s);
+  bank.held = true;
+  bank.provenance.liquids = {{.liquid = "water", .level_m = 0}};
+  modal::LiquidLevels levels;
+  for (const double x : {0.0, 0.01, 0.03, 0.06, 0.08, 0.1}) {
+    levels.level_m.push_back(x);
+    levels.volume_m3.push_back(0.01 * x);
+    levels.added.push_back(static_cast<float>(kMassPerSquare * x * x));
+    levels.drag.push_back(static_cast<float>(kDrag * x));
+  }
+  levels.mass = {1};
+  levels.stiffness = {static_cast<float>(modal::undamped_lambda({frequency_hz, decay_per_s}))};
+  bank.levels = std::make_shared<const modal::LiquidLevels>(std::move(levels));
   return bank;
 }
 

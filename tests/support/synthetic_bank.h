@@ -19,6 +19,11 @@ inline const double kLoudness = modal::Air{}.density_kg_m3 * modal::rms(even_fie
 // One mode that moves every point alike, by `shape`. Four points 1 m from the origin, a tetrahedron's surface.
 modal::Bank single_mode_bank(double frequency_hz, double decay_per_s, modal::Vec3f shape = {0, 0, 1});
 
+// The bank of single_mode_bank() with a liquid: at a height x of 0 to 0.1 m it adds kMassPerSquare x^2 to the mode's
+// mass of 1, and takes kDrag x sqrt(omega) of it. The bank is of the empty body.
+inline constexpr double kMassPerSquare = 300, kDrag = 0.5;
+modal::Bank leveled_bank(double frequency_hz, double decay_per_s);
+
 // The flexural modes of a free-free bar by Euler and Bernoulli: length 0.3 m along x, 20 mm x 5 mm of steel, moving
 // along z; sampled at 17 points of its axis, no triangles. Material and mass properties are filled.
 // Source: Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1, case 1.

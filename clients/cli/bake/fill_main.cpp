@@ -7,6 +7,7 @@
 #include "engine/base/output_file.h"
 #include "engine/materials/material_library.h"
 #include "engine/modal/bank_file.h"
+#include "engine/modal/levels/level_bank.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/exit_codes.h"
 
@@ -55,6 +56,18 @@ bake::Filling filling_of(const FillRequest& request) {
   return filling;
 }
 
+// By the levels that the bank knows, or from its shapes.
+Result<bake::FilledBank> filled_bank(const modal::Bank& bank, const FillRequest& request,
+                                     const bake::Filling& filling) {
+  const auto range = modal::level_range_of(bank);
+  if (!range) return bake::fill_bank(bank, filling);
+  if ((!request.level_m && !request.full) || request.liquid != bank.provenance.liquids.front().liquid)
+    return fail(ErrorKind::bad_input, "it knows the levels of its own liquid; say --level or --full");
+  auto there = modal::at_level(bank, request.level_m.value_or(range->high));
+  if (!there) return fail(there);
+  return bake::FilledBank{std::move(there->bank), 0};
+}
+
 ExitCode fill(const FillRequest& request, bake::Filling filling) {
   const auto path = preset_or_file(request.bank, PresetKind::bank);
   if (!path) return complain(path.error());
@@ -65,7 +78,7 @@ ExitCode fill(const FillRequest& request, bake::Filling filling) {
   auto liquid = liquid::find_liquid(bake::liquid_folder(*materials), request.liquid);
   if (!liquid) return complain(liquid.error());
   filling.liquid = std::move(*liquid);
-  const auto filled = bake::fill_bank(*bank, filling);
+  const auto filled = filled_bank(*bank, request, filling);
   if (!filled) return complain({filled.error().kind, request.bank + ": " + filled.error().message});
   if (const auto written = modal::write_bank(filled->bank, request.output); !written) return complain(written.error());
   const modal::LiquidNote& note = filled->bank.provenance.liquids.front();

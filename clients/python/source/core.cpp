@@ -284,6 +284,14 @@ void add_bank(py::module_& module) {
           "The rotation that turns the principal axes into the object's frame, a unit quaternion.")
       .def_property_readonly(
           "held", [](const Bank& bank) { return bank.info().held != 0; }, "True if supports hold the body.")
+      .def_property_readonly(
+          "levels_m",
+          [](const Bank& bank) -> py::object {
+            const ringdown_bank_info info = bank.info();
+            if (info.level_m[0] == info.level_m[1]) return py::none();
+            return py::make_tuple(info.level_m[0], info.level_m[1]);
+          },
+          "The bottom and the rim, between which Mixer.fill may set the level of its liquid [m]; None if it may not.")
       .def_property_readonly("undamped_frequencies_hz", &undamped_of, "M frequencies without damping [Hz].")
       .def_property_readonly(
           "frequency_errors", [](const Bank& bank) { return list_of(bank, RINGDOWN_FREQUENCY_ERRORS); },

@@ -222,6 +222,14 @@ void add_objects(Class& mixer) {
           "Factors on the bank's own Young's modulus, density and lengths, and on the losses to supports (alpha), to "
           "the material (beta), to heat that flows in the body and to the air. Ringing sounds are retuned.")
       .def(
+          "fill",
+          [](Mixer& self, Object object, double level_m, const FrameOrNow& frame) {
+            call(ringdown_fill, self.handle, at(self, frame), object, level_m);
+          },
+          py::arg("object"), py::arg("level_m"), py::kw_only(), py::arg("frame") = py::none(),
+          "Lets the liquid in the object stand at a level, in the object's frame; ringing sounds are retuned. The bank "
+          "must know its levels (bake it with [fill] and levels = 16).")
+      .def(
           "hold",
           [](Mixer& self, Object object, const Vector& point_m, double damping_ns_m, const Vector& direction,
              Number number, const FrameOrNow& frame) {

@@ -1,6 +1,7 @@
 #include "engine/bake/liquid/filling.h"
 
 #include "engine/base/range.h"
+#include "engine/modal/levels/liquid_levels.h"
 
 #include <string_view>
 
@@ -36,6 +37,10 @@ Filling read_filling(TomlTable& table) {
   table.boolean("full", full);
   if (amounts + (full ? 1 : 0) != 1)
     table.complain("level_m", "say how far it is filled by one of level_m, depth_m, volume_ml or full = true");
+  std::uint64_t levels = 0;
+  table.whole("levels", levels, 0, modal::kMaxLevels);
+  if (levels > 0 && levels < modal::kMinLevels) table.complain("levels", "levels must be 0, or 4 to 64");
+  filling.levels = levels;
   std::vector<double> places;
   table.numbers("basin", places);
   if (places.size() % 3 != 0 || places.size() > 3 * kMaxBasins)

@@ -7,10 +7,9 @@
 //   up = [0, 0, 1]               # default
 //   basin = [0, 0, 0.066]        # points near the bottoms of the basins that are filled, three numbers each; needed
 //                                # only where the body has several basins of like size
-//   [bath]                       # it stands in a liquid without bounds
-//   liquid = "water"
-//   level_m = 0.03
-//   up = [0, 0, 1]
+//   levels = 16                  # of which the bank keeps matrices, so that the level can change while it sounds; 0:
+//   none [bath]                       # it stands in a liquid without bounds liquid = "water" level_m = 0.03 up = [0,
+//   0, 1]
 #pragma once
 
 #include "engine/base/toml_table.h"
@@ -29,6 +28,7 @@ struct Filling {
   liquid::Amount amount;                   // lengths in metres, the volume in cubic metres
   Vec3 up{0, 0, 1};
   std::vector<Vec3> basins_m;
+  std::size_t levels = 0;  // 0, or modal::kMinLevels to kMaxLevels
 };
 
 struct Bath {

@@ -1,13 +1,11 @@
-// The modes of a body with liquid in it or around it, in place of those of the dry body. [worker]
+// What is wet of a body with liquid in it or around it, and what that changes of its modes. [worker]
 //
 //   Result<WetPlan> plan = plan_liquids(liquids, unit_mesh, surface, units);    // fails on a level that cannot be
-//   Result<WetBody> wet = wet_body(*plan, dry, system, clamped, units, top);    // replaces the dry modes
 //
-// The dry modes should reach to kDryBand times the top of the band. docs/how/liquid.md has the equations.
+// wet_solver.h replaces the dry modes, and levels.h finds those of other levels. docs/how/liquid.md has the equations.
 #pragma once
 
 #include "engine/bake/liquid/filling.h"
-#include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/fem/assembly.h"
 #include "engine/liquid/air_surface.h"
@@ -18,8 +16,7 @@
 
 #include <Eigen/Core>
 
-#include <cstdint>
-#include <string>
+#include <optional>
 #include <vector>
 
 namespace ringdown::bake {
@@ -35,9 +32,16 @@ struct WetPart {
   double drag_si = 0;  // sqrt(rho eta / 2) [kg m^-2 s^-1/2]: times sqrt(omega), the resistance of its boundary layer
 };
 
+// The liquid of one basin at another level.
+struct WetLevel {
+  double level = 0, volume = 0;
+  WetPart part;  // of the lowest level, at which the basin is empty, nothing
+};
+
 struct WetPlan {
   liquid::Skin skin;
   std::vector<WetPart> parts;
+  std::vector<WetLevel> levels;  // ascending; empty unless they were asked for
   liquid::AirSurface air;
   std::vector<modal::LiquidNote> notes;
 };
@@ -55,6 +59,17 @@ Result<WetPlan> plan_liquids(const Liquids& liquids, const mesh::TetMesh& unit_m
 // Adds a filling to a plan whose skin is set, with lengths in that skin's unit; fails as plan_liquids() does.
 Result<void> plan_filling(const Filling& filling, const WetUnits& units, WetPlan& plan);
 
+// Matrices of some levels, as modal::LiquidLevels has them, free of units. The columns are the rigid motions, all m wet
+// modes, and R further motions.
+struct WetLevels {
+  Eigen::VectorXd level, volume;  // L
+  Eigen::MatrixXd further;        // 3S x R, at the skin's nodes; 0 of the last ones, too weak to be heard
+  Eigen::MatrixXd stiffness, mass;
+  Eigen::MatrixXd following;
+  std::vector<Eigen::MatrixXd> added, bond, liquid_mass;
+  Eigen::MatrixXd drag;  // m x L, as WetEffects::drag
+};
+
 // Changes of each of m modes by the liquids.
 struct WetEffects {
   Eigen::VectorXd strain, motion;  // m: shares of the energy of strain and of motion that are in the body
@@ -65,6 +80,7 @@ struct WetEffects {
   mesh::Points free_at, free_normals;  // N x 3, in the body's frame, free of units
   Eigen::VectorXd free_areas;
   std::vector<modal::LiquidNote> notes;
+  std::optional<WetLevels> levels;
 };
 
 struct WetBody {
@@ -72,10 +88,5 @@ struct WetBody {
   Eigen::MatrixXd mixing;   // dry modes x wet modes without the rigid ones: what each dry mode gives
   WetEffects effects;
 };
-
-// `dry` are modes of `system`, from which the nodes `clamped` were removed. Fails when cancelled (stage "liquid").
-Result<WetBody> wet_body(const WetPlan& plan, const mesh::Boundary& surface, const solve::Eigenmodes& dry,
-                         const fem::System& system, const std::vector<std::int32_t>& clamped, double top,
-                         const Progress& progress = {});
 
 }  // namespace ringdown::bake

@@ -29,8 +29,9 @@ void FadeOut::begin(StateArray& from, const Fading& fade) REALTIME {
   nepers_ = abrupt ? 0 : fade.nepers;
 }
 
-bool FadeOut::move_from(FadeOut& other) REALTIME {
-  const bool left = states_.move_from(other.states_);
+bool FadeOut::move_from(FadeOut& other, const modal::LevelTransfer* change) REALTIME {
+  const bool left = change == nullptr && states_.move_from(other.states_);
+  if (change != nullptr) states_.move_from(other.states_, *change);
   const double ratio = states_.table().sample_rate_hz() / other.states_.table().sample_rate_hz();
   const auto scaled = [ratio](std::size_t frames)
                           REALTIME { return static_cast<std::size_t>(std::ceil(static_cast<double>(frames) * ratio)); };

@@ -160,13 +160,14 @@ void ModeStates::add_to_groups(const Add& add_to) REALTIME {
   }
 }
 
-bool ModeStates::take_over(ModeStates& other) REALTIME {
+bool ModeStates::take_over(ModeStates& other, const modal::LevelTransfer* change) REALTIME {
   unmute();
   other.unmute();
   if (coupling.give_back(states_.re(), states_.im())) wake();
   if (other.coupling.give_back(other.states_.re(), other.states_.im())) other.wake();
-  bool left = states_.move_from(other.states_);
-  left = fade_.move_from(other.fade_) || left;
+  bool left = change == nullptr && states_.move_from(other.states_);
+  if (change != nullptr) states_.move_from(other.states_, *change);
+  left = fade_.move_from(other.fade_, change) || left;
   if (other.slow_.count + other.fast_.count > 0) wake();
   return left;
 }

@@ -49,7 +49,8 @@ class ModeStates {
   void add(ModeStates& other, double gain, const ModeFactors* each = nullptr) REALTIME;
   // Takes over from `other`, of the same bank, the modes that are in this table too: phase and amplitude continue;
   // pitch, decay and sample rate are this table's from here on. True when other modes still ring in `other`.
-  bool take_over(ModeStates& other) REALTIME;
+  // If `other` is of the same object with its liquid at another level, `change` says what becomes of each mode.
+  bool take_over(ModeStates& other, const modal::LevelTransfer* change = nullptr) REALTIME;
 
   // Lets what rings now fade out (FadeOut::begin); later strikes ring in full.
   void fade_out(const Fading& fade = {}) REALTIME;

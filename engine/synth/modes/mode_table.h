@@ -69,6 +69,9 @@ class ModeTable {
   [[nodiscard]] std::size_t mode_of(std::size_t i) const REALTIME { return mode_of_[i]; }
   [[nodiscard]] std::size_t column(std::size_t i) const REALTIME { return column_[i]; }
 
+  // The output of playable mode `i` at a modal velocity of 1.
+  [[nodiscard]] double output_per_velocity(std::size_t i) const REALTIME { return weight_[i]; }
+
   // The least decay among the modes of a group [nepers per frame].
   [[nodiscard]] double slowest_decay(std::size_t group) const REALTIME { return slowest_decay_[group]; }
 

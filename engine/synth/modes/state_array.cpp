@@ -76,6 +76,27 @@ bool StateArray::move_from(StateArray& other) REALTIME {
   return left;
 }
 
+void StateArray::move_from(StateArray& other, const modal::LevelTransfer& change) REALTIME {
+  excited();
+  clear();
+  const ModeTable& theirs = other.table_;
+  const std::size_t modes = theirs.bank().mode_count();
+  // The real part of a state is its displacement times omega, the imaginary part minus its velocity.
+  for (std::size_t j = 0; j < theirs.playable_modes(); ++j) {
+    const double output = theirs.output_per_velocity(j);
+    if (!(output > 0)) continue;
+    const std::size_t from = theirs.mode_of(j), column = theirs.column(j);
+    const double displacement = other.re()[column] / output, velocity = other.im()[column] / output;
+    if (displacement == 0 && velocity == 0) continue;
+    for (std::size_t i = 0; i < table_.playable_modes(); ++i) {
+      const std::size_t at = table_.mode_of(i) * modes + from, to = table_.column(i);
+      re()[to] += table_.output_per_velocity(i) * change.displacement[at] * displacement;
+      im()[to] += table_.output_per_velocity(i) * change.velocity[at] * velocity;
+    }
+  }
+  other.clear();
+}
+
 void StateArray::skip(std::uint64_t frames) REALTIME { skip_modes(for_kernel(0), table_.columns(), frames); }
 
 void StateArray::skip(std::uint64_t frames, std::uint32_t group) REALTIME {
