@@ -81,8 +81,7 @@ struct HostPresetLoad {
   void (*loaded)(const clap_host_t*, std::uint32_t kind, const char* location, const char* key);
 };
 
-// ---- Preset discovery
-// -------------------------------------------------------------------------------------------------
+// Preset discovery
 
 using Timestamp = std::uint64_t;  // seconds since 1970; 0: unknown
 

@@ -77,8 +77,7 @@ void copy_text(std::string_view text, char* target, std::size_t size) {
   target[count] = 0;
 }
 
-// ---- The plug-in's own functions
-// --------------------------------------------------------------------------------------
+// The plug-in's own functions
 
 bool activate(const clap_plugin_t* plugin, double sample_rate_hz, std::uint32_t min_frames, std::uint32_t max_frames) {
   Plugin& ours = Plugin::of(plugin);
@@ -125,8 +124,7 @@ void on_main_thread(const clap_plugin_t* plugin) {
   ours.dpf->on_main_thread(ours.dpf);
 }
 
-// ---- Parameters
-// -------------------------------------------------------------------------------------------------------
+// Parameters
 
 bool get_parameter_info(const clap_plugin_t*, std::uint32_t index, clap_param_info_t* about) {
   if (index >= kParameters) return false;
@@ -178,8 +176,7 @@ const clap_plugin_params_t kParams{[](const clap_plugin_t*) { return std::uint32
                                    text_to_value,
                                    flush};
 
-// ---- State
-// ------------------------------------------------------------------------------------------------------------
+// State
 
 bool save(const clap_plugin_t* plugin, const clap_ostream_t* stream) {
   std::string state;
@@ -261,8 +258,7 @@ bool load_from(const clap_plugin_t* plugin, std::uint32_t kind, const char* loca
 
 const clap::PresetLoad kPresetLoad{load_from};
 
-// ---- What the plug-in says about itself
-// -------------------------------------------------------------------------------
+// The plug-in about itself
 
 bool get_audio_port(const clap_plugin_t* plugin, std::uint32_t index, bool is_input, clap_audio_port_info_t* about) {
   if (is_input || index > 0) return false;
@@ -371,8 +367,7 @@ void destroy(const clap_plugin_t* plugin) {
   ours->dpf->destroy(ours->dpf);
 }
 
-// ---- The library
-// ------------------------------------------------------------------------------------------------------
+// The library
 
 const clap_plugin_factory_t* dpf_factory() {
   return static_cast<const clap_plugin_factory_t*>(dpf_clap_entry.get_factory(CLAP_PLUGIN_FACTORY_ID));

@@ -53,8 +53,7 @@ std::string read_text(const std::int16_t* text) {
   return bytes;
 }
 
-// ---- Units: the groups of parameters
-// ----------------------------------------------------------------------------------
+// Units: the groups of parameters
 
 std::uint32_t one(void*) { return 1; }
 v3_result no(void*, const v3_tuid, void** object) {
@@ -87,8 +86,7 @@ const Units kUnits{
      [](void*, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t*) -> v3_result { return V3_FALSE; },
      [](void*, std::int32_t, std::int32_t, v3_bstream**) -> v3_result { return V3_FALSE; }}};
 
-// ---- Note expressions: INoteExpressionController, for which DPF has no header
-// -------------------------------------------
+// Note expressions: INoteExpressionController, for which DPF has no header
 
 constexpr v3_tuid kNoteExpressionController = V3_ID(0xB7F8F859, 0x41234872, 0x91169581, 0x4F3721A3);
 constexpr std::uint32_t kTuning = 2, kBrightness = 5;  // the format's numbers
@@ -183,8 +181,7 @@ v3_result process(void* self, v3_process_data* block) {
   return result;
 }
 
-// ---- Parameters
-// -------------------------------------------------------------------------------------------------------
+// Parameters
 
 // DPF counts the MIDI controllers as parameters, before ours. Returns a number that is not a parameter's for those.
 std::size_t parameter_of(void* controller, std::uint32_t id) {
@@ -219,8 +216,7 @@ v3_result get_value(void* self, v3_param_id id, std::int16_t* text, double* norm
   return V3_OK;
 }
 
-// ---- Objects
-// ----------------------------------------------------------------------------------------------------------
+// Objects
 
 // Finds the interfaces that DPF does not have.
 bool find_ours(const v3_tuid id, void** object) {
