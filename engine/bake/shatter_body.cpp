@@ -194,8 +194,8 @@ modal::Fracture strength_of(const SolvedBody& body, const modal::Material& mater
   return fracture;
 }
 
-// What pieces need in order to break again: the area of their skins and of the cracks inside them, and the stress of
-// their modes.
+// Adds all that pieces need in order to break again: the area of their skins and of the cracks inside them, and the
+// stress of their modes.
 void add_second_breaks(BakedLevel& pieces, const shatter::Level& level, const modal::Material& material) {
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     auto& [bank, mesh, solved] = pieces[i];

@@ -34,11 +34,11 @@ struct PieceBank {
   double far_m = 0;             // crack around it opens from one to the other
   std::size_t model = 0;        // its number in the file that it was read from
 
-  // Of a piece in a pattern that is nested in the one before:
+  // These two belong to a piece in a pattern that is nested in the one before:
   std::optional<std::size_t> coarser = {};  // the number of the piece that it belongs to, in the pattern before
   std::vector<float> from_coarser = {};     // BasicHandover::values for that piece's motions in place of the body's
 
-  // Of a piece that breaks again:
+  // The others belong to a piece that breaks again:
   double crack_area_m2 = 0;  // of the cracks between the pieces that belong to it, one face counted
   double skin_m2 = 0;        // the area of its skin, its cracks included; 0: unknown
   StressTable stress = {};   // of its modes; without points: unknown

@@ -93,14 +93,6 @@ std::size_t Islands::max_contacts() const {
   return nodes_.empty() ? 0 : std::ranges::max_element(nodes_, {}, &Node::contacts)->contacts;
 }
 
-double Islands::sum_of_cubes() const {
-  double sum = 0;
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    if (root_of(k) == k) sum += std::pow(static_cast<double>(nodes_[k].contacts), 3);
-  }
-  return sum;
-}
-
 // For each island, the energy gained is the change of its bodies' kinetic energy, less the work of gravity along their
 // mean velocities. The sums of an island stand at the number of its root.
 std::vector<Islands::Sum> Islands::weigh(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2) const {

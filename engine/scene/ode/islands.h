@@ -34,9 +34,6 @@ class Islands {
   // Returns the largest number of contact points of any island.
   [[nodiscard]] std::size_t max_contacts() const;
 
-  // Returns the sum of the cubes of these numbers over all islands, to which the exact solver's time is proportional.
-  [[nodiscard]] double sum_of_cubes() const;
-
   // All awake bodies, and the movable ones that they touch.
   [[nodiscard]] std::span<Collider* const> members() const { return members_; }
 

@@ -25,9 +25,10 @@
 //    obstacle (ode/flight_probe.h), and at most the rest of the step (Simulation::step). Mostly a step has one part.
 // 2. In a part, contacts are found and become contact joints with friction and restitution (ode/contact_joints.h).
 //    Bodies that touch or are joined form islands (islands.h).
-// 3. ODE's exact solver finds the impulses if it can solve all islands in time, and ODE's iterative solver otherwise.
-//    Before the exact solver runs, bodies that touch only what cannot move are solved without it (fixed_contacts.h). If
-//    the exact solver warns that it failed, the bodies are restored and the iterative one is used (State::solve).
+// 3. ODE's exact solver finds the impulses if no island has more contact points than it can solve in time, and ODE's
+//    iterative solver otherwise. Before the exact solver runs, bodies that touch only what cannot move are solved
+//    without it (fixed_contacts.h). If the exact solver warns that it failed, the bodies are restored and the iterative
+//    one is used (State::solve).
 // 4. If an island has gained energy in the part, its bodies are restored and the part is repeated with less restitution
 //    for that island (State::do_part). Any further gain is removed from the island's velocities.
 namespace ringdown::scene {
@@ -53,9 +54,6 @@ constexpr int kMaxRounds = 6;
 std::size_t max_exact_contacts(double step_s) {
   return static_cast<std::size_t>(kMaxExactContacts * std::cbrt(step_s / 0.002));
 }
-
-// The exact solver has time for so many islands of the largest size, or for more that are smaller.
-constexpr double kMaxFullIslands = 2;
 
 // The iterative solver's time grows with contacts times iterations. A tower needs many iterations; a heap, which has
 // more contacts, needs fewer.
@@ -221,8 +219,7 @@ void Simulation::State::find_contacts(const Part& part) {
 }
 
 bool Simulation::State::solve(const Part& part) {
-  const bool may_be_exact = islands.max_contacts() <= max_exact &&
-                            islands.sum_of_cubes() <= kMaxFullIslands * std::pow(static_cast<double>(max_exact), 3);
+  const bool may_be_exact = islands.max_contacts() <= max_exact;
   contacts.hand_over(may_be_exact, islands);
   if (may_be_exact) {
     contacts.push_lone_bodies();

@@ -82,9 +82,9 @@ TEST(PresetStrength, ImpulsesThatBreakThePresetsAndTheShareOfTheCracksTheyPay) {
       {"tumbler", {.at_m = {0.04, 0, 0.1}, .direction = {-1, 0, 0}}, 0.0282, 0.55},
       {"window-pane", {.at_m = {0.03, 0.02, 0.0015}, .direction = {0, 0, -1}}, 0.101, 3.12},
       {"bottle", {.at_m = {0.037, 0, 0.15}, .direction = {-1, 0, 0}}, 0.233, 2.57},
-      {"dinner-plate", {.at_m = {0, 0, 0.0045}, .direction = {0, 0, -1}}, 0.148, 0.54},
-      {"flower-pot", {.at_m = {0.068, 0, 0.115}, .direction = {-1, 0, 0}}, 0.229, 0.3},
-      {"ceramic-tile", {.at_m = {0, 0, 0.0035}, .direction = {0, 0, -1}}, 0.229, 0.75},
+      {"dinner-plate", {.at_m = {0, 0, 0.0045}, .direction = {0, 0, -1}}, 0.211, 1.10},
+      {"flower-pot", {.at_m = {0.068, 0, 0.115}, .direction = {-1, 0, 0}}, 0.327, 0.61},
+      {"ceramic-tile", {.at_m = {0, 0, 0.0035}, .direction = {0, 0, -1}}, 0.327, 1.54},
   };
   for (const auto& [name, hit, half_ns, paid] : cases) {
     const auto bank = preset(name);
