@@ -38,7 +38,7 @@ constexpr double kAsleep_s = 0.3;      // bodies that have stayed in place for t
 constexpr double kRests = 0.05;        // a body that comes, and falls by less than this share of g h^2, is at rest
 constexpr double kFree = 0.05;         // change of velocity around a frame in free fall, as a share of g's
 constexpr double kMaxWork = 2e6;       // in body-steps, about ten seconds on one core
-constexpr double kWorkOfTouch = 25;    // of the recovery, for each touch of a pair in an interval
+constexpr double kWorkOfTouch = 26;    // of the recovery, for each touch of a pair in an interval
 
 class Guide {
  public:

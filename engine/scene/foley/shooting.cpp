@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kMet_m = 5e-6;                         // an island is done that misses by less
 constexpr double kNear_m = 5e-5;                        // an island that misses by less is not scattered
+constexpr double kMaxStep_m = 0.1;                      // of a shift, so that no body becomes impossibly fast
 constexpr double kProbe_m = 1e-6;                       // shift that tells a slope
 constexpr int kRounds = 4, kSteps = 3;                  // of slopes; of steps with the same slopes
 constexpr double kBetter = 0.7;                         // share of the cost after a step that is worth another round
@@ -253,7 +254,7 @@ void Shooting::step_down(const Island& island, Aim& tried) const {
   if (!solve_in_place(normal, step)) return;
   for (std::size_t row = 0; row < size; ++row) {
     const std::size_t n = island.members[row / 6];
-    if (may_shift(n)) tried.shifts[n][row % 6] += step[row];
+    if (may_shift(n)) tried.shifts[n][row % 6] += std::clamp(step[row], -kMaxStep_m, kMaxStep_m);
   }
 }
 
