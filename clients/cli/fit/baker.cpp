@@ -32,6 +32,11 @@ Result<modal::Bank> Baker::bake_quickly(const std::vector<Figure>& figures) {
   return bank;
 }
 
+Result<modal::Bank> Baker::bake_finely(const std::vector<Figure>& figures) {
+  work_.begin("baking exactly", kFineShare);
+  return bake(figures, {"--set-material", "expansion_per_k=0"});
+}
+
 Result<modal::Bank> Baker::bake_well(const std::vector<Figure>& figures) {
   work_.begin("baking at last", kWellShare);
   return bake(figures, {});

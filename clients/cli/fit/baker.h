@@ -43,13 +43,15 @@ struct BakeRequest {
 
 class Baker {
  public:
-  static constexpr double kWellShare = 8;  // of the work, in quick bakes
+  static constexpr double kFineShare = 4, kWellShare = 8;  // of the work, in quick bakes
 
   // The banks are written into `folder`. The work outlives the baker.
   Baker(BakeRequest request, std::filesystem::path folder, std::stop_token stop, Work& work);
 
   // A search needs frequencies alone: elements of order 2, less the errors that the bank states of them, and no heat.
   Result<modal::Bank> bake_quickly(const std::vector<Figure>& figures);
+  // The end of a search: as exact as any bank, without heat.
+  Result<modal::Bank> bake_finely(const std::vector<Figure>& figures);
   // As exact as any bank, and with heat.
   Result<modal::Bank> bake_well(const std::vector<Figure>& figures);
 

@@ -21,6 +21,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <utility>
 
 namespace {
@@ -72,7 +73,7 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
                  "The weight of the object in kg, which tells its density, and so E itself.")
       ->check(manual::between(1e-9, 1e6));
   app.add_flag("--keep-nu", arguments.keep_nu,
-               "Keep the material's Poisson's ratio, which takes two bakes in place of seven.");
+               "Keep the material's Poisson's ratio, which takes two bakes in place of eleven.");
 }
 
 struct Inputs {
@@ -120,7 +121,8 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   return inputs;
 }
 
-constexpr double kSearchBakes = 6, kSoundShare = 1;  // quick bakes of a search; of a recording, in quick bakes
+constexpr double kSearchBakes = 7 + 3 * cli::Baker::kFineShare,
+                 kSoundShare = 1;  // quick bakes of a search; of a recording, in quick bakes
 
 Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments,
                                                     const std::stop_token& stop, cli::Work& work) {
@@ -175,15 +177,17 @@ Result<void> hear(const Inputs& inputs, CompareArguments& arguments, const std::
   return {};
 }
 
-// Bakes with these ratios, but for one that is there, and chooses between them.
-Result<void> search_nu(cli::Baker& baker, const fit::CalibrateOptions& match, std::span<const fit::Mode> heard,
-                       const std::array<double, 3>& ratios, const modal::Bank* known, Search& search) {
+// Bakes with three ratios around `middle`, and chooses between them.
+Result<void> search_nu(const fit::CalibrateOptions& match, std::span<const fit::Mode> heard, double middle,
+                       double aside, const std::function<Result<modal::Bank>(double nu)>& bake, Search& search) {
+  constexpr double kMin = 0.02, kMax = 0.47;
+  const double centre = std::clamp(middle, kMin + aside, kMax - aside);
   for (std::size_t i = 0; i < 3; ++i) {
-    const bool is_known = known && known->material->poisson_ratio == ratios[i];
-    Result<modal::Bank> bank = is_known ? Result<modal::Bank>(*known) : baker.bake_quickly({{kNu, ratios[i]}});
+    const double nu = centre + aside * (static_cast<double>(i) - 1);
+    Result<modal::Bank> bank = bake(nu);
     if (!bank) return fail(bank);
     search.banks[i] = std::move(*bank);
-    search.choices[i] = {ratios[i], &search.banks[i]};
+    search.choices[i] = {nu, &search.banks[i]};
   }
   search.choice = fit::choose_nu(heard, search.choices, match);
   return {};
@@ -216,34 +220,25 @@ std::vector<double> heard_hz(const cli::Comparison& c) {
   return hz;
 }
 
-// Searches Poisson's ratio, and keeps how it moves the frequencies. `wide` is the search over all ratios that solids
-// have, in which chance may be tried.
-Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, const modal::Bank& own, cli::Comparison& c,
-                     Search& wide) {
-  constexpr double kMin = 0.05, kMax = 0.43, kAside = 0.04;
-  constexpr int kRounds = 2;
-  const double middle = std::clamp(c.given_poisson_ratio, kMin + kAside, kMax - kAside);
-  auto found = search_nu(baker, arguments.match, c.heard, {kMin, middle, kMax}, &own, wide);
-  if (!found) return found;
-  fit::NuChoice choice = wide.choice;
-  for (int round = 0; round < kRounds; ++round) {
-    const double best = std::clamp(choice.poisson_ratio, kMin, kMax);
-    Search narrow;
-    auto refined = search_nu(baker, around(arguments.match, choice.tuning_cents), c.heard,
-                                   {best - kAside, best, best + kAside}, &own, narrow);
-    if (!refined) return refined;
-    choice = narrow.choice;
-    c.slopes = {slopes_of(narrow.banks[0], narrow.banks[2], 2 * kAside)};
-    if (std::abs(choice.poisson_ratio - best) < kAside / 2) break;  // the parabola holds there
-  }
-  arguments.match.around_cents = choice.tuning_cents;
-  c.nu_told = choice.told;
-  if (c.nu_told) {
-    c.poisson_ratio = choice.poisson_ratio;
-    c.figures = {{kNu, choice.poisson_ratio}};
-  } else {
-    c.slopes.clear();
-  }
+// Searches Poisson's ratio, twice by quick bakes and then by exact ones, and keeps how it moves the frequencies. `wide`
+// is the search over all ratios that solids have, in which chance may be tried.
+Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c, Search& wide) {
+  constexpr double kMiddle = 0.25, kWide = 0.2, kNarrow = 0.06, kClose = 0.03;
+  const auto quickly = [&](double nu) { return baker.bake_quickly({{kNu, nu}}); };
+  const auto finely = [&](double nu) { return baker.bake_finely({{kNu, nu}}); };
+  if (auto found = search_nu(arguments.match, c.heard, kMiddle, kWide, quickly, wide); !found) return found;
+  Search narrow, close;
+  const auto match_by = [&](const Search& search) { return around(arguments.match, search.choice.tuning_cents); };
+  if (auto found = search_nu(match_by(wide), c.heard, wide.choice.poisson_ratio, kNarrow, quickly, narrow); !found)
+    return found;
+  if (auto found = search_nu(match_by(narrow), c.heard, narrow.choice.poisson_ratio, kClose, finely, close); !found)
+    return found;
+  arguments.match.around_cents = close.choice.tuning_cents;
+  c.nu_told = close.choice.told;
+  if (!c.nu_told) return {};
+  c.slopes = {slopes_of(close.banks[0], close.banks[2], 2 * kClose)};
+  c.poisson_ratio = close.choice.poisson_ratio;
+  c.figures = {{kNu, close.choice.poisson_ratio}};
   return {};
 }
 
@@ -292,7 +287,7 @@ Result<void> find_bank(cli::Baker& baker, CompareArguments& arguments, cli::Comp
     c.figures = arguments.figures;
     if (const auto found = find_figures(baker, arguments, c); !found) return found;
   } else if (!arguments.keep_nu && !own->material->orthotropy) {  // a grain's constants leave nothing to nu
-    if (const auto found = find_nu(baker, arguments, *own, c, wide); !found) return found;
+    if (const auto found = find_nu(baker, arguments, c, wide); !found) return found;
   }
   Result<modal::Bank> best = baker.bake_well(c.figures);
   if (!best) return fail(best);
