@@ -32,7 +32,7 @@ class Bank {
     void operator()(ringdown_bank* bank) const { ringdown_bank_release(bank); }
   };
   std::unique_ptr<ringdown_bank, Release> bank_;
-  ringdown_bank_info info_{sizeof(ringdown_bank_info), 0, 0, 0, "", "", 0, 0, 0, 0, {}, 0, 0, 0, {}, {}};
+  ringdown_bank_info info_{sizeof(ringdown_bank_info), 0, 0, 0, "", "", 0, 0, 0, 0, {}, 0, 0, 0, {}, {}, {}};
 };
 
 Bank open(const py::object& path, const py::object& residual) {
