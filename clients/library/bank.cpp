@@ -65,8 +65,10 @@ ringdown_result ringdown_bank_describe(const ringdown_bank* bank, ringdown_bank_
       std::ranges::copy(std::array{moments.x, moments.y, moments.z}, ours.inertia_kg_m2);
       std::ranges::copy(std::array{turned[3], turned[0], turned[1], turned[2]}, ours.axes_wxyz);
     }
-    if (const auto range = modal::level_range_of(known))
-      std::ranges::copy(std::array{range->low, range->high}, ours.level_m);
+    if (known.levels) {
+      const Range range = known.levels->range_m();
+      std::ranges::copy(std::array{range.low, range.high}, ours.level_m);
+    }
     ours.has_radiation = known.radiation.has_value();
     ours.held = known.held;
     ours.has_residual = bank->residual.has_value();

@@ -277,12 +277,10 @@ Result<void> read_pieces(const Glb& glb, const JsonPlace& fracture, Bank& bank) 
   return {};
 }
 
-Result<Bank> piece_of(const Bank& body, std::size_t pattern, std::size_t number, const std::string& name) {
-  const Fracture* const fracture = body.fracture.get();
+Result<Bank> piece_of(const Fracture* fracture, std::size_t pattern, std::size_t number, const std::string& name) {
   if (!fracture || pattern >= fracture->patterns.size() || number >= fracture->patterns[pattern].pieces.size())
     return fail(ErrorKind::bad_input, "{} has no piece {} in a pattern {}", name, number, pattern);
   Bank piece = fracture->patterns[pattern].pieces[number].bank;
-  piece.gain = body.gain;
   piece.fracture = fracture_of_piece(*fracture, pattern, number);
   return piece;
 }
@@ -321,7 +319,10 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
         !scaled)
       return fail(scaled);
   }
-  return chosen.piece ? piece_of(bank, *chosen.number, *chosen.piece, name) : bank;
+  if (!chosen.piece) return bank;
+  auto piece = piece_of(bank.fracture.get(), *chosen.number, *chosen.piece, name);
+  if (piece) piece->gain = bank.gain;
+  return piece;
 }
 
 }  // namespace

@@ -423,7 +423,7 @@ void Stage::start_click(const verb::Click& click, const DueEvent& due, const Chu
                         const Shedding& shedding) REALTIME {
   const Voice* const voice = due.object->voices.current();
   const double impulse_ns = length(click.impulse_ns);
-  const std::optional<ClickShape> shape = voice ? voice->table().click() : std::nullopt;
+  const std::optional<ClickShape> shape = voice ? voice->table().click : std::nullopt;
   const bool sane =
       impulse_ns <= kMaxClickImpulse_ns && click.contact_time_s >= 0 && click.contact_time_s <= kMaxClick_s;
   if (shedding.tight() && sane) return;

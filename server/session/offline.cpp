@@ -32,7 +32,7 @@ class Run {
         session_(options.sample_rate_hz, {}, options.variation ? Rack::Vary(Variation(*options.variation)) : nullptr),
         score_(options.score) {
     if (stems) stems_.emplace(session_.rack());
-    session_.rack().set_on_warning([this](const std::string& sentence) { warnings_.push_back(sentence); });
+    session_.rack().warn = [this](const std::string& sentence) { warnings_.push_back(sentence); };
   }
 
   Result<void> prepare() {

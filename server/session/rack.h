@@ -57,14 +57,9 @@ class Rack {
   [[nodiscard]] Observers& observers() { return observers_; }
   [[nodiscard]] const Observers& observers() const { return observers_; }
 
-  // `on_warning` receives one sentence for each request that could be carried out in part only, from the worker or from
-  // the scene's thread. By default the sentences are lost. [main, before anything is loaded]
-  void set_on_warning(std::function<void(const std::string& sentence)> on_warning) {
-    on_warning_ = std::move(on_warning);
-  }
-  void warn(const std::string& sentence) const {
-    if (on_warning_) on_warning_(sentence);
-  }
+  // Receives one sentence for each request that could be carried out in part only, from the worker or from the scene's
+  // thread. By default the sentences are lost. [set by main, before anything is loaded]
+  std::function<void(const std::string& sentence)> warn = [](const std::string&) {};
 
   // Hands an event to the mixer. Returns false, and does nothing, if the mixer's queue is full. A gain or pan is stored
   // in the object, and a listener is remembered. Neither locks nor allocates, unless Observers::keep() does. [the
@@ -127,9 +122,8 @@ class Rack {
   // The buses, which make objects audible at their own ports beside the mix.
   [[nodiscard]] Buses& buses() { return buses_; }
 
-  // The pickups that have ever been set; their ports stay. Bit 0 is pickup 1. [any]
-  [[nodiscard]] std::uint32_t pickups() const { return pickups_; }
-  // The outputs beside the mix that should have a port: the buses and the pickups, by number. [any but audio]
+  // The outputs beside the mix that should have a port, by number: the buses, and the pickups that have ever been set.
+  // [any but audio]
   [[nodiscard]] std::map<std::size_t, std::string> ports() const;
 
   // Fades the object out. Its name may be used again at once, its number when the object is silent. [worker]
@@ -157,11 +151,10 @@ class Rack {
   Vary vary_;
   Observers observers_;
   ObjectTable objects_;
-  std::function<void(const std::string&)> on_warning_;
   Buses buses_;
-  Excitations excitations_;  // worker
-  std::atomic<std::uint32_t> inputs_ = 0, pickups_ = 0;
-  std::uint32_t shown_pickups_ = 0;  // worker: those that observers know of
+  Excitations excitations_;                              // worker
+  std::atomic<std::uint32_t> inputs_ = 0, pickups_ = 0;  // of pickups, bit 0 is pickup 1
+  std::uint32_t shown_pickups_ = 0;                      // worker: those that observers know of
   ListenerMemory listener_;
   Silences silences_{mixer_};             // worker
   std::set<synth::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus

@@ -67,7 +67,7 @@ rotation = { axis = [1, 0, 0], degrees = 30 }
 TEST_F(BreakingScene, PiecesAreObjectsOfTheSceneUntilItIsCleared) {
   Session session(kPlateRate_hz);
   std::vector<std::string> warnings;
-  session.rack().set_on_warning([&](const std::string& sentence) { warnings.push_back(sentence); });
+  session.rack().warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
   ASSERT_TRUE(session.scene().load(scene_, 0));
   for (int k = 0; k < 12; ++k) {
     const auto piece = session.rack().find({.name = "plate." + std::to_string(k)});

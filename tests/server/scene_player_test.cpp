@@ -110,7 +110,7 @@ TEST_F(ScenePlayerTest, AGltfSceneHasAnObjectForEachNodeAndNamesWhatItLeavesOut)
   std::vector<std::string> warnings;
   std::map<synth::ObjectNumber, int> strikes;
   Session session(48000);
-  session.rack().set_on_warning([&](const std::string& sentence) { warnings.push_back(sentence); });
+  session.rack().warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
   session.scene().send_to([&](const scene::StepReport& report) {
     for (const Event& event : report.events) strikes[event.object] += event.verb.holds<synth::verb::Strike>();
     return std::size_t{0};

@@ -59,11 +59,10 @@ bake::Filling filling_of(const FillRequest& request) {
 // By the levels that the bank knows, or from its shapes.
 Result<bake::FilledBank> filled_bank(const modal::Bank& bank, const FillRequest& request,
                                      const bake::Filling& filling) {
-  const auto range = modal::level_range_of(bank);
-  if (!range) return bake::fill_bank(bank, filling);
+  if (!bank.levels) return bake::fill_bank(bank, filling);
   if ((!request.level_m && !request.full) || request.liquid != bank.provenance.liquids.front().liquid)
     return fail(ErrorKind::bad_input, "it knows the levels of its own liquid; say --level or --full");
-  auto there = modal::at_level(bank, request.level_m.value_or(range->high));
+  auto there = modal::at_level(bank, request.level_m.value_or(bank.levels->range_m().high));
   if (!there) return fail(there);
   return bake::FilledBank{std::move(there->bank), 0};
 }

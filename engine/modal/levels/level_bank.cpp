@@ -391,23 +391,18 @@ class LevelBankMaker {
 
 }  // namespace
 
-std::optional<Range> level_range_of(const Bank& bank) {
-  if (!bank.levels) return std::nullopt;
-  return Range{bank.levels->level_m.front(), bank.levels->level_m.back()};
-}
-
 Result<void> check_level(const Bank& bank, double level_m) {
-  const std::optional<Range> range = level_range_of(bank);
-  if (!range)
+  if (!bank.levels)
     return fail(ErrorKind::bad_input,
                 "its bank does not know other levels of a liquid; bake it with [fill] and levels = 16");
-  const double rounding_m = kRounding * (range->high - range->low + std::abs(range->high));
-  if (!(level_m >= range->low - rounding_m))
+  const Range range = bank.levels->range_m();
+  const double rounding_m = kRounding * (range.high - range.low + std::abs(range.high));
+  if (!(level_m >= range.low - rounding_m))
     return fail(ErrorKind::bad_input, "the level {:.4g} m lies below the bottom, at {:.4g} m, where it is empty",
-                level_m, range->low);
-  if (!(level_m <= range->high + rounding_m))
+                level_m, range.low);
+  if (!(level_m <= range.high + rounding_m))
     return fail(ErrorKind::bad_input, "the level {:.4g} m lies above the rim, at {:.4g} m, where it runs over", level_m,
-                range->high);
+                range.high);
   return {};
 }
 

@@ -29,9 +29,6 @@ struct LevelBank {
   LevelModes modes;
 };
 
-// Returns the range of levels that the bank knows [m, along its liquid's `up`]; nothing without levels.
-std::optional<Range> level_range_of(const Bank& bank);
-
 // Fails with one sentence when the bank has no levels, or when the level lies below the bottom or above the rim.
 Result<void> check_level(const Bank& bank, double level_m);
 

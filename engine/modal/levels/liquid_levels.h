@@ -10,6 +10,8 @@
 // Column j of V says how the liquid gives way in motion j when the body moves slowly.
 #pragma once
 
+#include "engine/base/range.h"
+
 #include <cstddef>
 #include <vector>
 
@@ -33,6 +35,7 @@ struct LiquidLevels {
   std::vector<float> drag;             // L x M: the boundary layer takes drag sqrt(omega) of each mode [s^-1/2]
 
   [[nodiscard]] std::size_t levels() const { return level_m.size(); }
+  [[nodiscard]] Range range_m() const { return {level_m.front(), level_m.back()}; }
   [[nodiscard]] std::size_t columns(std::size_t modes) const { return rigid + modes + further; }
 };
 

@@ -1,9 +1,9 @@
 // Finds the velocities with which bodies begin an interval of an animation, so that a simulation takes them to where
 // the next frame shows them. [one thread at a time]
 //
-//   Shooting shooting(bodies, every_s, [&](std::span<const Shooter> bodies) { return simulate(bodies); });
+//   Shooting shooting(bodies, every_s, fire);  // `fire` simulates the interval
 //   shooting.aim();
-//   simulate(shooting.bodies());  // once more, to take the contacts
+//   fire(shooting.bodies());  // once more, to take the contacts
 #pragma once
 
 #include "engine/scene/body_store.h"

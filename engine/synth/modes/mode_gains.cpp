@@ -61,7 +61,7 @@ void ModeGains::aim(const Vec3& toward, double distance_m, const modal::AirAbsor
                     double frames) REALTIME {
   begin();
   if (!(std::abs(distance_m - air_distance_m_) <= kSameDistance * distance_m) || !(absorption == air_)) {
-    find_absorption(absorption, distance_m, table_.frequencies_hz(), columns_, row(air));
+    find_absorption(absorption, distance_m, table_.heard_columns().frequencies_hz, columns_, row(air));
     air_distance_m_ = distance_m;
     air_ = absorption;
   }
@@ -76,7 +76,7 @@ void ModeGains::aim(const Vec3& toward, double distance_m, const modal::AirAbsor
     modal::real_harmonics(toward, std::max(map.degree(), 0), harmonics);
     float *const re = by_rank_.get(), *const im = re + ranks_;
     look_up(map, harmonics.data(), re, im);
-    const std::uint32_t* const rank = table_.ranks();
+    const std::uint32_t* const rank = table_.heard_columns().ranks;
     for (std::size_t c = 0; c < columns_; ++c) {
       to_re[c] = left[c] * re[rank[c]];
       to_im[c] = left[c] * im[rank[c]];

@@ -2,6 +2,7 @@
 
 #include "engine/synth/modes/blow_limit.h"
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numeric>
@@ -75,6 +76,14 @@ Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, do
                          std::span<const Probes::One> probes) REALTIME {
   const bool allowed = !muting && states.for_kernel(0).hearing == nullptr;
   return coupling.render(states.re(), states.im(), allowed, out, frames, probes);
+}
+
+// Adds what the probes feel of all that sounds in the next frames.
+void feel(const Probes& probes, const StateArray& states, const std::array<ActiveGroups, 2>& sounding, FadeOut& fade,
+          Muting& muting, std::size_t frames) REALTIME {
+  for (const ActiveGroups& groups : sounding) probes.ring(states, groups, frames);
+  if (fade.running()) fade.feel(probes, frames);
+  if (muting.changing()) muting.feel(states, probes, frames);
 }
 
 }  // namespace
@@ -180,18 +189,11 @@ void ModeStates::fade_out(const Fading& fade) REALTIME {
 }
 
 // Lets the probes feel what rings freely in the next `frames`.
-void ModeStates::feel(std::size_t frames) REALTIME {
-  if (probes.all().empty()) return;
-  for (const ActiveGroups* groups : {&slow_, &fast_}) probes.ring(states_, *groups, frames);
-  if (fade_.running()) fade_.feel(probes, frames);
-  if (muting_.changing()) muting_.feel(states_, probes, frames);
-}
-
 bool ModeStates::render(double* out, std::size_t frames, double floor) REALTIME {
   const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames, probes.all());
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(false);
-  feel(frames);
+  if (!probes.all().empty()) feel(probes, states_, {slow_, fast_}, fade_, muting_, frames);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
   for (ActiveGroups* groups : {&slow_, &fast_}) {
@@ -208,7 +210,7 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames, probes.all());
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(true);
-  feel(frames);
+  if (!probes.all().empty()) feel(probes, states_, {slow_, fast_}, fade_, muting_, frames);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   const ModeArrays all = states_.for_kernel(frames);
   bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;

@@ -151,7 +151,6 @@ class ModeStates {
   void settle() REALTIME;
   void unmute() REALTIME;
   void mark() REALTIME;
-  void feel(std::size_t frames) REALTIME;
 
   const ModeTable& table_;
   StateArray states_;

@@ -113,8 +113,8 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
       sample_rate_hz_(sample_rate_hz),
       settings_(settings),
       per_size_(1 / material.size),
-      click_(click_of(bank(), material, settings.full_scale_pa)),
       column_of_(bank().mode_count(), -1) {
+  click = click_of(bank(), material, settings.full_scale_pa);
   const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, dampers_, modes_, sample_rate_hz);
   slow_modes_ = static_cast<std::size_t>(
       std::count_if(playable.begin(), playable.end(), [](const PlayableMode& m) { return takes_moments(m.s); }));

@@ -96,11 +96,15 @@ class ModeTable {
   // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
   void prepare(std::size_t frames) REALTIME;
 
-  // In which directions the bank's modes are heard, and for each column the rank of its mode there, its frequency, and
-  // log p of its pole. Padding columns have a rank of 0.
+  // In which directions the bank's modes are heard, and for each column the rank of its mode there and its frequency.
+  // Padding columns have a rank of 0.
   [[nodiscard]] const modal::DirectionMap& directions() const REALTIME { return map_->directions(); }
-  [[nodiscard]] const std::uint32_t* ranks() const REALTIME { return rank_.data(); }
-  [[nodiscard]] const float* frequencies_hz() const REALTIME { return column_hz_.get(); }
+  struct Columns {
+    const std::uint32_t* ranks;
+    const float* frequencies_hz;
+  };
+  [[nodiscard]] Columns heard_columns() const REALTIME { return {rank_.data(), column_hz_.get()}; }
+  // log p of the pole of each column.
   [[nodiscard]] std::pair<const double*, const double*> exponents() const REALTIME {
     return {row(exponent_re), row(exponent_im)};
   }
@@ -116,8 +120,7 @@ class ModeTable {
   }
 
   // The click of the object as a whole; nothing if the bank does not state its mass, or if it is too large to click.
-  [[nodiscard]] const std::optional<ClickShape>& click() const REALTIME { return click_; }
-
+  std::optional<ClickShape> click;
   // The detuning of its modes by each other, and the modes that may exchange energy; null if the bank has no such data.
   std::shared_ptr<const GlideMatrix> glide;
   std::shared_ptr<const CoupledTable> coupled;
@@ -136,8 +139,7 @@ class ModeTable {
   modal::ModeRange modes_;
   double sample_rate_hz_;
   TableSettings settings_;
-  double per_size_;  // from points of the object to those of its bank
-  std::optional<ClickShape> click_;
+  double per_size_;                              // from points of the object to those of its bank
   std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
   std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable
   std::vector<double> weight_;  // output per modal velocity: pressure over full scale, gain, the scale of shapes
