@@ -16,8 +16,8 @@
 // In each interval (Guide::simulate_interval):
 //
 // 1. Every body gets a start (start_of): the velocity at the end of the interval before if that was simulated, rest if
-//    the body has not moved, that of a free fall if it has just come or if nothing acted on it around the frame. Other
-//    bodies stay where they are, and an island with one of them is not accepted.
+//    the body has not moved, that of a free fall if nothing acted on it around the frame, or around the next one if it
+//    has just come. Other bodies stay where they are, and an island with one of them is not accepted.
 // 2. Shooting corrects the starts.
 // 3. Islands that meet their targets by small corrections are accepted (is_accepted). Their contact points go into the
 //    recovery, and their bodies go on with the velocities that they have at the end.
@@ -132,7 +132,7 @@ class Guide {
       shooter.start.spin_rad_s = track.carried->spin_rad_s;
     } else if (comes && way_m(n, k) < kRests * gravity_m_s2_ * every_s_ * every_s_) {
       shooter.trust = kLittleTrust;
-    } else if (comes || falls_freely(n, k)) {
+    } else if (comes ? motion(n).has_interval(k + 1) && falls_freely(n, k + 1) : falls_freely(n, k)) {
       shooter.start = motion(n).free_start(k, step_s_);
       shooter.trust = kLittleTrust;
     } else {
