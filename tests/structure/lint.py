@@ -89,7 +89,7 @@ def main():
     with open("build/lint/compile_commands.json") as file:
         commands = {os.path.relpath(entry["file"]): entry for entry in json.load(file)}
     tasks = [(name, options) for name in files if not name.endswith("-inl.h") and (options := options_for(name, commands))]
-    filter_ = json.dumps([{"name": name, "lines": ranges} for name, ranges in lines.items()])
+    filter_ = json.dumps([{"name": name, "lines": lines[name]} for name in files])
     bad = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for name, found, text in pool.map(lambda task: check(*task, filter_), tasks):
