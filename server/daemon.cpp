@@ -233,7 +233,7 @@ Daemon::~Daemon() = default;
 
 void Daemon::configure() {
   session::Rack& rack = session_.rack();
-  rack.set_on_warning(log_warning);
+  rack.warn = log_warning;
   Driver& driver = *driver_;  // the driver itself uses it while it ends, when driver_ is null already
   rack.observers().set_on_change([&driver] { driver.program_changed(); });
   synth::MixerSettings settings = options_.mixer;

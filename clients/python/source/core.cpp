@@ -106,7 +106,7 @@ py::object list_of(const Bank& bank, ringdown_bank_list list) {
 
 // A ringdown.Losses; None if the bank does not have them.
 py::object losses_of(const Bank& bank) {
-  const py::object found = list_of(bank, RINGDOWN_LOSSES_PER_S);
+  py::object found = list_of(bank, RINGDOWN_LOSSES_PER_S);
   if (found.is_none()) return found;
   return py::module_::import("ringdown.values").attr("Losses")(*found.attr("reshape")(-1, 4).attr("T"));
 }

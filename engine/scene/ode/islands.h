@@ -38,8 +38,8 @@ class Islands {
   [[nodiscard]] std::span<Collider* const> members() const { return members_; }
 
   // Returns the body that stands for the island of a body: the body itself if it is in no island.
-  [[nodiscard]] const Collider& island_of(const Collider& body) const {
-    return body.island.number_ ? *members_[root_of(*body.island.number_)] : body;
+  [[nodiscard]] const Collider* island_of(const Collider& body) const {
+    return body.island.number_ ? members_[root_of(*body.island.number_)] : &body;
   }
   // Returns the number of contact points of the body's island.
   [[nodiscard]] std::size_t contacts_of(const Collider& body) const {

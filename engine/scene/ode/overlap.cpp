@@ -101,8 +101,8 @@ void move_apart(std::span<const Overlap> overlaps, const Correction& correction,
     return wanted_m(overlap, of_body.point_m(point.point_m) - of_other.point_m(point.point_m), correction);
   };
   const auto islands_of = [&](const Overlap& overlap) {
-    return std::array{overlap.body->movable() ? &islands.island_of(*overlap.body) : nullptr,
-                      overlap.other->movable() ? &islands.island_of(*overlap.other) : nullptr};
+    return std::array{overlap.body->movable() ? islands.island_of(*overlap.body) : nullptr,
+                      overlap.other->movable() ? islands.island_of(*overlap.other) : nullptr};
   };
   for (const Overlap& overlap : overlaps) {
     if (wanted_at(overlap) <= kMin_m) continue;

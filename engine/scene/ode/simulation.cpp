@@ -298,7 +298,7 @@ void Simulation::State::let_still_bodies_sleep() {
   if (shaken) return;
   const auto for_each_awake = [this](const auto& call) {
     for (Collider* collider : in_order) {
-      if (collider->sleep.was_awake() && collider->awake()) call(*collider, &islands.island_of(*collider));
+      if (collider->sleep.was_awake() && collider->awake()) call(*collider, islands.island_of(*collider));
     }
   };
   std::vector<const Collider*> moving;  // islands, in order
