@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr int kLooks = 5;           // levels whose wet modes go into the basis
-constexpr double kMissing = 1e-4;   // share of a mode's strain energy that one further motion must have to be kept
-constexpr double kShaped = 1e-2;    // such a share from which its shape is kept, too
+constexpr double kMissing = 2e-5;   // share of a mode's strain energy that one further motion must have to be kept
+constexpr double kShaped = 2e-5;    // such a share from which its shape is kept, too
 constexpr double kGivesWay = 3e-5;  // relative change of lambda by a motion of the liquid, to be kept
 constexpr Index kMaxMotions = 12;   // of the liquid; below modal::kMaxLiquidMotions
 
