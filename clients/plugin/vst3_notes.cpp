@@ -5,11 +5,14 @@
 
 namespace ringdown::plugin {
 
-// The model keeps the thread's variable at a fixed place: any other model might allocate it at its first use.
+// The model keeps the thread's variable at a fixed place, so that its use is safe: any other model might allocate it at
+// its first use.
+TRUST_REALTIME_BEGIN
 NoteSayings*& sayings_of_block() REALTIME {
   static thread_local NoteSayings* present __attribute__((tls_model("initial-exec"))) = nullptr;
   return present;
 }
+TRUST_REALTIME_END
 
 std::size_t NoteExpressions::write(const NoteSaying& saying, std::array<Message, 2>& messages) REALTIME {
   if (saying.kind == NoteSaying::Kind::begins) {

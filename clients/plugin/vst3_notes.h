@@ -3,6 +3,7 @@
 #pragma once
 
 #include "clients/plugin/keyboard.h"
+#include "engine/base/realtime.h"
 
 #include <array>
 #include <cstddef>
