@@ -1,5 +1,5 @@
-// What CLAP hosts list in their browsers before they open the plug-in: the presets, with families and descriptions, and
-// the banks and note maps of the user's folder. [any]
+// CLAP hosts list presets in their browsers before they open the plug-in. This tells them ours, with families and
+// descriptions, and the banks and note maps of the user's folder. [any]
 #pragma once
 
 #include "clients/plugin/clap_abi.h"

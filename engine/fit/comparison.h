@@ -43,7 +43,7 @@ struct NuChoice {
 // banks of one shape, with ascending ratios.
 NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options);
 
-// What chance would find: the matches of lists of modes that are not the object's.
+// Chance finds matches, too: this is how many it finds in lists of modes that are not the object's.
 struct Chance {
   double matches = 0;  // mean over the lists
   double share = 0;    // of the lists that match as many modes, or more

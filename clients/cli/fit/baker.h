@@ -52,7 +52,7 @@ class Baker {
   Result<modal::Bank> bake_quickly(const std::vector<Figure>& figures);
   // The end of a search: as exact as any bank, without heat.
   Result<modal::Bank> bake_finely(const std::vector<Figure>& figures);
-  // As exact as any bank, and with heat.
+  // Bakes as exactly as `ringdown bake` does, losses to heat included.
   Result<modal::Bank> bake_well(const std::vector<Figure>& figures);
 
  private:

@@ -1,4 +1,4 @@
-// What is wet of a body with liquid in it or around it, and what that changes of its modes. [worker]
+// Finds which part of a body is wet by a liquid in it or around it, and how that changes its modes. [worker]
 //
 //   Result<WetPlan> plan = plan_liquids(liquids, unit_mesh, surface, units);    // fails on a level that cannot be
 //

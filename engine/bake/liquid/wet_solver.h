@@ -43,16 +43,17 @@ struct PartTerms {
   // the band, whose largest lambda is `top`.
   void add_shapes(const WetPart& part, const liquid::Skin& skin, const Eigen::MatrixXd& shapes, double top);
 
-  // What binds the body's N shapes to the oscillators: N x count; and the wavenumbers of these.
+  // bond() returns the matrix that binds the body's N shapes to the oscillators, N x count; wavenumbers() those of the
+  // oscillators, count [rad per length of the unit mesh].
   [[nodiscard]] Eigen::MatrixXd bond(const WetPart& part) const;
   [[nodiscard]] Eigen::VectorXd wavenumbers() const;
 
   // The amplitudes of the liquid's modes in the potential, beside the still one: y_j / (kappa_j sqrt(rho)).
   [[nodiscard]] Eigen::MatrixXd swing(const WetPart& part, const Eigen::MatrixXd& liquids) const;
 
-  // Of wet modes, N x m amplitudes of the shapes and count x m of the oscillators, that move the skin by `on_wall`: m
-  // decays by the boundary layer, as WetEffects::drag. It takes R_s/2 times the square of the slip between liquid and
-  // wall (Landau & Lifshitz, Fluid Mechanics, section 24).
+  // Returns the decays of m wet modes by the boundary layer, as WetEffects::drag. The modes are given by N x m
+  // amplitudes of the shapes and count x m of the oscillators, and move the skin by `on_wall`. The layer takes R_s/2
+  // times the square of the slip between liquid and wall (Landau & Lifshitz, Fluid Mechanics, section 24).
   [[nodiscard]] Eigen::VectorXd drag(const WetPart& part, const liquid::Skin& skin, const Eigen::MatrixXd& own,
                                      const Eigen::MatrixXd& liquids, const Eigen::MatrixXd& on_wall) const;
 };

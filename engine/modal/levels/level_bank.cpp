@@ -79,7 +79,7 @@ Matrix blended(const std::vector<float>& arrays, const std::vector<double>& shar
   return sum;
 }
 
-// Both matrices of a level: N columns of the body, then J of the liquid.
+// The stiffness and mass matrices of one level, with N columns of the body, then J of the liquid.
 class Equations {
  public:
   Equations(const Bank& bank, double level_m)

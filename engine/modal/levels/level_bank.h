@@ -38,9 +38,9 @@ Result<LevelBank> at_level(const Bank& bank, double level_m);
 // The modes of the bank itself, which must have levels.
 LevelModes as_baked(const Bank& bank);
 
-// What becomes of modes that ring when the level changes at once: M x M each, from the old amplitudes of sqrt(2 energy)
-// to the new ones. Liquid that joins is at rest, so that momentum is kept; liquid that leaves takes its momentum with
-// it. Displacement is kept in both cases. The energy never rises.
+// A level that changes at once turns ringing modes into others by these matrices, M x M each, from the old amplitudes
+// of sqrt(2 energy) to the new ones. Liquid that joins is at rest, so that momentum is kept; liquid that leaves takes
+// its momentum with it. Displacement is kept in both cases. The energy never rises.
 struct LevelTransfer {
   std::vector<double> velocity, displacement;
 };

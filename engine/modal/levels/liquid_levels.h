@@ -1,4 +1,4 @@
-// What a liquid does to the modes of a body at any of its levels, as a bank keeps it (docs/how/liquid.md). [any thread]
+// A bank's record of how a liquid changes the modes of a body at any of its levels (docs/how/liquid.md). [any thread]
 //
 // The motions of the body are sums of N = F + M + R columns: F rigid motions (6, or none of a held body), the M modes
 // of the bank, and R further ones; the liquid gives way in J motions of its own. Matrices are symmetric, and packed row

@@ -91,7 +91,8 @@ class ContactJoints {
     return std::span(points_).subspan(part_.first_point);
   }
 
-  // What is kept from one part to the next. Kept surface contacts are not part of it: they are found again.
+  // The joints keep this from one part to the next. Kept surface contacts are not part of it, since they are found
+  // again.
   struct Memory {
     Partings partings;
     ContactLoads loads;

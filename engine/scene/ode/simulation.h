@@ -26,7 +26,7 @@ inline constexpr double kMaxExactContacts = 52;
 // Maximum number of parts into which a step is divided, so that fast bodies do not fly through obstacles.
 inline constexpr int kMaxParts = 16;
 
-// What a simulation remembers of the steps before, beside the motions of its bodies.
+// A simulation remembers this of the steps before, beside the motions of its bodies.
 struct SimulationMemory;
 
 class Simulation {
@@ -58,8 +58,8 @@ class Simulation {
   // Places a body, which sleeps there until something touches it.
   void rest(BodyId id, const Motion& motion);
 
-  // For a caller that simulates the same time several times over: with the motions of all bodies, recall() brings back
-  // the simulation as it was when memory() was called.
+  // memory() and recall() serve a caller that simulates the same time several times over: together with the motions of
+  // all bodies, recall() brings back the simulation as it was when memory() was called.
   [[nodiscard]] std::shared_ptr<const SimulationMemory> memory() const;
   void recall(const SimulationMemory& memory);
 
