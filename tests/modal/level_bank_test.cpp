@@ -91,6 +91,24 @@ TEST(LevelBank, ALiquidThatGivesWayIsOneMoreOscillator) {
   EXPECT_NEAR(omega_of(there->bank, 0) / std::sqrt(lower), 1, 1e-6);
 }
 
+// With more coupling than the masses allow, which a spline may leave, the body rings with the mass that the liquid
+// adds.
+TEST(LevelBank, AMotionOfTheLiquidThatCannotBeIsLeftOut) {
+  Bank bank = leveled_bank(440, 0);
+  LiquidLevels levels = *bank.levels;
+  levels.liquid = 1;
+  levels.following = {1};
+  for (std::size_t l = 0; l < levels.levels(); ++l) {
+    levels.added[l] = 1;
+    levels.bond.push_back(1.5F * std::sqrt(2e-6F));
+    levels.liquid_mass.push_back(1e-6F);
+  }
+  bank.levels = std::make_shared<const LiquidLevels>(levels);
+  const auto there = at_level(bank, 0.05);
+  ASSERT_TRUE(there) << there.error().message;
+  EXPECT_NEAR(omega_of(there->bank, 0) / omega_of(bank, 0), std::sqrt(0.5), 1e-6);
+}
+
 // Momentum is kept where liquid joins, and velocity where it leaves.
 TEST(LevelBank, WhatRingsLosesEnergyWithEachChangeOfLevel) {
   const Bank bank = leveled_bank(440, 2);

@@ -122,8 +122,9 @@ class Equations {
   [[nodiscard]] double mass(std::size_t i, std::size_t j) const { return mass_[i * size_ + j]; }
   [[nodiscard]] double stiffness(std::size_t i, std::size_t j) const { return stiffness_[i * size_ + j]; }
 
-  // Motions of the liquid that are there at this level, as columns over J: some are lost where the liquid is shallow.
-  [[nodiscard]] Matrix liquid_basis(std::size_t& count) const {
+  // Motions of the liquid that are there at this level, as columns over J: some are lost where the liquid is shallow,
+  // those that are the same as others but for a share `least`.
+  [[nodiscard]] Matrix liquid_basis(double least, std::size_t& count) const {
     const std::size_t liquid = size_ - body_;
     std::vector<double> unit(liquid);
     double largest = 0;
@@ -138,7 +139,7 @@ class Equations {
     }
     const SymmetricSpectrum spectrum = symmetric_spectrum(std::move(alike), liquid);
     count = 0;
-    for (const double value : spectrum.values) count += value > kIndependent ? 1 : 0;
+    for (const double value : spectrum.values) count += value > least ? 1 : 0;
     Matrix basis(liquid * count);
     for (std::size_t i = 0; i < liquid; ++i) {
       for (std::size_t k = 0; k < count; ++k) {
@@ -166,10 +167,11 @@ struct AllModes {
   std::size_t count = 0;
 };
 
-std::optional<AllModes> solve(const Equations& equations) {
+// Empty when the mass is not positive definite.
+std::optional<AllModes> solve(const Equations& equations, double least) {
   const std::size_t body = equations.body(), liquid = equations.size() - body;
   std::size_t there = 0;
-  const Matrix basis = equations.liquid_basis(there);
+  const Matrix basis = equations.liquid_basis(least, there);
   AllModes modes{.count = body + there};
   const std::size_t n = modes.count;
   Matrix whole(equations.size() * n);  // from the unknowns that are there to all
@@ -187,6 +189,15 @@ std::optional<AllModes> solve(const Equations& equations) {
   if (!spectrum) return std::nullopt;
   modes.lambda = std::move(spectrum->values);
   modes.mixing = product(whole, spectrum->vectors, n);
+  return modes;
+}
+
+// Between two levels the spline's rounding may leave more coupling to a motion of the liquid than its mass allows. Such
+// a motion is nearly the same as others; it is left out there.
+std::optional<AllModes> solve(const Equations& equations) {
+  constexpr double kAll = 1e3;  // more than any: without motions of the liquid
+  std::optional<AllModes> modes;
+  for (double least = kIndependent; !modes && least < kAll; least *= 10) modes = solve(equations, least);
   return modes;
 }
 
