@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fills a tumbler with water while it is struck: the pitch falls by more than an octave.
+"""Fills a tumbler with water while it is struck: the pitch falls from 1180 to 684 Hz.
 
     ringdown bake tumbler_of_water.toml --radiation -o tumbler.glb
     python3 fill_tumbler.py tumbler.glb [-o filling.wav] [--seconds 8]
