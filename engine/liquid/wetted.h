@@ -14,8 +14,8 @@ namespace ringdown::liquid {
 struct Wetted {
   bool outside = false;  // true: the liquid surrounds the wall; false: the wall encloses it
   bool open = true;      // false: a full closed cavity, without a free surface
-  Eigen::Matrix3d turn;  // a point of the frame is turn * point + shift
-  Eigen::Vector3d shift;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  // a point of the frame is turn * point + shift
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   std::vector<Eigen::Index> triangles;  // of the skin, wet at least in part
   mesh::TriangleMesh wall;              // cut at the depth 0; counter-clockwise from outside what it encloses
   std::vector<Eigen::Index> samples;    // N numbers of the skin's samples that are wet
