@@ -56,7 +56,7 @@ def page(path):
     print("rows", reader.rows)
     print("faults", reader.unclosed + len(reader.open), "outside", len(reader.outside), *reader.outside)
     if data:
-        for name in ("points", "triangles", "shapes"):
+        for name in ("points", "triangles", "places", "shapes"):
             print(name, len(base64.b64decode(data[name], validate=True)))
     for cell in reader.cells:
         print("cell", cell)

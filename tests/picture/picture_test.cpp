@@ -115,9 +115,12 @@ TEST(Picture, PresetsHaveAPageWithEveryMode) {
     EXPECT_EQ(said["title"], bank.name);
     EXPECT_EQ(said["rows"], std::to_string(bank.mode_count() + 1));
     EXPECT_EQ(said["faults"], "0 outside 0") << path;
+    EXPECT_LT(fs::file_size(folder / "x.html"), 1'000'000u) << path;
     EXPECT_EQ(said["points"], std::to_string(6 * bank.point_count()));
-    EXPECT_EQ(said["triangles"], std::to_string(12 * bank.triangles.size()));
-    EXPECT_EQ(said["shapes"], std::to_string(3 * bank.point_count() * bank.mode_count()));
+    EXPECT_EQ(said["triangles"], std::to_string(6 * bank.triangles.size()));
+    const std::size_t places = cli::places_of(bank).size();
+    EXPECT_EQ(said["places"], std::to_string(2 * places));
+    EXPECT_EQ(said["shapes"], std::to_string(6 * places * bank.mode_count()));
     for (const double hz : bank.frequency_hz) {
       std::ostringstream cell;
       cell << std::fixed;
@@ -184,17 +187,78 @@ TEST(Picture, TheSpectrumIsThatOfTheSound) {
   }
 }
 
-TEST(Picture, TheViewDrawsEveryTriangleAndChoosesModes) {
+TEST(Picture, TheViewDrawsEveryTriangleChoosesModesAndStrikesWhatIsPressed) {
   if (!installed("node")) GTEST_SKIP() << "node is not installed";
   const TemporaryFolder folder;
   const auto bank = *modal::read_bank(kBanks / "coin.glb");
   ASSERT_EQ(picture(kBanks / "coin.glb", {folder / "x.html"}).exit_code, 0);
   const Outcome ran = run({"node", RINGDOWN_SOURCE_DIR "/tests/picture/run_view.js", folder / "x.html"});
   EXPECT_EQ(ran.exit_code, 0) << ran.output;
-  EXPECT_NE(ran.output.find("faces " + std::to_string(bank.triangles.size()) + " colours true"), std::string::npos)
+  EXPECT_NE(ran.output.find("faces " + std::to_string(bank.triangles.size()) + " points 0"), std::string::npos)
       << ran.output;
+  EXPECT_NE(ran.output.find("sounds 0"), std::string::npos) << "nothing was struck beside the object";
+  EXPECT_NE(ran.output.find("struck Struck at ("), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("peak true"), std::string::npos) << ran.output;
   const std::string last = std::to_string(bank.mode_count() - 2);  // the last one was chosen, then the one before it
   EXPECT_NE(ran.output.find("title mode " + last + ", " + last + "/1 Hz"), std::string::npos) << ran.output;
+}
+
+TEST(Picture, APageWhoseShapesWouldBeTooLargeHasPlacesAllOverTheBody) {
+  const auto bank = *modal::read_bank(kBanks / "crash-cymbal.glb");
+  const std::vector<std::uint16_t> places = cli::places_of(bank);
+  EXPECT_EQ(places.size(), cli::kMaxShapeBytes / (6 * bank.mode_count()));
+  double farthest = 0;
+  for (const auto& point : bank.positions) {
+    double nearest = 1;
+    for (const std::uint16_t p : places)
+      nearest = std::min(nearest, length(cli::wide(point) - cli::wide(bank.positions[p])));
+    farthest = std::max(farthest, nearest);
+  }
+  EXPECT_LT(farthest, 0.015) << "of a disc of 0.36 m";
+}
+
+// Each number that strike_page.js and press_page.js print after "error", in dB; all of them are stated in `output`.
+std::vector<double> errors_in(const std::string& output) {
+  std::vector<double> errors;
+  for (auto at = output.find("error "); at != std::string::npos; at = output.find("error ", at + 1)) {
+    errors.push_back(std::strtod(output.c_str() + at + 6, nullptr));
+  }
+  return errors;
+}
+
+// A body with maps of radiation, one with modes above Nyquist's frequency and pieces, a gong that glides when it is
+// struck hard, and a bank of another maker, whose loudness follows from its triangles.
+TEST(Picture, ThePageSoundsAsRenderDoes) {
+  if (!installed("node")) GTEST_SKIP() << "node is not installed";
+  const TemporaryFolder folder;
+  modal::Bank foreign = *modal::read_bank(kBanks / "coin.glb");
+  foreign.radiation.reset(), foreign.gain = 0.5;
+  ASSERT_TRUE(modal::write_bank(foreign, folder / "foreign.glb"));
+  std::vector<fs::path> banks = {folder / "foreign.glb"};
+  for (const char* name : {"bronze-bell", "tumbler", "opera-gong"})
+    banks.push_back(kBanks / (name + std::string(".glb")));
+  for (const fs::path& bank : banks) {
+    ASSERT_EQ(picture(bank, {folder / "x.html"}).exit_code, 0);
+    const Outcome ran = run({"node", RINGDOWN_SOURCE_DIR "/tests/picture/strike_page.js", folder / "x.html",
+                             RINGDOWN_BIN_DIR "/ringdown", bank});
+    const std::vector<double> errors = errors_in(ran.output);
+    EXPECT_EQ(errors.size(), 3u) << ran.output;
+    for (const double error : errors) EXPECT_LT(error, -60) << bank << "\n" << ran.output;
+  }
+}
+
+// By mouse and by finger, each at what the eye sees.
+TEST(Picture, ThePageSoundsInABrowserWhereItIsPressed) {
+  if (!installed("node")) GTEST_SKIP() << "node is not installed";
+  if (!installed("chromium")) GTEST_SKIP() << "chromium is not installed";
+  const TemporaryFolder folder;
+  const fs::path bank = kBanks / "steel-plate.glb";
+  ASSERT_EQ(picture(bank, {folder / "x.html"}).exit_code, 0);
+  const Outcome ran = run({"node", RINGDOWN_SOURCE_DIR "/tests/picture/press_page.js", folder / "x.html",
+                           RINGDOWN_BIN_DIR "/ringdown", bank, "chromium"});
+  const std::vector<double> errors = errors_in(ran.output);
+  EXPECT_EQ(errors.size(), 2u) << ran.output;
+  for (const double error : errors) EXPECT_LT(error, -60) << ran.output;
 }
 
 TEST(Picture, APictureThatCannotBeWrittenIsReported) {

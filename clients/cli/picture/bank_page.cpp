@@ -17,15 +17,31 @@ constexpr const char* kStyle = R"css(
 body { font: 15px/1.45 system-ui, sans-serif; color: #21262f; background: #fff; max-width: 1120px; margin: 1.5em auto;
   padding: 0 1em; }
 figure { margin: 0; } figure svg { width: 100%; height: auto; }
-h2 { font-size: 1.1em; margin: 1.6em 0 .4em; }
-#view canvas { width: 100%; max-width: 720px; border: 1px solid #e2e5ea; border-radius: 6px; cursor: grab;
+h1 { font-size: 1.4em; margin: 0 0 .4em; } h2 { font-size: 1.1em; margin: 1.6em 0 .4em; }
+#view canvas { width: 100%; max-width: 720px; border: 1px solid #e2e5ea; border-radius: 6px; cursor: pointer;
   touch-action: none; display: block; }
+#view label { margin-right: 1.5em; white-space: nowrap; }
 .hint { color: #5c6470; font-size: .9em; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { text-align: right; padding: .15em .8em; border-bottom: 1px solid #eceef1; }
 th { position: sticky; top: 0; background: #fff; } tbody tr { cursor: pointer; } tbody tr:hover { background: #f2f6fa; }
 tr.chosen { background: #dcebf7; }
 )css";
+
+constexpr const char* kView = R"html(<div id="view">
+<canvas width="900" height="600"></canvas>
+<p><label>hard <input type="range" id="soft" min="0" max="100" value="23"> soft mallet</label>
+<label><input type="checkbox" id="turn" checked> turn</label>
+<label><input type="checkbox" id="move"> vibrate</label> <span id="struck"></span></p>
+<p id="view-title"></p>
+<p class="hint">Click or touch the object to strike it there. Drag to turn, wheel to zoom; arrow keys or a row of the
+table choose the mode whose shape is shown.</p>
+</div>
+)html";
+
+constexpr const char* kLinearOnly =
+    "<p class=\"hint\">This page plays soft blows. A hard blow bends this object so far that its pitch moves, which "
+    "ringdown render plays.</p>\n";
 
 // Bytes of the character that begins with `lead`, 0 when none does.
 std::size_t utf8_length(unsigned char lead) {
@@ -116,18 +132,16 @@ std::string escaped(std::string_view text) {
 }
 
 std::string bank_page(const modal::Bank& bank, const Answer& answer) {
-  const std::string picture = draw_bank(Canvas::Kind::svg, bank, answer);
+  const std::string picture = draw_answer(bank, answer);
   if (picture.empty()) return "";
   const std::string name = escaped(bank.name.empty() ? "bank" : bank.name);
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" + name + "</title>\n<style>" +
-         kStyle + "</style>\n</head>\n<body>\n<figure role=\"img\" aria-label=\"" + name + "\">\n" +
-         picture.substr(picture.find("<svg")) + "</figure>\n<h2>Shapes</h2>\n<div id=\"view\">\n" +
-         "<p><span id=\"view-title\"></span> <label><input type=\"checkbox\" id=\"move\" checked> "
-         "vibrate</label></p>\n" +
-         "<canvas width=\"900\" height=\"600\"></canvas>\n<p class=\"hint\">Drag to turn, wheel to zoom; arrow keys or "
-         "a row of the table choose a mode.</p>\n</div>\n<h2>Modes</h2>\n" +
-         facts_of(bank) + table_of(bank, answer) + "<script type=\"application/json\" id=\"view-data\">" +
-         view_data(bank) + "</script>\n<script>" + kViewScript + "</script>\n</body>\n</html>\n";
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n" +
+         std::string("<meta name=\"viewport\" content=\"width=device-width\">\n<title>") + name + "</title>\n<style>" +
+         kStyle + "</style>\n</head>\n<body>\n<h1>" + name + "</h1>\n" + kView + (bank.nonlinear ? kLinearOnly : "") +
+         "<h2>A blow</h2>\n<figure role=\"img\" aria-label=\"" + name + "\">\n" + picture.substr(picture.find("<svg")) +
+         "</figure>\n<h2>Modes</h2>\n" + facts_of(bank) + table_of(bank, answer) +
+         "<script type=\"application/json\" id=\"view-data\">" + view_data(bank) + "</script>\n<script>" +
+         kDirectionScript + kSoundScript + "</script>\n<script>" + kViewScript + "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace ringdown::cli

@@ -1,5 +1,5 @@
-// A bank as one HTML file: the picture, a view of the surface that turns and vibrates, and a table of all modes. The
-// file needs neither a network nor other files. [any]
+// A bank as one HTML file: a view of the surface that turns, vibrates and sounds where it is pressed, the spectrum of a
+// blow with the decays, and a table of all modes. The file needs neither a network nor other files. [any]
 #pragma once
 
 #include "clients/cli/picture/answer.h"
@@ -19,6 +19,9 @@ std::string escaped(std::string_view text);
 // Returns the text with control characters and bad bytes replaced like escaped(), but without entities: for pictures.
 std::string clean_text(std::string_view text);
 
-extern const char* const kViewScript;  // view_script.cpp
+// The page's scripts, in the order in which they run; each in the file of its name, such as sound_script.cpp.
+extern const char* const kDirectionScript;
+extern const char* const kSoundScript;
+extern const char* const kViewScript;
 
 }  // namespace ringdown::cli

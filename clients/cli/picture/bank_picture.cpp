@@ -143,6 +143,7 @@ std::string struck_text(const modal::Bank& bank, const Answer& answer) {
 }
 
 constexpr std::size_t kShown = 4;
+constexpr double kMargin = 40;
 
 // The first of the bank, but of those that have one pitch, as the pairs of round bodies do, only one.
 std::vector<std::size_t> modes_to_show(const modal::Bank& bank) {
@@ -187,8 +188,18 @@ void draw_small(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   draw_spectrum(canvas, {262, 12, 206, 160}, bank, answer, 9, false);
 }
 
+void draw_spectrum_and_decays(Canvas& canvas, const modal::Bank& bank, const Answer& answer, double top) {
+  constexpr double kSize = 12;
+  const double left = kMargin + 36, width = kPictureWidth - 2 * kMargin - 36;
+  canvas.text({kMargin, top}, struck_text(bank, answer) + (bank.triangles.empty() ? "" : ", along the normal"), 14,
+              kInk, Align::left, true);
+  draw_spectrum(canvas, {left, top + 30, width, 190}, bank, answer, kSize, true);
+  canvas.text({kMargin, top + 286}, "T60 of each mode; larger dots are louder at this point", 14, kInk, Align::left,
+              true);
+  draw_decays(canvas, {left, top + 316, width, 130}, bank, answer, kSize);
+}
+
 void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
-  constexpr double kMargin = 40, kSize = 12;
   const double width = kPictureWidth - 2 * kMargin;
   canvas.text({kMargin, 44}, fitting(canvas, clean_text(bank.name.empty() ? "bank" : bank.name), 24, width, true), 24,
               kInk, Align::left, true);
@@ -204,11 +215,7 @@ void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
                 kFaint, Align::centre);
   }
   draw_legend(canvas, {kPictureWidth / 2 - 60, 352}, 120, 11);
-  canvas.text({kMargin, 398}, struck_text(bank, answer) + (bank.triangles.empty() ? "" : ", along the normal"), 14,
-              kInk, Align::left, true);
-  draw_spectrum(canvas, {kMargin + 36, 428, width - 36, 190}, bank, answer, kSize, true);
-  canvas.text({kMargin, 684}, "T60 of each mode; larger dots are louder at this point", 14, kInk, Align::left, true);
-  draw_decays(canvas, {kMargin + 36, 714, width - 36, 130}, bank, answer, kSize);
+  draw_spectrum_and_decays(canvas, bank, answer, 398);
   if (bank.fracture) draw_fracture(canvas, *bank.fracture, kPictureHeight + 12, kMargin);
 }
 
@@ -218,6 +225,13 @@ std::string draw_bank(Canvas::Kind kind, const modal::Bank& bank, const Answer& 
   const double height = kPictureHeight + (bank.fracture ? kPiecesHeight : 0);
   Canvas canvas(kind, small ? kSmallWidth : kPictureWidth, small ? kSmallHeight : height);
   small ? draw_small(canvas, bank, answer) : draw_large(canvas, bank, answer);
+  return std::move(canvas).finish();
+}
+
+std::string draw_answer(const modal::Bank& bank, const Answer& answer) {
+  constexpr double kTop = 20, kHeight = 522;
+  Canvas canvas(Canvas::Kind::svg, kPictureWidth, kHeight);
+  draw_spectrum_and_decays(canvas, bank, answer, kTop);
   return std::move(canvas).finish();
 }
 

@@ -17,4 +17,7 @@ inline constexpr double kPictureWidth = 1120, kPictureHeight = 900, kPiecesHeigh
 // drawn. `small` selects one shape and the spectrum.
 std::string draw_bank(Canvas::Kind kind, const modal::Bank& bank, const Answer& answer, bool small = false);
 
+// The picture's spectrum and decays alone, as an SVG; empty if it could not be drawn.
+std::string draw_answer(const modal::Bank& bank, const Answer& answer);
+
 }  // namespace ringdown::cli

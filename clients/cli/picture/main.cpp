@@ -30,11 +30,11 @@ void add_options(manual::App& app, Arguments& arguments) {
   app.add_option("bank", arguments.bank, "The bank: a .glb file, or the name of a preset.")
       ->type_name("FILE")
       ->required();
-  app.add_option(
-         "-o,--output", arguments.output,
-         "The file to write; its ending says which kind. .png and .svg: a picture of mode shapes, the spectrum "
-         "of a blow, and decays. .html: a page with the picture, a view that turns, and the table of modes. .csv: a "
-         "table of --directivity.")
+  app.add_option("-o,--output", arguments.output,
+                 "The file to write; its ending says which kind. .png and .svg: a picture of mode shapes, the spectrum "
+                 "of a blow, and decays. .html: a page on which the object turns and sounds where it is clicked, with "
+                 "spectrum, "
+                 "decays and the table of modes. .csv: a table of --directivity.")
       ->type_name("FILE")
       ->required();
   app.add_option("--at", arguments.at,
