@@ -1,6 +1,6 @@
 // The versions of the programs and of the file formats. A file states its version; a file without one has version 1.
 // Every program reads the versions up to its own and refuses later ones with a sentence; the table in
-// docs/reference/commands.md lists the changes of each version. protocol/defaults.h has the protocol's version,
+// docs/reference/versions.md lists the changes of each version. protocol/defaults.h has the protocol's version,
 // kProtocolVersion.
 #pragma once
 

@@ -161,9 +161,12 @@ Option* Option::not_in_settings() {
 
 App::App(const std::string& sentence, const std::string& name)
     : owned_(std::make_unique<CLI::App>(sentence, name)), app_(owned_.get()) {
-  app_->set_version_flag("--version", name + " " + kVersion + "\nbanks " + std::to_string(kBankVersion) +
-                                          ", text files " + std::to_string(kTextFileVersion) + ", protocol " +
-                                          std::to_string(protocol::kProtocolVersion));
+  app_->set_version_flag("--version",
+                         name + " " + kVersion + "\nbanks " + std::to_string(kBankVersion) + ", text files " +
+                             std::to_string(kTextFileVersion) + ", protocol " +
+                             std::to_string(protocol::kProtocolVersion),
+                         "Prints the versions of the program and of what it reads and writes; followed by --json, "
+                         "as one line of JSON.");
   app_->footer(protocol::exit_code_help());
 }
 App::App(CLI::App* verb) : app_(verb) {}
@@ -293,8 +296,21 @@ std::string App::set(const std::string& key, const std::vector<std::string>& wor
   }
 }
 
+namespace {
+
+ExitCode print_versions_as_json(const std::string& program) {
+  std::printf("{\"program\": \"%s\", \"version\": \"%s\", \"banks\": %d, \"text_files\": %d, \"protocol\": %d}\n",
+              program.c_str(), kVersion, kBankVersion, kTextFileVersion, int{protocol::kProtocolVersion});
+  return ExitCode::ok;
+}
+
+}  // namespace
+
 std::optional<ExitCode> parse(App& app, int argc, char** argv, const std::vector<Section>& sections) {
-  if (argc == 3 && std::string_view(argv[1]) == "--manual") return write_manual(app, argv[2], sections);
+  const std::string_view first = argc == 3 ? argv[1] : "";
+  if (first == "--manual") return write_manual(app, argv[2], sections);
+  if (first == "--version" && argv[2] == std::string_view("--json"))
+    return print_versions_as_json(app.app_->get_name());
   try {
     app.app_->parse(argc, argv);
     return std::nullopt;

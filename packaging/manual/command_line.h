@@ -170,10 +170,10 @@ class App {
   std::vector<std::unique_ptr<App>> verbs_;
 };
 
-// Parses the command line. Returns the exit code of a program that has nothing left to do: after --help, --version or
-// `--manual man|bash|zsh|fish`, which stands alone and writes the man page or a completion script to the standard
-// output for the build, and after a mistake or, in a verb that ran while it was parsed, a lack of memory: then one
-// sentence is on the standard error.
+// Parses the command line. Returns the exit code of a program that has nothing left to do: after --help, --version,
+// `--version --json` or `--manual man|bash|zsh|fish`, which stands alone and writes the man page or a completion script
+// to the standard output for the build, and after a mistake or, in a verb that ran while it was parsed, a lack of
+// memory: then one sentence is on the standard error.
 std::optional<protocol::ExitCode> parse(App& app, int argc, char** argv, const std::vector<Section>& sections = {});
 
 // Says what is wrong with a command line that was parsed, and names the --help that lists the options.

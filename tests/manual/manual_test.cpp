@@ -1,5 +1,6 @@
 // The man pages and completion scripts that the programs write: nothing that --help has is missing there, and the tools
 // that read them, groff and the shells themselves, find no fault.
+#include "engine/base/formatted.h"
 #include "packaging/manual/command.h"
 #include "packaging/manual/command_line.h"
 #include "packaging/manual/man_page.h"
@@ -7,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -116,6 +118,23 @@ TEST(Manual, EveryOptionOfHelpIsKnownToZshAndFish) {
       const std::string word = option.starts_with("--") ? " -l " + option.substr(2) : " -s " + option.substr(1);
       EXPECT_NE(for_fish.find(word + " "), std::string::npos) << option;
     }
+  }
+}
+
+TEST(Manual, VersionsForProgramsAreThoseForPeople) {
+  for (const std::string& name : kPrograms) {
+    if (name == "ringdown-viewer" && !std::filesystem::exists(program(name))) continue;
+    const std::string said = run({program(name), "--version"}).output;
+    const std::regex words(R"((\S+) ([0-9.]+)\nbanks (\d+), text files (\d+), protocol (\d+)\n)");
+    std::smatch parts;
+    ASSERT_TRUE(std::regex_match(said, parts, words)) << said;
+    const std::string read =
+        "import json, sys; v = json.load(sys.stdin); print(*(v[key] for key in "
+        "('program', 'version', 'banks', 'text_files', 'protocol')))";
+    const Outcome json =
+        run({"sh", "-c", "'" + program(name) + "' --version --json | /usr/bin/python3 -c \"" + read + "\""});
+    EXPECT_EQ(json.output,
+              formatted("{} {} {} {} {}\n", parts.str(1), parts.str(2), parts.str(3), parts.str(4), parts.str(5)));
   }
 }
 
