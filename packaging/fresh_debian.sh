@@ -102,6 +102,10 @@ try_packages() {  # try_packages FOLDER
   inside ringdown info /root/plate.glb >/dev/null
   install_package ringdown-viewer
   inside ringdown-viewer --keys >/dev/null
+  for file in usr/share/applications/ringdown-{viewer,open}.desktop usr/libexec/ringdown/ringdown-open usr/share/mime/packages/ringdown.xml \
+    usr/share/metainfo/io.github.ringdown.ringdown.metainfo.xml usr/share/icons/hicolor/{scalable/apps/ringdown.svg,48x48/apps/ringdown.png}; do
+    expect_file "$file"
+  done
   try_library
   try_plugin
   inside apt-get purge -y -qq ringdown ringdown-bake ringdown-viewer ringdown-plugin python3-ringdown libringdown >/dev/null 2>&1

@@ -203,6 +203,17 @@ TEST(Picture, TheViewDrawsEveryTriangleChoosesModesAndStrikesWhatIsPressed) {
   EXPECT_NE(ran.output.find("title mode " + last + ", " + last + "/1 Hz"), std::string::npos) << ran.output;
 }
 
+TEST(Picture, ABankWithoutTrianglesIsStruckAtItsPoints) {
+  if (!installed("node")) GTEST_SKIP() << "node is not installed";
+  const TemporaryFolder folder;
+  ASSERT_TRUE(modal::write_bank(bar_bank(3), folder / "bar.glb"));
+  ASSERT_EQ(picture(folder / "bar.glb", {folder / "x.html"}).exit_code, 0);
+  const Outcome ran = run({"node", RINGDOWN_SOURCE_DIR "/tests/picture/run_view.js", folder / "x.html"});
+  EXPECT_NE(ran.output.find("faces 0 points 17"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("sounds 0"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("peak true"), std::string::npos) << ran.output;
+}
+
 TEST(Picture, APageWhoseShapesWouldBeTooLargeHasPlacesAllOverTheBody) {
   const auto bank = *modal::read_bank(kBanks / "crash-cymbal.glb");
   const std::vector<std::uint16_t> places = cli::places_of(bank);
