@@ -269,6 +269,8 @@ TEST(Picture, ThePageSoundsInABrowserWhereItIsPressed) {
                            RINGDOWN_BIN_DIR "/ringdown", bank, "chromium"});
   const std::vector<double> errors = errors_in(ran.output);
   EXPECT_EQ(errors.size(), 2u) << ran.output;
+  for (const char* how : {"mouse", "touch"})
+    EXPECT_NE(ran.output.find(how + std::string(" audio running")), std::string::npos) << ran.output;
   for (const double error : errors) EXPECT_LT(error, -60) << ran.output;
 }
 

@@ -41,14 +41,14 @@ async function main(call, attach) {
   const at = await ask(`(() => { document.getElementById("turn").checked = false;
     const box = document.querySelector("canvas").getBoundingClientRect();
     return { x: box.left + box.width / 2, y: box.top + box.height / 2, width: box.width }; })()`);
-  const presses = {
-    mouse: async (x, y) => {
-      for (const type of ["mousePressed", "mouseReleased"])
-        await call("Input.dispatchMouseEvent", { type, x, y, button: "left", buttons: 1, clickCount: 1 });
-    },
+  const presses = {  // the touch first, which must let the page sound by itself
     touch: async (x, y) => {
       await call("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ x, y }] });
       await call("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+    },
+    mouse: async (x, y) => {
+      for (const type of ["mousePressed", "mouseReleased"])
+        await call("Input.dispatchMouseEvent", { type, x, y, button: "left", buttons: 1, clickCount: 1 });
     },
   };
   for (const [how, press] of Object.entries(presses)) {
@@ -62,6 +62,9 @@ async function main(call, attach) {
       origin_m: ringdown.radiation ? ringdown.radiation.origin_m : ringdown.data.middle_m, rate: ringdown.last.buffer.sampleRate,
       samples: Array.from(ringdown.last.buffer.getChannelData(0)) })`);
     if (!last) throw Error(how + ": nothing sounds where the object was pressed");
+    console.log(how, "audio", await ask(`new Promise(done => { const { audio } = ringdown.last;
+      const tell = () => done(audio.state);
+      if (audio.state === "running") tell(); else { audio.onstatechange = tell; setTimeout(tell, 10000); } })`));
     const seconds = Math.min(1, Math.floor(10 * (last.samples.length / last.rate - 0.06)) / 10);
     const error = page.error(program, bank, last, seconds);
     console.log(how, "error", error.toFixed(1), "dB at point", last.vertex);
@@ -74,12 +77,14 @@ async function main(call, attach) {
 }
 
 const home = fs.mkdtempSync(path.join(os.tmpdir(), "chromium-"));
-const browser = spawn(chromium, ["--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--enable-unsafe-swiftshader",
+process.on("exit", () => fs.rmSync(home, { recursive: true, force: true, maxRetries: 5 }));
+const browser = spawn(chromium, ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--remote-debugging-pipe", "--enable-unsafe-swiftshader",
   "--use-angle=swiftshader", "--autoplay-policy=user-gesture-required", "--window-size=1000,900", "--user-data-dir=" + home],
   { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
-browser.on("error", error => { console.log(error.message); process.exit(1); });
+const fail = what => { console.log(what); process.exit(1); };
+browser.on("error", error => fail(error.message));
+browser.stdio[3].on("error", () => {});  // the browser has ended, which is reported below
+browser.on("exit", code => process.exitCode === undefined ? fail("chromium ended by itself, with " + code) : process.exit());
 const { call, attach } = browse(browser);
-main(call, attach).catch(error => { console.log(error.message); process.exitCode = 1; }).finally(() => {
-  browser.once("exit", () => fs.rmSync(home, { recursive: true, force: true, maxRetries: 5 }));
-  call("Browser.close");
-});
+main(call, attach).then(() => { process.exitCode = 0; }, error => { console.log(error.message); process.exitCode = 1; })
+  .finally(() => call("Browser.close"));

@@ -192,7 +192,7 @@ const char* const kViewScript = R"js("use strict";
     source.buffer = buffer;
     source.connect(audio.destination);
     source.start();
-    ringdown.last = { place, blow, contact_s, eye: from, buffer };
+    ringdown.last = { place, blow, contact_s, eye: from, buffer, audio };
     wake();
     redraw();
   }
