@@ -42,13 +42,14 @@ Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const ses
   return session::FileRoots::only(folders);
 }
 
-Result<std::unique_ptr<Driver>> open_driver(const DaemonOptions& options) {
+Result<std::unique_ptr<Driver>> open_driver(const DaemonOptions& options, std::shared_ptr<session::MidiPlayer> midi) {
   if (options.driver != DaemonOptions::DriverKind::jack) return open_null(options.sample_rate_hz, options.block_frames);
   return open_jack({.client_name = options.jack_name,
                     .connect = options.connect,
                     .wait = options.wait,
                     .sample_rate_hz = options.sample_rate_hz,
-                    .block_frames = options.block_frames});
+                    .block_frames = options.block_frames},
+                   std::move(midi));
 }
 
 Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
@@ -115,6 +116,7 @@ void wait_for_capture(synth::Mixer& mixer) {
 struct Daemon::Ports {
   wire::OscSocket socket;
   std::unique_ptr<NsmClient> manager;
+  std::shared_ptr<session::MidiPlayer> midi;
   std::unique_ptr<Driver> driver;
   std::shared_ptr<OscStream> stream;
 };
@@ -140,7 +142,7 @@ struct Daemon::Service {
 
 Daemon::Service::Service(Daemon& daemon, wire::OscSocket socket)
     : manager(daemon.manager_.get()),
-      worker([&daemon] { daemon.session_.rack().collect(), ++daemon.worker_rounds_; }, 50ms),
+      worker([&daemon] { daemon.do_chores(); }, 10ms),
       worker_connection(daemon.worker_line_, worker),
       server(std::move(socket),
              OscServer::Parts{daemon.session_, worker, *daemon.driver_, [&daemon] { daemon.quits_ = true; },
@@ -179,11 +181,12 @@ Result<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   }
   auto manager = join_manager(options);
   if (!manager) return fail(manager);
-  auto driver = open_driver(options);
+  auto midi = std::make_shared<session::MidiPlayer>();
+  auto driver = open_driver(options, midi);
   if (!driver) return fail(driver);
   auto stream = open_stream(options);
   if (!stream) return fail(stream);
-  return Ports{std::move(*socket), std::move(*manager), std::move(*driver), std::move(*stream)};
+  return Ports{std::move(*socket), std::move(*manager), std::move(midi), std::move(*driver), std::move(*stream)};
 }
 
 Result<Daemon::Files> Daemon::read_files(const DaemonOptions& options) {
@@ -221,7 +224,9 @@ Daemon::Daemon(DaemonOptions options, Ports ports, Files files)
       state_(std::move(files.state)),
       manager_(std::move(ports.manager)),
       session_(ports.driver->sample_rate_hz(), std::move(files.roots)),
-      notes_(session_.rack(), std::move(files.notes)),
+      notes_(session_.rack(), files.notes),
+      midi_(std::move(ports.midi)),
+      tuner_(session_.rack(), midi_->tuning(), std::move(files.notes)),
       recorder_(session_.rack(), score_writer(options_.record)),
       capture_(session_.rack()),
       stream_(std::move(ports.stream)),
@@ -230,6 +235,12 @@ Daemon::Daemon(DaemonOptions options, Ports ports, Files files)
 }
 
 Daemon::~Daemon() = default;
+
+void Daemon::do_chores() {
+  tuner_.catch_up();
+  session_.rack().collect();
+  ++worker_rounds_;
+}
 
 void Daemon::configure() {
   session::Rack& rack = session_.rack();
@@ -278,6 +289,7 @@ Result<void> Daemon::load() {
   if (const auto connected = connect_inputs(); !connected) return connected;
   const auto restored = restore(state_, session_, start);
   if (!restored) return fail(options_.state->string(), restored);
+  tuner_.catch_up();
   return {};
 }
 

@@ -287,14 +287,13 @@ class JackDriver final : public Driver {
 
 }  // namespace
 
-Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
+Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options, std::shared_ptr<session::MidiPlayer> midi) {
   if (const std::size_t max = max_jack_name_length(); options.client_name.size() > max) {
     return fail(ErrorKind::usage, "--name: JACK takes names of at most {} bytes, not {}", max,
                 options.client_name.size());
   }
   const auto bell = std::make_shared<Bell>(0);
   const auto meter = std::make_shared<LoadMeter>();
-  const auto midi = std::make_shared<session::MidiPlayer>();
   auto client = JackClient::open(options.client_name, meter, midi, [bell] { bell->release(); });
   if (!client && !options.wait) {
     return fail(ErrorKind::no_sound_server,

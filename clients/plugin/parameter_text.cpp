@@ -1,6 +1,7 @@
 #include "clients/plugin/parameter_text.h"
 
 #include "clients/plugin/sources.h"
+#include "clients/plugin/tunings.h"
 #include "engine/base/formatted.h"
 #include "engine/base/note.h"
 
@@ -33,6 +34,7 @@ std::string name_of(std::size_t parameter, int value) {
   if (is(parameter, Parameter::object)) return choice_name(static_cast<std::size_t>(value));
   if (is(parameter, Parameter::tuning)) return value == 0 ? "concert pitch" : "own pitch";
   if (is(parameter, Parameter::root_key)) return key_name(value);
+  if (is(parameter, Parameter::scale)) return tuning_name(static_cast<std::size_t>(value));
   if (kParameterInfo[parameter].scale == Scale::toggle) return value == 0 ? "off" : "on";
   return "";
 }
