@@ -24,7 +24,8 @@ namespace {
 using namespace std::chrono_literals;
 
 // The folders that the user named, or else the current one; the presets; those of the files on the command line.
-Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const session::State& state) {
+Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const session::State& state,
+                                         const std::optional<session::NoteMap>& notes) {
   std::vector<std::filesystem::path> folders = options.roots;
   std::error_code error;
   const auto here = std::filesystem::current_path(error);
@@ -39,6 +40,7 @@ Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const ses
   if (options.scene) add_folder_of(*options.scene);
   if (state.scene) add_folder_of(state.scene->file);
   if (options.state) add_folder_of(*options.state);
+  if (notes && !notes->banks.empty()) folders.push_back(options.notes->parent_path() / notes->banks);
   return session::FileRoots::only(folders);
 }
 
@@ -46,6 +48,7 @@ Result<std::unique_ptr<Driver>> open_driver(const DaemonOptions& options, std::s
   if (options.driver != DaemonOptions::DriverKind::jack) return open_null(options.sample_rate_hz, options.block_frames);
   return open_jack({.client_name = options.jack_name,
                     .connect = options.connect,
+                    .keyboard = options.connect && !options.keyboard ? "" : options.keyboard,
                     .wait = options.wait,
                     .sample_rate_hz = options.sample_rate_hz,
                     .block_frames = options.block_frames},
@@ -202,7 +205,7 @@ Result<Daemon::Files> Daemon::read_files(const DaemonOptions& options) {
     if (!map) return fail(map);
     notes = std::move(*map);
   }
-  auto roots = file_roots_of(options, state);
+  auto roots = file_roots_of(options, state, notes);
   if (!roots) return fail(roots);
   return Files{std::move(state), std::move(notes), std::move(*roots)};
 }
@@ -277,12 +280,26 @@ Result<void> Daemon::prepare(std::uint16_t osc_port) {
   return target ? capture_.start(*target) : fail(target);
 }
 
+// Without objects of another origin, the map's are loaded, if it says from where.
+Result<void> Daemon::load_notes() {
+  const std::optional<session::NoteMap>& map = notes_.map();
+  const bool has_others = options_.scene || options_.state || !options_.objects.empty();
+  if (!map || map->banks.empty() || has_others) return {};
+  for (const session::NoteMap::Entry& entry : map->notes) {
+    if (session_.rack().find({.name = entry.object})) continue;
+    const auto bank = options_.notes->parent_path() / map->banks / (entry.object + ".glb");
+    if (const auto loaded = session_.rack().load(entry.object, bank); !loaded) return fail(loaded);
+  }
+  return {};
+}
+
 Result<void> Daemon::load() {
   // A second of silence before the scene starts: the driver may take that long.
   const auto start = static_cast<synth::Frame>(driver_->sample_rate_hz());
   for (const auto& [name, bank] : options_.objects) {
     if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded);
   }
+  if (const auto loaded = load_notes(); !loaded) return loaded;
   if (options_.scene) {
     if (const auto loaded = session_.scene().load(*options_.scene, start); !loaded) return fail(loaded);
   }
@@ -328,6 +345,9 @@ Result<void> Daemon::play(wire::OscSocket socket) {
   log_info(formatted("ready: OSC on {}:{}, {} objects, {} Hz, blocks of {}, {} kernel", options_.address, port,
                      rack.names()->size(), fixed(driver_->sample_rate_hz(), 0), driver_->block_frames(),
                      synth::kernel_target()));
+  if (options_.notes || options_.connect || options_.keyboard) {
+    if (const std::string keys = session::key_list(notes_.map(), rack.objects()); !keys.empty()) log_info(keys);
+  }
   return {};
 }
 

@@ -67,6 +67,7 @@ class Daemon {
   void do_chores();  // runs on the worker's thread, after each task and at least every 10 ms
   Result<void> prepare(std::uint16_t osc_port);
   Result<void> load();
+  Result<void> load_notes();
   Result<void> connect_inputs();
   Result<void> play(wire::OscSocket socket);
   Result<void> write_results();

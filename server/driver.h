@@ -15,6 +15,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -84,7 +85,10 @@ class Driver {
 
 struct JackOptions {
   std::string client_name = "ringdown";
-  bool connect = false;            // connect to the first two physical playback ports
+  bool connect = false;  // connect to the first two physical playback ports
+  // Connect to the first MIDI source with this in its name, in any case of letters, as soon as there is one; "": to the
+  // first device; nothing: to none.
+  std::optional<std::string> keyboard;
   bool wait = false;               // wait for a server, if there is none yet
   double sample_rate_hz = 48000;   // until then
   std::size_t block_frames = 256;  // until then

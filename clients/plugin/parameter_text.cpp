@@ -51,11 +51,6 @@ std::string three_digits(double value) {
 
 }  // namespace
 
-std::string key_name(int key) {
-  const std::string name = note_name(note_frequency(key));
-  return name.substr(0, name.find(' '));
-}
-
 std::string number_of(std::size_t parameter, double value) {
   if (parameter >= kParameters) return "";
   const ParameterInfo& info = kParameterInfo[parameter];

@@ -1,11 +1,13 @@
 #include "server/session/note_map.h"
 
+#include "engine/base/note.h"
 #include "engine/modal/hearing/contact_pulse.h"
 #include "engine/modal/material_scale.h"
 #include "protocol/defaults.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 namespace ringdown::session {
@@ -115,6 +117,26 @@ NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSna
     table.notes[entry.note] = strike;
   }
   return table;
+}
+
+std::string key_list(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects) {
+  constexpr std::size_t kMaxNamed = 12, kFirst = 3;
+  std::map<std::size_t, std::string> keys;
+  for (const NoteMap::Entry& entry : map ? map->notes : default_notes(objects)) {
+    const bool is_there =
+        std::ranges::any_of(objects, [&](const auto& object) { return object->name == entry.object; });
+    if (is_there) keys[entry.note] = key_name(static_cast<int>(entry.note)) + " = " + entry.object;
+  }
+  const bool all = keys.size() <= kMaxNamed;
+  std::string text;
+  std::size_t count = 0;
+  for (const auto& [note, name] : keys) {
+    const bool is_last = ++count == keys.size();
+    if (!all && count > kFirst && !is_last) continue;
+    if (count > 1) text += is_last && !all ? " ... " : ", ";
+    text += name;
+  }
+  return text.empty() ? "" : "keys: " + text;
 }
 
 std::shared_ptr<const NoteTable> Notes::table() {

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -55,15 +56,20 @@ std::vector<NoteMap::Entry> default_notes(std::vector<ObjectSnapshot> objects);
 // kMinDefault_pa and kMaxDefault_pa.
 NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects);
 
+// Returns which key strikes what, for people: "keys: C4 = bell, C#4 = cup". Of many keys only the first and the last
+// are named. "": no key strikes anything.
+std::string key_list(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects);
+
 // Keeps the note table for a rack's present objects, and makes it anew after they have changed.
 class Notes {
  public:
   Notes(const Rack& rack, std::optional<NoteMap> map) : rack_(rack), map_(std::move(map)) {}
   std::shared_ptr<const NoteTable> table();  // [one thread, not audio]
+  [[nodiscard]] const std::optional<NoteMap>& map() const { return map_; }
 
  private:
   const Rack& rack_;
-  std::optional<NoteMap> map_;
+  const std::optional<NoteMap> map_;
   std::optional<std::uint64_t> version_;
   std::shared_ptr<const NoteTable> table_;
 };

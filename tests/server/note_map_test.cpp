@@ -107,6 +107,19 @@ TEST_F(NoteMapTest, AnObjectOfAnotherSizeIsStruckWhereThatPointHasCome) {
   EXPECT_NEAR(length(large.impulse_ns) / length(one.impulse_ns), 3 * 8, 1e-9) << "as many times its mass";
 }
 
+TEST_F(NoteMapTest, KeysAreListedByTheirNames) {
+  EXPECT_EQ(key_list(std::nullopt, {snapshot("second", 3), snapshot("first", 1)}), "keys: C4 = first, C#4 = second");
+  EXPECT_EQ(key_list(std::nullopt, {}), "");
+  std::string text;
+  for (int note = 30; note < 60; ++note) {
+    text += "[[note]]\nnote = " + std::to_string(note) + "\nobject = '" + (note < 59 ? "bar" : "last") + "'\n";
+  }
+  const auto many = read(text + "[[note]]\nnote = 1\nobject = 'later'\n");
+  ASSERT_TRUE(many);
+  EXPECT_EQ(key_list(*many, {snapshot("bar", 1), snapshot("last", 2)}),
+            "keys: F#1 = bar, G1 = bar, G#1 = bar ... B3 = last");
+}
+
 TEST_F(NoteMapTest, APointOfAMapMovesWithTheSizeThatATuningAsksFor) {
   const auto map = read("[[note]]\nnote = 40\nobject = 'bar'\npoint_m = [0.1, 0, 0]\n");
   ASSERT_TRUE(map);
