@@ -182,7 +182,10 @@ void Keyboard::set_registered(std::size_t channel, session::RegisteredParameters
     if (own + other + 1 >= kMaxMembers) other = own + 1 >= kMaxMembers ? 0 : kMaxMembers - 1 - own;
     for (Channel& one : channels_) one.range_semitones = -1;
   } else {
-    tuning_.select(channel, set.parameter, set.value, keys_.held());
+    for (std::size_t one = 0; one < midi::kChannels; ++one) {  // a master channel speaks for its zone
+      if (one != channel && master_of(one, playing) != channel) continue;
+      tuning_.select(one, set.parameter, set.value, keys_.held());
+    }
   }
 }
 

@@ -156,6 +156,26 @@ TEST_F(KeyTunings, RegisteredParametersChooseAProgram) {
   hear(64);
   settle();
   EXPECT_NEAR(pitch_of(69) / (440 * std::exp2(2 / 12.0)), 1, 1e-4);
+  play(kOff, 69);
+  play(kControl, 120, 0);
+  play(kOn | 3, 69, 100);
+  hear(1024);
+  settle();
+  hear(480);
+  EXPECT_NEAR(pitch_hz() / 440, 1, 1e-4) << "another channel";
+}
+
+TEST_F(KeyTunings, AMasterChannelOfMpeChoosesForItsZone) {
+  set(Parameter::mpe, 1);
+  play_bytes({0xf0, 0x7f, 0x7f, 0x08, 0x02, 0x05, 0x01, 69, 71, 0x00, 0x00, 0xf7});
+  for (const auto& [number, value] : {std::pair<std::uint8_t, std::uint8_t>{101, 0}, {100, 3}, {6, 5}}) {
+    play(kControl, number, value);
+  }
+  play(kOn | 3, 69, 100);
+  hear(480);
+  settle();
+  hear(480);
+  EXPECT_NEAR(pitch_hz() / (440 * std::exp2(2 / 12.0)), 1, 1e-4);
 }
 
 TEST(MtsEspInPlugIn, AMasterTunesTheKeysAndLetsThemGo) {
