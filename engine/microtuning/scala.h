@@ -1,9 +1,9 @@
 // Reads tunings in the formats of Scala: scales (.scl) and keyboard mappings (.kbm), as described at
 // https://www.huygens-fokker.org/scala/scl_format.html and in Scala's help on mappings. [worker]
 //
-//   auto tuning = read_tuning("meantone.scl", "");             // its first degree on middle C, at the pitch of middle
-//   C auto tuning = read_tuning("meantone.scl", "white.kbm"); auto tuning = read_tuning("", "a432.kbm"); // equal
-//   temperament, mapped
+//   auto tuning = read_tuning("meantone.scl", "");             // middle C: degree 0, at its own pitch
+//   auto mapped = read_tuning("meantone.scl", "white.kbm");
+//   auto lower = read_tuning("", "a432.kbm");                  // equal temperament, mapped
 //
 // The error for a file that breaks its format is one sentence that begins with path:line.
 #pragma once

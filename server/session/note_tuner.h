@@ -1,6 +1,6 @@
 // Gives the objects that notes strike the sizes in which they have the pitches of the keyboard's tuning. [worker]
 //
-//   NoteTuner tuner(rack, player.tuning(), map);
+//   NoteTuner tuner(rack, tuning, map);
 //   tuner.catch_up();                            // several times a second
 //
 // A key's tuning is a deviation from equal temperament, and so much higher or lower than in its own size its object

@@ -1,7 +1,7 @@
 // Follows MIDI's registered parameters: controllers 101 and 100 name one, and controller 6 sets it. [audio]
 //
 //   RegisteredParameters registered;
-//   if (const auto set = registered.take(channel, number, value)) use(set->parameter, set->value);
+//   if (const auto set = registered.take(channel, number, value)) handle(set->parameter, set->value);
 #pragma once
 
 #include "engine/base/realtime.h"
