@@ -24,7 +24,8 @@ namespace {
 using namespace std::chrono_literals;
 
 // The folders that the user named, or else the current one; the presets; those of the files on the command line.
-Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const session::State& state) {
+Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const session::State& state,
+                                         const std::optional<session::NoteMap>& notes) {
   std::vector<std::filesystem::path> folders = options.roots;
   std::error_code error;
   const auto here = std::filesystem::current_path(error);
@@ -39,16 +40,19 @@ Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const ses
   if (options.scene) add_folder_of(*options.scene);
   if (state.scene) add_folder_of(state.scene->file);
   if (options.state) add_folder_of(*options.state);
+  if (notes && !notes->banks.empty()) folders.push_back(options.notes->parent_path() / notes->banks);
   return session::FileRoots::only(folders);
 }
 
-Result<std::unique_ptr<Driver>> open_driver(const DaemonOptions& options) {
+Result<std::unique_ptr<Driver>> open_driver(const DaemonOptions& options, std::shared_ptr<session::MidiPlayer> midi) {
   if (options.driver != DaemonOptions::DriverKind::jack) return open_null(options.sample_rate_hz, options.block_frames);
   return open_jack({.client_name = options.jack_name,
                     .connect = options.connect,
+                    .keyboard = options.connect && !options.keyboard ? "" : options.keyboard,
                     .wait = options.wait,
                     .sample_rate_hz = options.sample_rate_hz,
-                    .block_frames = options.block_frames});
+                    .block_frames = options.block_frames},
+                   std::move(midi));
 }
 
 Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
@@ -115,6 +119,7 @@ void wait_for_capture(synth::Mixer& mixer) {
 struct Daemon::Ports {
   wire::OscSocket socket;
   std::unique_ptr<NsmClient> manager;
+  std::shared_ptr<session::MidiPlayer> midi;
   std::unique_ptr<Driver> driver;
   std::shared_ptr<OscStream> stream;
 };
@@ -140,7 +145,7 @@ struct Daemon::Service {
 
 Daemon::Service::Service(Daemon& daemon, wire::OscSocket socket)
     : manager(daemon.manager_.get()),
-      worker([&daemon] { daemon.session_.rack().collect(), ++daemon.worker_rounds_; }, 50ms),
+      worker([&daemon] { daemon.do_chores(); }, 10ms),
       worker_connection(daemon.worker_line_, worker),
       server(std::move(socket),
              OscServer::Parts{daemon.session_, worker, *daemon.driver_, [&daemon] { daemon.quits_ = true; },
@@ -179,11 +184,12 @@ Result<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   }
   auto manager = join_manager(options);
   if (!manager) return fail(manager);
-  auto driver = open_driver(options);
+  auto midi = std::make_shared<session::MidiPlayer>();
+  auto driver = open_driver(options, midi);
   if (!driver) return fail(driver);
   auto stream = open_stream(options);
   if (!stream) return fail(stream);
-  return Ports{std::move(*socket), std::move(*manager), std::move(*driver), std::move(*stream)};
+  return Ports{std::move(*socket), std::move(*manager), std::move(midi), std::move(*driver), std::move(*stream)};
 }
 
 Result<Daemon::Files> Daemon::read_files(const DaemonOptions& options) {
@@ -199,7 +205,7 @@ Result<Daemon::Files> Daemon::read_files(const DaemonOptions& options) {
     if (!map) return fail(map);
     notes = std::move(*map);
   }
-  auto roots = file_roots_of(options, state);
+  auto roots = file_roots_of(options, state, notes);
   if (!roots) return fail(roots);
   return Files{std::move(state), std::move(notes), std::move(*roots)};
 }
@@ -221,7 +227,9 @@ Daemon::Daemon(DaemonOptions options, Ports ports, Files files)
       state_(std::move(files.state)),
       manager_(std::move(ports.manager)),
       session_(ports.driver->sample_rate_hz(), std::move(files.roots)),
-      notes_(session_.rack(), std::move(files.notes)),
+      notes_(session_.rack(), files.notes),
+      midi_(std::move(ports.midi)),
+      tuner_(session_.rack(), midi_->tuning(), std::move(files.notes)),
       recorder_(session_.rack(), score_writer(options_.record)),
       capture_(session_.rack()),
       stream_(std::move(ports.stream)),
@@ -230,6 +238,12 @@ Daemon::Daemon(DaemonOptions options, Ports ports, Files files)
 }
 
 Daemon::~Daemon() = default;
+
+void Daemon::do_chores() {
+  tuner_.catch_up();
+  session_.rack().collect();
+  ++worker_rounds_;
+}
 
 void Daemon::configure() {
   session::Rack& rack = session_.rack();
@@ -266,18 +280,33 @@ Result<void> Daemon::prepare(std::uint16_t osc_port) {
   return target ? capture_.start(*target) : fail(target);
 }
 
+// Without objects of another origin, the map's are loaded, if it says from where.
+Result<void> Daemon::load_notes() {
+  const std::optional<session::NoteMap>& map = notes_.map();
+  const bool has_others = options_.scene || options_.state || !options_.objects.empty();
+  if (!map || map->banks.empty() || has_others) return {};
+  for (const session::NoteMap::Entry& entry : map->notes) {
+    if (session_.rack().find({.name = entry.object})) continue;
+    const auto bank = options_.notes->parent_path() / map->banks / (entry.object + ".glb");
+    if (const auto loaded = session_.rack().load(entry.object, bank); !loaded) return fail(loaded);
+  }
+  return {};
+}
+
 Result<void> Daemon::load() {
   // A second of silence before the scene starts: the driver may take that long.
   const auto start = static_cast<synth::Frame>(driver_->sample_rate_hz());
   for (const auto& [name, bank] : options_.objects) {
     if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded);
   }
+  if (const auto loaded = load_notes(); !loaded) return loaded;
   if (options_.scene) {
     if (const auto loaded = session_.scene().load(*options_.scene, start); !loaded) return fail(loaded);
   }
   if (const auto connected = connect_inputs(); !connected) return connected;
   const auto restored = restore(state_, session_, start);
   if (!restored) return fail(options_.state->string(), restored);
+  tuner_.catch_up();
   return {};
 }
 
@@ -316,6 +345,9 @@ Result<void> Daemon::play(wire::OscSocket socket) {
   log_info(formatted("ready: OSC on {}:{}, {} objects, {} Hz, blocks of {}, {} kernel", options_.address, port,
                      rack.names()->size(), fixed(driver_->sample_rate_hz(), 0), driver_->block_frames(),
                      synth::kernel_target()));
+  if (options_.notes || options_.connect || options_.keyboard) {
+    if (const std::string keys = session::key_list(notes_.map(), rack.objects()); !keys.empty()) log_info(keys);
+  }
   return {};
 }
 

@@ -18,7 +18,9 @@
 #include "server/options.h"
 #include "server/osc_stream.h"
 #include "server/query_server.h"
+#include "server/session/midi_player.h"
 #include "server/session/note_map.h"
+#include "server/session/note_tuner.h"
 #include "server/session/recorder.h"
 #include "server/session/session.h"
 #include "server/session/sound_capture.h"
@@ -62,8 +64,10 @@ class Daemon {
   static Result<Files> read_files(const DaemonOptions& options);
   Daemon(DaemonOptions options, Ports ports, Files files);
   void configure();
+  void do_chores();  // runs on the worker's thread, after each task and at least every 10 ms
   Result<void> prepare(std::uint16_t osc_port);
   Result<void> load();
+  Result<void> load_notes();
   Result<void> connect_inputs();
   Result<void> play(wire::OscSocket socket);
   Result<void> write_results();
@@ -75,13 +79,15 @@ class Daemon {
   std::atomic<bool> quits_ = false;     // set by the OSC server
   std::atomic<std::uint64_t> worker_rounds_ = 0;
   session::Session session_;
-  session::Notes notes_;                // notes of the session's rack
-  session::Recorder recorder_;          // observes the session's rack
-  session::SoundCapture capture_;       // captures the session's mixer
-  std::shared_ptr<OscStream> stream_;   // null: no --tcp
-  std::unique_ptr<QueryServer> query_;  // null: no --query; reads the rack's names
-  WorkerLine worker_line_;              // for the driver and the scene, which outlive the worker
-  std::unique_ptr<Driver> driver_;      // renders the session's mixer
+  session::Notes notes_;                       // notes of the session's rack
+  std::shared_ptr<session::MidiPlayer> midi_;  // plays the driver's MIDI input; its threads share it
+  session::NoteTuner tuner_;                   // tunes the session's rack
+  session::Recorder recorder_;                 // observes the session's rack
+  session::SoundCapture capture_;              // captures the session's mixer
+  std::shared_ptr<OscStream> stream_;          // null: no --tcp
+  std::unique_ptr<QueryServer> query_;         // null: no --query; reads the rack's names
+  WorkerLine worker_line_;                     // for the driver and the scene, which outlive the worker
+  std::unique_ptr<Driver> driver_;             // renders the session's mixer
   std::unique_ptr<Service> service_;
 };
 

@@ -1,7 +1,7 @@
 // A driver plays a program: it calls Mixer::render from its own audio thread and knows which frame is due. There are
 // two: JACK (open_jack) and our own clock, which discards the sound (open_null).
 //
-//   auto driver = open_jack({.client_name = "ringdown"});
+//   auto driver = open_jack({.client_name = "ringdown"}, player);
 //   (*driver)->start(program);     // renders until the driver is destroyed
 #pragma once
 
@@ -15,12 +15,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace ringdown::session {
+class MidiPlayer;
 struct NoteTable;
-}
+}  // namespace ringdown::session
 
 namespace ringdown::server {
 
@@ -83,16 +85,19 @@ class Driver {
 
 struct JackOptions {
   std::string client_name = "ringdown";
-  bool connect = false;            // connect to the first two physical playback ports
+  bool connect = false;  // connect to the first two physical playback ports
+  // Connect to the first MIDI source with this in its name, in any case of letters, as soon as there is one; "": to the
+  // first device; nothing: to none.
+  std::optional<std::string> keyboard;
   bool wait = false;               // wait for a server, if there is none yet
   double sample_rate_hz = 48000;   // until then
   std::size_t block_frames = 256;  // until then
 };
-// Opens a JACK client that outlives its server. While there is no server, the mixer is rendered by our own clock and
-// its sound is discarded. When a server answers again, at any rate and period, our ports and their connections are
-// restored (jack_driver.cpp). Fails with ErrorKind::no_sound_server if no JACK server answers and options.wait is
-// false, and with ErrorKind::usage if the name is too long for JACK.
-Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options);
+// Opens a JACK client that outlives its server, and plays what its MIDI input receives by `midi`. While there is no
+// server, the mixer is rendered by our own clock and its sound is discarded. When a server answers again, at any rate
+// and period, our ports and their connections are restored (jack_driver.cpp). Fails with ErrorKind::no_sound_server if
+// no JACK server answers and options.wait is false, and with ErrorKind::usage if the name is too long for JACK.
+Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options, std::shared_ptr<session::MidiPlayer> midi);
 
 // Renders in real time and discards the sound. While the mixer's sound is captured, it waits for the capture to keep
 // up, so that no frame is lost.

@@ -337,13 +337,15 @@ void JackClient::connect(const JackConnection& connection) {
   jack_connect(client_, out ? ours.c_str() : connection.theirs.c_str(), out ? connection.theirs.c_str() : ours.c_str());
 }
 
-void JackClient::connect_to_speakers() {
-  const char** speakers =
-      jack_get_ports(client_, nullptr, JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput | JackPortIsPhysical);
-  for (std::size_t i = 0; speakers && speakers[i] && i < kFirstBus; ++i) {
-    jack_connect(client_, jack_port_name(ports_[i]), speakers[i]);
-  }
-  jack_free(speakers);
+std::vector<std::string> JackClient::others(Others kind) const {
+  const bool is_audio = kind == Others::speakers, is_program = kind == Others::midi_sources;
+  const unsigned long flags = (is_audio ? JackPortIsInput : JackPortIsOutput) | (is_program ? 0 : JackPortIsPhysical);
+  const char** ports =
+      jack_get_ports(client_, nullptr, is_audio ? JACK_DEFAULT_AUDIO_TYPE : JACK_DEFAULT_MIDI_TYPE, flags);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; ports && ports[i]; ++i) names.emplace_back(ports[i]);
+  jack_free(ports);
+  return names;
 }
 
 void JackClient::note_listeners() {

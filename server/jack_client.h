@@ -22,6 +22,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 struct _jack_client;
 struct _jack_port;
@@ -85,7 +86,10 @@ class JackClient {
   [[nodiscard]] std::set<JackConnection> connections() const;
   // Asks the server for a connection; does nothing if one of the ports does not exist.
   void connect(const JackConnection& connection);
-  void connect_to_speakers();
+
+  // Returns the names of the server's physical playback ports, of its physical MIDI sources, or of all MIDI sources.
+  enum class Others { speakers, midi_devices, midi_sources };
+  [[nodiscard]] std::vector<std::string> others(Others kind) const;
 
   // Asks JACK which of our ports are connected; the others are not rendered. Call after on_change(), and in freewheel.
   void note_listeners();

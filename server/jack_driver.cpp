@@ -13,6 +13,8 @@
 #include "server/log.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <mutex>
 #include <semaphore>
 #include <system_error>
@@ -29,6 +31,15 @@ constexpr auto kPatience = 1s;        // a server that has not called for this l
 constexpr double kPatientBlocks = 4;  // or for this many blocks, if that is longer than kPatience
 constexpr auto kMaxPause = 30s;       // pause between two tries with a server that does not call
 
+constexpr const char* kNoDevice = "Midi Through";  // ALSA's, which JACK shows as a device
+
+int lower(unsigned char letter) { return std::tolower(letter); }
+
+// Returns whether a name has a part, in upper or lower case.
+bool contains(const std::string& name, const std::string& part) {
+  return !std::ranges::search(name, part, {}, lower, lower).empty() || part.empty();
+}
+
 // Wakes the driver's thread. JACK's threads share ownership, because they may use it after the driver has gone.
 using Bell = std::counting_semaphore<>;
 
@@ -41,7 +52,8 @@ class JackDriver final : public Driver {
         meter_(std::move(meter)),
         midi_(std::move(midi)),
         client_(std::move(client)),
-        connect_(options_.connect) {
+        connect_(options_.connect),
+        keyboard_(options_.keyboard) {
     note_format();
   }
 
@@ -184,11 +196,36 @@ class JackDriver final : public Driver {
     client_->show_buses(program_->buses());
     client_->show_inputs(program_->inputs());
     client_->set_notes(program_->notes());
-    if (std::exchange(connect_, false)) client_->connect_to_speakers();
+    if (std::exchange(connect_, false)) connect_to_speakers();
+    if (keyboard_) find_keyboard();
     for (const JackConnection& missing : missing_) client_->connect(missing);
     client_->note_listeners();
     remember_connections();
     report_losses();
+  }
+
+  void connect_to_speakers() {
+    const auto speakers = client_->others(JackClient::Others::speakers);
+    constexpr std::array kMix = {"out_left", "out_right"};
+    for (std::size_t i = 0; i < std::min(kMix.size(), speakers.size()); ++i) client_->connect({kMix[i], speakers[i]});
+  }
+
+  // A keyboard that is plugged in later is found then. It is connected once: users may disconnect it. A port that is
+  // named may be a program's.
+  void find_keyboard() {
+    const bool any = keyboard_->empty();
+    const auto sources = client_->others(any ? JackClient::Others::midi_devices : JackClient::Others::midi_sources);
+    const auto found = std::ranges::find_if(sources, [&](const std::string& source) {
+      return any ? !contains(source, kNoDevice) : contains(source, *keyboard_);
+    });
+    if (found != sources.end()) {
+      client_->connect({"midi_in", *found});
+      log_info("plays what comes from " + *found);
+      keyboard_.reset();
+    } else if (!std::exchange(waits_for_keyboard_, true)) {
+      log_info(any ? "no MIDI keyboard yet; the first one that appears is connected"
+                   : "no MIDI port with \"" + *keyboard_ + "\" in its name yet; it is connected when it appears");
+    }
   }
 
   // PipeWire may change its rate under a client.
@@ -281,20 +318,21 @@ class JackDriver final : public Driver {
   bool reported_foreign_ = false;
   std::uint64_t dropped_notes_ = 0;
   bool connect_;
+  std::optional<std::string> keyboard_;  // to be found
+  bool waits_for_keyboard_ = false;
   std::shared_ptr<std::atomic<bool>> closed_ = std::make_shared<std::atomic<bool>>(true);
   std::jthread thread_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
+Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options, std::shared_ptr<session::MidiPlayer> midi) {
   if (const std::size_t max = max_jack_name_length(); options.client_name.size() > max) {
     return fail(ErrorKind::usage, "--name: JACK takes names of at most {} bytes, not {}", max,
                 options.client_name.size());
   }
   const auto bell = std::make_shared<Bell>(0);
   const auto meter = std::make_shared<LoadMeter>();
-  const auto midi = std::make_shared<session::MidiPlayer>();
   auto client = JackClient::open(options.client_name, meter, midi, [bell] { bell->release(); });
   if (!client && !options.wait) {
     return fail(ErrorKind::no_sound_server,

@@ -96,7 +96,11 @@ void add_driver(manual::App& app, DaemonOptions& options) {
                  "jack: play through JACK; wav: render the scene to a file at full speed; null: make no sound")
       ->type_name("jack|wav|null");
   app.add_option("--name", options.jack_name, "Name of the JACK client")->capture_default_str();
-  app.add_flag("--connect", options.connect, "Connect to the speakers (JACK)");
+  app.add_flag("--connect", options.connect,
+               "Connect to the speakers, and to the first MIDI keyboard as soon as there is one (JACK)");
+  app.add_option("--keyboard", options.keyboard,
+                 "Connect to the first MIDI port with this in its name, as soon as there is one (JACK)")
+      ->type_name("NAME");
   app.add_flag("--wait", options.wait, "Start without a JACK server, and wait for one");
   app.add_choice("--ports", options.ports, ports,
                  "JACK outputs beside the stereo mix: none, one per object, one per group")

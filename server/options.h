@@ -52,7 +52,8 @@ struct DaemonOptions {
   std::string jack_name = "ringdown";
   std::optional<std::filesystem::path> notes;        // note map for MIDI (note_map.h)
   session::PortMode ports = session::PortMode::mix;  // JACK ports in addition to the stereo mix
-  bool connect = false;                              // connect to the speakers
+  bool connect = false;                              // connect to the speakers, and to a keyboard
+  std::optional<std::string> keyboard;               // part of the name of the keyboard to connect to
   bool wait = false;                                 // wait for a JACK server if there is none yet
   double sample_rate_hz = 48000;                     // wav, null, and until there is a JACK server
   std::size_t block_frames = 256;                    // wav, null, and until there is a JACK server

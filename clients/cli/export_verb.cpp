@@ -21,13 +21,6 @@ struct ExportArguments {
   std::vector<std::string> places;
 };
 
-// The option's check has seen that these are three numbers.
-Vec3 vector_of(const std::string& text) {
-  Vec3 v;
-  std::sscanf(text.c_str(), "%lf,%lf,%lf", &v.x, &v.y, &v.z);
-  return v;
-}
-
 ExitCode export_samples(ExportArguments& arguments, const std::stop_token& stop) {
   session::SampleSetOptions& options = arguments.options;
   const auto bank = preset_or_file(arguments.bank, PresetKind::bank);

@@ -154,10 +154,21 @@ void add_sound_output(manual::App& app, session::OfflineOptions& options, SoundO
   app.add_option("--camera", options.camera, "Camera of the glTF scene that listens; default: the first.")
       ->type_name("NAME");
   app.add_option("--takes", output.takes,
-                 "Number of files to write, FILE-1 and so on, each played a little differently: strike points within 1 "
-                 "mm, contact times within 10 %, other roughness.")
+                 "Number of files to write, FILE-1 and so on, each played a little differently: other strike points, "
+                 "contact times, impulses, roughness.")
       ->check(manual::between(1, 1000));
-  app.add_option("--seed", output.seed, "Seed of the takes: the same seed makes the same takes.")
+  app.add_option("--scatter", output.variation.point_m, "Metres by which a take's strike point lies aside, at most.")
+      ->check(manual::between(0.0, 10.0))
+      ->capture_default_str();
+  app.add_option("--vary-contact", output.variation.contact_time,
+                 "Largest change of a take's contact times: 0.1 is 10 % more, or as many times less.")
+      ->check(manual::between(0.0, 9.0))
+      ->capture_default_str();
+  app.add_option("--vary-impulse", output.variation.impulse,
+                 "Largest change of a take's impulses, as for contact times.")
+      ->check(manual::between(0.0, 9.0))
+      ->capture_default_str();
+  app.add_option("--seed", output.variation.seed, "Seed of the takes: the same seed makes the same takes.")
       ->check(manual::between(std::uint64_t{0}, std::uint64_t{1} << 53))
       ->capture_default_str();
   app.add_option("--mux", output.mux, "Video to put the sound under, by ffmpeg; the result lies beside the sound.")
@@ -183,7 +194,8 @@ ExitCode write_sound(session::OfflineOptions options, const SoundOutput& output,
   ExitCode outcome = ExitCode::ok;
   for (int take = 1; take <= output.takes; ++take) {
     // Takes of neighbouring seeds have nothing in common.
-    options.variation.emplace().seed = output.seed * 1000003 + static_cast<std::uint64_t>(take);
+    options.variation = output.variation;
+    options.variation->seed = output.variation.seed * 1000003 + static_cast<std::uint64_t>(take);
     SoundOutput one = output;
     if (one.file.stems) *one.file.stems = numbered(*one.file.stems / "take", take, output.takes);
     const ExitCode code =

@@ -22,7 +22,7 @@ struct SoundOutput {
   session::FileOptions file;
   std::optional<std::filesystem::path> mux;  // a picture to put the sound under
   int takes = 0;                             // 0: one file, as described
-  std::uint64_t seed = 1;                    // of the takes
+  session::VariationRange variation;         // of the takes; its seed is the first one's
   bool progress_lines = false;               // on stdout, for programs (ProgressLine)
 };
 

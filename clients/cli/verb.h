@@ -5,7 +5,11 @@
 // sets `outcome`, which must outlive the parsing. A verb that fails has written the reason to stderr with complain().
 #pragma once
 
+#include "engine/base/vec3.h"
 #include "protocol/exit_codes.h"
+
+#include <cstdio>
+#include <string>
 
 namespace ringdown::manual {
 class App;
@@ -15,6 +19,13 @@ namespace ringdown::cli {
 
 using protocol::complain;
 using protocol::ExitCode;
+
+// Reads an option's value X,Y,Z, which manual::any_vector() has checked.
+inline Vec3 vector_of(const std::string& text) {
+  Vec3 v;
+  std::sscanf(text.c_str(), "%lf,%lf,%lf", &v.x, &v.y, &v.z);
+  return v;
+}
 
 void add_strike_verb(manual::App& app, ExitCode& outcome);     // rings an object in a running daemon
 void add_send_verb(manual::App& app, ExitCode& outcome);       // any other message of the protocol

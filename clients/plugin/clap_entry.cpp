@@ -106,7 +106,10 @@ clap_process_status process(const clap_plugin_t* plugin, const clap_process_t* b
   ours.events.take(block->in_events, ours.instrument->parameters());
   clap_process_t filtered = *block;
   filtered.in_events = ours.events.list();
-  if (ours.dpf->process(ours.dpf, &filtered) == CLAP_PROCESS_ERROR) return CLAP_PROCESS_ERROR;
+  sayings_of_block() = &ours.events.sayings();
+  const clap_process_status status = ours.dpf->process(ours.dpf, &filtered);
+  sayings_of_block() = nullptr;
+  if (status == CLAP_PROCESS_ERROR) return CLAP_PROCESS_ERROR;
   report_changes(ours);
   const bool sleeps = ours.events.empty() && ours.instrument->is_idle();
   for (std::uint32_t i = 0; i < block->audio_outputs_count; ++i) block->audio_outputs[i].constant_mask = sleeps ? 3 : 0;

@@ -23,6 +23,7 @@ bool is_ours(int port) { return port == kPort || port == -1; }
 
 void Events::take(const clap_input_events_t* given, ParameterValues& parameters) {
   used_ = midi_used_ = 0;
+  sayings_.count = 0;
   given_ = given ? given->size(given) : 0;
   for (std::uint32_t i = 0; i < given_; ++i) take(*given->get(given, i), parameters);
 }
@@ -33,6 +34,11 @@ void Events::take(const clap_event_header_t& event, ParameterValues& parameters)
     case CLAP_EVENT_MIDI:
       if (reinterpret_cast<const clap_event_midi_t&>(event).port_index == kPort) add(event);
       return;
+    case CLAP_EVENT_MIDI_SYSEX: {
+      const auto& exclusive = reinterpret_cast<const clap_event_midi_sysex_t&>(event);
+      if (exclusive.port_index != kPort) return;
+      return sayings_.add({NoteSaying::Kind::exclusive, 0, 0, event.time, -1, 0, {exclusive.buffer, exclusive.size}});
+    }
     case CLAP_EVENT_NOTE_ON:
       return press(reinterpret_cast<const clap_event_note_t&>(event));
     case CLAP_EVENT_NOTE_OFF:

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "clients/plugin/parameters.h"
+#include "clients/plugin/vst3_notes.h"
 
 #include "src/clap/events.h"
 
@@ -22,6 +23,7 @@ class Events {
   void take(const clap_input_events_t* given, ParameterValues& parameters);
 
   [[nodiscard]] const clap_input_events_t* list() const { return &list_; }
+  [[nodiscard]] NoteSayings& sayings() { return sayings_; }  // the system exclusive messages
   [[nodiscard]] bool empty() const { return given_ == 0 && used_ == 0; }
 
  private:
@@ -39,6 +41,7 @@ class Events {
   std::array<clap_event_midi_t, kMaxMidi> midi_{};
   std::size_t used_ = 0, midi_used_ = 0;
   std::uint32_t given_ = 0;
+  NoteSayings sayings_;
   clap_input_events_t list_{this,
                             [](const clap_input_events_t* list) {
                               return static_cast<std::uint32_t>(static_cast<const Events*>(list->ctx)->used_);

@@ -68,7 +68,7 @@ Instrument* Instrument::newest() { return newest_made; }
 
 void Instrument::load_preset(std::size_t preset) {
   for (std::size_t i = 0; i < kParameters; ++i) {
-    if (kParameterInfo[i].scale != Scale::output) parameters_.set(i, kParameterInfo[i].standard);
+    if (is_of_preset(i)) parameters_.set(i, kParameterInfo[i].standard);
   }
   parameters_.set(Parameter::object, static_cast<double>(kFirstPreset + preset));
   const std::lock_guard lock(mutex_);
@@ -171,6 +171,9 @@ void Instrument::catch_up() {
     if (wanted != source_) load(wanted);
     source_ = std::move(wanted);
   }
+  const KeyMap* const played = plan_ ? &plan_->map : map_.get();
+  const auto scale = static_cast<std::size_t>(parameters_[Parameter::scale]);
+  keyboard_.tuning().set_base(tunings_of_keys_.read(scale, played ? played->tuning : std::nullopt));
   if (plan_ && ringdown_now(mixer_.get()) != full_at_) {
     full_at_ = install(*plan_) ? -1 : ringdown_now(mixer_.get());
     if (full_at_ < 0) plan_ = nullptr;
@@ -291,7 +294,8 @@ void Instrument::render(std::span<const MidiMessage> messages, float* left, floa
   }
   ringdown_render(mixer_.get(), left, right, frames);
   if (!mixer_) std::fill_n(left, frames, 0.0F), std::fill_n(right, frames, 0.0F);
-  apply_gain(left, right, frames);
+  gain_.apply(std::pow(10, parameters_[Parameter::gain] / 20), kGainRamp_s * sample_rate_hz_, {left, frames},
+              {right, frames});
   float peak = 0;
   for (std::size_t i = 0; i < frames; ++i) peak = std::max({peak, std::abs(left[i]), std::abs(right[i])});
   parameters_.set(Parameter::level, 20 * std::log10(std::max(static_cast<double>(peak), 1e-6)));
@@ -330,19 +334,19 @@ void Instrument::spread(const KeyMap& map) REALTIME {
 
 TRUST_REALTIME_END
 
-void Instrument::apply_gain(float* left, float* right, std::size_t frames) REALTIME {
-  const double wanted = std::pow(10, parameters_[Parameter::gain] / 20);
-  if (gain_.wanted != wanted) {
-    const bool first = gain_.wanted == 0;
-    gain_.wanted = wanted;
-    gain_.left = first ? 0 : static_cast<std::size_t>(kGainRamp_s * sample_rate_hz_);
-    gain_.step = first ? 0 : (wanted - gain_.present) / static_cast<double>(gain_.left);
-    if (first) gain_.present = wanted;
+void Instrument::GainRamp::apply(double gain, double ramp_frames, std::span<float> on_left,
+                                 std::span<float> on_right) REALTIME {
+  if (wanted != gain) {
+    const bool first = wanted == 0;
+    wanted = gain;
+    left = first ? 0 : static_cast<std::size_t>(ramp_frames);
+    step = first ? 0 : (wanted - present) / static_cast<double>(left);
+    if (first) present = wanted;
   }
-  for (std::size_t i = 0; i < frames; ++i) {
-    if (gain_.left > 0) gain_.present = --gain_.left == 0 ? gain_.wanted : gain_.present + gain_.step;
-    left[i] = static_cast<float>(static_cast<double>(left[i]) * gain_.present);
-    right[i] = static_cast<float>(static_cast<double>(right[i]) * gain_.present);
+  for (std::size_t i = 0; i < on_left.size(); ++i) {
+    if (left > 0) present = --left == 0 ? wanted : present + step;
+    on_left[i] = static_cast<float>(static_cast<double>(on_left[i]) * present);
+    on_right[i] = static_cast<float>(static_cast<double>(on_right[i]) * present);
   }
 }
 

@@ -21,6 +21,7 @@
 #include "clients/plugin/keyboard.h"
 #include "clients/plugin/parameters.h"
 #include "clients/plugin/sources.h"
+#include "clients/plugin/tunings.h"
 
 #include <atomic>
 #include <filesystem>
@@ -66,7 +67,10 @@ class Instrument {
   void set_embedded(const std::string& text);
   [[nodiscard]] std::string embedded() const;
 
-  // Plays a preset with all other parameters at their defaults, except the level.
+  // The files of tunings. The worker reads them.
+  [[nodiscard]] Tunings& tunings() { return tunings_of_keys_; }
+
+  // Plays a preset with all other parameters at their defaults, except the level and the scale.
   void load_preset(std::size_t preset);
 
   // Returns the names of keys that strike objects of their own, which only note maps have: "F3" for key 53.
@@ -105,6 +109,7 @@ class Instrument {
   struct GainRamp {
     double present = 0, step = 0, wanted = 0;
     std::size_t left = 0;
+    void apply(double gain, double ramp_frames, std::span<float> on_left, std::span<float> on_right) REALTIME;
   };
 
   void work();  // runs on the worker's thread
@@ -116,13 +121,13 @@ class Instrument {
   bool tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning);
   void tune_all();
   void spread(const KeyMap& map) REALTIME;
-  void apply_gain(float* left, float* right, std::size_t frames) REALTIME;
   const KeyMap* take_map() REALTIME;
 
   const std::filesystem::path binary_;
   double sample_rate_hz_;
   ParameterValues parameters_;
   Keyboard keyboard_;
+  Tunings tunings_of_keys_;
   std::unique_ptr<ringdown_mixer, MixerDestroy> mixer_;
 
   mutable std::mutex mutex_;  // guards the members of this paragraph; the audio thread never locks it

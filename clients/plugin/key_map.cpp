@@ -188,6 +188,7 @@ Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
   plan.map.is_note_map = true;
   plan.map.release_s = file->release_s;
   plan.map.damp_s = file->damp_s;
+  plan.map.tuning = file->tuning;
   std::map<std::string, std::uint32_t> known;
   for (const session::NoteMap::Entry& entry : file->notes) {
     const auto [object, is_new] = known.try_emplace(entry.object, static_cast<std::uint32_t>(known.size()));

@@ -2,7 +2,8 @@
 //
 // With one bank across the keyboard, each key is an object of that bank, in the size that its pitch requires;
 // frequencies are exactly proportional to sqrt(stiffness / density) / size. With a note map (docs/use/midi.md), each
-// key strikes an object of its own bank, in the bank's size.
+// key strikes an object of its own bank, in the bank's size. A tuning (tunings.h) moves each key away from equal
+// temperament by semitones, and changes the size of its object like a bend.
 #pragma once
 
 #include "clients/library/ringdown.h"
@@ -11,6 +12,7 @@
 #include "engine/base/realtime.h"
 #include "engine/base/result.h"
 #include "engine/base/vec3.h"
+#include "engine/microtuning/key_tuning.h"
 #include "server/session/note_map_file.h"
 
 #include <array>
@@ -68,7 +70,8 @@ struct KeyMap {
   std::array<Key, kKeys> keys;
   std::vector<Object> objects;
   std::vector<Body> bodies;
-  std::optional<double> release_s;  // only from a note map
+  std::optional<double> release_s;               // only from a note map
+  std::optional<microtuning::KeyTuning> tuning;  // only from a note map
   double damp_s = 0.15;
   double evening = 1;  // factor on all impulses that a note map states, so that it is about as loud as other sources
 
@@ -86,7 +89,7 @@ struct KeyPlan {
 // [worker]
 Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded);
 
-// Returns the factor on the object's lengths for a bend in semitones.
+// Returns the factor on the object's lengths for a bend in semitones, which contains the key's tuning.
 double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterValues& parameters,
                double bend_semitones) REALTIME;
 

@@ -18,7 +18,6 @@ constexpr double kHardnessOctaves = 3;                       // a full controlle
 constexpr double kMasterBend_semitones = 2;                  // of MPE's master channels
 constexpr double kMemberBend_semitones = 48;                 // of the others, once a zone has been configured
 constexpr std::size_t kLowerMaster = 0, kUpperMaster = midi::kChannels - 1;
-constexpr std::uint8_t kDataEntry = 6, kNrpnLow = 98, kNrpnHigh = 99, kRpnLow = 100, kRpnHigh = 101;
 constexpr std::uint8_t kBendRange = 0, kMpeConfiguration = 6;  // registered parameters
 constexpr int kBendCentre = 8192;
 
@@ -33,6 +32,7 @@ std::optional<double> release_s(const Keyboard::Playing& playing) REALTIME {
 
 void Keyboard::reset() REALTIME {
   keys_ = {};
+  registered_ = {};
   channels_ = {};
   members_ = {};
   key_tuning_ = {};
@@ -49,6 +49,7 @@ void Keyboard::play(std::span<const std::uint8_t> message, const Playing& playin
     reset();
     return damp_all(0, playing);
   }
+  if (midi::is_exclusive(bytes[0])) return tuning_.take(message, keys_.held());
   if (message.size() < 2) return;
   const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0);
   const std::size_t channel = bytes[0] & 0x0f;
@@ -88,12 +89,13 @@ void Keyboard::press(std::size_t key, std::size_t channel, std::uint8_t velocity
   keys_.press(key, channel);
   channel_of_[key] = static_cast<std::uint8_t>(channel);
   pressure_[key].store(0, std::memory_order_relaxed);
+  tuning_.press(key, channel);
   bend_key(key, playing);
   const KeyMap::Key& struck = playing.map.keys[key];
-  if (!struck.sounds) return;
+  if (!struck.sounds || tuning_.is_unmapped(key)) return;
   const double share = (velocity / 127.0) * (velocity / 127.0);
   const double softness = std::exp2(-kHardnessOctaves * channels_[channel].hardness);
-  strike(struck, share, softness, bend_semitones(key), playing);
+  strike(struck, share, softness, bend_semitones(playing.map.objects[struck.object].key), playing);
 }
 
 // One blow, as hard as `share` of the full one, with a contact `softness` times as long.
@@ -145,14 +147,8 @@ void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t va
     if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(playing.map.damp_s, playing);
   } else if (number == midi::kBrightness) {
     channels_[channel].hardness = std::clamp((value - 64) / 63.0, -1.0, 1.0);
-  } else if (number == kRpnHigh) {
-    channels_[channel].parameter_high = value;
-  } else if (number == kRpnLow) {
-    channels_[channel].parameter_low = value;
-  } else if (number == kNrpnHigh || number == kNrpnLow) {
-    channels_[channel].parameter_high = channels_[channel].parameter_low = kNull;
-  } else if (number == kDataEntry) {
-    enter_data(channel, value, playing);
+  } else if (const auto set = registered_.take(channel, number, value)) {
+    set_registered(channel, *set, playing);
   } else if (number == midi::kAllSoundOff) {
     damp_all(0, playing);
   } else if (number == midi::kResetControllers || midi::ends_notes(number)) {
@@ -168,24 +164,28 @@ void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t va
   }
 }
 
-// Sets a registered parameter. A configuration message belongs to a master channel and states how many channels its
-// zone has; a range that one of them states counts for all of them.
-void Keyboard::enter_data(std::size_t channel, std::uint8_t value, const Playing& playing) REALTIME {
-  if (channels_[channel].parameter_high != 0) return;
-  const std::uint8_t parameter = channels_[channel].parameter_low;
-  if (parameter == kBendRange) {
+// A configuration message belongs to a master channel and states how many channels its zone has; a range that one of
+// them states counts for all of them.
+void Keyboard::set_registered(std::size_t channel, session::RegisteredParameters::Setting set,
+                              const Playing& playing) REALTIME {
+  if (set.parameter == kBendRange) {
     const std::size_t master = master_of(channel, playing);
     for (std::size_t one = 0; one < midi::kChannels; ++one) {
       const bool is_sister = master != kNone && one != master && master_of(one, playing) == master;
-      if (one == channel || is_sister) channels_[one].range_semitones = value;
+      if (one == channel || is_sister) channels_[one].range_semitones = set.value;
     }
-  } else if (parameter == kMpeConfiguration && (channel == kLowerMaster || channel == kUpperMaster)) {
+  } else if (set.parameter == kMpeConfiguration && (channel == kLowerMaster || channel == kUpperMaster)) {
     constexpr std::size_t kMaxMembers = midi::kChannels - 1;
     std::size_t& own = members_[channel == kLowerMaster ? 0 : 1];
     std::size_t& other = members_[channel == kLowerMaster ? 1 : 0];
-    own = std::min<std::size_t>(value, kMaxMembers);
+    own = std::min<std::size_t>(set.value, kMaxMembers);
     if (own + other + 1 >= kMaxMembers) other = own + 1 >= kMaxMembers ? 0 : kMaxMembers - 1 - own;
     for (Channel& one : channels_) one.range_semitones = -1;
+  } else {
+    for (std::size_t one = 0; one < midi::kChannels; ++one) {  // a master channel speaks for its zone
+      if (one != channel && master_of(one, playing) != channel) continue;
+      tuning_.select(one, set.parameter, set.value, keys_.held());
+    }
   }
 }
 

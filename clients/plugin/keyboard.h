@@ -9,7 +9,9 @@
 #pragma once
 
 #include "clients/plugin/key_map.h"
+#include "engine/microtuning/played_tuning.h"
 #include "server/session/held_keys.h"
+#include "server/session/registered_parameters.h"
 
 #include <array>
 #include <atomic>
@@ -43,12 +45,16 @@ class Keyboard {
   // sentence for each one that it refuses.
   void begin_block() REALTIME { events_left_ = kMaxEvents; }
 
-  // Forgets keys, pedals, controllers, bends and pressure.
+  // Forgets keys, pedals, controllers, bends and pressure. Tunings stay.
   void reset() REALTIME;
 
+  // The tuning of the keys, whose base the worker sets.
+  [[nodiscard]] microtuning::PlayedTuning& tuning() { return tuning_; }
+
   // The worker reads from these functions how each key's object should be retuned. [any]
+  // The pitch of the key above equal temperament, by its tuning and by bends.
   [[nodiscard]] double bend_semitones(std::size_t key) const REALTIME {
-    return bend_semitones_[key].load(std::memory_order_relaxed);
+    return bend_semitones_[key].load(std::memory_order_relaxed) + tuning_.semitones(key);
   }
   [[nodiscard]] double pressure(std::size_t key) const REALTIME {  // 0 ... 1
     return pressure_[key].load(std::memory_order_relaxed);
@@ -57,18 +63,16 @@ class Keyboard {
  private:
   static constexpr std::size_t kMaxEvents = 3900;
   static constexpr std::size_t kNone = ~std::size_t{0};
-  static constexpr std::uint8_t kNull = 127;  // half of the number of no registered parameter
   struct Channel {
     double bend = 0;              // -1 ... 1
     double hardness = 0;          // from controller 74, -1 ... 1
     double range_semitones = -1;  // of a full bend, by the registered parameter 0; below 0: not stated
-    std::uint8_t parameter_high = kNull, parameter_low = kNull;  // the registered parameter that data entry sets
   };
   void press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Playing& playing) REALTIME;
   void tune_key(std::span<const std::uint8_t> message, const Playing& playing) REALTIME;
   void release(std::size_t key, std::size_t channel, const Playing& playing) REALTIME;
   void control(std::size_t channel, std::uint8_t number, std::uint8_t value, const Playing& playing) REALTIME;
-  void enter_data(std::size_t channel, std::uint8_t value, const Playing& playing) REALTIME;
+  void set_registered(std::size_t channel, session::RegisteredParameters::Setting set, const Playing& playing) REALTIME;
   [[nodiscard]] std::size_t master_of(std::size_t channel, const Playing& playing) const REALTIME;
   [[nodiscard]] bool is_master(std::size_t channel, const Playing& playing) const REALTIME;
   [[nodiscard]] double range_semitones(std::size_t channel, const Playing& playing) const REALTIME;
@@ -92,6 +96,8 @@ class Keyboard {
 
   std::size_t events_left_ = kMaxEvents;
   session::HeldKeys keys_;
+  session::RegisteredParameters registered_;
+  microtuning::PlayedTuning tuning_;
   std::array<std::size_t, 2> members_{};  // channels of MPE's lower and upper zone, as its configuration message states
   int tuning_high_ = 64;                  // first half of a single key's tuning that is arriving
   std::array<double, kKeys> key_tuning_{};  // [semitones] bends of single keys

@@ -1,6 +1,7 @@
 #include "clients/plugin/parameter_text.h"
 
 #include "clients/plugin/sources.h"
+#include "clients/plugin/tunings.h"
 #include "engine/base/formatted.h"
 #include "engine/base/note.h"
 
@@ -33,6 +34,7 @@ std::string name_of(std::size_t parameter, int value) {
   if (is(parameter, Parameter::object)) return choice_name(static_cast<std::size_t>(value));
   if (is(parameter, Parameter::tuning)) return value == 0 ? "concert pitch" : "own pitch";
   if (is(parameter, Parameter::root_key)) return key_name(value);
+  if (is(parameter, Parameter::scale)) return tuning_name(static_cast<std::size_t>(value));
   if (kParameterInfo[parameter].scale == Scale::toggle) return value == 0 ? "off" : "on";
   return "";
 }
@@ -48,11 +50,6 @@ std::string three_digits(double value) {
 }
 
 }  // namespace
-
-std::string key_name(int key) {
-  const std::string name = note_name(note_frequency(key));
-  return name.substr(0, name.find(' '));
-}
 
 std::string number_of(std::size_t parameter, double value) {
   if (parameter >= kParameters) return "";

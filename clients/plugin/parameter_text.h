@@ -21,7 +21,4 @@ std::string number_of(std::size_t parameter, double value);
 // without its unit. The value lies in the parameter's range. Nothing if the text means none.
 std::optional<double> value_of(std::size_t parameter, std::string_view text);
 
-// Returns the name of a key: "C4" for 60.
-std::string key_name(int key);
-
 }  // namespace ringdown::plugin

@@ -41,6 +41,10 @@ const std::array<ParameterInfo, kParameters> kParameterInfo = {{
      "Channel 1 bends and presses all keys, each other channel the keys that it plays."},
     {"embed", "Save bank in session", "", 0, 1, 0, Scale::toggle, Group::session,
      "Sessions hold the object's bank itself, not only its name."},
+    {"scale", "Scale", "", 0, 9, 0, Scale::choice, Group::object,
+     "The pitches of the keys: equal temperament, or a scale and a keyboard mapping of Scala, from the host or from "
+     "your "
+     "own folder."},
 }};
 
 const std::array<GroupInfo, kGroups> kGroupInfo = {{

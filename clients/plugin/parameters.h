@@ -30,8 +30,9 @@ enum class Parameter : std::size_t {
   bend_range,
   mpe,
   embed,
+  scale,
 };
-inline constexpr std::size_t kParameters = 19;
+inline constexpr std::size_t kParameters = 20;
 inline constexpr double kRingsOn_s = 29.9;  // a release from here on damps nothing
 
 enum class Scale { linear, logarithmic, whole, choice, toggle, output };
@@ -59,6 +60,11 @@ extern const std::array<ParameterInfo, kParameters> kParameterInfo;
 // Returns whether a host may add something to the value for a while: that makes sense for continuous values.
 inline bool is_modulatable(const ParameterInfo& info) REALTIME {
   return info.scale == Scale::linear || info.scale == Scale::logarithmic;
+}
+
+// Returns whether a preset has a value for the parameter. An output is nobody's, and a scale belongs to the music.
+inline bool is_of_preset(std::size_t parameter) {
+  return kParameterInfo[parameter].scale != Scale::output && parameter != static_cast<std::size_t>(Parameter::scale);
 }
 
 // The present values, which any thread may read and set. What is played follows operator[], which includes modulation;

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 START_NAMESPACE_DISTRHO
@@ -23,6 +24,7 @@ using ringdown::plugin::kParameterInfo;
 using ringdown::plugin::kParameters;
 using ringdown::plugin::MidiMessage;
 using ringdown::plugin::ParameterInfo;
+using ringdown::plugin::Tunings;
 using Kind = ringdown::plugin::Scale;
 
 using Written = std::array<ringdown::plugin::NoteExpressions::Message, 2>;  // messages of one expression
@@ -30,11 +32,27 @@ using Written = std::array<ringdown::plugin::NoteExpressions::Message, 2>;  // m
 constexpr std::uint32_t kMaxMessages = 512;  // DPF hands over no more in a block
 constexpr const char* kFileKey = "file";
 constexpr const char* kEmbeddedKey = "embedded";
+constexpr const char* kScaleKey = "scale_file";
+constexpr const char* kMappingKey = "mapping_file";
+
+struct StateInfo {
+  const char *key, *label, *description;
+  std::uint32_t hints;
+};
+constexpr std::array kStates = {
+    StateInfo{kFileKey, "Bank or note map", "A bank (.glb) or a note map (.toml), played while Object is \"file\".",
+              kStateIsFilenamePath},
+    StateInfo{kEmbeddedKey, "Bank of the session", "", kStateIsOnlyForDSP},
+    StateInfo{kScaleKey, "Scale", "A scale of Scala (.scl), played while Scale is \"file\".", kStateIsFilenamePath},
+    StateInfo{kMappingKey, "Keyboard mapping", "A keyboard mapping of Scala (.kbm), played while Scale is \"file\".",
+              kStateIsFilenamePath},
+};
 
 class RingdownPlugin : public Plugin {
  public:
   RingdownPlugin()
-      : Plugin(kParameters, 0, 2), instrument_(std::make_unique<Instrument>(getSampleRate(), getBinaryFilename())) {}
+      : Plugin(kParameters, 0, kStates.size()),
+        instrument_(std::make_unique<Instrument>(getSampleRate(), getBinaryFilename())) {}
 
  protected:
   const char* getLabel() const override { return "ringdown"; }
@@ -84,10 +102,11 @@ class RingdownPlugin : public Plugin {
   }
 
   void initState(std::uint32_t index, State& state) override {
-    state.key = index == 0 ? kFileKey : kEmbeddedKey;
-    state.hints = index == 0 ? kStateIsFilenamePath : kStateIsOnlyForDSP;
-    state.label = index == 0 ? "Bank or note map" : "Bank of the session";
-    if (index == 0) state.description = "A bank (.glb) or a note map (.toml), played while Object is \"file\".";
+    const StateInfo& info = kStates[index];
+    state.key = info.key;
+    state.hints = info.hints;
+    state.label = info.label;
+    state.description = info.description;
   }
 
   float getParameterValue(std::uint32_t index) const override { return instrument_->parameters().get(index); }
@@ -95,6 +114,7 @@ class RingdownPlugin : public Plugin {
 
   String getState(const char* key) const override {
     if (std::string(key) == kFileKey) return String(instrument_->file().c_str());
+    if (const auto file = tuning_file(key)) return String(instrument_->tunings().file(*file).c_str());
     return String(instrument_->embedded().c_str());
   }
 
@@ -103,6 +123,7 @@ class RingdownPlugin : public Plugin {
     const bool none = std::filesystem::path(value).filename() == "state.ttl";
     if (std::string(key) == kFileKey) instrument_->set_file(none ? "" : value);
     if (std::string(key) == kEmbeddedKey) instrument_->set_embedded(value);
+    if (const auto file = tuning_file(key)) instrument_->tunings().set_file(*file, none ? "" : value);
   }
 
   void sampleRateChanged(double sample_rate_hz) override { instrument_->set_sample_rate(sample_rate_hz); }
@@ -116,11 +137,11 @@ class RingdownPlugin : public Plugin {
     std::size_t said = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
       const MidiEvent& event = events[i];
-      if (event.size > MidiEvent::kDataSize) continue;  // system exclusive
       for (; sayings && said < sayings->count && sayings->list[said].frame <= event.frame; ++said) {
         express(sayings->list[said], written_[said]);
       }
-      add({event.frame, {event.data, event.size}});
+      const bool is_long = event.size > MidiEvent::kDataSize;  // system exclusive
+      add({event.frame, {is_long ? event.dataExt : event.data, event.size}});
     }
     for (; sayings && said < sayings->count; ++said) express(sayings->list[said], written_[said]);
     instrument_->render({messages_.data(), used_}, outputs[0], outputs[1], frames);
@@ -128,8 +149,8 @@ class RingdownPlugin : public Plugin {
 
  private:
   static void name_choices(std::uint32_t index, ParameterEnumerationValues& values) {
-    const bool tuning = kParameterInfo[index].symbol == std::string("tuning");
-    values.count = static_cast<std::uint8_t>(tuning ? 2 : kChoices);
+    const bool is_object = index == static_cast<std::uint32_t>(ringdown::plugin::Parameter::object);
+    values.count = static_cast<std::uint8_t>(is_object ? kChoices : kParameterInfo[index].max + 1);
     values.restrictedMode = true;
     values.values = new ParameterEnumerationValue[values.count];
     for (std::uint8_t i = 0; i < values.count; ++i) {
@@ -138,11 +159,18 @@ class RingdownPlugin : public Plugin {
     }
   }
 
+  static std::optional<Tunings::File> tuning_file(const std::string& key) {
+    if (key == kScaleKey) return Tunings::File::scale;
+    if (key == kMappingKey) return Tunings::File::mapping;
+    return std::nullopt;
+  }
+
   void add(const MidiMessage& message) {
     if (used_ < kMaxMessages) messages_[used_++] = message;
   }
   // An expression precedes the messages of its frame: a note that begins with a tuning begins in tune.
   void express(const ringdown::plugin::NoteSaying& saying, Written& written) {
+    if (saying.kind == ringdown::plugin::NoteSaying::Kind::exclusive) return add({saying.frame, saying.message});
     const std::size_t count = expressions_.write(saying, written);
     for (std::size_t i = 0; i < count; ++i) add({saying.frame, written[i]});
   }

@@ -90,6 +90,7 @@ const Units kUnits{
 
 constexpr v3_tuid kNoteExpressionController = V3_ID(0xB7F8F859, 0x41234872, 0x91169581, 0x4F3721A3);
 constexpr std::uint32_t kTuning = 2, kBrightness = 5;  // the format's numbers
+constexpr std::uint32_t kExclusive = 0;                // of the format's data: a system exclusive message
 
 struct ExpressionInfo {
   std::uint32_t id;
@@ -158,6 +159,11 @@ v3_result get_event(void* self, std::int32_t index, v3_event* event) {
     if (!is_tuning && said.type_id != kBrightness) return result;
     const auto kind = is_tuning ? NoteSaying::Kind::tuning : NoteSaying::Kind::brightness;
     events.sayings->add({kind, 0, 0, frame, said.note_id, said.value});
+  } else if (event->type == V3_EVENT_DATA) {
+    if (event->data.type == kExclusive) {
+      events.sayings->add({NoteSaying::Kind::exclusive, 0, 0, frame, -1, 0, {event->data.bytes, event->data.size}});
+    }
+    event->type = V3_EVENT_NOTE_EXP_VALUE;  // which DPF drops; of data it would make a message of undefined bytes
   }
   return result;
 }

@@ -1,5 +1,6 @@
-// Note expressions of VST3 on their way through DPF, which drops them. vst3_entry.cpp collects what a block says about
-// notes, and plugin.cpp turns it into messages for the instrument while DPF renders that block. [audio]
+// What DPF drops, on its way through DPF: note expressions of VST3, and system exclusive messages of VST3 and CLAP. The
+// entry of the format collects what a block says, and plugin.cpp turns it into messages for the instrument while DPF
+// renders that block. [audio]
 #pragma once
 
 #include "clients/plugin/keyboard.h"
@@ -8,17 +9,19 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace ringdown::plugin {
 
-// A note that begins and the number by which expressions name it, or an expression of that note.
+// A note that begins and the number by which expressions name it, an expression of that note, or a message.
 struct NoteSaying {
-  enum class Kind : std::uint8_t { begins, tuning, brightness };
+  enum class Kind : std::uint8_t { begins, tuning, brightness, exclusive };
   Kind kind;
   std::uint8_t channel, key;  // only of a note that begins
   std::uint32_t frame;
   std::int32_t note;
   double value;  // 0 ... 1: tunings from -120 to 120 semitones, brightness from dull to bright
+  std::span<const std::uint8_t> message = {};  // only of a system exclusive message
 };
 
 struct NoteSayings {
@@ -30,7 +33,7 @@ struct NoteSayings {
   }
 };
 
-// The sayings of the block that this thread is rendering; null outside of one, and in other formats.
+// The sayings of the block that this thread is rendering; null outside of one, and in LV2.
 NoteSayings*& sayings_of_block() REALTIME;
 
 // Knows which key each note plays, and writes the messages of its expressions.

@@ -30,7 +30,7 @@ std::string bank(std::string_view family) {
   return "<" + std::string(kPlugin) + "#bank_" + word + ">";
 }
 
-// Every preset names all parameters but the ones that are the player's: its object, and what is standard.
+// Every preset names its object and the defaults of all other parameters that presets have.
 void write_presets(std::ostream& manifest, std::ostream& file) {
   const std::string prefixes = "@prefix pset: <http://lv2plug.in/ns/ext/presets#> .\n";
   manifest << prefixes;
@@ -45,12 +45,15 @@ void write_presets(std::ostream& manifest, std::ostream& file) {
              << bank(family) << " ;\n    rdfs:label \"" << kPresets[number]
              << "\" ;\n    rdfs:seeAlso <presets.ttl> .\n";
     file << preset(number) << "\n    lv2:port ";
-    for (std::size_t i = 1; i < kParameters; ++i) {  // but the output
+    const char* separator = "";
+    for (std::size_t i = 0; i < kParameters; ++i) {
+      if (!is_of_preset(i)) continue;
       const float value = i == static_cast<std::size_t>(Parameter::object) ? static_cast<float>(kFirstPreset + number)
                                                                            : kParameterInfo[i].standard;
-      file << "[ lv2:symbol \"" << kParameterInfo[i].symbol << "\" ; pset:value " << value << " ]"
-           << (i + 1 < kParameters ? " ,\n        " : " .\n");
+      file << separator << "[ lv2:symbol \"" << kParameterInfo[i].symbol << "\" ; pset:value " << value << " ]";
+      separator = " ,\n        ";
     }
+    file << " .\n";
   }
 }
 

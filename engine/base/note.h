@@ -26,6 +26,12 @@ inline std::string note_name(double frequency_hz) {
   return formatted("{}{} {:+.0f} ct", kNames[step], octave, 100 * (key - nearest));
 }
 
+// Returns the name of a MIDI number: "A4" for 69, "F#3" for 54.
+inline std::string key_name(int number) {
+  const std::string name = note_name(440 * std::exp2((number - 69) / 12.0));
+  return name.substr(0, name.find(' '));
+}
+
 // Returns the MIDI number of a note: "A4" is 69, "C4" 60, "F#3" and "Fs3" and "Gb3" 54. Nothing if outside 0 to 127.
 inline std::optional<int> note_number(std::string_view note) {
   constexpr std::string_view kLetters = "CDEFGAB";

@@ -59,6 +59,12 @@ bool HeldKeys::is_down(std::size_t key, std::size_t channel) const REALTIME {
 
 bool HeldKeys::is_down(Pedal pedal) const REALTIME { return pedals_[static_cast<std::size_t>(pedal)] != 0; }
 
+HeldKeys::Keys HeldKeys::held() const REALTIME {
+  Keys keys;
+  for (std::size_t key = 0; key < kNotes; ++key) keys[key] = is_held(key);
+  return keys;
+}
+
 std::size_t HeldKeys::channel_of(std::size_t key) const REALTIME {
   return static_cast<std::size_t>(std::countr_zero(channels_[key]));
 }

@@ -47,6 +47,8 @@ class HeldKeys {
   [[nodiscard]] bool is_held(std::size_t key) const REALTIME { return is_down(key) || kept_[key]; }
   [[nodiscard]] bool is_down(Pedal pedal) const REALTIME;
 
+  [[nodiscard]] Keys held() const REALTIME;
+
   // The lowest channel that holds the key, which must be down.
   [[nodiscard]] std::size_t channel_of(std::size_t key) const REALTIME;
 

@@ -23,6 +23,7 @@ void MidiPlayer::play(std::span<const std::uint8_t> message, synth::Frame frame,
   const Playing playing{frame, table, mixer, played};
   const std::uint8_t* const bytes = message.data();
   if (bytes[0] == midi::kSystemReset) return reset(playing);
+  if (midi::is_exclusive(bytes[0])) return tuning_.take(message, keys_.held());
   if (message.size() < 2) return;
   const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0), channel = static_cast<std::uint8_t>(bytes[0] & 0x0f);
   if (kind == midi::kChannelPressure) {
@@ -45,8 +46,9 @@ void MidiPlayer::play(std::span<const std::uint8_t> message, synth::Frame frame,
 
 void MidiPlayer::press(std::size_t note, std::uint8_t velocity, std::uint8_t channel, const Playing& playing) REALTIME {
   keys_.press(note, channel);
+  tuning_.press(note, channel);
   const auto& strike = playing.table.notes[note];
-  if (!strike) return;
+  if (!strike || tuning_.is_unmapped(note)) return;
   if (strike->bow) {
     const float speed = share_of(velocity);
     bows_[note] = {channel, speed, speed, kFirstPressure, true};
@@ -85,6 +87,8 @@ void MidiPlayer::control(std::uint8_t channel, std::uint8_t number, std::uint8_t
     if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(playing.table.damp_s, playing);
   } else if (number == midi::kExpression || number == midi::kBrightness) {
     change_bows(channel, playing, [value](Bow& bow) REALTIME { bow.speed = share_of(value); });
+  } else if (const auto set = registered_.take(channel, number, value)) {
+    tuning_.select(channel, set->parameter, set->value, keys_.held());
   } else if (number == midi::kAllSoundOff) {
     for (std::size_t note = 0; note < kNotes; ++note) lift(note, playing);
     damp_all(0, playing);
@@ -102,6 +106,7 @@ void MidiPlayer::control(std::uint8_t channel, std::uint8_t number, std::uint8_t
 void MidiPlayer::reset(const Playing& playing) REALTIME {
   for (std::size_t note = 0; note < kNotes; ++note) lift(note, playing);
   keys_ = {};
+  registered_ = {};
   damp_all(0, playing);
 }
 

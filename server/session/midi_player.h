@@ -12,10 +12,12 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
+#include "engine/microtuning/played_tuning.h"
 #include "engine/synth/events/event.h"
 #include "engine/synth/mixer.h"
 #include "server/session/held_keys.h"
 #include "server/session/note_map.h"
+#include "server/session/registered_parameters.h"
 
 #include <array>
 #include <atomic>
@@ -26,10 +28,13 @@ namespace ringdown::session {
 
 class MidiPlayer {
  public:
-  // Plays one message at `frame`. Messages other than notes, pedals, bows and resets are ignored. Each event that the
-  // mixer took is also put into `played`, as long as there is room.
+  // Plays one message at `frame`. Messages other than notes, pedals, bows, tunings and resets are ignored. Each event
+  // that the mixer took is also put into `played`, as long as there is room.
   void play(std::span<const std::uint8_t> message, synth::Frame frame, const NoteTable& table, synth::Mixer& mixer,
             SpscRing<synth::Event>& played) REALTIME;
+
+  // The tuning of the keys, for NoteTuner.
+  [[nodiscard]] microtuning::PlayedTuning& tuning() { return tuning_; }
 
   // Events lost because the mixer's queue was full. [any]
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
@@ -56,6 +61,8 @@ class MidiPlayer {
   void push(const synth::Event& event, const Playing& playing) REALTIME;
 
   HeldKeys keys_;
+  RegisteredParameters registered_;
+  microtuning::PlayedTuning tuning_;
   struct Bow {
     std::uint8_t channel = 0;
     float first_speed = 0;       // speed when the key went down

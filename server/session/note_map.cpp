@@ -1,11 +1,13 @@
 #include "server/session/note_map.h"
 
+#include "engine/base/note.h"
 #include "engine/modal/hearing/contact_pulse.h"
 #include "engine/modal/material_scale.h"
 #include "protocol/defaults.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 namespace ringdown::session {
@@ -80,26 +82,28 @@ NoteTable::Strike best_strike(const ObjectState& object) {
   return strike;
 }
 
+std::vector<NoteMap::Entry> default_notes(std::vector<ObjectSnapshot> objects) {
+  std::ranges::sort(objects, {}, [](const ObjectSnapshot& object) { return object->number; });
+  std::vector<NoteMap::Entry> notes;
+  for (std::size_t i = 0; i < objects.size() && kFirstDefaultNote + i < kNotes; ++i) {
+    notes.push_back({.note = kFirstDefaultNote + i, .object = objects[i]->name});
+  }
+  return notes;
+}
+
 NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects) {
   NoteTable table;
-  if (!map) {
-    std::vector<ObjectSnapshot> ordered = objects;
-    std::ranges::sort(ordered, {}, [](const ObjectSnapshot& object) { return object->number; });
-    for (std::size_t i = 0; i < ordered.size() && kFirstDefaultNote + i < kNotes; ++i) {
-      NoteTable::Strike strike = best_strike(*ordered[i]);
-      keep_in_range(*ordered[i], strike);
-      table.notes[kFirstDefaultNote + i] = strike;
-    }
-    return table;
+  if (map) {
+    table.release_s = map->release_s;
+    table.damp_s = map->damp_s;
   }
-  table.release_s = map->release_s;
-  table.damp_s = map->damp_s;
-  for (const NoteMap::Entry& entry : map->notes) {
+  for (const NoteMap::Entry& entry : map ? map->notes : default_notes(objects)) {
     const auto object =
         std::ranges::find(objects, entry.object, [](const ObjectSnapshot& o) -> const std::string& { return o->name; });
     if (object == objects.end()) continue;  // the object may be loaded later
     NoteTable::Strike strike = best_strike(**object);
-    strike.point_m = entry.point_m.value_or(strike.point_m);
+    const double tuned = (*object)->material.size / (*object)->untuned_size.value_or((*object)->material.size);
+    if (entry.point_m) strike.point_m = tuned * *entry.point_m;
     strike.contact_time_s = entry.contact_time_s.value_or(strike.contact_time_s);
     keep_in_range(**object, strike);
     strike.impulse_ns = entry.impulse_ns.value_or(strike.impulse_ns);
@@ -113,6 +117,26 @@ NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSna
     table.notes[entry.note] = strike;
   }
   return table;
+}
+
+std::string key_list(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects) {
+  constexpr std::size_t kMaxNamed = 12, kFirst = 3;
+  std::map<std::size_t, std::string> keys;
+  for (const NoteMap::Entry& entry : map ? map->notes : default_notes(objects)) {
+    const bool is_there =
+        std::ranges::any_of(objects, [&](const auto& object) { return object->name == entry.object; });
+    if (is_there) keys[entry.note] = key_name(static_cast<int>(entry.note)) + " = " + entry.object;
+  }
+  const bool all = keys.size() <= kMaxNamed;
+  std::string text;
+  std::size_t count = 0;
+  for (const auto& [note, name] : keys) {
+    const bool is_last = ++count == keys.size();
+    if (!all && count > kFirst && !is_last) continue;
+    if (count > 1) text += is_last && !all ? " ... " : ", ";
+    text += name;
+  }
+  return text.empty() ? "" : "keys: " + text;
 }
 
 std::shared_ptr<const NoteTable> Notes::table() {

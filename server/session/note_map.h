@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -46,20 +47,29 @@ inline constexpr double kDefaultVelocity_m_s = 0.1;
 inline constexpr double kMaxDefault_pa = 17.8, kMinDefault_pa = 0.63;
 inline constexpr double kDefaultBow_m_s = 0.4, kDefaultBow_n = 2;
 
-// Makes the note table. Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note
-// the next object, and so on. Values that the map does not name are those of best_strike(), with the impulse raised or
-// lowered so that the sum of the modes' amplitudes lies between kMinDefault_pa and kMaxDefault_pa.
+// Returns what notes strike without a map: note kFirstDefaultNote the object of the lowest number, the next note the
+// next object, and so on.
+std::vector<NoteMap::Entry> default_notes(std::vector<ObjectSnapshot> objects);
+
+// Makes the note table. Without a map it has the default notes. Values that the map does not name are those of
+// best_strike(), with the impulse raised or lowered so that the sum of the modes' amplitudes lies between
+// kMinDefault_pa and kMaxDefault_pa.
 NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects);
+
+// Returns which key strikes what, for people: "keys: C4 = bell, C#4 = cup". Of many keys only the first and the last
+// are named. "": no key strikes anything.
+std::string key_list(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects);
 
 // Keeps the note table for a rack's present objects, and makes it anew after they have changed.
 class Notes {
  public:
   Notes(const Rack& rack, std::optional<NoteMap> map) : rack_(rack), map_(std::move(map)) {}
   std::shared_ptr<const NoteTable> table();  // [one thread, not audio]
+  [[nodiscard]] const std::optional<NoteMap>& map() const { return map_; }
 
  private:
   const Rack& rack_;
-  std::optional<NoteMap> map_;
+  const std::optional<NoteMap> map_;
   std::optional<std::uint64_t> version_;
   std::shared_ptr<const NoteTable> table_;
 };

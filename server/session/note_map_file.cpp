@@ -2,6 +2,7 @@
 
 #include "engine/base/object_name.h"
 #include "engine/base/toml_table.h"
+#include "engine/microtuning/scala.h"
 
 #include <cstdint>
 #include <set>
@@ -46,6 +47,23 @@ NoteMap::Entry read_entry(TomlTable& table) {
   return entry;
 }
 
+// Reads the scale and the keyboard mapping that a map names, relative to its own folder.
+void read_tuning(TomlTable& table, const std::filesystem::path& folder, NoteMap& map) {
+  const auto path_of = [&](const char* key) {
+    std::string name;
+    if (table.has(key)) table.text(key, name);
+    return name.empty() ? std::filesystem::path() : folder / name;
+  };
+  const std::filesystem::path scale = path_of("scale"), mapping = path_of("mapping");
+  if (scale.empty() && mapping.empty()) return;
+  auto tuning = microtuning::read_tuning(scale, mapping);
+  if (tuning) {
+    map.tuning = *tuning;
+  } else {
+    table.complain(scale.empty() ? "mapping" : "scale", tuning.error().message);
+  }
+}
+
 }  // namespace
 
 Result<NoteMap> read_note_map(const std::filesystem::path& path) {
@@ -55,6 +73,7 @@ Result<NoteMap> read_note_map(const std::filesystem::path& path) {
   optional(*file, "release_s", map.release_s, [&](double& time) { file->number("release_s", time, kDamping_s); });
   file->number("damp_s", map.damp_s, kDamping_s);
   if (file->has("banks")) file->text("banks", map.banks);
+  read_tuning(*file, path.parent_path(), map);
   std::set<std::size_t> seen;
   for (TomlTable& table : file->tables("note")) {
     map.notes.push_back(read_entry(table));

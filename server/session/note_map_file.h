@@ -4,6 +4,7 @@
 
 #include "engine/base/result.h"
 #include "engine/base/vec3.h"
+#include "engine/microtuning/key_tuning.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -13,7 +14,7 @@
 
 namespace ringdown::session {
 
-inline constexpr std::size_t kNotes = 128;
+inline constexpr std::size_t kNotes = microtuning::kKeys;
 
 // A map as written in its file. Values that the file leaves out are chosen from the object's bank.
 struct NoteMap {
@@ -29,12 +30,14 @@ struct NoteMap {
     [[nodiscard]] bool is_bowed() const { return bow_speed_m_s || bow_force_n || bow_direction; }
   };
   std::vector<Entry> notes;
-  std::optional<double> release_s;  // a released note is damped within this time; nullopt: it rings on
-  double damp_s = 0.15;             // the damp pedal damps within this time
-  std::string banks;                // folder with NAME.glb for each object, used without a scene; "": the map's own
+  std::optional<double> release_s;               // a released note is damped within this time; nullopt: it rings on
+  double damp_s = 0.15;                          // the damp pedal damps within this time
+  std::optional<microtuning::KeyTuning> tuning;  // that of the files `scale` and `mapping`
+  std::string banks;  // folder with NAME.glb for each object, used without a scene; "": the map's own
 };
 
-// Reads a map. Values out of range and two entries for one note are refused, with the line. [worker]
+// Reads a map and the files of its tuning. Values out of range and two entries for one note are refused, with the line.
+// [worker]
 Result<NoteMap> read_note_map(const std::filesystem::path& path);
 
 }  // namespace ringdown::session

@@ -4,6 +4,13 @@
 
 namespace ringdown::session {
 
+ObjectState untuned(const ObjectState& object) {
+  ObjectState state = object;
+  state.material.size = object.untuned_size.value_or(object.material.size);
+  state.untuned_size.reset();
+  return state;
+}
+
 std::optional<double> level_m(const ObjectState& object) {
   if (!object.at_level) return std::nullopt;
   return object.material.size * object.at_level->level_m;

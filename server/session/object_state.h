@@ -47,18 +47,22 @@ struct ObjectState {
   std::shared_ptr<const modal::StrikeMap> baked_map;  // of the bank in the file
   std::shared_ptr<const modal::LevelModes> at_level;  // the modes of `map`; null: the liquid stands as baked
   modal::MaterialScale material;
-  modal::Dampers dampers;  // dampers that touch the object
-  modal::ModeRange modes;  // the modes of the bank that ring
-  std::string group;       // empty: the object is in no group
-  LiveNumber gain = 1;     // the value that was set last, even if its frame is still to come
-  LiveNumber pan = 0;      // -1 left ... +1 right; the value that was set last, as for gain
-  bool mute = false;       // silent, whatever is soloed
-  bool solo = false;       // while any object is soloed, only soloed ones are heard
+  std::optional<double> untuned_size;  // the material's size before the keyboard's tuning changed it (note_tuner.h)
+  modal::Dampers dampers;              // dampers that touch the object
+  modal::ModeRange modes;              // the modes of the bank that ring
+  std::string group;                   // empty: the object is in no group
+  LiveNumber gain = 1;                 // the value that was set last, even if its frame is still to come
+  LiveNumber pan = 0;                  // -1 left ... +1 right; the value that was set last, as for gain
+  bool mute = false;                   // silent, whatever is soloed
+  bool solo = false;                   // while any object is soloed, only soloed ones are heard
 };
 
 // An object at one moment, with its latest gain and pan. It stays valid for whoever holds it, and so does its bank,
 // whatever is loaded later.
 using ObjectSnapshot = std::shared_ptr<const ObjectState>;
+
+// Returns the object as it would be if no keyboard's tuning had changed its size: what files say.
+ObjectState untuned(const ObjectState& object);
 
 // The level of the object's liquid [m, in the frame of the object in its size]; nothing where it stands as baked.
 std::optional<double> level_m(const ObjectState& object);

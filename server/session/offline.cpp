@@ -130,7 +130,7 @@ class Run {
     const double last_s = options_.to_s ? std::min(*options_.to_s, scene_s) : scene_s;
     const double all_s = options_.seconds.value_or(std::max(score_s, last_s));
     const std::optional<double> tail_s = options_.seconds || (marked_ && !options_.tail_s) ? 0 : options_.tail_s;
-    const double min_tail_s = options_.score.empty() ? kMinTail_s : kMinScoreTail_s;
+    const double min_tail_s = options_.min_tail_s.value_or(options_.score.empty() ? kMinTail_s : kMinScoreTail_s);
     const double sure_s = all_s + tail_s.value_or(min_tail_s), from_s = options_.from_s.value_or(0);
     const bool given = options_.scene || !options_.score.empty() || options_.seconds;
     if (!given || !(sure_s > 0 && sure_s <= kMaxRender_s)) {

@@ -29,6 +29,7 @@ struct OfflineOptions {
   // end mark /c_set or its last event, and then what still sounds for tail_s, or until it is silent (kSilence_db).
   std::optional<double> seconds;
   std::optional<double> tail_s;        // an end mark is a tail of 0
+  std::optional<double> min_tail_s;    // until it is silent, but not shorter; nothing: as kMinTail_s says
   std::optional<double> from_s, to_s;  // the part of the scene that is written, before its tail
   double sample_rate_hz = 48000;
   std::optional<scene::FoleyLimits> foley;  // set: contacts of animated bodies are recovered from their motion

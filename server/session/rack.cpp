@@ -99,10 +99,18 @@ Result<void> Rack::retune(const ObjectState& object, const Edit& edit, synth::Fr
   return {};
 }
 
-Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale& scale) {
+Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale& scale,
+                                std::optional<double> untuned_size) {
   const auto object = find(ref);
   if (!object) return fail(object);
-  return retune(**object, [&](ObjectState& o) { o.material = scale; });
+  return retune(**object, [&](ObjectState& o) {
+    if (untuned_size) {
+      o.untuned_size = untuned_size;
+    } else if (o.untuned_size) {
+      *o.untuned_size *= scale.size / o.material.size;  // the tuning goes on to change the size by as much
+    }
+    o.material = scale;
+  });
 }
 
 Result<void> Rack::set_dampers(const ObjectRef& ref, const modal::Dampers& dampers, synth::Frame at) {

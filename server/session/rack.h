@@ -84,8 +84,10 @@ class Rack {
 
   // Change the material or the dampers, which retunes ringing modes and later strikes. Each damper in `dampers` is
   // added, or replaces the object's damper of that number, or removes that damper if its damping is 0; all other
-  // dampers of the object stay. The retuning happens at frame `at`, or at once if that has passed. [worker]
-  Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
+  // dampers of the object stay. The retuning happens at frame `at`, or at once if that has passed. `untuned_size`: the
+  // size that the object would have in equal temperament, if a keyboard's tuning asks for this one. [worker]
+  Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale,
+                            std::optional<double> untuned_size = {});
   Result<void> set_dampers(const protocol::ObjectRef& object, const modal::Dampers& dampers, synth::Frame at = 0);
 
   // Lets the liquid in the object stand at another level [m, in the object's frame and size], which retunes what rings

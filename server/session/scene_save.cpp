@@ -41,8 +41,9 @@ scene::SceneDescription scene_of(const Session& session) {
     described->group = object->group;
     described->gain = object->gain;
     described->pan = object->pan;
-    described->material = object->material;
-    described->level_m = level_m(*object);
+    const ObjectState as_written = untuned(*object);
+    described->material = as_written.material;
+    described->level_m = level_m(as_written);
   }
   return scene;
 }

@@ -179,21 +179,22 @@ State state_of(const Session& session) {
   const Rack& rack = session.rack();
   State state;
   std::error_code ignored;
-  for (const ObjectSnapshot& object : rack.objects()) {
-    if (session.breakage().is_piece(object->number) || session.scene().pieces().contains(object->number))
+  for (const ObjectSnapshot& snapshot : rack.objects()) {
+    if (session.breakage().is_piece(snapshot->number) || session.scene().pieces().contains(snapshot->number))
       continue;  // the whole object is saved
-    const auto scenes = object->dampers.lower_bound(modal::kFirstSceneDamper);
-    state.objects.push_back({object->name,
-                             std::filesystem::absolute(object->bank, ignored),
-                             object->gain,
-                             object->pan,
-                             object->group,
-                             object->material,
-                             object->modes,
-                             {object->dampers.begin(), scenes},
-                             object->mute,
-                             object->solo,
-                             level_m(*object)});
+    const ObjectState object = untuned(*snapshot);
+    const auto scenes = object.dampers.lower_bound(modal::kFirstSceneDamper);
+    state.objects.push_back({object.name,
+                             std::filesystem::absolute(object.bank, ignored),
+                             object.gain,
+                             object.pan,
+                             object.group,
+                             object.material,
+                             object.modes,
+                             {object.dampers.begin(), scenes},
+                             object.mute,
+                             object.solo,
+                             level_m(object)});
   }
   for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
     const auto& excitation = rack.excitations()[input];

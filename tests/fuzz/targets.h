@@ -26,6 +26,7 @@ void gltf(Bytes file);     // .glb and .gltf scenes, moving what was read, and l
 void material(Bytes file);
 void object(Bytes file);
 void notes(Bytes file);
+void scala(Bytes file);  // as a scale and as a keyboard mapping
 void state(Bytes file);
 void settings(Bytes file);
 void options(Bytes words);  // of ringdownd's command line, one in a line
@@ -44,6 +45,7 @@ inline constexpr Target kTargets[] = {
     {"osc", osc},           {"stream", stream},     {"score", score},   {"bank", bank},   {"mesh", mesh},
     {"scene", scene},       {"material", material}, {"object", object}, {"notes", notes}, {"state", state},
     {"settings", settings}, {"options", options},   {"nsm", nsm},       {"midi", midi},   {"geo", geo},
-    {"answer", answer},     {"reader", reader},     {"http", http},     {"gltf", gltf},   {"surface", surface}};
+    {"answer", answer},     {"reader", reader},     {"http", http},     {"gltf", gltf},   {"surface", surface},
+    {"scala", scala}};
 
 }  // namespace ringdown::fuzz

@@ -1,5 +1,6 @@
 #include "engine/bake/object_file.h"
 #include "engine/materials/material_library.h"
+#include "engine/microtuning/scala.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/world.h"
 #include "packaging/manual/command_line.h"
@@ -12,6 +13,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -74,6 +76,17 @@ void material(Bytes file) { static_cast<void>(bake::read_material(MemoryFile(tex
 void object(Bytes file) { static_cast<void>(bake::read_object(MemoryFile(text_of(file)).path())); }
 
 void notes(Bytes file) { static_cast<void>(session::read_note_map(MemoryFile(text_of(file)).path())); }
+
+void scala(Bytes file) {
+  const MemoryFile kept(text_of(file));
+  for (const bool is_scale : {true, false}) {
+    const auto tuning =
+        is_scale ? microtuning::read_tuning(kept.path(), "") : microtuning::read_tuning("", kept.path());
+    if (!tuning) continue;
+    expect(std::ranges::all_of(tuning->semitones, [](double pitch) { return std::isfinite(pitch); }),
+           "keys have finite pitches");
+  }
+}
 
 void state(Bytes file) {
   const auto state = session::parse_state(text_of(file), "state.toml");

@@ -103,6 +103,73 @@ TEST_F(JackPorts, ANoteFromAnotherClientLandsOnItsSample) {
   EXPECT_EQ(recorder.first_frame() + first, *keyboard.sent() + 1) << "a sine begins at zero";
 }
 
+TEST_F(JackPorts, TheFirstKeyboardIsConnectedAsSoonAsThereIsOne) {
+  Daemon daemon({"--connect", "--object", low_, "--object", high_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  JackRecorder keyboard(server_.name(), "keyboard", static_cast<std::size_t>(kPortsRate));
+  ASSERT_TRUE(keyboard.connect("ringdown:out_left", "keyboard:in_1"));
+  ASSERT_TRUE(becomes_true([&] { return server_.connections()["ringdown:midi_in"].contains("keyboard:midi_out"); }));
+  keyboard.send({0x90, 61, 127});
+  ASSERT_TRUE(keyboard.wait_for(16384));
+  const Samples samples = keyboard.samples(0);
+  const Spectrum heard = spectrum(std::span(samples).first(16384), kPortsRate);
+  const auto level = [&](double hz) {
+    return heard.magnitude[static_cast<std::size_t>(std::lround(hz / heard.bin_hz))];
+  };
+  EXPECT_GT(level(1200), 10 * level(300)) << "the second object";
+  daemon.process().send_signal(SIGTERM);
+  daemon.process().wait();
+  const std::string told = daemon.process().output();
+  for (const char* words :
+       {"no MIDI keyboard yet", "keys: C4 = low, C#4 = high", "plays what comes from keyboard:midi_out"}) {
+    EXPECT_NE(told.find(words), told.npos) << words << "\n" << told;
+  }
+}
+
+TEST_F(JackPorts, AKeyboardIsFoundByAPartOfItsName) {
+  JackRecorder pad(server_.name(), "pad", 1), keyboard(server_.name(), "keyboard", 1);
+  Daemon daemon({"--keyboard", "BOARD:", "--object", low_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  EXPECT_TRUE(becomes_true(
+      [&] { return server_.connections()["ringdown:midi_in"] == std::set<std::string>{"keyboard:midi_out"}; }));
+}
+
+TEST_F(JackPorts, ATuningMessageRetunesTheObjectOfItsKey) {
+  Daemon daemon({"--keyboard", "keyboard", "--object", low_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  JackRecorder keyboard(server_.name(), "keyboard", static_cast<std::size_t>(60 * kPortsRate));
+  ASSERT_TRUE(keyboard.connect("ringdown:out_left", "keyboard:in_1"));
+  ASSERT_TRUE(becomes_true([&] { return server_.connections()["ringdown:midi_in"].contains("keyboard:midi_out"); }));
+  keyboard.send({0x90, 60, 127});
+  ASSERT_TRUE(keyboard.wait_for(8192));
+  const auto is_heard = [&](double hz) {
+    const Samples samples = keyboard.samples(0);
+    const Spectrum heard = spectrum(std::span(samples).last(8192), kPortsRate);
+    const auto loudest = std::ranges::max_element(heard.magnitude) - heard.magnitude.begin();
+    return std::abs(static_cast<double>(loudest) * heard.bin_hz - hz) < 2 * heard.bin_hz;
+  };
+  EXPECT_TRUE(is_heard(300));
+  // The key of note 60 gets the pitch of note 72.
+  keyboard.send({0xf0, 0x7f, 0x7f, 0x08, 0x02, 0x00, 0x01, 60, 72, 0x00, 0x00, 0xf7});
+  EXPECT_TRUE(becomes_true([&] { return is_heard(600); }));
+}
+
+TEST_F(JackPorts, WithoutAnythingElseAMapBringsItsObjects) {
+  std::filesystem::create_directory(folder_ / "maps");
+  std::ofstream(folder_ / "maps/notes.toml") << "banks = '..'\n[[note]]\nnote = 48\nobject = 'low'\n[[note]]\nnote = "
+                                                "50\nobject = 'high'\n[[note]]\nnote = 52\nobject = 'low'\n";
+  const std::string map = (folder_ / "maps/notes.toml").string();
+  {
+    Daemon daemon({"--notes", map}, server_.environment());
+    ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+    EXPECT_TRUE(done(daemon, {"/object/low/free", {}}));
+    EXPECT_TRUE(done(daemon, {"/object/high/free", {}}));
+  }
+  Daemon daemon({"--notes", map, "--object", low_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  EXPECT_FALSE(done(daemon, {"/object/high/free", {}})) << "the user's objects, and no others";
+}
+
 // The listener faces along x, the object stands 30 degrees to the left: Y (channel 1) is sin 30 degrees of W (channel
 // 0).
 TEST_F(JackPorts, AmbisonicPortsHearWhereAnObjectStands) {

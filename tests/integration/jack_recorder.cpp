@@ -19,7 +19,7 @@ JackRecorder::JackRecorder(const std::string& server, const std::string& name, s
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     ports_[i] = jack_port_register(client_, i == 0 ? "in_1" : "in_2", JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput, 0);
   }
-  midi_out_ = jack_port_register(client_, "midi_out", JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput, 0);
+  midi_out_ = jack_port_register(client_, "midi_out", JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput | JackPortIsPhysical, 0);
   audio_out_ = jack_port_register(client_, "audio_out", JACK_DEFAULT_AUDIO_TYPE, JackPortIsOutput, 0);
   jack_set_process_callback(
       client_, [](jack_nframes_t count, void* self) { return static_cast<JackRecorder*>(self)->process(count); }, this);
@@ -52,7 +52,7 @@ int JackRecorder::process(std::uint32_t frames) {
   void* const midi = jack_port_get_buffer(midi_out_, frames);
   jack_midi_clear_buffer(midi);
   if (to_send_.exchange(false)) {
-    jack_midi_event_write(midi, frames / 2, message_.data(), message_.size());
+    jack_midi_event_write(midi, frames / 2, message_.data(), message_bytes_);
     sent_ = now + frames / 2;
   }
   auto* const audio = static_cast<float*>(jack_port_get_buffer(audio_out_, frames));
@@ -76,8 +76,9 @@ int JackRecorder::process(std::uint32_t frames) {
   return 0;
 }
 
-void JackRecorder::send(const std::array<std::uint8_t, 3>& message) {
-  message_ = message;
+void JackRecorder::send(const std::vector<std::uint8_t>& message) {
+  message_bytes_ = std::min(message.size(), message_.size());
+  std::copy_n(message.begin(), message_bytes_, message_.begin());
   to_send_ = true;
 }
 

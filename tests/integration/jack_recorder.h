@@ -43,8 +43,9 @@ class JackRecorder {
   bool wait_for_freewheel();
   [[nodiscard]] std::optional<std::size_t> freewheels_from() const;
 
-  // Sends a MIDI message from midi_out, in the middle of a block; sent() is then the server's frame at which it is.
-  void send(const std::array<std::uint8_t, 3>& message);
+  // Sends a MIDI message of up to 16 bytes from midi_out, in the middle of a block; sent() is then the server's frame
+  // at which it is. The port pretends to be a device's.
+  void send(const std::vector<std::uint8_t>& message);
   [[nodiscard]] std::optional<std::uint32_t> sent() const;
 
   // Sends one sample of this value from audio_out, in the middle of a block; kicked() is then true.
@@ -77,7 +78,8 @@ class JackRecorder {
   _jack_port* audio_out_ = nullptr;
   std::atomic<float> kick_ = 0;
   std::atomic<bool> kicked_ = false;
-  std::array<std::uint8_t, 3> message_{};
+  std::array<std::uint8_t, 16> message_{};
+  std::size_t message_bytes_ = 0;
   std::atomic<bool> to_send_ = false;
   std::atomic<std::int64_t> sent_ = -1;
 };

@@ -107,6 +107,68 @@ TEST_F(RenderTest, EveryRecordOfABulkIsHeardWithinASampleOfItsDelay) {
   expect_at(heard_s, render({{kBundle_s, message}}, kRate_hz, 256), kRate_hz);
 }
 
+TEST_F(RenderTest, OneStrikeSoundsAsInAScore) {
+  const auto bank = (folder_ / "tick.glb").string(), score = (folder_ / "score.osc").string();
+  const wire::Message strike =
+      protocol::format(protocol::Request(protocol::Strike{{.name = "x"}, {{1, 0, 0}, {0, 0, 0.25}, 0.001}}));
+  ASSERT_TRUE(wire::write_score(std::vector<wire::ScoreEvent>{{0, strike}}, score));
+  const auto sound_of = [&](std::vector<std::string> arguments) {
+    const auto sound = folder_ / "sound.wav";
+    arguments.insert(arguments.begin(), {program("ringdown"), "render", "--tail", "0.5", "-o", sound.string()});
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("dBTP"), std::string::npos) << outcome.output;
+    return read_channels(sound);
+  };
+  const auto expected = sound_of({"--events", score, "--object", "x=" + bank});
+  EXPECT_GT(peak(expected.at(0)), 1e-4);
+  EXPECT_EQ(sound_of({"--strike", bank, "--at", "1,0,0", "--impulse", "0,0,0.25", "--contact-time", "0.001"}),
+            expected);
+  EXPECT_GT(peak(sound_of({"--strike", bank}).at(0)), 0.01) << "a default blow is heard";
+}
+
+TEST_F(RenderTest, TakesOfOneStrikeVaryAsAskedAndAreTheSameAgain) {
+  const auto takes_of = [&](const std::string& name, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {program("ringdown"), "render", "--strike", (folder_ / "tick.glb").string(),
+                                         "--takes", "3", "-o", (folder_ / (name + ".wav")).string()});
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    std::vector<Samples> takes;
+    for (const char* number : {"1", "2", "3"}) {
+      takes.push_back(read_channels(folder_ / (name + "-" + number + ".wav")).at(0));
+    }
+    return takes;
+  };
+  const std::vector<std::string> still = {"--scatter", "0", "--vary-contact", "0"};
+  const auto same = takes_of("same", still);
+  EXPECT_GT(peak(same[0]), 0.01);
+  EXPECT_NEAR(static_cast<double>(same[0].size()) / 48000, 2.03, 1e-3) << "until a second is silent, and a fade";
+  EXPECT_TRUE(same[0] == same[1] && same[1] == same[2]) << "nothing is varied";
+  std::vector<std::string> loud = still;
+  loud.insert(loud.end(), {"--vary-impulse", "1", "--seed", "7"});
+  const auto louder = takes_of("loud", loud);
+  for (std::size_t i = 0; i < louder.size(); ++i) {
+    const double factor = peak(louder[i]) / peak(same[0]);
+    EXPECT_TRUE(factor >= 0.5 && factor <= 2) << factor;
+    for (std::size_t other = 0; other < i; ++other) EXPECT_NE(peak(louder[i]), peak(louder[other]));
+  }
+  EXPECT_EQ(takes_of("again", loud), louder) << "one seed";
+  loud.back() = "8";
+  EXPECT_NE(takes_of("other", loud), louder) << "another";
+}
+
+TEST_F(RenderTest, AStrikeIsRenderedAlone) {
+  const std::string bank = (folder_ / "tick.glb").string(), sound = (folder_ / "sound.wav").string();
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--strike", bank, "--scene", "demo"},
+                                                {"--at", "0,0,0"},
+                                                {"--strike", "no-such-bank"}}) {
+    std::vector<std::string> arguments = {program("ringdown"), "render", "-o", sound};
+    arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+    EXPECT_NE(run(arguments).exit_code, 0) << wrong[0];
+    EXPECT_FALSE(std::filesystem::exists(sound));
+  }
+}
+
 // Two processes, the same file to the last bit.
 class PresetScene : public testing::TestWithParam<std::filesystem::path> {};
 

@@ -42,6 +42,7 @@ struct EventList {
     clap_event_header_t header;
     clap_event_param_value_t value;
     clap_event_midi_t midi;
+    clap_event_midi_sysex_t exclusive;
     clap_event_note_expression_t expression;
     clap_event_param_mod_t modulation;
   };
@@ -123,8 +124,15 @@ class ClapHost : public PluginHost {
   void render(const std::vector<MidiEvent>& events, float* left, float* right, std::uint32_t frames) override {
     for (const MidiEvent& midi : events) {
       EventList::Event event{};
-      event.midi = {{sizeof event.midi, midi.frame, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_MIDI, 0}, 0, {}};
-      std::copy(midi.bytes.begin(), midi.bytes.end(), event.midi.data);
+      if (midi.exclusive.empty()) {
+        event.midi = {{sizeof event.midi, midi.frame, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_MIDI, 0}, 0, {}};
+        std::copy(midi.bytes.begin(), midi.bytes.end(), event.midi.data);
+      } else {
+        event.exclusive = {{sizeof event.exclusive, midi.frame, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_MIDI_SYSEX, 0},
+                           0,
+                           midi.exclusive.data(),
+                           static_cast<std::uint32_t>(midi.exclusive.size())};
+      }
       events_.events.push_back(event);
     }
     float* channels[2] = {left, right};

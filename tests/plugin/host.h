@@ -19,6 +19,7 @@ namespace ringdown::test {
 struct MidiEvent {
   std::uint32_t frame = 0;  // of the block
   std::array<std::uint8_t, 3> bytes{};
+  std::vector<std::uint8_t> exclusive = {};  // a system exclusive message, in place of `bytes`
 };
 
 class PluginHost {

@@ -32,9 +32,8 @@ class InstrumentTest : public testing::Test {
     instrument_.start();
   }
   void set(Parameter parameter, double value) { instrument_.parameters().set(parameter, value); }
-  void play(std::uint8_t status, std::uint8_t first, std::uint8_t second = 0) {
-    bytes_.push_back({status, first, second});
-  }
+  void play(std::uint8_t status, std::uint8_t first, std::uint8_t second = 0) { play_bytes({status, first, second}); }
+  void play_bytes(const std::vector<std::uint8_t>& message) { bytes_.push_back(message); }
   // The worker does what it would within some milliseconds.
   void settle() { instrument_.set_file(instrument_.file()); }
 
@@ -54,7 +53,7 @@ class InstrumentTest : public testing::Test {
   test::TemporaryFolder folder_;
   std::filesystem::path bank_;
   Instrument instrument_{kRate, RINGDOWN_BIN_DIR "/plugin.so"};
-  std::vector<std::array<std::uint8_t, 3>> bytes_;
+  std::vector<std::vector<std::uint8_t>> bytes_;
   Samples right_;
 };
 

@@ -19,7 +19,7 @@ namespace ringdown::test {
 namespace {
 
 const std::string kBundle = RINGDOWN_LIB_DIR "/lv2/ringdown.lv2/";
-constexpr std::size_t kParameters = 19, kFirstControl = 4;  // ports: left, right, events in, events out, parameters
+constexpr std::size_t kParameters = 20, kFirstControl = 4;  // ports: left, right, events in, events out, parameters
 
 // URIs as numbers, for the whole program.
 LV2_URID number_of(const std::string& uri) {
@@ -92,11 +92,14 @@ class Lv2Host : public PluginHost {
       auto& all = *static_cast<Saved*>(in);
       const auto found = all.values.find(key);
       if (found == all.values.end()) return nullptr;
-      if (key == number_of("urn:ringdown:instrument#file") && found->second.empty()) {
+      const std::string plugin = "urn:ringdown:instrument#";
+      const bool is_path = key == number_of(plugin + "file") || key == number_of(plugin + "scale_file") ||
+                           key == number_of(plugin + "mapping_file");
+      if (is_path && found->second.empty()) {
         found->second = "/session/state.ttl";  // as lilv does, which writes an empty path as <>
       }
       *size = found->second.size() + 1;
-      *type = key == number_of("urn:ringdown:instrument#file") ? all.path : all.string;
+      *type = is_path ? all.path : all.string;
       *flags = LV2_STATE_IS_POD | LV2_STATE_IS_PORTABLE;
       return found->second.c_str();
     };
@@ -123,7 +126,7 @@ class Lv2Host : public PluginHost {
     fill({});
     descriptor_->connect_port(plugin_, 2, events_.data());
     descriptor_->connect_port(plugin_, 3, out_.data());
-    controls_ = {-120, 0, 0, 60, 1, 1, 1, 1, 0, 0.2F, 1, 0, 0, 50, 0.4F, 3, 2, 0, 0};
+    controls_ = {-120, 0, 0, 60, 1, 1, 1, 1, 0, 0.2F, 1, 0, 0, 50, 0.4F, 3, 2, 0, 0, 0};
     for (std::size_t i = 0; i < kParameters; ++i) {
       descriptor_->connect_port(plugin_, static_cast<std::uint32_t>(kFirstControl + i), &controls_[i]);
     }
@@ -135,11 +138,13 @@ class Lv2Host : public PluginHost {
     for (const MidiEvent& midi : events) {
       struct {
         LV2_Atom_Event event;
-        std::array<std::uint8_t, 3> bytes;
+        std::array<std::uint8_t, 512> bytes;
       } whole{};
+      const std::vector<std::uint8_t> bytes =
+          midi.exclusive.empty() ? std::vector<std::uint8_t>(midi.bytes.begin(), midi.bytes.end()) : midi.exclusive;
       whole.event.time.frames = midi.frame;
-      whole.event.body = {3, number_of(LV2_MIDI__MidiEvent)};
-      whole.bytes = midi.bytes;
+      whole.event.body = {static_cast<std::uint32_t>(bytes.size()), number_of(LV2_MIDI__MidiEvent)};
+      std::copy(bytes.begin(), bytes.end(), whole.bytes.begin());
       lv2_atom_sequence_append_event(in, static_cast<std::uint32_t>(8 * events_.size() - sizeof(LV2_Atom)),
                                      &whole.event);
     }

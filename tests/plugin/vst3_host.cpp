@@ -229,7 +229,10 @@ class Vst3Host : public PluginHost {
     const auto frame = static_cast<std::int32_t>(midi.frame);
     v3_event event{};
     event.sample_offset = frame;
-    if (kind == 0x90) {
+    if (!midi.exclusive.empty()) {
+      event.type = V3_EVENT_DATA;
+      event.data = {static_cast<std::uint32_t>(midi.exclusive.size()), 0, midi.exclusive.data()};
+    } else if (kind == 0x90) {
       event.type = V3_EVENT_NOTE_ON;
       event.note_on = {
           channel, midi.bytes[1], 0, static_cast<float>(midi.bytes[2]) / 127, 0, kFirstNote + midi.bytes[1]};

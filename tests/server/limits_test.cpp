@@ -5,6 +5,7 @@
 #include "engine/base/object_name.h"
 #include "engine/base/toml_table.h"
 #include "engine/gltf/glb.h"
+#include "engine/microtuning/played_tuning.h"
 #include "engine/modal/bank_file.h"
 #include "engine/scene/contact/lasting_events.h"
 #include "engine/scene/ode/contact_joints.h"
@@ -95,6 +96,7 @@ const std::map<std::string, double> kConstants = {
     ROW(server::kMaxQueryConnections),
     ROW(server::kMaxQuerySilence_s),
     ROW(server::kMaxQueryTime_s),
+    ROW(microtuning::PlayedTuning::kMaxPrograms),
     ROW(session::kMaxRecorded),
     ROW(session::kMaxCapturedFrames),
     ROW(RefusalLog::kMaxPerSecond),

@@ -91,6 +91,10 @@ TEST_F(NoteMapTest, EveryFaultOfANoteMapIsASentenceWithItsLine) {
   begins("[[note]]\nnote = 1\nobject = 'a'\nbow_force_n = -1\n", "4", "bow_force_n");
   begins("[[note]]\nnote = 1\nobject = 'a'\nbow_force_n = 1\ncontact_time_s = 0.001\n", "2", "bow");
   begins("relaese_s = 1\n", "1", "relaese_s");
+  begins("damp_s = 1\nscale = 'missing.scl'\n", "2", (folder_ / "missing.scl").string() + " cannot be read");
+  const auto scale = folder_.write("bad.scl", "a\n1\n3/0\n");
+  begins("scale = 'bad.scl'\n", "1", scale.string() + ":3: a pitch");
+  begins("mapping = 'bad.scl'\n", "1", scale.string() + ":1: the size of the map");
   begins("release_s = 0\n", "1", "release_s");
 }
 
@@ -101,6 +105,29 @@ TEST_F(NoteMapTest, AnObjectOfAnotherSizeIsStruckWhereThatPointHasCome) {
   const NoteTable::Strike large = best_strike(bar);
   EXPECT_NEAR(length(large.point_m - 2 * one.point_m), 0, 1e-12);
   EXPECT_NEAR(length(large.impulse_ns) / length(one.impulse_ns), 3 * 8, 1e-9) << "as many times its mass";
+}
+
+TEST_F(NoteMapTest, KeysAreListedByTheirNames) {
+  EXPECT_EQ(key_list(std::nullopt, {snapshot("second", 3), snapshot("first", 1)}), "keys: C4 = first, C#4 = second");
+  EXPECT_EQ(key_list(std::nullopt, {}), "");
+  std::string text;
+  for (int note = 30; note < 60; ++note) {
+    text += "[[note]]\nnote = " + std::to_string(note) + "\nobject = '" + (note < 59 ? "bar" : "last") + "'\n";
+  }
+  const auto many = read(text + "[[note]]\nnote = 1\nobject = 'later'\n");
+  ASSERT_TRUE(many);
+  EXPECT_EQ(key_list(*many, {snapshot("bar", 1), snapshot("last", 2)}),
+            "keys: F#1 = bar, G1 = bar, G#1 = bar ... B3 = last");
+}
+
+TEST_F(NoteMapTest, APointOfAMapMovesWithTheSizeThatATuningAsksFor) {
+  const auto map = read("[[note]]\nnote = 40\nobject = 'bar'\npoint_m = [0.1, 0, 0]\n");
+  ASSERT_TRUE(map);
+  ObjectState bar = object("bar", 0, test::bar_bank(5));
+  bar.material.size = 3;
+  EXPECT_EQ(resolve(*map, {std::make_shared<const ObjectState>(bar)}).notes[40]->point_m.x, 0.1) << "a user's size";
+  bar.untuned_size = 1.5;
+  EXPECT_EQ(resolve(*map, {std::make_shared<const ObjectState>(bar)}).notes[40]->point_m.x, 0.2);
 }
 
 TEST_F(NoteMapTest, AnObjectWhoseMainModeRestsAtTheBestPointIsStruckAlongAnotherMode) {
