@@ -43,6 +43,8 @@ scene::SceneDescription scene_of(const Session& session) {
     described->pan = object->pan;
     described->material = object->material;
     described->level_m = level_m(*object);
+    described->tubes = tube_tuning(*object);
+    described->fan = {object->fan_hz, object->fan_depth};
   }
   return scene;
 }
