@@ -140,7 +140,12 @@ struct Daemon::Service {
 
 Daemon::Service::Service(Daemon& daemon, wire::OscSocket socket)
     : manager(daemon.manager_.get()),
-      worker([&daemon] { daemon.session_.rack().collect(), ++daemon.worker_rounds_; }, 50ms),
+      worker(
+          [&daemon] {
+            for (const std::string& sentence : daemon.notes_.set_levels(daemon.session_.rack())) log_warning(sentence);
+            daemon.session_.rack().collect(), ++daemon.worker_rounds_;
+          },
+          50ms),
       worker_connection(daemon.worker_line_, worker),
       server(std::move(socket),
              OscServer::Parts{daemon.session_, worker, *daemon.driver_, [&daemon] { daemon.quits_ = true; },

@@ -8,8 +8,11 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -57,11 +60,16 @@ class Notes {
   Notes(const Rack& rack, std::optional<NoteMap> map) : rack_(rack), map_(std::move(map)) {}
   std::shared_ptr<const NoteTable> table();  // [one thread, not audio]
 
+  // Sets the levels that the map states, once for each bank that an object gets. Returns a sentence for each one that
+  // is impossible. [worker]
+  std::vector<std::string> set_levels(Rack& rack);
+
  private:
   const Rack& rack_;
   std::optional<NoteMap> map_;
   std::optional<std::uint64_t> version_;
   std::shared_ptr<const NoteTable> table_;
+  std::map<std::string, std::int32_t> leveled_;  // worker: the banks of objects whose levels were set
 };
 
 }  // namespace ringdown::session

@@ -20,6 +20,8 @@ struct NoteMap {
   struct Entry {
     std::size_t note = 0;
     std::string object;
+    std::string bank;                // without a scene, the object's bank is BANK.glb; "": named like the object
+    std::optional<double> level_m;   // of the liquid in the object; the same in all notes of one object
     std::optional<Vec3> point_m;     // object frame
     std::optional<Vec3> impulse_ns;  // at full velocity
     std::optional<double> contact_time_s;
@@ -31,7 +33,7 @@ struct NoteMap {
   std::vector<Entry> notes;
   std::optional<double> release_s;  // a released note is damped within this time; nullopt: it rings on
   double damp_s = 0.15;             // the damp pedal damps within this time
-  std::string banks;                // folder with NAME.glb for each object, used without a scene; "": the map's own
+  std::string banks;                // folder of the objects' banks, used without a scene; "": the map's own
 };
 
 // Reads a map. Values out of range and two entries for one note are refused, with the line. [worker]
