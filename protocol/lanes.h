@@ -21,7 +21,7 @@ using MixerRequests = Joined<VerbRequests, Types<StrikeMany, PoseMany, ClearAll>
 using MixerRequest = OneOf<MixerRequests>;
 
 // Carried out by the worker before the request's own frame, and heard from that frame on.
-using TimedWorkerRequests = Types<Hold, BreakObject, SetFill>;
+using TimedWorkerRequests = Types<Hold, BreakObject, SetFill, SetResonator>;
 using TimedWorkerRequest = OneOf<TimedWorkerRequests>;
 
 // Carried out by the worker as soon as everything sent before has been: reads banks and scenes, retunes, frees.

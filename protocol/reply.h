@@ -71,6 +71,7 @@ struct ObjectReply {  // /object.reply
   modal::MaterialScale scale;
   double gain = 1, pan = 0;
   bool mute = false, solo = false;
+  double level_m = 0;  // of the liquid in it; 0 where its bank knows no levels
   std::optional<std::string> group;
 };
 struct BankReply {  // /bank.reply

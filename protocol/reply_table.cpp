@@ -91,6 +91,7 @@ Row row(ObjectReply& s) {
            0,
            false,
            false,
+           0,
            "metal"},
       "/object.reply", "An object's bank and settings.",
       {integer(&s.number, "number", kIndex, "Its number and name."),
@@ -113,6 +114,7 @@ Row row(ObjectReply& s) {
        flag(&s.solo, "solo", "The same."),
        number(&s.scale.heat, "heat", kDampingScale, "The factors that /material set."),
        number(&s.scale.air, "air", kDampingScale, "The same."),
+       number(&s.level_m, "level", kPosition, "The height of its liquid; 0 if the bank knows no levels."),
        optional(any_text(&s.group, "group", "The object's group; absent if it has none."))});
 }
 

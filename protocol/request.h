@@ -10,6 +10,7 @@
 #include "engine/modal/damper.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
+#include "engine/modal/tubes/tube_tuning.h"
 #include "engine/synth/events/event.h"
 #include "protocol/defaults.h"
 #include "protocol/wire/message.h"
@@ -54,6 +55,7 @@ using Strike = RequestOf<synth::verb::Strike>;
 using StrikeVertex = RequestOf<synth::verb::StrikeVertex>;
 using SetGain = RequestOf<synth::verb::Gain>;
 using SetPan = RequestOf<synth::verb::Pan>;
+using SetFan = RequestOf<synth::verb::Fan>;
 using SetPickup = RequestOf<synth::verb::Pickup>;
 using RingModes = RequestOf<synth::verb::Ring>;
 using ClearObject = RequestOf<synth::verb::Clear>;
@@ -79,6 +81,11 @@ struct SetMaterial {  // /object/{object}/material
 struct SetFill {  // /object/{object}/fill
   ObjectRef object;
   double level_m = 0;  // along the liquid's `up`, in the frame of the object in its size
+};
+// Tunes the tubes under the object.
+struct SetResonator {  // /object/{object}/resonator
+  ObjectRef object;
+  modal::TubeTuning tuning;
 };
 // Lays a damper on the object, or takes it away.
 struct Hold {  // /object/{object}/hold
@@ -240,11 +247,11 @@ using VerbRequests = decltype(detail::requests_of(synth::PublicVerbs()));
 
 using Requests =
     Joined<VerbRequests,
-           Types<StrikeMany, PoseMany, ClearAll, SetMaterial, SetFill, Hold, SetGroup, SetMute, SetSolo, SelectModes,
-                 WatchObject, DescribeObject, ReadBank, Excite, ArmObject, BreakObject, MendObject, SetStrength,
-                 DescribePieces, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear,
-                 ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart,
-                 RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
+           Types<StrikeMany, PoseMany, ClearAll, SetMaterial, SetFill, SetResonator, Hold, SetGroup, SetMute, SetSolo,
+                 SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ArmObject, BreakObject, MendObject,
+                 SetStrength, DescribePieces, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
+                 SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene,
+                 RecordStart, RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
 using Request = OneOf<Requests>;
 
 // The request that would make this event of `object`.

@@ -152,6 +152,14 @@ Row row(SetFill& s) {
                                  "to the rim.")});
 }
 
+Row row(SetResonator& s) {
+  return answered(s = {kBell, {-20, 1}}, "/object/{object}/resonator",
+                  "Tunes the tubes under the object, and retunes what rings. The bank must have a tube (bake it with "
+                  "[[resonator]]). For a glide, send steps of about 2 cents.",
+                  {object(&s.object), number(&s.tuning.detune_cents, "detune", kDetune, "From the tuning as baked."),
+                   optional(number(&s.tuning.opening, "opening", kShare, "The share of the mouth that is open."))});
+}
+
 Row row(Hold& s) {
   return answered(
       s = {kBell, {{0.05, 0, 0.02}, {}, 20}}, "/object/{object}/hold",
@@ -250,6 +258,15 @@ Row row(ClearObject& s) {
                 "Fades everything that rings in the object, and ends its contacts.",
                 {object(&s.object),
                  optional(number(&s.verb.ramp_s, "ramp", kRamp, "The duration of the fade, at least about 10 ms."))});
+}
+
+Row row(SetFan& s) {
+  return silent(
+      s = {kBell, {5, 0.8}}, "/object/{object}/fan",
+      "Turns a fan in the mouth of the object's tube: a vibraphone's tremolo. Objects without a tube sound as "
+      "before.",
+      {object(&s.object), number(&s.verb.rate_hz, "rate", kFanRate, "Closings of the mouth per second."),
+       number(&s.verb.depth, "depth", kShare, "1 closes the mouth; 0 stops the fan.")});
 }
 
 Row row(OnObject<synth::verb::Choke>& s) {

@@ -241,6 +241,7 @@ Daemon::~Daemon() = default;
 
 void Daemon::do_chores() {
   tuner_.catch_up();
+  for (const std::string& sentence : notes_.set_levels(session_.rack())) log_warning(sentence);
   session_.rack().collect();
   ++worker_rounds_;
 }

@@ -41,6 +41,7 @@ Answer describe(const protocol::DescribeObject& question, const session::Session
       .pan = object.pan,
       .mute = object.mute,
       .solo = object.solo,
+      .level_m = present_level_m(object),
       .group = object.group.empty() ? std::nullopt : std::optional(object.group),
   }};
 }

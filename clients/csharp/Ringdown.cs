@@ -254,6 +254,10 @@ public sealed class Mixer : IDisposable {
   public void Pan(uint body, double pan, long frame = 0) {
     eventFailure_.Check(Native.ringdown_pan(handle_, frame, body, pan, eventFailure_.Room));
   }
+  // Turns a fan in the mouth of the object's tube: a vibraphone's tremolo. Objects without a tube sound as before.
+  public void Fan(uint body, double rate, double depth, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_fan(handle_, frame, body, rate, depth, eventFailure_.Room));
+  }
   // Sends the motion of a point of the object to an output of its own, as a contact microphone or a laser vibrometer
   // measures it: port pickup_1 to pickup_8. Gain, pan, mute and listener do not change it. A pickup of this number on
   // another object moves here; a direction of 0 0 0 removes it.
@@ -484,6 +488,8 @@ static class Native {
                                                                  double ramp, IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_pan(IntPtr mixer, long frame, uint body, double pan,
                                                                 IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_fan(IntPtr mixer, long frame, uint body, double rate,
+                                                                double depth, IntPtr error);
   [StructLayout(LayoutKind.Sequential)]
   internal struct PickupArgs {
     public UIntPtr Size;

@@ -180,6 +180,13 @@ ringdown_result ringdown_fill(ringdown_mixer* mixer, int64_t frame, uint32_t obj
                 [&](session::Rack& rack) { return rack.set_level(request.object, request.level_m, frame); });
 }
 
+ringdown_result ringdown_resonator(ringdown_mixer* mixer, int64_t frame, uint32_t object, double detune_cents,
+                                   double opening, ringdown_error* error) {
+  protocol::SetResonator request{numbered(object), {detune_cents, opening}};
+  return change(mixer, request, error,
+                [&](session::Rack& rack) { return rack.set_tubes(request.object, request.tuning, frame); });
+}
+
 ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t number,
                               const double point_m[3], const double direction[3], double damping_ns_m,
                               ringdown_error* error) {

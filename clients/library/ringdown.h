@@ -283,6 +283,12 @@ RINGDOWN_API ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32
 RINGDOWN_API ringdown_result ringdown_fill(ringdown_mixer* mixer, int64_t frame, uint32_t object, double level_m,
                                            ringdown_error* error);
 
+/* Tunes the tubes under the object by `detune_cents` from their tuning as baked, -1200 to 1200, with a share `opening` of
+ * their mouths open, 0 to 1, from frame `frame` on; what rings is retuned. The bank must have a tube (ringdown bake with
+ * [[resonator]]). For a glide, send steps of about 2 cents. */
+RINGDOWN_API ringdown_result ringdown_resonator(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                                double detune_cents, double opening, ringdown_error* error);
+
 /* Lays a hand or a table on the object: damper `number` < RINGDOWN_MAX_DAMPERS at the point of the surface nearest to
  * point_m resists motion along `direction` (0 0 0: any motion) with damping_ns_m newtons per m/s, 0 ... 1e6, from frame
  * `frame` on. Damping 0 removes the damper. A light touch of a finger is about 0.1, a hand 10. */
@@ -413,6 +419,11 @@ RINGDOWN_API ringdown_result ringdown_gain(ringdown_mixer* mixer, int64_t frame,
 /* Pans the object at equal power. pan: -1 is left, 0 the middle, 1 right. -1 ... 1. */
 RINGDOWN_API ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double pan,
                                           ringdown_error* error);
+
+/* Turns a fan in the mouth of the object's tube: a vibraphone's tremolo. Objects without a tube sound as before.
+ * rate_hz: Closings of the mouth per second. 0 ... 20. depth: 1 closes the mouth; 0 stops the fan. 0 ... 1. */
+RINGDOWN_API ringdown_result ringdown_fan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double rate_hz,
+                                          double depth, ringdown_error* error);
 
 /* Sends the motion of a point of the object to an output of its own, as a contact microphone or a laser vibrometer
  * measures it: port pickup_1 to pickup_8. Gain, pan, mute and listener do not change it. A pickup of this number on

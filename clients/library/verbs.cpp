@@ -37,6 +37,12 @@ ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t obje
   return play<synth::verb::Pan>(mixer, frame, numbers, error);
 }
 
+ringdown_result ringdown_fan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double rate_hz, double depth,
+                             ringdown_error* error) {
+  const double numbers[] = {static_cast<double>(object), rate_hz, depth};
+  return play<synth::verb::Fan>(mixer, frame, numbers, error);
+}
+
 void ringdown_pickup_args_init(ringdown_pickup_args* args, size_t size) {
   ringdown_pickup_args ours{};
   ours.bus = 1;

@@ -208,6 +208,8 @@ bool Instrument::install(KeyPlan& plan) {
         RINGDOWN_OK) {
       return false;
     }
+    if (object.level_m && ringdown_fill(mixer_.get(), 0, object.number, *object.level_m, &error) != RINGDOWN_OK)
+      return false;
     if (!tune(plan.map, object, tunings[i])) return false;
   }
   tunings_ = std::move(tunings);

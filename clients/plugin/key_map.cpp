@@ -180,7 +180,19 @@ double evening_of(const KeyMap& map) {
   return count > 0 ? std::exp(logarithms / count) : 1;
 }
 
-// The objects that the map names, each with the bank of its name.
+// Refuses a level that the bank does not know.
+Result<void> check_level(const session::NoteMap::Entry& entry, const ringdown_bank* bank) {
+  ringdown_bank_info info{};
+  info.size = sizeof info;
+  if (!entry.level_m || ringdown_bank_describe(bank, &info) != RINGDOWN_OK) return {};
+  const auto [low, high] = info.level_m;
+  if (low < high && *entry.level_m >= low && *entry.level_m <= high) return {};
+  return fail(ErrorKind::bad_input,
+              "note {}: the bank of object \"{}\" knows no level of {:.4g} m, but from {:.4g} to {:.4g}", entry.note,
+              entry.object, *entry.level_m, low, high);
+}
+
+// The objects that the map names, each with its bank. Objects may share one.
 Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
   const auto file = session::read_note_map(path);
   if (!file) return fail(file);
@@ -190,15 +202,22 @@ Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
   plan.map.damp_s = file->damp_s;
   plan.map.tuning = file->tuning;
   std::map<std::string, std::uint32_t> known;
+  std::map<std::string, std::size_t> bodies;  // by the bank's file
   for (const session::NoteMap::Entry& entry : file->notes) {
     const auto [object, is_new] = known.try_emplace(entry.object, static_cast<std::uint32_t>(known.size()));
     if (is_new) {
-      const auto bank = path.parent_path() / file->banks / (entry.object + ".glb");
-      if (const auto good = add_body(bank, {}, plan); !good) return fail(good);
-      plan.map.objects.push_back({.body = object->second, .key = entry.note, .name = entry.object});
+      const std::string file_name = (entry.bank.empty() ? entry.object : entry.bank) + ".glb";
+      const auto [body, is_first] = bodies.try_emplace(file_name, plan.banks.size());
+      if (is_first) {
+        if (const auto good = add_body(path.parent_path() / file->banks / file_name, {}, plan); !good)
+          return fail(good);
+      }
+      plan.map.objects.push_back(
+          {.body = body->second, .key = entry.note, .name = entry.object, .level_m = entry.level_m});
     }
-    if (const auto good = check_point(entry, plan.banks[object->second].get()); !good) {
-      return fail(ErrorKind::bad_input, path.string() + ": " + good.error().message);
+    const ringdown_bank* const bank = plan.banks[plan.map.objects[object->second].body].get();
+    for (const auto& good : {check_point(entry, bank), check_level(entry, bank)}) {
+      if (!good) return fail(ErrorKind::bad_input, path.string() + ": " + good.error().message);
     }
     plan.map.keys[entry.note] = {true, object->second, entry.point_m, entry.impulse_ns, entry.contact_time_s};
     std::size_t& lowest = plan.map.objects[object->second].key;

@@ -60,10 +60,11 @@ struct KeyMap {
     std::optional<double> contact_time_s;
   };
   struct Object {
-    std::uint32_t number = 0;  // number in the mixer
-    std::size_t body = 0;      // position in `bodies`
-    std::size_t key = 0;       // lowest key that strikes it
-    std::string name = {};     // only in note maps
+    std::uint32_t number = 0;            // number in the mixer
+    std::size_t body = 0;                // position in `bodies`
+    std::size_t key = 0;                 // lowest key that strikes it
+    std::string name = {};               // only in note maps
+    std::optional<double> level_m = {};  // of its liquid, in its bank's size; only in note maps
   };
   std::uint64_t generation = 0;  // unique number of the map
   bool is_note_map = false;

@@ -21,6 +21,10 @@ std::optional<std::string> apply(const Request& request, Adjustment& adjustment)
     adjustment.pan = pan->verb.pan;
     return pan->object.name;
   }
+  if (const auto* fill = request.get_if<protocol::SetFill>()) {
+    adjustment.level_m = fill->level_m;
+    return fill->object.name;
+  }
   if (const auto* modes = request.get_if<protocol::SelectModes>()) {
     adjustment.range = modes->range;
     return modes->object.name;
@@ -33,6 +37,7 @@ Request reverted(Request request, const Adjustment& adjustment) {
   if (auto* material = request.get_if<protocol::SetMaterial>()) material->scale = adjustment.scale;
   if (auto* gain = request.get_if<protocol::SetGain>()) gain->verb.gain = adjustment.gain;
   if (auto* pan = request.get_if<protocol::SetPan>()) pan->verb.pan = adjustment.pan;
+  if (auto* fill = request.get_if<protocol::SetFill>()) fill->level_m = adjustment.level_m;
   if (auto* modes = request.get_if<protocol::SelectModes>()) modes->range = adjustment.range;
   return request;
 }
@@ -76,7 +81,7 @@ Adjustment Edits::adjustment_of(const KnownObject& object) const {
   const auto pending = pending_.find(object.name);
   if (pending != pending_.end()) return pending->second.adjustment;
   const bool all = object.selected.first == 0 && object.selected.count >= static_cast<std::uint32_t>(object.modes);
-  return {object.scale, object.gain, object.pan, all ? modal::ModeRange{} : object.selected};
+  return {object.scale, object.gain, object.pan, all ? modal::ModeRange{} : object.selected, object.level_m};
 }
 
 void Edits::change(const KnownObject& object, const Request& request, const std::string& what) {

@@ -49,6 +49,7 @@ struct Adjustment {
   modal::MaterialScale scale;
   double gain = 1, pan = 0;
   modal::ModeRange range;
+  double level_m = 0;  // of the object's liquid
 };
 
 class Edits {
@@ -63,7 +64,8 @@ class Edits {
   // reports.
   [[nodiscard]] Adjustment adjustment_of(const KnownObject& object) const;
 
-  // Sends a change, which undo() can revert: SetMaterial, SetGain, SetPan or SelectModes of an object that is known.
+  // Sends a change, which undo() can revert: SetMaterial, SetGain, SetPan, SetFill or SelectModes of an object that is
+  // known.
   void change(const KnownObject& object, const protocol::Request& request, const std::string& what);
   void undo() { send_if_any(history_.undo()); }
   void redo() { send_if_any(history_.redo()); }

@@ -1,5 +1,6 @@
 #include "clients/viewer/stage.h"
 
+#include "clients/viewer/render/liquid_surface.h"
 #include "clients/viewer/render/look.h"
 #include "clients/viewer/shelves.h"
 #include "engine/base/formatted.h"
@@ -21,6 +22,7 @@ namespace {
 constexpr double kFlash_s = 0.5;
 constexpr double kVibration_hz = 1.2;     // slow enough to follow by eye
 constexpr float kVibrationShare = 0.07F;  // of the body's diagonal
+constexpr glm::vec3 kLiquidColour{0.30F, 0.52F, 0.70F};
 constexpr double kUsualDensity_kg_m3 = 2500;
 constexpr float kNear_m = 3;      // bodies farther from the origin do not move the objects without a body
 constexpr float kFarAway_m = 20;  // the light is not fitted to bodies farther away than this
@@ -80,7 +82,21 @@ const MeshStore::Mesh& MeshStore::of_shape(const std::string& shape, Vec3 size_m
   return shapes_.emplace(key, std::move(mesh)).first->second;
 }
 
+MeshId MeshStore::of_liquid(const KnownObject& object, double level_m, SceneRenderer& renderer) {
+  OfLiquid& known = liquids_[object.name];
+  if (known.bank.lock() == object.bank && known.level_m == level_m) return known.id;
+  if (known.id != 0) renderer.remove_mesh(known.id);
+  const auto surface = liquid_surface(object.bank->bank, level_m);
+  known = {object.bank, level_m, surface ? renderer.add_mesh(*surface) : 0};
+  return known.id;
+}
+
 void MeshStore::collect(SceneRenderer& renderer) {
+  std::erase_if(liquids_, [&](const auto& entry) {
+    const bool unused = entry.second.bank.expired();
+    if (unused && entry.second.id != 0) renderer.remove_mesh(entry.second.id);
+    return unused;
+  });
   std::erase_if(banks_, [&](const auto& entry) {
     const bool unused = entry.second.bank.use_count() == 1;
     if (unused) renderer.remove_mesh(entry.second.mesh.id);
@@ -229,6 +245,19 @@ void Stage::add_flashes(const Model& model, double now_s) {
   }
 }
 
+void Stage::add_liquids(const Model& model, const Commands& commands) {
+  for (std::size_t i = 0; i < contents_.items.size(); ++i) {
+    const KnownObject* const object = model.object(contents_.items[i].object);
+    if (!object || !object->bank || !object->bank->bank.levels) continue;
+    const DrawnBody& vessel = contents_.frame.bodies[i];
+    const double level_m = commands.edits().adjustment_of(*object).level_m / static_cast<double>(vessel.size);
+    DrawnBody liquid{.id = vessel.id, .mesh = meshes_.of_liquid(*object, level_m, *renderer_), .pose = vessel.pose};
+    liquid.size = vessel.size;
+    liquid.colour = kLiquidColour;
+    if (liquid.mesh != 0) contents_.frame.bodies.push_back(std::move(liquid));
+  }
+}
+
 // Finds the sphere around everything that is drawn. It changes in steps, so that shadows do not swim.
 void Stage::find_interest() {
   glm::vec3 low{1e9F}, high{-1e9F};
@@ -265,6 +294,7 @@ const Stage::Contents& Stage::update(Model& model, const Commands& commands, Sce
   add_statics(model);
   add_flashes(model, now_s);
   find_interest();
+  add_liquids(model, commands);
   return contents_;
 }
 

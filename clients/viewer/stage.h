@@ -31,6 +31,8 @@ class MeshStore {
     DrawnMesh shape;
   };
   const Mesh& of_bank(const std::shared_ptr<const KnownBank>& bank, SceneRenderer& renderer);
+  // The surface of an object's liquid at a level of the bank; 0 where there is none.
+  MeshId of_liquid(const KnownObject& object, double level_m, SceneRenderer& renderer);
   const Mesh& of_shape(const std::string& shape, Vec3 size_m, SceneRenderer& renderer);
   // Removes the meshes of banks that are not in use any more.
   void collect(SceneRenderer& renderer);
@@ -41,12 +43,19 @@ class MeshStore {
     Mesh mesh;
   };
   std::map<const KnownBank*, OfBank> banks_;
+  struct OfLiquid {
+    std::weak_ptr<const KnownBank> bank;
+    double level_m = 0;
+    MeshId id = 0;
+  };
   std::map<std::string, Mesh> shapes_;
+  std::map<std::string, OfLiquid> liquids_;  // by object
 };
 
 class Stage {
  public:
-  // Everything to draw and to pick. `items` and `picked` are in the order of frame.bodies. Bodies name meshes of the
+  // Everything to draw and to pick. `items` and `picked` are in the order of frame.bodies, behind which
+  // the surfaces of liquids stand. Bodies name meshes of the
   // renderer, and picked bodies point into the stage; both are valid until the next update().
   struct Contents {
     SceneFrame frame;
@@ -71,6 +80,7 @@ class Stage {
   void add_statics(const Model& model);
   [[nodiscard]] float lowest_fixed_m(const Model& model) const;
   void add_flashes(const Model& model, double now_s);
+  void add_liquids(const Model& model, const Commands& commands);
   void find_interest();
   Displacement displacement_of(const std::shared_ptr<const KnownBank>& bank, std::uint32_t rank);
 

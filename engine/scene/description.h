@@ -11,6 +11,7 @@
 #include "engine/modal/bank.h"
 #include "engine/modal/fracture/strength.h"
 #include "engine/modal/material_scale.h"
+#include "engine/modal/tubes/tube_tuning.h"
 #include "engine/scene/foley/limits.h"
 #include "engine/synth/events/event.h"
 
@@ -155,6 +156,8 @@ struct ObjectDescription {
   double pan = 0;                      // -1 left ... +1 right
   modal::MaterialScale material;       // the mixer rescales the modes; a World scales mass and geometry
   std::optional<double> level_m = {};  // of the liquid in it; unset: as baked. The liquid's weight is not moved
+  std::optional<modal::TubeTuning> tubes = {};  // unset: as baked
+  synth::verb::Fan fan;                         // in the tubes' mouths
 };
 
 // When a body breaks into the pieces that its object's bank has (fracture/breaking_bodies.h): at the first blow that

@@ -227,6 +227,15 @@ class SceneReader {
     table.number("pan", object.pan, range::kPan);
     if (auto material = table.table("material")) read_material(*material, object);
     if (table.has("level_m")) table.number("level_m", object.level_m.emplace(), range::kPosition_m);
+    if (auto tubes = table.table("resonator")) {
+      modal::TubeTuning& tuning = object.tubes.emplace();
+      tubes->number("detune_cents", tuning.detune_cents, modal::kTubeDetune_cents);
+      tubes->number("opening", tuning.opening, modal::kTubeOpening);
+    }
+    if (auto fan = table.table("fan")) {
+      fan->number("rate_hz", object.fan.rate_hz, synth::verb::Fan::kRate_hz);
+      fan->number("depth", object.fan.depth, synth::verb::Fan::kDepth);
+    }
     if (!object.name.empty() && !is_object_name(object.name)) {
       table.complain("name", "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
     }

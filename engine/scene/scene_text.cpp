@@ -105,6 +105,11 @@ class SceneWriter {
     unless("gain", object.gain, 1.0);
     unless("pan", object.pan, 0.0);
     if (object.level_m) line("level_m", *object.level_m);
+    if (object.tubes)
+      text_ += "resonator = { detune_cents = " + text_of(object.tubes->detune_cents) +
+               ", opening = " + text_of(object.tubes->opening) + " }\n";
+    if (object.fan.depth > 0)
+      text_ += "fan = { rate_hz = " + text_of(object.fan.rate_hz) + ", depth = " + text_of(object.fan.depth) + " }\n";
     const modal::MaterialScale& m = object.material;
     if (m == modal::MaterialScale{}) return;
     text_ += "material = { alpha = " + text_of(m.alpha) + ", beta = " + text_of(m.beta) +

@@ -409,7 +409,7 @@ bool Stage::stays_active(Object& object, const Chunk& chunk) REALTIME {
   const bool pulse = object.voices.current() && object.exciters.has_pulse();
   object.voices.drop_silent_tails([&](Voice* voice, bool last) REALTIME {
     if (last) {  // before the worker learns that the number is free again
-      object.strip.reset(), object.placement.forget();
+      object.strip.reset(), object.placement.forget(), object.fan.forget();
       forces_->pickups.leave(object.pickups);
     }
     voices_.retire(object.number, voice);

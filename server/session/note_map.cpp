@@ -146,4 +146,19 @@ std::shared_ptr<const NoteTable> Notes::table() {
   return table_;
 }
 
+std::vector<std::string> Notes::set_levels(Rack& rack) {
+  std::vector<std::string> obstacles;
+  if (!map_) return obstacles;
+  for (const NoteMap::Entry& entry : map_->notes) {
+    if (!entry.level_m) continue;
+    const auto object = rack.find({.name = entry.object});
+    if (!object) continue;  // the object may be loaded later
+    const auto [known, is_new] = leveled_.try_emplace(entry.object, (*object)->bank_version);
+    if (!is_new && std::exchange(known->second, (*object)->bank_version) == (*object)->bank_version) continue;
+    if (const auto set = rack.set_level({.name = entry.object}, *entry.level_m); !set)
+      obstacles.push_back(formatted("note {}: object {}: {}", entry.note, entry.object, set.error().message));
+  }
+  return obstacles;
+}
+
 }  // namespace ringdown::session

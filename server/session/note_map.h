@@ -8,6 +8,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,11 +69,16 @@ class Notes {
   std::shared_ptr<const NoteTable> table();  // [one thread, not audio]
   [[nodiscard]] const std::optional<NoteMap>& map() const { return map_; }
 
+  // Sets the levels that the map states, once for each bank that an object gets. Returns a sentence for each one that
+  // is impossible. [worker]
+  std::vector<std::string> set_levels(Rack& rack);
+
  private:
   const Rack& rack_;
   const std::optional<NoteMap> map_;
   std::optional<std::uint64_t> version_;
   std::shared_ptr<const NoteTable> table_;
+  std::map<std::string, std::int32_t> leveled_;  // worker: the banks of objects whose levels were set
 };
 
 }  // namespace ringdown::session

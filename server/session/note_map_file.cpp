@@ -5,6 +5,7 @@
 #include "engine/microtuning/scala.h"
 
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -29,6 +30,8 @@ NoteMap::Entry read_entry(TomlTable& table) {
     table.complain("object", "an object's name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
   }
   entry.note = note;
+  table.text("bank", entry.bank);
+  optional(table, "level_m", entry.level_m, [&](double& level) { table.number("level_m", level, kPoint_m); });
   optional(table, "point_m", entry.point_m, [&](Vec3& point) { table.vector("point_m", point, kPoint_m); });
   optional(table, "impulse_ns", entry.impulse_ns, [&](Vec3& j) { table.vector("impulse_ns", j, kImpulse_ns); });
   optional(table, "contact_time_s", entry.contact_time_s,
@@ -75,9 +78,16 @@ Result<NoteMap> read_note_map(const std::filesystem::path& path) {
   if (file->has("banks")) file->text("banks", map.banks);
   read_tuning(*file, path.parent_path(), map);
   std::set<std::size_t> seen;
+  std::map<std::string, const NoteMap::Entry> first;  // of each object
   for (TomlTable& table : file->tables("note")) {
     map.notes.push_back(read_entry(table));
-    if (!seen.insert(map.notes.back().note).second) table.complain("note", "this note already has a [[note]] above");
+    const NoteMap::Entry& entry = map.notes.back();
+    if (!seen.insert(entry.note).second) table.complain("note", "this note already has a [[note]] above");
+    const NoteMap::Entry& before = first.try_emplace(entry.object, entry).first->second;
+    if (before.level_m != entry.level_m || before.bank != entry.bank)
+      table.complain(
+          before.bank != entry.bank ? "bank" : "level_m",
+          "another [[note]] of this object states another bank or level; give each level an object of its own");
   }
   if (const auto good = file->finish(); !good) return fail(good);
   return map;

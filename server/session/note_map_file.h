@@ -21,6 +21,8 @@ struct NoteMap {
   struct Entry {
     std::size_t note = 0;
     std::string object;
+    std::string bank;                // without a scene, the object's bank is BANK.glb; "": named like the object
+    std::optional<double> level_m;   // of the liquid in the object; the same in all notes of one object
     std::optional<Vec3> point_m;     // object frame
     std::optional<Vec3> impulse_ns;  // at full velocity
     std::optional<double> contact_time_s;

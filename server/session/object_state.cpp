@@ -16,10 +16,26 @@ std::optional<double> level_m(const ObjectState& object) {
   return object.material.size * object.at_level->level_m;
 }
 
-std::shared_ptr<const modal::LevelTransfer> level_change(const ObjectState& before, const ObjectState& after) {
+double present_level_m(const ObjectState& object) {
+  const modal::Bank& baked = object.baked_map->bank();
+  return level_m(object).value_or(baked.levels ? object.material.size * modal::baked_level_m(baked) : 0);
+}
+
+std::optional<modal::TubeTuning> tube_tuning(const ObjectState& object) {
+  if (!object.tubes) return std::nullopt;
+  return object.tubes->tuning;
+}
+
+std::shared_ptr<const modal::ModeTransfer> mode_change(const ObjectState& before, const ObjectState& after) {
+  if (before.map != after.map && after.tubes) {
+    const modal::Bank& baked = after.baked_map->bank();
+    const auto from = before.tubes ? Result<modal::TubeModes>(*before.tubes) : modal::as_tuned(baked);
+    if (!from) return nullptr;
+    return std::make_shared<const modal::ModeTransfer>(modal::transfer(*from, *after.tubes, baked.mode_count()));
+  }
   if (before.map == after.map || !after.at_level) return nullptr;
   const modal::LevelModes from = before.at_level ? *before.at_level : modal::as_baked(before.map->bank());
-  return std::make_shared<const modal::LevelTransfer>(modal::transfer(from, *after.at_level));
+  return std::make_shared<const modal::ModeTransfer>(modal::transfer(from, *after.at_level));
 }
 
 Result<void> check_point(Vec3 point_m, const ObjectState& object) {

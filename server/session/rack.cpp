@@ -35,9 +35,11 @@ bool Rack::push(synth::Producer producer, const Event& described) {
   if (!mixer_.push(producer, event)) return false;
   const auto* const gain = event.verb.get_if<synth::verb::Gain>();
   const auto* const pan = event.verb.get_if<synth::verb::Pan>();
-  if (const ObjectSnapshot object = gain || pan ? objects_.find(event.object) : nullptr) {
+  const auto* const fan = event.verb.get_if<synth::verb::Fan>();
+  if (const ObjectSnapshot object = gain || pan || fan ? objects_.find(event.object) : nullptr) {
     if (gain) object->gain.set(gain->gain);
     if (pan) object->pan.set(pan->pan);
+    if (fan) object->fan_hz.set(fan->rate_hz), object->fan_depth.set(fan->depth);
   }
   if (const auto* const pickup = event.verb.get_if<synth::verb::Pickup>()) pickups_ |= 1u << (pickup->number - 1);
   listener_.keep(event);
@@ -66,6 +68,8 @@ Result<synth::ObjectNumber> Rack::add(const std::string& name, const std::filesy
     object.group = old->group;
     object.gain = old->gain;
     object.pan = old->pan;
+    object.fan_hz = old->fan_hz;
+    object.fan_depth = old->fan_depth;
     object.mute = old->mute;
     object.solo = old->solo;
   } else {
@@ -93,7 +97,7 @@ void Rack::change(const ObjectState& object, const Edit& edit, synth::Frame at) 
 Result<void> Rack::retune(const ObjectState& object, const Edit& edit, synth::Frame at) {
   ObjectState next = object;
   edit(next);
-  const auto installed = install(next, synth::Mixer::Install::retune, at, level_change(object, next));
+  const auto installed = install(next, synth::Mixer::Install::retune, at, mode_change(object, next));
   if (!installed) return installed;
   change(object, edit, at);
   return {};
@@ -139,6 +143,18 @@ Result<void> Rack::set_level(const ObjectRef& ref, double level_m, synth::Frame 
   const auto modes = std::make_shared<const modal::LevelModes>(std::move(found->modes));
   return retune(
       **object, [&](ObjectState& o) { o.map = map, o.at_level = modes; }, at);
+}
+
+Result<void> Rack::set_tubes(const ObjectRef& ref, const modal::TubeTuning& tuning, synth::Frame at) {
+  const auto object = find(ref);
+  if (!object) return fail(object);
+  auto found = modal::at_tuning((*object)->baked_map->bank(), tuning);
+  if (!found) return fail("resonator", found);
+  const auto map =
+      std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(found->bank)));
+  const auto modes = std::make_shared<const modal::TubeModes>(std::move(found->modes));
+  return retune(
+      **object, [&](ObjectState& o) { o.map = map, o.tubes = modes; }, at);
 }
 
 Result<void> Rack::select_modes(const ObjectRef& ref, modal::ModeRange modes) {
@@ -254,11 +270,11 @@ void Rack::change_sample_rate(double sample_rate_hz) {
 }
 
 Result<void> Rack::install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at,
-                           std::shared_ptr<const modal::LevelTransfer> level_change) {
+                           std::shared_ptr<const modal::ModeTransfer> mode_change) {
   const std::scoped_lock lock(rate_mutex_);
   auto voice =
       std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.dampers, object.modes));
-  voice->level_change = std::move(level_change);
+  voice->mode_change = std::move(mode_change);
   if (!mixer_.install(object.number, std::move(voice), how, at)) {
     return fail(ErrorKind::refused, "{} voices are still ringing out; try again later", synth::kMaxVoices);
   }

@@ -94,6 +94,10 @@ class Rack {
   // at frame `at`. Fails when the bank knows no levels, or not this one. A new bank stands as baked. [worker]
   Result<void> set_level(const protocol::ObjectRef& object, double level_m, synth::Frame at = 0);
 
+  // Tunes the tubes under the object, and retunes what rings at frame `at`. Fails when the bank has no tube whose pull
+  // it shows. A new bank's tubes are as baked. [worker]
+  Result<void> set_tubes(const protocol::ObjectRef& object, const modal::TubeTuning& tuning, synth::Frame at = 0);
+
   // Restricts the object to a range of its modes. Modes outside the range fade within a few milliseconds. A new bank
   // removes the restriction. [worker]
   Result<void> select_modes(const protocol::ObjectRef& object, modal::ModeRange modes);
@@ -146,7 +150,7 @@ class Rack {
   [[nodiscard]] Result<void> retune(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
   [[nodiscard]] Result<void> assign(const ObjectState& object);
   [[nodiscard]] Result<void> install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at = 0,
-                                     std::shared_ptr<const modal::LevelTransfer> level_change = {});
+                                     std::shared_ptr<const modal::ModeTransfer> mode_change = {});
 
   synth::Mixer mixer_;
   BankReader& banks_;  // worker

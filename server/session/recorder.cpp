@@ -13,18 +13,26 @@ using synth::Frame;
 using wire::Message;
 
 // Returns the requests that take an object from one state to another. An object that did not exist, or has another
-// bank, is loaded first; a load keeps only the object's group, gain, pan, mute and solo.
+// bank, is loaded first; a load keeps only the object's group, gain, pan, fan, mute and solo.
 std::vector<protocol::Request> requests_between(const ObjectState* before, const ObjectState& after) {
   std::vector<protocol::Request> requests;
   const protocol::ObjectRef ref{.name = after.name};
   ObjectState from = before ? *before : ObjectState{};
   if (!before || before->bank_version != after.bank_version) {
     requests.emplace_back(protocol::LoadObject{after.name, after.bank.string()});
-    from = {.group = from.group, .gain = from.gain, .pan = from.pan, .mute = from.mute, .solo = from.solo};
+    from = {.group = from.group,
+            .gain = from.gain,
+            .pan = from.pan,
+            .fan_hz = from.fan_hz,
+            .fan_depth = from.fan_depth,
+            .mute = from.mute,
+            .solo = from.solo};
   }
   if (after.material != from.material) requests.emplace_back(protocol::SetMaterial{ref, after.material});
   if (const auto level = level_m(after); level && level != level_m(from))
     requests.emplace_back(protocol::SetFill{ref, *level});
+  if (const auto tuning = tube_tuning(after); tuning && tuning != tube_tuning(from))
+    requests.emplace_back(protocol::SetResonator{ref, *tuning});
   if (after.modes != from.modes) requests.emplace_back(protocol::SelectModes{ref, after.modes});
   modal::Dampers dampers = after.dampers;
   for (const auto& [number, damper] : from.dampers) dampers.try_emplace(number);  // no damping: removed
@@ -38,6 +46,8 @@ std::vector<protocol::Request> requests_between(const ObjectState* before, const
   }
   if (after.gain != from.gain) requests.emplace_back(protocol::SetGain{ref, {after.gain, 0}});
   if (after.pan != from.pan) requests.emplace_back(protocol::SetPan{ref, {after.pan}});
+  if (after.fan_hz != from.fan_hz || after.fan_depth != from.fan_depth)
+    requests.emplace_back(protocol::SetFan{ref, {after.fan_hz, after.fan_depth}});
   if (after.mute != from.mute) requests.emplace_back(protocol::SetMute{ref, after.mute});
   if (after.solo != from.solo) requests.emplace_back(protocol::SetSolo{ref, after.solo});
   return requests;

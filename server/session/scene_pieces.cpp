@@ -41,8 +41,13 @@ Result<std::map<std::string, ScenePieces::Sets>> ScenePieces::load_objects(const
       if (const auto set = rack_.set_level({.name = object.name}, *object.level_m); !set)
         return fail("object " + object.name, set);
     }
+    if (object.tubes) {
+      if (const auto set = rack_.set_tubes({.name = object.name}, *object.tubes); !set)
+        return fail("object " + object.name, set);
+    }
     const bool sent = rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Gain{object.gain}}) &&
-                      rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}});
+                      rack_.push(synth::Producer::worker, {frame, *number, synth::verb::Pan{object.pan}}) &&
+                      (!(object.fan.depth > 0) || rack_.push(synth::Producer::worker, {frame, *number, object.fan}));
     if (!sent)
       return fail(ErrorKind::refused,
                   path.string() + ": too many objects at once; wait for those before to be taken up");

@@ -44,6 +44,8 @@ scene::SceneDescription scene_of(const Session& session) {
     const ObjectState as_written = untuned(*object);
     described->material = as_written.material;
     described->level_m = level_m(as_written);
+    described->tubes = tube_tuning(as_written);
+    described->fan = {object->fan_hz, object->fan_depth};
   }
   return scene;
 }

@@ -47,6 +47,13 @@ Result<void> Session::check(const protocol::TimedWorkerRequest& request, synth::
                             return modal::check_level((*object)->baked_map->bank(),
                                                       set.level_m / (*object)->material.size);
                           },
+                          [&](const protocol::SetResonator& set) -> Result<void> {
+                            const auto object = rack_.find(set.object);
+                            if (!object) return fail(object);
+                            if (const auto tubes = modal::as_tuned((*object)->baked_map->bank()); !tubes)
+                              return fail("resonator", tubes);
+                            return {};
+                          },
                           [&](const protocol::BreakObject& blow) { return breakage_.check(blow); }},
                request);
 }
@@ -145,17 +152,19 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
 Answer Session::perform(const protocol::TimedWorkerRequest& request, synth::Frame frame) {
   if (const auto good = check(request, frame); !good) return fail(good);
   return visit(
-      Overloaded{[&](const protocol::Hold& set) {
-                   return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
-                 },
-                 [&](const protocol::SetFill& set) { return none(rack_.set_level(set.object, set.level_m, frame)); },
-                 [&](const protocol::BreakObject& blow) -> Answer {
-                   const auto broken = breakage_.break_object(blow, frame);
-                   if (!broken) return fail(broken);
-                   if (broken->lost > 0)
-                     return drop(broken->lost, formatted("{} events are waiting already", synth::kQueueCapacity));
-                   return static_cast<std::int32_t>(broken->pieces);
-                 }},
+      Overloaded{
+          [&](const protocol::Hold& set) {
+            return none(rack_.set_dampers(set.object, {{set.number, set.damper}}, frame));
+          },
+          [&](const protocol::SetFill& set) { return none(rack_.set_level(set.object, set.level_m, frame)); },
+          [&](const protocol::SetResonator& set) { return none(rack_.set_tubes(set.object, set.tuning, frame)); },
+          [&](const protocol::BreakObject& blow) -> Answer {
+            const auto broken = breakage_.break_object(blow, frame);
+            if (!broken) return fail(broken);
+            if (broken->lost > 0)
+              return drop(broken->lost, formatted("{} events are waiting already", synth::kQueueCapacity));
+            return static_cast<std::int32_t>(broken->pieces);
+          }},
       request);
 }
 

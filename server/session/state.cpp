@@ -64,6 +64,15 @@ State::Object read_object(TomlTable& table) {
     material->number("air", object.material.air, kDamping);
   }
   if (table.has("level_m")) table.number("level_m", object.level_m.emplace(), kPosition_m);
+  if (auto tubes = table.table("resonator")) {
+    modal::TubeTuning& tuning = object.tubes.emplace();
+    tubes->number("detune_cents", tuning.detune_cents, modal::kTubeDetune_cents);
+    tubes->number("opening", tuning.opening, modal::kTubeOpening);
+  }
+  if (auto fan = table.table("fan")) {
+    fan->number("rate_hz", object.fan_hz, synth::verb::Fan::kRate_hz);
+    fan->number("depth", object.fan_depth, synth::verb::Fan::kDepth);
+  }
   if (auto modes = table.table("modes")) object.modes = read_modes(*modes);
   for (TomlTable& damper : table.tables("touch")) read_damper(damper, object.dampers);
   return object;
@@ -143,6 +152,11 @@ std::string to_toml(const State& state) {
               " }\n";
     }
     if (object.level_m) text += "level_m = " + toml_number(*object.level_m) + "\n";
+    if (object.tubes)
+      text += "resonator = { detune_cents = " + toml_number(object.tubes->detune_cents) +
+              ", opening = " + toml_number(object.tubes->opening) + " }\n";
+    if (object.fan_depth > 0)
+      text += "fan = { rate_hz = " + toml_number(object.fan_hz) + ", depth = " + toml_number(object.fan_depth) + " }\n";
     if (object.modes != modal::ModeRange{}) {
       text += "modes = { first = " + std::to_string(object.modes.first) +
               ", count = " + std::to_string(object.modes.count) + " }\n";
@@ -194,7 +208,10 @@ State state_of(const Session& session) {
                              {object.dampers.begin(), scenes},
                              object.mute,
                              object.solo,
-                             level_m(object)});
+                             level_m(object),
+                             tube_tuning(object),
+                             object.fan_hz,
+                             object.fan_depth});
   }
   for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
     const auto& excitation = rack.excitations()[input];
@@ -243,6 +260,9 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
   if (object.level_m) {
     if (const auto set = rack.set_level(ref, *object.level_m); !set) return set;
   }
+  if (object.tubes) {
+    if (const auto set = rack.set_tubes(ref, *object.tubes); !set) return set;
+  }
   if (object.modes != modal::ModeRange{}) {
     if (const auto set = rack.select_modes(ref, object.modes); !set) return set;
   }
@@ -250,7 +270,9 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
     return held;
   const synth::Frame now = rack.mixer().counters().frames;
   for (const synth::Verb& verb :
-       {synth::Verb(synth::verb::Gain{object.gain}), synth::Verb(synth::verb::Pan{object.pan})}) {
+       {synth::Verb(synth::verb::Gain{object.gain}), synth::Verb(synth::verb::Pan{object.pan}),
+        synth::Verb(synth::verb::Fan{object.fan_hz, object.fan_depth})}) {
+    if (verb.holds<synth::verb::Fan>() && !was_there && !(object.fan_depth > 0)) continue;
     for (const synth::Frame frame : {now, from}) {
       if (frame == from && (!was_there || from == now)) continue;
       const auto which = static_cast<synth::ObjectNumber>(**number);

@@ -45,6 +45,7 @@
 #include "engine/modal/damper.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
+#include "engine/modal/tubes/tube_tuning.h"
 #include "engine/synth/events/event.h"
 #include "server/session/listener_memory.h"
 
@@ -69,7 +70,9 @@ struct State {
     modal::ModeRange modes;
     modal::Dampers dampers;  // except the dampers of the scene
     bool mute = false, solo = false;
-    std::optional<double> level_m;  // of its liquid; nothing: as baked
+    std::optional<double> level_m;           // of its liquid; nothing: as baked
+    std::optional<modal::TubeTuning> tubes;  // nothing: as baked
+    double fan_hz = 0, fan_depth = 0;
   };
   struct Input {
     std::size_t input = 1;  // in_1 is 1

@@ -48,7 +48,7 @@ class Player {
   void give(ObjectNumber object, const StemLog::Change& change) {
     auto voice =
         std::make_unique<synth::Voice>(mixer_.table_for(change.map, change.material, change.dampers, change.modes));
-    voice->level_change = change.level_change;
+    voice->mode_change = change.mode_change;
     lost_ = !mixer_.install(object, std::move(voice), change.how, change.at) || lost_;
   }
   void silence(ObjectNumber object) { lost_ = !mixer_.silence(object, true) || lost_; }
@@ -295,7 +295,7 @@ void StemLog::changed(const ObjectState* before, const ObjectState* after, Frame
                        before->modes != after->modes || before->map != after->map;
   if (!retuned) return;
   const auto how = new_bank ? Mixer::Install::replace : Mixer::Install::retune;
-  auto level = new_bank ? nullptr : level_change(*before, *after);
+  auto level = new_bank ? nullptr : mode_change(*before, *after);
   track.entries.push_back(
       {blocks_.size(), std::make_unique<const Change>(Change{after->map, after->material, after->dampers, after->modes,
                                                              how, at, std::move(level)})});

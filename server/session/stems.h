@@ -53,7 +53,7 @@ class StemLog : public Observer {
     modal::ModeRange modes;
     synth::Mixer::Install how;
     synth::Frame at = 0;
-    std::shared_ptr<const modal::LevelTransfer> level_change;  // null: the level of its liquid stayed
+    std::shared_ptr<const modal::ModeTransfer> mode_change;  // null: the level of its liquid stayed
   };
   // A pose that came before a block. Poses are kept apart from other events, because there are many.
   struct Posed {

@@ -3,6 +3,7 @@
 #include "engine/bake/object_file.h"
 #include "engine/materials/material_library.h"
 #include "engine/modal/bank_file.h"
+#include "engine/modal/tubes/tube_bank.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -168,6 +169,37 @@ TEST_F(BarWithTube, FarTubeLeavesTheBankAsItWas) {
     EXPECT_LT(nearest / alone.frequency_hz[m], 1e-6);
     EXPECT_NEAR(decay / alone.decay_per_s[m], 1, 1e-4);
   }
+}
+
+// What the two modes of one bake tell of bar and tube gives the modes of another bake, and the bar alone.
+TEST_F(BarWithTube, TunedTubeIsThatOfABakeInThatTuning) {
+  const auto object = baked(tube(0.015)), lower = baked(tube(0.015, "detune_cents = -30\n"));
+  ASSERT_TRUE(object && lower);
+  const modal::Bank &bank = object->baked.bank, &wanted = lower->baked.bank;
+  const auto same = modal::at_tuning(bank, {}), there = modal::at_tuning(bank, {.detune_cents = -30}),
+             back = modal::at_tuning(wanted, {.detune_cents = 30}), closed = modal::at_tuning(bank, {.opening = 0});
+  ASSERT_TRUE(same && there && back && closed) << same.error().message;
+  const auto expect_alike = [](const modal::Bank& tuned, const modal::Bank& from_bake, double cents, double decay,
+                               double db, const char* what) {
+    const std::vector<std::size_t> a = fundamentals(tuned), b = fundamentals(from_bake);
+    ASSERT_EQ(a.size(), 2u) << what;
+    ASSERT_EQ(b.size(), 2u) << what;
+    for (std::size_t n = 0; n < 2; ++n) {
+      const double louder = gain_db(tuned, a[n], from_bake, b[n]);
+      std::printf("%s: %.4f Hz %.4f 1/s, bake %.4f Hz %.4f 1/s, %+.2f dB\n", what, tuned.frequency_hz[a[n]],
+                  tuned.decay_per_s[a[n]], from_bake.frequency_hz[b[n]], from_bake.decay_per_s[b[n]], louder);
+      EXPECT_NEAR(1200 * std::log2(tuned.frequency_hz[a[n]] / from_bake.frequency_hz[b[n]]), 0, cents) << what;
+      EXPECT_NEAR(tuned.decay_per_s[a[n]] / from_bake.decay_per_s[b[n]], 1, decay) << what;
+      EXPECT_NEAR(rms_shape(tuned, a[n]) / rms_shape(from_bake, b[n]), 1, decay) << what;
+      EXPECT_NEAR(louder, 0, db) << what;
+    }
+  };
+  expect_alike(same->bank, bank, 1e-3, 1e-5, 0.01, "as baked");
+  expect_alike(there->bank, wanted, 1, 0.02, 0.5, "30 cents lower");
+  expect_alike(back->bank, bank, 1, 0.02, 0.5, "in tune again");
+  EXPECT_NEAR(closed->bank.decay_per_s[fundamentals(closed->bank)[0]], kBareDecay_per_s, 1e-3);
+  for (std::size_t m = 0; m < there->bank.mode_count(); ++m)
+    EXPECT_NEAR(there->bank.losses[m].total_per_s() / there->bank.decay_per_s[m], 1, 1e-9);
 }
 
 TEST_F(BarWithTube, TubeIsKeptInTheBankAndRefusedWhereItCannotBe) {

@@ -114,11 +114,11 @@ TEST(LevelBank, WhatRingsLosesEnergyWithEachChangeOfLevel) {
   const Bank bank = leveled_bank(440, 2);
   const LevelModes low = at_level(bank, 0.02)->modes, high = at_level(bank, 0.08)->modes;
   const double m = 1 + kMassPerSquare * 4e-4, n = 1 + kMassPerSquare * 64e-4;
-  const LevelTransfer rise = transfer(low, high), fall = transfer(high, low);
+  const ModeTransfer rise = transfer(low, high), fall = transfer(high, low);
   EXPECT_NEAR(rise.velocity[0], std::sqrt(m / n), 1e-6);
   EXPECT_NEAR(fall.velocity[0], std::sqrt(m / n), 1e-6);
   EXPECT_NEAR(rise.displacement[0], 1, 1e-6) << "the strain stays";
-  const LevelTransfer none = transfer(low, low);
+  const ModeTransfer none = transfer(low, low);
   EXPECT_NEAR(none.velocity[0], 1, 1e-12);
   EXPECT_NEAR(transfer(as_baked(bank), at_level(bank, 0)->modes).velocity[0], 1, 1e-6);
 }
@@ -132,7 +132,7 @@ TEST(LevelBank, ASlowRiseKeepsEnergyOverFrequency) {
   double displacement = 1, velocity = 0;  // each the root of twice its energy
   for (int step = 1; step <= kSteps; ++step) {
     LevelModes next = at_level(bank, 0.1 * step / kSteps)->modes;
-    const LevelTransfer change = transfer(present, next);
+    const ModeTransfer change = transfer(present, next);
     const double before = std::hypot(displacement, velocity);
     const double u = change.displacement[0] * displacement, v = change.velocity[0] * velocity;
     EXPECT_LE(std::hypot(u, v), before * (1 + 1e-9));

@@ -1,5 +1,7 @@
 // The instrument without a plug-in format: what each parameter and message does to the sound.
+#include "engine/modal/bank_file.h"
 #include "tests/plugin/instrument_fixture.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +35,28 @@ TEST(KeyPlan, TunedThingsAreTunedByTheirNotesAndTheirPlayersAreToldWhatChanged) 
   EXPECT_NE(notice.find("440.0 Hz"), notice.npos) << notice;
   EXPECT_NE(notice.find("1320.2 Hz"), notice.npos) << "as before: " << notice;
   EXPECT_EQ(plan_of("glockenspiel-bar").notice, "") << "as it was";
+}
+
+TEST_F(InstrumentTest, NotesOfAMapShareABankAndHaveLevelsOfTheirOwn) {
+  ASSERT_TRUE(modal::write_bank(test::leveled_bank(440, 2), folder_.path() / "glass.glb"));
+  const auto map = [](double level_m) {
+    return formatted(
+        "[[note]]\nnote = 60\nobject = 'a'\nbank = 'glass'\nlevel_m = 0\n"
+        "[[note]]\nnote = 62\nobject = 'b'\nbank = 'glass'\nlevel_m = {}\n",
+        level_m);
+  };
+  const std::string path = folder_.write("notes.toml", map(0.06)).string();
+  EXPECT_EQ(plan_keys({path, path}, {}).value().banks.size(), 1u);
+  instrument_.set_file(path);
+  settle();
+  for (const auto& [key, level_m] : {std::pair{60, 0.0}, {62, 0.06}}) {
+    play(kControl, 120, 0);
+    hear(1024);
+    play(kOn, static_cast<std::uint8_t>(key), 100);
+    EXPECT_NEAR(pitch_hz(), 440 / std::sqrt(1 + test::kMassPerSquare * level_m * level_m), 0.1) << key;
+  }
+  const std::string over = folder_.write("over.toml", map(0.2)).string();
+  EXPECT_NE(plan_keys({over, over}, {}).error().message.find("note 62"), std::string::npos);
 }
 
 // The bar is tuned to C6, and a struck wine glass sings with its lowest mode of the rim.

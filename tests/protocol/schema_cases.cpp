@@ -106,6 +106,33 @@ Cases fill_cases() {
           {{"/object/b%/fill", {0.1}, "object"}, {a, {}, "level"}, {a, {1e5}, "level"}, {a, {0.1, 1}, "argument 2"}}};
 }
 
+Cases resonator_cases() {
+  const std::string a = "/object/bell/resonator";
+  return {{{a, {-20}, claim<SetResonator>([](const SetResonator& s) {
+              return s.object == named("bell") && s.tuning == modal::TubeTuning{-20, 1};
+            })},
+           {a, {5, 0.5}, claim<SetResonator>([](const SetResonator& s) {
+              return s.tuning == modal::TubeTuning{5, 0.5};
+            })}},
+          {{"/object/b%/resonator", {0}, "object"},
+           {a, {}, "detune"},
+           {a, {1201}, "detune"},
+           {a, {0, 1.1}, "opening"},
+           {a, {0, 1, 1}, "argument 3"}}};
+}
+
+Cases fan_cases() {
+  const std::string a = "/object/bell/fan";
+  return {{{a, {5, 0.5}, claim<SetFan>([](const SetFan& s) {
+              return s.object == named("bell") && s.verb.rate_hz == 5 && s.verb.depth == 0.5;
+            })}},
+          {{"/object/b%/fan", {5, 0.5}, "object"},
+           {a, {5}, "depth"},
+           {a, {21, 1}, "rate"},
+           {a, {-1, 1}, "rate"},
+           {a, {5, 1.1}, "depth"}}};
+}
+
 Cases material_cases() {
   const std::string a = "/object/bell/material";
   return {{{a, {1, 2, 3, 4}, claim<SetMaterial>([](const SetMaterial& s) {
@@ -505,6 +532,8 @@ const std::map<std::string, Cases>& all_cases() {
       {"/record/start", record_start_cases()},
       {"/record/stop", record_stop_cases()},
       {"/object/{object}/fill", fill_cases()},
+      {"/object/{object}/resonator", resonator_cases()},
+      {"/object/{object}/fan", fan_cases()},
       {"/object/{object}/gain", gain_cases()},
       {"/object/{object}/pan", pan_cases()},
       {"/object/{object}/pickup", pickup_cases()},

@@ -188,7 +188,7 @@ TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
         Reply(NotifyObjectPeak{"bell", 0.5}),
         Reply(NotifyLoad{0.5, 0.75, 1, 2, 3}),
         Reply(ObjectReply{
-            3, "bell", 2, 100, "00ff", "a.glb", 9, 1, 4, {1, 2, 3, 4, 5}, 0.5, -0.25, false, false, "metal"}),
+            3, "bell", 2, 100, "00ff", "a.glb", 9, 1, 4, {1, 2, 3, 4, 5}, 0.5, -0.25, false, false, 0.08, "metal"}),
         Reply(ObjectReply{}),
         Reply(BankReply{"bell", 1, 2, 3, wire::Blob(5)}),
         Reply(SceneReply{1, 2, 3, 4, {5, 6, 7}, {8, 9, 10}, 50, "s.toml"}),

@@ -1,6 +1,7 @@
 // Levels of a liquid that change while an object rings.
 #include "engine/modal/bank_file.h"
 #include "protocol/schema.h"
+#include "server/session/note_map.h"
 #include "server/session/recorder.h"
 #include "server/session/session.h"
 #include "server/session/state.h"
@@ -112,6 +113,32 @@ TEST_F(FillTest, AnImpossibleLevelIsRefusedAndChangesNothing) {
   ASSERT_TRUE(session_.perform(protocol::LoadObject{"plain", (folder_ / "plain.glb").string()}, 0));
   EXPECT_NE(refusal("plain", 0.1).find("levels = 16"), std::string::npos);
   EXPECT_FALSE(level_m(**session_.rack().find(kGlass)));
+}
+
+// One file, an object for each note.
+TEST_F(FillTest, NotesOfAMapFillTheirObjectsOnceForEachBank) {
+  const auto file = folder_.write("notes.toml",
+                                  "[[note]]\nnote = 60\nobject = 'glass'\nlevel_m = 0.05\n"
+                                  "[[note]]\nnote = 61\nobject = 'other'\nlevel_m = 0.09\n"
+                                  "[[note]]\nnote = 62\nobject = 'third'\nlevel_m = 0.2\n");
+  Rack& rack = session_.rack();
+  Notes notes(rack, read_note_map(file).value());
+  EXPECT_TRUE(notes.set_levels(rack).empty()) << "objects may be loaded later";
+  EXPECT_NEAR(level_m(**rack.find(kGlass)).value(), 0.05, 1e-9);
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"other", (folder_ / "glass.glb").string()}, 0));
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"third", (folder_ / "glass.glb").string()}, 0));
+  fill(0.02);
+  const std::vector<std::string> obstacles = notes.set_levels(rack);
+  ASSERT_EQ(obstacles.size(), 1u);
+  EXPECT_NE(obstacles[0].find("note 62: object third: level: "), std::string::npos) << obstacles[0];
+  EXPECT_NEAR(level_m(**rack.find({.name = "other"})).value(), 0.09, 1e-9);
+  EXPECT_NEAR(level_m(**rack.find(kGlass)).value(), 0.02, 1e-9) << "what came later stays";
+  EXPECT_TRUE(notes.set_levels(rack).empty()) << "said once";
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"glass", (folder_ / "glass.glb").string()}, 0));
+  EXPECT_TRUE(notes.set_levels(rack).empty());
+  EXPECT_NEAR(level_m(**rack.find(kGlass)).value(), 0.05, 1e-9) << "a new bank";
+  strike();
+  EXPECT_NEAR(heard_hz(), pitch_hz(0.05), 0.1);
 }
 
 TEST_F(FillTest, RecordingsAndStatesKnowTheLevel) {

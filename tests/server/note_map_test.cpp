@@ -58,6 +58,19 @@ TEST_F(NoteMapTest, ANoteStrikesWhatTheMapSays) {
   EXPECT_FALSE(table.notes[60]) << "with a map, only the map";
 }
 
+TEST_F(NoteMapTest, AnObjectHasOneBankAndOneLevel) {
+  const std::string low = "[[note]]\nnote = 40\nobject = 'a'\nbank = 'glass'\nlevel_m = 0.05\n";
+  const auto map = read(low + "[[note]]\nnote = 41\nobject = 'b'\nbank = 'glass'\nlevel_m = 0.07\n");
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_EQ(map->notes[0].bank, "glass");
+  EXPECT_EQ(map->notes[1].level_m, 0.07);
+  EXPECT_TRUE(read(low + "[[note]]\nnote = 41\nobject = 'a'\nbank = 'glass'\nlevel_m = 0.05\n"));
+  for (const char* other : {"bank = 'glass'\nlevel_m = 0.06\n", "bank = 'glass'\n", "level_m = 0.05\n"})
+    EXPECT_NE(refusal(low + "[[note]]\nnote = 41\nobject = 'a'\n" + other).find("an object of its own"),
+              std::string::npos)
+        << other;
+}
+
 TEST_F(NoteMapTest, ANoteIsBowedWhenTheMapNamesABow) {
   const auto map = read(
       "[[note]]\nnote = 40\nobject = 'bar'\nbow_speed_m_s = 0.3\nbow_force_n = 1\nbow_direction = [0, 3, 4]\n"

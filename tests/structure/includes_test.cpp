@@ -78,7 +78,7 @@ const std::vector<FolderRule> kFolderRules = {
     {"protocol/wire/", {"engine/base/", "protocol/wire/"}},
     {"protocol/",
      {"engine/base/", "engine/modal/damper.h", "engine/modal/material_scale.h", "engine/modal/mode_range.h",
-      "engine/synth/events/event.h", "protocol/"}},
+      "engine/modal/tubes/tube_tuning.h", "engine/synth/events/event.h", "protocol/"}},
     {"packaging/manual/",
      {"engine/base/version.h", "protocol/defaults.h", "protocol/exit_codes.h", "packaging/manual/"}},
     {"server/session/",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <random>
 
@@ -71,6 +72,41 @@ modal::Bank leveled_bank(double frequency_hz, double decay_per_s) {
   levels.mass = {1};
   levels.stiffness = {static_cast<float>(modal::undamped_lambda({frequency_hz, decay_per_s}))};
   bank.levels = std::make_shared<const modal::LiquidLevels>(std::move(levels));
+  return bank;
+}
+
+modal::Bank tubed_bank(const TwoOscillators& of) {
+  using Complex = std::complex<double>;
+  const Complex bar(modal::hz_to_rad_per_s(of.bar_hz), -of.bar_decay_per_s);
+  const Complex tube(modal::hz_to_rad_per_s(of.tube_hz), -of.tube_decay_per_s);
+  // The eigenvectors are (cos, sin) and (-sin, cos) of a complex angle.
+  const Complex angle = 0.5 * std::atan(2.0 * of.pull_rad_s / (bar - tube));
+  const Complex c = std::cos(angle), s = std::sin(angle);
+  const Complex first = bar * c * c + tube * s * s + 2.0 * of.pull_rad_s * s * c, second = bar + tube - first;
+  modal::Bank bank = single_mode_bank(1000, 3);
+  bank.name = "tubed";
+  bank.frequency_hz = {modal::rad_per_s_to_hz(first.real()), modal::rad_per_s_to_hz(second.real()), 1000};
+  bank.decay_per_s = {-first.imag(), -second.imag(), 3};
+  bank.shapes.clear();
+  for (const double z : {kBarShape * std::abs(c), -kBarShape * std::abs(s)})
+    bank.shapes.insert(bank.shapes.end(), 4, {0, 0, static_cast<float>(z)});
+  bank.shapes.insert(bank.shapes.end(), 4, {0.5F, 0, 0});
+  bank.radiation->maps.modes.clear();
+  const auto field = [](double hz, Complex of_bar, Complex of_tube) {
+    modal::FarField heard = even_field(hz);
+    const auto one = static_cast<double>(heard.terms[0].value.real());
+    heard.unit = 0;
+    heard.terms = {{0, std::complex<float>(one * of_tube)}, {2, std::complex<float>(one * kBarSound * of_bar)}};
+    return heard;
+  };
+  const Complex turn = c / std::abs(c), back = std::abs(c) / c;
+  bank.radiation->maps.modes = {field(bank.frequency_hz[0], turn * c, turn * s),
+                                field(bank.frequency_hz[1], -s * back, c * back), even_field(1000)};
+  bank.provenance.resonators = {{.diameter_m = 1e-4,  // so thin that its mouth radiates next to nothing
+                                 .length_m = 0.37,
+                                 .frequency_hz = of.tube_hz,
+                                 .decay_per_s = of.tube_decay_per_s,
+                                 .end_correction_m = 0.01}};
   return bank;
 }
 

@@ -24,6 +24,15 @@ modal::Bank single_mode_bank(double frequency_hz, double decay_per_s, modal::Vec
 inline constexpr double kMassPerSquare = 300, kDrag = 0.5;
 modal::Bank leveled_bank(double frequency_hz, double decay_per_s);
 
+// A mode of a bar, which moves every point by kBarShape along z, and a tube that pulls it by kTubePull: two oscillators
+// of the kind that docs/how/tubes.md describes. A motion of 1 of the tube is heard as even_field() is; one of the bar,
+// with kBarSound of that, in a field like a cosine of the height. The third mode knows nothing of the tube.
+struct TwoOscillators {
+  double bar_hz = 220, bar_decay_per_s = 0.5, tube_hz = 220, tube_decay_per_s = 8.6, pull_rad_s = 2.5;
+};
+inline constexpr double kBarShape = 1.2, kBarSound = 0.02;
+modal::Bank tubed_bank(const TwoOscillators& of);
+
 // The flexural modes of a free-free bar by Euler and Bernoulli: length 0.3 m along x, 20 mm x 5 mm of steel, moving
 // along z; sampled at 17 points of its axis, no triangles. Material and mass properties are filled.
 // Source: Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1, case 1.

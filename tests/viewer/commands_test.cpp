@@ -161,6 +161,19 @@ TEST(Commands, DraggingASliderIsOneChange) {
   EXPECT_EQ(desk.of<protocol::SetGain>()[0].verb.gain, 1);
 }
 
+TEST(Commands, ALevelIsUndoneToTheOneTheDaemonTold) {
+  Desk desk;
+  ObjectReply reply{.name = "bell", .modes = 100, .selected_modes = 100, .level_m = 0.03};
+  desk.model.apply(reply, desk.now_s);
+  const KnownObject& bell = *desk.model.object("bell");
+  EXPECT_EQ(desk.commands.edits().adjustment_of(bell).level_m, 0.03);
+  desk.commands.edits().change(bell, protocol::SetFill{{"bell", std::nullopt}, 0.07}, "liquid");
+  EXPECT_EQ(desk.commands.edits().adjustment_of(bell).level_m, 0.07);
+  desk.commands.perform(Action::undo);
+  ASSERT_EQ(desk.of<protocol::SetFill>().size(), 2u);
+  EXPECT_EQ(desk.of<protocol::SetFill>()[1].level_m, 0.03);
+}
+
 TEST(Commands, AllModesAndTheTwentyHighestArePlayed) {
   Desk desk;
   desk.commands.perform(Action::highest_modes);

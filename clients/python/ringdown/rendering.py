@@ -22,7 +22,7 @@ FLUSH_EVENTS = 2048
 
 # Events that the mixer carries out at their frames, and changes before which the block is split.
 TIMED = Mixer.VERBS
-CHANGES = ("fill", "hold", "material", "mute", "solo", "remove")
+CHANGES = ("fill", "hold", "material", "mute", "resonator", "solo", "remove")
 
 
 class _Timed(NamedTuple):

@@ -230,6 +230,15 @@ void add_objects(Class& mixer) {
           "Lets the liquid in the object stand at a level, in the object's frame; ringing sounds are retuned. The bank "
           "must know its levels (bake it with [fill] and levels = 16).")
       .def(
+          "resonator",
+          [](Mixer& self, Object object, double detune_cents, double opening, const FrameOrNow& frame) {
+            call(ringdown_resonator, self.handle, at(self, frame), object, detune_cents, opening);
+          },
+          py::arg("object"), py::arg("detune_cents"), py::arg("opening") = 1.0, py::kw_only(),
+          py::arg("frame") = py::none(),
+          "Tunes the tubes under the object from their tuning as baked, with a share of their mouths open; ringing "
+          "sounds are retuned. The bank must have a tube (bake it with [[resonator]]).")
+      .def(
           "hold",
           [](Mixer& self, Object object, const Vector& point_m, double damping_ns_m, const Vector& direction,
              Number number, const FrameOrNow& frame) {

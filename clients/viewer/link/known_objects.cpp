@@ -51,6 +51,7 @@ void KnownObjects::on(const protocol::ObjectReply& reply) {
   object.pan = reply.pan;
   object.mute = reply.mute;
   object.solo = reply.solo;
+  object.level_m = reply.level_m;
   object.group = reply.group;
 }
 

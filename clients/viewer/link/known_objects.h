@@ -34,6 +34,7 @@ struct KnownObject {
   modal::MaterialScale scale;
   double gain = 1, pan = 0;
   bool mute = false, solo = false;
+  double level_m = 0;  // of its liquid, in the object's size
   std::optional<std::string> group;
 
   std::shared_ptr<const KnownBank> bank;  // null until it has been fetched

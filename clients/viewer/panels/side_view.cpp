@@ -2,6 +2,8 @@
 
 #include "clients/viewer/panels/object_list.h"
 
+#include "engine/modal/levels/liquid_levels.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -133,6 +135,13 @@ void SideView::draw_sliders(const KnownObject& object, Commands& commands) {
            a.scale.alpha, {0.05, 20});
   material("Size", "Factor on all lengths. Twice the size is an octave lower, with eight times the mass", a.scale.size,
            {0.25, 4});
+  if (object.bank && object.bank->bank.levels) {
+    const Range range = object.bank->bank.levels->range_m();
+    double level_mm = 1e3 * a.level_m;
+    if (slider("Liquid", "The height of the liquid's surface in the object. A higher level sounds lower", level_mm,
+               {1e3 * a.scale.size * range.low, 1e3 * a.scale.size * range.high, false}, "%.1f mm"))
+      commands.edits().change(object, protocol::SetFill{ref, level_mm / 1e3}, "liquid");
+  }
   double level_db = 20 * std::log10(std::max(a.gain, 1e-3));
   if (slider("Level", "The object's gain. 0 dB is a factor of 1, +20 dB a factor of 10", level_db, {-60, 40, false},
              "%.1f dB"))

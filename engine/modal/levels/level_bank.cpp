@@ -229,6 +229,18 @@ void limit_to_one(Matrix& map, std::size_t n) {
   map = product(turned, back, n);
 }
 
+}  // namespace
+
+double baked_level_m(const Bank& bank) {
+  const std::vector<double>& levels = bank.levels->level_m;
+  for (const LiquidNote& note : bank.provenance.liquids) {
+    if (!note.around) return std::clamp(note.level_m, levels.front(), levels.back());
+  }
+  return levels.front();
+}
+
+namespace {
+
 // Makes the bank of a level from its modes.
 class LevelBankMaker {
  public:
@@ -247,7 +259,7 @@ class LevelBankMaker {
       note.level_m = modes_.level_m;
       note.volume_m3 = volume_m3();
     }
-    const std::vector<double> drag = drag_of(modes_.level_m), drag_before = drag_of(own_level_m());
+    const std::vector<double> drag = drag_of(modes_.level_m), drag_before = drag_of(baked_level_m(bank_));
     const MaterialDamping law = bank_.material ? bank_.material->damping_law() : MaterialDamping();
     for (std::size_t m = 0; m < count_; ++m) {
       const double omega = modes_.omega_rad_s[m], lambda = omega * omega;
@@ -287,13 +299,6 @@ class LevelBankMaker {
   [[nodiscard]] double dry_mass(std::size_t i, std::size_t j) const {
     return levels_.mass[i >= j ? packed_size(i) + j : packed_size(j) + i];
   }
-  [[nodiscard]] double own_level_m() const {
-    for (const LiquidNote& note : bank_.provenance.liquids) {
-      if (!note.around) return std::clamp(note.level_m, levels_.level_m.front(), levels_.level_m.back());
-    }
-    return levels_.level_m.front();
-  }
-
   // Linear between levels: a spline might overshoot below 0.
   [[nodiscard]] std::pair<std::size_t, double> place_of(double level_m) const {
     std::size_t i = 0;
@@ -456,10 +461,7 @@ Result<LevelBank> at_level(const Bank& bank, double wanted_m) {
 
 LevelModes as_baked(const Bank& bank) {
   const LiquidLevels& levels = *bank.levels;
-  double level_m = levels.level_m.front();
-  for (const LiquidNote& note : bank.provenance.liquids) {
-    if (!note.around) level_m = std::clamp(note.level_m, levels.level_m.front(), levels.level_m.back());
-  }
+  const double level_m = baked_level_m(bank);
   const Equations equations(bank, level_m);
   const std::size_t modes = bank.mode_count(), size = equations.size();
   LevelModes own{.level_m = level_m, .mixing = Matrix(size * modes), .mass = equations.mass(), .omega_rad_s = {}};
@@ -474,12 +476,12 @@ LevelModes as_baked(const Bank& bank) {
   return own;
 }
 
-LevelTransfer transfer(const LevelModes& from, const LevelModes& to) {
+ModeTransfer transfer(const LevelModes& from, const LevelModes& to) {
   const std::size_t modes = from.omega_rad_s.size(), size = to.mixing.size() / std::max<std::size_t>(modes, 1);
   const auto between = [&](const Matrix& mass) {
     return transposed_product(to.mixing, product(mass, from.mixing, size), size);
   };
-  LevelTransfer change{between(to.level_m >= from.level_m ? from.mass : to.mass), between(to.mass)};
+  ModeTransfer change{between(to.level_m >= from.level_m ? from.mass : to.mass), between(to.mass)};
   for (std::size_t i = 0; i < modes; ++i) {
     for (std::size_t j = 0; j < modes; ++j)
       change.displacement[i * modes + j] *= to.omega_rad_s[i] / std::max(from.omega_rad_s[j], 1e-300);

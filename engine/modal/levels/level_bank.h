@@ -2,7 +2,7 @@
 // [worker]
 //
 //   Result<LevelBank> half = at_level(bank, 0.05);                // takes some milliseconds
-//   LevelTransfer retuned = transfer(as_baked(bank), half->modes);  // what becomes of modes that ring
+//   ModeTransfer retuned = transfer(as_baked(bank), half->modes);  // what becomes of modes that ring
 //
 // Modes keep the number of the mode of the bank that moves like them. Decays, shapes and fields change, too; a field is
 // the sum of those of the bank's modes.
@@ -11,6 +11,7 @@
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
 #include "engine/modal/levels/liquid_levels.h"
+#include "engine/modal/mode_transfer.h"
 
 #include <vector>
 
@@ -32,18 +33,17 @@ struct LevelBank {
 // Fails with one sentence when the bank has no levels, or when the level lies below the bottom or above the rim.
 Result<void> check_level(const Bank& bank, double level_m);
 
+// The level at which the bank was baked; it must have levels.
+double baked_level_m(const Bank& bank);
+
 // Fails as check_level() does.
 Result<LevelBank> at_level(const Bank& bank, double level_m);
 
 // The modes of the bank itself, which must have levels.
 LevelModes as_baked(const Bank& bank);
 
-// A level that changes at once turns ringing modes into others by these matrices, M x M each, from the old amplitudes
-// of sqrt(2 energy) to the new ones. Liquid that joins is at rest, so that momentum is kept; liquid that leaves takes
-// its momentum with it. Displacement is kept in both cases. The energy never rises.
-struct LevelTransfer {
-  std::vector<double> velocity, displacement;
-};
-LevelTransfer transfer(const LevelModes& from, const LevelModes& to);
+// Liquid that joins is at rest, so that momentum is kept; liquid that leaves takes its momentum with it. Displacement is
+// kept in both cases. The energy never rises.
+ModeTransfer transfer(const LevelModes& from, const LevelModes& to);
 
 }  // namespace ringdown::modal

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "engine/base/one_of.h"
+#include "engine/base/range.h"
 #include "engine/base/realtime.h"
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
@@ -192,6 +193,15 @@ struct Pickup {
   double gain = 1;           // sample over motion in m, m/s or m/s^2
 };
 
+// Turns a fan in the mouth of the object's tube, as a vibraphone has it: what sounds out of the tube grows softer and
+// louder at this rate, from an open mouth at this frame on.
+struct Fan {
+  static constexpr Effect kEffect = Effect::sets;
+  static constexpr Range kRate_hz{0, 20}, kDepth{0, 1};
+  double rate_hz = 0;
+  double depth = 0;  // 1: the fan closes the mouth; 0: there is none
+};
+
 // Fades what rings to silence within ramp_s, or a few milliseconds if that is longer, and ends every contact.
 struct Clear {
   static constexpr Effect kEffect = Effect::damps;
@@ -270,7 +280,7 @@ struct Rub {
 }  // namespace verb
 
 // The verbs that every door has, in the order of the reference.
-using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Pickup, verb::Ring,
+using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Fan, verb::Pickup, verb::Ring,
                           verb::Impart, verb::Clear, verb::Choke, verb::Contact, verb::Bow, verb::Mallet, verb::Couple,
                           verb::Click, verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
 using Verbs = Joined<PublicVerbs, Types<verb::Collision, verb::Rub>>;

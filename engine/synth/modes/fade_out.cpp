@@ -29,7 +29,7 @@ void FadeOut::begin(StateArray& from, const Fading& fade) REALTIME {
   nepers_ = abrupt ? 0 : fade.nepers;
 }
 
-bool FadeOut::move_from(FadeOut& other, const modal::LevelTransfer* change) REALTIME {
+bool FadeOut::move_from(FadeOut& other, const modal::ModeTransfer* change) REALTIME {
   const bool left = change == nullptr && states_.move_from(other.states_);
   if (change != nullptr) states_.move_from(other.states_, *change);
   const double ratio = states_.table().sample_rate_hz() / other.states_.table().sample_rate_hz();

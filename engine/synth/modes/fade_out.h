@@ -31,9 +31,9 @@ class FadeOut {
   void begin(StateArray& from, const Fading& fade) REALTIME;
 
   // Goes on with a fade of another table of the same bank (StateArray::move_from). True when some of it is left there.
-  // `change` is there when the tables are of different levels of a liquid (StateArray::move_from): then nothing is
-  // left.
-  bool move_from(FadeOut& other, const modal::LevelTransfer* change = nullptr) REALTIME;
+  // `change` is there when the tables are of the same object before and after it changed (StateArray::move_from): then
+  // nothing is left.
+  bool move_from(FadeOut& other, const modal::ModeTransfer* change = nullptr) REALTIME;
 
   // Adds the next `frames` <= kChunkFrames samples to `out`. False when a state is absurd: nothing was added. Runs only
   // while running().

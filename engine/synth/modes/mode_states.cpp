@@ -98,6 +98,7 @@ ModeStates::ModeStates(const ModeTable& table)
       late_(table),
       muting_(table),
       is_(table.groups()) {
+  if (table.tube_shares() != nullptr) tube_gains_ = aligned_zeros<float>(4 * table.columns());
   states_.let_glide();
   slow_.list = sounding_.data();
   fast_.list = sounding_.data() + table.slow_groups();
@@ -112,10 +113,42 @@ void ModeStates::hear(const HeardTime* time) REALTIME {
   } else {
     gains.switch_off();
   }
-  const Hearing* const hearing = time ? &hearing_ : nullptr;
+  hear_by(time ? &hearing_ : nullptr);
+}
+
+void ModeStates::hear_by(const Hearing* hearing) REALTIME {
   states_.hear_by(hearing);
   fade_.hear_by(hearing);
   late_.hear_by(hearing);
+}
+
+void ModeStates::hear_tube(double from, double to, std::size_t frames) REALTIME {
+  const float* const share = table_.tube_shares();
+  if (share == nullptr) return;
+  const bool heard = states_.for_kernel(0).hearing != nullptr;
+  if (!heard) hearing_ = {};
+  const Hearing before = hearing_;
+  const std::size_t columns = table_.columns();
+  const auto length = static_cast<float>(frames);
+  const auto first = static_cast<float>(1 - from), last = static_cast<float>(1 - to);
+  const auto line = [&](const float* gain, const float* step, float otherwise, float* new_gain,
+                        float* new_step) REALTIME {
+    for (std::size_t c = 0; c < columns; ++c) {
+      const float slope = step ? step[c] : 0, at_first = gain ? gain[c] + before.offset * slope : otherwise;
+      const float begins = at_first * (1 - share[c] * first);
+      new_gain[c] = begins;
+      new_step[c] = ((at_first + length * slope) * (1 - share[c] * last) - begins) / length;
+    }
+  };
+  float* const rows = tube_gains_.get();
+  line(before.gain_re, before.step_re, 1, rows, rows + 2 * columns);
+  line(before.gain_im, before.step_im, 0, rows + columns, rows + 3 * columns);
+  hearing_.gain_re = rows, hearing_.gain_im = rows + columns;
+  hearing_.step_re = rows + 2 * columns, hearing_.step_im = rows + 3 * columns;
+  hearing_.offset = 0;
+  if (heard) return;
+  std::tie(hearing_.log_re, hearing_.log_im) = states_.exponents();
+  hear_by(&hearing_);
 }
 
 void ModeStates::add(BlowAmplitudes blow, double gain, const ModeFactors* each) REALTIME {
@@ -169,7 +202,7 @@ void ModeStates::add_to_groups(const Add& add_to) REALTIME {
   }
 }
 
-bool ModeStates::take_over(ModeStates& other, const modal::LevelTransfer* change) REALTIME {
+bool ModeStates::take_over(ModeStates& other, const modal::ModeTransfer* change) REALTIME {
   unmute();
   other.unmute();
   if (coupling.give_back(states_.re(), states_.im())) wake();

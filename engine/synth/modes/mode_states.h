@@ -49,8 +49,8 @@ class ModeStates {
   void add(ModeStates& other, double gain, const ModeFactors* each = nullptr) REALTIME;
   // Takes over from `other`, of the same bank, the modes that are in this table too: phase and amplitude continue;
   // pitch, decay and sample rate are this table's from here on. True when other modes still ring in `other`.
-  // If `other` is of the same object with its liquid at another level, `change` says what becomes of each mode.
-  bool take_over(ModeStates& other, const modal::LevelTransfer* change = nullptr) REALTIME;
+  // If `other` is of the same object before it changed, `change` says what becomes of each mode.
+  bool take_over(ModeStates& other, const modal::ModeTransfer* change = nullptr) REALTIME;
 
   // Lets what rings now fade out (FadeOut::begin); later strikes ring in full.
   void fade_out(const Fading& fade = {}) REALTIME;
@@ -83,6 +83,8 @@ class ModeStates {
     double rate = 1, bend = 0;
   };
   void hear(const HeardTime* time) REALTIME;
+  // After hear(), for one call of `frames`: what comes out of a tube goes from one gain to another in a straight line.
+  void hear_tube(double from, double to, std::size_t frames) REALTIME;
 
   // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() adds
   // what it sounds from there on (LateStrikes), driven sample by sample where there are `forces`, if only an empty
@@ -151,10 +153,12 @@ class ModeStates {
   void settle() REALTIME;
   void unmute() REALTIME;
   void mark() REALTIME;
+  void hear_by(const Hearing* hearing) REALTIME;
 
   const ModeTable& table_;
   StateArray states_;
   Hearing hearing_;
+  AlignedArray<float> tube_gains_;       // 4 x columns: gains and steps, as in Hearing; null: no tube
   std::vector<std::uint32_t> sounding_;  // groups: slow ones from the front, fast ones from slow_groups() on
   ActiveGroups slow_, fast_;             // in sounding_
   FadeOut fade_;

@@ -2,6 +2,7 @@
 
 #include "engine/modal/added_decay.h"
 #include "engine/modal/hearing/contact_pulse.h"
+#include "engine/modal/tubes/tube_bank.h"
 #include "engine/synth/kernels/frequency_grid.h"
 #include "engine/synth/modes/coupled_modes.h"
 #include "engine/synth/modes/glide.h"
@@ -143,6 +144,11 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   }
   if (slow_modes_ > 0)
     std::fill(band_.begin() + static_cast<std::ptrdiff_t>(slow_modes_), band_.end(), band_[slow_modes_ - 1]);
+  if (const std::vector<double> shares = modal::tube_shares(bank()); !shares.empty()) {
+    tube_shares_ = aligned_zeros<float>(columns_);
+    for (std::size_t i = 0; i < playable_modes(); ++i)
+      tube_shares_[column_[i]] = static_cast<float>(shares[mode_of_[i]]);
+  }
   if (!bank().nonlinear || weight_.empty()) return;
   // A mode that radiates nothing still bends the others' pitch, and only its state tells its amplitude.
   const double min = kUnheard * *std::max_element(weight_.begin(), weight_.end());

@@ -104,6 +104,8 @@ class ModeTable {
     const float* frequencies_hz;
   };
   [[nodiscard]] Columns heard_columns() const REALTIME { return {rank_.data(), column_hz_.get()}; }
+  // The share of each column's sound that comes out of a tube (tube_bank.h); null when no mode has any.
+  [[nodiscard]] const float* tube_shares() const REALTIME { return tube_shares_.get(); }
   // log p of the pole of each column.
   [[nodiscard]] std::pair<const double*, const double*> exponents() const REALTIME {
     return {row(exponent_re), row(exponent_im)};
@@ -154,7 +156,7 @@ class ModeTable {
   std::vector<std::uint16_t> band_;
   std::vector<double> slowest_decay_;  // of each group
   std::vector<std::uint32_t> rank_;    // of each column
-  AlignedArray<float> column_hz_;
+  AlignedArray<float> column_hz_, tube_shares_;
   Vec3 origin_m_;
   double ring_s_ = 0;
 };

@@ -76,12 +76,13 @@ bool StateArray::move_from(StateArray& other) REALTIME {
   return left;
 }
 
-void StateArray::move_from(StateArray& other, const modal::LevelTransfer& change) REALTIME {
+void StateArray::move_from(StateArray& other, const modal::ModeTransfer& change) REALTIME {
   excited();
   clear();
   const ModeTable& theirs = other.table_;
   const std::size_t modes = theirs.bank().mode_count();
   // The real part of a state is its displacement times omega, the imaginary part minus its velocity.
+  const bool turns = !change.turn.empty();
   for (std::size_t j = 0; j < theirs.playable_modes(); ++j) {
     const double output = theirs.output_per_velocity(j);
     if (!(output > 0)) continue;
@@ -90,8 +91,9 @@ void StateArray::move_from(StateArray& other, const modal::LevelTransfer& change
     if (displacement == 0 && velocity == 0) continue;
     for (std::size_t i = 0; i < table_.playable_modes(); ++i) {
       const std::size_t at = table_.mode_of(i) * modes + from, to = table_.column(i);
-      re()[to] += table_.output_per_velocity(i) * change.displacement[at] * displacement;
-      im()[to] += table_.output_per_velocity(i) * change.velocity[at] * velocity;
+      const double turn = turns ? change.turn[at] : 0, mine = table_.output_per_velocity(i);
+      re()[to] += mine * (change.displacement[at] * displacement - turn * velocity);
+      im()[to] += mine * (change.velocity[at] * velocity + turn * displacement);
     }
   }
   other.clear();

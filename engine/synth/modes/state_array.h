@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/modal/levels/level_bank.h"
+#include "engine/modal/mode_transfer.h"
 #include "engine/synth/kernels/aligned_array.h"
 #include "engine/synth/modes/glide.h"
 #include "engine/synth/modes/mode_table.h"
@@ -77,9 +77,9 @@ class StateArray {
   // Moves the states of `other`, of the same bank in another table, that have a column here; every other column becomes
   // zero. True when states without a column here are left in `other`.
   bool move_from(StateArray& other) REALTIME;
-  // Moves all states of `other`, whose bank is that of the same object with its liquid at another level: `change` says
-  // what becomes of each mode (level_bank.h). Modes that are not playable are taken to be at rest.
-  void move_from(StateArray& other, const modal::LevelTransfer& change) REALTIME;
+  // Moves all states of `other`, whose bank is that of the same object before it changed: `change` says what becomes of
+  // each mode. Modes that are not playable are taken to be at rest.
+  void move_from(StateArray& other, const modal::ModeTransfer& change) REALTIME;
 
   // Moves all states, or those of one group, on by `frames`, however many: z *= p^frames.
   void skip(std::uint64_t frames) REALTIME;

@@ -34,7 +34,7 @@ void VoiceStack::replace(Voice* voice, bool retune) REALTIME {
   Voice* const old = std::exchange(current_, voice);
   if (!old) return;
   if (retune) {
-    if (voice->take_over(*old, voice->level_change.get())) {
+    if (voice->take_over(*old, voice->mode_change.get())) {
       old->fade_out();
     } else {
       old->silence();

@@ -72,9 +72,9 @@ class Voice : public ModeStates {
 
   Voice* next = nullptr;  // in a list of voices, which must not allocate
 
-  // What becomes of the modes of the voice before, if this one is of another level of the liquid (level_bank.h); else
-  // null. [worker, before the voice is installed]
-  std::shared_ptr<const modal::LevelTransfer> level_change;
+  // What becomes of the modes of the voice before, if the object has changed between the two; else null. [worker,
+  // before the voice is installed]
+  std::shared_ptr<const modal::ModeTransfer> mode_change;
 
  private:
   // The factor on a strike's amplitudes, whose squares add up to `energy`.

@@ -41,6 +41,7 @@ bool keep_sane(std::span<const double> samples, const VoiceStack& voices, const 
 
 void Object::render(const Chunk& chunk, Workspace& workspace) REALTIME {
   workspace.counts.look_terms += placement.begin_chunk(chunk, voices, strip);
+  if (fan.on()) hear(0, chunk.frames, chunk);
   pickups.begin(chunk);
   apply_threshold(chunk, workspace);
   voices.for_each([&](Voice& voice) REALTIME {
@@ -56,6 +57,7 @@ void Object::render(const Chunk& chunk, Workspace& workspace) REALTIME {
   }
   pickups.end(chunk, voices, workspace);
   placement.end_chunk(chunk, voices);
+  end_fan(chunk);
   voices.for_each([&](const Voice& voice) REALTIME {
     if (!voice.ringing()) return;
     const ModeStates::Counts counts = voice.counts();
@@ -67,6 +69,26 @@ void Object::render(const Chunk& chunk, Workspace& workspace) REALTIME {
     workspace.counts.note_psi(static_cast<float>(voice.coupling.psi_over_truth()));
     chunk.shedding->worked(voice.coupling.units(chunk.frames), workspace);
   });
+}
+
+// Before its frames `begin` to `end` - 1 of the chunk are rendered.
+void Object::hear(std::size_t begin, std::size_t end, const Chunk& chunk) REALTIME {
+  if (begin >= end) return;
+  const bool placed = placement.begun(chunk);
+  if (placed) placement.hear(begin, end, chunk, voices);
+  if (!fan.on()) return;
+  const auto gain = [&](std::size_t offset)
+                        REALTIME { return fan.gain(chunk.begin + static_cast<Frame>(offset), chunk.sample_rate_hz); };
+  const double from = gain(begin), to = gain(end);
+  voices.for_each([&](Voice& voice) REALTIME {
+    if (!placed) voice.hear(nullptr);
+    voice.hear_tube(from, to, end - begin);
+  });
+}
+
+void Object::end_fan(const Chunk& chunk) REALTIME {
+  if (!fan.end(chunk.end(), chunk.sample_rate_hz) || placement.begun(chunk)) return;
+  voices.for_each([](Voice& voice) REALTIME { voice.hear(nullptr); });
 }
 
 // Returns true if an event ends some of its sound in this chunk; moments cannot be cut at an event.
@@ -123,6 +145,12 @@ struct Object::Play {
   void operator()(const verb::Pan& pan) const REALTIME {
     if (!(std::abs(pan.pan) <= kMaxEventValue)) return count(chunk.counters->refused);
     object.strip.set_pan(pan.pan, frame, frames_of(0));
+  }
+  void operator()(const verb::Fan& fan) const REALTIME {
+    const auto fits = [](double x, const Range& range) REALTIME { return x >= range.low && x <= range.high; };
+    if (!fits(fan.rate_hz, verb::Fan::kRate_hz) || !fits(fan.depth, verb::Fan::kDepth))
+      return count(chunk.counters->refused);
+    object.fan.set(fan, frame, chunk.sample_rate_hz);
   }
   void operator()(const verb::Clear& clear) const REALTIME {
     object.voices.fade_out({static_cast<std::size_t>(frames_of(clear.ramp_s))});
@@ -275,6 +303,7 @@ void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chu
 void Object::end_touched(const Chunk& chunk, Workspace& workspace) REALTIME {
   pickups.end(chunk, voices, workspace);
   placement.end_chunk(chunk, voices);
+  end_fan(chunk);
   voices.for_each([&](const Voice& voice) REALTIME {
     if (!voice.ringing()) return;
     ++workspace.counts.voices;
@@ -336,7 +365,8 @@ bool Object::can_share(Frame now) const REALTIME {
   const Voice* const voice = voices.current();
   const InstanceGroup* const group = voice ? voice->table().instances : nullptr;
   if (voice && voice->table().glide) return false;  // its pitch depends on its own amplitude
-  if (!group || touched || pickups.any() || voices.has_tails() || !exciters.all().empty() || voice->counts().fading)
+  if (!group || touched || fan.on() || pickups.any() || voices.has_tails() || !exciters.all().empty() ||
+      voice->counts().fading)
     return false;
   // Gains are part of the group's sums, and what is absurdly loud should not depend on sharing.
   if (std::abs(strip.final_gain()) > kMaxSharedGain) return false;

@@ -7,6 +7,7 @@
 #include "engine/base/realtime.h"
 #include "engine/synth/contact/exciters.h"
 #include "engine/synth/objects/instance_group.h"
+#include "engine/synth/listening/fan.h"
 #include "engine/synth/listening/pickups.h"
 #include "engine/synth/listening/placement.h"
 #include "engine/synth/modes/touched_states.h"
@@ -56,6 +57,7 @@ class Object final : public Source {
   VoiceStack voices;
   ChannelStrip strip;
   Placement placement;
+  Fan fan;
   ExciterSlots exciters;
   PickupSlots pickups;
   GroupMember member;
@@ -73,9 +75,8 @@ class Object final : public Source {
   void render_by_tables(const Chunk& chunk, Workspace& workspace) REALTIME;
   void render_by_moments(const Chunk& chunk, Workspace& workspace) REALTIME;
   [[nodiscard]] bool is_cleared() const REALTIME;
-  void hear(std::size_t begin, std::size_t end, const Chunk& chunk) REALTIME {
-    if (placement.begun(chunk) && begin < end) placement.hear(begin, end, chunk, voices);
-  }
+  void hear(std::size_t begin, std::size_t end, const Chunk& chunk) REALTIME;
+  void end_fan(const Chunk& chunk) REALTIME;
   void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME;
   void render_late(const Chunk& chunk, Workspace& workspace) REALTIME;
   void drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) REALTIME;
