@@ -37,6 +37,7 @@ std::string family_of(const ObjectRecipe& recipe) {
   ContentHasher hasher;
   hasher.text(*geometry);
   for (const auto& [name, value] : recipe.meshing.parameters) hasher.text(name).value(value);
+  if (recipe.meshing.wall_scale != 1) hasher.text("wall").value(recipe.meshing.wall_scale);
   for (const std::filesystem::path& part : part_surfaces(recipe)) {
     const Result<std::string> surface = read_whole_file(part, kMaxGeometry);
     if (!surface) return "";

@@ -13,7 +13,7 @@ using Options = BakeOptions;
 using Meshing = mesh::GmshOptions;
 
 constexpr Range kLength_m{1e-9, 1e6}, kAny{}, kAboveZero{0, kAnyHigh}, kError{1e-7, 0.5}, kShapeError{1e-3, 0.5};
-constexpr Range kScale{1e-3, 1e3}, kAirDensity_kg_m3{1e-3, 20}, kSoundSpeed_m_s{10, 1e4};
+constexpr Range kScale{1e-3, 1e3}, kWallScale{0.2, 5}, kAirDensity_kg_m3{1e-3, 20}, kSoundSpeed_m_s{10, 1e4};
 
 // Sets the member that the path leads to from the recipe. A flag has an empty text.
 template <auto... path>
@@ -145,6 +145,9 @@ std::vector<RecipeOption> table() {
       {"verify", "--verify", "",
        "check the modes near two frequencies of the band with a second solver, and fail if the two disagree", on,
        put<&Recipe::options, &Options::verify>, kAny, kAny, kSameBank},
+      {"wall_scale", "--wall-scale", "FLOAT",
+       "scale factor of the walls' thickness: both sides move along the wall's normal, the size along the wall stays",
+       number, put<&Recipe::meshing, &Meshing::wall_scale>, kWallScale, kWallScale, kOtherBody | kNotForScenes},
       {"gain_db", "", "", "", number, put<&Recipe::gain_db>, Range{-60, 60}},
       {"budget_s", "", "", "", number, put<&Recipe::budget_s>, Range{0.001, 1e6}},
   };

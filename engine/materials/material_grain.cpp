@@ -55,6 +55,12 @@ class Reader {
   std::map<std::string, std::string>& sources_;
 };
 
+// "shear_modulus_12_pa" is one of "shear_modulus_all_pa".
+std::string name_of_all(std::string key) {
+  const auto first = key.find_first_of("123"), last = key.find_last_of("123");
+  return key.replace(first, last + 1 - first, "all");
+}
+
 modal::Orthotropy read_nine(TomlTable& table, std::map<std::string, std::string>& sources) {
   modal::Orthotropy solid;
   Reader reader(table, sources);
@@ -97,14 +103,17 @@ void read_grain_constants(TomlTable& file, std::optional<modal::Orthotropy>& sol
 }
 
 std::optional<Result<void>> set_grain_constant(modal::Material& material, const std::string& key, double value) {
+  if (!material.orthotropy) return std::nullopt;
+  bool known = false;
   for (const Constant& constant : kNine) {
-    if (key != constant.key || !material.orthotropy) continue;
+    if (key != constant.key && key != name_of_all(constant.key)) continue;
     if (auto good = check_range(value, constant.range); !good) return Result<void>(fail(key, good));
     constant.in(*material.orthotropy) = value;
-    if (!is_stable(*material.orthotropy)) return Result<void>(fail(ErrorKind::bad_input, kUnstable));
-    return Result<void>();
+    known = true;
   }
-  return std::nullopt;
+  if (!known) return std::nullopt;
+  if (!is_stable(*material.orthotropy)) return Result<void>(fail(ErrorKind::bad_input, kUnstable));
+  return Result<void>();
 }
 
 }  // namespace ringdown::bake

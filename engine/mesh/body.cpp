@@ -154,7 +154,8 @@ std::string text_of(Making making) {
 }
 
 std::string packed(Question question, const GmshOptions& options) {
-  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, quick, parameters, parts] = options;
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, quick, wall_scale, parameters, parts] =
+      options;
   ByteWriter out;
   out.put(question)
       .put(std::int32_t{unit_m.has_value()})
@@ -164,7 +165,8 @@ std::string packed(Question question, const GmshOptions& options) {
       .put(order)
       .put(std::int32_t{force_coarse})
       .put(std::int32_t{cavities})
-      .put(std::int32_t{quick});
+      .put(std::int32_t{quick})
+      .put(wall_scale);
   out.put(std::uint64_t{parameters.size()});
   for (const auto& [name, value] : parameters) {
     put(out, name);
@@ -181,7 +183,7 @@ bool unpack_question(std::string_view bytes, Question& question, GmshOptions& op
   std::uint64_t parameters = 0;
   if (!in.get(question) || !in.get(has_unit) || !in.get(unit_m) || !in.get(options.mesh_size_m)) return false;
   if (!in.get(options.edge_size_m) || !in.get(options.order) || !in.get(force_coarse)) return false;
-  if (!in.get(cavities) || !in.get(quick) || !in.get(parameters)) return false;
+  if (!in.get(cavities) || !in.get(quick) || !in.get(options.wall_scale) || !in.get(parameters)) return false;
   if (parameters > kMaxParameters) return false;
   options.unit_m = has_unit != 0 ? std::optional(unit_m) : std::nullopt;
   options.force_coarse = force_coarse != 0;

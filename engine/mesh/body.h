@@ -26,6 +26,7 @@ struct GmshOptions {
   bool force_coarse = false;                 // surfaces: walls may be thinner than a cell (stuffed_body.h)
   bool cavities = false;                     // surfaces: CavityRule::kInside instead of kWoundTheOtherWay
   bool quick = false;                        // surfaces: reduces the triangles if there are very many (simplify.h)
+  double wall_scale = 1;                     // of the walls along their normal (wall_scale.h)
   std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
   // For surfaces: files of closed surfaces inside the surface, in its unit, relative to its folder. The elements inside
   // each form a group of that name (parted_surface.h).

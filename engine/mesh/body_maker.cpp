@@ -13,6 +13,7 @@
 #include "engine/mesh/surface/surface_distance.h"
 #include "engine/mesh/surface/surface_gap.h"
 #include "engine/mesh/surface/surface_repair.h"
+#include "engine/mesh/surface/wall_scale.h"
 
 #include <cmath>
 #include <utility>
@@ -92,7 +93,7 @@ Result<Sketch> BodyMaker::sketch(const GmshOptions& options) {
     if (!prepared) return fail(prepared);
     sketch.skin = (*prepared)->mesh;
     if (!(*prepared)->left.sound()) {
-      sketch.wall_m = wall_of_soup(sketch.skin);
+      sketch.wall_m = options.wall_scale * wall_of_soup(sketch.skin);
       return sketch;
     }
   } else {
@@ -104,11 +105,17 @@ Result<Sketch> BodyMaker::sketch(const GmshOptions& options) {
     sketch.skin = skin_of(body->mesh.mesh);
     sketch.sized_by_file = declares_mesh_size(path_) && depends_on_mesh_size(path_, options, diagonal_of(sketch.skin));
   }
-  sketch.wall_m = wall_thickness(sketch.skin);
+  sketch.wall_m = wall_thickness(sketch.skin) * (is_surface_file(path_) ? options.wall_scale : 1);
   return sketch;
 }
 
 Result<Body> BodyMaker::make(const GmshOptions& options, const Progress& progress) {
+  Result<Body> body = make_as_drawn(options, progress);
+  if (!body || options.wall_scale == 1) return body;
+  return scale_walls(body->mesh.mesh, options.wall_scale, path_.string()).map([&body] { return std::move(*body); });
+}
+
+Result<Body> BodyMaker::make_as_drawn(const GmshOptions& options, const Progress& progress) {
   if (is_surface_file(path_)) return make_of_surface(options, progress);
   if (auto good = check_takes_parts(path_, options); !good) return fail(good);
   if (!format_of(path_)) return fail(unknown_format(path_));

@@ -7,7 +7,8 @@
 //                         (fill.h) where it is sound, else stuffed (stuffed_body.h)
 //   gmsh_mesh             a mesh that gmsh reads as it is (gmsh_reader.h)
 //   geometry, program     meshed by gmsh (gmsh_reader.h)
-// Files with other endings are refused; the error lists the supported endings.
+// The walls of each are then scaled, if that is asked for (wall_scale.h). Files with other endings are refused; the
+// error lists the supported endings.
 #pragma once
 
 #include "engine/base/progress.h"
@@ -29,6 +30,7 @@ class BodyMaker {
   Result<Body> make(const GmshOptions& options, const Progress& progress = {});
 
  private:
+  Result<Body> make_as_drawn(const GmshOptions& options, const Progress& progress);
   [[nodiscard]] Result<Body> make_of_tetrahedra(const GmshOptions& options) const;
   Result<Body> make_of_surface(const GmshOptions& options, const Progress& progress);
   Result<Body> make_of_parts(const PreparedSurface& surface, const GmshOptions& options) const;

@@ -153,7 +153,8 @@ bool looks_elsewhere(std::string text) {
 // Every option by name: a new one that is not in the key does not compile.
 ContentHash key_of(const std::filesystem::path& path, const std::string& text, const GmshOptions& options,
                    const std::vector<std::string>& part_texts) {
-  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, quick, parameters, parts] = options;
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, quick, wall_scale, parameters, parts] =
+      options;
   ContentHasher hasher;
   hasher.value(kFormat).text(GMSH_API_VERSION).text(path.extension().string()).text(text);
   hasher.value(unit_m.value_or(0))
@@ -163,6 +164,7 @@ ContentHash key_of(const std::filesystem::path& path, const std::string& text, c
       .value(force_coarse)
       .value(cavities)
       .value(quick);
+  if (wall_scale != 1) hasher.text("wall").value(wall_scale);
   for (const auto& [name, value] : parameters) hasher.text(name).value(value);
   for (std::size_t p = 0; p < parts.size(); ++p) hasher.text(parts[p]).text(part_texts[p]);
   return hasher.hash();

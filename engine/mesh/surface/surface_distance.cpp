@@ -69,20 +69,26 @@ double SurfaceRays::inward(Eigen::Index triangle) const {
   return at ? std::sqrt(CGAL::squared_distance(middle, *at)) : none;
 }
 
-double SurfaceRays::along(const Eigen::RowVector3d& point, const Eigen::RowVector3d& direction,
-                          const Eigen::RowVector3d& outward) const {
-  const double none = std::numeric_limits<double>::max();
-  if (!(direction.squaredNorm() > 0)) return none;
+std::optional<SurfaceRays::Hit> SurfaceRays::first(const Eigen::RowVector3d& point,
+                                                   const Eigen::RowVector3d& direction) const {
+  if (!(direction.squaredNorm() > 0)) return std::nullopt;
   const Point from(point[0], point[1], point[2]);
   const auto hit = tree_->boxes.first_intersection(
       DistanceKernel::Ray_3(from, DistanceKernel::Vector_3(direction[0], direction[1], direction[2])));
-  if (!hit) return none;
-  const Triangle& triangle = *hit->second;
-  const auto normal = CGAL::cross_product(triangle[1] - triangle[0], triangle[2] - triangle[0]);
-  if (!(normal * DistanceKernel::Vector_3(outward[0], outward[1], outward[2]) > 0)) return none;
+  if (!hit) return std::nullopt;
   const CGAL::Object met(hit->first);
   const Point* at = CGAL::object_cast<Point>(&met);
-  return at ? std::sqrt(CGAL::squared_distance(from, *at)) : none;
+  if (!at) return std::nullopt;
+  const Triangle& triangle = *hit->second;
+  const auto normal = CGAL::cross_product(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+  return Hit{std::sqrt(CGAL::squared_distance(from, *at)),
+             Eigen::RowVector3d(normal.x(), normal.y(), normal.z()).normalized()};
+}
+
+double SurfaceRays::along(const Eigen::RowVector3d& point, const Eigen::RowVector3d& direction,
+                          const Eigen::RowVector3d& outward) const {
+  const std::optional<Hit> hit = first(point, direction);
+  return hit && hit->normal.dot(outward) > 0 ? hit->distance_m : std::numeric_limits<double>::max();
 }
 
 // The wall is measured by rays: from the middle of a triangle along its inward normal to the next triangle. kRays rays

@@ -4,6 +4,7 @@
 #include "engine/mesh/triangle_mesh.h"
 
 #include <memory>
+#include <optional>
 
 namespace ringdown::mesh {
 
@@ -19,6 +20,14 @@ class SurfaceRays {
 
   // The distance from the middle of a triangle straight inward to the next triangle; a huge number if there is none.
   [[nodiscard]] double inward(Eigen::Index triangle) const;
+
+  // Where a ray from a point along `direction`, of length 1, first meets a triangle: how far, and the triangle's
+  // normal, of length 1. Nothing if it meets none.
+  struct Hit {
+    double distance_m;
+    Eigen::RowVector3d normal;
+  };
+  [[nodiscard]] std::optional<Hit> first(const Eigen::RowVector3d& point, const Eigen::RowVector3d& direction) const;
 
   // The distance from a point along `direction`, of length 1, to the first triangle. A huge number if there is none, or
   // if that triangle does not face along `outward`.
