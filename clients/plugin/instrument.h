@@ -66,7 +66,11 @@ class Instrument {
   void set_embedded(const std::string& text);
   [[nodiscard]] std::string embedded() const;
 
-  // Plays a preset with all other parameters at their defaults, except the level.
+  // Sets the exact strike point as strike_point.h writes it; "": none. It is used while its object is played.
+  void set_point(const std::string& text);
+  [[nodiscard]] std::string point() const;
+
+  // Plays a preset with all other parameters at their defaults, except the level, and without an exact strike point.
   void load_preset(std::size_t preset);
 
   // Returns the names of keys that strike objects of their own, which only note maps have: "F3" for key 53.
@@ -105,6 +109,7 @@ class Instrument {
   struct GainRamp {
     double present = 0, step = 0, wanted = 0;
     std::size_t left = 0;
+    void apply(double gain, double ramp_frames, std::span<float> on_left, std::span<float> on_right) REALTIME;
   };
 
   void work();  // runs on the worker's thread
@@ -114,9 +119,7 @@ class Instrument {
   void silence_keys();
   void publish(std::unique_ptr<const KeyMap> map);
   bool tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning);
-  void tune_all();
   void spread(const KeyMap& map) REALTIME;
-  void apply_gain(float* left, float* right, std::size_t frames) REALTIME;
   const KeyMap* take_map() REALTIME;
 
   const std::filesystem::path binary_;
@@ -126,13 +129,14 @@ class Instrument {
   std::unique_ptr<ringdown_mixer, MixerDestroy> mixer_;
 
   mutable std::mutex mutex_;  // guards the members of this paragraph; the audio thread never locks it
-  std::string file_, embedded_;
-  bool is_other_ = true;           // whether the file or the embedded bank has changed
-  std::size_t choice_ = 0;         // choice in the last round
-  Source source_;                  // the source that was last loaded, or could not be
-  std::unique_ptr<KeyPlan> plan_;  // loaded, but not yet in the mixer
-  std::int64_t full_at_ = -1;      // frame at which the mixer had no room for the plan; next try after it
-  std::vector<Tuning> tunings_;    // tunings of map_'s objects
+  std::string file_, embedded_, point_;
+  bool is_other_ = true;                 // whether the file or the embedded bank has changed
+  std::size_t choice_ = 0;               // choice in the last round
+  Source source_;                        // the source that was last loaded, or could not be
+  std::unique_ptr<KeyPlan> plan_;        // loaded, but not yet in the mixer
+  std::int64_t full_at_ = -1;            // frame at which the mixer had no room for the plan; next try after it
+  std::vector<Tuning> tunings_;          // tunings of map_'s objects
+  std::shared_ptr<ringdown_bank> bank_;  // bank of map_'s first object
   std::unique_ptr<const KeyMap> map_;
   std::vector<std::unique_ptr<const KeyMap>> retired_;  // maps that the audio thread may still read
   std::uint64_t generations_ = 0;

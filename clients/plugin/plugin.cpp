@@ -30,11 +30,24 @@ using Written = std::array<ringdown::plugin::NoteExpressions::Message, 2>;  // m
 constexpr std::uint32_t kMaxMessages = 512;  // DPF hands over no more in a block
 constexpr const char* kFileKey = "file";
 constexpr const char* kEmbeddedKey = "embedded";
+constexpr const char* kPointKey = "point";
+
+struct StateInfo {
+  const char *key, *label, *description;
+  std::uint32_t hints;
+};
+constexpr std::array kStates = {
+    StateInfo{kFileKey, "Bank or note map", "A bank (.glb) or a note map (.toml), played while Object is \"file\".",
+              kStateIsFilenamePath},
+    StateInfo{kEmbeddedKey, "Bank of the session", "", kStateIsOnlyForDSP},
+    StateInfo{kPointKey, "Exact strike point", "", 0},  // the window's
+};
 
 class RingdownPlugin : public Plugin {
  public:
   RingdownPlugin()
-      : Plugin(kParameters, 0, 2), instrument_(std::make_unique<Instrument>(getSampleRate(), getBinaryFilename())) {}
+      : Plugin(kParameters, 0, kStates.size()),
+        instrument_(std::make_unique<Instrument>(getSampleRate(), getBinaryFilename())) {}
 
  protected:
   const char* getLabel() const override { return "ringdown"; }
@@ -84,10 +97,11 @@ class RingdownPlugin : public Plugin {
   }
 
   void initState(std::uint32_t index, State& state) override {
-    state.key = index == 0 ? kFileKey : kEmbeddedKey;
-    state.hints = index == 0 ? kStateIsFilenamePath : kStateIsOnlyForDSP;
-    state.label = index == 0 ? "Bank or note map" : "Bank of the session";
-    if (index == 0) state.description = "A bank (.glb) or a note map (.toml), played while Object is \"file\".";
+    const StateInfo& info = kStates[index];
+    state.key = info.key;
+    state.hints = info.hints;
+    state.label = info.label;
+    state.description = info.description;
   }
 
   float getParameterValue(std::uint32_t index) const override { return instrument_->parameters().get(index); }
@@ -95,6 +109,7 @@ class RingdownPlugin : public Plugin {
 
   String getState(const char* key) const override {
     if (std::string(key) == kFileKey) return String(instrument_->file().c_str());
+    if (std::string(key) == kPointKey) return String(instrument_->point().c_str());
     return String(instrument_->embedded().c_str());
   }
 
@@ -103,6 +118,7 @@ class RingdownPlugin : public Plugin {
     const bool none = std::filesystem::path(value).filename() == "state.ttl";
     if (std::string(key) == kFileKey) instrument_->set_file(none ? "" : value);
     if (std::string(key) == kEmbeddedKey) instrument_->set_embedded(value);
+    if (std::string(key) == kPointKey) instrument_->set_point(value);
   }
 
   void sampleRateChanged(double sample_rate_hz) override { instrument_->set_sample_rate(sample_rate_hz); }
