@@ -16,7 +16,7 @@ BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
 SKIPPED = 77
 # Neither JACK, ODE nor anything under the GPL.
 MAY_NEED = {"libc6", "libfmt9", "libgcc-s1", "libstdc++6", "libhwy1", "libkissfft-float131", "libmeshoptimizer2d", "libmysofa1"}
-MAY_NEED |= {"libepoxy0", "libfontconfig1", "libgl1", "libx11-6"}  # the window
+MAY_NEED |= {"libepoxy0", "libfontconfig1", "libgl1", "libpng16-16", "libstb0", "libx11-6"}  # the window
 
 
 def done(*command, **settings):

@@ -4,9 +4,8 @@
 // connection that DPF closes is kept here for the next window. A process has as many as it ever had windows at a time.
 // They end with the process.
 //
-// pugl.cpp is compiled with these functions in place of Xlib's (CMakeLists.txt).
+// pugl.cpp is compiled with these functions in place of Xlib's (CMakeLists.txt). [UI]
 #include <algorithm>
-#include <mutex>
 #include <string_view>
 #include <vector>
 
@@ -20,7 +19,6 @@ struct Connection {
   bool is_used = true;
 };
 
-std::mutex mutex;  // hosts may open windows of several plug-ins from several threads
 std::vector<Connection>& connections() {
   static std::vector<Connection> all;
   return all;
@@ -31,7 +29,6 @@ std::vector<Connection>& connections() {
 extern "C" {
 
 Display* ringdown_open_display(const char* name) {
-  const std::lock_guard lock(mutex);
   for (Connection& connection : connections()) {
     if (connection.is_used || std::string_view(DisplayString(connection.display)) != XDisplayName(name)) continue;
     connection.is_used = true;
@@ -43,7 +40,6 @@ Display* ringdown_open_display(const char* name) {
 }
 
 Colormap ringdown_create_colormap(Display* display, Window window, Visual* visual, int kind) {
-  const std::lock_guard lock(mutex);
   const Colormap made = XCreateColormap(display, window, visual, kind);
   const auto connection = std::ranges::find(connections(), display, &Connection::display);
   if (connection != connections().end()) connection->colormaps.push_back(made);
@@ -51,7 +47,6 @@ Colormap ringdown_create_colormap(Display* display, Window window, Visual* visua
 }
 
 int ringdown_close_display(Display* display) {
-  const std::lock_guard lock(mutex);
   const auto connection = std::ranges::find(connections(), display, &Connection::display);
   if (connection == connections().end()) return XCloseDisplay(display);
   for (const Colormap colormap : connection->colormaps) XFreeColormap(display, colormap);
