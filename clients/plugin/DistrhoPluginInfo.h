@@ -14,8 +14,8 @@
 #define DISTRHO_UI_USER_RESIZABLE 1
 #define DISTRHO_UI_DEFAULT_WIDTH 1100
 #define DISTRHO_UI_DEFAULT_HEIGHT 680
-// Nothing uses direct access. But without it DPF makes a VST3's controller an object of its own and shifts the numbers of
-// all parameters, which people's sessions hold.
+// Nothing uses direct access. But without it DPF makes a VST3's controller an object of its own and shifts the numbers
+// of all parameters, which people's sessions hold.
 #ifdef DISTRHO_PLUGIN_TARGET_VST3
 #define DISTRHO_PLUGIN_WANT_DIRECT_ACCESS 1
 #endif

@@ -195,7 +195,11 @@ TEST_P(PluginWindow, AClickStrikesTheObjectWhereItIsSeenAndSetsTheStrikePoint) {
   }
   desktop_->button(false, kMiddleX, kMiddleY);
   EXPECT_GT(peak, 1e-3);
-  EXPECT_NE(host_->save().find(" vibraphone-key"), std::string::npos) << "the point belongs to the object";
+  const std::string session = host_->save();
+  EXPECT_NE(session.find(" vibraphone-key"), std::string::npos) << "the point belongs to the object";
+  const auto other = GetParam().open();
+  EXPECT_TRUE(other->load(session));
+  EXPECT_NE(other->save().find(" vibraphone-key"), std::string::npos) << "sessions keep it";
   host_->close_window();
 }
 
