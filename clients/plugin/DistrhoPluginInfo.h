@@ -9,7 +9,16 @@
 #define DISTRHO_PLUGIN_LV2_CATEGORY "lv2:InstrumentPlugin"
 #define DISTRHO_PLUGIN_VST3_CATEGORIES "Instrument|Synth|Stereo"
 
-#define DISTRHO_PLUGIN_HAS_UI 0
+// DPF takes this back where it is compiled without OpenGL.
+#define DISTRHO_PLUGIN_HAS_UI 1
+#define DISTRHO_UI_USER_RESIZABLE 1
+#define DISTRHO_UI_DEFAULT_WIDTH 1100
+#define DISTRHO_UI_DEFAULT_HEIGHT 680
+// Nothing uses direct access. But without it DPF makes a VST3's controller an object of its own and shifts the numbers
+// of all parameters, which people's sessions hold.
+#ifdef DISTRHO_PLUGIN_TARGET_VST3
+#define DISTRHO_PLUGIN_WANT_DIRECT_ACCESS 1
+#endif
 #define DISTRHO_PLUGIN_IS_RT_SAFE 1
 #define DISTRHO_PLUGIN_IS_SYNTH 1
 #define DISTRHO_PLUGIN_NUM_INPUTS 0

@@ -2,7 +2,7 @@
 //
 // - Events pass through clap_events.h, so that note expressions and modulation act.
 // - Parameters have units, names and groups; their texts are those of parameter_text.h.
-// - process() lets the host sleep while nothing sounds and the worker has nothing to do.
+// - process() lets the host sleep while nothing sounds, the worker has nothing to do and no window is open.
 // - A state is read and written in pieces of any size; DPF takes a short piece for the end of a text, and writes the
 //   beginning again after a short one.
 // - Notes may come as CLAP's own, which note expressions need, or as MPE.
@@ -19,6 +19,7 @@
 
 #include "src/clap/entry.h"
 #include "src/clap/ext/audio-ports.h"
+#include "src/clap/ext/gui.h"
 #include "src/clap/ext/note-ports.h"
 #include "src/clap/ext/params.h"
 #include "src/clap/ext/state.h"
@@ -26,6 +27,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -51,6 +53,7 @@ struct Plugin {
   Instrument* instrument;
   clap::Events events;
   double sample_rate_hz = 0;
+  std::atomic<bool> has_window = false;
   double told_tail_s = 0;              // [audio] the tail that the host was last told of
   std::uint64_t asked_generation = 0;  // [audio] the keys' map for which the main thread was called
   std::uint64_t told_generation = 0;   // [main] the keys' map whose names the host knows
@@ -111,7 +114,7 @@ clap_process_status process(const clap_plugin_t* plugin, const clap_process_t* b
   sayings_of_block() = nullptr;
   if (status == CLAP_PROCESS_ERROR) return CLAP_PROCESS_ERROR;
   report_changes(ours);
-  const bool sleeps = ours.events.empty() && ours.instrument->is_idle();
+  const bool sleeps = ours.events.empty() && ours.instrument->is_idle() && !ours.has_window;
   for (std::uint32_t i = 0; i < block->audio_outputs_count; ++i) block->audio_outputs[i].constant_mask = sleeps ? 3 : 0;
   return sleeps ? CLAP_PROCESS_SLEEP : CLAP_PROCESS_CONTINUE;
 }
@@ -261,6 +264,36 @@ bool load_from(const clap_plugin_t* plugin, std::uint32_t kind, const char* loca
 
 const clap::PresetLoad kPresetLoad{load_from};
 
+// The window
+
+// What is done in a window reaches the plug-in in process(), so a sleeping plug-in is woken.
+bool create_window(const clap_plugin_t* plugin, const char* api, bool floats) {
+  Plugin& ours = Plugin::of(plugin);
+  if (!of_dpf<clap_plugin_gui_t>(plugin, CLAP_EXT_GUI)->create(ours.dpf, api, floats)) return false;
+  ours.has_window = true;
+  ours.host->request_process(ours.host);
+  return true;
+}
+
+void destroy_window(const clap_plugin_t* plugin) {
+  Plugin& ours = Plugin::of(plugin);
+  ours.has_window = false;
+  of_dpf<clap_plugin_gui_t>(plugin, CLAP_EXT_GUI)->destroy(ours.dpf);
+}
+
+// Returns DPF's functions with ours among them; null if it was built without a window.
+const clap_plugin_gui_t* window_of(const clap_plugin_t* plugin) {
+  const auto* const dpf = of_dpf<clap_plugin_gui_t>(plugin, CLAP_EXT_GUI);
+  if (!dpf) return nullptr;
+  static const clap_plugin_gui_t ours = [dpf] {
+    clap_plugin_gui_t changed = *dpf;
+    changed.create = create_window;
+    changed.destroy = destroy_window;
+    return changed;
+  }();
+  return &ours;
+}
+
 // The plug-in about itself
 
 bool get_audio_port(const clap_plugin_t* plugin, std::uint32_t index, bool is_input, clap_audio_port_info_t* about) {
@@ -359,6 +392,7 @@ const std::array kExtensions = std::to_array<NamedExtension>({
 });
 
 const void* get_extension(const clap_plugin_t* plugin, const char* id) {
+  if (std::strcmp(id, CLAP_EXT_GUI) == 0) return window_of(plugin);
   for (const NamedExtension& extension : kExtensions) {
     if (extension.id == id) return extension.functions;
   }

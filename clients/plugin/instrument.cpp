@@ -52,6 +52,13 @@ std::optional<std::string> embedded_bytes(const std::string& embedded, const Sou
   return bytes;
 }
 
+// The exact strike point that a text means, if it lies on the object of the source, whose bank this is.
+std::optional<StrikePoint> point_on(const Source& source, const ringdown_bank* bank, const std::string& text) {
+  auto point = strike_point_of(text);
+  const bool is_here = point && bank && !is_note_map(source) && point->source == source.name;
+  return is_here && is_near(bank, point->point_m) ? std::move(point) : std::nullopt;
+}
+
 bool same(const ringdown_material& a, const ringdown_material& b) {
   return a.stiffness == b.stiffness && a.density == b.density && a.size == b.size && a.alpha == b.alpha &&
          a.beta == b.beta && a.heat == b.heat && a.air == b.air;
@@ -71,6 +78,7 @@ void Instrument::load_preset(std::size_t preset) {
     if (is_of_preset(i)) parameters_.set(i, kParameterInfo[i].standard);
   }
   parameters_.set(Parameter::object, static_cast<double>(kFirstPreset + preset));
+  set_point("");
   const std::lock_guard lock(mutex_);
   if (running_) catch_up();
 }
@@ -121,6 +129,20 @@ std::string Instrument::embedded() const {
   std::ifstream bank(source.path, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(bank), {}};
   return bytes.empty() ? "" : source.name + " " + to_base64(bytes);
+}
+
+void Instrument::set_point(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  point_ = text;
+  if (!map_) return;
+  auto map = std::make_unique<KeyMap>(*map_);
+  map->point = point_on(source_, bank_.get(), point_);
+  publish(std::move(map));
+}
+
+std::string Instrument::point() const {
+  const std::lock_guard lock(mutex_);
+  return point_;
 }
 
 // A new mixer, so that nothing of a former run sounds on, and objects of a former bank are gone.
@@ -178,7 +200,12 @@ void Instrument::catch_up() {
     full_at_ = install(*plan_) ? -1 : ringdown_now(mixer_.get());
     if (full_at_ < 0) plan_ = nullptr;
   }
-  if (map_) tune_all();
+  double tail_s = 0;
+  for (std::size_t i = 0; map_ && i < map_->objects.size(); ++i) {
+    tune(*map_, map_->objects[i], tunings_[i]);
+    tail_s = std::max(tail_s, tunings_[i].material.size * map_->body_of(map_->objects[i]).ring_s);
+  }
+  tail_s_ = tail_s / parameters_[Parameter::loss];
   settled_ = plan_ ? kUnsettled : choice;
   std::erase_if(retired_, [&](const auto& map) { return map.get() != in_use_.load(); });
   if (++rounds_ % kRoundsPerCollection == 0) ringdown_collect(mixer_.get());
@@ -213,6 +240,8 @@ bool Instrument::install(KeyPlan& plan) {
     if (!tune(plan.map, object, tunings[i])) return false;
   }
   tunings_ = std::move(tunings);
+  bank_ = plan.banks[0];
+  plan.map.point = point_on(source_, bank_.get(), point_);
   publish(std::make_unique<const KeyMap>(std::move(plan.map)));
   return true;
 }
@@ -234,15 +263,6 @@ void Instrument::publish(std::unique_ptr<const KeyMap> map) {
   generation_ = map->generation;
   if (map_) retired_.push_back(std::move(map_));
   map_ = std::move(map);
-}
-
-void Instrument::tune_all() {
-  double tail_s = 0;
-  for (std::size_t i = 0; i < map_->objects.size(); ++i) {
-    tune(*map_, map_->objects[i], tunings_[i]);
-    tail_s = std::max(tail_s, tunings_[i].material.size * map_->body_of(map_->objects[i]).ring_s);
-  }
-  tail_s_ = tail_s / parameters_[Parameter::loss];
 }
 
 bool Instrument::tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning) {

@@ -70,7 +70,12 @@ class Instrument {
   // The files of tunings. The worker reads them.
   [[nodiscard]] Tunings& tunings() { return tunings_of_keys_; }
 
-  // Plays a preset with all other parameters at their defaults, except the level and the scale.
+  // Sets the exact strike point as strike_point.h writes it; "": none. It is used while its object is played.
+  void set_point(const std::string& text);
+  [[nodiscard]] std::string point() const;
+
+  // Plays a preset with all other parameters at their defaults, except the level and the scale, and without an exact
+  // strike point.
   void load_preset(std::size_t preset);
 
   // Returns the names of keys that strike objects of their own, which only note maps have: "F3" for key 53.
@@ -119,7 +124,6 @@ class Instrument {
   void silence_keys();
   void publish(std::unique_ptr<const KeyMap> map);
   bool tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning);
-  void tune_all();
   void spread(const KeyMap& map) REALTIME;
   const KeyMap* take_map() REALTIME;
 
@@ -131,13 +135,14 @@ class Instrument {
   std::unique_ptr<ringdown_mixer, MixerDestroy> mixer_;
 
   mutable std::mutex mutex_;  // guards the members of this paragraph; the audio thread never locks it
-  std::string file_, embedded_;
-  bool is_other_ = true;           // whether the file or the embedded bank has changed
-  std::size_t choice_ = 0;         // choice in the last round
-  Source source_;                  // the source that was last loaded, or could not be
-  std::unique_ptr<KeyPlan> plan_;  // loaded, but not yet in the mixer
-  std::int64_t full_at_ = -1;      // frame at which the mixer had no room for the plan; next try after it
-  std::vector<Tuning> tunings_;    // tunings of map_'s objects
+  std::string file_, embedded_, point_;
+  bool is_other_ = true;                 // whether the file or the embedded bank has changed
+  std::size_t choice_ = 0;               // choice in the last round
+  Source source_;                        // the source that was last loaded, or could not be
+  std::unique_ptr<KeyPlan> plan_;        // loaded, but not yet in the mixer
+  std::int64_t full_at_ = -1;            // frame at which the mixer had no room for the plan; next try after it
+  std::vector<Tuning> tunings_;          // tunings of map_'s objects
+  std::shared_ptr<ringdown_bank> bank_;  // bank of map_'s first object
   std::unique_ptr<const KeyMap> map_;
   std::vector<std::unique_ptr<const KeyMap>> retired_;  // maps that the audio thread may still read
   std::uint64_t generations_ = 0;

@@ -33,6 +33,13 @@ struct Shapes {
   }
 };
 
+Shapes shapes_of(const ringdown_bank* bank) {
+  ringdown_bank_info info{};
+  info.size = sizeof info;
+  ringdown_bank_describe(bank, &info);
+  return {info.modes, info.points, ringdown_bank_shapes(bank), ringdown_bank_points_m(bank)};
+}
+
 double motion_at(const Shapes& bank, std::size_t point) {
   double sum = 0;
   for (std::size_t mode = 0; mode < std::min(bank.modes, kLeadingModes); ++mode) {
@@ -77,22 +84,27 @@ void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
   }
 }
 
-// Returns the pressure of each mode at 1 m after an impulse of 1 N s at the first station [Pa]; 0 for inaudible modes.
-std::vector<double> audible_pa(const ringdown_bank* bank, const Shapes& shapes, const Body& body) {
+// Returns the pressure of each mode at 1 m after an ideal impulse of 1 N s at a sample point [Pa]; 0 for inaudible
+// modes.
+std::vector<double> audible_pa(const ringdown_bank* bank, const Shapes& shapes, std::size_t point,
+                               const Vec3& direction) {
   std::vector<double> amplitudes(shapes.modes);
   if (ringdown_bank_levels_pa(bank, amplitudes.data()) != RINGDOWN_OK) return amplitudes;
   const double* const frequencies_hz = ringdown_bank_frequencies_hz(bank);
   for (std::size_t mode = 0; mode < shapes.modes; ++mode) {
     const bool is_heard = frequencies_hz[mode] >= kLowest_hz && frequencies_hz[mode] <= kHighest_hz;
-    const Body::Station& station = body.stations[0];
-    amplitudes[mode] *= is_heard ? std::abs(dot(shapes.shape(mode, station.point), station.direction)) : 0;
+    amplitudes[mode] *= is_heard ? std::abs(dot(shapes.shape(mode, point), direction)) : 0;
   }
   return amplitudes;
 }
 
-// Returns the share of a mode that is left if the blow is not an ideal impulse, but a half sine of kPitchContact_s.
-double heard_of_blow(double frequency_hz) {
-  const double turns = 2 * frequency_hz * kPitchContact_s;
+std::vector<double> audible_pa(const ringdown_bank* bank, const Shapes& shapes, const Body& body) {
+  return audible_pa(bank, shapes, body.stations[0].point, body.stations[0].direction);
+}
+
+// Returns the share of a mode that is left if the blow is not an ideal impulse, but a half sine.
+double heard_of_blow(double frequency_hz, double contact_time_s) {
+  const double turns = 2 * frequency_hz * contact_time_s;
   if (std::abs(turns - 1) < 1e-6) return std::numbers::pi / 4;
   return std::abs(std::cos(std::numbers::pi * turns / 2) / (1 - turns * turns));
 }
@@ -105,7 +117,8 @@ double pitch_before_hz(const ringdown_bank* bank, const std::vector<double>& amp
   const double* const decays_per_s = ringdown_bank_decays_per_s(bank);
   std::vector<double> energies(amplitudes_pa.size());
   for (std::size_t mode = 0; mode < energies.size(); ++mode) {
-    energies[mode] = std::pow(amplitudes_pa[mode] * heard_of_blow(frequencies_hz[mode]), 2) / decays_per_s[mode];
+    energies[mode] =
+        std::pow(amplitudes_pa[mode] * heard_of_blow(frequencies_hz[mode], kPitchContact_s), 2) / decays_per_s[mode];
   }
   const double enough = kEnoughEnergy * *std::max_element(energies.begin(), energies.end());
   double lowest = frequencies_hz[0];
@@ -138,10 +151,7 @@ Result<void> add_body(const std::filesystem::path& path, std::string_view bytes,
 // Returns a sentence if earlier versions took another pitch for the bank, by more than any ear would call in tune.
 std::string notice_of(const Body& body, const ringdown_bank* bank, const Source& source) {
   constexpr double kTolerance_octaves = 0.5 / 12;
-  ringdown_bank_info info{};
-  info.size = sizeof info;
-  ringdown_bank_describe(bank, &info);
-  const Shapes shapes{info.modes, info.points, ringdown_bank_shapes(bank), ringdown_bank_points_m(bank)};
+  const Shapes shapes = shapes_of(bank);
   const double before_hz = pitch_before_hz(bank, audible_pa(bank, shapes, body));
   if (std::abs(std::log2(body.pitch_hz / before_hz)) < kTolerance_octaves) return "";
   return formatted(
@@ -151,22 +161,14 @@ std::string notice_of(const Body& body, const ringdown_bank* bank, const Source&
       body.pitch_hz < before_hz ? "higher" : "lower");
 }
 
-// libringdown refuses blows outside of the object, and the audio thread must not make any.
+double distance_m(const Shapes& shapes, const Vec3& point_m) {
+  return length(shapes.position_m(nearest_point(shapes, point_m)) - point_m);
+}
+
 Result<void> check_point(const session::NoteMap::Entry& entry, const ringdown_bank* bank) {
-  if (!entry.point_m) return {};
-  ringdown_bank_info info{};
-  info.size = sizeof info;
-  ringdown_bank_describe(bank, &info);
-  const Shapes shapes{info.modes, info.points, ringdown_bank_shapes(bank), ringdown_bank_points_m(bank)};
-  const Vec3 corner = shapes.position_m(0);
-  double size_m = 0;
-  for (std::size_t point = 0; point < info.points; ++point) {
-    size_m = std::max(size_m, length(shapes.position_m(point) - corner));
-  }
-  const double distance_m = length(shapes.position_m(nearest_point(shapes, *entry.point_m)) - *entry.point_m);
-  if (distance_m <= size_m / 2) return {};
+  if (!entry.point_m || is_near(bank, *entry.point_m)) return {};
   return fail(ErrorKind::bad_input, "note {}: point_m lies {:f} m from {}, in whose frame and metres it should be",
-              entry.note, distance_m, entry.object);
+              entry.note, distance_m(shapes_of(bank), *entry.point_m), entry.object);
 }
 
 // The geometric mean, over the keys with an impulse of their own, of what would bring each to the even level.
@@ -252,6 +254,27 @@ Result<Body> measure(const ringdown_bank* bank) {
   body.ring_s = kInaudible_db / 20 * std::numbers::ln10 / slowest_per_s;
   body.even_impulse_ns = power > 0 ? kEvenLevel_pa / std::sqrt(power) : kBlow_m_s * body.mass_kg;
   return body;
+}
+
+// libringdown refuses blows outside of the object, and the audio thread must not make any.
+bool is_near(const ringdown_bank* bank, const Vec3& point_m) {
+  const Shapes shapes = shapes_of(bank);
+  double size_m = 0;
+  for (std::size_t point = 0; point < shapes.points; ++point) {
+    size_m = std::max(size_m, length(shapes.position_m(point) - shapes.position_m(0)));
+  }
+  return distance_m(shapes, point_m) <= size_m / 2;
+}
+
+std::vector<double> struck_pa(const ringdown_bank* bank, const Vec3& point_m, const Vec3& direction,
+                              double contact_time_s) {
+  const Shapes shapes = shapes_of(bank);
+  std::vector<double> amplitudes = audible_pa(bank, shapes, nearest_point(shapes, point_m), direction);
+  const double* const frequencies_hz = ringdown_bank_frequencies_hz(bank);
+  for (std::size_t mode = 0; mode < shapes.modes; ++mode) {
+    amplitudes[mode] *= heard_of_blow(frequencies_hz[mode], contact_time_s);
+  }
+  return amplitudes;
 }
 
 Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded) {

@@ -9,6 +9,7 @@
 #include "clients/library/ringdown.h"
 #include "clients/plugin/parameters.h"
 #include "clients/plugin/sources.h"
+#include "clients/plugin/strike_point.h"
 #include "engine/base/realtime.h"
 #include "engine/base/result.h"
 #include "engine/base/vec3.h"
@@ -71,7 +72,8 @@ struct KeyMap {
   std::array<Key, kKeys> keys;
   std::vector<Object> objects;
   std::vector<Body> bodies;
-  std::optional<double> release_s;               // only from a note map
+  std::optional<StrikePoint> point;  // the exact point of a single bank, while is_at() holds; never in note maps
+  std::optional<double> release_s;   // only from a note map
   std::optional<microtuning::KeyTuning> tuning;  // only from a note map
   double damp_s = 0.15;
   double evening = 1;  // factor on all impulses that a note map states, so that it is about as loud as other sources
@@ -89,6 +91,14 @@ struct KeyPlan {
 // Reads the bank or note map that the source names. `embedded` holds the bytes of its bank, which replace the file.
 // [worker]
 Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded);
+
+// Returns whether the point is near enough to the bank's object to be struck there. [worker]
+bool is_near(const ringdown_bank* bank, const Vec3& point_m);
+
+// Returns the pressure that each mode gives at 1 m after an impulse of 1 N s at the bank's sample point nearest to a
+// point [Pa]; 0 for inaudible modes. The blow is a half sine of `contact_time_s`. [worker]
+std::vector<double> struck_pa(const ringdown_bank* bank, const Vec3& point_m, const Vec3& direction,
+                              double contact_time_s);
 
 // Returns the factor on the object's lengths for a bend in semitones, which contains the key's tuning.
 double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterValues& parameters,

@@ -105,19 +105,21 @@ void Keyboard::strike(const KeyMap::Key& key, double share, double softness, dou
   const KeyMap::Object& object = playing.map.objects[key.object];
   const Body& body = playing.map.body_of(object);
   const double size = size_of(playing.map, object, playing.parameters, bend_semitones);
-  const auto percent = static_cast<std::size_t>(std::lround(playing.parameters[Parameter::strike_point]));
-  const Body::Station& station = body.stations[std::min(percent, kStations - 1)];
+  const double percent = playing.parameters[Parameter::strike_point];
+  const Body::Station& station = body.stations[std::min(static_cast<std::size_t>(std::lround(percent)), kStations - 1)];
+  const bool exact = playing.map.point && playing.map.point->is_at(percent);
+  const Vec3 direction = exact ? playing.map.point->direction : station.direction;
   const double evening = playing.parameters.on(Parameter::even_loudness) ? playing.map.evening : 1;
   const Vec3 full_ns =
-      key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, playing.parameters, size) * station.direction;
+      key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, playing.parameters, size) * direction;
   const double hardest = std::min(1.0, kMaxImpulse_ns / std::max(length(full_ns), kMaxImpulse_ns));
   const Vec3 impulse = share * hardest * full_ns;
   const double impulse_ns[3] = {impulse.x, impulse.y, impulse.z};
   const double full_time_s =
       key.contact_time_s ? *key.contact_time_s : 1e-3 * playing.parameters[Parameter::contact_time];
   const double contact_time_s = std::min(full_time_s * std::pow(share, -0.2) * softness, kMaxContact_s);
-  if (key.point_m) {
-    const Vec3 point = size * *key.point_m;
+  if (key.point_m || exact) {
+    const Vec3 point = size * (exact ? playing.map.point->point_m : *key.point_m);
     const double point_m[3] = {point.x, point.y, point.z};
     ringdown_strike(playing.mixer, playing.frame, object.number, point_m, impulse_ns, contact_time_s, nullptr);
   } else {

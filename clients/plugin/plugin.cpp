@@ -34,6 +34,7 @@ constexpr const char* kFileKey = "file";
 constexpr const char* kEmbeddedKey = "embedded";
 constexpr const char* kScaleKey = "scale_file";
 constexpr const char* kMappingKey = "mapping_file";
+constexpr const char* kPointKey = "point";
 
 struct StateInfo {
   const char *key, *label, *description;
@@ -46,6 +47,7 @@ constexpr std::array kStates = {
     StateInfo{kScaleKey, "Scale", "A scale of Scala (.scl), played while Scale is \"file\".", kStateIsFilenamePath},
     StateInfo{kMappingKey, "Keyboard mapping", "A keyboard mapping of Scala (.kbm), played while Scale is \"file\".",
               kStateIsFilenamePath},
+    StateInfo{kPointKey, "Exact strike point", "", 0},  // the window's
 };
 
 class RingdownPlugin : public Plugin {
@@ -115,6 +117,7 @@ class RingdownPlugin : public Plugin {
   String getState(const char* key) const override {
     if (std::string(key) == kFileKey) return String(instrument_->file().c_str());
     if (const auto file = tuning_file(key)) return String(instrument_->tunings().file(*file).c_str());
+    if (std::string(key) == kPointKey) return String(instrument_->point().c_str());
     return String(instrument_->embedded().c_str());
   }
 
@@ -124,6 +127,7 @@ class RingdownPlugin : public Plugin {
     if (std::string(key) == kFileKey) instrument_->set_file(none ? "" : value);
     if (std::string(key) == kEmbeddedKey) instrument_->set_embedded(value);
     if (const auto file = tuning_file(key)) instrument_->tunings().set_file(*file, none ? "" : value);
+    if (std::string(key) == kPointKey) instrument_->set_point(value);
   }
 
   void sampleRateChanged(double sample_rate_hz) override { instrument_->set_sample_rate(sample_rate_hz); }

@@ -1,27 +1,25 @@
 #include "clients/viewer/window.h"
 
 #include "clients/viewer/keys.h"
+#include "clients/viewer/panels/font.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <epoxy/gl.h>
-#include <fontconfig/fontconfig.h>
 #include <imgui.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <memory>
-#include <optional>
 #include <set>
 #include <utility>
 
 namespace ringdown::viewer {
 namespace {
 
-constexpr float kTextHeight = 15;  // pixels at a scale of 1
 constexpr double kMaxScale = 8;
 
 constexpr std::array<std::pair<int, std::string_view>, 28> kNamedKeys = {{{GLFW_KEY_ESCAPE, "escape"},
@@ -65,24 +63,6 @@ std::string base_name(int key, int scancode) {
 
 // Returns whether a key acts while the user types into a text field.
 bool acts_on_text(std::string_view key) { return key == "ctrl+tab" || (key.size() > 1 && key[0] == 'F'); }
-
-// The TrueType file of the font that fontconfig gives for "sans"; nothing where there is none, and ImGui's own is used.
-std::optional<std::string> sans_font_file() {
-  const auto free_pattern = [](FcPattern* pattern) { FcPatternDestroy(pattern); };
-  using Pattern = std::unique_ptr<FcPattern, decltype(free_pattern)>;
-  if (!FcInit()) return std::nullopt;
-  const Pattern wanted(FcNameParse(reinterpret_cast<const FcChar8*>("sans:fontformat=TrueType")), free_pattern);
-  if (!wanted) return std::nullopt;
-  FcConfigSubstitute(nullptr, wanted.get(), FcMatchPattern);
-  FcDefaultSubstitute(wanted.get());
-  FcResult outcome = FcResultNoMatch;
-  const Pattern found(FcFontMatch(nullptr, wanted.get(), &outcome), free_pattern);
-  FcChar8* file = nullptr;
-  if (!found || FcPatternGetString(found.get(), FC_FILE, 0, &file) != FcResultMatch) return std::nullopt;
-  const std::string path = reinterpret_cast<const char*>(file);
-  if (!path.ends_with(".ttf")) return std::nullopt;
-  return path;
-}
 
 // Draws ImGui's picture into the framebuffer that is bound.
 void paint(int width, int height) {
@@ -132,19 +112,9 @@ struct Window::State {
     pressed.push_back({key_name(base, control, (modifiers & GLFW_MOD_SHIFT) != 0), action == GLFW_REPEAT});
   }
 
-  // Renders the font for the wanted scale: a stretched one would be blurred.
-  void load_font() {
+  void show_font() {
     scale = wanted_scale;
-    ImGuiIO& io = ImGui::GetIO();
-    io.Fonts->Clear();
-    const auto size = static_cast<float>(kTextHeight * scale);
-    static const std::array<ImWchar, 7> kRanges = {0x20, 0xff, 0x2010, 0x2027, 0x2190, 0x2193, 0};
-    const auto file = sans_font_file();
-    if (!file || !io.Fonts->AddFontFromFileTTF(file->c_str(), size, nullptr, kRanges.data())) {
-      ImFontConfig config;
-      config.SizePixels = static_cast<float>(13 * scale);
-      io.Fonts->AddFontDefault(&config);
-    }
+    load_font(scale);
     ImGui_ImplOpenGL3_DestroyFontsTexture();
     ImGui_ImplOpenGL3_CreateFontsTexture();
   }
@@ -192,7 +162,7 @@ Result<Window> Window::open(const Options& options) {
   state->has_imgui = true;
   Window window(std::move(state));
   window.set_scale(options.scale > 0 ? options.scale : window.display_scale());
-  window.state_->load_font();
+  window.state_->show_font();
   return window;
 }
 
@@ -241,7 +211,7 @@ void Window::set_full_screen(bool on) {
 void Window::wait(double seconds) { seconds > 0 ? glfwWaitEventsTimeout(seconds) : glfwPollEvents(); }
 
 void Window::begin_frame() {
-  if (state_->wanted_scale != state_->scale) state_->load_font();
+  if (state_->wanted_scale != state_->scale) state_->show_font();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();

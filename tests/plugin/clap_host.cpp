@@ -1,6 +1,8 @@
 #include "clap/entry.h"
+#include "clap/ext/gui.h"
 #include "clap/ext/params.h"
 #include "clap/ext/state.h"
+#include "clap/ext/timer-support.h"
 #include "clap/plugin-factory.h"
 #include "tests/plugin/host.h"
 
@@ -15,13 +17,29 @@ namespace {
 
 constexpr const char* kPath = RINGDOWN_LIB_DIR "/clap/ringdown.clap";
 
+constexpr clap_id kTimer = 1;
+
+const void* host_extension(const clap_host_t*, const char* id) {
+  static const clap_host_gui_t window{[](const clap_host_t*) {},
+                                      [](const clap_host_t*, std::uint32_t, std::uint32_t) { return false; },
+                                      [](const clap_host_t*) { return false; },
+                                      [](const clap_host_t*) { return false; }, [](const clap_host_t*, bool) {}};
+  static const clap_host_timer_support_t timer{[](const clap_host_t*, std::uint32_t, clap_id* id_of) {
+                                                 *id_of = kTimer;
+                                                 return true;
+                                               },
+                                               [](const clap_host_t*, clap_id) { return true; }};
+  if (std::strcmp(id, CLAP_EXT_GUI) == 0) return &window;
+  return std::strcmp(id, CLAP_EXT_TIMER_SUPPORT) == 0 ? &timer : nullptr;
+}
+
 const clap_host_t kHost = {CLAP_VERSION,
                            nullptr,
                            "test",
                            "Ringdown",
                            "",
                            "1",
-                           [](const clap_host_t*, const char*) -> const void* { return nullptr; },
+                           host_extension,
                            [](const clap_host_t*) {},
                            [](const clap_host_t*) {},
                            [](const clap_host_t*) {}};
@@ -161,11 +179,23 @@ class ClapHost : public PluginHost {
                                 }};
     return state_->load(plugin_, &stream);
   }
+  bool open_window(unsigned long parent) override {
+    gui_ = static_cast<const clap_plugin_gui_t*>(plugin_->get_extension(plugin_, CLAP_EXT_GUI));
+    timer_ = static_cast<const clap_plugin_timer_support_t*>(plugin_->get_extension(plugin_, CLAP_EXT_TIMER_SUPPORT));
+    clap_window_t window{CLAP_WINDOW_API_X11, {}};
+    window.x11 = parent;
+    return gui_ && timer_ && gui_->create(plugin_, CLAP_WINDOW_API_X11, false) && gui_->set_parent(plugin_, &window) &&
+           gui_->show(plugin_);
+  }
+  void idle_window() override { timer_->on_timer(plugin_, kTimer); }
+  void close_window() override { gui_->destroy(plugin_); }
 
  private:
   const clap_plugin_t* plugin_;
   const clap_plugin_params_t* params_ = nullptr;
   const clap_plugin_state_t* state_ = nullptr;
+  const clap_plugin_gui_t* gui_ = nullptr;
+  const clap_plugin_timer_support_t* timer_ = nullptr;
   clap_output_events_t ignored_{nullptr, [](const clap_output_events_t*, const clap_event_header_t*) { return true; }};
   EventList events_;
   bool active_ = false;

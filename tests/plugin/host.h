@@ -33,6 +33,12 @@ class PluginHost {
   virtual void render(const std::vector<MidiEvent>& events, float* left, float* right, std::uint32_t frames) = 0;
   virtual std::string save() = 0;
   virtual bool load(const std::string& state) = 0;
+
+  // Opens the plug-in's window in one of X11; then calls what a host's timer calls, and brings the window what render()
+  // has left for it; then closes it. Returns false if the plug-in has none.
+  virtual bool open_window(unsigned long parent) = 0;
+  virtual void idle_window() = 0;
+  virtual void close_window() = 0;
 };
 
 constexpr std::uint32_t kMaxBlock = 4096;

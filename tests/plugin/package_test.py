@@ -16,6 +16,7 @@ BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
 SKIPPED = 77
 # Neither JACK, ODE nor anything under the GPL.
 MAY_NEED = {"libc6", "libfmt9", "libgcc-s1", "libstdc++6", "libhwy1", "libkissfft-float131", "libmeshoptimizer2d", "libmysofa1"}
+MAY_NEED |= {"libepoxy0", "libfontconfig1", "libgl1", "libpng16-16", "libstb0", "libx11-6"}  # the window
 
 
 def done(*command, **settings):
@@ -46,6 +47,8 @@ class PluginPackage(unittest.TestCase):
             "/usr/lib/lv2/ringdown.lv2/manifest.ttl",
             "/usr/lib/lv2/ringdown.lv2/presets.ttl",
             "/usr/lib/lv2/ringdown.lv2/ringdown.ttl",
+            "/usr/lib/lv2/ringdown.lv2/ringdown_ui.so",
+            "/usr/lib/lv2/ringdown.lv2/ringdown_ui.ttl",
             "/usr/share/doc/ringdown-plugin/copyright",
             "/usr/share/doc/ringdown-plugin/copyright-dpf",
         })

@@ -15,3 +15,6 @@ done
 for line in 'unit:unit unit:midiNote' '%.3g ms\|unit:unit unit:ms' '"%.3g x"'; do
   grep -q "$line" "$folder/ringdown.lv2/ringdown.ttl" || { echo "ringdown.ttl does not have $line"; exit 1; }
 done
+if [ -e "$folder/ringdown.lv2/ringdown_ui.so" ]; then
+  grep -q 'Class: *http://lv2plug.in/ns/extensions/ui#X11UI' <<<"$about" || { echo "lv2info shows no window:"; echo "$about"; exit 1; }
+fi

@@ -3,9 +3,12 @@
 #include "travesty/component.h"
 #include "travesty/edit_controller.h"
 #include "travesty/factory.h"
+#include "travesty/host.h"
+#include "travesty/view.h"
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <stdexcept>
 #include <string_view>
 
@@ -104,6 +107,136 @@ const StreamTable kStreamTable{
      [](void*, std::int64_t, std::int32_t, std::int64_t*) -> v3_result { return V3_NOT_IMPLEMENTED; },
      [](void*, std::int64_t*) -> v3_result { return V3_NOT_IMPLEMENTED; }}};
 
+// A message between a plug-in and its window: a name, and values by name.
+struct Letter {
+  std::string name;
+  std::map<std::string, std::int64_t> integers;
+  std::map<std::string, double> numbers;
+  std::map<std::string, std::string> bytes;
+};
+struct AttributesTable : v3_funknown {
+  v3_attribute_list list;
+};
+struct LetterTable : v3_funknown {
+  v3_message message;
+};
+struct Message {
+  const LetterTable* table;
+  Object<AttributesTable, Letter> attributes;
+  std::uint32_t uses = 1;
+  static Message& of(void* self) { return *static_cast<Message*>(self); }
+};
+using Attributes = Object<AttributesTable, Letter>;
+template <class Map, class Value>
+v3_result find(const Map& map, const char* id, Value* value) {
+  const auto found = map.find(id);
+  if (found == map.end()) return V3_INVALID_ARG;
+  *value = found->second;
+  return V3_OK;
+}
+std::size_t bytes_of(const std::int16_t* text) {
+  std::size_t length = 0;
+  while (text[length] != 0) ++length;
+  return 2 * (length + 1);
+}
+const AttributesTable kAttributesTable{
+    kUnknown,
+    {[](void* self, const char* id, std::int64_t value) -> v3_result {
+       Attributes::of(self).integers[id] = value;
+       return V3_OK;
+     },
+     [](void* self, const char* id, std::int64_t* value) { return find(Attributes::of(self).integers, id, value); },
+     [](void* self, const char* id, double value) -> v3_result {
+       Attributes::of(self).numbers[id] = value;
+       return V3_OK;
+     },
+     [](void* self, const char* id, double* value) { return find(Attributes::of(self).numbers, id, value); },
+     [](void* self, const char* id, const std::int16_t* text) -> v3_result {
+       Attributes::of(self).bytes[id] = {reinterpret_cast<const char*>(text), bytes_of(text)};
+       return V3_OK;
+     },
+     [](void* self, const char* id, std::int16_t* text, std::uint32_t size) -> v3_result {
+       const std::string& bytes = Attributes::of(self).bytes[id];
+       std::memcpy(text, bytes.data(), std::min<std::size_t>(size, bytes.size()));
+       return V3_OK;
+     },
+     [](void* self, const char* id, const void* data, std::uint32_t size) -> v3_result {
+       Attributes::of(self).bytes[id] = {static_cast<const char*>(data), size};
+       return V3_OK;
+     },
+     [](void* self, const char* id, const void** data, std::uint32_t* size) -> v3_result {
+       const std::string& bytes = Attributes::of(self).bytes[id];
+       *data = bytes.data();
+       *size = static_cast<std::uint32_t>(bytes.size());
+       return V3_OK;
+     }}};
+const LetterTable kLetterTable{{no_interface, [](void* self) { return ++Message::of(self).uses; },
+                                [](void* self) -> std::uint32_t {
+                                  const std::uint32_t left = --Message::of(self).uses;
+                                  if (left == 0) delete static_cast<Message*>(self);
+                                  return left;
+                                }},
+                               {[](void* self) { return Message::of(self).attributes.content.name.c_str(); },
+                                [](void* self, const char* name) { Message::of(self).attributes.content.name = name; },
+                                [](void* self) { return Message::of(self).attributes.as<v3_attribute_list>(); }}};
+
+// The host itself, which makes messages.
+struct HostTable : v3_funknown {
+  v3_host_application application;
+};
+using Host = Object<HostTable, int>;
+const HostTable kHostTable{{[](void* self, const v3_tuid id, void** object) -> v3_result {
+                              if (!v3_tuid_match(id, v3_host_application_iid)) return V3_NO_INTERFACE;
+                              *object = self;
+                              return V3_OK;
+                            },
+                            one, one},
+                           {[](void*, v3_str_128) -> v3_result { return V3_NOT_IMPLEMENTED; },
+                            [](void*, v3_tuid, v3_tuid, void** object) -> v3_result {
+                              *object = new Message{&kLetterTable, {&kAttributesTable, {}}};
+                              return V3_OK;
+                            }}};
+Host host{&kHostTable, 0};
+
+// What a host does with edits of a window; the plug-in has them itself.
+struct HandlerTable : v3_funknown {
+  v3_component_handler handler;
+};
+const HandlerTable kHandlerTable{
+    kUnknown,
+    {[](void*, v3_param_id) -> v3_result { return V3_OK; },
+     [](void*, v3_param_id, double) -> v3_result { return V3_OK; },
+     [](void*, v3_param_id) -> v3_result { return V3_OK; }, [](void*, std::int32_t) -> v3_result { return V3_OK; }}};
+Object<HandlerTable, int> handler{&kHandlerTable, 0};
+
+// The frame of a window, whose run loop holds one timer.
+struct LoopTable : v3_funknown {
+  v3_run_loop loop;
+};
+using Loop = Object<LoopTable, v3_timer_handler**>;
+const LoopTable kLoopTable{kUnknown,
+                           {[](void*, v3_event_handler**, int) -> v3_result { return V3_OK; },
+                            [](void*, v3_event_handler**) -> v3_result { return V3_OK; },
+                            [](void* self, v3_timer_handler** timer, std::uint64_t) -> v3_result {
+                              Loop::of(self) = timer;
+                              return V3_OK;
+                            },
+                            [](void* self, v3_timer_handler**) -> v3_result {
+                              Loop::of(self) = nullptr;
+                              return V3_OK;
+                            }}};
+struct FrameTable : v3_funknown {
+  v3_plugin_frame frame;
+};
+using Frame = Object<FrameTable, Loop>;
+const FrameTable kFrameTable{{[](void* self, const v3_tuid id, void** object) -> v3_result {
+                                if (!v3_tuid_match(id, v3_run_loop_iid)) return V3_NO_INTERFACE;
+                                *object = &Frame::of(self);
+                                return V3_OK;
+                              },
+                              one, one},
+                             {[](void*, v3_plugin_view**, v3_view_rect*) -> v3_result { return V3_NOT_IMPLEMENTED; }}};
+
 v3_plugin_factory** factory() {
   static v3_plugin_factory** const opened = [] {
     const Module module(kPath);
@@ -125,12 +258,13 @@ class Vst3Host : public PluginHost {
       throw std::runtime_error("the VST3 plug-in does not start");
     }
     component_ = static_cast<v3_component**>(made);
-    v3_cpp_obj_initialize(component_, nullptr);
+    v3_cpp_obj_initialize(component_, host.as<v3_funknown>());
     v3_cpp_obj_query_interface(component_, v3_audio_processor_iid, &processor_);
     v3_cpp_obj_query_interface(component_, v3_edit_controller_iid, &controller_);
     v3_cpp_obj_query_interface(component_, v3_midi_mapping_iid, &mapping_);
     if (!processor_ || !controller_ || !mapping_) throw std::runtime_error("the VST3 plug-in lacks an interface");
-    v3_cpp_obj_initialize(controller_, nullptr);
+    v3_cpp_obj_initialize(controller_, host.as<v3_funknown>());
+    v3_cpp_obj(controller_)->set_component_handler(controller_, handler.as<v3_component_handler>());
     find_parameters();
   }
   ~Vst3Host() override {
@@ -201,6 +335,22 @@ class Vst3Host : public PluginHost {
     Stream stream{&kStreamTable, {state, 0}};
     return v3_cpp_obj(component_)->set_state(component_, stream.as<v3_bstream>()) == V3_OK;
   }
+  bool open_window(unsigned long parent) override {
+    view_ = v3_cpp_obj(controller_)->create_view(controller_, "editor");
+    if (!view_) return false;
+    v3_cpp_obj(view_)->set_frame(view_, frame_.as<v3_plugin_frame>());
+    return v3_cpp_obj(view_)->attached(view_, reinterpret_cast<void*>(parent), V3_VIEW_PLATFORM_TYPE_X11) == V3_OK;
+  }
+  void idle_window() override {
+    v3_timer_handler** const timer = frame_.content.content;
+    v3_cpp_obj(timer)->on_timer(timer);
+  }
+  void close_window() override {
+    v3_cpp_obj(view_)->removed(view_);
+    v3_cpp_obj(view_)->set_frame(view_, nullptr);
+    v3_cpp_obj_unref(view_);
+    view_ = nullptr;
+  }
 
  private:
   void start(double sample_rate_hz) {
@@ -256,6 +406,8 @@ class Vst3Host : public PluginHost {
   v3_audio_processor** processor_ = nullptr;
   v3_edit_controller** controller_ = nullptr;
   v3_midi_mapping** mapping_ = nullptr;
+  v3_plugin_view** view_ = nullptr;
+  Frame frame_{&kFrameTable, {&kLoopTable, nullptr}};
   std::vector<v3_param_id> ids_;
   Events events_{&kEventTable, {}};
   Changes changes_{&kChangesTable, {}}, reported_{&kChangesTable, {}};

@@ -1,0 +1,48 @@
+// The values that the window shows, and its ways to change them: each edit reaches the host, and can be undone. [UI]
+#pragma once
+
+#include "clients/plugin/strike_point.h"
+#include "clients/plugin/window/history.h"
+#include "clients/plugin/window/host_link.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace ringdown::plugin {
+
+class Edits {
+ public:
+  explicit Edits(HostLink& host);
+
+  [[nodiscard]] const Values& values() const { return values_; }
+  [[nodiscard]] const History& history() const { return history_; }
+
+  // What the host reports.
+  void on_parameter(std::size_t parameter, float value);
+  void on_point(const std::string& text) { values_.point = text; }
+  void on_file(const std::string& path) { values_.file = path; }
+
+  // What the user does. A slider is begun, moved and ended; everything else is one step.
+  void begin(Parameter parameter);
+  void move(Parameter parameter, double value);
+  void end(Parameter parameter);
+  void set(Parameter parameter, double value);
+  void set_point(const StrikePoint& point);
+  void play_file(const std::string& path);  // and chooses it as object
+  void undo() { go_to(history_.undo(values_)); }
+  void redo() { go_to(history_.redo(values_)); }
+
+  // Returns the exact strike point, if it is used for an object of this source.
+  [[nodiscard]] std::optional<StrikePoint> point_on(const std::string& source) const;
+
+ private:
+  void send(std::size_t parameter, float value);
+  void go_to(const std::optional<Values>& target);
+
+  HostLink& host_;
+  Values values_;
+  History history_;
+};
+
+}  // namespace ringdown::plugin

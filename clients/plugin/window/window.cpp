@@ -1,0 +1,262 @@
+// The window as DPF wants it, compiled once for every plug-in format: passes events to ImGui, draws MainPanel, and
+// carries its edits to the host.
+//
+// The plug-in and its window share no memory, because LV2 hosts may run them in two processes. Parameters, the states
+// "file" and "point", and notes are all that passes between them.
+//
+// DRAWING. A picture is drawn when something has changed: after an event or an edit, while something rings, and while a
+// held peak is to fall. A silent window that nobody touches draws nothing.
+#include "clients/plugin/window/main_panel.h"
+#include "clients/viewer/panels/font.h"
+#include "clients/viewer/panels/skin.h"
+#include "engine/base/result.h"
+
+#include <DistrhoPluginUtils.hpp>
+#include <DistrhoUI.hpp>
+
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <string_view>
+
+START_NAMESPACE_DISTRHO
+
+namespace {
+
+using ringdown::plugin::HostLink;
+using ringdown::plugin::MainPanel;
+using ringdown::plugin::Parameter;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kSettling = 3;               // pictures after an event, until ImGui shows all that follows from it
+constexpr double kMovingPeriod_s = 0.033;  // between pictures while something rings
+constexpr std::uint64_t kNoteDelay = 2;    // idle calls, in which a state reaches the plug-in before the note
+constexpr double kMinScale = 0.5, kMaxScale = 4;
+constexpr uint kMinWidth = 700, kMinHeight = 380;
+
+// ImGui has room for 512 numbers of keys: ASCII, and from 256 on DPF's special keys.
+int number_of(uint key) {
+  if (key < 128) return static_cast<int>(key);
+  const uint special = key - kKeyF1;
+  return key >= kKeyF1 && special < 256 ? static_cast<int>(256 + special) : -1;
+}
+
+void name_keys(ImGuiIO& io) {
+  constexpr std::array<std::pair<ImGuiKey_, uint>, 19> kNames = {{{ImGuiKey_Tab, '\t'},
+                                                                  {ImGuiKey_LeftArrow, kKeyLeft},
+                                                                  {ImGuiKey_RightArrow, kKeyRight},
+                                                                  {ImGuiKey_UpArrow, kKeyUp},
+                                                                  {ImGuiKey_DownArrow, kKeyDown},
+                                                                  {ImGuiKey_PageUp, kKeyPageUp},
+                                                                  {ImGuiKey_PageDown, kKeyPageDown},
+                                                                  {ImGuiKey_Home, kKeyHome},
+                                                                  {ImGuiKey_End, kKeyEnd},
+                                                                  {ImGuiKey_Delete, kKeyDelete},
+                                                                  {ImGuiKey_Backspace, kKeyBackspace},
+                                                                  {ImGuiKey_Enter, '\r'},
+                                                                  {ImGuiKey_Escape, kKeyEscape},
+                                                                  {ImGuiKey_A, 'a'},
+                                                                  {ImGuiKey_C, 'c'},
+                                                                  {ImGuiKey_V, 'v'},
+                                                                  {ImGuiKey_X, 'x'},
+                                                                  {ImGuiKey_Y, 'y'},
+                                                                  {ImGuiKey_Z, 'z'}}};
+  for (const auto& [name, key] : kNames) io.KeyMap[name] = number_of(key);
+}
+
+class RingdownWindow : public UI, private HostLink {
+ public:
+  RingdownWindow() : panel_(*this, getBinaryFilename()), scale_(std::clamp(getScaleFactor(), kMinScale, kMaxScale)) {
+    setGeometryConstraints(kMinWidth, kMinHeight);
+    if (scale_ != 1) resize_by(scale_);
+    imgui_ = ImGui::CreateContext();
+    enter();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.ConfigInputTextCursorBlink = false;
+    name_keys(io);
+  }
+  ~RingdownWindow() override {
+    enter();
+    if (has_renderer_) ImGui_ImplOpenGL3_Shutdown();
+    ImGui::DestroyContext(imgui_);
+  }
+
+ protected:
+  // What the host reports
+
+  void parameterChanged(std::uint32_t index, float value) override {
+    if (index == static_cast<std::uint32_t>(Parameter::level)) return panel_.on_level(static_cast<double>(value));
+    panel_.edits().on_parameter(index, value);
+    wake();
+  }
+  void stateChanged(const char* key, const char* value) override {
+    if (std::string_view(key) == "point") panel_.edits().on_point(value);
+    if (std::string_view(key) == "file") panel_.edits().on_file(value);
+    wake();
+  }
+  void uiScaleFactorChanged(double scale) override {
+    scale_ = std::clamp(scale, kMinScale, kMaxScale);
+    wake();
+  }
+  void uiFileBrowserSelected(const char* path) override {
+    if (path) panel_.edits().play_file(path);
+    wake();
+  }
+
+  void uiIdle() override {
+    ++idles_;
+    for (; !notes_.empty() && notes_.front().at <= idles_; notes_.pop_front()) {
+      sendNote(0, notes_.front().key, notes_.front().velocity);
+    }
+    const bool is_due = panel_.is_moving() && now_s() - drawn_at_s_ >= kMovingPeriod_s;
+    if (settling_ > 0 || is_due) repaint();
+  }
+
+  void onResize(const ResizeEvent& event) override {
+    UI::onResize(event);
+    wake();
+  }
+
+  void onDisplay() override {
+    enter();
+    prepare_renderer();
+    const double time_s = now_s();
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {static_cast<float>(getWidth()), static_cast<float>(getHeight())};
+    io.DeltaTime = static_cast<float>(std::clamp(time_s - drawn_at_s_, 1e-3, 0.1));
+    drawn_at_s_ = time_s;
+    settling_ = std::max(0, settling_ - 1);
+    for (std::size_t i = 0; i < buttons_.size(); ++i) {
+      io.MouseDown[i] = buttons_[i].is_down || buttons_[i].was_pressed;
+      buttons_[i].was_pressed = false;
+    }
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui::NewFrame();
+    panel_.draw(io.DisplaySize.x, io.DisplaySize.y, scale_, time_s);
+    ImGui::Render();
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  }
+
+  // What the user does
+
+  bool onMouse(const MouseEvent& event) override {
+    enter();
+    if (event.button < 1 || event.button > buttons_.size()) return false;
+    move_mouse(event.pos);
+    Button& button = buttons_[event.button - 1];
+    button.is_down = event.press;
+    button.was_pressed = button.was_pressed || event.press;
+    return true;
+  }
+  bool onMotion(const MotionEvent& event) override {
+    enter();
+    move_mouse(event.pos);
+    return true;
+  }
+  bool onScroll(const ScrollEvent& event) override {
+    enter();
+    move_mouse(event.pos);
+    ImGui::GetIO().MouseWheel += static_cast<float>(event.delta.getY());
+    ImGui::GetIO().MouseWheelH += static_cast<float>(event.delta.getX());
+    return true;
+  }
+  bool onKeyboard(const KeyboardEvent& event) override {
+    enter();
+    ImGuiIO& io = ImGui::GetIO();
+    io.KeyCtrl = (event.mod & kModifierControl) != 0;
+    io.KeyShift = (event.mod & kModifierShift) != 0;
+    io.KeyAlt = (event.mod & kModifierAlt) != 0;
+    if (const int number = number_of(event.key); number >= 0) io.KeysDown[number] = event.press;
+    wake();
+    return io.WantCaptureKeyboard || io.KeyCtrl;  // what the window does not use is the host's: space starts it
+  }
+  bool onCharacterInput(const CharacterInputEvent& event) override {
+    enter();
+    if ((event.mod & (kModifierControl | kModifierAlt)) == 0) ImGui::GetIO().AddInputCharactersUTF8(event.string);
+    wake();
+    return ImGui::GetIO().WantTextInput;
+  }
+
+ private:
+  // What the panel asks for
+
+  void begin_edit(std::size_t parameter) override { editParameter(static_cast<std::uint32_t>(parameter), true); }
+  void set_parameter(std::size_t parameter, float value) override {
+    setParameterValue(static_cast<std::uint32_t>(parameter), value);
+  }
+  void end_edit(std::size_t parameter) override { editParameter(static_cast<std::uint32_t>(parameter), false); }
+  void set_point(const std::string& text) override { setState("point", text.c_str()); }
+  void set_file(const std::string& path) override { setState("file", path.c_str()); }
+  void press_key(std::uint8_t key, std::uint8_t velocity) override {
+    notes_.push_back({idles_ + kNoteDelay, key, velocity});
+  }
+  void release_key(std::uint8_t key) override { notes_.push_back({idles_ + kNoteDelay, key, 0}); }
+  void browse_files() override {
+    FileBrowserOptions options;
+    options.title = "A bank (.glb) or a note map (.toml)";
+    openFileBrowser(options);
+  }
+  void set_scale(double scale) override {
+    resize_by(scale / scale_);
+    scale_ = scale;
+    wake();
+  }
+
+  struct Button {
+    bool is_down = false, was_pressed = false;  // was_pressed: since the last picture
+  };
+  struct Note {
+    std::uint64_t at;
+    std::uint8_t key, velocity;
+  };
+
+  void enter() { ImGui::SetCurrentContext(imgui_); }
+  void wake() { settling_ = kSettling; }
+  [[nodiscard]] double now_s() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  void resize_by(double factor) {
+    setSize(static_cast<uint>(getWidth() * factor + 0.5), static_cast<uint>(getHeight() * factor + 0.5));
+  }
+  void move_mouse(const DGL_NAMESPACE::Point<double>& place) {
+    ImGui::GetIO().MousePos = {static_cast<float>(place.getX()), static_cast<float>(place.getY())};
+    wake();
+  }
+  void prepare_renderer() {
+    if (!has_renderer_) {
+      ImGui_ImplOpenGL3_Init("#version 130");
+      has_renderer_ = true;
+    }
+    if (shown_scale_ == scale_) return;
+    shown_scale_ = scale_;
+    ringdown::viewer::load_font(scale_);
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+    ringdown::viewer::apply(ringdown::viewer::make_skin(true), static_cast<float>(scale_));
+  }
+
+  MainPanel panel_;
+  ImGuiContext* imgui_ = nullptr;
+  bool has_renderer_ = false;
+  double scale_, shown_scale_ = 0;  // of text and controls; that of the loaded font
+  std::array<Button, 3> buttons_;
+  std::deque<Note> notes_;
+  std::uint64_t idles_ = 0;
+  int settling_ = kSettling;
+  Clock::time_point begin_ = Clock::now();
+  double drawn_at_s_ = -1;
+
+  DISTRHO_DECLARE_NON_COPYABLE_WITH_LEAK_DETECTOR(RingdownWindow)
+};
+
+}  // namespace
+
+UI* createUI() { return new RingdownWindow; }
+
+END_NAMESPACE_DISTRHO

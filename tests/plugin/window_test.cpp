@@ -1,0 +1,246 @@
+// The window of the built plug-ins, in all formats, in real windows of a display without a screen.
+#include "tests/plugin/host.h"
+#include "tests/support/virtual_display.h"
+
+#include <gtest/gtest.h>
+
+#include <dlfcn.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <X11/Xlib.h>
+#include <X11/Xutil.h>
+
+namespace {
+
+std::atomic<int> pictures = 0;
+
+}  // namespace
+
+// Counts pictures on their way to the display. The modules call this function in place of libGL's, because a program's
+// own symbols come first.
+extern "C" __attribute__((visibility("default"))) void glXSwapBuffers(Display* display, unsigned long drawable) {
+  using Function = void (*)(Display*, unsigned long);
+  static void* const library = dlopen("libGL.so.1", RTLD_NOW | RTLD_LOCAL);
+  static const auto real = reinterpret_cast<Function>(dlsym(library, "glXSwapBuffers"));
+  ++pictures;
+  real(display, drawable);
+}
+
+namespace {
+
+using namespace ringdown::test;
+
+constexpr int kWidth = 1100, kHeight = 680;
+constexpr std::uint32_t kFrames = 512;
+constexpr int kMiddleX = 480, kMiddleY = 309;  // where the middle of the object is seen
+
+// A host's window, in which the plug-in's is opened.
+class Desktop {
+ public:
+  Desktop() : display_(XOpenDisplay(nullptr)) {
+    if (!display_) return;
+    parent_ = XCreateSimpleWindow(display_, DefaultRootWindow(display_), 0, 0, kWidth, kHeight, 0, 0, 0);
+    XMapWindow(display_, parent_);
+    XSync(display_, False);
+  }
+  ~Desktop() {
+    if (display_) XCloseDisplay(display_);
+  }
+  [[nodiscard]] bool works() const { return display_ != nullptr; }
+  [[nodiscard]] Window parent() const { return parent_; }
+  // Returns the plug-in's window; 0 if there is none.
+  [[nodiscard]] Window child() const {
+    Window root = 0, parent = 0, *children = nullptr;
+    unsigned count = 0;
+    XQueryTree(display_, parent_, &root, &parent, &children, &count);
+    const Window first = count > 0 ? children[0] : 0;
+    if (children) XFree(children);
+    return first;
+  }
+  void wait() const { XSync(display_, False); }
+  // Presses or releases a button as a user would.
+  void button(bool press, int x, int y) const {
+    XEvent event{};
+    event.xbutton.type = press ? ButtonPress : ButtonRelease;
+    event.xbutton.display = display_;
+    event.xbutton.window = child();
+    event.xbutton.root = DefaultRootWindow(display_);
+    event.xbutton.button = Button1;
+    event.xbutton.state = press ? 0 : Button1Mask;
+    event.xbutton.x = event.xbutton.x_root = x;
+    event.xbutton.y = event.xbutton.y_root = y;
+    event.xbutton.same_screen = True;
+    XSendEvent(display_, child(), True, ButtonPressMask | ButtonReleaseMask, &event);
+    XSync(display_, False);
+  }
+  // Returns a part of the plug-in's picture, row by row: 0xrrggbb.
+  [[nodiscard]] std::vector<unsigned long> pixels(int x, int y, int width, int height) const {
+    std::vector<unsigned long> found;
+    XImage* const image = XGetImage(display_, child(), x, y, static_cast<unsigned>(width),
+                                    static_cast<unsigned>(height), AllPlanes, ZPixmap);
+    for (int row = 0; image && row < height; ++row) {
+      for (int column = 0; column < width; ++column) found.push_back(XGetPixel(image, column, row) & 0xffffff);
+    }
+    if (image) XDestroyImage(image);
+    return found;
+  }
+  // Writes the whole picture as a PPM file, for docs/figures/plot_plugin_window.py.
+  void write(const std::string& path) const {
+    std::ofstream file(path, std::ios::binary);
+    file << "P6 " << kWidth << ' ' << kHeight << " 255\n";
+    for (const unsigned long pixel : pixels(0, 0, kWidth, kHeight)) {
+      for (const int shift : {16, 8, 0}) file.put(static_cast<char>(pixel >> shift));
+    }
+  }
+
+ private:
+  Display* display_;
+  Window parent_ = 0;
+};
+
+struct Format {
+  const char* name;
+  std::unique_ptr<PluginHost> (*open)();
+};
+
+class PluginWindow : public testing::TestWithParam<Format> {
+ protected:
+  void SetUp() override {
+    setenv("RINGDOWN_PRESETS", RINGDOWN_SOURCE_DIR "/presets", 1);
+    static const VirtualDisplay server;  // until the end, because the plug-in keeps its connections
+    if (!server.works()) GTEST_SKIP() << "Xvfb is not installed";
+    desktop_ = std::make_unique<Desktop>();
+    ASSERT_TRUE(desktop_->works());
+    host_ = GetParam().open();
+    host_->activate(48000);
+  }
+  void open() { ASSERT_TRUE(host_->open_window(desktop_->parent())); }
+  // Lets blocks and the window's timer run by turns. Returns the peak of the sound.
+  double run(int turns) {
+    double peak = 0;
+    for (int i = 0; i < turns; ++i) {
+      std::vector<float> left(kFrames), right(kFrames);
+      host_->render({}, left.data(), right.data(), kFrames);
+      for (const float sample : left) peak = std::max(peak, static_cast<double>(std::abs(sample)));
+      host_->idle_window();
+    }
+    return peak;
+  }
+  // Waits until the display has told all it has to tell, in its own time, and nothing more is drawn. Returns the number
+  // of pictures so far.
+  int settle() {
+    int before = 0;
+    for (int quiet = 0, tries = 0; quiet < 100 && tries < 5000; ++tries) {
+      desktop_->wait();
+      host_->idle_window();
+      quiet = pictures > 0 && pictures == before ? quiet + 1 : 0;
+      before = pictures;
+    }
+    return before;
+  }
+
+  std::unique_ptr<Desktop> desktop_;
+  std::unique_ptr<PluginHost> host_;
+};
+
+INSTANTIATE_TEST_SUITE_P(, PluginWindow,
+                         testing::Values(Format{"clap", open_clap}, Format{"lv2", open_lv2}, Format{"vst3", open_vst3}),
+                         [](const auto& format) { return std::string(format.param.name); });
+
+TEST_P(PluginWindow, ShowsTheObjectItsControlsAndItsModes) {
+  open();
+  run(1);
+  settle();
+  ASSERT_NE(desktop_->child(), 0U);
+  for (const auto& [name, x, y] :
+       {std::tuple{"browser", 10, 60}, {"object", 400, 200}, {"modes", 300, 590}, {"controls", 800, 100}}) {
+    const auto seen = desktop_->pixels(x, y, 150, 80);
+    EXPECT_GT(std::set<unsigned long>(seen.begin(), seen.end()).size(), 3U) << name;
+  }
+  host_->close_window();
+}
+
+TEST_P(PluginWindow, AClickStrikesTheObjectWhereItIsSeenAndSetsTheStrikePoint) {
+  open();
+  EXPECT_EQ(run(3), 0);
+  settle();
+  EXPECT_EQ(host_->save().find(" vibraphone-key"), std::string::npos) << "no point yet";
+  desktop_->button(true, kMiddleX, kMiddleY);
+  double peak = 0;
+  for (int tries = 0; tries < 1000 && peak == 0; ++tries) {
+    desktop_->wait();
+    peak = run(1);
+  }
+  peak = std::max(peak, run(6));
+  if (const char* const path = std::getenv("RINGDOWN_WINDOW_PICTURE")) {
+    for (int i = 0; i < 12; ++i) {  // as long as it takes until a picture of the sound is drawn
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      run(1);
+    }
+    desktop_->write(path);
+  }
+  desktop_->button(false, kMiddleX, kMiddleY);
+  EXPECT_GT(peak, 1e-3);
+  const std::string session = host_->save();
+  EXPECT_NE(session.find(" vibraphone-key"), std::string::npos) << "the point belongs to the object";
+  const auto other = GetParam().open();
+  EXPECT_TRUE(other->load(session));
+  EXPECT_NE(other->save().find(" vibraphone-key"), std::string::npos) << "sessions keep it";
+  host_->close_window();
+}
+
+TEST_P(PluginWindow, ThatIsSilentDrawsNothingAndCostsLittle) {
+  open();
+  const int before = settle();
+  EXPECT_GT(before, 0);
+  constexpr int kIdles = 600;  // of a host's timer of 16 ms: 9.6 s
+  const std::clock_t begin = std::clock();
+  for (int i = 0; i < kIdles; ++i) host_->idle_window();
+  const double cost_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  EXPECT_EQ(pictures - before, 0);
+  EXPECT_LT(cost_s / (kIdles * 0.016), 0.01) << "of a core";
+  std::printf("%s costs %.2f %% of a core\n", GetParam().name, 100 * cost_s / (kIdles * 0.016));
+  host_->close_window();
+}
+
+// Drivers and libraries keep what they make once, and their tables grow now and then, so the median over the openings
+// counts: a window that keeps something of its own keeps it each time. libGL and Mesa's compiler keep some 170 bytes.
+// RINGDOWN_WINDOW_OPENINGS=1000 is the long form, in which the mean counts, too.
+TEST_P(PluginWindow, OpensAndClosesWithoutKeepingMemory) {
+  const char* const wanted = std::getenv("RINGDOWN_WINDOW_OPENINGS");
+  const int openings = wanted ? std::max(5, std::atoi(wanted)) : 5;
+  std::vector<double> in_use;
+  for (int i = 0; i < 3 + openings; ++i) {
+    open();
+    for (int turn = 0; turn < 3; ++turn) host_->idle_window();
+    host_->close_window();
+    if (i >= 2) in_use.push_back(static_cast<double>(mallinfo2().uordblks));
+  }
+  std::vector<double> kept;
+  for (std::size_t i = 1; i < in_use.size(); ++i) kept.push_back(in_use[i] - in_use[i - 1]);
+  std::ranges::nth_element(kept, kept.begin() + openings / 2);
+  const double median = kept[static_cast<std::size_t>(openings / 2)];
+  const double mean = (in_use.back() - in_use.front()) / openings;
+  EXPECT_LT(median, 512) << "bytes at each opening";
+  if (wanted) {
+    EXPECT_LT(mean, 512) << "bytes at each opening";
+  }
+  std::printf("%s keeps %.0f bytes at each opening, %.0f in the mean\n", GetParam().name, median, mean);
+  EXPECT_EQ(desktop_->child(), 0U);
+}
+
+}  // namespace
