@@ -196,6 +196,40 @@ NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks
   return choice;
 }
 
+FigureChoice search_figures(std::span<const Mode> heard, const Slopes& slopes, std::span<const double> reach,
+                            const CalibrateOptions& options) {
+  constexpr double kTuningStep = 4, kBetter = 0.999;
+  const std::size_t figures = slopes.slopes.size();
+  const int side = figures <= 2 ? 9 : figures == 3 ? 5 : 2;  // steps to either side
+  std::vector<double> frequencies;
+  for (const Mode& mode : heard) frequencies.push_back(mode.frequency_hz);
+  FigureChoice best{std::vector<double>(figures), options.around_cents};
+  double least = INFINITY;
+  const auto offer = [&](const std::vector<double>& changes) {
+    std::vector<double> baked = slopes.frequency_hz;
+    for (std::size_t k = 0; k < figures; ++k) {
+      for (std::size_t m = 0; m < baked.size(); ++m) baked[m] *= std::exp(slopes.slopes[k][m] * changes[k]);
+    }
+    std::ranges::sort(baked);
+    for (double tuning = -options.max_tuning_cents; tuning <= options.max_tuning_cents; tuning += kTuningStep) {
+      const double at = options.around_cents + tuning;
+      const double square = mean_square_cents(frequencies, baked, at, options.tolerance_cents);
+      if (!(square < kBetter * least)) continue;
+      least = square;
+      best = {changes, at};
+    }
+  };
+  offer(best.changes);
+  std::vector<int> step(figures, -side);
+  for (std::size_t k = 0; k < figures;) {
+    std::vector<double> changes;
+    for (std::size_t f = 0; f < figures; ++f) changes.push_back(reach[f] * step[f] / side);
+    offer(changes);
+    for (k = 0; k < figures && ++step[k] > side; ++k) step[k] = -side;  // the next place of the grid
+  }
+  return best;
+}
+
 Chance chance_of(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options,
                  std::size_t matches) {
   constexpr int kLists = 100, kRatios = 12;

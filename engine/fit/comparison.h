@@ -6,6 +6,7 @@
 //   bake again with nu.poisson_ratio, calibrate(heard, bank, {.around_cents = nu.tuning_cents}) (recorded_bank.h), draw
 #pragma once
 
+#include "engine/fit/identification.h"
 #include "engine/fit/modes.h"
 #include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank.h"
@@ -42,6 +43,17 @@ struct NuChoice {
 // modes. Frequencies of equal rank are interpolated between the banks by a parabola in the ratio. `banks` are three
 // banks of one shape, with ascending ratios.
 NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options);
+
+struct FigureChoice {
+  std::vector<double> changes;  // of each figure
+  double tuning_cents = 0;      // tuning of the recordings over the frequencies at these figures
+};
+
+// Searches all figures of `slopes`, each up to `reach` to either side, and the tuning for the best match of all heard
+// modes, on a grid. Where several are equally good, the smallest change wins. Time grows as a power of the number of
+// figures; more than three are searched coarsely.
+FigureChoice search_figures(std::span<const Mode> heard, const Slopes& slopes, std::span<const double> reach,
+                            const CalibrateOptions& options);
 
 // Chance finds matches, too: this is how many it finds in lists of modes that are not the object's.
 struct Chance {

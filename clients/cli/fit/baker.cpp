@@ -19,6 +19,12 @@ void Work::begin(const std::string& stage, double share) {
   done_ += share;
 }
 
+std::vector<std::string> Figure::as_option() const {
+  if (name == "wall_scale") return {"--wall-scale", formatted("{:.9g}", value)};
+  const bool of_material = is_modulus() || name.starts_with("poisson_ratio");
+  return {of_material ? "--set-material" : "--set", formatted("{}={:.9g}", name, value)};
+}
+
 Baker::Baker(BakeRequest request, std::filesystem::path folder, std::stop_token stop, Work& work)
     : request_(std::move(request)), folder_(std::move(folder)), stop_(std::move(stop)), work_(work) {}
 
@@ -55,8 +61,10 @@ Result<modal::Bank> Baker::bake(const std::vector<Figure>& figures, const std::v
   };
   if (!request_.material.empty()) add("--material", request_.material);
   if (!request_.materials.empty()) add("--materials", request_.materials.string());
-  for (const Figure& figure : figures)
-    add(figure.of_material() ? "--set-material" : "--set", formatted("{}={:.9g}", figure.name, figure.value));
+  for (const Figure& figure : figures) {
+    const std::vector<std::string> option = figure.as_option();
+    child.command.insert(child.command.end(), option.begin(), option.end());
+  }
   if (!request_.shapes) add("--points", "1048576");  // all: thinning them takes as long as the modes
   const Result<ChildOutcome> done = run_child(child);
   if (!done) return fail(done);

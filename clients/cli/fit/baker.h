@@ -25,13 +25,14 @@ class Work {
   ProgressLine line_;
 };
 
-// A figure of the body that differs from what its files say: a constant of the material, as --set-material takes it, or
-// a parameter of the geometry.
+// A figure of the body that differs from what its files say: a constant of the material, as --set-material takes it,
+// the scale of its walls, or a parameter of the geometry.
 struct Figure {
   std::string name;
   double value = 0;
 
-  [[nodiscard]] bool of_material() const { return name.ends_with("_pa") || name.starts_with("poisson_ratio"); }
+  [[nodiscard]] bool is_modulus() const { return name.ends_with("_pa"); }
+  [[nodiscard]] std::vector<std::string> as_option() const;  // of ringdown-bake
 };
 
 struct BakeRequest {

@@ -22,6 +22,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <numbers>
 #include <utility>
 
 namespace {
@@ -67,7 +68,8 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
   app.add_option(
          "--fit", arguments.fitted,
          "Besides E/rho, fit these figures in place of nu, beginning with these values: constants of the material "
-         "(shear_modulus_12_pa=5e9, poisson_ratio=0.3) or parameters of the geometry (thickness=6).")
+         "(shear_modulus_12_pa=5e9, poisson_ratio=0.3), parameters of the geometry (thickness=6), or the factor on the "
+         "thickness of all walls (wall_scale=1).")
       ->type_name("NAME=NUMBER");
   app.add_option("--weight", arguments.weight_kg,
                  "The weight of the object in kg, which tells its density, and so E itself.")
@@ -242,36 +244,97 @@ Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, cli::Compar
   return {};
 }
 
-// Moves the figures of --fit, and E/rho, to the heard frequencies by least squares, with slopes from bakes one step of
-// a hundredth further.
+// Modes of a list without decays get those of the nearest baked modes, so that the material's losses stay.
+std::vector<fit::Mode> with_decays(std::vector<fit::Mode> heard, const modal::Bank& bank) {
+  for (fit::Mode& mode : heard) {
+    const auto nearest = std::ranges::min_element(
+        bank.frequency_hz, {}, [&](double hz) { return std::abs(std::log(hz / mode.frequency_hz)); });
+    constexpr double kMin = 1e-5;  // of the frequency: a material without loss has no logarithm
+    mode.decay_per_s = std::max(bank.decay_per_s[static_cast<std::size_t>(nearest - bank.frequency_hz.begin())],
+                                kMin * mode.frequency_hz);
+  }
+  return heard;
+}
+
+double log_volume(const modal::Bank& bank) {
+  return bank.mass && bank.material ? std::log(bank.mass->mass_kg / bank.material->density_kg_m3) : 0;
+}
+
+// How the figures move frequencies and volume: from exact bakes at the figures and at each a hundredth further. Quick
+// bakes would do for slopes if they did not, in thin walls, put modes in another order.
+Result<fit::Slopes> bake_slopes(cli::Baker& baker, cli::Comparison& c, const modal::Bank& base) {
+  constexpr double kStep = 0.01;
+  fit::Slopes slopes{ascending(base), {}};
+  c.volume_slopes.clear();
+  for (std::size_t k = 0; k < c.figures.size(); ++k) {
+    std::vector<cli::Figure> further = c.figures;
+    further[k].value *= 1 + kStep;
+    const double step = further[k].value - c.figures[k].value;
+    const Result<modal::Bank> stepped = baker.bake_finely(further);
+    if (!stepped) return fail(stepped);
+    slopes.slopes.push_back(slopes_of(base, *stepped, step));
+    c.volume_slopes.push_back((log_volume(*stepped) - log_volume(base)) / step);
+  }
+  return slopes;
+}
+
+// Takes the frequencies of another bank, and keeps as many ranks as all lists have.
+void take_frequencies(fit::Slopes& slopes, const modal::Bank& bank) {
+  slopes.frequency_hz = ascending(bank);
+  std::size_t ranks = slopes.frequency_hz.size();
+  for (const std::vector<double>& of_figure : slopes.slopes) ranks = std::min(ranks, of_figure.size());
+  slopes.frequency_hz.resize(ranks);
+  for (std::vector<double>& of_figure : slopes.slopes) of_figure.resize(ranks);
+}
+
+constexpr std::array<double, 2> kFitReaches = {0.2, 0.05};  // of a figure, in the rounds that search
+constexpr std::size_t kFitRounds = 7;
+
+// Moves the figures of --fit, and E/rho, to the heard frequencies: first by searches for the best match, then by least
+// squares of the modes that match, whose rounds share their slopes.
 Result<void> find_figures(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c) {
-  constexpr int kRounds = 4;
-  constexpr double kStep = 0.01, kDone = 0.002, kMaxChange = 0.2;  // of a figure
-  for (int round = 0; round < kRounds; ++round) {
-    Result<modal::Bank> base = baker.bake_quickly(c.figures);
+  constexpr double kDone = 0.001;                                // of a figure
+  constexpr double kCentsOfStiffness = 600 / std::numbers::ln2;  // of a frequency, by ln(E/rho)
+  fit::Slopes slopes;
+  double largest = 0;
+  for (std::size_t round = 0; round < kFitRounds; ++round) {
+    const Result<modal::Bank> base = baker.bake_finely(c.figures);
     if (!base) return fail(base);
-    c.slopes.clear();
-    for (std::size_t k = 0; k < c.figures.size(); ++k) {
-      std::vector<cli::Figure> further = c.figures;
-      further[k].value *= 1 + kStep;
-      const Result<modal::Bank> stepped = baker.bake_quickly(further);
-      if (!stepped) return fail(stepped);
-      c.slopes.push_back(slopes_of(*base, *stepped, further[k].value - c.figures[k].value));
+    if (round <= kFitReaches.size()) {
+      Result<fit::Slopes> baked = bake_slopes(baker, c, *base);
+      if (!baked) return fail(baked);
+      slopes = std::move(*baked);
     }
-    const Result<fit::Calibration> tuned = fit::calibrate(c.heard, *base, arguments.match);
-    if (!tuned) return fail(tuned);
-    const auto found = fit::determine(heard_hz(c), {ascending(*base), c.slopes},
-                                      {2 * arguments.match.tolerance_cents, tuned->tuning_cents});
-    if (!found) return fail(found);
-    double largest = 0;
+    take_frequencies(slopes, *base);
+    std::vector<double> changes;
+    if (round < kFitReaches.size()) {
+      std::vector<double> reach;
+      for (const cli::Figure& figure : c.figures) reach.push_back(kFitReaches[round] * std::abs(figure.value));
+      const fit::FigureChoice choice = fit::search_figures(c.heard, slopes, reach, arguments.match);
+      changes = choice.changes;
+      arguments.match = around(arguments.match, choice.tuning_cents);
+    } else {
+      const auto found =
+          fit::determine(heard_hz(c), slopes, {arguments.match.tolerance_cents, arguments.match.around_cents});
+      if (!found) return fail(found);
+      changes.assign(found->changes.begin() + 1, found->changes.end());
+      arguments.match.around_cents = kCentsOfStiffness * found->changes[0];
+    }
+    largest = 0;
     for (std::size_t k = 0; k < c.figures.size(); ++k) {
       double& value = c.figures[k].value;
-      const double most = kMaxChange * std::abs(value), change = std::clamp(found->changes[k + 1], -most, most);
+      const double most = kFitReaches.front() * std::abs(value), change = std::clamp(changes[k], -most, most);
       largest = std::max(largest, std::abs(change / value));
       value += change;
     }
-    if (largest < kDone) break;
+    c.slopes = slopes.slopes;
+    if (round >= kFitReaches.size() && largest < kDone) return {};
   }
+  complain(
+      formatted("warning: the fit has not settled: in its last round a figure still moved by {:.2g} %; begin again "
+                "with the values that it prints",
+                100 * largest),
+      ExitCode::ok);
   return {};
 }
 
@@ -294,17 +357,6 @@ Result<void> find_bank(cli::Baker& baker, CompareArguments& arguments, cli::Comp
   c.bank = std::move(*best);
   for (std::vector<double>& slopes : c.slopes) slopes.resize(c.bank.mode_count());
   return {};
-}
-
-// Gives the modes of a list without decays those of the nearest baked modes, so that the material's losses stay.
-void take_decays(cli::Comparison& c) {
-  for (fit::Mode& mode : c.heard) {
-    const auto nearest = std::ranges::min_element(
-        c.bank.frequency_hz, {}, [&](double hz) { return std::abs(std::log(hz / mode.frequency_hz)); });
-    constexpr double kMin = 1e-5;  // of the frequency: a material without loss has no logarithm
-    mode.decay_per_s = std::max(c.bank.decay_per_s[static_cast<std::size_t>(nearest - c.bank.frequency_hz.begin())],
-                                kMin * mode.frequency_hz);
-  }
 }
 
 double distance_of(const cli::ComparedSound& s) {
@@ -334,7 +386,10 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   if (arguments.output.empty()) arguments.output = arguments.folder / "compare.html";
   const Result<Inputs> inputs = find_inputs(arguments.folder, arguments.bank);
   if (!inputs) return complain(inputs);
-  const double search = arguments.keep_nu ? 1 : arguments.figures.empty() ? kSearchBakes : 12;
+  const double fine_bakes = static_cast<double>(kFitRounds + (kFitReaches.size() + 1) * arguments.figures.size());
+  const double search = !arguments.figures.empty() ? 1 + cli::Baker::kFineShare * fine_bakes
+                        : arguments.keep_nu        ? 1
+                                                   : kSearchBakes;
   cli::Work work(kSoundShare * static_cast<double>(inputs->sounds.size()) + search + cli::Baker::kWellShare);
   cli::Comparison c{.name = inputs->shape.stem().string(), .weight_kg = arguments.weight_kg};
   if (const auto heard = hear(*inputs, arguments, stop, work, c); !heard) return complain(heard);
@@ -358,7 +413,7 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
     arguments.match.max_tuning_cents = arguments.match.tolerance_cents;
   }
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
-  if (!c.decays_known) take_decays(c);
+  if (!c.decays_known) c.heard = with_decays(std::move(c.heard), c.bank);
   Result<fit::Calibration> calibration = fit::calibrate(c.heard, c.bank, arguments.match);
   if (!calibration)
     return complain({calibration.error().kind, arguments.folder.string() + ": " + calibration.error().message});

@@ -1,5 +1,6 @@
 #include "clients/cli/fit/compare_page.h"
 
+#include "clients/cli/fit/fitted_figures.h"
 #include "engine/base/formatted.h"
 #include "engine/fit/band_powers.h"
 #include "engine/fit/burst.h"
@@ -326,54 +327,6 @@ bool is_far_from_material(const Comparison& c) {
          std::abs(c.poisson_ratio - c.given_poisson_ratio) > kMaxNu;
 }
 
-// " +- 0.3 %", or nothing where no error is known; `of` is what the error is a share of.
-std::string error_text(const Comparison& c, std::size_t figure, double of) {
-  if (!c.determined) return "";
-  const double error = c.determined->errors[figure];
-  return of > 0 ? formatted(" +- {:.2g} %", 100 * error / of) : formatted(" +- {:.2g}", error);
-}
-
-// E/rho and all other figures that were fitted, with standard errors and their correlations, and what the weight adds.
-std::string fitted_figures(const Comparison& c) {
-  std::string text =
-      formatted("E/rho        {:.4f} times that of {}{}\n", c.stiffness(), c.material, error_text(c, 0, 1));
-  const bool is_nu = c.figures.size() == 1 && c.nu_told;
-  if (is_nu) {
-    text += formatted("nu           {:.4f}{}; the material says {:.3f}\n", c.poisson_ratio, error_text(c, 1, 0),
-                      c.given_poisson_ratio);
-  } else if (c.figures.empty()) {
-    text +=
-        formatted("nu           {:.3f} as the material says: the recordings do not determine it\n", c.poisson_ratio);
-  }
-  for (std::size_t k = 0; k < c.figures.size() && !is_nu; ++k)
-    text += formatted("{:<12} {:.6g}{}\n", c.figures[k].name, c.figures[k].value,
-                      error_text(c, k + 1, std::abs(c.figures[k].value)));
-  if (c.determined && !c.figures.empty()) {
-    const auto name = [&](std::size_t k) {
-      return k == 0 ? std::string("E/rho") : is_nu ? std::string("nu") : c.figures[k - 1].name;
-    };
-    text += "correlation  ";
-    for (std::size_t a = 0; a <= c.figures.size(); ++a) {
-      for (std::size_t b = a + 1; b <= c.figures.size(); ++b)
-        text += formatted("{}{} and {} {:+.2f}", a == 0 && b == 1 ? "" : ", ", name(a), name(b),
-                          c.determined->correlation(a, b));
-    }
-    text += "\n";
-  }
-  if (c.weight_kg > 0 && c.bank.mass && c.bank.material) {
-    const double volume_m3 = c.bank.mass->mass_kg / c.bank.material->density_kg_m3;
-    const double density = c.weight_kg / volume_m3;
-    const double young = c.stiffness() * c.bank.material->youngs_modulus_pa / c.bank.material->density_kg_m3 * density;
-    const double nu = c.bank.material->poisson_ratio;
-    text += formatted("density      {:.1f} kg/m3 by the weight\n", density);
-    if (!c.bank.material->orthotropy) {
-      text += formatted("E            {:.2f} GPa{}; c11 {:.2f}, c44 {:.3f} GPa\n", 1e-9 * young, error_text(c, 0, 1),
-                        1e-9 * young * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), 1e-9 * young / (2 * (1 + nu)));
-    }
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string verdict(const Comparison& c) {
@@ -390,7 +343,7 @@ std::string verdict(const Comparison& c) {
                        c.chance->matches, 100 * c.chance->share)
            : std::string()) +
       (c.heard.size() > matches ? formatted("unmatched    {}\n", counted(unmatched(c))) : std::string()) +
-      formatted("frequencies  {:.1f} cents off on average, {:.1f} at most, after E/rho and nu\n", c.mean_cents(),
+      formatted("frequencies  {:.1f} cents off on average, {:.1f} at most, after the fit\n", c.mean_cents(),
                 c.worst_cents()) +
       fitted_figures(c) +
       (c.decays_known

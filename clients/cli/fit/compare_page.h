@@ -32,6 +32,7 @@ struct Comparison {
   bool nu_told = false;
   std::vector<Figure> figures;                // that were fitted besides E/rho
   std::vector<std::vector<double>> slopes;    // of each: how it moves the bank's frequencies, by rank (fit::Slopes)
+  std::vector<double> volume_slopes;          // d ln volume / d figure, of each
   std::optional<fit::Determined> determined;  // errors of E/rho and of these figures
   double weight_kg = 0;                       // 0: not known
   bool decays_known = true;                   // false: a list of frequencies alone
