@@ -40,7 +40,7 @@ struct CompareArguments {
   std::vector<std::string> fitted;
   std::vector<cli::Figure> figures;  // of `fitted`
   double weight_kg = 0;
-  fit::Options options{.floor_db = fit::kFaint_db + 10};  // merge() leaves fainter modes out
+  fit::Options options;
   fit::CalibrateOptions match{.tolerance_cents = 30, .max_tuning_cents = 250};
 };
 
@@ -75,7 +75,7 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
                  "The weight of the object in kg, which tells its density, and so E itself.")
       ->check(manual::between(1e-9, 1e6));
   app.add_flag("--keep-nu", arguments.keep_nu,
-               "Keep the material's Poisson's ratio, which takes two bakes in place of nine.");
+               "Keep the material's Poisson's ratio, which takes two bakes in place of eleven.");
 }
 
 struct Inputs {
@@ -123,7 +123,7 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   return inputs;
 }
 
-constexpr double kSearchBakes = 7 + cli::Baker::kFineShare,
+constexpr double kSearchBakes = 7 + 3 * cli::Baker::kFineShare,
                  kSoundShare = 1;  // quick bakes of a search; of a recording, in quick bakes
 
 Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments,
@@ -222,40 +222,25 @@ std::vector<double> heard_hz(const cli::Comparison& c) {
   return hz;
 }
 
-// Moves the frequencies of `bank` by rank as `exact` differs from `quick`, the bank of the same body by quick elements.
-// What quick elements err depends on the mode and hardly on the ratio.
-void correct(modal::Bank& bank, const modal::Bank& quick, const modal::Bank& exact) {
-  const std::vector<double> from = ascending(quick), to = ascending(exact);
-  std::vector<double> moved = ascending(bank);
-  moved.resize(std::min({moved.size(), from.size(), to.size()}));
-  for (std::size_t k = 0; k < moved.size(); ++k) moved[k] *= to[k] / from[k];
-  bank.frequency_hz = std::move(moved);
-}
-
-// Searches Poisson's ratio, twice by quick bakes and then by those of the second search, corrected by an exact one in
-// their middle; keeps how the ratio moves the frequencies. `wide` is the search over all ratios that solids have, in
-// which chance may be tried.
+// Searches Poisson's ratio, twice by quick bakes and then by exact ones, and keeps how it moves the frequencies. `wide`
+// is the search over all ratios that solids have, in which chance may be tried.
 Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c, Search& wide) {
-  constexpr double kMiddle = 0.25, kWide = 0.2, kNarrow = 0.06;
+  constexpr double kMiddle = 0.25, kWide = 0.2, kNarrow = 0.06, kClose = 0.03;
   const auto quickly = [&](double nu) { return baker.bake_quickly({{kNu, nu}}); };
+  const auto finely = [&](double nu) { return baker.bake_finely({{kNu, nu}}); };
   if (auto found = search_nu(arguments.match, c.heard, kMiddle, kWide, quickly, wide); !found) return found;
-  Search narrow;
-  if (auto found = search_nu(around(arguments.match, wide.choice.tuning_cents), c.heard, wide.choice.poisson_ratio,
-                             kNarrow, quickly, narrow);
-      !found)
+  Search narrow, close;
+  const auto match_by = [&](const Search& search) { return around(arguments.match, search.choice.tuning_cents); };
+  if (auto found = search_nu(match_by(wide), c.heard, wide.choice.poisson_ratio, kNarrow, quickly, narrow); !found)
     return found;
-  const double middle = narrow.choices[1].poisson_ratio;
-  const Result<modal::Bank> exact = baker.bake_finely({{kNu, middle}});
-  if (!exact) return fail(exact);
-  const modal::Bank quick = narrow.banks[1];
-  for (modal::Bank& bank : narrow.banks) correct(bank, quick, *exact);
-  narrow.choice = fit::choose_nu(c.heard, narrow.choices, around(arguments.match, narrow.choice.tuning_cents));
-  arguments.match.around_cents = narrow.choice.tuning_cents;
-  c.nu_told = narrow.choice.told;
+  if (auto found = search_nu(match_by(narrow), c.heard, narrow.choice.poisson_ratio, kClose, finely, close); !found)
+    return found;
+  arguments.match.around_cents = close.choice.tuning_cents;
+  c.nu_told = close.choice.told;
   if (!c.nu_told) return {};
-  c.slopes = {slopes_of(narrow.banks[0], narrow.banks[2], 2 * kNarrow)};
-  c.poisson_ratio = narrow.choice.poisson_ratio;
-  c.figures = {{kNu, narrow.choice.poisson_ratio}};
+  c.slopes = {slopes_of(close.banks[0], close.banks[2], 2 * kClose)};
+  c.poisson_ratio = close.choice.poisson_ratio;
+  c.figures = {{kNu, close.choice.poisson_ratio}};
   return {};
 }
 

@@ -3,6 +3,7 @@
 #include "clients/plugin/parameter_text.h"
 #include "clients/viewer/panels/skin.h"
 #include "engine/base/formatted.h"
+#include "engine/base/note.h"
 
 #include <imgui.h>
 
