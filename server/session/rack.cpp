@@ -22,6 +22,17 @@ Result<synth::ObjectNumber> free_number(const ObjectTable& objects, const synth:
               synth::kMaxObjects);
 }
 
+// Gives an object the bus of its name and group.
+Result<void> assign(const ObjectState& object, Buses& buses, Rack::Warn& warn, synth::Mixer& mixer) {
+  const std::size_t before = buses.overflow();
+  const auto bus = buses.join(object.number, object.name, object.group);
+  if (buses.overflow() > before) {
+    warn(formatted("{} is heard in the mix only: all {} ports are taken", object.name, synth::kMaxBuses));
+  }
+  if (mixer.assign(object.number, bus)) return {};
+  return fail(ErrorKind::refused, "too many changes of objects at once; try again");
+}
+
 }  // namespace
 
 Result<ObjectSnapshot> Rack::find(const ObjectRef& ref) const {
@@ -79,7 +90,8 @@ Result<synth::ObjectNumber> Rack::add(const std::string& name, const std::filesy
   }
   if (const auto silenced = silences_.update(objects_.all(), &object); !silenced) return fail(silenced);
   if (const auto installed = install(object, synth::Mixer::Install::replace); !installed) return fail(installed);
-  if (const auto assigned = assign(object); !assigned) return fail(assigned);
+  fading_.erase(object.number);
+  if (const auto assigned = assign(object, buses_, warn, mixer_); !assigned) return fail(assigned);
   last_bank_version_ = object.bank_version;
   if (old) {
     change(*old, [&](ObjectState& present) { present = object; });
@@ -168,7 +180,7 @@ Result<void> Rack::set_group(const ObjectRef& ref, const std::string& group) {
   if (!object) return fail(object);
   ObjectState next = **object;
   next.group = group;
-  if (const auto assigned = assign(next); !assigned) return assigned;
+  if (const auto assigned = assign(next, buses_, warn, mixer_); !assigned) return assigned;
   change(next, [&](ObjectState& o) { o.group = group; });
   return {};
 }
@@ -210,17 +222,6 @@ Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& p
   inputs_ |= 1u << input;
   observers_.report_change();
   return {};
-}
-
-Result<void> Rack::assign(const ObjectState& object) {
-  fading_.erase(object.number);
-  const std::size_t before = buses_.overflow();
-  const auto bus = buses_.join(object.number, object.name, object.group);
-  if (buses_.overflow() > before) {
-    warn(formatted("{} is heard in the mix only: all {} ports are taken", object.name, synth::kMaxBuses));
-  }
-  if (mixer_.assign(object.number, bus)) return {};
-  return fail(ErrorKind::refused, "too many changes of objects at once; try again");
 }
 
 std::map<std::size_t, std::string> Rack::ports() const {

@@ -59,7 +59,8 @@ class Rack {
 
   // Receives one sentence for each request that could be carried out in part only, from the worker or from the scene's
   // thread. By default the sentences are lost. [set by main, before anything is loaded]
-  std::function<void(const std::string& sentence)> warn = [](const std::string&) {};
+  using Warn = std::function<void(const std::string& sentence)>;
+  Warn warn = [](const std::string&) {};
 
   // Hands an event to the mixer. Returns false, and does nothing, if the mixer's queue is full. A gain or pan is stored
   // in the object, and a listener is remembered. Neither locks nor allocates, unless Observers::keep() does. [the
@@ -148,7 +149,6 @@ class Rack {
   // voice of its bank. [worker]
   void change(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
   [[nodiscard]] Result<void> retune(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
-  [[nodiscard]] Result<void> assign(const ObjectState& object);
   [[nodiscard]] Result<void> install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at = 0,
                                      std::shared_ptr<const modal::ModeTransfer> mode_change = {});
 

@@ -8,7 +8,7 @@
 namespace ringdown::synth::test {
 namespace {
 
-constexpr Level kAll = ModeStates::kNoThreshold, kNone = 100000;
+constexpr Level kAll = kNoThreshold, kNone = 100000;
 constexpr double kFloor = 1e-9;
 
 // Two voices of one bank. Whatever happens, happens to both, but modes are muted in the first one only.

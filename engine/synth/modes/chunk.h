@@ -83,13 +83,13 @@ struct Workspace {
   alignas(64) std::array<std::array<double, kChunkFrames>, kMaxForces> impulses{};  // of the forces on one object
   AlignedArray<double> spare = aligned_zeros<double>(2 * kMaxProbedColumns);        // a copy of one voice's states
   // Set by Shedding before each source:
-  Level threshold = ModeStates::kNoThreshold;  // modes below this level are muted
-  bool at_once = false;                        // mute without a ramp
-  double units_before = 0;                     // counts.units before rendering began
-  double enter_units = 0;                      // units that entering modes may still cost in this chunk
-  std::size_t allowance = 0;                   // number of the source's muted modes that may enter
-  double coupled_units = 0;                    // units that modes about to exchange energy may begin
-  bool recovers = false;                       // whether there is enough time to bring back modes cut short
+  Level threshold = kNoThreshold;  // modes below this level are muted
+  bool at_once = false;            // mute without a ramp
+  double units_before = 0;         // counts.units before rendering began
+  double enter_units = 0;          // units that entering modes may still cost in this chunk
+  std::size_t allowance = 0;       // number of the source's muted modes that may enter
+  double coupled_units = 0;        // units that modes about to exchange energy may begin
+  bool recovers = false;           // whether there is enough time to bring back modes cut short
 };
 
 }  // namespace ringdown::synth

@@ -14,7 +14,7 @@
 // list once all its modes lie below the floor, and then it rests. As a rule a strike wakes all groups (wake()): it
 // excites nearly every mode, and the kernel drops within one chunk what it left below the floor.
 //
-// Only while there is a threshold, or something is muted, is each group decided by itself (selective()).
+// Only while there is a threshold, or something is muted, is each group decided by itself (Muting::chooses).
 // apply_threshold() moves slow groups below the threshold to muting_.leaving, which are rendered once more, under a
 // ramp to zero, before they are muted; what lies above the threshold by kHysteresis comes back through
 // muting_.entering. A strike on a muted group first moves the group's states to the present frame, adds its amplitudes,
@@ -98,7 +98,7 @@ ModeStates::ModeStates(const ModeTable& table)
       late_(table),
       muting_(table),
       is_(table.groups()) {
-  if (table.tube_shares() != nullptr) tube_gains_ = aligned_zeros<float>(4 * table.columns());
+  if (table.heard_columns().tube_shares != nullptr) tube_gains_ = aligned_zeros<float>(4 * table.columns());
   states_.let_glide();
   slow_.list = sounding_.data();
   fast_.list = sounding_.data() + table.slow_groups();
@@ -113,20 +113,15 @@ void ModeStates::hear(const HeardTime* time) REALTIME {
   } else {
     gains.switch_off();
   }
-  hear_by(time ? &hearing_ : nullptr);
-}
-
-void ModeStates::hear_by(const Hearing* hearing) REALTIME {
+  const Hearing* const hearing = time ? &hearing_ : nullptr;
   states_.hear_by(hearing);
   fade_.hear_by(hearing);
   late_.hear_by(hearing);
 }
 
 void ModeStates::hear_tube(double from, double to, std::size_t frames) REALTIME {
-  const float* const share = table_.tube_shares();
+  const float* const share = table_.heard_columns().tube_shares;
   if (share == nullptr) return;
-  const bool heard = states_.for_kernel(0).hearing != nullptr;
-  if (!heard) hearing_ = {};
   const Hearing before = hearing_;
   const std::size_t columns = table_.columns();
   const auto length = static_cast<float>(frames);
@@ -146,13 +141,10 @@ void ModeStates::hear_tube(double from, double to, std::size_t frames) REALTIME 
   hearing_.gain_re = rows, hearing_.gain_im = rows + columns;
   hearing_.step_re = rows + 2 * columns, hearing_.step_im = rows + 3 * columns;
   hearing_.offset = 0;
-  if (heard) return;
-  std::tie(hearing_.log_re, hearing_.log_im) = states_.exponents();
-  hear_by(&hearing_);
 }
 
 void ModeStates::add(BlowAmplitudes blow, double gain, const ModeFactors* each) REALTIME {
-  if (selective()) {
+  if (muting_.chooses(threshold_)) {
     return add_to_groups([&](std::uint32_t group) REALTIME { states_.add_strike(blow, gain, group, each); });
   }
   states_.add_strike(blow, gain, each);
@@ -175,7 +167,7 @@ void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) RE
   assert(&table_ == &other.table_);
   other.unmute();
   if (other.coupling.give_back(other.states_.re(), other.states_.im())) other.wake();
-  if (selective()) {
+  if (muting_.chooses(threshold_)) {
     return add_to_groups([&](std::uint32_t group) REALTIME { states_.add(other.states_, gain, group, each); });
   }
   states_.add(other.states_, gain, each);
@@ -223,7 +215,7 @@ void ModeStates::fade_out(const Fading& fade) REALTIME {
 
 // Lets the probes feel what rings freely in the next `frames`.
 bool ModeStates::render(double* out, std::size_t frames, double floor) REALTIME {
-  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames, probes.all());
+  const Coupling::Outcome coupled = couple(coupling, states_, muting_.chooses(threshold_), out, frames, probes.all());
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(false);
   if (!probes.all().empty()) feel(probes, states_, {slow_, fast_}, fade_, muting_, frames);
@@ -240,7 +232,7 @@ bool ModeStates::render(double* out, std::size_t frames, double floor) REALTIME 
 
 bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                                 double floor) REALTIME {
-  const Coupling::Outcome coupled = couple(coupling, states_, selective(), out, frames, probes.all());
+  const Coupling::Outcome coupled = couple(coupling, states_, muting_.chooses(threshold_), out, frames, probes.all());
   if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(true);
   if (!probes.all().empty()) feel(probes, states_, {slow_, fast_}, fade_, muting_, frames);
@@ -260,7 +252,7 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
 }
 
 void ModeStates::add_late(BlowAmplitudes blow, double gain, std::size_t frames_left, const ModeFactors* each) REALTIME {
-  if (!selective()) return late_.add(blow, gain, each);
+  if (!muting_.chooses(threshold_)) return late_.add(blow, gain, each);
   mark();
   for (std::uint32_t group = 0; group < table_.groups(); ++group) {
     double energy = 0;  // before direction
@@ -310,7 +302,7 @@ void ModeStates::merge_late() REALTIME {
 
 void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) REALTIME {
   applied_ = threshold_;
-  if (!selective()) return;
+  if (!muting_.chooses(threshold_)) return;
   cut_short_ = cut_short_ || at_once;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < slow_.count; ++i) {

@@ -83,7 +83,8 @@ class ModeStates {
     double rate = 1, bend = 0;
   };
   void hear(const HeardTime* time) REALTIME;
-  // After hear(), for one call of `frames`: what comes out of a tube goes from one gain to another in a straight line.
+  // After hear() with a time, for one call of `frames`: what comes out of a tube goes from one gain to another in a
+  // straight line.
   void hear_tube(double from, double to, std::size_t frames) REALTIME;
 
   // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() adds
@@ -93,9 +94,8 @@ class ModeStates {
   bool render_late(double* out, std::size_t frames, std::optional<std::span<const Force>> forces = {}) REALTIME;
   void merge_late() REALTIME;
 
-  // Groups whose level lies below `threshold` may be muted; kNoThreshold: none may.
-  static constexpr Level kNoThreshold = -100000;
-  // True when the threshold has risen since it was last applied.
+  // Groups whose level lies below `threshold` may be muted; kNoThreshold: none may. True when the threshold has risen
+  // since it was last applied.
   bool set_threshold(Level threshold) REALTIME {
     threshold_ = threshold;
     return threshold_ > applied_;
@@ -146,14 +146,12 @@ class ModeStates {
   void add_amplitudes(double gain, Frame rested, ModeWatch::Slot& to) const REALTIME;
 
  private:
-  [[nodiscard]] bool selective() const REALTIME { return threshold_ != kNoThreshold || muting_.groups() > 0; }
   template <class Add>
   void add_to_groups(const Add& add_to) REALTIME;
   void list(std::uint32_t group) REALTIME;
   void settle() REALTIME;
   void unmute() REALTIME;
   void mark() REALTIME;
-  void hear_by(const Hearing* hearing) REALTIME;
 
   const ModeTable& table_;
   StateArray states_;

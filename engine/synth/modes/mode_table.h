@@ -102,10 +102,9 @@ class ModeTable {
   struct Columns {
     const std::uint32_t* ranks;
     const float* frequencies_hz;
+    const float* tube_shares;  // of the sound that comes out of a tube (tube_bank.h); null when no mode has any
   };
-  [[nodiscard]] Columns heard_columns() const REALTIME { return {rank_.data(), column_hz_.get()}; }
-  // The share of each column's sound that comes out of a tube (tube_bank.h); null when no mode has any.
-  [[nodiscard]] const float* tube_shares() const REALTIME { return tube_shares_.get(); }
+  [[nodiscard]] Columns heard_columns() const REALTIME { return {rank_.data(), column_hz_.get(), tube_shares_.get()}; }
   // log p of the pole of each column.
   [[nodiscard]] std::pair<const double*, const double*> exponents() const REALTIME {
     return {row(exponent_re), row(exponent_im)};

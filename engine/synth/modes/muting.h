@@ -22,6 +22,7 @@ namespace ringdown::synth {
 using Level = std::int32_t;
 inline constexpr double kStep_db = 0.37628749457997270;  // 10 log10(2) / 8
 Level level_of(double energy) REALTIME;
+inline constexpr Level kNoThreshold = -100000;  // below which nothing lies
 
 // Some groups of a table.
 class GroupList {
@@ -85,6 +86,8 @@ class Muting {
     if (changing()) finish_changes(states, sounding);
   }
 
+  // Returns true if each group is decided by itself, because there is a threshold or something is muted.
+  [[nodiscard]] bool chooses(Level threshold) const REALTIME { return threshold != kNoThreshold || groups() > 0; }
   [[nodiscard]] std::size_t groups() const REALTIME { return muted.size() + leaving.size() + entering.size(); }
   void clear() REALTIME;
 

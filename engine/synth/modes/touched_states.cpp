@@ -4,7 +4,7 @@ namespace ringdown::synth {
 
 bool TouchedStates::render(const TouchForces& touch, double* out, std::size_t frames) REALTIME {
   states_.wake();
-  states_.threshold_ = states_.applied_ = ModeStates::kNoThreshold;
+  states_.threshold_ = states_.applied_ = kNoThreshold;
   ModeArrays all = states_.states_.for_kernel(0);
   all.pole_re = touch.stepped.pole_re;
   all.pole_im = touch.stepped.pole_im;

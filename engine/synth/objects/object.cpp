@@ -79,9 +79,10 @@ void Object::hear(std::size_t begin, std::size_t end, const Chunk& chunk) REALTI
   if (!fan.on()) return;
   const auto gain = [&](std::size_t offset)
                         REALTIME { return fan.gain(chunk.begin + static_cast<Frame>(offset), chunk.sample_rate_hz); };
+  constexpr ModeStates::HeardTime kHere{};
   const double from = gain(begin), to = gain(end);
   voices.for_each([&](Voice& voice) REALTIME {
-    if (!placed) voice.hear(nullptr);
+    if (!placed) voice.hear(voice.table().heard_columns().tube_shares ? &kHere : nullptr);
     voice.hear_tube(from, to, end - begin);
   });
 }

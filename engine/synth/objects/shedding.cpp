@@ -26,8 +26,6 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr Level kNoThreshold = ModeStates::kNoThreshold;
-
 // Shares of what the budget can afford in a chunk:
 constexpr double kTight = 0.75;             // above this load levels are surveyed
 constexpr double kEventsShare = 0.3;        // share for events; further ones wait

@@ -76,7 +76,7 @@ class Shedding {
   std::size_t threads_ = 1;
   LevelHistogram counting_, counted_;  // the running survey, and the last complete one
   std::size_t next_surveyed_ = 0;      // index in the list of sources
-  Level threshold_ = ModeStates::kNoThreshold;
+  Level threshold_ = kNoThreshold;
   std::size_t since_lowered_ = 0;  // frames since the threshold was last lowered
   bool active_ = false, tight_ = false, shed_ = false;
   bool little_ = true;    // whether there was little to do in the last chunk

@@ -18,7 +18,7 @@ using synth::kChunkFrames;
 
 constexpr std::size_t kVoices = 40, kModes = 500, kSums = 2;  // an instance group's sums: left and right
 constexpr double kShare = 0.7, kFloor = 1e-12;
-constexpr synth::Level kAllPass = synth::ModeStates::kNoThreshold, kLowThreshold = -900, kNonePasses = 100000;
+constexpr synth::Level kAllPass = synth::kNoThreshold, kLowThreshold = -900, kNonePasses = 100000;
 
 double processor_s() {
   timespec time{};
