@@ -109,7 +109,7 @@ void Rack::change(const ObjectState& object, const Edit& edit, synth::Frame at) 
 Result<void> Rack::retune(const ObjectState& object, const Edit& edit, synth::Frame at) {
   ObjectState next = object;
   edit(next);
-  const auto installed = install(next, synth::Mixer::Install::retune, at, mode_change(object, next));
+  auto installed = install(next, synth::Mixer::Install::retune, at, mode_change(object, next));
   if (!installed) return installed;
   change(object, edit, at);
   return {};
