@@ -115,8 +115,8 @@ class Mixer {
 
   enum class Install {
     replace,  // the old voice rings out, the new one takes the strikes to come
-    retune,  // the new voice, of the same bank or of the changed object (Voice::mode_change), takes over what
-             // rings of its modes; the others fade out
+    retune,   // the new voice, of the same bank or of the changed object (Voice::mode_change), takes over what
+              // rings of its modes; the others fade out
   };
   // Gives `object` a new voice from frame `at` on, or as soon as that is past; later commands wait for it. False when
   // kMaxVoices are alive, or too many commands wait. [worker]

@@ -19,7 +19,7 @@ using Words = std::vector<std::string>;
 // Types of values that are texts. Whatever else --help names after an option is taken for a number, so that a new
 // option is tried unless it is declared to be a text.
 const std::regex kTexts(
-    R"(^(FILE(\.png)?|FOLDER|PREFIX|TEXT|NAME|URL|NAME=BANK|NODE=MATERIAL|osc\.udp://HOST:PORT|)"
+    R"(^(FILE(\.png)?|FOLDER|BANK|PREFIX|TEXT|NAME|URL|NAME=BANK|NODE=MATERIAL|osc\.udp://HOST:PORT|)"
     R"(jack\|.*|mix\|.*|spectrum\|.*|tet20\|.*|auto\|.*|dark\|.*|scene\|.*|receptance\|.*|MODE\|BAND|Excludes:|Needs:)([ =].*)?$)");
 
 // How a value is written for types that hold more than a number. What stands for it is V.

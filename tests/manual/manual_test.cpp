@@ -104,7 +104,7 @@ TEST(Manual, BashCompletesValuesVerbsAndFiles) {
   EXPECT_EQ(offers("ringdown-bake --solver sp"), Words{"spectra"});
   EXPECT_EQ(offers("ringdown-bake --jo"), Words{"--jobs"});
   EXPECT_EQ(offers("ringdown re"), Words{"render"});
-  EXPECT_EQ(offers("ringdown render --sc"), Words{"--scene"});
+  EXPECT_EQ(offers("ringdown render --sce"), Words{"--scene"});
   EXPECT_EQ(offers("ringdown render --scene " RINGDOWN_SOURCE_DIR "/READ"), Words{RINGDOWN_SOURCE_DIR "/README.md"});
   EXPECT_EQ(offers("ringdown info " RINGDOWN_SOURCE_DIR "/READ"), Words{RINGDOWN_SOURCE_DIR "/README.md"});
   EXPECT_EQ(offers("ringdownd --rate 4"), Words{});

@@ -173,6 +173,8 @@ def parse_everything(root, build):
                 arguments.append(word)
     everything = str(build / "everything.cpp")  # exists in memory only
     files = sorted({source for command in commands for source in sources_of(command) if source.startswith(folders)})
+    # The plug-in's window comes last: it brings the macros of X11, and OpenGL's own header, which epoxy's must precede.
+    files.sort(key=lambda file: "/plugin/window/" in file)
     texts = [(everything, "".join(f'#include "{file}"\n' for file in files))]
     for number, file in enumerate(files):
         named = re.sub(r"^namespace \{", f"inline namespace file_{number} {{", pathlib.Path(file).read_text(), flags=re.M)

@@ -28,8 +28,8 @@ const std::map<std::string, int> kTrusted = {
     {"clients/plugin/instrument.cpp", 1},  // libringdown's functions for the audio thread, which are C; so the next
     {"clients/plugin/keyboard.cpp", 1},
     {"clients/plugin/vst3_notes.cpp", 1},  // a variable of the thread, which the entry has set
-    {"server/jack_client.cpp", 1},  // JACK's functions for the process callback
-    {"server/load_meter.cpp", 1},   // reads the clock
+    {"server/jack_client.cpp", 1},         // JACK's functions for the process callback
+    {"server/load_meter.cpp", 1},          // reads the clock
 };
 
 // How often each source file has one of these words outside comments.

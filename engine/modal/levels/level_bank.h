@@ -42,8 +42,8 @@ Result<LevelBank> at_level(const Bank& bank, double level_m);
 // The modes of the bank itself, which must have levels.
 LevelModes as_baked(const Bank& bank);
 
-// Liquid that joins is at rest, so that momentum is kept; liquid that leaves takes its momentum with it. Displacement is
-// kept in both cases. The energy never rises.
+// Liquid that joins is at rest, so that momentum is kept; liquid that leaves takes its momentum with it. Displacement
+// is kept in both cases. The energy never rises.
 ModeTransfer transfer(const LevelModes& from, const LevelModes& to);
 
 }  // namespace ringdown::modal
