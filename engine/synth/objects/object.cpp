@@ -147,11 +147,11 @@ struct Object::Play {
     if (!(std::abs(pan.pan) <= kMaxEventValue)) return count(chunk.counters->refused);
     object.strip.set_pan(pan.pan, frame, frames_of(0));
   }
-  void operator()(const verb::Fan& fan) const REALTIME {
+  void operator()(const verb::Fan& turn) const REALTIME {
     const auto fits = [](double x, const Range& range) REALTIME { return x >= range.low && x <= range.high; };
-    if (!fits(fan.rate_hz, verb::Fan::kRate_hz) || !fits(fan.depth, verb::Fan::kDepth))
+    if (!fits(turn.rate_hz, verb::Fan::kRate_hz) || !fits(turn.depth, verb::Fan::kDepth))
       return count(chunk.counters->refused);
-    object.fan.set(fan, frame, chunk.sample_rate_hz);
+    object.fan.set(turn, frame, chunk.sample_rate_hz);
   }
   void operator()(const verb::Clear& clear) const REALTIME {
     object.voices.fade_out({static_cast<std::size_t>(frames_of(clear.ramp_s))});
