@@ -240,7 +240,7 @@ Chance chance_of(std::span<const Mode> heard, std::span<const NuBank, 3> banks, 
     const double share = k / (kRatios - 1.0);
     baked.push_back(between.at((1 - share) * banks.front().poisson_ratio + share * banks.back().poisson_ratio));
   }
-  std::minstd_rand random(1);
+  std::minstd_rand random(1);  // NOLINT(bugprone-random-generator-seed): the figure repeats
   const auto uniform = [&random] { return static_cast<double>(random()) / static_cast<double>(random.max()); };
   Chance chance;
   for (int list = 0; list < kLists; ++list) {

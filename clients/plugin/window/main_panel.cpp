@@ -150,6 +150,7 @@ void MainPanel::draw_body(float width, float height, double now_s) {
   }
   ImGui::InvisibleButton("picture", {width, height},
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): ImGui keeps the names of textures in pointers.
   const auto picture = reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture));
   ImGui::GetWindowDrawList()->AddImage(picture, corner, {corner.x + width, corner.y + height}, {0, 1}, {1, 0});
   point_at_body(corner.x, corner.y);
