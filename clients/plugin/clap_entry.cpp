@@ -266,7 +266,7 @@ const clap::PresetLoad kPresetLoad{load_from};
 
 // The window
 
-// What is done in a window reaches the plug-in in process(), so a sleeping plug-in is woken.
+// An edit in a window reaches the plug-in in process(), so a sleeping plug-in is woken.
 bool create_window(const clap_plugin_t* plugin, const char* api, bool floats) {
   Plugin& ours = Plugin::of(plugin);
   if (!of_dpf<clap_plugin_gui_t>(plugin, CLAP_EXT_GUI)->create(ours.dpf, api, floats)) return false;

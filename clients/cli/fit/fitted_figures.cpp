@@ -108,7 +108,7 @@ bool is_cubic(const modal::Orthotropy& solid) {
   return all_alike(solid.youngs_modulus_pa) && all_alike(solid.poisson_ratio) && all_alike(solid.shear_modulus_pa);
 }
 
-// What the weight adds: the density, and stiffnesses where they are few.
+// Returns the lines that the weight makes possible: the density, and stiffnesses where they are few.
 std::string constants_by_weight(const Comparison& c, const Fitted& fitted) {
   const modal::Material& material = *c.bank.material;
   const std::optional<modal::Orthotropy>& solid = material.orthotropy;

@@ -1,5 +1,5 @@
-// What a comparison says of the figures that it fitted: values, standard errors, correlations, and the constants of the
-// material that follow from the weight. [any]
+// The lines of a comparison about the figures that it fitted: values, standard errors, correlations, and the constants
+// of the material that follow from the weight. [any]
 #pragma once
 
 #include "clients/cli/fit/compare_page.h"

@@ -18,12 +18,12 @@ class Edits {
   [[nodiscard]] const Values& values() const { return values_; }
   [[nodiscard]] const History& history() const { return history_; }
 
-  // What the host reports.
+  // The host reports these.
   void on_parameter(std::size_t parameter, float value);
   void on_point(const std::string& text) { values_.point = text; }
   void on_file(const std::string& path) { values_.file = path; }
 
-  // What the user does. A slider is begun, moved and ended; everything else is one step.
+  // The user edits by these. A slider is begun, moved and ended; every other edit is one step.
   void begin(Parameter parameter);
   void move(Parameter parameter, double value);
   void end(Parameter parameter);

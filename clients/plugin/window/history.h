@@ -1,4 +1,4 @@
-// What the window can take back: the values of all parameters and states that it sets, before each edit. [UI]
+// The values of all parameters and states that the window sets, as they were before each edit, for undo and redo. [UI]
 #pragma once
 
 #include "clients/plugin/parameters.h"

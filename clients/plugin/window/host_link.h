@@ -1,4 +1,4 @@
-// What the window asks of the plug-in through its host. [UI]
+// The requests of the window, which reach the plug-in through its host. [UI]
 #pragma once
 
 #include <cstddef>

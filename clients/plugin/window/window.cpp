@@ -90,7 +90,7 @@ class RingdownWindow : public UI, private HostLink {
   }
 
  protected:
-  // What the host reports
+  // Events from the host
 
   void parameterChanged(std::uint32_t index, float value) override {
     if (index == static_cast<std::uint32_t>(Parameter::level)) return panel_.on_level(static_cast<double>(value));
@@ -145,7 +145,7 @@ class RingdownWindow : public UI, private HostLink {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   }
 
-  // What the user does
+  // Events from the user
 
   bool onMouse(const MouseEvent& event) override {
     enter();
@@ -186,7 +186,7 @@ class RingdownWindow : public UI, private HostLink {
   }
 
  private:
-  // What the panel asks for
+  // Requests of the panel
 
   void begin_edit(std::size_t parameter) override { editParameter(static_cast<std::uint32_t>(parameter), true); }
   void set_parameter(std::size_t parameter, float value) override {
