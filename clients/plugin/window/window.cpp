@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -222,7 +223,7 @@ class RingdownWindow : public UI, private HostLink {
   void wake() { settling_ = kSettling; }
   [[nodiscard]] double now_s() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
   void resize_by(double factor) {
-    setSize(static_cast<uint>(getWidth() * factor + 0.5), static_cast<uint>(getHeight() * factor + 0.5));
+    setSize(static_cast<uint>(std::lround(getWidth() * factor)), static_cast<uint>(std::lround(getHeight() * factor)));
   }
   void move_mouse(const DGL_NAMESPACE::Point<double>& place) {
     ImGui::GetIO().MousePos = {static_cast<float>(place.getX()), static_cast<float>(place.getY())};
