@@ -1,6 +1,9 @@
-// Preloaded into ringdownd by ringdown_soak: counts the bytes that malloc has given out and not got back, in a file
-// that RINGDOWN_HEAP_METER names and both have mapped. Resident memory moves by megabytes with what the allocator
-// keeps; this is exact, so that a leak of a few bytes shows within a minute.
+// Counts the bytes that malloc has given out and not got back. Linked into a test; or preloaded into ringdownd by
+// ringdown_soak, and then the count stands in a file that RINGDOWN_HEAP_METER names and both have mapped. Resident
+// memory moves by megabytes with what the allocator keeps; this is exact, so that a leak of a few bytes shows within a
+// minute.
+#include "tests/support/heap_meter.h"
+
 #include <atomic>
 #include <cerrno>
 #include <cstdint>
@@ -39,6 +42,10 @@ void* uncounted(void* block) {
 
 }  // namespace
 
+std::int64_t ringdown::test::bytes_from_malloc() { return *meter.load(); }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)  // these replace malloc, too
+
 // The C library's own, under the names by which it may be reached when malloc is replaced.
 #pragma GCC visibility push(default)  // shared libraries find these
 extern "C" {
@@ -60,3 +67,5 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
 void free(void* block) { __libc_free(uncounted(block)); }
 }
 #pragma GCC visibility pop
+
+#endif
