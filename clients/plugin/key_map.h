@@ -83,7 +83,8 @@ struct KeyMap {
   std::array<Key, kKeys> keys;
   std::vector<Object> objects;
   std::vector<Body> bodies;
-  std::optional<StrikePoint> point;  // the exact point of a single bank, while is_at() holds; never in note maps
+  // The exact points of a single bank, each while its is_at() holds; none in note maps.
+  std::array<std::optional<StrikePoint>, kPoints> points;
   std::optional<double> release_s;               // only from a note map
   std::optional<microtuning::KeyTuning> tuning;  // only from a note map
   double damp_s = 0.15;

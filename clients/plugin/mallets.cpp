@@ -18,9 +18,16 @@ constexpr double kDeadBounce = 0.05;
 constexpr double kPress = 0.5;    // of a bow at full pressure: its force over w m v
 constexpr double kBow_m_s = 0.2;  // at 0.4, as note maps have it, presets take up to a second to sound
 
+// Returns the exact point that a velocity strikes, if there is one.
+const StrikePoint* exact_point(const KeyMap& map, double percent, std::uint8_t velocity) REALTIME {
+  const auto& [first, second] = map.points;
+  if (velocity >= kSecondFrom && second && second->is_at(percent)) return &*second;
+  return first && first->is_at(percent) ? &*first : nullptr;
+}
+
 }  // namespace
 
-Target target_of(const KeyMap::Key& key, const KeyMap& map, const ParameterValues& parameters,
+Target target_of(const KeyMap::Key& key, std::uint8_t velocity, const KeyMap& map, const ParameterValues& parameters,
                  double bend_semitones) REALTIME {
   const KeyMap::Object& object = map.objects[key.object];
   const Body& body = map.body_of(object);
@@ -29,10 +36,10 @@ Target target_of(const KeyMap::Key& key, const KeyMap& map, const ParameterValue
   target.size = size_of(map, object, parameters, bend_semitones);
   const double percent = parameters[Parameter::strike_point];
   const Body::Station& station = body.stations[std::min(static_cast<std::size_t>(std::lround(percent)), kStations - 1)];
-  const bool exact = map.point && map.point->is_at(percent);
-  const Vec3 direction = exact ? map.point->direction : station.direction;
+  const StrikePoint* const exact = exact_point(map, percent, velocity);
+  const Vec3 direction = exact ? exact->direction : station.direction;
   if (!key.point_m && !exact) target.vertex = station.point;
-  target.point_m = target.size * (exact ? map.point->point_m : key.point_m.value_or(station.position_m));
+  target.point_m = target.size * (exact ? exact->point_m : key.point_m.value_or(station.position_m));
   const double evening = parameters.on(Parameter::even_loudness) ? map.evening : 1;
   const Vec3 full_ns =
       key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, parameters, target.size) * direction;

@@ -50,7 +50,7 @@ struct Target {
   double mass_kg = 0;         // the object's
   double size = 1;
 };
-Target target_of(const KeyMap::Key& key, const KeyMap& map, const ParameterValues& parameters,
+Target target_of(const KeyMap::Key& key, std::uint8_t velocity, const KeyMap& map, const ParameterValues& parameters,
                  double bend_semitones) REALTIME;
 
 // How a key is struck.

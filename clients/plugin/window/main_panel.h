@@ -37,7 +37,8 @@ class MainPanel {
   void update_glow(double now_s);
   void draw_body(float width, float height, double now_s);
   void point_at_body(float x, float y);
-  void draw_strike_point(float x, float y);
+  [[nodiscard]] int velocity_of_click(bool is_second) const;
+  void draw_strike_points(float x, float y);
   void draw_modes(float width, float height);
   void draw_toolbar(double scale);
   void take_shortcuts();
