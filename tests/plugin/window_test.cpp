@@ -249,6 +249,24 @@ TEST_P(PluginWindow, AClickOnAPictureChoosesTheMallet) {
   host_->close_window();
 }
 
+TEST_P(PluginWindow, LetsGoOfTheKeyThatTheMouseHoldsWhenItCloses) {
+  open();
+  run(3);
+  settle();
+  desktop_->button(true, kMiddleX, kMiddleY);
+  double peak = 0;
+  for (int tries = 0; tries < 1000 && peak == 0; ++tries) {
+    desktop_->wait();
+    peak = run(1);
+  }
+  EXPECT_GT(peak, 0);
+  host_->close_window();
+  desktop_->button(false, kMiddleX, kMiddleY);
+  std::vector<float> left(kFrames), right(kFrames);
+  for (int block = 0; block < 48; ++block) host_->render({}, left.data(), right.data(), kFrames);  // 0.5 s
+  EXPECT_EQ(*std::ranges::max_element(left), 0) << "it is damped within 0.4 s";
+}
+
 TEST_P(PluginWindow, ThatIsSilentDrawsNothingAndCostsLittle) {
   open();
   const int before = settle();

@@ -181,10 +181,12 @@ void MainPanel::point_at_body(float x, float y) {
     }
   }
   if (ImGui::IsItemActive() && turns_) view_->turn(io.MouseDelta.x, io.MouseDelta.y);
-  if (pressed_ && !ImGui::IsItemActive()) {
-    host_.release_key(*pressed_);
-    pressed_.reset();
-  }
+  if (!ImGui::IsItemActive()) release_key();
+}
+
+void MainPanel::release_key() {
+  if (pressed_) host_.release_key(*pressed_);
+  pressed_.reset();
 }
 
 // Returns the velocity that strikes the point which the click has set.

@@ -25,6 +25,7 @@ class MainPanel {
 
   [[nodiscard]] Edits& edits() { return edits_; }
   void on_level(double level_db);
+  void release_key();  // that the mouse holds
 
   // Returns whether the next picture differs although nothing was done: something rings, or a held peak is to fall.
   [[nodiscard]] bool is_moving() const;

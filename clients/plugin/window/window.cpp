@@ -6,6 +6,7 @@
 //
 // DRAWING. A picture is drawn when something has changed: after an event or an edit, while something rings, and while a
 // held peak is to fall. A silent window that nobody touches draws nothing.
+#include "clients/plugin/vst3_notes.h"
 #include "clients/plugin/window/main_panel.h"
 #include "clients/viewer/panels/font.h"
 #include "clients/viewer/panels/skin.h"
@@ -26,6 +27,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 START_NAMESPACE_DISTRHO
 
@@ -85,8 +87,14 @@ class RingdownWindow : public UI, private HostLink {
     io.IniFilename = nullptr;
     io.ConfigInputTextCursorBlink = false;
     name_keys(io);
+    windows().push_back(this);
+    ringdown::plugin::let_go_of_keys() = [] {
+      for (RingdownWindow* window : windows()) window->let_go();
+    };
   }
   ~RingdownWindow() override {
+    let_go();
+    std::erase(windows(), this);
     enter();
     if (has_renderer_) ImGui_ImplOpenGL3_Shutdown();
     ImGui::DestroyContext(imgui_);
@@ -225,6 +233,19 @@ class RingdownWindow : public UI, private HostLink {
     std::uint64_t at;
     std::uint8_t key, velocity;
   };
+
+  static std::vector<RingdownWindow*>& windows() {
+    static std::vector<RingdownWindow*> open;
+    return open;
+  }
+  // Releases the key that the mouse holds. Once: the host may be gone after the first call.
+  void let_go() {
+    panel_.release_key();
+    for (const Note& note : notes_) {
+      if (note.velocity == 0) sendNote(0, note.key, 0);
+    }
+    notes_.clear();
+  }
 
   void enter() { ImGui::SetCurrentContext(imgui_); }
   void wake() { settling_ = kSettling; }
