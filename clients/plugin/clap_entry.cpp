@@ -351,7 +351,7 @@ struct Page {
 constexpr std::array<Page, 2> kPages = {
     {{"Play",
       "Play",
-      {Parameter::strike_point, Parameter::contact_time, Parameter::release, Parameter::hand, Parameter::size,
+      {Parameter::mallet, Parameter::strike_point, Parameter::contact_time, Parameter::release, Parameter::hand,
        Parameter::loss, Parameter::gain, Parameter::width}},
      {"Object",
       "Object",

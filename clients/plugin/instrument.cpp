@@ -78,7 +78,7 @@ void Instrument::load_preset(std::size_t preset) {
     if (is_of_preset(i)) parameters_.set(i, kParameterInfo[i].standard);
   }
   parameters_.set(Parameter::object, static_cast<double>(kFirstPreset + preset));
-  set_point("");
+  for (const Which which : {Which::first, Which::second}) set_point("", which);
   const std::lock_guard lock(mutex_);
   if (running_) catch_up();
 }
@@ -131,18 +131,23 @@ std::string Instrument::embedded() const {
   return bytes.empty() ? "" : source.name + " " + to_base64(bytes);
 }
 
-void Instrument::set_point(const std::string& text) {
+void Instrument::set_point(const std::string& text, Which which) {
   const std::lock_guard lock(mutex_);
-  point_ = text;
+  points_[static_cast<std::size_t>(which)] = text;
   if (!map_) return;
   auto map = std::make_unique<KeyMap>(*map_);
-  map->point = point_on(source_, bank_.get(), point_);
+  find_points(*map);
   publish(std::move(map));
 }
 
-std::string Instrument::point() const {
+std::string Instrument::point(Which which) const {
   const std::lock_guard lock(mutex_);
-  return point_;
+  return points_[static_cast<std::size_t>(which)];
+}
+
+// Gives a map of the present bank its exact strike points.
+void Instrument::find_points(KeyMap& map) const {
+  for (std::size_t i = 0; i < kPoints; ++i) map.points[i] = point_on(source_, bank_.get(), points_[i]);
 }
 
 // A new mixer, so that nothing of a former run sounds on, and objects of a former bank are gone.
@@ -241,7 +246,7 @@ bool Instrument::install(KeyPlan& plan) {
   }
   tunings_ = std::move(tunings);
   bank_ = plan.banks[0];
-  plan.map.point = point_on(source_, bank_.get(), point_);
+  find_points(plan.map);
   publish(std::make_unique<const KeyMap>(std::move(plan.map)));
   return true;
 }

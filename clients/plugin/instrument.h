@@ -23,6 +23,7 @@
 #include "clients/plugin/sources.h"
 #include "clients/plugin/tunings.h"
 
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <memory>
@@ -70,12 +71,12 @@ class Instrument {
   // The files of tunings. The worker reads them.
   [[nodiscard]] Tunings& tunings() { return tunings_of_keys_; }
 
-  // Sets the exact strike point as strike_point.h writes it; "": none. It is used while its object is played.
-  void set_point(const std::string& text);
-  [[nodiscard]] std::string point() const;
+  // Sets an exact strike point as strike_point.h writes it; "": none. It is used while its object is played.
+  void set_point(const std::string& text, Which which = Which::first);
+  [[nodiscard]] std::string point(Which which = Which::first) const;
 
-  // Plays a preset with all other parameters at their defaults, except the level and the scale, and without an exact
-  // strike point.
+  // Plays a preset with all other parameters at their defaults, except the level and the scale, and without
+  // exact strike points.
   void load_preset(std::size_t preset);
 
   // Returns the names of keys that strike objects of their own, which only note maps have: "F3" for key 53.
@@ -121,6 +122,7 @@ class Instrument {
   void catch_up();
   void load(const Source& source);
   bool install(KeyPlan& plan);
+  void find_points(KeyMap& map) const;
   void silence_keys();
   void publish(std::unique_ptr<const KeyMap> map);
   bool tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning);
@@ -135,7 +137,8 @@ class Instrument {
   std::unique_ptr<ringdown_mixer, MixerDestroy> mixer_;
 
   mutable std::mutex mutex_;  // guards the members of this paragraph; the audio thread never locks it
-  std::string file_, embedded_, point_;
+  std::string file_, embedded_;
+  std::array<std::string, kPoints> points_;
   bool is_other_ = true;                 // whether the file or the embedded bank has changed
   std::size_t choice_ = 0;               // choice in the last round
   Source source_;                        // the source that was last loaded, or could not be

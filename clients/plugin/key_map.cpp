@@ -194,6 +194,14 @@ Result<void> check_level(const session::NoteMap::Entry& entry, const ringdown_ba
               entry.object, *entry.level_m, low, high);
 }
 
+std::optional<KeyMap::Key::Bow> bow_of(const session::NoteMap::Entry& entry) {
+  if (!entry.is_bowed()) return std::nullopt;
+  const auto unit = [](const Vec3& way) { return (1 / length(way)) * way; };
+  return KeyMap::Key::Bow{entry.bow_direction ? std::optional(unit(*entry.bow_direction)) : std::nullopt,
+                          entry.bow_speed_m_s.value_or(session::kDefaultBow_m_s),
+                          entry.bow_force_n.value_or(session::kDefaultBow_n)};
+}
+
 // The objects that the map names, each with its bank. Objects may share one.
 Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
   const auto file = session::read_note_map(path);
@@ -221,12 +229,31 @@ Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
     for (const auto& good : {check_point(entry, bank), check_level(entry, bank)}) {
       if (!good) return fail(ErrorKind::bad_input, path.string() + ": " + good.error().message);
     }
-    plan.map.keys[entry.note] = {true, object->second, entry.point_m, entry.impulse_ns, entry.contact_time_s};
+    plan.map.keys[entry.note] = {true,         object->second, entry.point_m, entry.impulse_ns, entry.contact_time_s,
+                                 bow_of(entry)};
     std::size_t& lowest = plan.map.objects[object->second].key;
     lowest = std::min(lowest, entry.note);
   }
   plan.map.evening = evening_of(plan.map);
   return plan;
+}
+
+// Returns the mode that a bow at the first station sounds: that of the pitch; if it hardly moves there, the one that
+// moves most.
+BowedMode bowed_mode(const ringdown_bank* bank, const Shapes& shapes, const Body& body) {
+  constexpr double kHardly = 0.01;
+  const double* const frequencies_hz = ringdown_bank_frequencies_hz(bank);
+  BowedMode most, tuned;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t mode = 0; mode < shapes.modes; ++mode) {
+    const double per_kg = std::pow(dot(shapes.shape(mode, body.stations[0].point), body.stations[0].direction), 2);
+    const BowedMode bowed{per_kg, 2 * std::numbers::pi * frequencies_hz[mode]};
+    if (per_kg > most.per_kg) most = bowed;
+    const double away = std::abs(std::log2(frequencies_hz[mode] / body.pitch_hz));
+    if (away < nearest) tuned = bowed;
+    nearest = std::min(nearest, away);
+  }
+  return tuned.per_kg > kHardly * most.per_kg ? tuned : most;
 }
 
 }  // namespace
@@ -252,6 +279,7 @@ Result<Body> measure(const ringdown_bank* bank) {
   const double* const decays_per_s = ringdown_bank_decays_per_s(bank);
   const double slowest_per_s = *std::min_element(decays_per_s, decays_per_s + info.modes);
   body.ring_s = kInaudible_db / 20 * std::numbers::ln10 / slowest_per_s;
+  body.bowed = bowed_mode(bank, shapes, body);
   body.even_impulse_ns = power > 0 ? kEvenLevel_pa / std::sqrt(power) : kBlow_m_s * body.mass_kg;
   return body;
 }

@@ -34,6 +34,11 @@ struct BankRelease {
 };
 using Bank = std::unique_ptr<ringdown_bank, BankRelease>;
 
+// The mode that sounds under a bow: one over its mass, as the bow feels it, and its frequency.
+struct BowedMode {
+  double per_kg = 0, omega_rad_s = 0;
+};
+
 // The values of a bank from which blows are computed, in the size in which it was baked.
 struct Body {
   // A sample point where the object may be struck, and the direction in which its main mode moves there.
@@ -46,6 +51,7 @@ struct Body {
   double mass_kg = 1;
   double even_impulse_ns = 0;  // impulse at the first station that gives kEvenLevel_pa
   double ring_s = 0;           // time in which the slowest mode falls by kInaudible_db
+  BowedMode bowed;
 };
 inline constexpr double kInaudible_db = 100;
 inline constexpr double kEvenLevel_pa = 2;  // rms of the first sound, at 1 m: 20 dB below full scale
@@ -59,6 +65,11 @@ struct KeyMap {
     std::uint32_t object = 0;                 // position in `objects`
     std::optional<Vec3> point_m, impulse_ns;  // only if a note map states them
     std::optional<double> contact_time_s;
+    struct Bow {
+      std::optional<Vec3> direction;  // a unit vector
+      double speed_m_s, force_n;      // at full velocity and full pressure
+    };
+    std::optional<Bow> bow;  // instead of a blow
   };
   struct Object {
     std::uint32_t number = 0;            // number in the mixer
@@ -72,8 +83,9 @@ struct KeyMap {
   std::array<Key, kKeys> keys;
   std::vector<Object> objects;
   std::vector<Body> bodies;
-  std::optional<StrikePoint> point;  // the exact point of a single bank, while is_at() holds; never in note maps
-  std::optional<double> release_s;   // only from a note map
+  // The exact points of a single bank, each while its is_at() holds; none in note maps.
+  std::array<std::optional<StrikePoint>, kPoints> points;
+  std::optional<double> release_s;               // only from a note map
   std::optional<microtuning::KeyTuning> tuning;  // only from a note map
   double damp_s = 0.15;
   double evening = 1;  // factor on all impulses that a note map states, so that it is about as loud as other sources

@@ -1,5 +1,7 @@
 #include "clients/plugin/keyboard.h"
 
+#include "clients/plugin/mallets.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -13,10 +15,9 @@ namespace {
 using session::HeldKeys;
 namespace midi = session::midi;
 
-constexpr double kMaxContact_s = 0.1, kMaxImpulse_ns = 1e4;  // what libringdown takes
-constexpr double kHardnessOctaves = 3;                       // a full controller 74 makes blows 8 times as short
-constexpr double kMasterBend_semitones = 2;                  // of MPE's master channels
-constexpr double kMemberBend_semitones = 48;                 // of the others, once a zone has been configured
+constexpr double kHardnessOctaves = 3;        // a full controller 74 makes blows 8 times as short
+constexpr double kMasterBend_semitones = 2;   // of MPE's master channels
+constexpr double kMemberBend_semitones = 48;  // of the others, once a zone has been configured
 constexpr std::size_t kLowerMaster = 0, kUpperMaster = midi::kChannels - 1;
 constexpr std::uint8_t kBendRange = 0, kMpeConfiguration = 6;  // registered parameters
 constexpr int kBendCentre = 8192;
@@ -28,6 +29,10 @@ std::optional<double> release_s(const Keyboard::Playing& playing) REALTIME {
   return time_s < kRingsOn_s ? std::optional(time_s) : std::nullopt;
 }
 
+Bows::Moment moment_of(const Keyboard::Playing& playing) REALTIME {
+  return {playing.mixer, playing.frame, playing.map.generation};
+}
+
 }  // namespace
 
 void Keyboard::reset() REALTIME {
@@ -35,6 +40,7 @@ void Keyboard::reset() REALTIME {
   registered_ = {};
   channels_ = {};
   members_ = {};
+  bows_ = {};
   key_tuning_ = {};
   for (std::size_t key = 0; key < kKeys; ++key) {
     bend_semitones_[key].store(0, std::memory_order_relaxed);
@@ -46,6 +52,7 @@ void Keyboard::play(std::span<const std::uint8_t> message, const Playing& playin
   if (message.empty()) return;
   const std::uint8_t* const bytes = message.data();
   if (bytes[0] == midi::kSystemReset) {
+    for (std::size_t key = 0; key < kKeys; ++key) lift(key, playing);
     reset();
     return damp_all(0, playing);
   }
@@ -63,7 +70,7 @@ void Keyboard::play(std::span<const std::uint8_t> message, const Playing& playin
   } else if (kind == midi::kNoteOn || kind == midi::kNoteOff) {
     release(first, channel, playing);
   } else if (kind == midi::kKeyPressure) {
-    if (keys_.is_down(first, channel)) pressure_[first].store(second / 127.0, std::memory_order_relaxed);
+    if (keys_.is_down(first, channel)) press_key_harder(first, second / 127.0, playing);
   } else if (kind == midi::kPitchBend) {
     // DPF's VST3 writes 128 as the upper byte of a full bend, so it is not masked here.
     const int value = std::min(first + 128 * std::min<int>(bytes[2], 128), 2 * kBendCentre - 1);
@@ -93,39 +100,32 @@ void Keyboard::press(std::size_t key, std::size_t channel, std::uint8_t velocity
   bend_key(key, playing);
   const KeyMap::Key& struck = playing.map.keys[key];
   if (!struck.sounds || tuning_.is_unmapped(key)) return;
-  const double share = (velocity / 127.0) * (velocity / 127.0);
-  const double softness = std::exp2(-kHardnessOctaves * channels_[channel].hardness);
-  strike(struck, share, softness, bend_semitones(playing.map.objects[struck.object].key), playing);
+  strike(key, channel, velocity, playing);
 }
 
-// One blow, as hard as `share` of the full one, with a contact `softness` times as long.
-void Keyboard::strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
-                      const Playing& playing) REALTIME {
+// One blow or stroke of a bow, by the parameter "Mallet" or, as struck, by the note map.
+void Keyboard::strike(std::size_t key, std::size_t channel, std::uint8_t velocity, const Playing& playing) REALTIME {
+  const KeyMap::Key& struck = playing.map.keys[key];
+  const auto mallet = static_cast<Mallet>(playing.parameters[Parameter::mallet]);
+  const bool is_bowed = mallet == Mallet::bow || (mallet == Mallet::as_struck && struck.bow);
+  if (!is_bowed) lift(key, playing);
   if (!takes_event()) return;
-  const KeyMap::Object& object = playing.map.objects[key.object];
-  const Body& body = playing.map.body_of(object);
-  const double size = size_of(playing.map, object, playing.parameters, bend_semitones);
-  const double percent = playing.parameters[Parameter::strike_point];
-  const Body::Station& station = body.stations[std::min(static_cast<std::size_t>(std::lround(percent)), kStations - 1)];
-  const bool exact = playing.map.point && playing.map.point->is_at(percent);
-  const Vec3 direction = exact ? playing.map.point->direction : station.direction;
-  const double evening = playing.parameters.on(Parameter::even_loudness) ? playing.map.evening : 1;
-  const Vec3 full_ns =
-      key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, playing.parameters, size) * direction;
-  const double hardest = std::min(1.0, kMaxImpulse_ns / std::max(length(full_ns), kMaxImpulse_ns));
-  const Vec3 impulse = share * hardest * full_ns;
-  const double impulse_ns[3] = {impulse.x, impulse.y, impulse.z};
-  const double full_time_s =
-      key.contact_time_s ? *key.contact_time_s : 1e-3 * playing.parameters[Parameter::contact_time];
-  const double contact_time_s = std::min(full_time_s * std::pow(share, -0.2) * softness, kMaxContact_s);
-  if (key.point_m || exact) {
-    const Vec3 point = size * (exact ? playing.map.point->point_m : *key.point_m);
-    const double point_m[3] = {point.x, point.y, point.z};
-    ringdown_strike(playing.mixer, playing.frame, object.number, point_m, impulse_ns, contact_time_s, nullptr);
-  } else {
-    ringdown_strike_vertex(playing.mixer, playing.frame, object.number, station.point, impulse_ns, contact_time_s,
-                           nullptr);
+  const double bend = bend_semitones(playing.map.objects[struck.object].key);
+  const Target target = target_of(struck, velocity, playing.map, playing.parameters, bend);
+  if (is_bowed) {
+    const Bows::Stroke stroke = stroke_of(struck, target, playing.map, playing.parameters);
+    return bows_.draw(key, stroke, velocity / 127.0, moment_of(playing));
   }
+  const double share = (velocity / 127.0) * (velocity / 127.0);
+  const double softness = std::exp2(-kHardnessOctaves * channels_[channel].hardness);
+  const Blow blow{share, softness, keys_.is_down(HeldKeys::Pedal::damp)};
+  if (mallet == Mallet::as_struck) return plugin::strike(playing.mixer, playing.frame, target, blow);
+  if (blow.is_dead) pressure_[key].store(1, std::memory_order_relaxed);
+  throw_mallet(playing.mixer, playing.frame, target, blow, kMalletInfo[static_cast<std::size_t>(mallet)]);
+}
+
+void Keyboard::lift(std::size_t key, const Playing& playing) REALTIME {
+  if (bows_.is_drawn(key) && takes_event()) bows_.lift(key, moment_of(playing));
 }
 
 void Keyboard::release(std::size_t key, std::size_t channel, const Playing& playing) REALTIME {
@@ -135,6 +135,7 @@ void Keyboard::release(std::size_t key, std::size_t channel, const Playing& play
     channel_of_[key] = static_cast<std::uint8_t>(keys_.channel_of(key));
     return;
   }
+  lift(key, playing);
   key_tuning_[key] = 0;  // of the next note
   pressure_[key].store(0, std::memory_order_relaxed);
   if (released == HeldKeys::Release::kept) return;
@@ -147,11 +148,15 @@ void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t va
     const bool was_damped = keys_.is_down(HeldKeys::Pedal::damp);
     damp_released(keys_.move(*pedal, channel, value >= 64), playing);
     if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(playing.map.damp_s, playing);
-  } else if (number == midi::kBrightness) {
-    channels_[channel].hardness = std::clamp((value - 64) / 63.0, -1.0, 1.0);
+  } else if (number == midi::kBreath || number == midi::kExpression || number == midi::kBrightness) {
+    if (number == midi::kBrightness) channels_[channel].hardness = std::clamp((value - 64) / 63.0, -1.0, 1.0);
+    for (std::size_t key = 0; key < kKeys; ++key) {
+      if (follows(key, channel, playing) && takes_change(key)) bows_.set_speed(key, value / 127.0, moment_of(playing));
+    }
   } else if (const auto set = registered_.take(channel, number, value)) {
     set_registered(channel, *set, playing);
   } else if (number == midi::kAllSoundOff) {
+    for (std::size_t key = 0; key < kKeys; ++key) lift(key, playing);
     damp_all(0, playing);
   } else if (number == midi::kResetControllers || midi::ends_notes(number)) {
     // A master channel of MPE speaks for its zone.
@@ -218,6 +223,9 @@ void Keyboard::reset_controllers(std::size_t channel, const Playing& playing) RE
   damp_released(keys_.lift_pedals(channel), playing);
   bend(channel, 0, playing);
   press_harder(channel, 0, playing);
+  for (std::size_t key = 0; key < kKeys; ++key) {
+    if (follows(key, channel, playing) && takes_change(key)) bows_.reset(key, moment_of(playing));
+  }
 }
 
 void Keyboard::bend(std::size_t channel, double bend, const Playing& playing) REALTIME {
@@ -242,11 +250,20 @@ void Keyboard::bend_key(std::size_t key, const Playing& playing) REALTIME {
   bend_semitones_[key].store(semitones, std::memory_order_relaxed);
 }
 
+// Returns whether pressure and the controllers of bows on this channel act on the key.
+bool Keyboard::follows(std::size_t key, std::size_t channel, const Playing& playing) const REALTIME {
+  return channel_of_[key] == channel || master_of(channel_of_[key], playing) == channel;
+}
+
 void Keyboard::press_harder(std::size_t channel, double pressure, const Playing& playing) REALTIME {
   for (std::size_t key = 0; key < kKeys; ++key) {
-    const bool follows = channel_of_[key] == channel || master_of(channel_of_[key], playing) == channel;
-    if (keys_.is_down(key) && follows) pressure_[key].store(pressure, std::memory_order_relaxed);
+    if (keys_.is_down(key) && follows(key, channel, playing)) press_key_harder(key, pressure, playing);
   }
+}
+
+void Keyboard::press_key_harder(std::size_t key, double pressure, const Playing& playing) REALTIME {
+  if (!bows_.is_drawn(key)) return pressure_[key].store(pressure, std::memory_order_relaxed);
+  if (takes_change(key)) bows_.set_force(key, pressure, moment_of(playing));
 }
 
 // Damps what one key struck, unless another key keeps the object ringing.

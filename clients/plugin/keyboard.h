@@ -2,12 +2,18 @@
 // for the worker, which retunes. [audio, except where stated otherwise]
 //
 // A velocity v gives the share (v / 127)^2 of the full impulse, and the blow lasts share^(-1/5) times as long as the
-// full one, by Hertz's law: soft blows are duller. Controller 74 makes blows harder or softer.
+// full one, by Hertz's law: soft blows are duller. Controller 74 makes blows harder or softer. Mallets and bows follow
+// the parameter "Mallet" (mallets.h); a mallet that strikes while the damp pedal is down stays on the object, as a full
+// hand, until its key is released.
+//
+// A bow has v / 127 of its full speed until a controller (2, 11 or 74) of its channel changes it, and half of its full
+// force until pressure does. Where a bow is drawn, pressure is no hand.
 //
 // Two messages that MIDI leaves undefined bend a single key; only clap_entry.cpp sends them, for CLAP's note
 // expressions: kTuneKeyHigh key h, then kTuneKeyLow key l, for the 14-bit number 128 h + l that tuning_code() makes.
 #pragma once
 
+#include "clients/plugin/bows.h"
 #include "clients/plugin/key_map.h"
 #include "engine/microtuning/played_tuning.h"
 #include "server/session/held_keys.h"
@@ -62,6 +68,7 @@ class Keyboard {
 
  private:
   static constexpr std::size_t kMaxEvents = 3900;
+  static constexpr std::size_t kForNotes = 1024;  // events that changes of bows leave to notes and their ends
   static constexpr std::size_t kNone = ~std::size_t{0};
   struct Channel {
     double bend = 0;              // -1 ... 1
@@ -80,13 +87,15 @@ class Keyboard {
   void bend(std::size_t channel, double bend, const Playing& playing) REALTIME;
   void bend_key(std::size_t key, const Playing& playing) REALTIME;
   void press_harder(std::size_t channel, double pressure, const Playing& playing) REALTIME;
+  void press_key_harder(std::size_t key, double pressure, const Playing& playing) REALTIME;
+  [[nodiscard]] bool follows(std::size_t key, std::size_t channel, const Playing& playing) const REALTIME;
   void damp(std::size_t key, double within_s, const Playing& playing) REALTIME;
   void damp_released(const session::HeldKeys::Keys& keys, const Playing& playing) REALTIME;
   void damp_all(double within_s, const Playing& playing) REALTIME;
   [[nodiscard]] bool kept(std::uint32_t object, const KeyMap& map) const REALTIME;
 
-  void strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
-              const Playing& playing) REALTIME;
+  void strike(std::size_t key, std::size_t channel, std::uint8_t velocity, const Playing& playing) REALTIME;
+  void lift(std::size_t key, const Playing& playing) REALTIME;
   void clear(std::uint32_t object, double within_s, const Playing& playing) REALTIME;
   [[nodiscard]] bool takes_event() REALTIME {
     if (events_left_ == 0) return false;
@@ -94,12 +103,18 @@ class Keyboard {
     return true;
   }
 
+  // Returns whether the key's bow may change.
+  [[nodiscard]] bool takes_change(std::size_t key) REALTIME {
+    return bows_.is_drawn(key) && events_left_ > kForNotes && takes_event();
+  }
+
   std::size_t events_left_ = kMaxEvents;
   session::HeldKeys keys_;
   session::RegisteredParameters registered_;
   microtuning::PlayedTuning tuning_;
   std::array<std::size_t, 2> members_{};  // channels of MPE's lower and upper zone, as its configuration message states
-  int tuning_high_ = 64;                  // first half of a single key's tuning that is arriving
+  Bows bows_;
+  int tuning_high_ = 64;                    // first half of a single key's tuning that is arriving
   std::array<double, kKeys> key_tuning_{};  // [semitones] bends of single keys
   std::array<Channel, session::midi::kChannels> channels_;
   std::array<std::uint8_t, kKeys> channel_of_{};  // channel that last played the key

@@ -1,5 +1,6 @@
 #include "clients/plugin/parameter_text.h"
 
+#include "clients/plugin/mallets.h"
 #include "clients/plugin/sources.h"
 #include "clients/plugin/tunings.h"
 #include "engine/base/formatted.h"
@@ -34,6 +35,7 @@ std::string name_of(std::size_t parameter, int value) {
   if (is(parameter, Parameter::object)) return choice_name(static_cast<std::size_t>(value));
   if (is(parameter, Parameter::tuning)) return value == 0 ? "concert pitch" : "own pitch";
   if (is(parameter, Parameter::root_key)) return key_name(value);
+  if (is(parameter, Parameter::mallet)) return kMalletInfo[static_cast<std::size_t>(value)].name;
   if (is(parameter, Parameter::scale)) return tuning_name(static_cast<std::size_t>(value));
   if (kParameterInfo[parameter].scale == Scale::toggle) return value == 0 ? "off" : "on";
   return "";

@@ -45,6 +45,9 @@ const std::array<ParameterInfo, kParameters> kParameterInfo = {{
      "The pitches of the keys: equal temperament, or a scale and a keyboard mapping of Scala, from the host or from "
      "your "
      "own folder."},
+    {"mallet", "Mallet", "", 0, 6, 0, Scale::choice, Group::strike,
+     "As struck: a blow of the contact time, or the note map's bow; otherwise a mallet that feels the surface, or a "
+     "bow."},
 }};
 
 const std::array<GroupInfo, kGroups> kGroupInfo = {{

@@ -31,8 +31,9 @@ enum class Parameter : std::size_t {
   mpe,
   embed,
   scale,
+  mallet,
 };
-inline constexpr std::size_t kParameters = 20;
+inline constexpr std::size_t kParameters = 21;
 inline constexpr double kRingsOn_s = 29.9;  // a release from here on damps nothing
 
 enum class Scale { linear, logarithmic, whole, choice, toggle, output };

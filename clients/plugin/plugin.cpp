@@ -7,12 +7,14 @@
 #include <DistrhoPlugin.hpp>
 #include <DistrhoPluginUtils.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 START_NAMESPACE_DISTRHO
 
@@ -25,6 +27,7 @@ using ringdown::plugin::kParameters;
 using ringdown::plugin::MidiMessage;
 using ringdown::plugin::ParameterInfo;
 using ringdown::plugin::Tunings;
+using ringdown::plugin::Which;
 using Kind = ringdown::plugin::Scale;
 
 using Written = std::array<ringdown::plugin::NoteExpressions::Message, 2>;  // messages of one expression
@@ -34,7 +37,6 @@ constexpr const char* kFileKey = "file";
 constexpr const char* kEmbeddedKey = "embedded";
 constexpr const char* kScaleKey = "scale_file";
 constexpr const char* kMappingKey = "mapping_file";
-constexpr const char* kPointKey = "point";
 
 struct StateInfo {
   const char *key, *label, *description;
@@ -47,7 +49,9 @@ constexpr std::array kStates = {
     StateInfo{kScaleKey, "Scale", "A scale of Scala (.scl), played while Scale is \"file\".", kStateIsFilenamePath},
     StateInfo{kMappingKey, "Keyboard mapping", "A keyboard mapping of Scala (.kbm), played while Scale is \"file\".",
               kStateIsFilenamePath},
-    StateInfo{kPointKey, "Exact strike point", "", 0},  // the window's
+    // The window's:
+    StateInfo{ringdown::plugin::kPointStates[0], "Exact strike point", "", 0},
+    StateInfo{ringdown::plugin::kPointStates[1], "Second strike point", "", 0},
 };
 
 class RingdownPlugin : public Plugin {
@@ -117,7 +121,7 @@ class RingdownPlugin : public Plugin {
   String getState(const char* key) const override {
     if (std::string(key) == kFileKey) return String(instrument_->file().c_str());
     if (const auto file = tuning_file(key)) return String(instrument_->tunings().file(*file).c_str());
-    if (std::string(key) == kPointKey) return String(instrument_->point().c_str());
+    if (const auto which = point_of(key)) return String(instrument_->point(*which).c_str());
     return String(instrument_->embedded().c_str());
   }
 
@@ -127,7 +131,7 @@ class RingdownPlugin : public Plugin {
     if (std::string(key) == kFileKey) instrument_->set_file(none ? "" : value);
     if (std::string(key) == kEmbeddedKey) instrument_->set_embedded(value);
     if (const auto file = tuning_file(key)) instrument_->tunings().set_file(*file, none ? "" : value);
-    if (std::string(key) == kPointKey) instrument_->set_point(value);
+    if (const auto which = point_of(key)) instrument_->set_point(value, *which);
   }
 
   void sampleRateChanged(double sample_rate_hz) override { instrument_->set_sample_rate(sample_rate_hz); }
@@ -161,6 +165,12 @@ class RingdownPlugin : public Plugin {
       values.values[i].value = i;
       values.values[i].label = ringdown::plugin::text_of(index, i).c_str();
     }
+  }
+
+  static std::optional<Which> point_of(std::string_view key) {
+    const auto found = std::ranges::find(ringdown::plugin::kPointStates, key);
+    if (found == ringdown::plugin::kPointStates.end()) return std::nullopt;
+    return static_cast<Which>(found - ringdown::plugin::kPointStates.begin());
   }
 
   static std::optional<Tunings::File> tuning_file(const std::string& key) {

@@ -4,6 +4,7 @@
 // - The parameter Object has as many steps as it has values; DPF counts only the named ones.
 // - Note expressions reach the instrument (vst3_notes.h), and are announced to hosts.
 // - Velocities are rounded to the nearest of MIDI's; DPF rounds them down.
+// - A window that closes lets go of the key that the mouse holds in it.
 // - The tail is unlimited: DPF says that there is none, and hosts would cut off what rings.
 //
 // DPF's function is compiled under the name dpf_GetPluginFactory. Objects of VST3 are pointers to a table of functions,
@@ -19,6 +20,7 @@
 #include "src/travesty/events.h"
 #include "src/travesty/factory.h"
 #include "src/travesty/unit.h"
+#include "src/travesty/view.h"
 
 #include <algorithm>
 #include <limits>
@@ -40,6 +42,7 @@ v3_plugin_factory dpf_factory{};
 v3_funknown dpf_component{}, dpf_controller_object{};
 v3_edit_controller dpf_controller{};
 v3_audio_processor dpf_processor{};
+v3_plugin_view dpf_view{};
 
 void write_text(std::string_view text, v3_str_128 target) {
   const std::size_t count = std::min<std::size_t>(text.size(), 127);
@@ -222,6 +225,23 @@ v3_result get_value(void* self, v3_param_id id, std::int16_t* text, double* norm
   return V3_OK;
 }
 
+// Windows
+
+// DPF disconnects a window before it closes it, so a key that the mouse holds there must be released before.
+v3_result close_view(void* self) {
+  if (let_go_of_keys()) let_go_of_keys()();
+  return dpf_view.removed(self);
+}
+
+v3_plugin_view** create_view(void* self, const char* name) {
+  v3_plugin_view** const made = dpf_controller.create_view(self, name);
+  if (!made) return made;
+  v3_plugin_view& view = (*reinterpret_cast<v3_plugin_view_cpp**>(made))->view;
+  if (view.removed != close_view) dpf_view = view;
+  view.removed = close_view;
+  return made;
+}
+
 // Objects
 
 // Finds the interfaces that DPF does not have.
@@ -251,6 +271,7 @@ v3_result query_component(void* self, const v3_tuid id, void** object) {
     dpf_controller_object = controller;
     dpf_controller = controller.ctrl;
     controller.query_interface = query_controller;
+    controller.ctrl.create_view = create_view;
     controller.ctrl.get_parameter_info = get_parameter_info;
     controller.ctrl.get_parameter_string_for_value = get_text;
     controller.ctrl.get_parameter_value_for_string = get_value;

@@ -51,4 +51,10 @@ class NoteExpressions {
   std::array<Note, kKeys> notes_{};  // the note that each key played last
 };
 
+// A function of the windows, if there are any, that releases the keys which the mouse holds in them. [UI]
+inline void (*&let_go_of_keys())() {
+  static void (*function)() = nullptr;
+  return function;
+}
+
 }  // namespace ringdown::plugin

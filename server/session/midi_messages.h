@@ -16,7 +16,7 @@ inline constexpr std::uint8_t kSystemExclusive = 0xf0;
 inline constexpr std::size_t kChannels = 16;
 
 // Controllers.
-inline constexpr std::uint8_t kExpression = 11, kSustainPedal = 64, kSostenutoPedal = 66, kSoftPedal = 67,
+inline constexpr std::uint8_t kBreath = 2, kExpression = 11, kSustainPedal = 64, kSostenutoPedal = 66, kSoftPedal = 67,
                               kBrightness = 74, kAllSoundOff = 120, kResetControllers = 121, kAllNotesOff = 123;
 
 // Returns true for a system exclusive message. Some hosts leave out its first byte, so that it begins with data.

@@ -11,7 +11,6 @@ namespace {
 using synth::Event;
 
 constexpr double kMaxContact_s = 0.1;
-constexpr float kFirstPressure = 0.5F;  // pressure of a bow before any message
 
 float share_of(std::uint8_t value) REALTIME { return static_cast<float>(value) / 127.0F; }
 
@@ -51,7 +50,7 @@ void MidiPlayer::press(std::size_t note, std::uint8_t velocity, std::uint8_t cha
   if (!strike || tuning_.is_unmapped(note)) return;
   if (strike->bow) {
     const float speed = share_of(velocity);
-    bows_[note] = {channel, speed, speed, kFirstPressure, true};
+    bows_[note] = {channel, speed, speed, kFirstBowPressure, true};
     return draw(note, playing);
   }
   const double share = (velocity / 127.0) * (velocity / 127.0);
@@ -85,7 +84,7 @@ void MidiPlayer::control(std::uint8_t channel, std::uint8_t number, std::uint8_t
     const bool was_damped = keys_.is_down(HeldKeys::Pedal::damp);
     damp_released(keys_.move(*pedal, channel, value >= 64), playing);
     if (!was_damped && keys_.is_down(HeldKeys::Pedal::damp)) damp_all(playing.table.damp_s, playing);
-  } else if (number == midi::kExpression || number == midi::kBrightness) {
+  } else if (number == midi::kBreath || number == midi::kExpression || number == midi::kBrightness) {
     change_bows(channel, playing, [value](Bow& bow) REALTIME { bow.speed = share_of(value); });
   } else if (const auto set = registered_.take(channel, number, value)) {
     tuning_.select(channel, set->parameter, set->value, keys_.held());
@@ -96,7 +95,7 @@ void MidiPlayer::control(std::uint8_t channel, std::uint8_t number, std::uint8_t
     damp_released(keys_.lift_pedals(channel), playing);
     change_bows(channel, playing, [](Bow& bow) REALTIME {
       bow.speed = bow.first_speed;
-      bow.force = kFirstPressure;
+      bow.force = kFirstBowPressure;
     });
   } else if (midi::ends_notes(number)) {
     for (std::size_t note = 0; note < kNotes; ++note) release(note, channel, playing);

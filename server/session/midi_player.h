@@ -4,10 +4,11 @@
 // the highest; the blow lasts (J_full / J)^(1/5) times as long as at full velocity, by Hertz's law of contact: soft
 // blows are duller.
 //
-// A bowed note draws its bow while its key is down: at v / 127 of its full speed, and at kFirstPressure of its full
-// force until the key's or the channel's pressure changes the force. Controllers 74 and 11 set the speed of all bows on
-// their channel, so an MPE keyboard, with a channel for each note, controls each bow separately. Reset all controllers
-// (RP-015 of the MIDI Association) lifts its channel's pedals and returns its bows to their first speed and force.
+// A bowed note draws its bow while its key is down: at v / 127 of its full speed, and at kFirstBowPressure of its full
+// force until the key's or the channel's pressure changes the force. Controllers 2, 11 and 74 set the speed of all bows
+// on their channel, so an MPE keyboard, with a channel for each note, controls each bow separately. Reset all
+// controllers (RP-015 of the MIDI Association) lifts its channel's pedals and returns its bows to their first speed and
+// force.
 #pragma once
 
 #include "engine/base/realtime.h"

@@ -47,7 +47,6 @@ inline constexpr double kDefaultVelocity_m_s = 0.1;
 // The sound pressures at 1 m between which a full blow of a note lies if the map states no impulse. They are 1 and 30
 // dB below the default full scale, so one note neither reaches the limiter nor is lost.
 inline constexpr double kMaxDefault_pa = 17.8, kMinDefault_pa = 0.63;
-inline constexpr double kDefaultBow_m_s = 0.4, kDefaultBow_n = 2;
 
 // Returns what notes strike without a map: note kFirstDefaultNote the object of the lowest number, the next note the
 // next object, and so on.

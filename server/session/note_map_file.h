@@ -38,6 +38,10 @@ struct NoteMap {
   std::string banks;  // folder with NAME.glb for each object, used without a scene; "": the map's own
 };
 
+// The bow of a note, where the map does not say, and the pressure on it before any message.
+inline constexpr double kDefaultBow_m_s = 0.4, kDefaultBow_n = 2;
+inline constexpr float kFirstBowPressure = 0.5F;
+
 // Reads a map and the files of its tuning. Values out of range and two entries for one note are refused, with the line.
 // [worker]
 Result<NoteMap> read_note_map(const std::filesystem::path& path);

@@ -25,7 +25,7 @@ namespace {
 
 const std::string kBundle = RINGDOWN_LIB_DIR "/lv2/ringdown.lv2/";
 constexpr std::uint32_t kEventsIn = 2, kEventsOut = 3;
-constexpr std::size_t kParameters = 20, kFirstControl = 4;  // ports: left, right, events in, events out, parameters
+constexpr std::size_t kParameters = 21, kFirstControl = 4;  // ports: left, right, events in, events out, parameters
 
 constexpr const char* kPlugin = "urn:ringdown:instrument";
 

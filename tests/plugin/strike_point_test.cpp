@@ -93,10 +93,29 @@ TEST_F(ExactPoint, IsNotUsedOnAnotherObjectNorFarFromItsOwn) {
   EXPECT_NEAR(pitch_of_blow(), 1000, 1) << "libringdown refuses such a blow, so nothing would sound";
 }
 
+TEST_F(ExactPoint, TheSecondIsStruckByVelocitiesFromAHundredOn) {
+  const auto pitch_of = [&](std::uint8_t velocity) {
+    play(kControl, 120, 0);
+    hear(2048);
+    play(kOn, 60, velocity);
+    return pitch_hz(4800);
+  };
+  instrument_.set_point(text({1, 0, 0}, {-1, 0, 0}), Which::second);
+  EXPECT_NEAR(pitch_of(99), 1000, 1);
+  EXPECT_NEAR(pitch_of(100), 3000, 3);
+  instrument_.set_point(text({1, 0, 0}, {0, 0, 1}));
+  EXPECT_NEAR(pitch_of(127), 3000, 3) << "beside a first point";
+  instrument_.set_point(text({1, 0, 0}, {-1, 0, 0}));
+  instrument_.set_point("", Which::second);
+  EXPECT_NEAR(pitch_of(127), 3000, 3) << "the first is for all velocities if it is alone";
+}
+
 TEST_F(ExactPoint, IsNotPartOfAPreset) {
   instrument_.set_point(text({1, 0, 0}, {-1, 0, 0}));
+  instrument_.set_point(text({1, 0, 0}, {-1, 0, 0}), Which::second);
   instrument_.load_preset(0);
   EXPECT_EQ(instrument_.point(), "");
+  EXPECT_EQ(instrument_.point(Which::second), "");
 }
 
 TEST_F(ExactPoint, OutlivesARestartAndAnotherObjectBetween) {

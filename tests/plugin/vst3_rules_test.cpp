@@ -80,7 +80,7 @@ class Vst3Rules : public testing::Test {
 };
 
 TEST_F(Vst3Rules, ParametersKeepTheirNumbersAndHaveNamesUnitsAndGroups) {
-  ASSERT_EQ(end(), kFirst + 20);
+  ASSERT_EQ(end(), kFirst + 21);
   v3_unit_information** units = nullptr;
   ASSERT_EQ(v3_cpp_obj_query_interface(controller, v3_unit_information_iid, &units), V3_OK);
   std::set<std::int32_t> known;

@@ -18,11 +18,12 @@ namespace {
 struct Told : HostLink {
   std::map<std::size_t, float> values;
   std::vector<std::string> gestures;
-  std::string point, file;
+  std::string file;
+  std::array<std::string, kPoints> points;
   void begin_edit(std::size_t parameter) override { gestures.push_back("begin " + std::to_string(parameter)); }
   void set_parameter(std::size_t parameter, float value) override { values[parameter] = value; }
   void end_edit(std::size_t parameter) override { gestures.push_back("end " + std::to_string(parameter)); }
-  void set_point(const std::string& text) override { point = text; }
+  void set_point(Which which, const std::string& text) override { points[static_cast<std::size_t>(which)] = text; }
   void set_file(const std::string& path) override { file = path; }
   void press_key(std::uint8_t, std::uint8_t) override {}
   void release_key(std::uint8_t) override {}
@@ -41,7 +42,7 @@ TEST(WindowEdits, AreUndoneAndDoneAgainOneByOne) {
   edits.set(Parameter::size, 2);
   edits.set_point({{1, 2, 3}, {0, 0, 1}, 0, "mug"});
   edits.undo();
-  EXPECT_EQ(host.point, "");
+  EXPECT_EQ(host.points[0], "");
   EXPECT_EQ(host.values[kSize], 2);
   edits.undo();
   EXPECT_EQ(host.values[kSize], 1);
@@ -54,7 +55,7 @@ TEST(WindowEdits, AreUndoneAndDoneAgainOneByOne) {
   edits.redo();
   EXPECT_EQ(host.values[kGain], -3);
   EXPECT_EQ(host.values[kSize], 2);
-  EXPECT_EQ(host.point, to_text({{1, 2, 3}, {0, 0, 1}, 0, "mug"}));
+  EXPECT_EQ(host.points[0], to_text({{1, 2, 3}, {0, 0, 1}, 0, "mug"}));
   EXPECT_FALSE(edits.history().can_redo());
 }
 
@@ -85,7 +86,15 @@ TEST(WindowEdits, ThePointIsThatOfOneObjectAndOneValueOfTheParameter) {
   edits.set_point({{1, 2, 3}, {0, 0, 1}, 0, "mug"});
   EXPECT_TRUE(edits.point_on("mug"));
   EXPECT_FALSE(edits.point_on("bell"));
+  edits.set_point({{4, 5, 6}, {0, 0, 1}, 0, "mug"}, Which::second);
+  EXPECT_EQ(edits.point_on("mug")->point_m, (Vec3{1, 2, 3}));
+  EXPECT_EQ(edits.point_on("mug", Which::second)->point_m, (Vec3{4, 5, 6}));
+  edits.undo();
+  EXPECT_FALSE(edits.point_on("mug", Which::second));
+  EXPECT_EQ(host.points[1], "");
+  edits.redo();
   edits.on_parameter(static_cast<std::size_t>(Parameter::strike_point), 30);
+  EXPECT_FALSE(edits.point_on("mug", Which::second));
   EXPECT_FALSE(edits.point_on("mug"));
 }
 

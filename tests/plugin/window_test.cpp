@@ -46,7 +46,10 @@ using namespace ringdown::test;
 
 constexpr int kWidth = 1100, kHeight = 680;
 constexpr std::uint32_t kFrames = 512;
-constexpr int kMiddleX = 480, kMiddleY = 309;  // where the middle of the object is seen
+constexpr int kMiddleX = 480, kMiddleY = 266;                       // where the top of the object is seen
+constexpr int kMalletsX = 246, kMalletWidth = 78, kMalletsY = 545;  // the middles of the pictures
+constexpr const char* kPoint = " vibraphone-key";                   // in a session: of a strike point
+constexpr std::size_t kMallet = 20;                                 // number of the parameter
 
 // A host's window, in which the plug-in's is opened.
 class Desktop {
@@ -72,15 +75,15 @@ class Desktop {
     return first;
   }
   void wait() const { XSync(display_, False); }
-  // Presses or releases a button as a user would.
-  void button(bool press, int x, int y) const {
+  // Presses or releases a button as a user would, with modifiers of X11.
+  void button(bool press, int x, int y, unsigned modifiers = 0) const {
     XEvent event{};
     event.xbutton.type = press ? ButtonPress : ButtonRelease;
     event.xbutton.display = display_;
     event.xbutton.window = child();
     event.xbutton.root = DefaultRootWindow(display_);
     event.xbutton.button = Button1;
-    event.xbutton.state = press ? 0 : Button1Mask;
+    event.xbutton.state = modifiers | (press ? 0 : Button1Mask);
     event.xbutton.x = event.xbutton.x_root = x;
     event.xbutton.y = event.xbutton.y_root = y;
     event.xbutton.same_screen = True;
@@ -201,6 +204,67 @@ TEST_P(PluginWindow, AClickStrikesTheObjectWhereItIsSeenAndSetsTheStrikePoint) {
   EXPECT_TRUE(other->load(session));
   EXPECT_NE(other->save().find(" vibraphone-key"), std::string::npos) << "sessions keep it";
   host_->close_window();
+}
+
+TEST_P(PluginWindow, AClickWithShiftSetsTheSecondStrikePoint) {
+  open();
+  run(3);
+  settle();
+  const auto points = [&] {
+    const std::string session = host_->save();
+    int count = 0;
+    for (std::size_t at = session.find(kPoint); at != session.npos; at = session.find(kPoint, at + 1)) ++count;
+    return count;
+  };
+  int wanted = 0;
+  for (const unsigned modifier : {unsigned{ShiftMask}, 0U}) {
+    ++wanted;
+    desktop_->button(true, kMiddleX, kMiddleY, modifier);
+    for (int tries = 0; tries < 1000 && points() < wanted; ++tries) {
+      desktop_->wait();
+      run(1);
+    }
+    desktop_->button(false, kMiddleX, kMiddleY, modifier);
+    for (int i = 0; i < 20; ++i) {
+      desktop_->wait();
+      run(1);
+    }
+    EXPECT_EQ(points(), wanted) << "the first point is another";
+  }
+  host_->close_window();
+}
+
+TEST_P(PluginWindow, AClickOnAPictureChoosesTheMallet) {
+  open();
+  run(1);
+  settle();
+  for (const auto& [mallet, x] : {std::pair{6, kMalletsX + 6 * kMalletWidth}, {1, kMalletsX + kMalletWidth}}) {
+    desktop_->button(true, x, kMalletsY);
+    settle();
+    desktop_->button(false, x, kMalletsY);
+    settle();
+    run(1);
+    EXPECT_EQ(host_->parameter(kMallet), mallet);
+  }
+  host_->close_window();
+}
+
+TEST_P(PluginWindow, LetsGoOfTheKeyThatTheMouseHoldsWhenItCloses) {
+  open();
+  run(3);
+  settle();
+  desktop_->button(true, kMiddleX, kMiddleY);
+  double peak = 0;
+  for (int tries = 0; tries < 1000 && peak == 0; ++tries) {
+    desktop_->wait();
+    peak = run(1);
+  }
+  EXPECT_GT(peak, 0);
+  host_->close_window();
+  desktop_->button(false, kMiddleX, kMiddleY);
+  std::vector<float> left(kFrames), right(kFrames);
+  for (int block = 0; block < 48; ++block) host_->render({}, left.data(), right.data(), kFrames);  // 0.5 s
+  EXPECT_EQ(*std::ranges::max_element(left), 0) << "it is damped within 0.4 s";
 }
 
 TEST_P(PluginWindow, ThatIsSilentDrawsNothingAndCostsLittle) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 namespace ringdown::synth::test {
@@ -213,6 +215,39 @@ TEST(Touches, MalletsBeyondTheLastPlaceStrikeOneWay) {
     return std::sqrt(sum) / static_cast<double>(at_once);
   };
   EXPECT_NEAR(loudest(24) / loudest(8), 1, 0.25);  // a stand-in hits once, where a mallet may chatter
+}
+
+// The second mallet may come in the chunk after the one in which the first has left, and takes its place then.
+TEST(Touches, AnObjectRingsOnWhileTheNextMalletHitsAnother) {
+  const Map map = map_of(bar_bank(8));
+  const auto heard = [&](bool first, std::optional<Frame> second) {
+    Player player;
+    for (ObjectNumber object = 0; object < 2; ++object) player.install(object, map);
+    if (first) player.push(touch_at(10, 0, kBarEnd, mallet_with(0.5, 0.01, 1e7)));
+    if (second) player.push(touch_at(*second, 1, kBarEnd, mallet_with(0.5, 0.01, 1e7)));
+    player.render(4800);
+    return Samples(player.left.begin(), player.left.end());
+  };
+  const Samples alone = heard(true, {});
+  for (Frame second = 10; second < 1500; second += kChunkFrames) {
+    Samples sum = heard(false, second);
+    std::ranges::transform(sum, alone, sum.begin(), std::plus());
+    EXPECT_LT(off_by_db(sum, heard(true, second)), -100) << second;
+  }
+}
+
+// As a note that ends just before the key is struck again.
+TEST(Touches, AMalletThatComesAfterAClearIsNotEndedByIt) {
+  const Map map = map_of(bar_bank(8));
+  const auto heard = [&](bool cleared, Frame hit) {
+    Player player;
+    player.install(0, map);
+    if (cleared) player.push(clear_at(10, 0));
+    player.push(touch_at(hit, 0, kBarEnd, mallet_with(0.5, 0.01, 1e7)));
+    player.render(4800);
+    return Samples(player.left.begin(), player.left.end());
+  };
+  for (const Frame hit : {10, 50}) EXPECT_LT(off_by_db(heard(false, hit), heard(true, hit)), -100) << hit;
 }
 
 TEST(Touches, TakeNoMemoryAndNoLocks) {

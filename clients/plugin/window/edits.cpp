@@ -29,10 +29,10 @@ void Edits::set(Parameter parameter, double value) {
   end(parameter);
 }
 
-void Edits::set_point(const StrikePoint& point) {
+void Edits::set_point(const StrikePoint& point, Which which) {
   history_.record(values_);
-  values_.point = to_text(point);
-  host_.set_point(values_.point);
+  on_point(which, to_text(point));
+  host_.set_point(which, to_text(point));
 }
 
 void Edits::play_file(const std::string& path) {
@@ -42,8 +42,8 @@ void Edits::play_file(const std::string& path) {
   send(static_cast<std::size_t>(Parameter::object), 0);
 }
 
-std::optional<StrikePoint> Edits::point_on(const std::string& source) const {
-  auto point = strike_point_of(values_.point);
+std::optional<StrikePoint> Edits::point_on(const std::string& source, Which which) const {
+  auto point = strike_point_of(values_.points[static_cast<std::size_t>(which)]);
   const auto percent = static_cast<double>(values_[Parameter::strike_point]);
   return point && point->source == source && point->is_at(percent) ? std::move(point) : std::nullopt;
 }
@@ -58,7 +58,11 @@ void Edits::send(std::size_t parameter, float value) {
 void Edits::go_to(const std::optional<Values>& target) {
   if (!target) return;
   if (target->file != values_.file) host_.set_file(values_.file = target->file);
-  if (target->point != values_.point) host_.set_point(values_.point = target->point);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    if (target->points[i] != values_.points[i]) {
+      host_.set_point(static_cast<Which>(i), values_.points[i] = target->points[i]);
+    }
+  }
   for (std::size_t i = 0; i < kParameters; ++i) {
     const bool differs = target->parameters[i] != values_.parameters[i];
     if (differs && kParameterInfo[i].scale != Scale::output) send(i, target->parameters[i]);

@@ -20,7 +20,7 @@ class Edits {
 
   // The host reports these.
   void on_parameter(std::size_t parameter, float value);
-  void on_point(const std::string& text) { values_.point = text; }
+  void on_point(Which which, const std::string& text) { values_.points[static_cast<std::size_t>(which)] = text; }
   void on_file(const std::string& path) { values_.file = path; }
 
   // The user edits by these. A slider is begun, moved and ended; every other edit is one step.
@@ -28,13 +28,13 @@ class Edits {
   void move(Parameter parameter, double value);
   void end(Parameter parameter);
   void set(Parameter parameter, double value);
-  void set_point(const StrikePoint& point);
+  void set_point(const StrikePoint& point, Which which = Which::first);
   void play_file(const std::string& path);  // and chooses it as object
   void undo() { go_to(history_.undo(values_)); }
   void redo() { go_to(history_.redo(values_)); }
 
-  // Returns the exact strike point, if it is used for an object of this source.
-  [[nodiscard]] std::optional<StrikePoint> point_on(const std::string& source) const;
+  // Returns an exact strike point, if it is used for an object of this source.
+  [[nodiscard]] std::optional<StrikePoint> point_on(const std::string& source, Which which = Which::first) const;
 
  private:
   void send(std::size_t parameter, float value);

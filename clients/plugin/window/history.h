@@ -2,6 +2,7 @@
 #pragma once
 
 #include "clients/plugin/parameters.h"
+#include "clients/plugin/strike_point.h"
 
 #include <array>
 #include <cstddef>
@@ -14,7 +15,8 @@ namespace ringdown::plugin {
 
 struct Values {
   std::array<float, kParameters> parameters{};
-  std::string point, file;  // the states of these names
+  std::string file;                         // the state of this name
+  std::array<std::string, kPoints> points;  // the states kPointStates
   [[nodiscard]] float operator[](Parameter parameter) const { return parameters[static_cast<std::size_t>(parameter)]; }
 };
 

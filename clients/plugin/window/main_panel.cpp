@@ -1,6 +1,7 @@
 #include "clients/plugin/window/main_panel.h"
 
 #include "clients/plugin/parameter_text.h"
+#include "clients/plugin/window/mallet_row.h"
 #include "clients/viewer/panels/skin.h"
 #include "engine/base/formatted.h"
 #include "engine/base/note.h"
@@ -87,8 +88,9 @@ void MainPanel::draw(float width, float height, double scale, double now_s) {
   const float middle = std::max(50.0F, ImGui::GetContentRegionAvail().x - ratio * kControls - gap);
   if (begin_column("object", middle)) {
     draw_toolbar(scale);
-    const float below = ratio * kModes + ImGui::GetStyle().ItemSpacing.y;
+    const float below = ratio * kModes + mallet_row_height() + 2 * ImGui::GetStyle().ItemSpacing.y;
     draw_body(middle, std::max(50.0F, ImGui::GetContentRegionAvail().y - below), now_s);
+    draw_mallet_row(middle, edits_);
     draw_modes(middle, ratio * kModes);
   }
   ImGui::EndChild();
@@ -154,7 +156,7 @@ void MainPanel::draw_body(float width, float height, double now_s) {
   const auto picture = reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture));
   ImGui::GetWindowDrawList()->AddImage(picture, corner, {corner.x + width, corner.y + height}, {0, 1}, {1, 0});
   point_at_body(corner.x, corner.y);
-  draw_strike_point(corner.x, corner.y);
+  draw_strike_points(corner.x, corner.y);
 }
 
 // The left button strikes the object, and beside it turns it, as the right one does everywhere. x, y: the picture's
@@ -171,31 +173,47 @@ void MainPanel::point_at_body(float x, float y) {
         const auto to_vec3 = [](const glm::vec3& v) {
           return Vec3{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
         };
-        edits_.set_point({to_vec3(hit->object_point_m), to_vec3(-hit->normal), percent, body_->source});
+        edits_.set_point({to_vec3(hit->object_point_m), to_vec3(-hit->normal), percent, body_->source},
+                         io.KeyShift ? Which::second : Which::first);
       }
       pressed_ = static_cast<std::uint8_t>(body_->is_note_map ? body_->key : static_cast<std::size_t>(key_));
-      host_.press_key(*pressed_, static_cast<std::uint8_t>(velocity_));
+      host_.press_key(*pressed_, static_cast<std::uint8_t>(velocity_of_click(io.KeyShift)));
     }
   }
   if (ImGui::IsItemActive() && turns_) view_->turn(io.MouseDelta.x, io.MouseDelta.y);
-  if (pressed_ && !ImGui::IsItemActive()) {
-    host_.release_key(*pressed_);
-    pressed_.reset();
-  }
+  if (!ImGui::IsItemActive()) release_key();
 }
 
-void MainPanel::draw_strike_point(float x, float y) {
+void MainPanel::release_key() {
+  if (pressed_) host_.release_key(*pressed_);
+  pressed_.reset();
+}
+
+// Returns the velocity that strikes the point which the click has set.
+int MainPanel::velocity_of_click(bool is_second) const {
+  if (body_->is_note_map) return velocity_;
+  if (is_second) return std::max<int>(velocity_, kSecondFrom);
+  return edits_.point_on(body_->source, Which::second) ? std::min<int>(velocity_, kSecondFrom - 1) : velocity_;
+}
+
+void MainPanel::draw_strike_points(float x, float y) {
   if (body_->is_note_map) return;
   const auto percent = static_cast<double>(edits_.values()[Parameter::strike_point]);
   const auto point = edits_.point_on(body_->source);
-  const auto pixel = view_->pixel_of(
-      point ? point->point_m : body_->body.stations[static_cast<std::size_t>(std::lround(percent))].position_m);
-  if (!pixel) return;
   const viewer::Skin skin = viewer::make_skin(true);
   const float radius = 0.4F * ImGui::GetFontSize();
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  list.AddCircle({x + pixel->x, y + pixel->y}, radius, skin.paper, 0, 4);
-  list.AddCircle({x + pixel->x, y + pixel->y}, radius, skin.text, 0, 2);
+  const auto draw_ring = [&](const Vec3& point_m, bool is_second) {
+    const auto pixel = view_->pixel_of(point_m);
+    if (!pixel) return;
+    const ImVec2 middle{x + pixel->x, y + pixel->y};
+    list.AddCircle(middle, radius, skin.paper, 0, 4);
+    list.AddCircle(middle, radius, skin.text, 0, 2);
+    if (is_second) list.AddCircleFilled(middle, 0.4F * radius, skin.text);
+  };
+  draw_ring(point ? point->point_m : body_->body.stations[static_cast<std::size_t>(std::lround(percent))].position_m,
+            false);
+  if (const auto second = edits_.point_on(body_->source, Which::second)) draw_ring(second->point_m, true);
 }
 
 // One bar for each audible mode, by its frequency in the object's own size; its height and colour are its level.

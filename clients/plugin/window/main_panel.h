@@ -25,6 +25,7 @@ class MainPanel {
 
   [[nodiscard]] Edits& edits() { return edits_; }
   void on_level(double level_db);
+  void release_key();  // that the mouse holds
 
   // Returns whether the next picture differs although nothing was done: something rings, or a held peak is to fall.
   [[nodiscard]] bool is_moving() const;
@@ -37,7 +38,8 @@ class MainPanel {
   void update_glow(double now_s);
   void draw_body(float width, float height, double now_s);
   void point_at_body(float x, float y);
-  void draw_strike_point(float x, float y);
+  [[nodiscard]] int velocity_of_click(bool is_second) const;
+  void draw_strike_points(float x, float y);
   void draw_modes(float width, float height);
   void draw_toolbar(double scale);
   void take_shortcuts();

@@ -22,7 +22,8 @@ std::string as_pattern(const std::string& text) {
 }
 
 bool is_shown(const ParameterInfo& info, Parameter parameter) {
-  return info.scale != Scale::output && parameter != Parameter::object;  // the browser shows the object
+  return info.scale != Scale::output && parameter != Parameter::object &&
+         parameter != Parameter::mallet;  // the browser and the row of mallets show these
 }
 
 }  // namespace

@@ -2,10 +2,11 @@
 // carries its edits to the host.
 //
 // The plug-in and its window share no memory, because LV2 hosts may run them in two processes. Parameters, the states
-// "file" and "point", and notes are all that passes between them.
+// "file", "point" and "second_point", and notes are all that passes between them.
 //
 // DRAWING. A picture is drawn when something has changed: after an event or an edit, while something rings, and while a
 // held peak is to fall. A silent window that nobody touches draws nothing.
+#include "clients/plugin/vst3_notes.h"
 #include "clients/plugin/window/main_panel.h"
 #include "clients/viewer/panels/font.h"
 #include "clients/viewer/panels/skin.h"
@@ -26,14 +27,17 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 START_NAMESPACE_DISTRHO
 
 namespace {
 
 using ringdown::plugin::HostLink;
+using ringdown::plugin::kPointStates;
 using ringdown::plugin::MainPanel;
 using ringdown::plugin::Parameter;
+using ringdown::plugin::Which;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kSettling = 3;               // pictures after an event, until ImGui shows all that follows from it
@@ -83,8 +87,14 @@ class RingdownWindow : public UI, private HostLink {
     io.IniFilename = nullptr;
     io.ConfigInputTextCursorBlink = false;
     name_keys(io);
+    windows().push_back(this);
+    ringdown::plugin::let_go_of_keys() = [] {
+      for (RingdownWindow* window : windows()) window->let_go();
+    };
   }
   ~RingdownWindow() override {
+    let_go();
+    std::erase(windows(), this);
     enter();
     if (has_renderer_) ImGui_ImplOpenGL3_Shutdown();
     ImGui::DestroyContext(imgui_);
@@ -99,7 +109,9 @@ class RingdownWindow : public UI, private HostLink {
     wake();
   }
   void stateChanged(const char* key, const char* value) override {
-    if (std::string_view(key) == "point") panel_.edits().on_point(value);
+    for (std::size_t i = 0; i < kPointStates.size(); ++i) {
+      if (std::string_view(key) == kPointStates[i]) panel_.edits().on_point(static_cast<Which>(i), value);
+    }
     if (std::string_view(key) == "file") panel_.edits().on_file(value);
     wake();
   }
@@ -152,6 +164,7 @@ class RingdownWindow : public UI, private HostLink {
     enter();
     if (event.button < 1 || event.button > buttons_.size()) return false;
     move_mouse(event.pos);
+    ImGui::GetIO().KeyShift = (event.mod & kModifierShift) != 0;
     Button& button = buttons_[event.button - 1];
     button.is_down = event.press;
     button.was_pressed = button.was_pressed || event.press;
@@ -194,7 +207,9 @@ class RingdownWindow : public UI, private HostLink {
     setParameterValue(static_cast<std::uint32_t>(parameter), value);
   }
   void end_edit(std::size_t parameter) override { editParameter(static_cast<std::uint32_t>(parameter), false); }
-  void set_point(const std::string& text) override { setState("point", text.c_str()); }
+  void set_point(Which which, const std::string& text) override {
+    setState(kPointStates[static_cast<std::size_t>(which)], text.c_str());
+  }
   void set_file(const std::string& path) override { setState("file", path.c_str()); }
   void press_key(std::uint8_t key, std::uint8_t velocity) override {
     notes_.push_back({idles_ + kNoteDelay, key, velocity});
@@ -218,6 +233,19 @@ class RingdownWindow : public UI, private HostLink {
     std::uint64_t at;
     std::uint8_t key, velocity;
   };
+
+  static std::vector<RingdownWindow*>& windows() {
+    static std::vector<RingdownWindow*> open;
+    return open;
+  }
+  // Releases the key that the mouse holds. Once: the host may be gone after the first call.
+  void let_go() {
+    panel_.release_key();
+    for (const Note& note : notes_) {
+      if (note.velocity == 0) sendNote(0, note.key, 0);
+    }
+    notes_.clear();
+  }
 
   void enter() { ImGui::SetCurrentContext(imgui_); }
   void wake() { settling_ = kSettling; }

@@ -88,7 +88,7 @@ void TouchGroup::play_events(std::size_t offset, const Chunk& chunk) REALTIME {
       };
       if (!visit_now(plays, event.verb)) continue;
       for (TouchSlot* touch : touches()) {
-        if (touch->involves(object)) end_touch(*touch);
+        if (touch->open && touch->involves(object)) end_touch(*touch);  // later ones of the chunk are to come
       }
     }
   }

@@ -108,6 +108,9 @@ Touches::Answer Touches::accept(const Touch& how, Frame frame, Object& object, O
   if (tight || !can_touch(&object) || (two && (!can_touch(other) || other == &object))) return Answer::one_way;
   const auto slot = std::ranges::find_if(slots_, [](const TouchSlot& one) REALTIME { return !one.used; });
   if (slot == slots_.end()) return Answer::one_way;
+  for (const TouchSlot::Side& side : slot->sides) {  // of a contact that ended in the last chunk
+    if (side.object) side.object->touched = touches(*side.object);
+  }
   slot->used = slot->stale = slot->fresh = true;
   slot->open = false;
   slot->touch = how;

@@ -4,6 +4,7 @@
 #include "engine/base/realtime.h"
 #include "engine/synth/touching/touch_group.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -37,6 +38,11 @@ class Touches {
   [[nodiscard]] static bool can_touch(const Object* object) REALTIME {
     const Voice* const voice = object ? object->voices.current() : nullptr;
     return voice && voice->table().columns() <= kMaxTouchColumns;
+  }
+
+  [[nodiscard]] bool touches(const Object& object) const REALTIME {
+    return std::ranges::any_of(slots_,
+                               [&](const TouchSlot& slot) REALTIME { return slot.used && slot.involves(object); });
   }
 
   std::array<TouchSlot, kMaxTouches> slots_;
