@@ -84,7 +84,7 @@ HermitianSpectrum hermitian_spectrum(Eigen::MatrixXcd matrix) {
   VectorXd values = VectorXd::Constant(n, kNan);
   int info = 1;
   if (n > 0 && matrix.allFinite()) {
-    const int work_size = 2 * n + n * n, real_size = 1 + 5 * n + 2 * n * n, whole_size = 3 + 5 * n;
+    const int work_size = (2 + kBlock) * n + n * n, real_size = 1 + 5 * n + 2 * n * n, whole_size = 3 + 5 * n;
     std::vector<std::complex<double>> work(static_cast<std::size_t>(work_size));
     std::vector<double> real_work(static_cast<std::size_t>(real_size));
     std::vector<int> whole_work(static_cast<std::size_t>(whole_size));

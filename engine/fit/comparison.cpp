@@ -21,39 +21,6 @@ constexpr double kMaxDecay_ratio = 3;  // modes whose decays differ more are two
 
 double cents_between(double a, double b) { return 1200 * std::log2(a / b); }
 
-std::vector<double> ascending(const modal::Bank& bank) {
-  std::vector<double> frequencies = bank.frequency_hz;
-  std::ranges::sort(frequencies);
-  return frequencies;
-}
-
-// The frequencies of three banks by rank, and interpolations between the banks.
-class Between {
- public:
-  explicit Between(std::span<const NuBank, 3> banks) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      nu_[i] = banks[i].poisson_ratio;
-      frequencies_[i] = ascending(*banks[i].bank);
-    }
-    for (const auto& list : frequencies_) count_ = std::min(count_, list.size());
-  }
-  [[nodiscard]] std::vector<double> at(double nu) const {
-    std::vector<double> result(count_);
-    for (std::size_t i = 0; i < 3; ++i) {
-      double weight = 1;
-      for (std::size_t j = 0; j < 3; ++j) weight *= j == i ? 1 : (nu - nu_[j]) / (nu_[i] - nu_[j]);
-      for (std::size_t k = 0; k < count_; ++k) result[k] += weight * frequencies_[i][k];
-    }
-    std::ranges::sort(result);
-    return result;
-  }
-
- private:
-  std::array<double, 3> nu_{};
-  std::array<std::vector<double>, 3> frequencies_;
-  std::size_t count_ = SIZE_MAX;
-};
-
 double nearest_cents(const std::vector<double>& ascending, double frequency) {
   const auto above = std::ranges::lower_bound(ascending, frequency);
   double off = INFINITY;
@@ -159,14 +126,13 @@ std::vector<Mode> merge(std::span<const std::vector<Mode>> recordings) {
   return modes;
 }
 
-NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options) {
+NuChoice choose_nu(std::span<const Mode> heard, const NuCurves& curves, const CalibrateOptions& options) {
   constexpr double kNuStep = 0.0025, kTuningStep = 2, kAside = 0.03, kTelling_cents = 0.5;
   std::vector<double> frequencies;
   for (const Mode& mode : heard) frequencies.push_back(mode.frequency_hz);
-  const Between between(banks);
-  const double low = banks.front().poisson_ratio, high = banks.back().poisson_ratio;
+  const double low = curves.lowest(), high = curves.highest();
   const auto best_at = [&](double nu, double around, double max, double step) {
-    const std::vector<double> baked = between.at(nu);
+    const std::vector<double> baked = curves.at(nu);
     std::pair<double, double> best{INFINITY, around};  // mean square, tuning
     for (double tuning = around - max; tuning <= around + max; tuning += step) {
       best = std::min(best, {mean_square_cents(frequencies, baked, tuning, options.tolerance_cents), tuning});
@@ -230,15 +196,14 @@ FigureChoice search_figures(std::span<const Mode> heard, const Slopes& slopes, s
   return best;
 }
 
-Chance chance_of(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options,
+Chance chance_of(std::span<const Mode> heard, const NuCurves& curves, const CalibrateOptions& options,
                  std::size_t matches) {
   constexpr int kLists = 100, kRatios = 12;
   constexpr double kMinShift_cents = 50, kMaxShift_cents = 300, kTuningStep_cents = 5;
-  const Between between(banks);
   std::vector<std::vector<double>> baked;
   for (int k = 0; k < kRatios; ++k) {
     const double share = k / (kRatios - 1.0);
-    baked.push_back(between.at((1 - share) * banks.front().poisson_ratio + share * banks.back().poisson_ratio));
+    baked.push_back(curves.at((1 - share) * curves.lowest() + share * curves.highest()));
   }
   std::minstd_rand random(1);  // NOLINT(bugprone-random-generator-seed): the figure repeats
   const auto uniform = [&random] { return static_cast<double>(random()) / static_cast<double>(random.max()); };

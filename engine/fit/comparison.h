@@ -2,12 +2,13 @@
 // Poisson's ratio and damping that fit the recordings, and shows the remaining differences. [worker]
 //
 //   const std::vector<Mode> heard = merge(modes_of_each_recording);
-//   const NuChoice nu = choose_nu(heard, banks, options);  // of three bakes with different ratios
+//   const NuChoice nu = choose_nu(heard, curves, options);  // of three bakes with different ratios (nu_curves.h)
 //   bake again with nu.poisson_ratio, calibrate(heard, bank, {.around_cents = nu.tuning_cents}) (recorded_bank.h), draw
 #pragma once
 
 #include "engine/fit/identification.h"
 #include "engine/fit/modes.h"
+#include "engine/fit/nu_curves.h"
 #include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank.h"
 
@@ -25,11 +26,6 @@ std::vector<Mode> merge(std::span<const std::vector<Mode>> recordings);
 inline constexpr double kFaint_db = 40;
 inline constexpr double kCompanion_cents = 60;
 
-struct NuBank {
-  double poisson_ratio;
-  const modal::Bank* bank;
-};
-
 struct NuChoice {
   double poisson_ratio = 0;
   double tuning_cents = 0;  // tuning of the recordings over the bank at that ratio
@@ -39,10 +35,8 @@ struct NuChoice {
   bool told = false;  // false: the modes hardly depend on the ratio, or the best one lies at an end of the range
 };
 
-// Searches Poisson's ratio, from the first bank's to the last bank's, and the tuning for the best match of all heard
-// modes. Frequencies of equal rank are interpolated between the banks by a parabola in the ratio. `banks` are three
-// banks of one shape, with ascending ratios.
-NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options);
+// Searches Poisson's ratio, over the curves, and the tuning for the best match of all heard modes.
+NuChoice choose_nu(std::span<const Mode> heard, const NuCurves& curves, const CalibrateOptions& options);
 
 struct FigureChoice {
   std::vector<double> changes;  // of each figure
@@ -64,7 +58,7 @@ struct Chance {
 // Shifts each heard mode by a random 50 to 300 cents up or down, searches ratio and tuning for each such list as
 // choose_nu() does, in coarser steps, and counts the modes that then lie within the tolerance of a baked mode of their
 // own. `matches` is what the heard modes have. The lists are the same in every call.
-Chance chance_of(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options,
+Chance chance_of(std::span<const Mode> heard, const NuCurves& curves, const CalibrateOptions& options,
                  std::size_t matches);
 
 // The bank's matching modes, with the calibrated tuning and damping, as loud as in the recording. They sound like the

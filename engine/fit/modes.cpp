@@ -108,16 +108,15 @@ void for_all(std::size_t count, int threads, const Work& work) {
 // Finds candidates in all bands. A band below the floor is skipped: even if all its sound were one mode, the mode would
 // be dropped. Most often such a band holds only what the filter leaves of its neighbours.
 std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, const Options& options) {
-  std::vector<Eigen::VectorXcd> samples(pass.bands());
-  for_all(samples.size(), options.threads,
-          [&](std::size_t band) { samples[band] = pass.filter.take(signal, centre_hz(pass, band) / pass.rate_hz); });
-  std::vector<double> peaks;
-  for (const auto& band : samples) peaks.push_back(band.size() > 0 ? band.cwiseAbs().maxCoeff() : 0);
-  const double min = 0.25 * std::pow(10, -options.floor_db / 20) * *std::ranges::max_element(peaks);
-  std::vector<std::vector<Candidate>> found(samples.size());
   const dense::BlasThreads one(1);
-  for_all(samples.size(), options.threads, [&](std::size_t band) {
-    if (peaks[band] > min) found[band] = search_band(samples[band], pass, band);
+  const Eigen::MatrixXcd samples = pass.filter.take(signal, centre_hz(pass, 0) / pass.rate_hz, pass.bands());
+  std::vector<std::vector<Candidate>> found(pass.bands());
+  if (samples.cols() == 0) return {};
+  const Eigen::VectorXd peaks = samples.cwiseAbs().rowwise().maxCoeff();
+  const double min = 0.25 * std::pow(10, -options.floor_db / 20) * peaks.maxCoeff();
+  for_all(found.size(), options.threads, [&](std::size_t band) {
+    const auto row = static_cast<Eigen::Index>(band);
+    if (peaks[row] > min) found[band] = search_band(samples.row(row).transpose(), pass, band);
   });
   std::vector<Candidate> all;
   for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -100,40 +101,81 @@ using Eigen::VectorXcd;
 constexpr int kMaxSteps = 12;
 constexpr double kRidge = 1e-13;
 
-// One column for each pole: exp(pole n).
+// One column for each pole: exp(pole n), in runs that begin with an exact power.
 MatrixXcd exponentials(const VectorXcd& poles, Index samples) {
+  constexpr Index kRun = 32;
   MatrixXcd columns(samples, poles.size());
   for (Index k = 0; k < poles.size(); ++k) {
-    constexpr Index kRun = 32;
     const Complex ratio = std::exp(poles[k]);
-    for (Index n = 0; n < samples; ++n) {
-      columns(n, k) = n % kRun == 0 ? std::exp(poles[k] * static_cast<double>(n)) : columns(n - 1, k) * ratio;
+    auto column = columns.col(k);
+    column[0] = 1;
+    for (Index n = 1; n < std::min(kRun, samples); ++n) column[n] = column[n - 1] * ratio;
+    for (Index first = kRun; first < samples; first += kRun) {
+      const Index size = std::min(kRun, samples - first);
+      column.segment(first, size) = std::exp(poles[k] * static_cast<double>(first)) * column.head(size);
     }
   }
   return columns;
 }
 
-// The normal equations of columns scaled to length 1.
+// Sums over n = 0 ... count - 1 of n^k ratio^n, for k = 0, 1, 2. `end` is ratio^count. The first is a geometric sum,
+// and each of the others is the derivative of the previous one by the logarithm of the ratio. The closed forms lose
+// digits where the ratio is near 1.
+std::array<Complex, 3> power_sums(Complex ratio, Complex end, double count) {
+  const Complex below = ratio - 1.0, plain = (end - 1.0) / below;
+  const Complex first = (count * end - plain * ratio) / below;
+  return {plain, first, (count * count * end - (plain + 2.0 * first) * ratio) / below};
+}
+
+// The lower triangle of columns^H columns, and with `slopes` that of [columns, n columns]^H [columns, n columns]. Only
+// the few pairs of poles that nearly coincide are summed over the samples.
+MatrixXcd products(const VectorXcd& poles, const MatrixXcd& columns, bool slopes) {
+  constexpr double kNear = 4;  // distance of two poles, times the number of samples
+  const Index count = poles.size(), size = slopes ? 2 * count : count;
+  const auto samples = static_cast<double>(columns.rows());
+  const Eigen::VectorXd n = Eigen::VectorXd::LinSpaced(columns.rows(), 0, samples - 1);
+  const VectorXcd ratios = poles.array().exp(), ends = (samples * poles).array().exp();
+  MatrixXcd gram = MatrixXcd::Zero(size, size);
+  for (Index j = 0; j < count; ++j) {
+    for (Index i = j; i < count; ++i) {
+      const Complex ratio = std::conj(ratios[i]) * ratios[j];
+      std::array<Complex, 3> sums;
+      if (std::norm(ratio - 1.0) * samples * samples < kNear * kNear) {
+        const VectorXcd terms = columns.col(i).conjugate().cwiseProduct(columns.col(j));
+        sums = {terms.sum(), n.dot(terms), n.cwiseAbs2().dot(terms)};
+      } else {
+        sums = power_sums(ratio, std::conj(ends[i]) * ends[j], samples);
+      }
+      gram(i, j) = sums[0];
+      if (!slopes) continue;
+      gram(count + i, j) = sums[1];
+      gram(count + j, i) = std::conj(sums[1]);
+      gram(count + i, count + j) = sums[2];
+    }
+  }
+  return gram;
+}
+
+// The normal equations of columns scaled to length 1, from the lower triangle of their products.
 struct Normal {
   Eigen::VectorXd scale;  // 1 / length of each column
   Eigen::LLT<MatrixXcd> factor;
 
-  explicit Normal(const MatrixXcd& columns) : scale(columns.colwise().norm().transpose()) {
+  explicit Normal(MatrixXcd gram) : scale(gram.diagonal().real().cwiseSqrt()) {
     scale = scale.array().max(1e-150).inverse();
-    MatrixXcd gram = MatrixXcd::Zero(columns.cols(), columns.cols());
-    gram.selfadjointView<Eigen::Lower>().rankUpdate(columns.adjoint());
     gram = (scale.asDiagonal() * gram * scale.asDiagonal()).eval();
     gram.diagonal().array() += kRidge;
     factor.compute(gram);
   }
   [[nodiscard]] bool good() const { return factor.info() == Eigen::Success; }
-  [[nodiscard]] VectorXcd solve(const MatrixXcd& columns, const VectorXcd& right) const {
-    return scale.asDiagonal() * factor.solve((scale.asDiagonal() * (columns.adjoint() * right)).eval());
+  // `right` is columns^H times the right side.
+  [[nodiscard]] VectorXcd solve(const VectorXcd& right) const {
+    return scale.asDiagonal() * factor.solve((scale.asDiagonal() * right).eval());
   }
   // Diagonal of the inverse of columns^H columns.
   [[nodiscard]] Eigen::VectorXd variances() const {
-    const MatrixXcd inverse = factor.solve(MatrixXcd::Identity(scale.size(), scale.size()));
-    return inverse.diagonal().real().cwiseProduct(scale.cwiseAbs2());
+    const MatrixXcd half = factor.matrixL().solve(MatrixXcd::Identity(scale.size(), scale.size()));
+    return half.colwise().squaredNorm().transpose().cwiseProduct(scale.cwiseAbs2());
   }
 };
 
@@ -146,22 +188,23 @@ struct State {
 
 State fitted(const VectorXcd& signal, const VectorXcd& poles) {
   State state{.poles = poles, .columns = exponentials(poles, signal.size())};
-  const Normal normal(state.columns);
+  const Normal normal(products(poles, state.columns, false));
   if (!normal.good()) return state;
-  state.amplitudes = normal.solve(state.columns, signal);
+  state.amplitudes = normal.solve(state.columns.adjoint() * signal);
   state.residual = signal - state.columns * state.amplitudes;
   state.energy = state.residual.squaredNorm();
   return state;
 }
 
-// Columns exp(p n) and a n exp(p n): the model's derivatives by amplitude and pole.
-MatrixXcd jacobian(const State& state) {
+// The Gauss-Newton step of the poles. The model's derivatives are exp(p n) by an amplitude and a n exp(p n) by a pole.
+// The step is solved for n exp(p n), whose lengths do not depend on amplitudes, and then divided by them.
+VectorXcd step_of(const State& state, const Normal& normal) {
   const Index count = state.poles.size(), samples = state.columns.rows();
   const Eigen::VectorXd n = Eigen::VectorXd::LinSpaced(samples, 0, static_cast<double>(samples - 1));
-  MatrixXcd columns(samples, 2 * count);
-  columns.leftCols(count) = state.columns;
-  columns.rightCols(count) = n.asDiagonal() * state.columns * state.amplitudes.asDiagonal();
-  return columns;
+  VectorXcd right(2 * count);
+  right.head(count) = state.columns.adjoint() * state.residual;
+  right.tail(count) = state.columns.adjoint() * n.cwiseProduct(state.residual);
+  return normal.solve(right).tail(count).cwiseQuotient(state.amplitudes);
 }
 
 // Moves the poles, each by no more than the signal can resolve, and limits their growth.
@@ -178,10 +221,9 @@ VectorXcd moved(const State& state, const VectorXcd& by, double share) {
 
 State descend(const VectorXcd& signal, State state) {
   for (int step = 0; step < kMaxSteps && std::isfinite(state.energy); ++step) {
-    const MatrixXcd columns = jacobian(state);
-    const Normal normal(columns);
+    const Normal normal(products(state.poles, state.columns, true));
     if (!normal.good()) break;
-    const VectorXcd by = normal.solve(columns, state.residual).tail(state.poles.size());
+    const VectorXcd by = step_of(state, normal);
     State next;
     double share = 1;
     for (; share > 0.05; share /= 3) {
@@ -196,21 +238,21 @@ State descend(const VectorXcd& signal, State state) {
   return state;
 }
 
-// Gives each term its errors. `columns` begin with the exponentials; the derivatives by the poles may follow.
-std::vector<Term> judged(const VectorXcd& signal, const State& state, const MatrixXcd& columns) {
-  const Normal normal(columns);
+// Gives each term its errors. With `refined`, the poles are fitted as well as the amplitudes.
+std::vector<Term> judged(const VectorXcd& signal, const State& state, bool refined) {
+  const Normal normal(products(state.poles, state.columns, refined));
   if (!normal.good() || !std::isfinite(state.energy)) return {};
-  const Index count = state.poles.size();
-  const double freedom = static_cast<double>(std::max<Index>(signal.size() - columns.cols(), 1));
+  const Index count = state.poles.size(), unknowns = refined ? 2 * count : count;
+  const double freedom = static_cast<double>(std::max<Index>(signal.size() - unknowns, 1));
   const double variance = std::max(state.energy / freedom, 1e-26 * signal.squaredNorm());
   const Eigen::VectorXd variances = variance * normal.variances();
   std::vector<Term> terms;
   for (Index k = 0; k < count; ++k) {
-    const double of_pole = columns.cols() > count ? variances[count + k] : 0;
+    const double size = std::abs(state.amplitudes[k]), of_pole = refined ? variances[count + k] / (size * size) : 0;
     terms.push_back({.pole = state.poles[k],
                      .amplitude = state.amplitudes[k],
                      .pole_error = std::sqrt(of_pole / 2),
-                     .significance = std::abs(state.amplitudes[k]) / std::sqrt(variances[k])});
+                     .significance = size / std::sqrt(variances[k])});
   }
   return terms;
 }
@@ -244,11 +286,11 @@ std::vector<Term> refine(const VectorXcd& signal, const std::vector<Complex>& po
   // The first loop keeps the poles fixed, which is quick; the second refines them.
   do {
     const State state = fitted(signal, poles_of(terms));
-    terms = judged(signal, state, state.columns);
+    terms = judged(signal, state, false);
   } while (weed(terms, 0.5 * kSignificance, 0.25) && !terms.empty());
   do {
     const State state = descend(signal, fitted(signal, poles_of(terms)));
-    terms = judged(signal, state, jacobian(state));
+    terms = judged(signal, state, true);
   } while (weed(terms, kSignificance, 0) && !terms.empty());
   return terms;
 }

@@ -25,9 +25,10 @@ class SubbandFilter {
   [[nodiscard]] std::size_t step() const { return step_; }
   [[nodiscard]] std::size_t taps() const { return taps_.size(); }
 
-  // Returns every step-th sample of the band, beginning at the signal's first sample. Empty when the signal is shorter
-  // than the filter. `centre` in cycles per sample.
-  [[nodiscard]] Eigen::VectorXcd take(std::span<const double> signal, double centre) const;
+  // Returns every step-th sample of `bands` neighbouring bands, beginning at the signal's first sample: one row for
+  // each band. The first band's centre is `centre`, in cycles per sample, and each next one lies kCore of the output's
+  // rate higher. No samples when the signal is shorter than the filter.
+  [[nodiscard]] Eigen::MatrixXcd take(std::span<const double> signal, double centre, std::size_t bands) const;
 
  private:
   std::size_t step_;

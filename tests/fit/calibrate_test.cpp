@@ -72,7 +72,7 @@ TEST(Chance, FewModesMatchByChanceInASparseBankAndMostInADenseOne) {
     const std::array<NuBank, 3> banks{NuBank{0.1, &bank}, NuBank{0.2, &bank}, NuBank{0.3, &bank}};
     std::vector<Mode> heard;
     for (const double hz : pitches(10)) heard.push_back({.frequency_hz = hz, .decay_per_s = 5, .amplitude = 0.1});
-    const Chance chance = chance_of(heard, banks, {.tolerance_cents = 15, .max_tuning_cents = 100}, 8);
+    const Chance chance = chance_of(heard, NuCurves(banks), {.tolerance_cents = 15, .max_tuning_cents = 100}, 8);
     const double expected = 10 * (1 - std::exp(-2 * 15 * static_cast<double>(modes) / 3600));
     std::printf("%zu modes: %.1f of 10 by chance, %.1f without a search\n", modes, chance.matches, expected);
     EXPECT_GT(chance.matches, 0.9 * expected);

@@ -21,7 +21,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -75,7 +74,7 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
                  "The weight of the object in kg, which tells its density, and so E itself.")
       ->check(manual::between(1e-9, 1e6));
   app.add_flag("--keep-nu", arguments.keep_nu,
-               "Keep the material's Poisson's ratio, which takes two bakes in place of eleven.");
+               "Keep the material's Poisson's ratio, which takes two bakes in place of eight or more.");
 }
 
 struct Inputs {
@@ -123,7 +122,7 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   return inputs;
 }
 
-constexpr double kSearchBakes = 7 + 3 * cli::Baker::kFineShare,
+constexpr double kSearchBakes = 7 + cli::Baker::kWellShare,
                  kSoundShare = 1;  // quick bakes of a search; of a recording, in quick bakes
 
 Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments,
@@ -152,13 +151,6 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
 
 const std::string kNu = "poisson_ratio";
 
-// A search for Poisson's ratio: three bakes, and the choice between them.
-struct Search {
-  std::array<modal::Bank, 3> banks;
-  std::array<fit::NuBank, 3> choices{};
-  fit::NuChoice choice;
-};
-
 // Takes what was measured: modes of all recordings, or a list.
 Result<void> hear(const Inputs& inputs, CompareArguments& arguments, const std::stop_token& stop, cli::Work& work,
                   cli::Comparison& c) {
@@ -179,20 +171,20 @@ Result<void> hear(const Inputs& inputs, CompareArguments& arguments, const std::
   return {};
 }
 
-// Bakes with three ratios around `middle`, and chooses between them.
-Result<void> search_nu(const fit::CalibrateOptions& match, std::span<const fit::Mode> heard, double middle,
-                       double aside, const std::function<Result<modal::Bank>(double nu)>& bake, Search& search) {
+// How the frequencies depend on Poisson's ratio, from quick bakes with three ratios around `middle`.
+Result<fit::NuCurves> bake_curves(cli::Baker& baker, double middle, double aside) {
   constexpr double kMin = 0.02, kMax = 0.47;
   const double centre = std::clamp(middle, kMin + aside, kMax - aside);
+  std::array<modal::Bank, 3> banks;
+  std::array<fit::NuBank, 3> three{};
   for (std::size_t i = 0; i < 3; ++i) {
     const double nu = centre + aside * (static_cast<double>(i) - 1);
-    Result<modal::Bank> bank = bake(nu);
+    Result<modal::Bank> bank = baker.bake_quickly({{kNu, nu}});
     if (!bank) return fail(bank);
-    search.banks[i] = std::move(*bank);
-    search.choices[i] = {nu, &search.banks[i]};
+    banks[i] = std::move(*bank);
+    three[i] = {nu, &banks[i]};
   }
-  search.choice = fit::choose_nu(heard, search.choices, match);
-  return {};
+  return fit::NuCurves(three);
 }
 
 fit::CalibrateOptions around(fit::CalibrateOptions match, double tuning_cents) {
@@ -222,25 +214,41 @@ std::vector<double> heard_hz(const cli::Comparison& c) {
   return hz;
 }
 
-// Searches Poisson's ratio, twice by quick bakes and then by exact ones, and keeps how it moves the frequencies. `wide`
-// is the search over all ratios that solids have, in which chance may be tried.
-Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c, Search& wide) {
-  constexpr double kMiddle = 0.25, kWide = 0.2, kNarrow = 0.06, kClose = 0.03;
-  const auto quickly = [&](double nu) { return baker.bake_quickly({{kNu, nu}}); };
-  const auto finely = [&](double nu) { return baker.bake_finely({{kNu, nu}}); };
-  if (auto found = search_nu(arguments.match, c.heard, kMiddle, kWide, quickly, wide); !found) return found;
-  Search narrow, close;
-  const auto match_by = [&](const Search& search) { return around(arguments.match, search.choice.tuning_cents); };
-  if (auto found = search_nu(match_by(wide), c.heard, wide.choice.poisson_ratio, kNarrow, quickly, narrow); !found)
-    return found;
-  if (auto found = search_nu(match_by(narrow), c.heard, narrow.choice.poisson_ratio, kClose, finely, close); !found)
-    return found;
-  arguments.match.around_cents = close.choice.tuning_cents;
-  c.nu_told = close.choice.told;
+// Searches Poisson's ratio, first over all ratios that solids have, among the curves `wide`, and then near the best of
+// them. Exact bakes correct the curves until the choice stays. If the frequencies do not tell the ratio, the result has
+// the material's.
+Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c,
+                     std::optional<fit::NuCurves>& wide) {
+  constexpr double kMiddle = 0.25, kWide = 0.2, kNarrow = 0.06, kEdge = 0.003, kSame = 0.001;
+  constexpr int kMaxNarrow = 2, kMaxExact = 3;
+  const double given = c.given_poisson_ratio;
+  Result<fit::NuCurves> curves = bake_curves(baker, kMiddle, kWide);
+  if (!curves) return fail(curves);
+  wide = *curves;
+  fit::NuChoice choice = fit::choose_nu(c.heard, *curves, arguments.match);
+  bool inside = false;
+  for (int searches = 0; searches < kMaxNarrow && !inside; ++searches) {
+    curves = bake_curves(baker, choice.poisson_ratio, kNarrow);
+    if (!curves) return fail(curves);
+    choice = fit::choose_nu(c.heard, *curves, around(arguments.match, choice.tuning_cents));
+    inside = choice.poisson_ratio > curves->lowest() + kEdge && choice.poisson_ratio < curves->highest() - kEdge;
+  }
+  if (!choice.told && (given < curves->lowest() || given > curves->highest())) curves = *wide;
+  for (int bakes = 0; bakes < kMaxExact; ++bakes) {
+    const double nu = choice.told ? choice.poisson_ratio : given;
+    if (bakes > 0 && std::abs(nu - c.poisson_ratio) < kSame) break;
+    Result<modal::Bank> bank = baker.bake_well({{kNu, nu}});
+    if (!bank) return fail(bank);
+    c.bank = std::move(*bank);
+    c.poisson_ratio = nu;
+    c.nu_told = choice.told;
+    curves = curves->through(c.bank, nu);
+    choice = fit::choose_nu(c.heard, *curves, around(arguments.match, choice.tuning_cents));
+  }
+  arguments.match.around_cents = choice.tuning_cents;
   if (!c.nu_told) return {};
-  c.slopes = {slopes_of(close.banks[0], close.banks[2], 2 * kClose)};
-  c.poisson_ratio = close.choice.poisson_ratio;
-  c.figures = {{kNu, close.choice.poisson_ratio}};
+  c.slopes = curves->slopes(c.poisson_ratio);
+  c.figures = {{kNu, c.poisson_ratio}};
   return {};
 }
 
@@ -327,7 +335,7 @@ Result<void> find_figures(cli::Baker& baker, CompareArguments& arguments, cli::C
       largest = std::max(largest, std::abs(change / value));
       value += change;
     }
-    c.slopes = slopes.slopes;
+    c.slopes = slopes;
     if (round >= kFitReaches.size() && largest < kDone) return {};
   }
   complain(
@@ -339,23 +347,27 @@ Result<void> find_figures(cli::Baker& baker, CompareArguments& arguments, cli::C
 }
 
 // The bank at the figures that the recordings ask for, or at the files' own where they do not tell. Sets the search of
-// the tuning.
-Result<void> find_bank(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c, Search& wide) {
+// the tuning, and `wide` if nu was searched.
+Result<void> find_bank(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c,
+                       std::optional<fit::NuCurves>& wide) {
   Result<modal::Bank> own = baker.bake_quickly(arguments.figures);
   if (!own) return fail(own);
   if (!own->material) return fail(ErrorKind::bad_input, "the bank of " + c.name + " has no material");
   c.material = own->material->name;
   c.poisson_ratio = c.given_poisson_ratio = own->material->poisson_ratio;
-  if (!arguments.figures.empty()) {
-    c.figures = arguments.figures;
-    if (const auto found = find_figures(baker, arguments, c); !found) return found;
-  } else if (!arguments.keep_nu && !own->material->orthotropy) {  // a grain's constants leave nothing to nu
+  const bool keep_nu = arguments.keep_nu || own->material->orthotropy;  // a grain's constants leave nothing to nu
+  if (arguments.figures.empty() && !keep_nu) {
     if (const auto found = find_nu(baker, arguments, c, wide); !found) return found;
+  } else {
+    c.figures = arguments.figures;
+    if (!c.figures.empty()) {
+      if (const auto found = find_figures(baker, arguments, c); !found) return found;
+    }
+    Result<modal::Bank> best = baker.bake_well(c.figures);
+    if (!best) return fail(best);
+    c.bank = std::move(*best);
   }
-  Result<modal::Bank> best = baker.bake_well(c.figures);
-  if (!best) return fail(best);
-  c.bank = std::move(*best);
-  for (std::vector<double>& slopes : c.slopes) slopes.resize(c.bank.mode_count());
+  if (!c.nu_told) take_frequencies(c.slopes, c.bank);
   return {};
 }
 
@@ -401,7 +413,7 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   const PrivateFolder folder("ringdown-compare");
   if (folder.path().empty()) return complain({ErrorKind::input_output, "cannot make a folder for temporary files"});
   const fit::CalibrateOptions wide_match = arguments.match;
-  Search wide;
+  std::optional<fit::NuCurves> wide;
   {
     const double top_hz = std::exp2(arguments.match.max_tuning_cents / 1200) * arguments.top_hz;
     cli::Baker baker({inputs->shape, arguments.materials, arguments.material, top_hz, !arguments.bank.empty()},
@@ -418,11 +430,10 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   if (!calibration)
     return complain({calibration.error().kind, arguments.folder.string() + ": " + calibration.error().message});
   c.calibration = std::move(*calibration);
-  const auto determined = fit::determine(heard_hz(c), {ascending(c.bank), c.slopes},
-                                         {arguments.match.tolerance_cents, c.calibration.tuning_cents});
+  const auto determined =
+      fit::determine(heard_hz(c), c.slopes, {arguments.match.tolerance_cents, c.calibration.tuning_cents});
   if (determined) c.determined = *determined;
-  if (wide.choices[0].bank != nullptr)
-    c.chance = fit::chance_of(c.heard, wide.choices, wide_match, c.calibration.matches.size());
+  if (wide) c.chance = fit::chance_of(c.heard, *wide, wide_match, c.calibration.matches.size());
   for (cli::ComparedSound& s : c.sounds) {
     s.baked = fit::as_recorded(s.found.modes, c.bank, c.calibration, arguments.match);
     s.distance_db = distance_of(s);

@@ -320,6 +320,12 @@ const char* judged(const Comparison& c) {
   return "poor";
 }
 
+// The largest error of a frequency that the bank states.
+double mesh_cents(const modal::Bank& bank) {
+  const auto spread = modal::error_spread(bank.frequency_error);
+  return spread ? cents_over(1 + spread->largest, 1) : 0;
+}
+
 // True when what was fitted is hardly a matter of one material's samples.
 bool is_far_from_material(const Comparison& c) {
   constexpr double kMaxStiffness = 1.25, kMaxNu = 0.15;
@@ -343,8 +349,9 @@ std::string verdict(const Comparison& c) {
                        c.chance->matches, 100 * c.chance->share)
            : std::string()) +
       (c.heard.size() > matches ? formatted("unmatched    {}\n", counted(unmatched(c))) : std::string()) +
-      formatted("frequencies  {:.1f} cents off on average, {:.1f} at most, after the fit\n", c.mean_cents(),
-                c.worst_cents()) +
+      formatted(
+          "frequencies  {:.1f} cents off on average, {:.1f} at most, after the fit; the mesh errs by {:.1f} at most\n",
+          c.mean_cents(), c.worst_cents(), mesh_cents(c.bank)) +
       fitted_figures(c) +
       (c.decays_known
            ? formatted("loss factor  {}; decays {:.0f} % off on average\n", c.calibration.text(), 100 * c.decay_error())

@@ -31,7 +31,7 @@ struct Comparison {
   double poisson_ratio = 0, given_poisson_ratio = 0;
   bool nu_told = false;
   std::vector<Figure> figures;                // that were fitted besides E/rho
-  std::vector<std::vector<double>> slopes;    // of each: how it moves the bank's frequencies, by rank (fit::Slopes)
+  fit::Slopes slopes;                         // how each of them moves the bank's frequencies
   std::vector<double> volume_slopes;          // d ln volume / d figure, of each
   std::optional<fit::Determined> determined;  // errors of E/rho and of these figures
   double weight_kg = 0;                       // 0: not known
