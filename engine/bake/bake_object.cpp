@@ -435,15 +435,6 @@ Result<BakedObject> bake_recipe(const ObjectRecipe& recipe, const modal::Materia
   return Baker(recipe, material, progress).run();
 }
 
-Result<ObjectRecipe> with_part_materials(ObjectRecipe recipe, const std::filesystem::path& materials) {
-  for (Part& part : recipe.options.makeup.parts) {
-    Result<MaterialEntry> material = find_material(materials, part.material.name);
-    if (!material) return fail(material);
-    part.material = std::move(material->material);
-  }
-  return recipe;
-}
-
 namespace {
 
 // Looks the liquids up in `liquids` beside the folder of materials.
@@ -463,6 +454,16 @@ Result<void> find_liquids(const std::filesystem::path& materials, Liquids& liqui
 
 }  // namespace
 
+Result<ObjectRecipe> with_part_materials(ObjectRecipe recipe, const std::filesystem::path& materials) {
+  for (Part& part : recipe.options.makeup.parts) {
+    Result<MaterialEntry> material = find_material(materials, part.material.name);
+    if (!material) return fail(material);
+    part.material = std::move(material->material);
+  }
+  if (auto found = find_liquids(materials, recipe.options.liquids); !found) return fail(found);
+  return recipe;
+}
+
 Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,
                                 const Progress& progress) {
   Result<MaterialEntry> material = find_material(materials, recipe.material);
@@ -472,7 +473,6 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
   }
   Result<ObjectRecipe> whole = with_part_materials(recipe, materials);
   if (!whole) return fail(whole);
-  if (auto found = find_liquids(materials, whole->options.liquids); !found) return fail(found);
   if (recipe.other_material && !material->material.orthotropy) whole->options.makeup.grain.reset();
   const Makeup& makeup = whole->options.makeup;
   for (const char* key : {"youngs_modulus_pa", "poisson_ratio"}) {

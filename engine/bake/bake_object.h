@@ -66,7 +66,7 @@ Result<Forecast> forecast(const ObjectRecipe& recipe, const modal::Material& mat
 Result<BakedObject> bake_recipe(const ObjectRecipe& recipe, const modal::Material& material,
                                 const Progress& progress = {});
 
-// The recipe with the materials of its parts in place of their names.
+// The recipe with the materials of its parts, and its liquids, in place of their names.
 Result<ObjectRecipe> with_part_materials(ObjectRecipe recipe, const std::filesystem::path& materials);
 
 // Bakes with the material of that name in `materials`, by bake_recipe(). A first progress stage, "mesh",

@@ -178,8 +178,8 @@ class Lines {
     lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(end), key + " = " + value);
   }
 
-  void drop(const std::string& key) {
-    const auto [begin, end] = range("");
+  void drop(const std::string& table, const std::string& key) {
+    const auto [begin, end] = range(table);
     const std::regex line("\\s*" + key + "\\s*=.*");
     for (std::size_t at = begin; at < end; ++at) {
       if (!std::regex_match(lines_[at], line)) continue;
@@ -224,11 +224,11 @@ Result<std::string> change_object(std::string_view text, const ObjectChanges& ch
   if (!before) return fail(before);
   ObjectRecipe wanted = *before;
   Lines lines(text);
-  lines.drop("name");
+  lines.drop("", "name");
   if (changes.pitch_hz) {
     lines.set("", "pitch", pitch_text(*changes.pitch_hz));
   } else {
-    lines.drop("pitch");
+    lines.drop("", "pitch");
   }
   if (changes.mesh_size_m > 0) lines.set("", "mesh_size_m", number_text(changes.mesh_size_m));
   if (!changes.geometry.empty()) {
@@ -239,12 +239,17 @@ Result<std::string> change_object(std::string_view text, const ObjectChanges& ch
     lines.set("parameters", key, number_text(value));
     wanted.meshing.parameters[key] = std::stod(number_text(value));
   }
+  if (changes.level_m) {
+    for (const char* amount : {"depth_m", "volume_ml", "full"}) lines.drop("fill", amount);
+    lines.set("fill", "level_m", number_text(*changes.level_m));
+  }
   const Result<ObjectRecipe> after = parse_object(lines.text(), "the object");
   if (!after || after->geometry != wanted.geometry || after->meshing.parameters != wanted.meshing.parameters ||
-      after->pitch_hz.has_value() != changes.pitch_hz.has_value()) {
+      after->pitch_hz.has_value() != changes.pitch_hz.has_value() ||
+      (changes.level_m && !after->options.liquids.fill)) {
     return fail(ErrorKind::bad_input,
-                "the object file cannot be changed line by line; put each key on its own line, and the parameters into "
-                "a table [parameters]");
+                "the object file cannot be changed line by line; put each key on its own line, the parameters into a "
+                "table [parameters], and the liquid into a table [fill]");
   }
   return lines.text();
 }

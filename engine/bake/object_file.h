@@ -74,6 +74,7 @@ struct ObjectChanges {
   double mesh_size_m = 0;                    // 0: as it is
   std::filesystem::path geometry;            // as the file says it; empty: as it is
   std::optional<double> pitch_hz;            // a note where it is one; nothing: what the file states goes
+  std::optional<double> level_m;             // of its [fill], in place of any other amount; nothing: as it is
 };
 
 // `text`, an object file, with these figures; its name goes, so that it is the new file's. Comments and order stay.

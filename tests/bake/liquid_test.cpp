@@ -3,6 +3,8 @@
 #include "engine/bake/object_file.h"
 #include "engine/modal/bank_file.h"
 #include "engine/modal/damping.h"
+#include "engine/modal/levels/level_bank.h"
+#include "tests/bake/cup.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -74,17 +76,10 @@ TEST(LiquidRecipe, EachLiquidOfThePresetsIsReadAndAMissingOneIsNamed) {
   EXPECT_NE(missing.error().message.find("choose one of: ethanol, glycerol, mercury, water"), std::string::npos);
 }
 
-// A cup turned about the z axis, 60 mm high, of 30 mm outer radius and 4 mm wall.
-constexpr const char* kCup = R"(SetFactory("OpenCASCADE");
-Point(1) = {0, 0, 0}; Point(2) = {30, 0, 0}; Point(3) = {30, 0, 60}; Point(4) = {26, 0, 60}; Point(5) = {26, 0, 4}; Point(6) = {0, 0, 4};
-Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5}; Line(5) = {5, 6}; Line(6) = {6, 1};
-Curve Loop(1) = {1, 2, 3, 4, 5, 6}; Plane Surface(1) = {1};
-Extrude { {0, 0, 1}, {0, 0, 0}, 2 * Pi } { Surface{1}; }
-)";
-
 class LiquidBake : public ::testing::Test {
  protected:
-  Result<bake::BakedObject> baked(const std::string& tables, const std::string& geometry = kCup) {
+  Result<bake::BakedObject> baked(const std::string& tables, const std::string& geometry = test::kCup,
+                                  int wall_nodes = liquid::kWetNodes) {
     (void)folder_.write("cup.geo", geometry);
     const fs::path file = folder_.write(
         "cup.toml",
@@ -94,9 +89,10 @@ class LiquidBake : public ::testing::Test {
     auto recipe = bake::read_object(file);
     if (!recipe) return fail(recipe.error());
     recipe->options.cache.clear();
+    if (recipe->options.liquids.fill) recipe->options.liquids.fill->wall_nodes = wall_nodes;
     return bake::bake_object(*recipe, kPresets / "materials");
   }
-  std::string why(const std::string& tables, const std::string& geometry = kCup) {
+  std::string why(const std::string& tables, const std::string& geometry = test::kCup) {
     const auto object = baked(tables, geometry);
     return object ? "accepted" : object.error().message;
   }
@@ -155,6 +151,26 @@ TEST_F(LiquidBake, LiquidLowersTheModesAndTheBankSaysSo) {
   ASSERT_TRUE(read);
   ASSERT_EQ(read->provenance.liquids.size(), 1u);
   EXPECT_EQ(read->provenance.liquids.front().volume_m3, note.volume_m3);
+}
+
+// Both bakes have a coarse wall of the liquid, which is quick and moves all pitches alike.
+TEST_F(LiquidBake, BelowFiveKilohertzALevelBetweenThoseOfTheBankIsWithinACentOfABake) {
+  constexpr int kNodes = 500;
+  const auto full = baked("[fill]\nfull = true\nlevels = 8\n", test::kCup, kNodes);
+  ASSERT_TRUE(full) << full.error().message;
+  for (const double level_m : {0.037, 0.0565}) {
+    const auto bake = baked(formatted("[fill]\nlevel_m = {}\n", level_m), test::kCup, kNodes);
+    const auto there = modal::at_level(full->baked.bank, level_m);
+    ASSERT_TRUE(bake && there);
+    EXPECT_LT(lowest(bake->baked.bank), 5000);
+    for (const double hz : bake->baked.bank.frequency_hz) {
+      if (hz > 5000) continue;
+      double nearest = 1e9;
+      for (const double own : there->bank.frequency_hz)
+        nearest = std::min(nearest, std::abs(1200 * std::log2(own / hz)));
+      EXPECT_LT(nearest, 1) << "cents, of " << hz << " Hz at " << level_m << " m";
+    }
+  }
 }
 
 }  // namespace

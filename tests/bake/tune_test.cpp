@@ -1,8 +1,10 @@
-// ringdown tune: the optimiser against closed forms, families of modes, and a bar that a finer bake finds in tune.
+// ringdown tune: the optimiser against closed forms, families of modes, a bar that a finer bake finds in tune, and a
+// cup whose level is known.
 #include "engine/bake/bake_object.h"
 #include "engine/bake/tuning/tune_object.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/note.h"
+#include "tests/bake/cup.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -149,6 +151,22 @@ TEST(ObjectText, AChangedObjectFileChangesFiguresAndKeepsTheRest) {
   EXPECT_FALSE(bake::change_object("material = \"steel\"\n", {}));
   EXPECT_FALSE(bake::change_object("material = \"steel\"\ngeometry = \"b.geo\"\nparameters = { length = 3 }\n",
                                    {.parameters = {{"length", 4}}}));
+}
+
+TEST(ObjectText, ALevelTakesThePlaceOfAnyOtherAmount) {
+  const std::string head = "material = \"glass\"\ngeometry = \"cup.geo\"\n";
+  for (const char* amount : {"full = true\n", "depth_m = 0.02\n", "volume_ml = 5\n", "level_m = 0.1\n"}) {
+    const auto changed =
+        bake::change_object(head + "[fill]  # of a spring\n" + amount + "levels = 16\n", {.level_m = 0.03});
+    ASSERT_TRUE(changed) << changed.error().message;
+    const auto recipe = bake::parse_object(*changed, "cup.toml");
+    ASSERT_TRUE(recipe) << recipe.error().message << *changed;
+    EXPECT_EQ(recipe->options.liquids.fill->amount.kind, liquid::Amount::Kind::kLevel);
+    EXPECT_EQ(recipe->options.liquids.fill->amount.value, 0.03);
+    EXPECT_EQ(recipe->options.liquids.fill->levels, 16u);
+    EXPECT_NE(changed->find("# of a spring"), std::string::npos);
+  }
+  EXPECT_FALSE(bake::change_object(head + "fill = { full = true }\n", {.level_m = 0.03}));
 }
 
 TEST(ObjectText, AChangedShapeHasItsOwnPitch) {
@@ -316,6 +334,31 @@ TEST(TuneProgram, TheProgramWritesAnObjectForEachNoteOfAScale) {
   EXPECT_NE(scale.output.find("of the first"), std::string::npos) << scale.output;
 }
 
+// The target is the pitch that a bake has at a level, so that this is the level to be found.
+TEST(TuneProgram, TheProgramFindsTheLevelOfALiquid) {
+  const TemporaryFolder folder;
+  static_cast<void>(folder.write("cup.geo", test::kCup));
+  const auto cup = [&](const std::string& fill) {
+    return folder.write("cup.toml",
+                        "material = \"glass\"\ngeometry = \"cup.geo\"\nunit_m = 0.001\nmesh_size_m = 0.012\n"
+                        "element = \"tet10\"\nshape_error = 0.2\nband_hz = [20, 4500]\nscale = 2\n[fill]\n" +
+                            fill);
+  };
+  constexpr double kLevel_m = 0.045;
+  const modal::Bank known = bank_of(bake::read_object(cup(formatted("level_m = {}\n", kLevel_m))).value(), 4500);
+  const double wanted_hz = frequencies_of(known, bake::ModeFamily::kAny).at(0);
+  const fs::path out = folder.path() / "tuned.toml";
+  const Ran ran = tune(cup("full = true\nlevels = 8\n").string() +
+                       formatted(" --vary fill.level:0.02..0.06 --target any:1={:.6g} -o ", wanted_hz) + out.string());
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  std::printf("%s", ran.output.c_str());
+  const auto tuned = bake::read_object(out);
+  ASSERT_TRUE(tuned) << tuned.error().message;
+  EXPECT_NEAR(tuned->options.liquids.fill->amount.value, kLevel_m, 1e-4);
+  EXPECT_EQ(tuned->options.liquids.fill->levels, 8u);
+  EXPECT_FALSE(tuned->meshing.parameters.contains("fill.level"));
+}
+
 TEST(TuneProgram, TheProgramSaysWhatCannotBeReachedAndWritesNothing) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "x.toml";
@@ -343,6 +386,8 @@ TEST(TuneProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
       {"nothing.toml" + vary + " --target 1=440" + rest, 3},
       {kKey + " --vary girth:1..2 --target 1=440" + rest, 3},
       {kKey + vary + " --mesh-size 0.03 --target 30=440" + rest, 3},
+      {kKey + " --vary fill.level:0.01..0.02 --target 1=440" + rest, 3},
+      {kKey + vary + " --vary fill.level:0.01..0.02 --target 1=440" + rest, 3},
   };
   for (const auto& [arguments, code] : cases) {
     const Ran ran = tune(arguments);

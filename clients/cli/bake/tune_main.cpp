@@ -44,8 +44,10 @@ void print_step(const bake::TuneStep& step) {
 }
 
 void print_table(const std::string& name, const bake::TuneRequest& request, const bake::TunedObject& tuned) {
-  std::printf("%s: %s, mesh size %.4g mm; %d bakes\n", name.c_str(), parameters_text(tuned.parameters).c_str(),
-              1000 * tuned.mesh_size_m, tuned.bakes);
+  const std::string mesh =
+      tuned.mesh_size_m > 0 ? formatted(", mesh size {:.4g} mm", 1000 * tuned.mesh_size_m) : std::string();
+  std::printf("%s: %s%s; %d bakes\n", name.c_str(), parameters_text(tuned.parameters).c_str(), mesh.c_str(),
+              tuned.bakes);
   std::printf("  mode            target Hz     found Hz    cents   error, cents   of the first  note\n");
   for (std::size_t i = 0; i < tuned.found.size(); ++i) {
     const bake::TuneTarget& target = request.targets[i];
@@ -82,6 +84,10 @@ Result<void> write_object(const TuneArguments& arguments, const bake::TuneReques
   const Result<std::string> text = read_whole_file(arguments.input, kMaxTomlFileBytes);
   if (!text) return fail(text);
   bake::ObjectChanges changes{.parameters = tuned.parameters};
+  if (request.varies_level()) {
+    changes.level_m = tuned.parameters.at(std::string(bake::kLevelVariable));
+    changes.parameters.clear();
+  }
   changes.parameters.insert(arguments.settings.begin(), arguments.settings.end());
   changes.geometry = geometry_seen_from(request.recipe.geometry, output.parent_path());
   changes.mesh_size_m = tuned.mesh_size_m;
@@ -114,6 +120,7 @@ ExitCode tune_one(const TuneArguments& arguments, bake::TuneRequest& request, co
   if (auto written = write_object(arguments, request, *tuned, output); !written) return complain(written);
   for (bake::TuneVariable& variable : request.variables) variable.start = tuned->parameters.at(variable.name);
   request.slopes = tuned->slopes;
+  request.levels = tuned->levels;
   request.recipe.meshing.mesh_size_m = tuned->mesh_size_m;
   return ExitCode::ok;
 }
@@ -132,6 +139,15 @@ ExitCode tune_scale(const TuneArguments& arguments, bake::TuneRequest& request, 
   return worst;
 }
 
+// The object's own value where it states one, else the middle of the bounds.
+double start_of(const bake::TuneVariable& variable, const bake::ObjectRecipe& recipe) {
+  const auto& fill = recipe.options.liquids.fill;
+  if (variable.name == bake::kLevelVariable && fill && fill->amount.kind == liquid::Amount::Kind::kLevel)
+    return fill->amount.value;
+  const auto given = recipe.meshing.parameters.find(variable.name);
+  return given == recipe.meshing.parameters.end() ? 0.5 * (variable.low + variable.high) : given->second;
+}
+
 ExitCode tune(TuneArguments& arguments, const std::stop_token& stop) {
   Result<bake::ObjectRecipe> recipe = bake::read_object(arguments.input);
   if (!recipe) return complain(recipe);
@@ -140,10 +156,7 @@ ExitCode tune(TuneArguments& arguments, const std::stop_token& stop) {
   for (const auto& [name, value] : arguments.settings) recipe->meshing.parameters[name] = value;
   bake::TuneRequest request{.recipe = *recipe, .variables = arguments.variables, .strike = arguments.strike};
   request.tolerance_cents = arguments.tolerance_cents;
-  for (bake::TuneVariable& variable : request.variables) {
-    const auto given = recipe->meshing.parameters.find(variable.name);
-    variable.start = given == recipe->meshing.parameters.end() ? 0.5 * (variable.low + variable.high) : given->second;
-  }
+  for (bake::TuneVariable& variable : request.variables) variable.start = start_of(variable, *recipe);
   if (arguments.is_scale) return tune_scale(arguments, request, stop);
   request.targets = cli::targets_at(arguments, 0);
   return tune_one(arguments, request, arguments.output, stop);
@@ -156,7 +169,9 @@ const std::vector<manual::Section> kSections = {
        "A bar whose first two bending modes are A4 and two octaves above it."},
       {"ringdown-tune bar.toml --vary length:150..450 --vary arch_depth:2..10 --scale F3..F6 --target 1=note --target "
        "2=4x -o bars",
-       "One such bar for each note, bars/F3.toml to bars/F6.toml."}}},
+       "One such bar for each note, bars/F3.toml to bars/F6.toml."},
+      {"ringdown-tune glass.toml --vary fill.level:0.07..0.16 --target any:1=A5 -o a5.toml",
+       "The level of the liquid in a glass at which its lowest mode is A5."}}},
     {"SEE ALSO", {{"ringdown(1), ringdown-bake(1)", "The other programs."}}},
 };
 

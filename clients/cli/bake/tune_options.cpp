@@ -80,13 +80,15 @@ Result<void> read_scale(const std::string& text, TuneArguments& arguments) {
 }  // namespace
 
 void add_tune_options(manual::App& app, TuneArguments& arguments, TuneWords& words) {
-  app.add_option("input", arguments.input, "an object (.toml) whose geometry is a .geo with parameters")
+  app.add_option("input", arguments.input,
+                 "an object (.toml) whose geometry is a .geo with parameters, or that has a [fill]")
       ->type_name("FILE")
       ->required();
   app.add_option("-o,--output", arguments.output, "the object to write (.toml); with --scale, the folder")
       ->type_name("FILE")
       ->required();
-  app.add_option("--vary", words.vary, "a parameter that may change, in the geometry's unit; repeat it for others")
+  app.add_option("--vary", words.vary,
+                 "a parameter that may change, in the geometry's unit, or fill.level, in metres; repeat it for others")
       ->type_name("NAME:LOW..HIGH")
       ->required();
   app.add_option(

@@ -269,12 +269,11 @@ class BankFiller {
   [[nodiscard]] bool pumps(const VectorXd& own) const {
     constexpr double kMoves = 1e-3;  // share of the energy in the liquid
     return std::ranges::any_of(parts_, [&](const Part& part) {
-      const auto& [wetted, density, sound_speed, drag_si] =
-          plan_.parts[static_cast<std::size_t>(&part - parts_.data())];
-      if (density * own.dot(part.potential.added_mass * own) < kMoves) return false;
+      const WetPart& wet = plan_.parts[static_cast<std::size_t>(&part - parts_.data())];
+      if (wet.density * own.dot(part.potential.added_mass * own) < kMoves) return false;
       const VectorXd flow = part.flow * own;
       return std::pow(flow.sum(), 2) >
-             kNetFlow * wetted.areas.sum() * (flow.array().square() / wetted.areas.array()).sum();
+             kNetFlow * wet.wetted.areas.sum() * (flow.array().square() / wet.wetted.areas.array()).sum();
     });
   }
 

@@ -15,6 +15,7 @@
 #include "engine/base/toml_table.h"
 #include "engine/base/vec3.h"
 #include "engine/liquid/liquid.h"
+#include "engine/liquid/potential.h"
 #include "engine/liquid/wet_wall.h"
 
 #include <filesystem>
@@ -28,7 +29,8 @@ struct Filling {
   liquid::Amount amount;                   // lengths in metres, the volume in cubic metres
   Vec3 up{0, 0, 1};
   std::vector<Vec3> basins_m;
-  std::size_t levels = 0;  // 0, or modal::kMinLevels to kMaxLevels
+  std::size_t levels = 0;              // 0, or modal::kMinLevels to kMaxLevels
+  int wall_nodes = liquid::kWetNodes;  // of the boundary elements; the time goes with their square
 };
 
 struct Bath {

@@ -105,8 +105,10 @@ class LevelFinder {
     std::vector<MatrixXd> looks = {
         dry_.shapes.middleCols(rigid_, std::min<Index>(wanted, dry_.lambda.size() - rigid_))};
     const std::size_t last = plan_.levels.size() - 1;
+    std::size_t before = 0;
     for (int look = 1; look <= kLooks; ++look) {
       const std::size_t l = std::max<std::size_t>(1, last * static_cast<std::size_t>(look) / kLooks);
+      if (l == std::exchange(before, l)) continue;
       WetPlan other{.skin = plan_.skin, .parts = {plan_.levels[l].part}, .levels = {}, .air = {}, .notes = {}};
       WetSolver solver(other, surface_, dry_, system_, clamped_, top_);
       if (auto solved = solver.solve(response, {}); !solved) return solved;
@@ -215,7 +217,11 @@ class LevelFinder {
     for (const Giving& at : giving_)
       whole += top_ * at.bond * at.own_lambda.cwiseInverse().asDiagonal() * at.bond.transpose();
     const dense::Spectrum ways = dense::spectrum(whole / static_cast<double>(giving_.size()));
-    const Index kept = std::min((ways.values.array() > kGivesWay).count(), kMaxMotions);
+    // Motions beyond the number of the liquid's modes depend on the others at every level, and splines between levels
+    // do not keep that: 12 motions of 7 modes put a mode of the liquid 2.3 cents off, 7 motions 0.03.
+    Index own_modes = 0;
+    for (const Giving& at : giving_) own_modes = std::max(own_modes, at.own_lambda.size());
+    const Index kept = std::min({(ways.values.array() > kGivesWay).count(), kMaxMotions, own_modes});
     levels_.following = ways.vectors.rightCols(kept);
     for (const Giving& at : giving_) {
       const MatrixXd once = at.own_lambda.cwiseInverse().asDiagonal() * (at.bond.transpose() * levels_.following);

@@ -59,10 +59,11 @@ Result<std::vector<liquid::Basin>> chosen_basins(const Filling& filling, const l
   return chosen;
 }
 
-WetPart part_of(liquid::Wetted wetted, const liquid::Liquid& liquid, const WetUnits& units) {
+WetPart part_of(liquid::Wetted wetted, const liquid::Liquid& liquid, int wall_nodes, const WetUnits& units) {
   return {.wetted = std::move(wetted),
           .density = liquid.density_kg_m3 / units.density_kg_m3,
           .sound_speed = liquid.sound_speed_m_s / units.speed_m_s,
+          .wall_nodes = wall_nodes,
           .drag_si = std::sqrt(liquid.density_kg_m3 * liquid.viscosity_pa_s / 2)};
 }
 
@@ -92,7 +93,7 @@ Result<void> plan_bath(const Bath& bath, const WetUnits& units, WetPlan& plan) {
                                           std::string(text) + "; choose a lower level");
   double displaced = 0;
   for (const liquid::Piece& piece : pieces) displaced -= piece.volume;
-  plan.parts.push_back(part_of(liquid::wetted_by(wall, pieces, level, true), bath.liquid, units));
+  plan.parts.push_back(part_of(liquid::wetted_by(wall, pieces, level, true), bath.liquid, liquid::kWetNodes, units));
   plan.notes.push_back(note_of(bath.liquid, bath.level_m, displaced * std::pow(units.length_m, 3), bath.up, true));
   return {};
 }
@@ -109,9 +110,10 @@ Result<void> plan_levels(const Filling& filling, const liquid::WetWall& wall, co
     const liquid::Piece piece = liquid::piece_of(wall, basin, level);
     if (piece.triangles.empty() || piece.is_closed())
       return fail(ErrorKind::bad_input, "levels are found for an open basin only; leave `levels` out");
-    plan.levels.push_back({.level = level,
-                           .volume = piece.volume,
-                           .part = part_of(liquid::wetted_by(wall, {piece}, level, false), filling.liquid, units)});
+    plan.levels.push_back(
+        {.level = level,
+         .volume = piece.volume,
+         .part = part_of(liquid::wetted_by(wall, {piece}, level, false), filling.liquid, filling.wall_nodes, units)});
   }
   return {};
 }
@@ -131,7 +133,8 @@ Result<void> plan_filling(const Filling& filling, const WetUnits& units, WetPlan
     const liquid::Piece piece = liquid::piece_of(wall, basin, *level);
     if (piece.triangles.empty())
       return fail(ErrorKind::bad_input, "the liquid spills into another basin below that level; fill that one");
-    plan.parts.push_back(part_of(liquid::wetted_by(wall, {piece}, *level, false), filling.liquid, units));
+    plan.parts.push_back(
+        part_of(liquid::wetted_by(wall, {piece}, *level, false), filling.liquid, filling.wall_nodes, units));
     plan.notes.push_back(note_of(filling.liquid, *level * units.length_m, piece.volume * std::pow(units.length_m, 3),
                                  filling.up, false));
   }

@@ -29,6 +29,7 @@ inline constexpr double kFewer = 4;       // nodes of the wall over those of the
 struct WetPart {
   liquid::Wetted wetted;
   double density = 0, sound_speed = 0;
+  int wall_nodes = 0;
   double drag_si = 0;  // sqrt(rho eta / 2) [kg m^-2 s^-1/2]: times sqrt(omega), the resistance of its boundary layer
 };
 

@@ -48,7 +48,7 @@ MatrixXd plain_pressures(const mesh::Points& at) {
 }  // namespace
 
 Result<PartTerms> PartTerms::of(const WetPart& part) {
-  Result<liquid::WetPanels> panels = liquid::WetPanels::of(part.wetted);
+  Result<liquid::WetPanels> panels = liquid::WetPanels::of(part.wetted, part.wall_nodes);
   if (!panels) return fail(panels);
   PartTerms terms{.panels = std::move(*panels)};
   if (!part.wetted.outside) terms.modes.emplace(part.wetted, terms.panels.panels());
@@ -250,7 +250,7 @@ Result<MatrixXd> WetSolver::mass_errors() const {
   MatrixXd errors = MatrixXd::Zero(basis_.cols(), basis_.cols());
   for (std::size_t p = 0; p < terms_.size(); ++p) {
     const WetPart& part = plan_.parts[p];
-    const auto coarse = liquid::WetPanels::of(part.wetted, static_cast<int>(liquid::kWetNodes / kFewer));
+    const auto coarse = liquid::WetPanels::of(part.wetted, static_cast<int>(part.wall_nodes / kFewer));
     if (!coarse) return fail(coarse);
     errors += part.density / (kFewer - 1) *
               (terms_[p].potential.added_mass - coarse->potential_of(terms_[p].flow).added_mass);
