@@ -83,7 +83,14 @@ struct Part {
 
 struct SimulationMemory {
   ContactJoints::Memory contacts;
-  unsigned long seed;
+  struct Body {  // ODE's own clock of a body's rest starts again
+    BodyId id = 0;
+    Motion motion;
+    double owed_j = 0;
+    Stillness stillness;
+    bool awake = false;
+  };
+  std::vector<Body> bodies;  // that can move
 };
 
 struct Simulation::State {
@@ -123,7 +130,9 @@ struct Simulation::State {
   ContactJoints contacts;
   NearPairs near;
   Islands islands;
-  unsigned long seed;  // of the part; set by do_part()
+  const unsigned long first_seed;
+  std::uint64_t steps = 0;  // before the next one
+  unsigned long seed = 0;   // of the part
   std::vector<MovedBody> moved;
   bool asleep = false;
 };
@@ -135,7 +144,7 @@ Simulation::State::State(const SceneDescription& scene)
       gravity_m_s2(scene.gravity_m_s2),
       max_exact(max_exact_contacts(scene.step_s)),
       contacts(world.get(), scene),
-      seed(static_cast<unsigned long>(scene.seed)) {
+      first_seed(static_cast<unsigned long>(scene.seed)) {
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
   dWorldSetContactMaxCorrectingVel(world.get(), kMaxCorrection_m_s);
   dWorldSetContactSurfaceLayer(world.get(), kContactLayer_m);
@@ -424,13 +433,30 @@ void Simulation::rest(BodyId id, const Motion& motion) {
 }
 
 std::shared_ptr<const SimulationMemory> Simulation::memory() const {
-  return std::make_shared<SimulationMemory>(state_->contacts.memory(), state_->seed);
+  const OdeLock lock;
+  SimulationMemory memory{.contacts = state_->contacts.memory(), .bodies = {}};
+  for (const Collider* collider : state_->in_order) {
+    if (collider->movable())
+      memory.bodies.push_back(
+          {collider->id, collider->motion(), collider->owed_j, collider->sleep.stillness(), collider->awake()});
+  }
+  return std::make_shared<const SimulationMemory>(std::move(memory));
 }
 
 void Simulation::recall(const SimulationMemory& memory) {
+  const OdeLock lock;
   state_->contacts.recall(memory.contacts);
-  state_->seed = memory.seed;
+  for (const SimulationMemory::Body& body : memory.bodies) {
+    Collider& collider = state_->colliders.at(body.id);
+    collider.move(body.motion);
+    collider.owed_j = body.owed_j;
+    if (!body.awake) collider.sleep.fall();
+    collider.sleep.recall(body.stillness);
+  }
+  state_->asleep = false;
 }
+
+void Simulation::set_steps(std::uint64_t done) { state_->steps = done; }
 
 void Simulation::drive(BodyId id, const Motion& motion) {
   const OdeLock lock;
@@ -442,6 +468,7 @@ void Simulation::drive(BodyId id, const Motion& motion) {
 std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up) {
   const OdeLock lock;
   State& state = *state_;
+  state.seed = state.first_seed + static_cast<unsigned long>(state.steps++);
   state.contacts.begin_step();
   state.release_parted();
   for (Collider* collider : state.in_order) collider->sleep.begin_step();
