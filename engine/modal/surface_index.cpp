@@ -20,9 +20,9 @@ Vec3 lowest(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), st
 Vec3 highest(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 
 double squared_distance_to_box(Vec3 p, Vec3 low, Vec3 high) REALTIME {
-  const double dx = std::max({low.x - p.x, 0.0, p.x - high.x});
-  const double dy = std::max({low.y - p.y, 0.0, p.y - high.y});
-  const double dz = std::max({low.z - p.z, 0.0, p.z - high.z});
+  const auto outside = [](double x, double min, double max)
+                           REALTIME { return std::max(std::max(min - x, x - max), 0.0); };
+  const double dx = outside(p.x, low.x, high.x), dy = outside(p.y, low.y, high.y), dz = outside(p.z, low.z, high.z);
   return dx * dx + dy * dy + dz * dz;
 }
 

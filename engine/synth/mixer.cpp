@@ -16,6 +16,16 @@
 #include <utility>
 
 namespace ringdown::synth {
+namespace {
+
+Inputs from_frame(std::size_t frame, Inputs inputs) REALTIME {
+  for (const float*& samples : inputs) {
+    if (samples) samples += frame;
+  }
+  return inputs;
+}
+
+}  // namespace
 
 Mixer::Mixer(double sample_rate_hz, const MixerSettings& settings) : sample_rate_hz_(sample_rate_hz) {
   configure(settings);
@@ -111,9 +121,9 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
                 .sample_rate_hz = rate_hz,
                 .floor = floor_,
                 .wanted = output_.to_render(),
+                .inputs = from_frame(done, inputs),
                 .shedding = &shedding_,
                 .counters = &counters};
-    for (std::size_t i = 0; i < kMaxInputs; ++i) chunk.inputs[i] = inputs[i] ? inputs[i] + done : nullptr;
     execute_commands(now_);
     const std::size_t rest = stage_.listen_to_inputs(chunk, frames - done);
     chunk.frames = timeline_.chunk_frames(now_, rest, stage_.idle(), stage_.has_listened());
@@ -131,7 +141,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   counters.ringing_modes.store(counts.modes, std::memory_order_relaxed);
   counters.muted_modes.store(counts.muted_modes, std::memory_order_relaxed);
   counters.coupled_voices.store(counts.coupled_voices, std::memory_order_relaxed);
-  counters.psi_over_truth.store(counts.psi_over_truth, std::memory_order_relaxed);
+  counters.psi_over_truth.store(1 + counts.psi_error, std::memory_order_relaxed);
   counters.frames.store(now_, std::memory_order_release);
 }
 

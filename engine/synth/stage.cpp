@@ -109,10 +109,10 @@ void Stage::place(const Event& event, Frame now, double sample_rate_hz) REALTIME
 }
 
 std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) REALTIME {
-  for (std::size_t input = 0; input < kMaxInputs && object_limit_ > 0; ++input) {
+  if (object_limit_ == 0 || !forces_->exciters.take_inputs()) return rest;
+  for (std::size_t input = 0; input < kMaxInputs; ++input) {
     const float* const samples = chunk.inputs[input];
     const std::optional<ObjectNumber> target = forces_->exciters.target_of(input);
-    chunk.input_sounds[input] = false;
     if (!samples || !target) continue;
     rest = std::min(rest, kChunkFrames);
     chunk.input_sounds[input] = std::any_of(samples, samples + rest, [](float x) REALTIME { return x != 0; });

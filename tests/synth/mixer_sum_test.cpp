@@ -83,6 +83,19 @@ struct Scene {
   }
 };
 
+// Objects in the middle are added to both channels at once: all of them, or some among others.
+TEST(MixerSum, ObjectsInTheMiddleAddUpToTheClosedForm) {
+  for (const std::size_t every : {1, 3}) {
+    Scene scene(40, 50, 60, 500);
+    for (std::size_t o = 0; o < scene.pan.size(); o += every) scene.pan[o] = 0;
+    const auto player = scene.play(1200, 128);
+    const std::array<Samples, 2> exact = scene.exact(900, 250);
+    for (const auto& [heard, wanted] : {std::pair{&player->left, &exact[0]}, {&player->right, &exact[1]}}) {
+      EXPECT_LT(relative_error_db(Samples(heard->begin() + 900, heard->begin() + 1150), *wanted), -110) << every;
+    }
+  }
+}
+
 TEST(MixerSum, TheSumOfTwoThousandModesIsTheClosedForm) {
   const Scene scene(40, 50, 120, 4000);
   for (const std::size_t block : {128, 256, 441, 77}) {

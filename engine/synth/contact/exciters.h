@@ -142,6 +142,11 @@ class Exciters {
   void disconnect(std::size_t input, ExciterSlots& slots) REALTIME;
   [[nodiscard]] std::optional<ObjectNumber> target_of(std::size_t input) const REALTIME { return targets_[input]; }
 
+  // Returns true if some input excites an object.
+  [[nodiscard]] bool take_inputs() const REALTIME {
+    return std::ranges::any_of(targets_, [](const auto& target) REALTIME { return target.has_value(); });
+  }
+
   // Fits what acts on an object to its new voice; drops what does not fit.
   void refit(Voice* voice, ExciterSlots& slots) REALTIME;
   // Gives back the exciters that are over at a frame.

@@ -22,15 +22,22 @@ class ChannelSums {
 
   // Must come before anything is added. [worker]
   void make_room() {
-    if (channels_.empty()) channels_ = std::vector<Channel>(kMaxChannels);
+    if (!channels_.empty()) return;
+    channels_ = std::vector<Channel>(kMaxChannels);
+    both_ = std::make_unique<MomentSums>();
   }
 
   // Begins a chunk of `frames` and drops earlier sums. More than kChunkFrames only if nothing is added.
   void open(std::size_t frames) REALTIME;
 
+  // Adds `gain` times the samples of frames begin ... end - 1 to a channel; mono[begin] is the first.
+  void add_samples(std::size_t channel, const double* mono, double gain, std::size_t begin, std::size_t end) REALTIME;
   // Return the samples or moments of a channel, to which callers add.
   double* samples(std::size_t channel) REALTIME;
   MomentSums* moments(std::size_t channel) REALTIME;
+  // Returns moments that sound alike in the left and the right channel, both of which must be wanted: an object in the
+  // middle is added once.
+  MomentSums* moments_of_both() REALTIME;
   // Returns the sums that take an object for all of its channels together; null if there are no ambisonic channels.
   [[nodiscard]] FieldSums* field() REALTIME { return field_.get(); }
 
@@ -50,6 +57,8 @@ class ChannelSums {
   };
   std::vector<Channel> channels_;
   ChannelSet has_samples_ = 0, has_moments_ = 0;
+  std::unique_ptr<MomentSums> both_;  // of left and right alike
+  bool has_both_ = false;
   std::size_t frames_ = 0;
   std::unique_ptr<FieldSums> field_;
   MomentSynthesis synthesis_;

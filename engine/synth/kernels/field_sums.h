@@ -15,6 +15,7 @@ namespace ringdown::synth {
 // window's end.
 struct GainLine {
   float middle = 0, slope = 0;
+  friend bool operator==(const GainLine&, const GainLine&) = default;
 };
 
 // An object's gains at all ambisonic channels.

@@ -22,6 +22,30 @@ void add_scaled_here(const double* from, double gain, double* out, std::size_t f
   for (; n < frames; ++n) out[n] += gain * from[n];
 }
 
+void write_scaled_here(const double* from, double gain, double* out, std::size_t frames) {
+  const hn::CappedTag<double, 8> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const auto factor = hn::Set(tag, gain);
+  std::size_t n = 0;
+  for (; n + lanes <= frames; n += lanes) hn::StoreU(hn::Mul(factor, hn::LoadU(tag, from + n)), tag, out + n);
+  for (; n < frames; ++n) out[n] = gain * from[n];
+}
+
+// What is not a number is not below the limit.
+bool all_within_here(const double* samples, double max, std::size_t count) {
+  const hn::CappedTag<double, 8> tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const auto limit = hn::Set(tag, max);
+  auto within = hn::Eq(limit, limit);
+  std::size_t n = 0;
+  for (; n + lanes <= count; n += lanes) {
+    within = hn::And(within, hn::Le(hn::Abs(hn::LoadU(tag, samples + n)), limit));
+  }
+  bool rest = true;
+  for (; n < count; ++n) rest = rest && std::abs(samples[n]) <= max;
+  return rest && hn::AllTrue(tag, within);
+}
+
 // Four vectors of results of each filter stay in registers, and each vector of samples is read for both.
 void add_filtered_here(const float* samples, std::size_t taps, const FilterOutput& first, const FilterOutput& second,
                        std::size_t frames) {
@@ -58,21 +82,25 @@ float write_samples_here(const double* from, float* to, std::size_t frames) {
   const hn::CappedTag<double, 8> wide;
   const hn::CappedTag<float, hn::MaxLanes(hn::CappedTag<double, 8>())> narrow;
   const std::size_t lanes = hn::Lanes(wide);
-  auto peak = hn::Zero(narrow), spoilt = peak;  // zero times an infinity or NaN is NaN
+  const auto largest = hn::Set(narrow, std::numeric_limits<float>::max());
+  auto peak = hn::Zero(narrow);
+  auto finite = hn::Eq(peak, peak);
   std::size_t n = 0;
   for (; n + lanes <= frames; n += lanes) {
     const auto sample = hn::DemoteTo(narrow, hn::LoadU(wide, from + n));
     hn::StoreU(sample, narrow, to + n);
-    peak = hn::Max(hn::Abs(sample), peak);
-    spoilt = hn::MulAdd(sample, hn::Zero(narrow), spoilt);
+    const auto size = hn::Abs(sample);
+    peak = hn::Max(size, peak);
+    finite = hn::And(finite, hn::Le(size, largest));
   }
-  float highest = hn::GetLane(hn::MaxOfLanes(narrow, peak)), sum = hn::GetLane(hn::SumOfLanes(narrow, spoilt));
+  float highest = hn::GetLane(hn::MaxOfLanes(narrow, peak));
+  bool sound = hn::AllTrue(narrow, finite);
   for (; n < frames; ++n) {
     to[n] = static_cast<float>(from[n]);
     highest = std::max(highest, std::abs(to[n]));
-    sum += 0 * to[n];
+    sound = sound && std::isfinite(to[n]);
   }
-  if (sum == 0) return highest;
+  if (sound) return highest;
   std::fill_n(to, frames, 0.0F);
   return std::numeric_limits<float>::infinity();
 }
@@ -84,6 +112,8 @@ HWY_AFTER_NAMESPACE();
 namespace ringdown::synth {
 
 HWY_EXPORT(add_scaled_here);
+HWY_EXPORT(write_scaled_here);
+HWY_EXPORT(all_within_here);
 HWY_EXPORT(add_filtered_here);
 HWY_EXPORT(write_samples_here);
 
@@ -91,6 +121,14 @@ HWY_EXPORT(write_samples_here);
 TRUST_REALTIME_BEGIN
 void add_scaled(const double* from, double gain, double* out, std::size_t frames) REALTIME {
   HWY_DYNAMIC_DISPATCH(add_scaled_here)(from, gain, out, frames);
+}
+
+void write_scaled(const double* from, double gain, double* out, std::size_t frames) REALTIME {
+  HWY_DYNAMIC_DISPATCH(write_scaled_here)(from, gain, out, frames);
+}
+
+bool all_within(const double* samples, double max, std::size_t count) REALTIME {
+  return HWY_DYNAMIC_DISPATCH(all_within_here)(samples, max, count);
 }
 
 void add_filtered(const float* samples, std::size_t taps, const FilterOutput& first, const FilterOutput& second,

@@ -88,11 +88,29 @@ struct Batch {
   const float* runs[kMaxGroups];  // runs of each group's modes
 };
 
+// Adds the products of mode m's anchors, real or imaginary parts, and of its run. An anchor is used up before the next
+// is read: if all were read first, the sums would have to leave their registers, where AVX2 has 16.
+template <std::size_t kRuns, class Vector>
+HWY_INLINE void add_mode(const float (*anchors)[kModePadding], std::size_t first_run, std::size_t m, const float* run,
+                         Vector* sums) {
+  const hn::CappedTag<float, kRun> tag;
+  constexpr std::size_t kLanes = hn::MaxLanes(hn::CappedTag<float, kRun>()), kParts = kRun / kLanes;
+  Vector part[kParts];
+  RINGDOWN_UNROLL
+  for (std::size_t i = 0; i < kParts; ++i) part[i] = hn::Load(tag, run + i * kLanes);
+  RINGDOWN_UNROLL
+  for (std::size_t r = 0; r < kRuns; ++r) {
+    const auto anchor = hn::Set(tag, anchors[first_run + r][m]);
+    RINGDOWN_UNROLL
+    for (std::size_t i = 0; i < kParts; ++i) sums[r * kParts + i] = hn::MulAdd(anchor, part[i], sums[r * kParts + i]);
+  }
+}
+
 // Adds kRuns runs of a batch, from run `first_run` on, to `sums`; the sums stay in registers. With four sums or fewer
 // each addition would have to wait for the one before it, so there are two sets of sums then: one for the products of
 // real parts and one for those of imaginary parts.
 template <std::size_t kRuns>
-HWY_INLINE void add_runs(const Batch& batch, std::size_t first_run, float* HWY_RESTRICT sums) {
+HWY_NOINLINE void add_runs(const Batch& batch, std::size_t first_run, float* HWY_RESTRICT sums) {
   const hn::CappedTag<float, kRun> tag;
   constexpr std::size_t kLanes = hn::MaxLanes(hn::CappedTag<float, kRun>()), kParts = kRun / kLanes;
   constexpr std::size_t kSums = kRuns * kParts, kSets = kSums <= 4 ? 2 : 1;
@@ -106,17 +124,8 @@ HWY_INLINE void add_runs(const Batch& batch, std::size_t first_run, float* HWY_R
     const Anchors& anchors = batch.anchors[g];
     const float* runs = batch.runs[g];
     for (std::size_t m = 0; m < kModePadding; ++m, runs += 2 * kRun) {
-      RINGDOWN_UNROLL
-      for (std::size_t part = 0; part < kParts; ++part) {
-        const auto re = hn::Load(tag, runs + part * kLanes), im = hn::Load(tag, runs + kRun + part * kLanes);
-        RINGDOWN_UNROLL
-        for (std::size_t r = 0; r < kRuns; ++r) {
-          auto& by_re = sum[0][r * kParts + part];
-          by_re = hn::MulAdd(hn::Set(tag, anchors.re[first_run + r][m]), re, by_re);
-          auto& by_im = sum[kSets - 1][r * kParts + part];
-          by_im = hn::MulAdd(hn::Set(tag, anchors.im[first_run + r][m]), im, by_im);
-        }
-      }
+      add_mode<kRuns>(anchors.re, first_run, m, runs, sum[0]);
+      add_mode<kRuns>(anchors.im, first_run, m, runs + kRun, sum[kSets - 1]);
     }
   }
   RINGDOWN_UNROLL

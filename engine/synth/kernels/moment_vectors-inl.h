@@ -186,8 +186,9 @@ class GridBlocks {
   Pair first_, second_;
 };
 
-// Destination of the bands' moments: sums of targets; a grid; or a grid, already in lines.
-enum class Into { sums, grid, grid_as_lines };
+// Destination of the bands' moments: sums of targets; those of one target whose gain stands still; a grid; or a grid,
+// already in lines.
+enum class Into { sums, one_sum, grid, grid_as_lines };
 inline Into where_to(std::span<const MomentTarget> targets, bool lines_known) {
   if (targets.empty() || targets[0].grid == nullptr) return Into::sums;
   return lines_known ? Into::grid_as_lines : Into::grid;
@@ -196,11 +197,19 @@ inline Into where_to(std::span<const MomentTarget> targets, bool lines_known) {
 template <Into kInto>
 class Outlet {
  public:
+  static constexpr bool kToGrid = kInto == Into::grid || kInto == Into::grid_as_lines;
+
   HWY_INLINE explicit Outlet(std::span<const MomentTarget> targets)
-      : targets_(targets), grid_(kInto == Into::sums ? nullptr : targets[0].grid) {}
+      : targets_(targets), grid_(kToGrid ? targets[0].grid : nullptr) {
+    if constexpr (kInto == Into::one_sum) sums_ = targets[0].sums->of.data(), gain_ = targets[0].gain;
+  }
   HWY_INLINE void give(Pair moments, std::size_t band, bool slopes) {
     if constexpr (kInto == Into::grid) return grid_.add_moments(band, moments);
     if constexpr (kInto == Into::grid_as_lines) return grid_.add(band, moments);
+    if constexpr (kInto == Into::one_sum) {
+      float* const sums = sums_ + band * 2 * kMoments;
+      return multiply_add(Pair::all(gain_), moments, Pair::load(sums)).store(sums);
+    }
     if (!slopes) {
       for (const MomentTarget& target : targets_) {
         float* const sums = target.sums->of.data() + band * 2 * kMoments;
@@ -216,11 +225,13 @@ class Outlet {
     }
   }
   HWY_INLINE void finish() const {
-    if constexpr (kInto != Into::sums) grid_.finish();
+    if constexpr (kToGrid) grid_.finish();
   }
 
  private:
   std::span<const MomentTarget> targets_;
+  float* sums_ = nullptr;  // of the one target, and its gain
+  float gain_ = 0;
   GridBlocks grid_;
 };
 

@@ -24,6 +24,8 @@ namespace ringdown::synth::HWY_NAMESPACE {
 class BandMoments {
  public:
   HWY_INLINE BandMoments() : by_re_(Pair::all(0)), by_im_(Pair::all(0)) {}
+  HWY_INLINE BandMoments(float z_re, float z_im, const float* weights)
+      : by_re_(Pair::all(z_re) * Pair::load(weights)), by_im_(Pair::all(z_im) * Pair::load(weights)) {}
   HWY_INLINE void add(float z_re, float z_im, const float* weights) {
     const Pair weight = Pair::load(weights);
     by_re_ = multiply_add(Pair::all(z_re), weight, by_re_);
@@ -71,6 +73,32 @@ HWY_INLINE void take_states(const ModeArrays& modes, std::size_t first, std::siz
   }
 }
 
+// Sums one band after another, and gives each sum to the outlet when the next band begins.
+template <Into kInto>
+class RunningBand {
+ public:
+  HWY_INLINE RunningBand(Outlet<kInto>& outlet, std::uint16_t band, const float* level_and_slope)
+      : outlet_(outlet), level_and_slope_(level_and_slope), band_(band) {}
+  HWY_INLINE BandMoments& of(std::uint16_t band) {
+    if (band == band_) return sum_;
+    give();
+    sum_ = BandMoments();
+    band_ = band;
+    return sum_;
+  }
+  HWY_INLINE void give() { outlet_.give(sum_.moments(level_and_slope_), band_, false); }
+
+ private:
+  Outlet<kInto>& outlet_;
+  const float* level_and_slope_;
+  BandMoments sum_;
+  std::uint16_t band_;
+};
+
+// Modes of a group that spans this many bands, or more, are given to the targets one by one: most are alone in their
+// bands.
+constexpr int kWideGroup = 4;
+
 template <Into kInto>
 bool add_plain_groups(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
                       const EnergyLimits& limits, std::span<const MomentTarget> targets, const float* level_and_slope) {
@@ -78,8 +106,9 @@ bool add_plain_groups(const ModeArrays& modes, const MomentArrays& moments, Acti
   Outlet<kInto> outlet(targets);
   std::size_t kept = 0;
   EnergyCheck check(limits);
-  BandMoments sum;
-  std::uint16_t here = active.count > 0 ? moments.band[std::size_t{active.list[0]} * kModePadding] : std::uint16_t{0};
+  RunningBand<kInto> running(
+      outlet, active.count > 0 ? moments.band[std::size_t{active.list[0]} * kModePadding] : std::uint16_t{0},
+      level_and_slope);
   for (std::size_t i = 0; i < active.count; ++i) {
     const std::uint32_t group = active.list[i];
     const std::size_t first = std::size_t{group} * kModePadding;
@@ -92,28 +121,26 @@ bool add_plain_groups(const ModeArrays& modes, const MomentArrays& moments, Acti
     const std::uint16_t* const band = moments.band + first;
     const float* const weights =
         (kInto == Into::grid_as_lines ? moments.lines : moments.weights) + first * 2 * kMoments;
-    const auto change_to = [&](std::uint16_t next) HWY_ATTR {
-      if (next == here) return;
-      outlet.give(sum.moments(level_and_slope), here, false);
-      sum = BandMoments();
-      here = next;
-    };
     if (band[0] == band[kModePadding - 1]) {
-      change_to(band[0]);
+      BandMoments& sum = running.of(band[0]);
       BandMoments odd;  // two sums, so that additions do not wait for each other
       for (std::size_t m = 0; m < kModePadding; m += 2) {
         sum.add(re[m], im[m], weights + m * 2 * kMoments);
         odd.add(re[m + 1], im[m + 1], weights + (m + 1) * 2 * kMoments);
       }
       sum += odd;
+    } else if (!Outlet<kInto>::kToGrid && band[kModePadding - 1] - band[0] >= kWideGroup) {
+      for (std::size_t m = 0; m < kModePadding; ++m) {
+        const BandMoments alone(re[m], im[m], weights + m * 2 * kMoments);
+        outlet.give(alone.moments(level_and_slope), band[m], false);
+      }
     } else {
       for (std::size_t m = 0; m < kModePadding; ++m) {
-        change_to(band[m]);
-        sum.add(re[m], im[m], weights + m * 2 * kMoments);
+        running.of(band[m]).add(re[m], im[m], weights + m * 2 * kMoments);
       }
     }
   }
-  if (active.count > 0) outlet.give(sum.moments(level_and_slope), here, false);
+  if (active.count > 0) running.give();
   outlet.finish();
   active.count = kept;
   return true;
@@ -126,6 +153,7 @@ bool add_moments_here(const ModeArrays& modes, const MomentArrays& moments, Acti
   const auto add = [&](auto* gather)
                        HWY_ATTR { return gather(modes, moments, active, frames, limits, all, level_and_slope); };
   const Into into = where_to(all, moments.lines != nullptr && level_and_slope == nullptr);
+  if (into == Into::sums && target_count == 1) return add(&add_plain_groups<Into::one_sum>);
   if (into == Into::sums) return add(&add_plain_groups<Into::sums>);
   return into == Into::grid ? add(&add_plain_groups<Into::grid>) : add(&add_plain_groups<Into::grid_as_lines>);
 }
@@ -179,12 +207,16 @@ TRUST_REALTIME_BEGIN
 bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
                  const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) REALTIME {
   if (modes.hearing != nullptr) return add_heard_moments(modes, moments, active, frames, limits, targets, fade);
+  const auto add = [&](const float* level_and_slope) REALTIME {
+    return HWY_DYNAMIC_DISPATCH(add_moments_here)(modes, moments, active, frames, limits, targets.data(),
+                                                  targets.size(), level_and_slope);
+  };
+  if (fade.none()) return add(nullptr);
   // Frame j is at t = (j - kMomentMiddle) / kMomentScale.
   const double per_frame = static_cast<double>(fade.to - fade.from) / static_cast<double>(frames);
   const float level_and_slope[2] = {static_cast<float>(static_cast<double>(fade.from) + per_frame * kMomentMiddle),
                                     static_cast<float>(per_frame * kMomentScale)};
-  return HWY_DYNAMIC_DISPATCH(add_moments_here)(modes, moments, active, frames, limits, targets.data(), targets.size(),
-                                                fade.none() ? nullptr : level_and_slope);
+  return add(level_and_slope);
 }
 TRUST_REALTIME_END
 

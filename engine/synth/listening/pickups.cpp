@@ -88,6 +88,7 @@ bool Pickups::set(const verb::Pickup& how, Frame frame, PickupSlots& slots, cons
   free->begin = frame;
   free->end = kNever;
   free->owner = &slots;
+  ++used_;
   slots.slots_[slots.count_++] = &*free;
   refit(slots, voices);
   return true;
@@ -111,9 +112,11 @@ void Pickups::drop(Pickup& pickup) REALTIME {
   const auto place = std::ranges::find(slots.slots_, &pickup);
   *place = slots.slots_[--slots.count_];
   pickup.owner = nullptr;
+  --used_;
 }
 
 void Pickups::drop_finished(Frame frame) REALTIME {
+  if (used_ == 0) return;
   for (Pickup& pickup : pickups_) {
     if (pickup.owner && pickup.end <= frame) drop(pickup);
   }

@@ -77,6 +77,7 @@ class Pickups {
   void drop(Pickup& pickup) REALTIME;
 
   std::array<Pickup, kMaxProbes> pickups_;
+  std::size_t used_ = 0;  // pickups that are not free
 };
 
 }  // namespace ringdown::synth

@@ -50,7 +50,7 @@ struct ChunkCounts {
   double enter_units = 0;            // units spent on muted modes that came back
   double look_terms = 0;             // terms of maps, if gains in directions were found as often as exactness requires
   std::uint32_t coupled_voices = 0;  // voices whose modes exchange energy
-  float psi_over_truth = 1;          // value farthest from 1 among these voices
+  float psi_error = 0;               // psi over its true value, less 1: the largest in size among these voices
   bool shed = false;                 // whether something was left out for lack of time
 
   void add(const ChunkCounts& other) REALTIME {
@@ -62,11 +62,11 @@ struct ChunkCounts {
     enter_units += other.enter_units;
     look_terms += other.look_terms;
     coupled_voices += other.coupled_voices;
-    note_psi(other.psi_over_truth);
+    note_psi(other.psi_error);
     shed = shed || other.shed;
   }
-  void note_psi(float value) REALTIME {
-    if (std::abs(value - 1) > std::abs(psi_over_truth - 1)) psi_over_truth = value;
+  void note_psi(float error) REALTIME {
+    if (std::abs(error) > std::abs(psi_error)) psi_error = error;
   }
   void add(const ModeStates::Counts& states) REALTIME {
     modes += static_cast<std::uint32_t>(states.sounding);

@@ -52,7 +52,7 @@ void ModeGains::go(double frames) REALTIME {
   const auto per_frame = static_cast<float>(1 / frames);
   float *by_re = row(step_re), *by_im = row(step_im);
   for (std::size_t c = 0; c < columns_; ++c) {
-    by_re[c] = per_frame * (to_re[c] - re[c]);
+    by_re[c] = per_frame * (to_re[c] - re[c]);  // takes the place of to_re[c]
     by_im[c] = per_frame * (to_im[c] - im[c]);
   }
 }

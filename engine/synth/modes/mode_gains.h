@@ -43,7 +43,8 @@ class ModeGains {
   [[nodiscard]] const ModeFactors* frozen() const REALTIME { return on_ ? &factors_ : nullptr; }
 
  private:
-  enum Row { gain_re, gain_im, step_re, step_im, goal_re, goal_im, air, kRows };
+  // aim() writes the goal where go() then writes the steps that lead to it.
+  enum Row { gain_re, gain_im, step_re, step_im, air, kRows, goal_re = step_re, goal_im = step_im };
   [[nodiscard]] float* row(Row which) const REALTIME { return rows_.get() + which * columns_; }
   void begin() REALTIME;
   void go(double frames) REALTIME;

@@ -74,6 +74,7 @@ bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std:
 // stay in the kernels, and so do all while modes are muted.
 Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, double* out, std::size_t frames,
                          std::span<const Probes::One> probes) REALTIME {
+  if (!coupling.possible()) return Coupling::Outcome::nothing;
   const bool allowed = !muting && states.for_kernel(0).hearing == nullptr;
   return coupling.render(states.re(), states.im(), allowed, out, frames, probes);
 }

@@ -82,21 +82,17 @@ std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const m
   return playable;
 }
 
-// For each playable mode: its number in the bank, its column, weight and frequency.
-struct Playable {
-  std::span<const std::uint32_t> mode, column;
-  std::span<const double> weight, frequency_hz;
-};
-
 // Turns what a blow gives each mode of the bank into the amplitudes of the columns; returns the sum of their squares.
-double weigh(const Playable& playable, std::span<const double> excited, double contact_time_s,
+double weigh(const ModeTable& table, std::span<const double> excited, double contact_time_s,
              double* amplitudes) REALTIME {
-  const std::uint32_t *mode = playable.mode.data(), *column = playable.column.data();
-  const double *weight = playable.weight.data(), *frequency = playable.frequency_hz.data();
+  const double* const omega = table.exponents().second;
+  const double hz_per_omega = table.sample_rate_hz() / (2 * std::numbers::pi);
   double energy = 0;
-  for (std::size_t i = 0; i < playable.mode.size(); ++i) {
-    const double a = weight[i] * excited[mode[i]] * modal::pulse_spectrum(frequency[i], contact_time_s);
-    amplitudes[column[i]] = a;
+  for (std::size_t i = 0; i < table.playable_modes(); ++i) {
+    const std::size_t c = table.column(i);
+    const double a = table.output_per_velocity(i) * excited[table.mode_of(i)] *
+                     modal::pulse_spectrum(hz_per_omega * omega[c], contact_time_s);
+    amplitudes[c] = a;
     energy += a * a;
   }
   return energy;
@@ -135,9 +131,9 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
     origin_m_ = material.size * bank().mass->center_of_mass_m;
   }
   slowest_decay_.assign(groups(), std::numeric_limits<double>::max());
+  mode_of_.reserve(playable.size());
+  weight_.reserve(playable.size());
   for (const PlayableMode& mode : playable) {
-    const std::size_t skipped = mode_of_.size() < slow_modes_ ? 0 : kModePadding * slow_groups_ - slow_modes_;
-    column_.push_back(static_cast<std::uint32_t>(mode_of_.size() + skipped));
     const double pressure_pa = map_->loudness().pressure_pa(bank(), mode.mode, material, mode.damped.frequency_hz);
     weight_.push_back(bank().gain * pressure_pa / settings.full_scale_pa * modal::shape_factor(material));
     add_mode(mode.mode, mode.damped, mode.s);
@@ -147,7 +143,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   if (const std::vector<double> shares = modal::tube_shares(bank()); !shares.empty()) {
     tube_shares_ = aligned_zeros<float>(columns_);
     for (std::size_t i = 0; i < playable_modes(); ++i)
-      tube_shares_[column_[i]] = static_cast<float>(shares[mode_of_[i]]);
+      tube_shares_[column(i)] = static_cast<float>(shares[mode_of_[i]]);
   }
   if (!bank().nonlinear || weight_.empty()) return;
   // A mode that radiates nothing still bends the others' pitch, and only its state tells its amplitude.
@@ -161,14 +157,13 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
 
 // Fills in the last column.
 void ModeTable::add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s) {
-  const std::uint32_t at = column_.back();
+  const std::size_t at = column(mode_of_.size());
   const auto put = [at](std::complex<double> value, auto* re, auto* im) {
     re[at] = static_cast<std::remove_reference_t<decltype(*re)>>(value.real());
     im[at] = static_cast<std::remove_reference_t<decltype(*im)>>(value.imag());
   };
   mode_of_.push_back(mode);
   column_of_[mode] = static_cast<std::int32_t>(at);
-  frequency_hz_.push_back(damped.frequency_hz);
   rank_[at] = map_->rank(mode);
   ring_s_ = std::max(ring_s_, std::numbers::ln10 / std::max(damped.decay_per_s, 1e-3));
   column_hz_[at] = static_cast<float>(damped.frequency_hz);
@@ -221,13 +216,13 @@ std::optional<double> ModeTable::strike(const verb::StrikeVertex& strike, std::s
                                         double* amplitudes) const REALTIME {
   if (strike.vertex >= bank().point_count()) return std::nullopt;
   map_->excite_vertex(strike.vertex, strike.impulse_ns, scratch);
-  return weigh({mode_of_, column_, weight_, frequency_hz_}, scratch, strike.contact_time_s, amplitudes);
+  return weigh(*this, scratch, strike.contact_time_s, amplitudes);
 }
 
 std::optional<double> ModeTable::strike(const verb::Strike& strike, std::span<double> scratch,
                                         double* amplitudes) const REALTIME {
   map_->excite(per_size_ * strike.point_m, strike.impulse_ns, scratch);
-  return weigh({mode_of_, column_, weight_, frequency_hz_}, scratch, strike.contact_time_s, amplitudes);
+  return weigh(*this, scratch, strike.contact_time_s, amplitudes);
 }
 
 // A state is z = W (w q - i (v + s q)), with w the damped frequency, s the decay and W the output per modal velocity v,

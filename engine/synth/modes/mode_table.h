@@ -67,7 +67,9 @@ class ModeTable {
   [[nodiscard]] std::optional<std::size_t> column_of(std::size_t mode) const REALTIME;
   // The mode of the bank that is playable mode `i`, and its column.
   [[nodiscard]] std::size_t mode_of(std::size_t i) const REALTIME { return mode_of_[i]; }
-  [[nodiscard]] std::size_t column(std::size_t i) const REALTIME { return column_[i]; }
+  [[nodiscard]] std::size_t column(std::size_t i) const REALTIME {
+    return i < slow_modes_ ? i : i + kModePadding * slow_groups_ - slow_modes_;
+  }
 
   // The output of playable mode `i` at a modal velocity of 1.
   [[nodiscard]] double output_per_velocity(std::size_t i) const REALTIME { return weight_[i]; }
@@ -140,11 +142,10 @@ class ModeTable {
   modal::ModeRange modes_;
   double sample_rate_hz_;
   TableSettings settings_;
-  double per_size_;                              // from points of the object to those of its bank
-  std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
-  std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable
+  double per_size_;                      // from points of the object to those of its bank
+  std::vector<std::uint32_t> mode_of_;   // of playable mode i
+  std::vector<std::int32_t> column_of_;  // of a mode of the bank; -1 where it is not playable
   std::vector<double> weight_;  // output per modal velocity: pressure over full scale, gain, the scale of shapes
-  std::vector<double> frequency_hz_;
   std::size_t columns_ = 0, slow_modes_ = 0, slow_groups_ = 0;
   std::size_t rest_frames_ = 0;         // whose advance stands in rest_re and rest_im
   AlignedArray<double> rows_;           // kRows x columns

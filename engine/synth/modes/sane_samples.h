@@ -3,9 +3,8 @@
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/synth/kernels/mix_kernel.h"
 
-#include <cmath>
-#include <cstddef>
 #include <span>
 
 namespace ringdown::synth {
@@ -15,9 +14,7 @@ inline constexpr double kAbsurdSample = 1e18;
 
 // False when a sample is larger, or is not a number.
 [[nodiscard]] inline bool are_sane(std::span<const double> samples) REALTIME {
-  bool sane = true;
-  for (std::size_t n = 0; n < samples.size(); ++n) sane &= std::abs(samples[n]) <= kAbsurdSample;
-  return sane;
+  return all_within(samples.data(), kAbsurdSample, samples.size());
 }
 
 }  // namespace ringdown::synth

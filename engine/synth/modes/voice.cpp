@@ -2,6 +2,7 @@
 
 #include "engine/synth/modes/counters.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -10,8 +11,8 @@ namespace ringdown::synth {
 Voice::Voice(std::shared_ptr<ModeTable> table)
     : ModeStates(*table),
       table_(std::move(table)),
-      scratch_(table_->bank().mode_count()),
-      amplitudes_(aligned_zeros<double>(2 * table_->columns())) {}
+      amplitudes_(aligned_zeros<double>(table_->columns() + std::max(table_->columns(), table_->bank().mode_count()))) {
+}
 
 Voice::Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz)
     : Voice(std::make_shared<ModeTable>(std::move(map), material, sample_rate_hz)) {}

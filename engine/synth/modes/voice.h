@@ -11,8 +11,8 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <type_traits>
-#include <vector>
 
 namespace ringdown::synth {
 
@@ -45,7 +45,7 @@ class Voice : public ModeStates {
   template <class Blow>
   [[nodiscard]] std::optional<double> find_amplitudes(const Blow& blow) REALTIME {
     displaced_ = std::is_same_v<Blow, verb::Impart>;
-    return table_->strike(blow, {scratch_.data(), scratch_.size()}, amplitudes_.get());
+    return table_->strike(blow, scratch(), amplitudes_.get());
   }
   // As above, and false when the amplitudes are absurd, too (kAbsurdEnergy). [audio]
   template <class Blow>
@@ -60,7 +60,7 @@ class Voice : public ModeStates {
 
   // As ModeTable::find_motion(). [audio]
   double find_motion(const verb::Pickup& pickup, float* re, float* im) REALTIME {
-    return table_->find_motion(pickup, {scratch_.data(), scratch_.size()}, re, im);
+    return table_->find_motion(pickup, scratch(), re, im);
   }
 
   // A new voice with another table of the same bank, which takes over what rings in this one. [worker, while nothing
@@ -77,12 +77,16 @@ class Voice : public ModeStates {
   std::shared_ptr<const modal::ModeTransfer> mode_change;
 
  private:
+  // One number for each mode of the bank.
+  [[nodiscard]] std::span<double> scratch() const REALTIME {
+    return {amplitudes_.get() + table_->columns(), table_->bank().mode_count()};
+  }
   // The factor on a strike's amplitudes, whose squares add up to `energy`.
   [[nodiscard]] double gain_for(double energy, MixerCounters* counters) const REALTIME;
 
   std::shared_ptr<ModeTable> table_;
-  std::vector<double> scratch_;      // one per mode of the bank
-  AlignedArray<double> amplitudes_;  // BlowAmplitudes: re of all columns, then im, which counts if displaced_
+  // BlowAmplitudes: re of all columns, then im, which counts if displaced_. A blow that leaves im alone uses its place.
+  AlignedArray<double> amplitudes_;
   bool displaced_ = false;
 };
 

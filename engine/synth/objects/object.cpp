@@ -66,7 +66,7 @@ void Object::render(const Chunk& chunk, Workspace& workspace) REALTIME {
     chunk.shedding->worked(render_units(counts.sounding, chunk.frames, by_moments || chunk.moments), workspace);
     if (!voice.coupling.running()) return;
     ++workspace.counts.coupled_voices;
-    workspace.counts.note_psi(static_cast<float>(voice.coupling.psi_over_truth()));
+    workspace.counts.note_psi(static_cast<float>(voice.coupling.psi_over_truth() - 1));
     chunk.shedding->worked(voice.coupling.units(chunk.frames), workspace);
   });
 }

@@ -1,7 +1,5 @@
 #include "engine/synth/output/channel_strip.h"
 
-#include "engine/synth/kernels/mix_kernel.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -139,8 +137,8 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
     const auto passed = static_cast<double>(chunk.begin - line_.begin);
     const auto add_line = [&](std::size_t channel, std::size_t i) REALTIME {
       if (!contains(chunk.wanted, channel)) return;
+      if (from_[i] == to_[i]) return sums.add_samples(channel, mono, to_[i], begin, end);
       double* const out = sums.samples(channel);
-      if (from_[i] == to_[i]) return add_scaled(mono + begin, to_[i], out + begin, end - begin);
       const double step = per_frame * (to_[i] - from_[i]);
       for (std::size_t n = begin; n < end; ++n)
         out[n] += (from_[i] + step * (passed + static_cast<double>(n))) * mono[n];
@@ -155,10 +153,10 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
   const Ramp unity{1, 1};
   const auto add_to = [&](std::size_t channel, const Ramp& share) REALTIME {
     if (!contains(chunk.wanted, channel)) return;
-    double* const out = sums.samples(channel);
     if (gain_.still_at(first) && share.still_at(first)) {
-      return add_scaled(mono + begin, gain_.to * share.to, out + begin, end - begin);
+      return sums.add_samples(channel, mono, gain_.to * share.to, begin, end);
     }
+    double* const out = sums.samples(channel);
     for (std::size_t n = begin; n < end; ++n) {
       const Frame frame = chunk.begin + static_cast<Frame>(n);
       out[n] += gain_.at(frame) * share.at(frame) * mono[n];
@@ -181,14 +179,19 @@ GainLine ChannelStrip::gain_line(std::size_t output, Frame chunk_begin) const RE
 std::span<const MomentTarget> ChannelStrip::moment_targets(
     const Chunk& chunk, ChannelSums& sums, std::array<MomentTarget, kMaxTargets>& targets) const REALTIME {
   std::size_t count = 0;
-  const auto aim = [&](std::size_t channel, std::size_t output) REALTIME {
+  const auto aim = [&](std::size_t channel, const GainLine& gain) REALTIME {
     if (!contains(chunk.wanted, channel)) return;
-    const GainLine gain = gain_line(output, chunk.begin);
     targets[count++] = {sums.moments(channel), gain.middle, gain.slope};
   };
-  aim(kLeft, 0);
-  aim(kRight, 1);
-  if (bus_ != kNoBus) aim(bus_, 2);
+  constexpr ChannelSet kMix = only(kLeft) | only(kRight);
+  const GainLine left = gain_line(0, chunk.begin), right = gain_line(1, chunk.begin);
+  if ((chunk.wanted & kMix) == kMix && left == right) {
+    targets[count++] = {sums.moments_of_both(), left.middle, left.slope};
+  } else {
+    aim(kLeft, left);
+    aim(kRight, right);
+  }
+  if (bus_ != kNoBus) aim(bus_, gain_line(2, chunk.begin));
   return {targets.data(), count};
 }
 

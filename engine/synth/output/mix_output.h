@@ -33,9 +33,10 @@ class MixOutput {
 
   // All functions below: [audio]
 
-  // Begins a block. If no output takes the mix but a tap is watched, the mix is rendered nevertheless.
+  // Begins a block; the outputs outlive it. If no output takes the mix but a tap is watched, the mix is rendered
+  // nevertheless.
   void begin_block(const Outputs& outputs, std::size_t frames) REALTIME;
-  [[nodiscard]] ChannelSet wanted() const REALTIME { return outputs_.wanted(); }
+  [[nodiscard]] ChannelSet wanted() const REALTIME { return outputs_->wanted(); }
   // Returns the channels that objects must be added to in order to produce the wanted channels.
   [[nodiscard]] ChannelSet to_render() const REALTIME;
   // Writes a chunk's sums to frames at ... at + frames - 1 of the block.
@@ -45,11 +46,13 @@ class MixOutput {
   [[nodiscard]] float end_block(Frame begin, std::size_t frames, double sample_rate_hz) REALTIME;
 
  private:
+  [[nodiscard]] bool tapped() const REALTIME { return sound_tap.watched() || capture_tap.watched(); }
   void write_piece(const ChannelSums& sums, std::size_t at, std::size_t frames) REALTIME;
 
   std::optional<Limiter> limiter_;
   std::optional<Binaural> binaural_;
-  Outputs outputs_;                                      // outputs of the present block
+  const Outputs* outputs_ = nullptr;                     // outputs of the present block
+  Outputs with_spare_;                                   // these outputs and a mix that only taps take
   float mix_peak_ = 0, bus_peak_ = 0, pickup_peak_ = 0;  // largest |sample| written to mix, buses and pickups
   std::vector<float> spare_left_ = std::vector<float>(kMaxSpare), spare_right_ = spare_left_;
 };

@@ -21,6 +21,8 @@ class TestTone {
     amplitude_.store(amplitude, std::memory_order_relaxed);
   }
 
+  // Returns true if there is no tone. [audio]
+  [[nodiscard]] bool off() const REALTIME { return level_ == 0 && amplitude_.load(std::memory_order_relaxed) == 0; }
   // Adds the tone's next frames to the sides that are not null. Returns the largest |sample| of these sides afterwards,
   // or nothing if there is no tone. [audio]
   std::optional<float> add(float* left, float* right, std::size_t frames, double sample_rate_hz) REALTIME;
