@@ -52,11 +52,16 @@ std::optional<std::string> embedded_bytes(const std::string& embedded, const Sou
   return bytes;
 }
 
-// The exact strike point that a text means, if it lies on the object of the source, whose bank this is.
-std::optional<StrikePoint> point_on(const Source& source, const ringdown_bank* bank, const std::string& text) {
-  auto point = strike_point_of(text);
-  const bool is_here = point && bank && !is_note_map(source) && point->source == source.name;
-  return is_here && is_near(bank, point->point_m) ? std::move(point) : std::nullopt;
+// The exact strike points that texts mean, of those that lie on the object of the source, whose bank this is.
+std::array<std::optional<StrikePoint>, kPoints> points_on(const Source& source, const ringdown_bank* bank,
+                                                          const std::array<std::string, kPoints>& texts) {
+  std::array<std::optional<StrikePoint>, kPoints> points;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    auto point = strike_point_of(texts[i]);
+    const bool is_here = point && bank && !is_note_map(source) && point->source == source.name;
+    if (is_here && is_near(bank, point->point_m)) points[i] = std::move(point);
+  }
+  return points;
 }
 
 bool same(const ringdown_material& a, const ringdown_material& b) {
@@ -136,18 +141,13 @@ void Instrument::set_point(const std::string& text, Which which) {
   points_[static_cast<std::size_t>(which)] = text;
   if (!map_) return;
   auto map = std::make_unique<KeyMap>(*map_);
-  find_points(*map);
+  map->points = points_on(source_, bank_.get(), points_);
   publish(std::move(map));
 }
 
 std::string Instrument::point(Which which) const {
   const std::lock_guard lock(mutex_);
   return points_[static_cast<std::size_t>(which)];
-}
-
-// Gives a map of the present bank its exact strike points.
-void Instrument::find_points(KeyMap& map) const {
-  for (std::size_t i = 0; i < kPoints; ++i) map.points[i] = point_on(source_, bank_.get(), points_[i]);
 }
 
 // A new mixer, so that nothing of a former run sounds on, and objects of a former bank are gone.
@@ -246,7 +246,7 @@ bool Instrument::install(KeyPlan& plan) {
   }
   tunings_ = std::move(tunings);
   bank_ = plan.banks[0];
-  find_points(plan.map);
+  plan.map.points = points_on(source_, bank_.get(), points_);
   publish(std::make_unique<const KeyMap>(std::move(plan.map)));
   return true;
 }

@@ -122,7 +122,6 @@ class Instrument {
   void catch_up();
   void load(const Source& source);
   bool install(KeyPlan& plan);
-  void find_points(KeyMap& map) const;
   void silence_keys();
   void publish(std::unique_ptr<const KeyMap> map);
   bool tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning);

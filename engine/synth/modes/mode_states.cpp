@@ -52,9 +52,9 @@ void add_decayed(BlowAmplitudes blow, double gain, std::uint32_t group, std::siz
   }
 }
 
-// Tables cannot shift pitches: all fast modes are moved on sample by sample.
-bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std::size_t frames) REALTIME {
-  const std::size_t first = kModePadding * table.slow_groups();
+// Tables cannot shift pitches: all fast modes, from column `first` on, are moved on sample by sample.
+bool drive_fast(const ModeArrays& all, std::size_t first, std::size_t columns, double* out,
+                std::size_t frames) REALTIME {
   Hearing hearing = *all.hearing;
   for (const float** row : {&hearing.gain_re, &hearing.gain_im, &hearing.step_re, &hearing.step_im}) {
     if (*row != nullptr) *row += first;
@@ -67,7 +67,7 @@ bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std:
   fast.pole_re += first;
   fast.pole_im += first;
   fast.hearing = &hearing;
-  return drive_modes(fast, table.columns() - first, {}, out, frames) <= kAbsurdEnergy;
+  return drive_modes(fast, columns - first, {}, out, frames) <= kAbsurdEnergy;
 }
 
 // Renders the modes that exchange energy, whose states are zero meanwhile. Modes that are heard by gains of their own
@@ -241,7 +241,7 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   const ModeArrays all = states_.for_kernel(frames);
   bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
   if (fast_.count > 0 && all.hearing != nullptr && (all.hearing->rate != 1 || all.hearing->step_re != nullptr)) {
-    sane = drive_fast(table_, all, out, frames) && sane;
+    sane = drive_fast(all, kModePadding * table_.slow_groups(), table_.columns(), out, frames) && sane;
   } else if (fast_.count > 0) {
     sane = render_modes(all, fast_, limits, out, frames) && sane;
   }
