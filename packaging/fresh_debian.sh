@@ -88,6 +88,7 @@ try_packages() {  # try_packages FOLDER
   mkdir "$root/packages"
   cp "$1"/*.deb "$root/packages"
   inside apt-get update -qq
+  install_package ringdown-presets
   install_package ringdown
   inside ringdownd --scene demo --driver null --seconds 1
   inside ringdown render --scene demo --seconds 2 -o /root/demo.wav
@@ -97,6 +98,8 @@ try_packages() {  # try_packages FOLDER
     usr/share/bash-completion/completions/ringdownd usr/share/doc/ringdown/{SECURITY,README}.md usr/share/doc/ringdown/copyright; do
     expect_file "$file"
   done
+  install_package ringdown-doc
+  expect_file usr/share/doc/ringdown/docs/use/start.md
   install_package ringdown-bake
   inside ringdown bake /usr/share/ringdown/presets/objects/steel-plate.toml --preview -o /root/plate.glb
   inside ringdown info /root/plate.glb >/dev/null
@@ -108,7 +111,7 @@ try_packages() {  # try_packages FOLDER
   done
   try_library
   try_plugin
-  inside apt-get purge -y -qq ringdown ringdown-bake ringdown-viewer ringdown-plugin python3-ringdown libringdown >/dev/null 2>&1
+  inside apt-get purge -y -qq ringdown ringdown-presets ringdown-doc ringdown-bake ringdown-viewer ringdown-plugin python3-ringdown libringdown >/dev/null 2>&1
   local left
   for left in usr/share/ringdown usr/include/ringdown.h usr/lib/python3/dist-packages/ringdown usr/lib/lv2/ringdown.lv2; do
     [ ! -e "$root/$left" ] || { echo "purging leaves /$left behind"; return 1; }

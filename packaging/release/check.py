@@ -33,6 +33,7 @@ MAJOR = VERSION.split(".")[0]
 def versions_agree():
     places = {
         "CHANGELOG.md": r"^## ([0-9.]+) ",
+        "debian/changelog": r"^ringdown \(([0-9.]+)\)",
         "clients/python/pyproject.toml": r'^version = "(.*)"',
         "clients/library/ringdown.h": r'library\'s version, "([0-9.]+)"',
         "docs/reference/versions.md": r"`kVersion`\) \| [^|]* \| ([0-9.]+) \|",
@@ -60,6 +61,8 @@ def changelog_is_dated():
     heading = found(r"^## (.*)", "CHANGELOG.md")
     if not re.fullmatch(r"[0-9.]+ \(\d{4}-\d\d-\d\d\)", heading):
         yield f"the heading '{heading}' of CHANGELOG.md needs a date: ## {VERSION} (YYYY-MM-DD)"
+    if found(r"^ringdown \(.*\) (\S+);", "debian/changelog") == "UNRELEASED":
+        yield "debian/changelog says UNRELEASED: dch -r"
 
 
 def generated_pages_are_current():

@@ -5,7 +5,8 @@ packages_suffice.py SOURCE BUILD
 
 SOURCE is the source tree, BUILD a tree built by ninja with all programs in it. What a configuration of the player finds, what
 the programs include and what they link must belong to those packages or to what they depend on. (A configuration of all
-programs finds optional packages too.) Exits with 77 where dpkg is not at hand.
+programs finds optional packages too.) What debian/control builds with must be listed, too. Exits with 77 where dpkg is not at
+hand.
 """
 import pathlib
 import re
@@ -94,6 +95,16 @@ def report(source, end, files):
     return bool(missing)
 
 
+def unlisted_of_debian(source):
+    """Prints which packages debian/control builds with and packages.txt does not list. Returns whether there are any."""
+    field = re.search(r"^Build-Depends:(.*(?:\n .*)*)", (source / "debian/control").read_text(), re.M)[1]
+    needed = {re.sub(r"-compat|\(.*\)", "", name).strip() for name in re.split(r"[,|]", field)}
+    missing = needed - set((source / "packages.txt").read_text().split())
+    for package in sorted(missing):
+        print(f"debian/control builds with {package}, which packages.txt does not list")
+    return bool(missing)
+
+
 def main():
     source, build = map(pathlib.Path, sys.argv[1:3])
     if not shutil.which("dpkg-query"):
@@ -101,6 +112,7 @@ def main():
     faults = [
         report(source, "# all programs", found_by_configuring(source) + found_by_building(build, PLAYER)),
         report(source, "# tests", found_by_building(build, PLAYER + BAKERS)),
+        unlisted_of_debian(source),
     ]
     return int(any(faults))
 

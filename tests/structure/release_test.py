@@ -11,7 +11,7 @@ import tempfile
 
 SOURCE = pathlib.Path(sys.argv[1])
 STATING = ["CMakeLists.txt", "CHANGELOG.md", "clients/python/pyproject.toml", "clients/library/ringdown.h", "docs/reference/versions.md",
-           "docs/reference/bank-format.md", "clients/library/CMakeLists.txt"]
+           "docs/reference/bank-format.md", "debian/changelog", "clients/library/CMakeLists.txt"]
 OTHERS = ["clients/library/ringdown_scene.h", "clients/library/abi.txt", "tests/library/abi.py", "docs/reference/protocol.md"]
 
 
@@ -25,7 +25,8 @@ def check(root):
 
 
 def as_released(text):
-    for old, new in (("0.1.0 (unreleased)", "1.0.0 (2026-12-01)"), ("0.1.0", "1.0.0"), ("libringdown.so.0", "libringdown.so.1"),
+    for old, new in (("0.1.0 (unreleased)", "1.0.0 (2026-12-01)"), ("0.1.0", "1.0.0"), ("UNRELEASED", "unstable"),
+                     ("libringdown.so.0", "libringdown.so.1"),
                      ("SOVERSION 0)", "SOVERSION 1)"), ("`libringdown.so.1` | 0 |", "`libringdown.so.1` | 1 |")):
         text = text.replace(old, new)
     return text
