@@ -94,7 +94,7 @@ try_packages() {  # try_packages FOLDER
   inside ringdown render --scene demo --seconds 2 -o /root/demo.wav
   inside ringdown picture /usr/share/ringdown/presets/banks/coin.glb -o /root/coin.png
   local file
-  for file in root/demo.wav root/coin.png usr/share/man/man1/{ringdown,ringdownd}.1 usr/lib/systemd/user/ringdownd.service \
+  for file in root/demo.wav root/coin.png usr/share/man/man1/{ringdown,ringdownd}.1.gz usr/lib/systemd/user/ringdownd.service \
     usr/share/bash-completion/completions/ringdownd usr/share/doc/ringdown/{SECURITY,README}.md usr/share/doc/ringdown/copyright; do
     expect_file "$file"
   done
