@@ -205,7 +205,6 @@ void World::State::do_part() {
   drive();
   const bool asleep = simulation.asleep();
   if (asleep && sounds.quiet() && (!recovered || recovered->over(time_s()))) return;
-  simulation.set_steps(static_cast<std::uint64_t>(steps * parts + part));
   auto found = asleep ? std::span<const ContactPoint>() : simulation.step(given_up);
   if (recovered) {
     const auto played = recovered->step(time_s(), part_s);

@@ -47,26 +47,6 @@ TEST(Shooting, TwoBallsThatMeetGetTheirVelocities) {
   EXPECT_EQ(shooting.bodies()[0].island, shooting.bodies()[1].island);
 }
 
-// A ball bounces once, whose velocity is known badly, but trusted. The frame tells it better.
-TEST(Shooting, TargetsAreMetExactlyWhateverTheStartIsTrusted) {
-  constexpr double kE = 0.7, kFall_m_s = 2;
-  const auto end_of = [](double speed) {
-    const double hit_s = 0.03 / speed;
-    return kE * speed * (kFrame_s - hit_s);
-  };
-  Shooter body = shooter_at({0, 0, 0.03}, {0, 0, -1.99}, {0, 0, end_of(kFall_m_s)});
-  body.trust = 0.2;
-  Shooting shooting({body}, kFrame_s, [&](std::span<const Shooter> bodies) {
-    const Vec3 v = bodies[0].start.velocity_m_s;
-    Shot shot;
-    shot.ends = {{{v.x * kFrame_s, v.y * kFrame_s, end_of(-v.z)}, {}, {}, {}}};
-    return shot;
-  });
-  shooting.aim();
-  EXPECT_NEAR(shooting.bodies()[0].start.velocity_m_s.z, -kFall_m_s, 1e-6);
-  EXPECT_LT(shooting.bodies()[0].miss_m, 1e-8);
-}
-
 // The motion of a body between plates at heights 0 and `gap_m`, in closed form: its height and its blows.
 struct Bounces {
   double gap_m, e;

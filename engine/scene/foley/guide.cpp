@@ -11,34 +11,28 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 // In each interval (Guide::simulate_interval):
 //
 // 1. Every body gets a start (start_of): the velocity at the end of the interval before if that was simulated, rest if
 //    the body has not moved, that of a free fall if nothing acted on it around the frame, or around the next one if it
-//    has just come. For other bodies it is a guess from the frames.
-// 2. Shooting corrects the starts. Its first shot goes on from the end of the interval before, which keeps what a
-//    simulation knows beside the motions, such as for how long a body has been still.
-// 3. Islands that meet their targets by small corrections are accepted (accept), and their bodies go on with the
-//    velocities that they have at the end. An island with a guessed start may need a large correction; it counts once
-//    the next interval confirms the velocities, which then need a small one only.
-// 4. The contact points of what is accepted go into the recovery (publish).
+//    has just come. Other bodies stay where they are, and an island with one of them is not accepted.
+// 2. Shooting corrects the starts.
+// 3. Islands that meet their targets by small corrections are accepted (is_accepted). Their contact points go into the
+//    recovery, and their bodies go on with the velocities that they have at the end.
 //
 // Steps begin at multiples of the scene's step, as those of the simulation that made the animation if it was ours. A
-// frame lies within a step; bodies go straight within a step, so each start is moved to the step's end (place), and the
-// end back to the frame (shoot). Contacts move bodies apart besides, so that a body whose last step was simulated goes
-// on as that step did.
+// frame lies within a step; bodies go straight within a step, so each start is moved to the step's end, and the end
+// back to the frame (shoot).
 namespace ringdown::scene {
 namespace {
 
 constexpr double kMaxMiss_m = 1e-3;    // of a target
-constexpr double kExact_m = 2e-7;      // a body that misses by less goes on without being placed anew
 constexpr double kMaxShift = 0.05;     // correction, as a share of the way in the interval
 constexpr double kMaxJitters = 1.5;    // further correction, in FoleyLimits::jitter_m_s
 constexpr double kTrust = 0.2;         // of the simulation of the interval before
-constexpr double kLittleTrust = 1e-3;  // of a free fall or a guess
+constexpr double kLittleTrust = 1e-3;  // of a free fall
 constexpr double kStill_m = 1e-5;      // a body that moves less in an interval lies still
 constexpr double kAsleep_s = 0.3;      // bodies that have stayed in place for this long sleep
 constexpr double kRests = 0.05;        // a body that comes, and falls by less than this share of g h^2, is at rest
@@ -74,7 +68,6 @@ class Guide {
     work_ = kWorkOfTouch * static_cast<double>(recovery_.touches.size());
     known_.assign(frames_, std::vector<bool>(tracks_.size()));
     for (std::size_t k = 0; k + 1 < frames_ && work_ < kMaxWork; ++k) simulate_interval(k);
-    publish();
     const auto is_known = [this](std::size_t k, std::size_t one, std::size_t two) {
       return k < known_.size() && (known_[k][one] || known_[k][two]);
     };
@@ -89,13 +82,8 @@ class Guide {
   struct Track {
     bool present = false;           // in the simulation
     std::optional<Motion> carried;  // the end of the last interval, if that was accepted
-    Vec3 way_on_m, turn_on_rad;     // from there to the end of the step in which the frame lies
-    bool unconfirmed = false;       // `carried` comes from a guess
     Stillness stillness;            // of the poses in the frames so far
     bool rested = false;            // the body has not moved in the interval before
-    bool moved = false;             // in the simulation of the interval before
-    bool awake = false;             // at its end
-    bool is_exact = false;          // `carried` met the frame within kExact_m
     double reach_m = 0;
   };
 
@@ -136,24 +124,20 @@ class Guide {
                     .target = {next.position_m, next.rotation},
                     .reach_m = track.reach_m,
                     .trust = kTrust,
-                    .asleep = track.carried ? !track.awake : track.rested && track.stillness.still_s() > kAsleep_s,
+                    .asleep = track.rested && track.stillness.still_s() > kAsleep_s,
                     .rested = track.rested};
+    if (shooter.rested) return shooter;
     if (track.carried) {
       shooter.start.velocity_m_s = track.carried->velocity_m_s;
       shooter.start.spin_rad_s = track.carried->spin_rad_s;
-    } else if (shooter.rested) {
-      return shooter;
     } else if (comes && way_m(n, k) < kRests * gravity_m_s2_ * every_s_ * every_s_) {
       shooter.trust = kLittleTrust;
     } else if (comes ? motion(n).has_interval(k + 1) && falls_freely(n, k + 1) : falls_freely(n, k)) {
       shooter.start = motion(n).free_start(k, step_s_);
       shooter.trust = kLittleTrust;
     } else {
-      const Motion guess = motion(n).onward(k, 0);
-      shooter.start.velocity_m_s = guess.velocity_m_s;
-      shooter.start.spin_rad_s = guess.spin_rad_s;
-      shooter.trust = kLittleTrust;
-      shooter.guessed = true;
+      shooter.tracked = false;
+      shooter.asleep = true;
     }
     return shooter;
   }
@@ -163,50 +147,25 @@ class Guide {
     return std::lround(std::ceil(static_cast<double>(k) * every_s_ / step_s_ - 1e-6));
   }
 
-  static bool goes_on_as_before(const Shooter& shooter, const Track& track) {
-    return track.carried && track.is_exact && !shooter.asleep && track.awake &&
-           shooter.start.velocity_m_s == track.carried->velocity_m_s &&
-           shooter.start.spin_rad_s == track.carried->spin_rad_s;
-  }
-
-  // Places the bodies for the first step, which begins `early_s` after their frame. Those that go on as the interval
-  // before has left them stay as they are.
-  void place(std::span<const Shooter> shooters, double early_s, Shot& shot) {
-    for (std::size_t i = 0; i < shooters.size(); ++i) {
-      const Track& track = tracks_[present_[i]];
-      Motion start = shooters[i].start;
-      if (!shooters[i].asleep) {
-        Vec3 way_m = early_s * start.velocity_m_s, turn_rad = early_s * start.spin_rad_s;
-        if (track.carried) {
-          way_m = way_m - early_s * track.carried->velocity_m_s + track.way_on_m;
-          turn_rad = turn_rad - early_s * track.carried->spin_rad_s + track.turn_on_rad;
-        }
-        start.position_m = start.position_m + way_m;
-        start.rotation = normalized(from_rotation_vector(turn_rad) * start.rotation);
-      }
-      shot.ends.push_back(start);
-      if (goes_on_as_before(shooters[i], track)) continue;
-      if (shooters[i].asleep) {
-        simulation_.rest(id_of(i), start);
-      } else {
-        simulation_.set_motion(id_of(i), start);
-      }
-    }
-  }
-
-  // Simulates interval `k` and stores its steps. `goes_on`: from where the interval before has ended.
-  Shot shoot(std::size_t k, std::span<const Shooter> shooters, bool goes_on) {
+  Shot shoot(std::size_t k, std::span<const Shooter> shooters, std::vector<GuidedStep>* record) {
     const long from = first_step(k), to = first_step(k + 1);
     const double early_s = static_cast<double>(from) * step_s_ - static_cast<double>(k) * every_s_;
     const double late_s = static_cast<double>(to) * step_s_ - static_cast<double>(k + 1) * every_s_;
-    if (memory_ && !goes_on) simulation_.recall(*memory_);
-    simulation_.set_steps(static_cast<std::uint64_t>(from));
+    if (memory_) simulation_.recall(*memory_);
     Shot shot;
-    place(shooters, early_s, shot);
-    shot_steps_.clear();
+    for (std::size_t i = 0; i < shooters.size(); ++i) {
+      Motion start = shooters[i].start;
+      if (shooters[i].asleep) {
+        simulation_.rest(id_of(i), start);
+      } else {
+        start.position_m = start.position_m + early_s * start.velocity_m_s;
+        start.rotation = normalized(from_rotation_vector(early_s * start.spin_rad_s) * start.rotation);
+        simulation_.set_motion(id_of(i), start);
+      }
+      shot.ends.push_back(start);
+    }
     std::vector<Motion> before;
     moved_.assign(shooters.size(), false);
-    awake_.assign(shooters.size(), false);
     for (long step = from; step < to; ++step) {
       if (step + 1 == to) before = shot.ends;
       const std::span<const ContactPoint> points = simulation_.step();
@@ -214,20 +173,17 @@ class Guide {
         const std::size_t i = place_[index_.at(moved.id)];
         shot.ends[i] = moved.motion;
         moved_[i] = true;
-        awake_[i] = step + 1 == to;
       }
       work_ += 1 + static_cast<double>(simulation_.moved().size());
       note_pairs(points, shot);
-      shot_steps_.push_back(copy_of(points, static_cast<double>(step) * step_s_));
+      if (record) record->push_back(copy_of(points, static_cast<double>(step) * step_s_));
     }
-    steps_on_.assign(shooters.size(), {});
     for (std::size_t i = 0; i < shooters.size() && late_s > 0; ++i) {
       Motion& end = shot.ends[i];
       const double share = late_s / step_s_;
-      const auto& [way_m, turn_rad] = steps_on_[i] = {share * (end.position_m - before[i].position_m),
-                                                      share * turn_between(before[i].rotation, end.rotation)};
-      end.position_m = end.position_m - way_m;
-      end.rotation = normalized(from_rotation_vector(-1 * turn_rad) * end.rotation);
+      end.position_m = end.position_m + share * (before[i].position_m - end.position_m);
+      end.rotation =
+          normalized(from_rotation_vector(share * turn_between(end.rotation, before[i].rotation)) * end.rotation);
     }
     return shot;
   }
@@ -275,66 +231,44 @@ class Guide {
       place_[n] = present_.size();
       present_.push_back(n);
       shooters.push_back(start_of(n, k, comes));
-      shooters.back().tracked = motion(n).has_interval(k);
-      track.unconfirmed = track.unconfirmed && track.carried && !track.rested;
+      shooters.back().tracked = shooters.back().tracked && motion(n).has_interval(k);
     }
-    if (!any_moves && simulation_.asleep()) return;
-    int shots = 0;
-    Shot last;
+    if (!any_moves) return;
     Shooting shooting(std::move(shooters), every_s_,
-                      [&](std::span<const Shooter> bodies) { return last = shoot(k, bodies, shots++ == 0); });
+                      [&](std::span<const Shooter> bodies) { return shoot(k, bodies, nullptr); });
     shooting.aim();
-    if (shots > 1) last = shoot(k, shooting.bodies(), false);
-    accept(k, shooting.bodies(), last);
+    accept(k, shooting.bodies());
   }
 
   [[nodiscard]] bool is_accepted(const Shooter& shooter) const {
     const double way_m =
         every_s_ * (length(shooter.start.velocity_m_s) + shooter.reach_m * length(shooter.start.spin_rad_s));
     return shooter.tracked && shooter.miss_m < kMaxMiss_m &&
-           (shooter.guessed || shooter.shift_m < kMaxShift * way_m + kMaxJitters * jitter_m_s_ * every_s_);
+           shooter.shift_m < kMaxShift * way_m + kMaxJitters * jitter_m_s_ * every_s_;
   }
 
-  // Says which bodies the last simulation of the interval is right for. Nothing is known of bodies that slept all
-  // the time: their forces are those of the frames.
-  void accept(std::size_t k, std::span<const Shooter> shooters, const Shot& last) {
+  // Simulates the interval once more, and takes the contacts of the islands that are right. Nothing is taken of bodies
+  // that slept all the time: their forces are those of the frames.
+  void accept(std::size_t k, std::span<const Shooter> shooters) {
+    std::vector<GuidedStep> steps;
+    const Shot last = shoot(k, shooters, &steps);
     memory_ = simulation_.memory();
-    std::vector<bool> refused(shooters.size()), guessed(shooters.size());  // islands
-    for (const Shooter& shooter : shooters) {
-      refused[shooter.island] = refused[shooter.island] || !is_accepted(shooter);
-      guessed[shooter.island] = guessed[shooter.island] || shooter.guessed;
-    }
+    std::vector<bool> refused(shooters.size());  // islands
+    for (const Shooter& shooter : shooters) refused[shooter.island] = refused[shooter.island] || !is_accepted(shooter);
     for (std::size_t i = 0; i < shooters.size(); ++i) {
-      Track& track = tracks_[present_[i]];
-      const bool accepted = !refused[shooters[i].island], unconfirmed = guessed[shooters[i].island];
-      track.carried.reset();
-      if (accepted) {
-        track.carried = last.ends[i];
-        std::tie(track.way_on_m, track.turn_on_rad) = steps_on_[i];
-      }
-      track.awake = awake_[i];
-      track.is_exact = shooters[i].miss_m < kExact_m;
-      if (accepted && !unconfirmed && track.unconfirmed) known_[k - 1][present_[i]] = track.moved;
-      known_[k][present_[i]] = accepted && !unconfirmed && moved_[i];
-      track.unconfirmed = accepted && unconfirmed;
-      track.moved = moved_[i];
+      const bool accepted = !refused[shooters[i].island];
+      known_[k][present_[i]] = accepted && moved_[i];
+      tracks_[present_[i]].carried.reset();
+      if (accepted) tracks_[present_[i]].carried = last.ends[i];
     }
-    publish();
-    steps_ = std::exchange(shot_steps_, {});
-    steps_of_ = k;
-  }
-
-  // Takes the contacts of the interval that was simulated last.
-  void publish() {
-    for (GuidedStep& step : steps_) {
+    for (GuidedStep& step : steps) {
       std::erase_if(step.points, [&](const ContactPoint& point) {
         const std::size_t one = index_.at(point.body), two = index_.at(point.other);
-        const auto unknown = [&](std::size_t n) { return motion(n).moves() && !known_[steps_of_][n]; };
+        const auto unknown = [&](std::size_t n) { return motion(n).moves() && !known_[k][n]; };
         return unknown(one) || unknown(two);
       });
       if (!step.points.empty()) recovery_.steps.push_back(std::move(step));
     }
-    steps_.clear();
   }
 
   Recovery& recovery_;
@@ -347,15 +281,9 @@ class Guide {
   std::map<BodyId, std::size_t> index_;
   std::vector<Track> tracks_;
   std::vector<std::size_t> present_, place_;  // the bodies that are shot, and for each body its place there
-  // Of the last shot: of the bodies that are shot, whether they moved, were awake at the end, and what Track::way_on_m
-  // and turn_on_rad become; the steps.
-  std::vector<bool> moved_, awake_;
-  std::vector<std::pair<Vec3, Vec3>> steps_on_;
-  std::vector<GuidedStep> shot_steps_;
-  std::vector<GuidedStep> steps_;         // of the interval that was accepted last, before publish()
-  std::size_t steps_of_ = 0;              // its index
-  std::vector<std::vector<bool>> known_;  // of each interval, of each body
-  double work_ = 0;                       // body-steps so far
+  std::vector<bool> moved_;                   // of the bodies that are shot, in the last shot
+  std::vector<std::vector<bool>> known_;      // of each interval, of each body
+  double work_ = 0;                           // body-steps so far
 };
 
 }  // namespace

@@ -27,7 +27,6 @@ struct Shooter {
   bool asleep = false;   // at the start
   bool rested = false;   // it lay still before: aim() may change `asleep`
   bool tracked = true;   // false: nothing is known of its velocity, and nothing is corrected
-  bool guessed = false;  // the start is a guess: its island is given up sooner
   double miss_m = 0;     // result: distance from the target, turning included
   double shift_m = 0;    // result: the correction, as the way that it makes in the interval
   std::size_t island{};  // result: equal for bodies that pushed each other
@@ -79,7 +78,6 @@ class Shooting {
   void find_slopes();
   bool descend();
   void scatter();
-  void sharpen();
   void step_down(const Island& island, Aim& tried) const;
 
   std::vector<Shooter> bodies_;  // as given, until aim() ends
@@ -87,7 +85,6 @@ class Shooting {
   Fire fire_;
   Aim aim_;  // the best so far, with its misses
   std::vector<Six> misses_;
-  double met_m_, probe_m_, trust_share_ = 1;  // sharpen() lowers them
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   bool regroup_ = false;
   std::vector<Island> islands_;

@@ -83,14 +83,7 @@ struct Part {
 
 struct SimulationMemory {
   ContactJoints::Memory contacts;
-  struct Body {  // ODE's own clock of a body's rest starts again
-    BodyId id = 0;
-    Motion motion;
-    double owed_j = 0;
-    Stillness stillness;
-    bool awake = false;
-  };
-  std::vector<Body> bodies;  // that can move
+  unsigned long seed;
 };
 
 struct Simulation::State {
@@ -130,9 +123,7 @@ struct Simulation::State {
   ContactJoints contacts;
   NearPairs near;
   Islands islands;
-  const unsigned long first_seed;
-  std::uint64_t steps = 0;  // before the next one
-  unsigned long seed = 0;   // of the part
+  unsigned long seed;  // of the part; set by do_part()
   std::vector<MovedBody> moved;
   bool asleep = false;
 };
@@ -144,7 +135,7 @@ Simulation::State::State(const SceneDescription& scene)
       gravity_m_s2(scene.gravity_m_s2),
       max_exact(max_exact_contacts(scene.step_s)),
       contacts(world.get(), scene),
-      first_seed(static_cast<unsigned long>(scene.seed)) {
+      seed(static_cast<unsigned long>(scene.seed)) {
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
   dWorldSetContactMaxCorrectingVel(world.get(), kMaxCorrection_m_s);
   dWorldSetContactSurfaceLayer(world.get(), kContactLayer_m);
@@ -433,30 +424,13 @@ void Simulation::rest(BodyId id, const Motion& motion) {
 }
 
 std::shared_ptr<const SimulationMemory> Simulation::memory() const {
-  const OdeLock lock;
-  SimulationMemory memory{.contacts = state_->contacts.memory(), .bodies = {}};
-  for (const Collider* collider : state_->in_order) {
-    if (collider->movable())
-      memory.bodies.push_back(
-          {collider->id, collider->motion(), collider->owed_j, collider->sleep.stillness(), collider->awake()});
-  }
-  return std::make_shared<const SimulationMemory>(std::move(memory));
+  return std::make_shared<SimulationMemory>(state_->contacts.memory(), state_->seed);
 }
 
 void Simulation::recall(const SimulationMemory& memory) {
-  const OdeLock lock;
   state_->contacts.recall(memory.contacts);
-  for (const SimulationMemory::Body& body : memory.bodies) {
-    Collider& collider = state_->colliders.at(body.id);
-    collider.move(body.motion);
-    collider.owed_j = body.owed_j;
-    if (!body.awake) collider.sleep.fall();
-    collider.sleep.recall(body.stillness);
-  }
-  state_->asleep = false;
+  state_->seed = memory.seed;
 }
-
-void Simulation::set_steps(std::uint64_t done) { state_->steps = done; }
 
 void Simulation::drive(BodyId id, const Motion& motion) {
   const OdeLock lock;
@@ -468,7 +442,6 @@ void Simulation::drive(BodyId id, const Motion& motion) {
 std::span<const ContactPoint> Simulation::step(const std::atomic<int>* given_up) {
   const OdeLock lock;
   State& state = *state_;
-  state.seed = state.first_seed + static_cast<unsigned long>(state.steps++);
   state.contacts.begin_step();
   state.release_parted();
   for (Collider* collider : state.in_order) collider->sleep.begin_step();

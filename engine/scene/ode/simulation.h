@@ -13,7 +13,6 @@
 
 #include <atomic>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,7 +26,7 @@ inline constexpr double kMaxExactContacts = 52;
 // Maximum number of parts into which a step is divided, so that fast bodies do not fly through obstacles.
 inline constexpr int kMaxParts = 16;
 
-// The state of a simulation between two steps.
+// A simulation remembers this of the steps before, beside the motions of its bodies.
 struct SimulationMemory;
 
 class Simulation {
@@ -59,14 +58,10 @@ class Simulation {
   // Places a body, which sleeps there until something touches it.
   void rest(BodyId id, const Motion& motion);
 
-  // memory() and recall() serve a caller that simulates the same time several times over: recall() brings back all
-  // bodies that can move as they were when memory() was called. Bodies that came later stay where they are.
+  // memory() and recall() serve a caller that simulates the same time several times over: together with the motions of
+  // all bodies, recall() brings back the simulation as it was when memory() was called.
   [[nodiscard]] std::shared_ptr<const SimulationMemory> memory() const;
   void recall(const SimulationMemory& memory);
-
-  // Says how many steps lie before the next one, also those in which all slept and that nobody asked for. The iterative
-  // solver visits contacts in an order that depends on this number, so that the same time is simulated alike.
-  void set_steps(std::uint64_t done);
 
   // Sets the motion of a fixed body in the next step, at a constant velocity. Wakes all bodies if the body does move.
   void drive(BodyId id, const Motion& motion);
