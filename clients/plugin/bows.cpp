@@ -47,7 +47,7 @@ void Bows::send(const Bow& bow, std::size_t key, const Moment& now) REALTIME {
   }
   ringdown_bow_args args;
   ringdown_bow_args_init(&args, sizeof args);
-  write(bow.stroke.point_m, args.point_m);
+  write(now.sizes[bow.stroke.index] * bow.stroke.point_m, args.point_m);
   write(bow.stroke.direction, args.direction);
   args.speed_m_s = bow.speed * bow.stroke.speed_m_s;
   args.force_n = bow.is_drawn ? bow.force * bow.stroke.force_n : 0;

@@ -2,12 +2,13 @@
 // force that may change meanwhile. [audio]
 //
 //   Bows bows;
-//   bows.draw(60, stroke, 100 / 127.0, {mixer, frame});
-//   bows.set_force(60, 1, {mixer, later});
-//   bows.lift(60, {mixer, later_still});
+//   bows.draw(60, stroke, 100 / 127.0, {mixer, frame, map.generation, sizes});
+//   bows.set_force(60, 1, {mixer, later, map.generation, sizes});
+//   bows.lift(60, {mixer, later_still, map.generation, sizes});
 #pragma once
 
 #include "clients/library/ringdown.h"
+#include "clients/plugin/key_map.h"
 #include "engine/base/realtime.h"
 #include "engine/base/vec3.h"
 #include "server/session/note_map_file.h"
@@ -30,14 +31,16 @@ class Bows {
   // A bow at full velocity and full pressure.
   struct Stroke {
     std::uint32_t object = 0;  // number in the mixer
+    std::size_t index = 0;     // in the map
     std::uint64_t map = 0;     // generation of the map that numbers it
-    Vec3 point_m, direction;
+    Vec3 point_m, direction;   // in the size of the object's bank
     double speed_m_s = 0, force_n = 0;
   };
   struct Moment {
     ringdown_mixer* mixer;
     std::int64_t frame;
     std::uint64_t map;  // generation of the present map
+    const PlacedSizes& sizes;
   };
 
   // Lays a bow on the key's object, at a share of its speed and at half of its force.

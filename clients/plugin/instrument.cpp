@@ -278,7 +278,10 @@ bool Instrument::tune(const KeyMap& map, const KeyMap::Object& object, Tuning& t
   material.alpha = material.beta = material.heat = material.air = parameters_[Parameter::loss];
   material.size = size_of(map, object, parameters_, keyboard_.bend_semitones(object.key));
   if (tuning.is_new || !same(material, tuning.material)) {
+    std::atomic<double>& placed = sizes_[static_cast<std::size_t>(&object - map.objects.data())];
+    placed = std::min(tuning.is_new ? 1 : tuning.material.size, material.size);
     if (ringdown_set_material(mixer_.get(), object.number, &material, nullptr) != RINGDOWN_OK) return false;
+    placed = material.size;
     tuning.material = material;
     tuning.is_new = false;
   }
@@ -316,7 +319,7 @@ void Instrument::render(std::span<const MidiMessage> messages, float* left, floa
     keyboard_.begin_block();
     const std::int64_t now = ringdown_now(mixer_.get());
     for (const MidiMessage& message : messages) {
-      keyboard_.play(message.bytes, {mixer_.get(), now + message.frame, *map, parameters_});
+      keyboard_.play(message.bytes, {mixer_.get(), now + message.frame, *map, parameters_, sizes_});
     }
   }
   ringdown_render(mixer_.get(), left, right, frames);
@@ -336,7 +339,7 @@ void Instrument::silence() REALTIME {
   if (map) {
     constexpr std::array<std::uint8_t, 1> kReset = {session::midi::kSystemReset};
     keyboard_.begin_block();
-    keyboard_.play(kReset, {mixer_.get(), ringdown_now(mixer_.get()), *map, parameters_});
+    keyboard_.play(kReset, {mixer_.get(), ringdown_now(mixer_.get()), *map, parameters_, sizes_});
   }
   std::array<float, kFadeBlock> unheard{};
   for (std::size_t i = 0; mixer_ && static_cast<double>(i) * kFadeBlock < kFade_s * sample_rate_hz_; ++i) {

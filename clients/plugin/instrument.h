@@ -144,6 +144,7 @@ class Instrument {
   std::unique_ptr<KeyPlan> plan_;        // loaded, but not yet in the mixer
   std::int64_t full_at_ = -1;            // frame at which the mixer had no room for the plan; next try after it
   std::vector<Tuning> tunings_;          // tunings of map_'s objects
+  PlacedSizes sizes_{};                  // of map_'s objects
   std::shared_ptr<ringdown_bank> bank_;  // bank of map_'s first object
   std::unique_ptr<const KeyMap> map_;
   std::vector<std::unique_ptr<const KeyMap>> retired_;  // maps that the audio thread may still read

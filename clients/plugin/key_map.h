@@ -17,6 +17,7 @@
 #include "server/session/note_map_file.h"
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -92,6 +93,11 @@ struct KeyMap {
 
   [[nodiscard]] const Body& body_of(const Object& object) const REALTIME { return bodies[object.body]; }
 };
+
+// The sizes in which the objects of a map stand in the mixer, where they follow the parameters a little later. Points
+// are given in these, because libringdown refuses a point beside its object, and allocates a sentence. The worker
+// writes them; while it changes an object, this is the smaller of both sizes, whose points lie within the object.
+using PlacedSizes = std::array<std::atomic<double>, kKeys>;
 
 // A map and the banks of its objects, which are not in the mixer yet.
 struct KeyPlan {

@@ -30,7 +30,7 @@ std::optional<double> release_s(const Keyboard::Playing& playing) REALTIME {
 }
 
 Bows::Moment moment_of(const Keyboard::Playing& playing) REALTIME {
-  return {playing.mixer, playing.frame, playing.map.generation};
+  return {playing.mixer, playing.frame, playing.map.generation, playing.sizes};
 }
 
 }  // namespace
@@ -111,7 +111,7 @@ void Keyboard::strike(std::size_t key, std::size_t channel, std::uint8_t velocit
   if (!is_bowed) lift(key, playing);
   if (!takes_event()) return;
   const double bend = bend_semitones(playing.map.objects[struck.object].key);
-  const Target target = target_of(struck, velocity, playing.map, playing.parameters, bend);
+  const Target target = target_of(struck, velocity, playing.map, playing.parameters, playing.sizes, bend);
   if (is_bowed) {
     const Bows::Stroke stroke = stroke_of(struck, target, playing.map, playing.parameters);
     return bows_.draw(key, stroke, velocity / 127.0, moment_of(playing));

@@ -43,6 +43,7 @@ class Keyboard {
     std::int64_t frame;
     const KeyMap& map;
     const ParameterValues& parameters;
+    const PlacedSizes& sizes;
   };
   // Plays one message at playing.frame. Ignores messages that are not MIDI or not played.
   void play(std::span<const std::uint8_t> message, const Playing& playing) REALTIME;

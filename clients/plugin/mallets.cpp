@@ -28,18 +28,20 @@ const StrikePoint* exact_point(const KeyMap& map, double percent, std::uint8_t v
 }  // namespace
 
 Target target_of(const KeyMap::Key& key, std::uint8_t velocity, const KeyMap& map, const ParameterValues& parameters,
-                 double bend_semitones) REALTIME {
+                 const PlacedSizes& sizes, double bend_semitones) REALTIME {
   const KeyMap::Object& object = map.objects[key.object];
   const Body& body = map.body_of(object);
   Target target;
   target.object = object.number;
+  target.index = key.object;
+  target.placed_size = sizes[key.object];
   target.size = size_of(map, object, parameters, bend_semitones);
   const double percent = parameters[Parameter::strike_point];
   const Body::Station& station = body.stations[std::min(static_cast<std::size_t>(std::lround(percent)), kStations - 1)];
   const StrikePoint* const exact = exact_point(map, percent, velocity);
   const Vec3 direction = exact ? exact->direction : station.direction;
   if (!key.point_m && !exact) target.vertex = station.point;
-  target.point_m = target.size * (exact ? exact->point_m : key.point_m.value_or(station.position_m));
+  target.point_m = exact ? exact->point_m : key.point_m.value_or(station.position_m);
   const double evening = parameters.on(Parameter::even_loudness) ? map.evening : 1;
   const Vec3 full_ns =
       key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, parameters, target.size) * direction;
@@ -57,7 +59,8 @@ void strike(ringdown_mixer* mixer, std::int64_t frame, const Target& target, con
   if (target.vertex) {
     ringdown_strike_vertex(mixer, frame, target.object, *target.vertex, impulse_ns, contact_time_s, nullptr);
   } else {
-    const double point_m[3] = {target.point_m.x, target.point_m.y, target.point_m.z};
+    double point_m[3];
+    write(target.placed_size * target.point_m, point_m);
     ringdown_strike(mixer, frame, target.object, point_m, impulse_ns, contact_time_s, nullptr);
   }
 }
@@ -75,7 +78,7 @@ void throw_mallet(ringdown_mixer* mixer, std::int64_t frame, const Target& targe
   const double speed_m_s =
       std::min(blow.share * full_ns / (1 + args.bounce) * (1 / args.mass_kg + 1 / target.mass_kg), kMaxMallet_m_s);
   const Vec3 velocity = speed_m_s / full_ns * target.full_ns;
-  write(target.point_m, args.point_m);
+  write(target.placed_size * target.point_m, args.point_m);
   write(velocity, args.velocity_m_s);
   ringdown_mallet(mixer, frame, target.object, &args, nullptr);
 }
@@ -88,6 +91,7 @@ Bows::Stroke stroke_of(const KeyMap::Key& key, const Target& target, const KeyMa
   const Body& body = map.body_of(object);
   Bows::Stroke stroke;
   stroke.object = target.object;
+  stroke.index = target.index;
   stroke.map = map.generation;
   stroke.point_m = target.point_m;
   const double full_ns = length(target.full_ns);

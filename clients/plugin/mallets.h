@@ -41,17 +41,20 @@ inline constexpr std::array<MalletInfo, kMallets> kMalletInfo = {{{"as struck", 
                                                                   {"brass", 0.036, 1e10, 0.85},
                                                                   {"bow", 0, 0, 0}}};
 
-// Where a key acts on its object at a velocity, and how hard a full blow is there. In the size that the object has now.
+// Where a key acts on its object at a velocity, and how hard a full blow is there.
 struct Target {
   std::uint32_t object = 0;             // number in the mixer
   std::optional<std::uint32_t> vertex;  // the sample point, if the place is one
-  Vec3 point_m, full_ns;
+  std::size_t index = 0;                // of the object in the map
+  Vec3 point_m;                         // in the size of the object's bank
+  double placed_size = 1;
+  Vec3 full_ns;
   double contact_time_s = 0;  // of a full blow as struck
   double mass_kg = 0;         // the object's
-  double size = 1;
+  double size = 1;            // by the parameters
 };
 Target target_of(const KeyMap::Key& key, std::uint8_t velocity, const KeyMap& map, const ParameterValues& parameters,
-                 double bend_semitones) REALTIME;
+                 const PlacedSizes& sizes, double bend_semitones) REALTIME;
 
 // How a key is struck.
 struct Blow {
