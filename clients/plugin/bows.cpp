@@ -39,7 +39,8 @@ void Bows::lift(std::size_t key, const Moment& now) REALTIME {
   send(bows_[key], key, now);
 }
 
-// Where the object has been replaced, the bow's point may lie beside it, and libringdown would refuse the bow.
+// When a key has got another object, the point of its old bow may lie beside that object, and libringdown would refuse
+// the bow.
 void Bows::send(const Bow& bow, std::size_t key, const Moment& now) REALTIME {
   if (bow.stroke.map != now.map) {
     if (!bow.is_drawn) ringdown_clear(now.mixer, now.frame, bow.stroke.object, kReplaced_s, nullptr);

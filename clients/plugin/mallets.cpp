@@ -9,7 +9,7 @@ TRUST_REALTIME_BEGIN
 namespace ringdown::plugin {
 namespace {
 
-// What libringdown takes, or less.
+// The limits of blows, mallets and bows are those of libringdown, or below them.
 constexpr double kMaxContact_s = 0.1, kMaxImpulse_ns = 1e4;
 constexpr double kMaxMallet_kg = 100, kMaxMallet_m_s = 100, kSoftestHead = 1, kHardestHead = 1e14;
 constexpr double kMaxBow_n = 1e5;

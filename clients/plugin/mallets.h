@@ -41,7 +41,7 @@ inline constexpr std::array<MalletInfo, kMallets> kMalletInfo = {{{"as struck", 
                                                                   {"brass", 0.036, 1e10, 0.85},
                                                                   {"bow", 0, 0, 0}}};
 
-// Where a key acts on its object at a velocity, and how hard a full blow is there.
+// A target is the place where a key acts on its object at a velocity, and the full blow there.
 struct Target {
   std::uint32_t object = 0;             // number in the mixer
   std::optional<std::uint32_t> vertex;  // the sample point, if the place is one

@@ -153,7 +153,8 @@ TEST_F(LiquidBake, LiquidLowersTheModesAndTheBankSaysSo) {
   EXPECT_EQ(read->provenance.liquids.front().volume_m3, note.volume_m3);
 }
 
-// Both bakes have a coarse wall of the liquid, which is quick and moves all pitches alike.
+// The bank with levels and the bake that it is compared with have the same coarse wall of the liquid, because that is
+// quick and moves the pitches of both alike.
 TEST_F(LiquidBake, BelowFiveKilohertzALevelBetweenThoseOfTheBankIsWithinACentOfABake) {
   constexpr int kNodes = 500;
   const auto full = baked("[fill]\nfull = true\nlevels = 8\n", test::kCup, kNodes);

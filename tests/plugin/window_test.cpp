@@ -46,7 +46,7 @@ using namespace ringdown::test;
 
 constexpr int kWidth = 1100, kHeight = 680;
 constexpr std::uint32_t kFrames = 512;
-constexpr int kMiddleX = 480, kMiddleY = 266;                       // where the top of the object is seen
+constexpr int kObjectX = 480, kObjectY = 266;                       // a place at which the object is seen
 constexpr int kMalletsX = 246, kMalletWidth = 78, kMalletsY = 545;  // the middles of the pictures
 constexpr const char* kPoint = " vibraphone-key";                   // in a session: of a strike point
 constexpr std::size_t kMallet = 20;                                 // number of the parameter
@@ -182,7 +182,7 @@ TEST_P(PluginWindow, AClickStrikesTheObjectWhereItIsSeenAndSetsTheStrikePoint) {
   EXPECT_EQ(run(3), 0);
   settle();
   EXPECT_EQ(host_->save().find(" vibraphone-key"), std::string::npos) << "no point yet";
-  desktop_->button(true, kMiddleX, kMiddleY);
+  desktop_->button(true, kObjectX, kObjectY);
   double peak = 0;
   for (int tries = 0; tries < 1000 && peak == 0; ++tries) {
     desktop_->wait();
@@ -196,7 +196,7 @@ TEST_P(PluginWindow, AClickStrikesTheObjectWhereItIsSeenAndSetsTheStrikePoint) {
     }
     desktop_->write(path);
   }
-  desktop_->button(false, kMiddleX, kMiddleY);
+  desktop_->button(false, kObjectX, kObjectY);
   EXPECT_GT(peak, 1e-3);
   const std::string session = host_->save();
   EXPECT_NE(session.find(" vibraphone-key"), std::string::npos) << "the point belongs to the object";
@@ -219,12 +219,12 @@ TEST_P(PluginWindow, AClickWithShiftSetsTheSecondStrikePoint) {
   int wanted = 0;
   for (const unsigned modifier : {unsigned{ShiftMask}, 0U}) {
     ++wanted;
-    desktop_->button(true, kMiddleX, kMiddleY, modifier);
+    desktop_->button(true, kObjectX, kObjectY, modifier);
     for (int tries = 0; tries < 1000 && points() < wanted; ++tries) {
       desktop_->wait();
       run(1);
     }
-    desktop_->button(false, kMiddleX, kMiddleY, modifier);
+    desktop_->button(false, kObjectX, kObjectY, modifier);
     for (int i = 0; i < 20; ++i) {
       desktop_->wait();
       run(1);
@@ -253,7 +253,7 @@ TEST_P(PluginWindow, LetsGoOfTheKeyThatTheMouseHoldsWhenItCloses) {
   open();
   run(3);
   settle();
-  desktop_->button(true, kMiddleX, kMiddleY);
+  desktop_->button(true, kObjectX, kObjectY);
   double peak = 0;
   for (int tries = 0; tries < 1000 && peak == 0; ++tries) {
     desktop_->wait();
@@ -261,7 +261,7 @@ TEST_P(PluginWindow, LetsGoOfTheKeyThatTheMouseHoldsWhenItCloses) {
   }
   EXPECT_GT(peak, 0);
   host_->close_window();
-  desktop_->button(false, kMiddleX, kMiddleY);
+  desktop_->button(false, kObjectX, kObjectY);
   std::vector<float> left(kFrames), right(kFrames);
   for (int block = 0; block < 48; ++block) host_->render({}, left.data(), right.data(), kFrames);  // 0.5 s
   EXPECT_EQ(*std::ranges::max_element(left), 0) << "it is damped within 0.4 s";

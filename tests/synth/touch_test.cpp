@@ -236,7 +236,7 @@ TEST(Touches, AnObjectRingsOnWhileTheNextMalletHitsAnother) {
   }
 }
 
-// As a note that ends just before the key is struck again.
+// A key that is released and struck again at once sends a clear and a mallet within one chunk.
 TEST(Touches, AMalletThatComesAfterAClearIsNotEndedByIt) {
   const Map map = map_of(bar_bank(8));
   const auto heard = [&](bool cleared, Frame hit) {

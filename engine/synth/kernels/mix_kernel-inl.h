@@ -31,7 +31,7 @@ void write_scaled_here(const double* from, double gain, double* out, std::size_t
   for (; n < frames; ++n) out[n] = gain * from[n];
 }
 
-// What is not a number is not below the limit.
+// A sample that is not a number compares as false, so it is not within the limit.
 bool all_within_here(const double* samples, double max, std::size_t count) {
   const hn::CappedTag<double, 8> tag;
   const std::size_t lanes = hn::Lanes(tag);
