@@ -3,6 +3,7 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_hash.h"
 #include "engine/base/file_format.h"
+#include "engine/base/version.h"
 #include "engine/mesh/files/geo_language.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 3;  // of the hash; raise it also when the same inputs give another bank
+constexpr int kFormat = 3;                                   // of what is hashed
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30;  // bytes
 
 using Files = std::vector<fs::path>;
@@ -86,7 +87,7 @@ std::optional<std::string> input_hash(const BankInputs& inputs) {
     files->insert(files->end(), own->begin(), own->end());
   }
   ContentHasher hasher;
-  hasher.value(kFormat).text(RINGDOWN_VERSION).text(inputs.object.filename().string());
+  hasher.value(kFormat).text(kBakesUnchangedSince).text(inputs.object.filename().string());
   for (const fs::path& file : *files) {
     const Result<std::string> content = read_whole_file(file, kMaxFileBytes);
     if (!content) return std::nullopt;

@@ -3,8 +3,8 @@
 //   const std::optional<std::string> hash = input_hash({.object = "bell.toml", .geometry = "bell.geo", ...});
 //   if (hash && modal::read_input_hash("bell.glb") == hash) ...nothing to do...
 //
-// In it are the content of every file, what the object is called, the options of the command line, and the program's
-// version; not where the files lie, nor when they were written.
+// In it are the content of every file, what the object is called, the options of the command line, and
+// kBakesUnchangedSince (engine/base/version.h); not where the files lie, nor when they were written.
 #pragma once
 
 #include <filesystem>

@@ -8,6 +8,11 @@ namespace ringdown {
 
 inline constexpr const char* kVersion = RINGDOWN_VERSION;  // semantic version of the programs and the library
 
+// The version since which bakes give the results of today. Banks carry it in the hash of their inputs, so raising it
+// bakes every bank anew: raise it to the version to be released if the same inputs now give another bank, and only
+// then.
+inline constexpr const char* kBakesUnchangedSince = "0.1.0";
+
 inline constexpr int kBankVersion = 1;      // `version` in extras.ringdown of a bank's modal model
 inline constexpr int kTextFileVersion = 1;  // key `version` of settings, states, scenes, notes, objects, materials
 

@@ -87,5 +87,15 @@ TEST(InputHash, TheInputHashDependsOnContentAndNotOnPlace) {
   EXPECT_FALSE(input_hash({folder / "a/o.toml", folder / "a/g.geo", folder / "a/none.toml", {}}));
 }
 
+// Another program computed the hash, Python's xxhash: XXH3-128 of the number 3 in 4 bytes, the text "0.1.0" and those
+// of the files and options, each after its length in 8 bytes. The version of the programs is no part of it. Whoever
+// raises kBakesUnchangedSince computes it anew.
+TEST(InputHash, TheInputHashOutlivesVersionsWhoseBakesAreTheSame) {
+  const TemporaryFolder folder;
+  const fs::path object = folder.write("o.toml", "material = \"m\"");
+  EXPECT_EQ(input_hash({object, folder.write("g.geo", "x = 1;"), folder.write("m.toml", ""), {"--keep", "4"}}),
+            "66e267c7615c7e740a8cdd6b108643b0");
+}
+
 }  // namespace
 }  // namespace ringdown::bake::input_hash_test
