@@ -56,7 +56,8 @@ install_package() {
 
 # The C program of the library's page, by pkg-config, and what the Python module plays.
 try_library() {
-  install_package libringdown
+  install_package libringdown1
+  install_package libringdown-dev
   inside sh -c 'DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true gcc libc6-dev pkg-config' >"$cache/install.log" 2>&1 ||
     { cat "$cache/install.log"; return 1; }
   sed -n '/^```c$/,/^```$/p' "$source_tree/docs/use/library.md" | sed '/^```/d' >"$root/root/bell.c"
@@ -111,7 +112,7 @@ try_packages() {  # try_packages FOLDER
   done
   try_library
   try_plugin
-  inside apt-get purge -y -qq ringdown ringdown-presets ringdown-doc ringdown-bake ringdown-viewer ringdown-plugin python3-ringdown libringdown >/dev/null 2>&1
+  inside apt-get purge -y -qq ringdown ringdown-presets ringdown-doc ringdown-bake ringdown-viewer ringdown-plugin python3-ringdown libringdown-dev libringdown1 >/dev/null 2>&1
   local left
   for left in usr/share/ringdown usr/include/ringdown.h usr/lib/python3/dist-packages/ringdown usr/lib/lv2/ringdown.lv2; do
     [ ! -e "$root/$left" ] || { echo "purging leaves /$left behind"; return 1; }

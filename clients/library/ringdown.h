@@ -54,7 +54,7 @@
  * needed, are refused and never crash. No exception leaves the library.
  *
  * VERSIONS. A struct begins with its `size`: set it to sizeof the struct, as its _init function does. Later versions of
- * libringdown.so.0 add functions, and members at the end of structs; they change and remove none, so a program runs
+ * libringdown.so.1 add functions, and members at the end of structs; they change and remove none, so a program runs
  * with every later library of this number. Members beyond the end of a caller's shorter struct keep their defaults.
  * Members that an older library does not know are refused if they are not 0.
  *
@@ -92,7 +92,7 @@ typedef struct ringdown_error {
   char sentence[508]; /* ends with 0; cut off at a character if it is longer */
 } ringdown_error;
 
-/* The library's version, "0.1.0"; lives for ever. [any] */
+/* The library's version, "1.0.0"; lives for ever. [any] */
 RINGDOWN_API const char* ringdown_version(void);
 
 /* ---- Banks: what a body's modes are ------------------------------------------------------------------------------ */

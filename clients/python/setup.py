@@ -15,7 +15,7 @@ def folders(option, prefix):
         )
     except (OSError, subprocess.CalledProcessError) as failure:
         raise SystemExit(
-            "pkg-config does not find libringdown: install the package libringdown, or set RINGDOWN_INCLUDE_DIR and "
+            "pkg-config does not find libringdown: install the package libringdown-dev, or set RINGDOWN_INCLUDE_DIR and "
             "RINGDOWN_LIBRARY_DIR to the folders of its headers and libraries"
         ) from failure
     return [word[len(prefix) :] for word in found.stdout.split() if word.startswith(prefix)]

@@ -45,6 +45,8 @@ def versions_agree():
     numbers = {
         "clients/library/CMakeLists.txt": r"^set\(RINGDOWN_SOVERSION (\d+)\)",
         "clients/library/ringdown.h": r"libringdown\.so\.(\d+) add",
+        "clients/library/ringdown.map": r"^RINGDOWN_(\d+) \{",
+        "debian/control": r"^Package: libringdown(\d+)$",
         "docs/reference/versions.md": r"`libringdown\.so\.\d+` \| (\d+) \|",
     }
     for name, pattern in numbers.items():

@@ -113,16 +113,18 @@ TEST(LibraryExample, OfThePagesCompileAndPlay) {
   if (!installed("cc") || std::string(RINGDOWN_SANITIZERS) != "") GTEST_SKIP() << "no compiler, or one that sanitizes";
   if (!installed("pkg-config")) GTEST_SKIP() << "pkg-config is not installed";
   const TemporaryFolder folder;
-  const Outcome put =
-      run({"cmake", "--install", RINGDOWN_BIN_DIR "/..", "--component", "libringdown", "--prefix", folder / "first"});
-  ASSERT_EQ(put.exit_code, 0) << put.output;
+  for (const char* component : {"libringdown1", "libringdown-dev"}) {
+    const Outcome put =
+        run({"cmake", "--install", RINGDOWN_BIN_DIR "/..", "--component", component, "--prefix", folder / "first"});
+    ASSERT_EQ(put.exit_code, 0) << put.output;
+  }
   const auto prefix = folder / "moved";
   std::filesystem::rename(folder / "first", prefix);
   std::filesystem::path library;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(prefix)) {
     if (entry.path().filename() == "ringdown.pc") library = entry.path().parent_path().parent_path();
   }
-  ASSERT_FALSE(library.empty()) << put.output;
+  ASSERT_FALSE(library.empty()) << "no ringdown.pc was installed";
   const auto played = [&](const std::string& name, const std::filesystem::path& bank) {
     std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/use/" + name + ".md");
     const std::string text{std::istreambuf_iterator<char>(page), {}};

@@ -65,7 +65,7 @@ class InstallTest(unittest.TestCase):
             env={"PATH": "/nowhere", "PYTHONDONTWRITEBYTECODE": "1"},
         )
         self.assertNotEqual(done.returncode, 0)
-        self.assertIn("install the package libringdown", done.stderr)
+        self.assertIn("install the package libringdown-dev", done.stderr)
 
 
 if __name__ == "__main__":
