@@ -2,13 +2,15 @@
 """Makes the project's site, static pages that need no network: make_site.py RINGDOWN FOLDER [PRESET...]
 
 RINGDOWN is the program. The pages are those of the source tree's own folder and all of docs/, by Python's markdown; a gallery in which every preset (or those that are named) has a page of `ringdown picture`; and a
-search in the text of all sections. What a page links to is copied. A link to nothing is an error.
+search in the text of all sections. What a page links to is copied. A link to nothing is an error. The page of changes has
+sounds, which the commands in its lists render.
 """
 import html
 import json
 import os
 import pathlib
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -44,8 +46,8 @@ def converted(text):
 
 
 class Site:
-    def __init__(self, folder, presets):
-        self.folder, self.presets = folder, presets
+    def __init__(self, ringdown, folder, presets):
+        self.ringdown, self.folder, self.presets = ringdown, folder, presets
         self.sections, self.broken = [], []
 
     def write(self, address, title, body):
@@ -93,6 +95,16 @@ class Site:
             shutil.copytree(source, self.folder / target, dirs_exist_ok=True)
         return os.path.relpath(target, address_of(page).parent) + hash_ + anchor
 
+    def with_sounds(self, body):
+        """Runs the commands in lists of a page at the top that render a file, and puts a player behind each."""
+        def heard(item):
+            sound = f"sounds/{item[3]}"
+            (self.folder / "sounds").mkdir(exist_ok=True)
+            command = [self.ringdown, *shlex.split(item[2])[1:], self.folder / sound]
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+            return f'{item[1]}<audio controls preload="none" src="{sound}"></audio>'
+        return re.sub(r"(<li>[^<]*<code>(ringdown render [^<]*-o) ([\w.-]+)</code>)", heard, body)
+
     def add_page(self, page):
         body = converted((ROOT / page).read_text(encoding="utf-8"))
         # A sound that the text links to can be heard beside the link.
@@ -102,6 +114,8 @@ class Site:
         for name in self.presets:
             body = re.sub(rf'<img [^>]*presets/{re.escape(name)}\.png"[^>]*>',
                           lambda m, name=name: f'<a href="{up}/presets/{name}.html">{m[0]}</a>', body)
+        if page.name == "CHANGELOG.md":
+            body = self.with_sounds(body)
         title = re.search(r"<h1[^>]*>(.*?)</h1>", body, re.S)
         title = re.sub(r"<[^>]+>", "", title[1]) if title else page.stem
         self.write(address_of(page), html.unescape(title), body)
@@ -114,12 +128,12 @@ class Site:
             plain = [" ".join(html.unescape(re.sub(r"<[^>]+>", " ", part)).split()) for part in (heading, text)]
             self.sections.append([f"{address}#{anchor}", *plain])
 
-    def add_gallery(self, ringdown):
+    def add_gallery(self):
         sentences = dict(re.findall(r"`([\w-]+)`: ([^|]*?) \|", (ROOT / "docs/use/presets.md").read_text(encoding="utf-8")))
         (self.folder / "presets").mkdir(exist_ok=True)
         cards = ""
         for name in self.presets:
-            subprocess.run([ringdown, "picture", ROOT / f"presets/banks/{name}.glb", "-o", self.folder / f"presets/{name}.html"],
+            subprocess.run([self.ringdown, "picture", ROOT / f"presets/banks/{name}.glb", "-o", self.folder / f"presets/{name}.html"],
                            check=True)
             picture = self.target_of(pathlib.Path("gallery.md"), f"docs/figures/presets/{name}.png")
             cards += (f'<a class="card" href="presets/{name}.html"><img src="{picture}" alt="" loading="lazy">'
@@ -136,11 +150,11 @@ def main():
     part = folder.with_name(folder.name + ".part")
     shutil.rmtree(part, ignore_errors=True)
     part.mkdir(parents=True)
-    site = Site(part, presets)
+    site = Site(ringdown, part, presets)
     pages = [pathlib.Path(name) for name in TOP_PAGES] + sorted(p.relative_to(ROOT) for p in (ROOT / "docs").rglob("*.md"))
     for page in pages:
         site.add_page(page)
-    site.add_gallery(ringdown)
+    site.add_gallery()
     if site.broken:
         sys.exit("the site is not made:\n" + "\n".join(site.broken))
     (part / "sections.js").write_text("const sections = " + json.dumps(site.sections, ensure_ascii=False) + ";\n", encoding="utf-8")

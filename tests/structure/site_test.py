@@ -62,6 +62,9 @@ def faults_of(folder):
     front = pages[folder / "index.html"]
     if not {"img", "audio"} <= front.tags:
         yield "the first page has no picture or no sound"
+    sounds = [folder / link for link in pages[folder / "CHANGELOG.html"].loaded if link.endswith(".flac")]
+    if len(sounds) != 3 or any(sound.stat().st_size < 100_000 for sound in sounds):
+        yield f"the page of changes has not three sounds but {sounds}"
     for page in ("gallery.md", "docs/use/presets.md"):
         if not any(link.endswith("presets/coin.html") for link in pages[(folder / page).with_suffix(".html")].links):
             yield f"{page} does not lead to the coin that can be played"
