@@ -35,6 +35,8 @@ def versions_agree():
         "CHANGELOG.md": r"^## ([0-9.]+) ",
         "debian/changelog": r"^ringdown \(([0-9.]+)\)",
         "clients/python/pyproject.toml": r'^version = "(.*)"',
+        "clients/unity/package.json": r'"version": "([0-9.]+)",',
+        "clients/unreal/Ringdown.uplugin": r'"VersionName": "(.*)"',
         "clients/library/ringdown.h": r'library\'s version, "([0-9.]+)"',
         "docs/reference/versions.md": r"`kVersion`\) \| [^|]* \| ([0-9.]+) \|",
         "docs/reference/bank-format.md": r'"generator": "ringdown ([0-9.]+)"',

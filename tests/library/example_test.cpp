@@ -75,6 +75,23 @@ TEST(LibraryExample, InCSharpGivesTheBytesOfTheOneInC) {
   EXPECT_NE(refused.output.find("/nonexistent.glb"), std::string::npos) << refused.output;
 }
 
+// The Unity package strikes where a collision says, in the body's own frame. Unity is not here: Unity.cs stands for the
+// few parts of it that the package uses.
+TEST(LibraryExample, OfUnityStrikesWhereTheCollisionIs) {
+  if (!installed("mcs") || !installed("mono")) GTEST_SKIP() << "mono-mcs and mono-runtime are not installed";
+  const TemporaryFolder folder;
+  const std::string package = RINGDOWN_SOURCE_DIR "/clients/unity/";
+  const auto program = folder / "unity.exe";
+  const Outcome made =
+      run({"mcs", "-warnaserror", "-out:" + program.string(), RINGDOWN_SOURCE_DIR "/tests/library/Unity.cs",
+           package + "Runtime/Ringdown.cs", package + "Runtime/RingdownMixer.cs", package + "Runtime/RingingBody.cs",
+           package + "Samples~/Drop/Drop.cs"});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  ASSERT_TRUE(modal::write_bank(random_bank(1, 30, 12), folder / "bell.glb"));
+  const Outcome played = run({"mono", program, folder / "bell.glb"}, {{"LD_LIBRARY_PATH", RINGDOWN_BIN_DIR "/../lib"}});
+  EXPECT_EQ(played.exit_code, 0) << played.output;
+}
+
 // C# breaks the pane into the pieces that the C library tells of.
 TEST(LibraryExample, InCSharpAPaneBreaksIntoItsPieces) {
   if (!installed("mcs") || !installed("mono")) GTEST_SKIP() << "mono-mcs and mono-runtime are not installed";

@@ -11,8 +11,9 @@ import tempfile
 
 SOURCE = pathlib.Path(sys.argv[1])
 VERSION = re.search(r"project\(ringdown VERSION ([0-9.]+)", (SOURCE / "CMakeLists.txt").read_text())[1]
-STATING = ["CMakeLists.txt", "CHANGELOG.md", "clients/python/pyproject.toml", "clients/library/ringdown.h", "docs/reference/versions.md",
-           "docs/reference/bank-format.md", "debian/changelog", "debian/control", "clients/library/CMakeLists.txt", "clients/library/ringdown.map"]
+STATING = ["CMakeLists.txt", "CHANGELOG.md", "clients/python/pyproject.toml", "clients/unity/package.json", "clients/unreal/Ringdown.uplugin",
+           "clients/library/ringdown.h", "clients/library/CMakeLists.txt", "clients/library/ringdown.map", "docs/reference/versions.md",
+           "docs/reference/bank-format.md", "debian/changelog", "debian/control"]
 OTHERS = ["clients/library/ringdown_scene.h", "clients/library/abi.txt", "tests/library/abi.py", "docs/reference/protocol.md"]
 
 

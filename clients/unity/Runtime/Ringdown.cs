@@ -1,0 +1,1 @@
+../../csharp/Ringdown.cs
