@@ -30,8 +30,8 @@ Result<std::filesystem::path> preset_folder() {
   for (const std::filesystem::path& folder : {installed, std::filesystem::path(RINGDOWN_SOURCE_PRESETS)}) {
     if (std::filesystem::is_directory(folder, error)) return folder;
   }
-  return fail(ErrorKind::refused, "the presets are neither in " + installed.string() +
-                                      " nor in " RINGDOWN_SOURCE_PRESETS "; set RINGDOWN_PRESETS to their folder");
+  return fail(ErrorKind::refused, "the presets are not in {}; set RINGDOWN_PRESETS to their folder",
+              installed.string());
 }
 
 Result<std::filesystem::path> material_folder(const std::filesystem::path& given) {
