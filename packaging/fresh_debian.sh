@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Tries Ringdown as its user meets it: in a fresh Debian, which mmdebstrap makes in a folder of its own. As root.
 #   fresh_debian.sh packages CACHE FOLDER   installs the .deb files of FOLDER, runs what they brought, removes them
+#   fresh_debian.sh tar CACHE ARCHIVE       unpacks what ./run package tar made, and runs it as a user who is not root
 #   fresh_debian.sh readme CACHE            pastes the commands under README's "Start" into a clone of what is committed,
 #                                           then calls ./run test there; prints how long each took, and its processor time. With
 #                                           RINGDOWN_PROOFS set: as continuous integration does
@@ -120,8 +121,35 @@ try_packages() {  # try_packages FOLDER
   echo "$suite: installed, played and removed"
 }
 
+# Without any package but JACK's library, and moved after it has run. The plug-ins' windows want the host's OpenGL.
+try_tar() {  # try_tar ARCHIVE
+  local home=$root/home/player folder file
+  folder=$(basename "$1" .tar.gz)
+  mkdir "$home"
+  tar -C "$home" -xf "$1"
+  mv "$home/$folder" "$home/first"
+  chown -R 1000:1000 "$home"
+  player() { chroot --userspec=1000:1000 "$root" env -i PATH=/usr/bin:/bin HOME=/home/player LC_ALL=C.UTF-8 sh -ec "cd; $*"; }
+  player first/bin/ringdown render --scene demo --seconds 2 -o demo.wav
+  mv "$home/first" "$home/moved to"
+  player "'moved to/bin/ringdown' render --scene demo --seconds 2 -o again.wav"
+  cmp "$home/demo.wav" "$home/again.wav"
+  player "ln -s '/home/player/moved to/bin/ringdown' ringdown; ./ringdown picture coin -o coin.png"
+  player "./ringdown bake 'moved to/share/ringdown/presets/objects/steel-plate.toml' --preview -o plate.glb; ./ringdown info plate.glb >info"
+  player "'moved to/bin/ringdown-viewer' --keys >keys"
+  for file in demo.wav coin.png plate.glb info keys; do expect_file "home/player/$file"; done
+  player "for file in moved*/lib/*.so.* moved*/lib/clap/* moved*/lib/lv2/*/*.so moved*/lib/vst3/*/*/*/*.so; do
+    ! ldd \"\$file\" | grep -v 'libGL.so' | grep 'not found' || { echo \"\$file\"; exit 1; }; done"
+  mount --bind "$cache/$suite" "$root/var/cache/apt/archives"
+  inside apt-get update -qq
+  inside sh -c 'apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true libjack-jackd2-0' >"$cache/install.log" 2>&1 ||
+    { cat "$cache/install.log"; return 1; }
+  player "'moved to/bin/ringdownd' --scene demo --driver null --seconds 1"
+  echo "$suite: unpacked, played and moved"
+}
+
 case "$what" in
-  packages) try_packages "$(realpath "$1")" ;;
+  tar) try_tar "$(realpath "$1")" ;;
   readme)
     git clone -q "$source_tree" "$root/root/ringdown"
     commands=$(sed -n '/^## Start/,/^## [^S]/s/^    //p' "$source_tree/README.md")
@@ -132,5 +160,5 @@ case "$what" in
     git clone -q "$source_tree" "$root/root/ringdown"
     timed "$1" bash -c 'cd /root/ringdown && ./run "$@"' run "$@"
     ;;
-  *) echo "say packages, readme or run" >&2; exit 2 ;;
+  *) echo "say packages, tar, readme or run" >&2; exit 2 ;;
 esac
