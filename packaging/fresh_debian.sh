@@ -2,6 +2,8 @@
 # Tries Ringdown as its user meets it: in a fresh Debian, which mmdebstrap makes in a folder of its own. As root.
 #   fresh_debian.sh packages CACHE FOLDER   installs the .deb files of FOLDER, runs what they brought, removes them
 #   fresh_debian.sh tar CACHE ARCHIVE       unpacks what ./run package tar made, and runs it as a user who is not root
+#   fresh_debian.sh pages CACHE FOLDER [PAGE...]   installs the .deb files of FOLDER, then pastes the commands of README.md and
+#                                           docs/use (packaging/pages/paste_pages.py), with JACK and a display, without network
 #   fresh_debian.sh readme CACHE            pastes the commands under README's "Start" into a clone of what is committed,
 #                                           then calls ./run test there; prints how long each took, and its processor time. With
 #                                           RINGDOWN_PROOFS set: as continuous integration does
@@ -121,6 +123,27 @@ try_packages() {  # try_packages FOLDER
   echo "$suite: installed, played and removed"
 }
 
+try_pages() {  # try_pages FOLDER [PAGE...]
+  local folder=$1
+  shift
+  mount --bind "$cache/$suite" "$root/var/cache/apt/archives"
+  mkdir "$root/packages" "$root/source"
+  cp "$folder"/*.deb "$root/packages"
+  cp -r "$source_tree"/{README.md,docs,clients} "$root/source"
+  cp "$source_tree/packaging/pages/paste_pages.py" "$root/source"
+  ln -s /usr/share/ringdown/presets "$root/source/presets"
+  inside apt-get update -qq
+  inside sh -c 'DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true \
+    /packages/*.deb jackd2 liblo-tools xvfb xauth libgl1-mesa-dri gcc libc6-dev pkg-config' >"$cache/install.log" 2>&1 || { tail "$cache/install.log"; return 1; }
+  unshare --net sh -c 'ip link set lo up; exec "$@"' alone chroot "$root" env -i PATH=/usr/bin:/bin HOME=/root LC_ALL=C.UTF-8 bash -c '
+    jackd -r -d dummy >/dev/null 2>&1 & jack=$!
+    code=0
+    sleep 2
+    xvfb-run -a python3 /source/paste_pages.py /source /root/pages "$@" || code=$?
+    kill "$jack"
+    exit "$code"' pages "$@"
+}
+
 # Without any package but JACK's library, and moved after it has run. The plug-ins' windows want the host's OpenGL.
 try_tar() {  # try_tar ARCHIVE
   local home=$root/home/player folder file
@@ -150,6 +173,11 @@ try_tar() {  # try_tar ARCHIVE
 
 case "$what" in
   tar) try_tar "$(realpath "$1")" ;;
+  pages)
+    folder=$(realpath "$1")
+    shift
+    try_pages "$folder" "$@" ;;
+  packages) try_packages "$(realpath "$1")" ;;
   readme)
     git clone -q "$source_tree" "$root/root/ringdown"
     commands=$(sed -n '/^## Start/,/^## [^S]/s/^    //p' "$source_tree/README.md")
@@ -160,5 +188,5 @@ case "$what" in
     git clone -q "$source_tree" "$root/root/ringdown"
     timed "$1" bash -c 'cd /root/ringdown && ./run "$@"' run "$@"
     ;;
-  *) echo "say packages, tar, readme or run" >&2; exit 2 ;;
+  *) echo "say packages, tar, pages, readme or run" >&2; exit 2 ;;
 esac
