@@ -104,4 +104,5 @@ def main():
     (ROOT / "docs/use/presets.md").write_text(HEAD + "".join(rows))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -155,7 +155,7 @@ TEST_F(LiquidBake, LiquidLowersTheModesAndTheBankSaysSo) {
 
 // The bank with levels and the bake that it is compared with have the same coarse wall of the liquid, because that is
 // quick and moves the pitches of both alike.
-TEST_F(LiquidBake, BelowFiveKilohertzALevelBetweenThoseOfTheBankIsWithinACentOfABake) {
+TEST_F(LiquidBake, BelowFiveKilohertzALevelIsWithinACentOfABakeAndNoModeJumpsOnTheWayThere) {
   constexpr int kNodes = 500;
   const auto full = baked("[fill]\nfull = true\nlevels = 8\n", test::kCup, kNodes);
   ASSERT_TRUE(full) << full.error().message;
@@ -171,6 +171,17 @@ TEST_F(LiquidBake, BelowFiveKilohertzALevelBetweenThoseOfTheBankIsWithinACentOfA
         nearest = std::min(nearest, std::abs(1200 * std::log2(own / hz)));
       EXPECT_LT(nearest, 1) << "cents, of " << hz << " Hz at " << level_m << " m";
     }
+  }
+  // The liquid's own modes rise above the band.
+  constexpr double kStep_m = 0.0005;
+  std::vector<double> before;
+  for (double level_m = 0.0045; level_m < 0.06; level_m += kStep_m) {
+    const std::vector<double> now = modal::at_level(full->baked.bank, level_m)->bank.frequency_hz;
+    for (std::size_t m = 0; m < before.size(); ++m) {
+      EXPECT_LT(now[m], 1.005 * before[m]) << "Hz of mode " << m << " at " << level_m << " m: water is mass";
+      EXPECT_GT(now[m], 0.97 * before[m]) << "Hz of mode " << m << " at " << level_m << " m";
+    }
+    before = now;
   }
 }
 

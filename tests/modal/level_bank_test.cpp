@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -107,6 +109,80 @@ TEST(LevelBank, AMotionOfTheLiquidThatCannotBeIsLeftOut) {
   const auto there = at_level(bank, 0.05);
   ASSERT_TRUE(there) << there.error().message;
   EXPECT_NEAR(omega_of(there->bank, 0) / omega_of(bank, 0), std::sqrt(0.5), 1e-6);
+}
+
+// Three motions of a body, and a liquid of height x (1: full) whose one mode has the eigenvalue c / x and pulls them
+// with s x. The lowest mode is the first root of  l c/x / (c/x - l) sum of (s_i x)^2 / (k_i - l) = 1.
+struct ThreeMotions {
+  std::array<double, 3> stiffness{};
+  std::array<double, 3> pull{};
+  double own = 0;
+
+  [[nodiscard]] double lowest(double x) const {
+    const double top = own / x;
+    double low = 0, high = (1 - 1e-12) * std::min(stiffness[0], top);
+    for (int turn = 0; turn < 100; ++turn) {
+      const double l = (low + high) / 2;
+      double sum = 0;
+      for (std::size_t i = 0; i < 3; ++i) sum += std::pow(pull[i] * x, 2) / (stiffness[i] - l);
+      (l * top / (top - l) * sum < 1 ? low : high) = l;
+    }
+    return low;
+  }
+};
+
+// The liquid's own mode at the brim is that of the body when it is empty, 1.6 octaves higher. On the way its motion is
+// shared by three modes, of which others are more like it.
+TEST(LevelBank, AModeOfTheLiquidRisesWithoutAJumpToTheModeOfTheBodyThatRepelsIt) {
+  const auto squared = [](double hz) { return std::pow(hz_to_rad_per_s(hz), 2); };
+  const ThreeMotions of{{squared(10e3), squared(20e3), squared(24e3)}, {0.35, 1.6, 2.0}, squared(4500)};
+  const double full = of.lowest(1);
+  Bank bank = leveled_bank(rad_per_s_to_hz(std::sqrt(full)), 0);
+  LiquidLevels levels{.further = 2, .liquid = 1};
+  // Columns: the motion of the lowest mode at the brim, whose mass with the liquid is 1, then the second and third
+  // motion.
+  std::array<double, 3> first{};
+  double square = 0, along = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    first[i] = of.pull[i] / (of.stiffness[i] - full);
+    square += first[i] * first[i];
+    along += of.pull[i] * first[i];
+  }
+  const double length = std::sqrt(square + std::pow(along * of.own / (of.own - full), 2));
+  const auto column = [&](std::size_t c, std::size_t i) { return c == 0 ? first[i] / length : c == i ? 1.0 : 0.0; };
+  const auto sum = [&](std::size_t a, std::size_t b, const std::array<double, 3>& weight) {
+    double total = 0;
+    for (std::size_t i = 0; i < 3; ++i) total += column(a, i) * weight[i] * column(b, i);
+    return static_cast<float>(total);
+  };
+  std::array<double, 3> pull{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < 3; ++i) pull[c] += of.pull[i] * column(c, i);
+    for (std::size_t d = 0; d <= c; ++d) {
+      levels.stiffness.push_back(sum(c, d, of.stiffness));
+      levels.mass.push_back(sum(c, d, {1, 1, 1}));
+    }
+  }
+  levels.following = {1, 0, 0};
+  constexpr int kLevels = 12;
+  for (int l = 0; l < kLevels; ++l) {
+    const double x = l / (kLevels - 1.0), follows = pull[0] * x * x / of.own;  // y = s x / (c / x)
+    levels.level_m.push_back(0.1 * x);
+    levels.volume_m3.push_back(0.001 * x);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t d = 0; d <= c; ++d) levels.added.push_back(static_cast<float>(pull[c] * pull[d] * x * x));
+      levels.bond.push_back(static_cast<float>(pull[c] * x * follows));
+    }
+    levels.liquid_mass.push_back(static_cast<float>(follows * follows));
+    levels.drag.push_back(0);
+  }
+  bank.provenance.liquids.front().level_m = 0.1;
+  bank.levels = std::make_shared<const LiquidLevels>(levels);
+  for (int step = 1; step <= 100; ++step) {
+    const auto there = at_level(bank, 0.001 * step);
+    ASSERT_TRUE(there) << there.error().message;
+    EXPECT_NEAR(omega_of(there->bank, 0) / std::sqrt(of.lowest(0.01 * step)), 1, 0.003) << step << " %";
+  }
 }
 
 // Momentum is kept where liquid joins, and velocity where it leaves.

@@ -1,6 +1,7 @@
 #include "engine/bake/liquid/level_matrices.h"
 
 #include "engine/dense/decompositions.h"
+#include "engine/modal/levels/mode_followers.h"
 
 #include <Eigen/Geometry>
 
@@ -20,7 +21,7 @@ using Eigen::VectorXd;
 
 constexpr int kLooks = 5;           // levels whose wet modes go into the basis
 constexpr double kMissing = 2e-5;   // share of a mode's strain energy that one further motion must have to be kept
-constexpr double kShaped = 2e-5;    // such a share from which its shape is kept, too
+constexpr double kShaped = 1e-3;    // such a share from which its shape is kept, too: without the rest, 3 % of a motion
 constexpr double kGivesWay = 3e-5;  // relative change of lambda by a motion of the liquid, to be kept
 constexpr Index kMaxMotions = 12;   // of the liquid; below modal::kMaxLiquidMotions
 
@@ -52,6 +53,7 @@ void remove(const MatrixXd& known, const fem::SparseMatrix& node_mass, MatrixXd&
 // The matrices of one level.
 struct AtLevel {
   PartTerms terms;
+  Index in_reach = 0;    // number of the liquid's modes that a bake of this level alone would keep
   MatrixXd added, bond;  // N x N; N x J: S
   VectorXd own_lambda;   // J
 };
@@ -70,6 +72,7 @@ class LevelFinder {
         rigid_(dry.rigid),
         modes_(wet.modes.lambda.size() - dry.rigid),
         own_(wet.modes.shapes.rightCols(modes_)),
+        body_shares_(wet.effects.strain.begin(), wet.effects.strain.end()),
         progress_(progress),
         solver_(plan, surface, dry, system, clamped, top) {}
 
@@ -87,6 +90,7 @@ class LevelFinder {
       Result<AtLevel> level = at_level(plan_.levels[l].part);
       if (!level) return fail(level);
       if (auto dragged = add_drag(l, *level); !dragged) return fail(dragged);
+      own_modes_ = std::max(own_modes_, level->in_reach);
       levels_.added.push_back(std::move(level->added));
       giving_.push_back(Giving{std::move(level->bond), std::move(level->own_lambda)});
     }
@@ -179,8 +183,12 @@ class LevelFinder {
     Result<PartTerms> terms = PartTerms::of(part);
     if (!terms) return fail(terms);
     terms->add_shapes(part, plan_.skin, on_skin_, top_);
+    const Index in_reach = terms->count;
+    // All of the liquid's modes count, however high. If they ended at a frequency, their number would depend on the
+    // level, and splines cannot follow matrices that gain a mode between two levels.
+    terms->count = terms->modes->count() - terms->first;
     const MatrixXd mass = part.density * terms->potential.added_mass;
-    AtLevel level{.terms = std::move(*terms), .added = mass, .bond = {}, .own_lambda = {}};
+    AtLevel level{.terms = std::move(*terms), .in_reach = in_reach, .added = mass, .bond = {}, .own_lambda = {}};
     level.bond = level.terms.bond(part);
     level.own_lambda = (part.sound_speed * level.terms.wavenumbers()).array().square();
     return level;
@@ -195,14 +203,9 @@ class LevelFinder {
     MatrixXd likeness = heavy.middleRows(rigid_, modes_).cwiseAbs();
     for (Index k = 0; k < count; ++k) likeness.col(k) /= std::sqrt(std::max(all.col(k).dot(heavy.col(k)), 1e-300));
     for (Index m = 0; m < modes_; ++m) likeness.row(m) /= std::sqrt(levels_.mass(rigid_ + m, rigid_ + m));
-    std::vector<Index> found(static_cast<std::size_t>(modes_), 0);
-    for (Index turn = 0; turn < modes_; ++turn) {
-      Index mode = 0, follower = 0;
-      likeness.maxCoeff(&mode, &follower);
-      found[mode] = follower;
-      likeness.row(mode).setConstant(-1);
-      likeness.col(follower).setConstant(-1);
-    }
+    const MatrixXd rows = likeness.transpose();  // in columns as followers() wants them in rows
+    const std::vector<std::size_t> found =
+        modal::followers({rows.data(), rows.data() + rows.size()}, body_shares_, static_cast<std::size_t>(count));
     const MatrixXd own = all(Eigen::all, found);
     const MatrixXd liquids = wet->liquid.rightCols(count)(Eigen::all, found);
     levels_.drag.col(static_cast<Index>(level)) =
@@ -217,11 +220,9 @@ class LevelFinder {
     for (const Giving& at : giving_)
       whole += top_ * at.bond * at.own_lambda.cwiseInverse().asDiagonal() * at.bond.transpose();
     const dense::Spectrum ways = dense::spectrum(whole / static_cast<double>(giving_.size()));
-    // Motions beyond the number of the liquid's modes depend on the others at every level, and splines between levels
-    // do not keep that: 12 motions of 7 modes put a mode of the liquid 2.3 cents off, 7 motions 0.03.
-    Index own_modes = 0;
-    for (const Giving& at : giving_) own_modes = std::max(own_modes, at.own_lambda.size());
-    const Index kept = std::min({(ways.values.array() > kGivesWay).count(), kMaxMotions, own_modes});
+    // Motions beyond the number of the modes that count depend almost on the others, and splines between levels do not
+    // keep that: 12 motions of 7 modes put a mode of the liquid 2.3 cents off, 7 motions 0.03.
+    const Index kept = std::min({(ways.values.array() > kGivesWay).count(), kMaxMotions, own_modes_});
     levels_.following = ways.vectors.rightCols(kept);
     for (const Giving& at : giving_) {
       const MatrixXd once = at.own_lambda.cwiseInverse().asDiagonal() * (at.bond.transpose() * levels_.following);
@@ -241,11 +242,12 @@ class LevelFinder {
   const std::vector<std::int32_t>& clamped_;
   const double top_;
   const Index rigid_, modes_;
-  const MatrixXd own_;  // the wet modes as baked, at the nodes of the system
+  const MatrixXd own_;                     // the wet modes as baked, at the nodes of the system
+  const std::vector<double> body_shares_;  // of the strain energy of these modes
   const Progress& progress_;
   const WetSolver solver_;  // for its rows
   MatrixXd further_, on_skin_;
-  Index shaped_ = 0;
+  Index shaped_ = 0, own_modes_ = 0;
   std::vector<Giving> giving_;  // of each level
   WetLevels levels_;
 };

@@ -1,5 +1,7 @@
 #include "engine/modal/levels/level_bank.h"
 
+#include "engine/modal/levels/level_spline.h"
+#include "engine/modal/levels/mode_followers.h"
 #include "engine/modal/levels/symmetric_spectrum.h"
 #include "engine/modal/material_scale.h"
 
@@ -7,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <numeric>
 #include <utility>
 
 namespace ringdown::modal {
@@ -16,59 +17,12 @@ namespace {
 using Matrix = std::vector<double>;
 
 constexpr double kStill = 1e-10;       // a liquid's motion whose mass is below this share of the largest is left out
-constexpr double kIndependent = 1e-5;  // of the liquid's motions, made alike in mass
+constexpr double kIndependent = 0.01;  // of the liquid's motions, made alike in mass
+constexpr double kMinOwn = 0.8;        // eigenvalue of a motion of the liquid over that of the lowest at a higher level
 constexpr double kMaxOfOmega = 0.9;    // the most that a mode may lose, so that it keeps a pitch
 constexpr double kMinShare = 1e-4;     // of a mode of the bank in a field
 constexpr double kRounding = 1e-6;     // of a level that came as a float
 constexpr double kMinTerm = 1e-4;      // of a field, as in the radiation of bodies
-
-// The share that each level has in the value of a spline at `x`: without slope at the first level, where the liquid
-// begins, and with one polynomial for the last two stretches.
-std::vector<double> spline_shares(const std::vector<double>& at, double x) {
-  const std::size_t n = at.size();
-  std::size_t i = 0;
-  while (i + 2 < n && x > at[i + 1]) ++i;
-  const double width = at[i + 1] - at[i], a = (at[i + 1] - x) / width, b = (x - at[i]) / width;
-  std::vector<double> shares(n), pull(n);
-  shares[i] = a;
-  shares[i + 1] = b;
-  pull[i] = (a * a * a - a) * width * width / 6;
-  pull[i + 1] = (b * b * b - b) * width * width / 6;
-  // The second derivatives s solve T s = Q y. Their shares are Q^T T^-T pull; `rows` holds T^T beside pull.
-  Matrix system(n * n), right(n * n);
-  const auto t = [&](std::size_t row, std::size_t column) -> double& { return system[column * n + row]; };
-  const auto q = [&](std::size_t row, std::size_t column) -> double& { return right[row * n + column]; };
-  const auto h = [&](std::size_t k) { return at[k + 1] - at[k]; };
-  t(0, 0) = h(0) / 3, t(0, 1) = h(0) / 6;
-  q(0, 0) = -1 / h(0), q(0, 1) = 1 / h(0);
-  for (std::size_t k = 1; k + 1 < n; ++k) {
-    t(k, k - 1) = h(k - 1) / 6, t(k, k) = (h(k - 1) + h(k)) / 3, t(k, k + 1) = h(k) / 6;
-    q(k, k - 1) = 1 / h(k - 1), q(k, k) = -1 / h(k - 1) - 1 / h(k), q(k, k + 1) = 1 / h(k);
-  }
-  t(n - 1, n - 3) = 1 / h(n - 3), t(n - 1, n - 2) = -1 / h(n - 3) - 1 / h(n - 2), t(n - 1, n - 1) = 1 / h(n - 2);
-  for (std::size_t k = 0; k < n; ++k) {  // Gauss's elimination of T^T z = pull
-    std::size_t pivot = k;
-    for (std::size_t row = k + 1; row < n; ++row) {
-      if (std::abs(system[row * n + k]) > std::abs(system[pivot * n + k])) pivot = row;
-    }
-    for (std::size_t c = 0; c < n; ++c) std::swap(system[k * n + c], system[pivot * n + c]);
-    std::swap(pull[k], pull[pivot]);
-    for (std::size_t row = k + 1; row < n; ++row) {
-      const double factor = system[row * n + k] / system[k * n + k];
-      if (factor == 0) continue;
-      for (std::size_t c = k; c < n; ++c) system[row * n + c] -= factor * system[k * n + c];
-      pull[row] -= factor * pull[k];
-    }
-  }
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t c = k + 1; c < n; ++c) pull[k] -= system[k * n + c] * pull[c];
-    pull[k] /= system[k * n + k];
-  }
-  for (std::size_t k = 0; k < n; ++k) {
-    for (std::size_t c = 0; c < n; ++c) shares[c] += pull[k] * q(k, c);
-  }
-  return shares;
-}
 
 // Adds up the arrays of all levels, each `size` long, by their shares.
 Matrix blended(const std::vector<float>& arrays, const std::vector<double>& shares, std::size_t size) {
@@ -114,38 +68,66 @@ class Equations {
         put(stiffness_, body_ + i, body_ + j, sum / 2);
       }
     }
+    if (liquid > 0) own_lambda_above_ = most_important_lambda(level_m);
   }
 
   [[nodiscard]] std::size_t body() const { return body_; }
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] const Matrix& mass() const { return mass_; }
   [[nodiscard]] double mass(std::size_t i, std::size_t j) const { return mass_[i * size_ + j]; }
+  // The mass if the body had half of its own.
+  [[nodiscard]] Matrix lighter_mass() const {
+    Matrix lighter = mass_;
+    for (std::size_t i = 0, at = 0; i < body_; ++i) {
+      for (std::size_t j = 0; j <= i; ++j, ++at)
+        put(lighter, i, j, mass(i, j) - 0.5 * static_cast<double>(levels_.mass[at]));
+    }
+    return lighter;
+  }
   [[nodiscard]] double stiffness(std::size_t i, std::size_t j) const { return stiffness_[i * size_ + j]; }
 
-  // Motions of the liquid that are there at this level, as columns over J: some are lost where the liquid is shallow,
-  // those that are the same as others but for a share `least`.
-  [[nodiscard]] Matrix liquid_basis(double least, std::size_t& count) const {
+  // The liquid's motions that are there at this level, made orthonormal, as columns over J: at most `limit` of them,
+  // the most important ones, which come last in the bank. Some are lost where the liquid is shallow, and those that are
+  // the same as others but for kIndependent. The liquid's modes only rise when the level falls: what would be lower
+  // than the lowest one of the level above is an error of the spline.
+  [[nodiscard]] Matrix liquid_basis(std::size_t limit, std::size_t& count) const {
     const std::size_t liquid = size_ - body_;
-    std::vector<double> unit(liquid);
     double largest = 0;
     for (std::size_t j = 0; j < liquid; ++j) largest = std::max(largest, mass(body_ + j, body_ + j));
-    for (std::size_t j = 0; j < liquid; ++j) {
+    const auto product_of = [&](const std::vector<double>& a, const std::vector<double>& b) {
+      double sum = 0;
+      for (std::size_t i = 0; i < liquid; ++i) {
+        for (std::size_t k = 0; k < liquid; ++k) sum += a[i] * mass(body_ + i, body_ + k) * b[k];
+      }
+      return sum;
+    };
+    const auto own_lambda = [&](const std::vector<double>& a) {
+      double sum = 0;
+      for (std::size_t i = 0; i < liquid; ++i) {
+        for (std::size_t k = 0; k < liquid; ++k) sum += a[i] * stiffness(body_ + i, body_ + k) * a[k];
+      }
+      return sum;
+    };
+    std::vector<std::vector<double>> columns;
+    for (std::size_t j = liquid; j-- > 0 && columns.size() < limit;) {
       const double own = mass(body_ + j, body_ + j);
-      unit[j] = own > kStill * largest ? 1 / std::sqrt(own) : 0;
+      if (!(own > kStill * largest)) continue;
+      std::vector<double> column(liquid);
+      column[j] = 1 / std::sqrt(own);
+      for (const std::vector<double>& before : columns) {
+        const double part = product_of(before, column);
+        for (std::size_t i = 0; i < liquid; ++i) column[i] -= part * before[i];
+      }
+      const double rest = product_of(column, column);
+      if (!(rest > kIndependent)) continue;
+      for (double& x : column) x /= std::sqrt(rest);
+      if (own_lambda(column) < kMinOwn * own_lambda_above_) continue;
+      columns.push_back(std::move(column));
     }
-    Matrix alike(liquid * liquid);
-    for (std::size_t i = 0; i < liquid; ++i) {
-      for (std::size_t j = 0; j < liquid; ++j) alike[i * liquid + j] = unit[i] * unit[j] * mass(body_ + i, body_ + j);
-    }
-    const SymmetricSpectrum spectrum = symmetric_spectrum(std::move(alike), liquid);
-    count = 0;
-    for (const double value : spectrum.values) count += value > least ? 1 : 0;
+    count = columns.size();
     Matrix basis(liquid * count);
     for (std::size_t i = 0; i < liquid; ++i) {
-      for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t from = liquid - count + k;
-        basis[i * count + k] = unit[i] * spectrum.vectors[i * liquid + from] / std::sqrt(spectrum.values[from]);
-      }
+      for (std::size_t k = 0; k < count; ++k) basis[i * count + k] = columns[k][i];
     }
     return basis;
   }
@@ -155,8 +137,21 @@ class Equations {
     matrix[i * size_ + j] = matrix[j * size_ + i] = value;
   }
 
+  // That of the most important motion of the liquid, at the lowest of the bank's levels that is not below.
+  [[nodiscard]] double most_important_lambda(double level_m) const {
+    const std::size_t liquid = levels_.liquid, last = liquid - 1;
+    std::size_t l = 1;
+    while (l + 1 < levels_.levels() && levels_.level_m[l] < level_m) ++l;
+    double stiff = 0;
+    for (std::size_t i = 0; i < body_; ++i)
+      stiff += static_cast<double>(levels_.following[i * liquid + last]) *
+               static_cast<double>(levels_.bond[(l * body_ + i) * liquid + last]);
+    return stiff / static_cast<double>(levels_.liquid_mass[l * packed_size(liquid) + packed_size(liquid) - 1]);
+  }
+
   const LiquidLevels& levels_;
   std::size_t body_, size_;
+  double own_lambda_above_ = 0;
   Matrix mass_, stiffness_;
 };
 
@@ -167,11 +162,11 @@ struct AllModes {
   std::size_t count = 0;
 };
 
-// Empty when the mass is not positive definite.
-std::optional<AllModes> solve(const Equations& equations, double least) {
+// Empty when the liquid's motions have more mass than the liquid adds and half of the body has.
+std::optional<AllModes> solve(const Equations& equations, std::size_t limit) {
   const std::size_t body = equations.body(), liquid = equations.size() - body;
   std::size_t there = 0;
-  const Matrix basis = equations.liquid_basis(least, there);
+  const Matrix basis = equations.liquid_basis(limit, there);
   AllModes modes{.count = body + there};
   const std::size_t n = modes.count;
   Matrix whole(equations.size() * n);  // from the unknowns that are there to all
@@ -183,6 +178,9 @@ std::optional<AllModes> solve(const Equations& equations, double least) {
   for (std::size_t i = 0; i < equations.size(); ++i) {
     for (std::size_t j = 0; j < equations.size(); ++j) stiffness[i * equations.size() + j] = equations.stiffness(i, j);
   }
+  if (!is_positive_definite(
+          transposed_product(whole, product(equations.lighter_mass(), whole, equations.size()), equations.size()), n))
+    return std::nullopt;
   auto spectrum = generalized_spectrum(
       transposed_product(whole, product(stiffness, whole, equations.size()), equations.size()),
       transposed_product(whole, product(equations.mass(), whole, equations.size()), equations.size()), n);
@@ -192,28 +190,13 @@ std::optional<AllModes> solve(const Equations& equations, double least) {
   return modes;
 }
 
-// Between two levels the spline's rounding may leave more coupling to a motion of the liquid than its mass allows. Such
-// a motion is nearly the same as others; it is left out there.
+// Between two levels the spline's rounding may leave more coupling to a motion of the liquid than its mass allows, or
+// nearly so much that a mode appears that does not exist. Then the least important motions are left out there.
 std::optional<AllModes> solve(const Equations& equations) {
-  constexpr double kAll = 1e3;  // more than any: without motions of the liquid
-  std::optional<AllModes> modes;
-  for (double least = kIndependent; !modes && least < kAll; least *= 10) modes = solve(equations, least);
+  std::size_t limit = equations.size() - equations.body();
+  std::optional<AllModes> modes = solve(equations, limit);
+  while (!modes && limit > 0) modes = solve(equations, --limit);
   return modes;
-}
-
-// Which of all modes moves like each mode of the bank, the surest first. `likeness` is M x count.
-std::vector<std::size_t> followers(const Matrix& likeness, std::size_t modes, std::size_t count) {
-  std::vector<std::size_t> pairs(modes * count), found(modes, count);
-  std::iota(pairs.begin(), pairs.end(), std::size_t{0});
-  std::ranges::stable_sort(pairs, [&](std::size_t a, std::size_t b) { return likeness[a] > likeness[b]; });
-  std::vector<bool> taken(count);
-  for (const std::size_t pair : pairs) {
-    const std::size_t mode = pair / count, other = pair % count;
-    if (found[mode] < count || taken[other]) continue;
-    found[mode] = other;
-    taken[other] = true;
-  }
-  return found;
 }
 
 // Scales singular values above 1 to 1.
@@ -448,7 +431,11 @@ Result<LevelBank> at_level(const Bank& bank, double wanted_m) {
       signs[m * count + k] = along < 0 ? -1 : 1;
     }
   }
-  const std::vector<std::size_t> found = followers(likeness, modes, count);
+  std::vector<double> shares;
+  for (std::size_t m = 0; m < modes; ++m)
+    shares.push_back(equations.stiffness(rigid + m, rigid + m) /
+                     undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]}));
+  const std::vector<std::size_t> found = followers(std::move(likeness), shares, count);
   LevelModes own{.level_m = level_m, .mixing = Matrix(size * modes), .mass = equations.mass(), .omega_rad_s = {}};
   for (std::size_t m = 0; m < modes; ++m) {
     const std::size_t from = rigid + found[m];

@@ -202,6 +202,8 @@ std::optional<SymmetricSpectrum> generalized_spectrum(std::vector<double> stiffn
   return spectrum;
 }
 
+bool is_positive_definite(std::vector<double> matrix, std::size_t n) { return cholesky(matrix, n); }
+
 std::vector<double> transposed_product(std::span<const double> a, std::span<const double> b, std::size_t rows) {
   const std::size_t m = a.size() / rows, columns = b.size() / rows;
   std::vector<double> result(m * columns);

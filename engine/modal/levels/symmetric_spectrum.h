@@ -22,6 +22,9 @@ SymmetricSpectrum symmetric_spectrum(std::vector<double> matrix, std::size_t n);
 std::optional<SymmetricSpectrum> generalized_spectrum(std::vector<double> stiffness, std::vector<double> mass,
                                                       std::size_t n);
 
+// Only the lower triangle of the matrix counts.
+bool is_positive_definite(std::vector<double> matrix, std::size_t n);
+
 // Returns a^T b, for a of rows x m and b of rows x k: m x k.
 std::vector<double> transposed_product(std::span<const double> a, std::span<const double> b, std::size_t rows);
 
