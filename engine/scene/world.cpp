@@ -88,6 +88,7 @@ struct World::State {
   std::optional<FoleyPlayback> recovered;
   std::vector<ContactPoint> points;  // of a part: recovered and simulated ones
   std::int64_t steps = 0;
+  bool numbered = false;    // by number_steps()
   int part = 0;             // of the step being done
   double next_start_s = 0;  // no waiting body enters before this time
   // Results of the last step:
@@ -205,6 +206,7 @@ void World::State::do_part() {
   drive();
   const bool asleep = simulation.asleep();
   if (asleep && sounds.quiet() && (!recovered || recovered->over(time_s()))) return;
+  if (numbered) simulation.number_step(static_cast<std::uint64_t>(steps * parts + part));
   auto found = asleep ? std::span<const ContactPoint>() : simulation.step(given_up);
   if (recovered) {
     const auto played = recovered->step(time_s(), part_s);
@@ -284,6 +286,8 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
 }
 
 void World::set_start_frame(synth::Frame frame) { state_->timeline.start = frame; }
+
+void World::number_steps() { state_->numbered = true; }
 
 void World::set_sample_rate(double sample_rate_hz) {
   state_->timeline.sample_rate_hz = sample_rate_hz;

@@ -81,6 +81,10 @@ class World {
   // Sets the rate of frames from the next step on. The owner has to set the start frame again.
   void set_sample_rate(double sample_rate_hz);
 
+  // Lets the random order of the contact solver depend on the number of the step alone, so that foley/guide.h can
+  // simulate a part of a recorded scene as the whole was simulated.
+  void number_steps();
+
   // Advances by one step. A strike's frame is that of its impact, within this step or the one before; reports of
   // lasting contacts have the frame of the beginning of the step. Never fails: a body whose motion has become unreal
   // (not a number, too fast) goes back to its start at rest, a body that has left the scene is removed, and a notice

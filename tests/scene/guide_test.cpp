@@ -1,6 +1,8 @@
 // Contacts of an animation from a simulation that meets its frames, against closed forms.
 #include "engine/scene/foley/shooting.h"
 #include "engine/scene/motion_path.h"
+#include "engine/scene/ode/simulation.h"
+#include "engine/scene/solid.h"
 #include "tests/scene/box_bank.h"
 #include "tests/scene/keyframes.h"
 
@@ -8,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -45,6 +48,65 @@ TEST(Shooting, TwoBallsThatMeetGetTheirVelocities) {
   EXPECT_NEAR(shooting.bodies()[1].start.velocity_m_s.x, kV, 1e-3);
   EXPECT_LT(shooting.bodies()[0].miss_m, 1e-4);
   EXPECT_EQ(shooting.bodies()[0].island, shooting.bodies()[1].island);
+}
+
+// A ball bounces once, whose velocity is known badly, but trusted. The frame tells it better.
+TEST(Shooting, TargetsAreMetExactlyWhateverTheStartIsTrusted) {
+  constexpr double kE = 0.7, kFall_m_s = 2;
+  const auto end_of = [](double speed) {
+    const double hit_s = 0.03 / speed;
+    return kE * speed * (kFrame_s - hit_s);
+  };
+  Shooter body = shooter_at({0, 0, 0.03}, {0, 0, -1.99}, {0, 0, end_of(kFall_m_s)});
+  body.trust = 0.2;
+  Shooting shooting({body}, kFrame_s, [&](std::span<const Shooter> bodies) {
+    const Vec3 v = bodies[0].start.velocity_m_s;
+    Shot shot;
+    shot.ends = {{{v.x * kFrame_s, v.y * kFrame_s, end_of(-v.z)}, {}, {}, {}}};
+    return shot;
+  });
+  shooting.aim();
+  EXPECT_NEAR(shooting.bodies()[0].start.velocity_m_s.z, -kFall_m_s, 1e-6);
+  EXPECT_LT(shooting.bodies()[0].miss_m, 1e-8);
+}
+
+// A pile of slanted boxes falls over. The solver is the iterative one, whose order is random.
+TEST(SimulationMemory, ATimeThatIsSimulatedAgainGoesAlike) {
+  constexpr std::uint64_t kRemembered = 300, kEnd = 400;
+  SceneDescription scene = test::scene_of({}, 0.2);
+  scene.step_s = 0.0005;
+  BodyDescription box = test::body_of("", ShapeType::box, {});
+  box.shape.size_m = {0.1, 0.08, 0.03};
+  box.density_kg_m3 = 1000;
+  const Solid solid = make_solid(box, nullptr).value();
+  Simulation simulation(scene);
+  simulation.add_static(kFirstStatic, scene.statics[0]);
+  for (BodyId id = 0; id < 12; ++id) {
+    const Motion start{{0.004 * id, 0, 0.02 + 0.032 * id}, about({0, 1, 0}, 0.1 + 0.02 * id), {}, {}};
+    simulation.put_body(id, solid, start, box.surface, false);
+  }
+  // Runs from the step kRemembered on, and corrects all bodies there to the motions that they have.
+  const auto run = [&](bool corrected) {
+    std::vector<Motion> ends(12);
+    for (std::uint64_t step = kRemembered; step < kEnd; ++step) {
+      simulation.number_step(step);
+      simulation.step();
+      for (const MovedBody& moved : simulation.moved()) {
+        ends[moved.id] = moved.motion;
+        if (corrected && step == kRemembered) simulation.correct(moved.id, moved.motion);
+      }
+    }
+    return ends;
+  };
+  for (std::uint64_t step = 0; step < kRemembered; ++step) simulation.step();
+  const auto memory = simulation.memory();
+  const std::vector<Motion> once = run(false);
+  for (const bool corrected : {false, true}) {
+    simulation.recall(*memory);
+    const std::vector<Motion> again = run(corrected);
+    for (std::size_t id = 0; id < 12; ++id)
+      EXPECT_LT(length(again[id].position_m - once[id].position_m), 1e-9) << id << corrected;
+  }
 }
 
 // The motion of a body between plates at heights 0 and `gap_m`, in closed form: its height and its blows.

@@ -5,7 +5,8 @@
 // that begins an interval with the right poses and velocities tells them apart. The poses are known, and the velocities
 // are those with which the simulation of the interval before ended, corrected so that the bodies meet their poses in
 // the next frame (shooting.h). If they do not, or only by a large correction, the animation follows other laws than the
-// simulation; then nothing is known of these bodies from here on, until they lie still or fly freely again.
+// simulation. The velocities of such bodies are guessed again in the next interval, and count once two intervals agree
+// on them.
 #pragma once
 
 #include "engine/scene/description.h"

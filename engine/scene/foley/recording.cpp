@@ -61,6 +61,7 @@ Result<Recording> record(const SceneDescription& scene, std::span<const Sounding
   const SceneDescription whole = without_breaks(scene);
   auto world = World::create(whole, objects, kAnyRate_hz);
   if (!world) return fail(world);
+  world->number_steps();
   const double wanted = scene.duration_s * frames_per_s + 1;
   if (!(frames_per_s > 0 && wanted <= static_cast<double>(kMaxPathPoses)))
     return fail(ErrorKind::bad_input, "a recording of more than " + std::to_string(kMaxPathPoses) +

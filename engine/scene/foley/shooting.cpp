@@ -6,25 +6,29 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <ranges>
 
 // Bodies that push each other form an island. The unknowns of an island are its bodies' corrections of velocity and
 // spin; what it wants is that all bodies meet their targets, by corrections as small as possible. Both are ways, so
 // that one sum of squares weighs them (cost_of). Between two events the end depends smoothly on the start, and
 // Levenberg's and Marquardt's method finds the least sum: shots with one start moved a little tell the slopes, where
 // bodies that have no neighbour in common are moved together (find_slopes, descend). Blows that come in another order
-// make the end jump. If no step down helps, starts are scattered at random over several powers of ten (scatter).
+// make the end jump. If no step down helps, starts are scattered at random over several powers of ten (scatter). At the
+// end, targets that are nearly met are met as exactly as the poses are given (sharpen).
 namespace ringdown::scene {
 namespace {
 
-constexpr double kMet_m = 5e-6;                         // an island is done that misses by less
-constexpr double kNear_m = 5e-5;                        // an island that misses by less is not scattered
-constexpr double kMaxStep_m = 0.1;                      // of a shift, so that no body becomes impossibly fast
-constexpr double kProbe_m = 1e-6;                       // shift that tells a slope
-constexpr int kRounds = 4, kSteps = 3;                  // of slopes; of steps with the same slopes
+constexpr double kMet_m = 5e-6;     // an island is done that misses by less
+constexpr double kNear_m = 5e-5;    // an island that misses by less is not scattered
+constexpr double kMaxStep_m = 0.1;  // of a shift, so that no body becomes impossibly fast
+constexpr double kProbe_m = 1e-6;   // shift that tells a slope
+constexpr double kSharpen_m = 1e-7, kExact_m = 1e-8, kSmallProbe_m = 1e-7, kSharpTrust = 1e-3;  // of sharpen()
+constexpr int kRounds = 4, kSharpRounds = 2;                                                    // of slopes
+constexpr int kSteps = 3, kMaxSteps = 8;                // with the same slopes; more than kSteps if all go well
 constexpr double kBetter = 0.7;                         // share of the cost after a step that is worth another round
 constexpr int kScattered = 8, kScatters = 2;            // shots of scatter(); how often it is called
 constexpr double kScatter_from = -6, kScatter_to = -3;  // powers of ten of its shifts [m]
-constexpr double kFirstDamping = 1e-3, kMinDamping = 1e-9, kMaxDamping = 1e6;
+constexpr double kFirstDamping = 1e-3, kSharpDamping = 1e-6, kMinDamping = 1e-9, kMaxDamping = 1e6;
 constexpr std::size_t kSmall = 4;  // bodies of an island in which each start may move every body
 
 double size_of(const Shooting::Six& six) {
@@ -63,7 +67,7 @@ Vec3 turn_between(const Rotation& from, const Rotation& to) {
 }
 
 Shooting::Shooting(std::vector<Shooter> bodies, double every_s, Fire fire)
-    : bodies_(std::move(bodies)), every_s_(every_s), fire_(std::move(fire)) {
+    : bodies_(std::move(bodies)), every_s_(every_s), fire_(std::move(fire)), met_m_(kMet_m), probe_m_(kProbe_m) {
   aim_.shifts.resize(bodies_.size(), Six{});
   for (const Shooter& body : bodies_) aim_.asleep.push_back(body.asleep);
 }
@@ -89,15 +93,21 @@ Shooting::Six Shooting::miss_of(std::size_t n, const Motion& end) const {
 double Shooting::cost_of(const Island& island, const std::vector<Six>& misses, const Aim& aim) const {
   double sum = 0;
   for (const std::size_t n : island.members) {
-    const double miss = size_of(misses[n]), shift = bodies_[n].trust * size_of(aim.shifts[n]);
+    const double miss = size_of(misses[n]), shift = trust_share_ * bodies_[n].trust * size_of(aim.shifts[n]);
     sum += miss * miss + shift * shift;
   }
   return sum;
 }
 
+bool Shooting::may_help(const Island& island, std::size_t i) const {
+  return may_shift(island.members[i]) && std::ranges::any_of(island.near[i], [&](std::size_t j) {
+           return size_of(misses_[island.members[j]]) > met_m_;
+         });
+}
+
 void Shooting::measure(Island& island) const {
   island.cost = cost_of(island, misses_, aim_);
-  const auto misses = [this](std::size_t n) { return size_of(misses_[n]) > kMet_m; };
+  const auto misses = [this](std::size_t n) { return size_of(misses_[n]) > met_m_; };
   const auto tracked = [this](std::size_t n) { return bodies_[n].tracked; };
   island.open = std::ranges::any_of(island.members, misses) && std::ranges::all_of(island.members, tracked);
 }
@@ -205,23 +215,37 @@ void Shooting::find_slopes() {
     for (const Island& island : islands_) {
       if (!island.open) continue;
       for (std::size_t i = 0; i < island.members.size(); ++i) {
-        if (island.color[i] == color && may_shift(island.members[i])) call(island, i);
+        if (island.color[i] == color && may_help(island, i)) call(island, i);
       }
     }
   };
   for (const Island& island : islands_) {
     if (island.open) colors = std::max(colors, *std::ranges::max_element(island.color) + 1);
   }
+  // The bodies of other islands cost less asleep. Without them a step may have other parts, so that the slopes need a
+  // shot of their own to compare with.
+  Aim base = aim_;
+  for (const Island& island : islands_) {
+    for (const std::size_t n : island.members) base.asleep[n] = base.asleep[n] || !island.open;
+  }
+  std::vector<Six> misses = misses_;
+  if (base.asleep != aim_.asleep) {
+    const Shot shot = fire_(starts_of(base));
+    for (std::size_t n = 0; n < bodies_.size(); ++n) misses[n] = miss_of(n, shot.ends[n]);
+  }
   for (std::size_t color = 0; color < colors; ++color) {
     for (std::size_t axis = 0; axis < 6; ++axis) {
-      Aim tried = aim_;
-      each_of(color, [&](const Island& island, std::size_t i) { tried.shifts[island.members[i]][axis] += kProbe_m; });
+      Aim tried = base;
+      bool any = false;
+      each_of(color, [&](const Island&, std::size_t) { any = true; });
+      if (!any) continue;
+      each_of(color, [&](const Island& island, std::size_t i) { tried.shifts[island.members[i]][axis] += probe_m_; });
       const Shot shot = fire_(starts_of(tried));
       each_of(color, [&](const Island& island, std::size_t i) {
         for (const std::size_t j : island.near[i]) {
           const std::size_t other = island.members[j];
           Six slope = miss_of(other, shot.ends[other]);
-          for (std::size_t k = 0; k < 6; ++k) slope[k] = (slope[k] - misses_[other][k]) / kProbe_m;
+          for (std::size_t k = 0; k < 6; ++k) slope[k] = (slope[k] - misses[other][k]) / probe_m_;
           slopes_[island.members[i]][axis].emplace_back(j, slope);
         }
       });
@@ -247,26 +271,27 @@ void Shooting::step_down(const Island& island, Aim& tried) const {
         normal[row * size + column] += slope * slopes[k * size + column];
       step[row] -= slope * misses_[island.members[k / 6]][k % 6];
     }
-    const double weight = bodies_[n].trust * bodies_[n].trust;
+    const double trust = trust_share_ * bodies_[n].trust, weight = trust * trust;
     step[row] -= weight * aim_.shifts[n][row % 6];
     normal[row * size + row] += weight + island.damping;
   }
   if (!solve_in_place(normal, step)) return;
   for (std::size_t row = 0; row < size; ++row) {
     const std::size_t n = island.members[row / 6];
-    if (may_shift(n)) tried.shifts[n][row % 6] += std::clamp(step[row], -kMaxStep_m, kMaxStep_m);
+    if (!slopes_[n][0].empty()) tried.shifts[n][row % 6] += std::clamp(step[row], -kMaxStep_m, kMaxStep_m);
   }
 }
 
 bool Shooting::descend() {
   find_slopes();
-  bool better = false;
-  for (int k = 0; k < kSteps && any_open(); ++k) {
+  bool better = false, goes_well = true;
+  for (int k = 0; k < kMaxSteps && (k < kSteps || goes_well) && any_open(); ++k) {
     Aim tried = aim_;
     for (const Island& island : islands_) {
       if (island.open) step_down(island, tried);
     }
-    better = attempt(tried) || better;
+    goes_well = attempt(tried);
+    better = better || goes_well;
   }
   return better;
 }
@@ -275,13 +300,33 @@ void Shooting::scatter() {
   for (int k = 0; k < kScattered && any_open(); ++k) {
     const double size_m = std::pow(10, kScatter_from + (kScatter_to - kScatter_from) * k / (kScattered - 1));
     Aim tried = aim_;
-    for (std::size_t n = 0; n < bodies_.size(); ++n) {
-      if (!may_shift(n)) continue;
-      for (double& shift : tried.shifts[n]) shift += size_m * random_.next();
+    for (const Island& island : islands_) {
+      for (std::size_t i = 0; island.open && i < island.members.size(); ++i) {
+        if (!may_help(island, i)) continue;
+        for (double& shift : tried.shifts[island.members[i]]) shift += size_m * random_.next();
+      }
     }
     attempt(tried);
   }
   for (Island& island : islands_) island.damping = kFirstDamping;
+}
+
+// Where a start that meets its targets is near, the frames tell it better than the interval before: corrections cost
+// nearly nothing here, and what little is missed would grow with each blow to come.
+void Shooting::sharpen() {
+  met_m_ = kExact_m;
+  probe_m_ = kSmallProbe_m;
+  trust_share_ = kSharpTrust;
+  for (Island& island : islands_) {
+    measure(island);
+    const auto miss = [this](std::size_t n) { return size_of(misses_[n]); };
+    const double worst_m = std::ranges::max(island.members | std::views::transform(miss));
+    island.open = island.open && worst_m > kSharpen_m && worst_m < kNear_m;
+    island.damping = kSharpDamping;
+  }
+  for (int round = 0; round < kSharpRounds && any_open(); ++round) {
+    if (!descend()) break;
+  }
 }
 
 void Shooting::aim() {
@@ -297,9 +342,13 @@ void Shooting::aim() {
     if (regroup_) group();
     if (better || !any_open()) continue;
     if (worst_m() < kNear_m || scattered == kScatters) break;
+    const auto guessed = [this](std::size_t n) { return bodies_[n].guessed; };
+    for (Island& island : islands_) island.open = island.open && std::ranges::none_of(island.members, guessed);
     scatter();
     ++scattered;
   }
+  if (regroup_) group();
+  sharpen();
   if (regroup_) group();
   std::vector<Shooter> aimed = starts_of(aim_);
   for (std::size_t n = 0; n < aimed.size(); ++n) {

@@ -27,6 +27,7 @@ struct Shooter {
   bool asleep = false;   // at the start
   bool rested = false;   // it lay still before: aim() may change `asleep`
   bool tracked = true;   // false: nothing is known of its velocity, and nothing is corrected
+  bool guessed = false;  // the start is a guess: its island is given up sooner
   double miss_m = 0;     // result: distance from the target, turning included
   double shift_m = 0;    // result: the correction, as the way that it makes in the interval
   std::size_t island{};  // result: equal for bodies that pushed each other
@@ -68,6 +69,8 @@ class Shooting {
   [[nodiscard]] std::vector<Shooter> starts_of(const Aim& aim) const;
   [[nodiscard]] Six miss_of(std::size_t n, const Motion& end) const;
   [[nodiscard]] bool may_shift(std::size_t n) const { return bodies_[n].tracked && !aim_.asleep[n]; }
+  // Returns whether another start of a member of an island may bring a body nearer to its target.
+  [[nodiscard]] bool may_help(const Island& island, std::size_t i) const;
   [[nodiscard]] double cost_of(const Island& island, const std::vector<Six>& misses, const Aim& aim) const;
   [[nodiscard]] bool any_open() const;
   [[nodiscard]] double worst_m() const;
@@ -78,6 +81,7 @@ class Shooting {
   void find_slopes();
   bool descend();
   void scatter();
+  void sharpen();
   void step_down(const Island& island, Aim& tried) const;
 
   std::vector<Shooter> bodies_;  // as given, until aim() ends
@@ -85,6 +89,7 @@ class Shooting {
   Fire fire_;
   Aim aim_;  // the best so far, with its misses
   std::vector<Six> misses_;
+  double met_m_, probe_m_, trust_share_ = 1;  // sharpen() lowers them
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   bool regroup_ = false;
   std::vector<Island> islands_;

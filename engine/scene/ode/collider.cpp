@@ -99,7 +99,7 @@ Motion Collider::motion() const {
 
 // Sets pose and velocity, and wakes the body. What is fixed keeps its velocity.
 void Collider::place(const Motion& motion) {
-  owed_j_ = 0;
+  owed_j = 0;
   dBodySetPosition(body.get(), motion.position_m.x, motion.position_m.y, motion.position_m.z);
   set_rotation(body.get(), normalized(motion.rotation));
   if (!movable()) return;
@@ -229,16 +229,16 @@ void Collider::lift(Vec3 way_m, Vec3 turn_rad, Vec3 gravity_m_s2) {
   }
   const double weight_n = mass_kg * std::abs(gravity_factor) * length(gravity_m_s2);
   const double gained_j = -mass_kg * gravity_factor * dot(gravity_m_s2, way_m);
-  owed_j_ = std::clamp(owed_j_ + gained_j, 0.0, kMaxOwed_m * weight_n);
+  owed_j = std::clamp(owed_j + gained_j, 0.0, kMaxOwed_m * weight_n);
 }
 
 void Collider::pay_for_lifts(bool touches) {
-  if (!touches) owed_j_ = 0;
-  if (owed_j_ <= 0) return;
+  if (!touches) owed_j = 0;
+  if (owed_j <= 0) return;
   const double kinetic_j = kinetic_energy(*this, motion());
-  const double paid_j = std::min(owed_j_, kMaxPaid * kinetic_j);
+  const double paid_j = std::min(owed_j, kMaxPaid * kinetic_j);
   if (!(paid_j > 0)) return;
-  owed_j_ -= paid_j;
+  owed_j -= paid_j;
   slow(std::sqrt(1 - paid_j / kinetic_j), {});
 }
 

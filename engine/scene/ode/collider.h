@@ -50,6 +50,8 @@ class Sleep {
   // last stir() or fall(); always 0 if a drive asks for a speed.
   double stays_for(const Motion& now, double outer_radius_m, double step_s);
   void stir() { stillness_.reset(); }
+  [[nodiscard]] const Stillness& stillness() const { return stillness_; }
+  void recall(const Stillness& stillness) { stillness_ = stillness; }
 
   // Allows the body to fall asleep without contacts that ODE knows of. ODE keeps bodies without joints awake, so that
   // none sleeps in the air.
@@ -72,8 +74,8 @@ inline void copy(Vec3 from, double* to) {
   to[2] = from.z;
 }
 
-// A body with its shape, or a static, which is a shape alone. Public members are constant, except for `island`, `sleep`
-// and a ghost that `shape` may get (shape.h).
+// A body with its shape, or a static, which is a shape alone. Public members are constant, except for `island`,
+// `sleep`, `owed_j` and a ghost that `shape` may get (shape.h).
 class Collider {
  public:
   Collider(BodyId id, const StaticDescription& description, dxSpace* space);
@@ -93,6 +95,7 @@ class Collider {
   OdeShape shape;
   IslandMember island;
   Sleep sleep{body.get()};
+  double owed_j = 0;  // for lift()
 
   [[nodiscard]] bool movable() const;
   [[nodiscard]] bool awake() const { return sleep.awake(); }
@@ -143,7 +146,6 @@ class Collider {
   void place(const Motion& motion);
 
   std::optional<Motion> told_;  // prescribed motion of a driven body
-  double owed_j_ = 0;           // for lift()
 };
 
 // Returns the body or static that a geometry belongs to.

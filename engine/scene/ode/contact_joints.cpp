@@ -338,7 +338,7 @@ void ContactJoints::undo_part() {
 void ContactJoints::recall(const Memory& memory) {
   partings_ = memory.partings;
   loads_ = memory.loads;
-  pairs_ = {};
+  pairs_ = memory.pairs;
 }
 
 // Reduces each impulse to its impact's, and keeps the loads for the rolling resistance of the next part.

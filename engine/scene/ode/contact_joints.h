@@ -91,13 +91,13 @@ class ContactJoints {
     return std::span(points_).subspan(part_.first_point);
   }
 
-  // The joints keep this from one part to the next. Kept surface contacts are not part of it, since they are found
-  // again.
+  // The joints keep this from one part to the next.
   struct Memory {
     Partings partings;
     ContactLoads loads;
+    SurfacePairs pairs;
   };
-  [[nodiscard]] Memory memory() const { return {partings_, loads_}; }
+  [[nodiscard]] Memory memory() const { return {partings_, loads_, pairs_}; }
   void recall(const Memory& memory);
 
   // Number of points and whole pairs beyond kMaxContactsPerStep in the step.

@@ -83,7 +83,14 @@ struct Part {
 
 struct SimulationMemory {
   ContactJoints::Memory contacts;
-  unsigned long seed;
+  struct Body {  // ODE's own clock of a body's rest starts again
+    BodyId id = 0;
+    Motion motion;
+    double owed_j = 0;
+    Stillness stillness;
+    bool awake = false;
+  };
+  std::vector<Body> bodies;  // that can move
 };
 
 struct Simulation::State {
@@ -123,7 +130,7 @@ struct Simulation::State {
   ContactJoints contacts;
   NearPairs near;
   Islands islands;
-  unsigned long seed;  // of the part; set by do_part()
+  unsigned long seed;  // of the part
   std::vector<MovedBody> moved;
   bool asleep = false;
 };
@@ -424,13 +431,41 @@ void Simulation::rest(BodyId id, const Motion& motion) {
 }
 
 std::shared_ptr<const SimulationMemory> Simulation::memory() const {
-  return std::make_shared<SimulationMemory>(state_->contacts.memory(), state_->seed);
+  const OdeLock lock;
+  SimulationMemory memory{.contacts = state_->contacts.memory(), .bodies = {}};
+  for (const Collider* collider : state_->in_order) {
+    if (collider->movable())
+      memory.bodies.push_back(
+          {collider->id, collider->motion(), collider->owed_j, collider->sleep.stillness(), collider->awake()});
+  }
+  return std::make_shared<const SimulationMemory>(std::move(memory));
 }
 
 void Simulation::recall(const SimulationMemory& memory) {
+  const OdeLock lock;
   state_->contacts.recall(memory.contacts);
-  state_->seed = memory.seed;
+  for (const SimulationMemory::Body& body : memory.bodies) {
+    Collider& collider = state_->colliders.at(body.id);
+    collider.move(body.motion);
+    collider.owed_j = body.owed_j;
+    if (!body.awake) collider.sleep.fall();
+    collider.sleep.recall(body.stillness);
+  }
+  state_->asleep = false;
 }
+
+void Simulation::correct(BodyId id, const Motion& motion) {
+  const OdeLock lock;
+  Collider& collider = state_->colliders.at(id);
+  const double owed_j = collider.owed_j;
+  const Stillness stillness = collider.sleep.stillness();
+  collider.move(motion);
+  collider.owed_j = owed_j;
+  collider.sleep.recall(stillness);
+  state_->asleep = false;
+}
+
+void Simulation::number_step(std::uint64_t number) { state_->seed = static_cast<unsigned long>(number); }
 
 void Simulation::drive(BodyId id, const Motion& motion) {
   const OdeLock lock;

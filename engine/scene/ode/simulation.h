@@ -13,6 +13,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -26,7 +27,7 @@ inline constexpr double kMaxExactContacts = 52;
 // Maximum number of parts into which a step is divided, so that fast bodies do not fly through obstacles.
 inline constexpr int kMaxParts = 16;
 
-// A simulation remembers this of the steps before, beside the motions of its bodies.
+// The state of a simulation between two steps.
 struct SimulationMemory;
 
 class Simulation {
@@ -58,10 +59,18 @@ class Simulation {
   // Places a body, which sleeps there until something touches it.
   void rest(BodyId id, const Motion& motion);
 
-  // memory() and recall() serve a caller that simulates the same time several times over: together with the motions of
-  // all bodies, recall() brings back the simulation as it was when memory() was called.
+  // memory() and recall() serve a caller that simulates the same time several times over: recall() brings back all
+  // bodies that can move as they were when memory() was called. Bodies that came later stay where they are.
   [[nodiscard]] std::shared_ptr<const SimulationMemory> memory() const;
   void recall(const SimulationMemory& memory);
+
+  // Sets the motion of a body that goes on: the body keeps what it owes, and how long it has been still.
+  void correct(BodyId id, const Motion& motion);
+
+  // Lets the random order in which the iterative solver visits contacts depend on the number of the next step, instead
+  // of on how often it has solved. A step with the same number then gives the same motion, whatever was simulated
+  // before.
+  void number_step(std::uint64_t number);
 
   // Sets the motion of a fixed body in the next step, at a constant velocity. Wakes all bodies if the body does move.
   void drive(BodyId id, const Motion& motion);
