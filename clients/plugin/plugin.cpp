@@ -2,6 +2,7 @@
 #include "clients/plugin/instrument.h"
 #include "clients/plugin/parameter_text.h"
 #include "clients/plugin/vst3_notes.h"
+#include "engine/base/formatted.h"
 #include "engine/base/version.h"
 
 #include <DistrhoPlugin.hpp>
@@ -9,8 +10,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,7 @@ constexpr const char* kFileKey = "file";
 constexpr const char* kEmbeddedKey = "embedded";
 constexpr const char* kScaleKey = "scale_file";
 constexpr const char* kMappingKey = "mapping_file";
+constexpr const char* kWindowScaleKey = "window_scale";
 
 struct StateInfo {
   const char *key, *label, *description;
@@ -52,6 +54,7 @@ constexpr std::array kStates = {
     // The window's:
     StateInfo{ringdown::plugin::kPointStates[0], "Exact strike point", "", 0},
     StateInfo{ringdown::plugin::kPointStates[1], "Second strike point", "", 0},
+    StateInfo{kWindowScaleKey, "Scale of the window", "", kStateIsOnlyForUI},
 };
 
 class RingdownPlugin : public Plugin {
@@ -122,16 +125,18 @@ class RingdownPlugin : public Plugin {
     if (std::string(key) == kFileKey) return String(instrument_->file().c_str());
     if (const auto file = tuning_file(key)) return String(instrument_->tunings().file(*file).c_str());
     if (const auto which = point_of(key)) return String(instrument_->point(*which).c_str());
+    if (std::string(key) == kWindowScaleKey) {
+      return String(window_scale_ > 0 ? ringdown::formatted("{}", window_scale_.load()).c_str() : "");
+    }
     return String(instrument_->embedded().c_str());
   }
 
   void setState(const char* key, const char* value) override {
-    // LV2 hosts save an empty path as a reference to the state's own document, and that is what they bring back.
-    const bool none = std::filesystem::path(value).filename() == "state.ttl";
-    if (std::string(key) == kFileKey) instrument_->set_file(none ? "" : value);
+    if (std::string(key) == kFileKey) instrument_->set_file(ringdown::plugin::file_of_state(value));
     if (std::string(key) == kEmbeddedKey) instrument_->set_embedded(value);
-    if (const auto file = tuning_file(key)) instrument_->tunings().set_file(*file, none ? "" : value);
+    if (const auto file = tuning_file(key)) instrument_->tunings().set_file(*file, ringdown::plugin::file_of_state(value));
     if (const auto which = point_of(key)) instrument_->set_point(value, *which);
+    if (std::string(key) == kWindowScaleKey) window_scale_ = std::strtod(value, nullptr);
   }
 
   void sampleRateChanged(double sample_rate_hz) override { instrument_->set_sample_rate(sample_rate_hz); }
@@ -190,6 +195,7 @@ class RingdownPlugin : public Plugin {
   }
 
   std::unique_ptr<Instrument> instrument_;
+  std::atomic<double> window_scale_ = 0;  // as chosen in the window; 0: not chosen
   std::array<MidiMessage, kMaxMessages> messages_{};
   std::size_t used_ = 0;
   ringdown::plugin::NoteExpressions expressions_;

@@ -50,6 +50,10 @@ std::string_view family_of(std::string_view preset) {
   return "Things";
 }
 
+std::string file_of_state(const char* value) {
+  return std::filesystem::path(value).filename() == "state.ttl" ? "" : value;
+}
+
 std::string choice_name(std::size_t choice) {
   if (choice == 0 || choice >= kChoices) return "file";
   if (choice < kFirstPreset) return formatted("own {}", choice);

@@ -79,6 +79,10 @@ struct Source {
 // preset is used. `binary` is the plug-in's own file, near which presets may lie.
 Source find_source(std::size_t choice, const std::string& file, const std::filesystem::path& binary);
 
+// Returns the file that a host's state names. LV2 hosts save an empty path as a reference to the state's own document,
+// and that is what they bring back.
+std::string file_of_state(const char* value);
+
 // Returns whether the source is a note map: its name ends in .toml; everything else is a bank.
 bool is_note_map(const Source& source);
 

@@ -1,5 +1,5 @@
 // The window of the built plug-ins, in all formats, in real windows of a display without a screen.
-#include "tests/plugin/host.h"
+#include "tests/plugin/score.h"
 #include "tests/support/heap_meter.h"
 #include "tests/support/virtual_display.h"
 
@@ -15,8 +15,10 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -48,8 +50,10 @@ constexpr int kWidth = 1100, kHeight = 680;
 constexpr std::uint32_t kFrames = 512;
 constexpr int kObjectX = 480, kObjectY = 266;                       // a place at which the object is seen
 constexpr int kMalletsX = 246, kMalletWidth = 78, kMalletsY = 545;  // the middles of the pictures
+constexpr int kScaleX = 500, kScaleY = 18, kScaleChoiceY = 84;      // the list of scales, and 150 % in it
 constexpr const char* kPoint = " vibraphone-key";                   // in a session: of a strike point
-constexpr std::size_t kMallet = 20;                                 // number of the parameter
+constexpr std::size_t kObject = 1, kRootKey = 3, kMallet = 20;      // numbers of parameters
+constexpr double kVibraphoneKey = 9;                                // value of the parameter Object
 
 // A host's window, in which the plug-in's is opened.
 class Desktop {
@@ -265,6 +269,83 @@ TEST_P(PluginWindow, LetsGoOfTheKeyThatTheMouseHoldsWhenItCloses) {
   std::vector<float> left(kFrames), right(kFrames);
   for (int block = 0; block < 48; ++block) host_->render({}, left.data(), right.data(), kFrames);  // 0.5 s
   EXPECT_EQ(*std::ranges::max_element(left), 0) << "it is damped within 0.4 s";
+}
+
+// Where hosts do not let windows grow, text and controls do.
+TEST_P(PluginWindow, KeepsItsScaleWhenItIsOpenedAgain) {
+  const auto toolbar = [&] {
+    run(3);
+    settle();
+    return desktop_->pixels(200, 0, 400, 60);
+  };
+  open();
+  const auto plain = toolbar();
+  for (const int y : {kScaleY, kScaleChoiceY}) {
+    desktop_->button(true, kScaleX, y);
+    settle();
+    desktop_->button(false, kScaleX, y);
+    settle();
+  }
+  const auto chosen = toolbar();
+  EXPECT_NE(chosen, plain);
+  host_->close_window();
+  const auto comes_back = [&] {
+    for (int tries = 0; tries < 20; ++tries) {  // until the window has grown, too
+      if (toolbar() == chosen) return true;
+    }
+    return false;
+  };
+  open();
+  EXPECT_TRUE(comes_back());
+  host_->close_window();
+  const std::string session = host_->save();
+  host_ = GetParam().open();
+  EXPECT_TRUE(host_->load(session));
+  host_->activate(48000);
+  open();
+  EXPECT_TRUE(comes_back()) << "sessions keep it";
+  host_->close_window();
+}
+
+// Returns the second strike point of a session: the last seven numbers before the object's name.
+Rig::Place second_point_of(const std::string& session) {
+  const std::size_t end = session.rfind(kPoint);
+  const std::size_t before = end == session.npos ? end : session.find_last_not_of("0123456789.e+- ", end);
+  if (before == session.npos) return {};
+  std::istringstream text(session.substr(before + 1, end - before - 1));
+  const std::vector<double> numbers{std::istream_iterator<double>(text), {}};
+  if (numbers.size() < 7) return {};
+  const double* const at = &numbers[numbers.size() - 7];
+  return {{at[0], at[1], at[2]}, {at[3], at[4], at[5]}};
+}
+
+TEST_P(PluginWindow, TheSoundIsTheLibrarysWhileItIsOpenAndAfterItHasClosed) {
+  open();
+  run(3);
+  settle();
+  desktop_->button(true, kObjectX, kObjectY, ShiftMask);
+  for (int tries = 0; tries < 1000 && host_->save().find(kPoint) == std::string::npos; ++tries) {
+    desktop_->wait();
+    run(1);
+  }
+  desktop_->button(false, kObjectX, kObjectY, ShiftMask);
+  settle();
+  run(20);
+  const Rig::Place second = second_point_of(host_->save());
+  EXPECT_NE(second.direction, Rig::Place{}.direction);
+  std::vector<Rig> rigs;
+  for (const int mallet : {0, 2, 5, 6}) rigs.push_back({kVibraphoneKey, "vibraphone-key", 72, mallet, second});
+  rigs.push_back({});  // another object, to which the points do not belong
+  rigs.push_back(rigs.front());
+  host_->deactivate();
+  set_plain(*host_);
+  host_->set_parameter(kObject, kVibraphoneKey);
+  host_->set_parameter(kRootKey, 72);
+  host_->activate(48000);  // silent
+  EXPECT_LT(largest_difference_db(*host_, rigs, [&] { host_->idle_window(); }), -120) << "open";
+  host_->close_window();
+  host_->activate(48000);
+  EXPECT_LT(largest_difference_db(*host_, rigs), -120) << "closed";
 }
 
 TEST_P(PluginWindow, ThatIsSilentDrawsNothingAndCostsLittle) {

@@ -2,7 +2,7 @@
 // carries its edits to the host.
 //
 // The plug-in and its window share no memory, because LV2 hosts may run them in two processes. Parameters, the states
-// "file", "point" and "second_point", and notes are all that passes between them.
+// "file", "point", "second_point" and "window_scale", and notes are all that passes between them.
 //
 // DRAWING. A picture is drawn when something has changed: after an event or an edit, while something rings, and while a
 // held peak is to fall. A silent window that nobody touches draws nothing.
@@ -10,6 +10,7 @@
 #include "clients/plugin/window/main_panel.h"
 #include "clients/viewer/panels/font.h"
 #include "clients/viewer/panels/skin.h"
+#include "engine/base/formatted.h"
 #include "engine/base/result.h"
 
 #include <DistrhoPluginUtils.hpp>
@@ -23,10 +24,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <deque>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 START_NAMESPACE_DISTRHO
@@ -44,6 +47,7 @@ constexpr int kSettling = 3;               // pictures after an event, until ImG
 constexpr double kMovingPeriod_s = 0.033;  // between pictures while something rings
 constexpr std::uint64_t kNoteDelay = 2;    // idle calls, in which a state reaches the plug-in before the note
 constexpr double kMinScale = 0.5, kMaxScale = 4;
+constexpr const char* kScaleState = "window_scale";
 constexpr uint kMinWidth = 700, kMinHeight = 380;
 
 // ImGui has room for 512 numbers of keys: ASCII, and from 256 on DPF's special keys.
@@ -112,7 +116,8 @@ class RingdownWindow : public UI, private HostLink {
     for (std::size_t i = 0; i < kPointStates.size(); ++i) {
       if (std::string_view(key) == kPointStates[i]) panel_.edits().on_point(static_cast<Which>(i), value);
     }
-    if (std::string_view(key) == "file") panel_.edits().on_file(value);
+    if (std::string_view(key) == "file") panel_.edits().on_file(ringdown::plugin::file_of_state(value));
+    if (std::string_view(key) == kScaleState) kept_scale_ = std::strtod(value, nullptr);
     wake();
   }
   void uiScaleFactorChanged(double scale) override {
@@ -129,6 +134,7 @@ class RingdownWindow : public UI, private HostLink {
     for (; !notes_.empty() && notes_.front().at <= idles_; notes_.pop_front()) {
       sendNote(0, notes_.front().key, notes_.front().velocity);
     }
+    if (drawn_at_s_ >= 0) scale_to(std::exchange(kept_scale_, 0));
     const bool is_due = panel_.is_moving() && now_s() - drawn_at_s_ >= kMovingPeriod_s;
     if (settling_ > 0 || is_due) repaint();
   }
@@ -221,9 +227,8 @@ class RingdownWindow : public UI, private HostLink {
     openFileBrowser(options);
   }
   void set_scale(double scale) override {
-    resize_by(scale / scale_);
-    scale_ = scale;
-    wake();
+    scale_to(scale);
+    setState(kScaleState, ringdown::formatted("{}", scale).c_str());
   }
 
   struct Button {
@@ -250,6 +255,13 @@ class RingdownWindow : public UI, private HostLink {
   void enter() { ImGui::SetCurrentContext(imgui_); }
   void wake() { settling_ = kSettling; }
   [[nodiscard]] double now_s() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  // Ignores a scale that nobody chose, which is 0.
+  void scale_to(double scale) {
+    if (!(scale >= kMinScale && scale <= kMaxScale) || scale == scale_) return;
+    resize_by(scale / scale_);
+    scale_ = scale;
+    wake();
+  }
   void resize_by(double factor) {
     setSize(static_cast<uint>(std::lround(getWidth() * factor)), static_cast<uint>(std::lround(getHeight() * factor)));
   }
@@ -278,6 +290,7 @@ class RingdownWindow : public UI, private HostLink {
   std::deque<Note> notes_;
   std::uint64_t idles_ = 0;
   int settling_ = kSettling;
+  double kept_scale_ = 0;  // of the session, which is to come
   Clock::time_point begin_ = Clock::now();
   double drawn_at_s_ = -1;
 

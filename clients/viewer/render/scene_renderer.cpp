@@ -220,7 +220,9 @@ Result<SceneRenderer> SceneRenderer::create() {
   }
   Result<Programs> programs = link_programs();
   if (!programs) return fail(programs);
-  return SceneRenderer(std::make_unique<State>(std::move(*programs)));
+  SceneRenderer renderer(std::make_unique<State>(std::move(*programs)));
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);  // a framebuffer that stayed bound would take the caller's next picture
+  return renderer;
 }
 
 SceneRenderer::SceneRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
