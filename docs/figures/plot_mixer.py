@@ -4,10 +4,11 @@
 usage: plot_mixer.py mixer.csv PICTURE.png [--table docs/how/benchmarks.md]
 
 Above: modes per core of ours and of others, by how many modes ring. Below: error of each kernel against how many modes it
-sustains, and a scene that dies away. --table puts this machine's row into the table of that page, between its marks, in
+sustains, and a scene that dies away. At the bottom: how the time of a block grows. --table puts this machine's row into the table of that page, between its marks, in
 place of an older row of the same machine. Needs Debian's python3-matplotlib.
 """
 import csv
+import math
 
 import matplotlib
 
@@ -27,13 +28,20 @@ PLAYERS = {  # name and objects
     ("closed form", 1): ("#999999", "x", "exp * sin"),
 }
 MOST_ERROR_DB = -110  # the promise
+GROWTH = {  # what the count is of, and what it is counted in
+    "modes": ("#0072B2", "o", "modes of 1 object"),
+    "objects": ("#56B4E9", "s", "objects that share 10,240 modes"),
+    "strikes a second": ("#D55E00", "^", "strikes a second on 1,000 objects of 50 modes"),
+    "two-way contacts": ("#009E73", "D", "two-way contacts of 200 and 200 modes"),
+    "channels": ("#CC79A7", "v", "channels of 100 objects of 100 modes"),
+}
 TABLE_HEAD = (
     "| machine | 10,000 modes: modes per core, block 64 / 128 / 256 | in 10 objects |"
     " x Faust: 10,000, 1,000, 100 modes | x Klank: 10,000, 1,000, 100 modes | error [dB] after 1 s / 10 min |"
     " bytes per mode | silent block [us] | strike of 100 / 500 modes [us] | load of 10,000 strikes/s | dying tail / loud |\n"
     + "|---" * 11 + "|"
 )
-NUMBERS = ("modes", "objects", "block", "time_s", "modes_per_core", "mean_us", "p50_us", "bytes_per_mode", "ratio", "error_db")
+NUMBERS = ("modes", "objects", "block", "time_s", "count", "modes_per_core", "mean_us", "p50_us", "bytes_per_mode", "ratio", "error_db")
 
 
 def read(path):
@@ -41,7 +49,7 @@ def read(path):
         rows = list(csv.DictReader(file))
     for row in rows:
         for name in NUMBERS:
-            row[name] = float(row[name]) if row[name] else None
+            row[name] = float(row[name]) if row.get(name) else None
     return rows
 
 
@@ -61,6 +69,8 @@ def counts_of(rows):
 
 def draw_throughput(axes, rows, block):
     counts = counts_of(rows)
+    if not counts:
+        return axes.axis("off")
     for (who, objects), (colour, marker, label) in PLAYERS.items():
         found = [throughput(rows, who, objects, modes, block) for modes in counts]
         points = [(r["modes"], r["modes_per_core"]) for r in found if r]
@@ -80,6 +90,8 @@ def draw_throughput(axes, rows, block):
 
 
 def draw_errors(axes, rows):
+    if not measured(rows, "accuracy"):
+        return axes.axis("off")
     for who in {row["who"] for row in measured(rows, "accuracy")}:
         both = measured(rows, "accuracy", who=who)
         axes.semilogx([r["modes_per_core"] for r in both], [r["error_db"] for r in both], color="#BBBBBB", linewidth=1)
@@ -122,14 +134,47 @@ def draw_decay(axes, rows):
     axes.grid(True, alpha=0.3)
 
 
+def slope(points):
+    """Of the logarithms of the upper half of the points, by least squares: 1 where twice as many cost twice as much."""
+    upper = [(math.log(x), math.log(y)) for x, y in points[len(points) // 2 - 1 :]]
+    mean_x, mean_y = (sum(values) / len(upper) for values in zip(*upper))
+    return sum((x - mean_x) * (y - mean_y) for x, y in upper) / sum((x - mean_x) ** 2 for x, _ in upper)
+
+
+def draw_growth(axes, rows):
+    for who, (colour, marker, label) in GROWTH.items():
+        points = sorted((r["count"], r["mean_us"] / r["block"]) for r in measured(rows, "growth", who=who))
+        if len(points) < 2:
+            continue
+        axes.loglog(*zip(*points), marker=marker, color=colour, label=f"{label}: slope {slope(points):.2f}")
+    if not axes.lines:
+        return axes.axis("off")
+    axes.axhline(1e6 / 48000, color="black", linewidth=0.8, linestyle=":", label="one core in real time")
+    axes.set_title("how cost grows; the slope is that of the upper half of the points")
+    axes.set_xlabel("number of them")
+    axes.set_ylabel("processor time of a frame [us]")
+    axes.xaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:,.0f}"))
+    axes.grid(True, which="major", alpha=0.3)
+    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+
+
 def draw(rows, path):
-    figure, axes = plt.subplots(2, 2, figsize=(14, 10))
+    if all(row["part"] == "growth" for row in rows):
+        figure = plt.figure(figsize=(14, 5))
+        draw_growth(figure.add_subplot(), rows)
+        figure.tight_layout()
+        return figure.savefig(path, dpi=110)
+    figure = plt.figure(figsize=(14, 15))
+    axes = figure.subplots(3, 2)
+    for below in axes[2]:
+        below.remove()
+    draw_growth(figure.add_subplot(3, 1, 3), rows)
     draw_throughput(axes[0, 0], rows, 64)
     draw_throughput(axes[0, 1], rows, 128)
     draw_errors(axes[1, 0], rows)
     draw_decay(axes[1, 1], rows)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="upper center", ncol=6, frameon=False)
-    figure.tight_layout(rect=(0, 0, 1, 0.96))
+    figure.tight_layout(rect=(0, 0, 1, 0.97))
     figure.savefig(path, dpi=110)
 
 

@@ -39,7 +39,8 @@ constexpr std::array kParts = {Part{"throughput", bench::measure_throughput},
                                Part{"nonlinear", bench::measure_nonlinear},
                                Part{"library", bench::measure_library},
                                Part{"threads", bench::measure_threads},
-                               Part{"budget", bench::measure_budget}};
+                               Part{"budget", bench::measure_budget},
+                               Part{"growth", bench::measure_growth}};
 
 }  // namespace
 
@@ -54,7 +55,7 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", settings.quick, "under a minute: fewer and shorter repeats, the same promises");
   app.add_option("--only", only,
                  "parts: throughput accuracy silence strike storm decay tail instances directions fields two-way "
-                 "nonlinear library threads budget");
+                 "nonlinear library threads budget growth");
   CLI11_PARSE(app, argc, argv);
 
   const std::string machine = bench::this_machine(synth::kernel_target());

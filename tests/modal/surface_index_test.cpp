@@ -133,6 +133,23 @@ TEST(SurfaceIndex, AnIndexWithoutTrianglesFindsTheNearestPoint) {
   for (int i = 0; i < 200; ++i) expect_nearest(bank, index, random.point(0.2));
 }
 
+// Boxes are compared in float: where float cannot tell them apart, none with the nearest point may be dropped.
+TEST(SurfaceIndex, TheIndexFindsTheNearestOfPointsThatFloatsHardlyTellApart) {
+  Random random(6);
+  Bank bank = single_mode_bank(1, 1);
+  bank.positions.clear();
+  bank.triangles.clear();
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 p = Vec3{700, -900, 1000} + random.point(0.01);
+    bank.positions.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  }
+  const SurfaceIndex index(bank);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 query = Vec3{700, -900, 1000} + random.point(0.02);
+    ASSERT_EQ(index.nearest(query).distance_m, distance_by_force(bank, query));
+  }
+}
+
 TEST(SurfaceIndex, TheIndexTakesABankOfOnePoint) {
   Bank bank = single_mode_bank(1, 1);
   bank.positions.resize(1);

@@ -220,18 +220,22 @@ double drive_touched_here(const ModeArrays& modes, std::size_t columns, std::spa
   return drive_columns(modes, columns, UnderTouches{modes, forces, ports, frames, substeps}, out, frames);
 }
 
-// Adds the surface displacement of a few vectors of modes at kPlaces places to sums of lanes, for each step.
+// Adds the surface displacement of a few vectors of modes at kPlaces places to sums of lanes, for each step. Nothing
+// acts on the modes, so Re z follows x[n + 1] = 2 Re p x[n] - |p|^2 x[n - 1], half the work of z <- z p. Rounding
+// errors grow as n^2, to 5e-13 of |z| after 64 steps.
 template <std::size_t kPlaces, std::size_t kVectors>
 HWY_INLINE void move_places(const ModeArrays& modes, std::size_t first, const double* const* weights, std::size_t count,
                             double* sums) {
   const Tag tag;
   const std::size_t lanes = hn::Lanes(tag);
-  Complex z[kVectors], p[kVectors];
-  Vec weight[kPlaces][kVectors];
+  Vec now[kVectors], next[kVectors], by_next[kVectors], by_now[kVectors], weight[kPlaces][kVectors];
   RINGDOWN_UNROLL
   for (std::size_t v = 0; v < kVectors; ++v) {
-    z[v] = load_states(modes, first + v * lanes);
-    p[v] = load_poles(modes, first + v * lanes);
+    const Complex z = load_states(modes, first + v * lanes), p = load_poles(modes, first + v * lanes);
+    now[v] = z.re;
+    next[v] = multiply(z, p).re;
+    by_next[v] = hn::Add(p.re, p.re);
+    by_now[v] = norm(p);
     RINGDOWN_UNROLL
     for (std::size_t k = 0; k < kPlaces; ++k) weight[k][v] = hn::Load(tag, weights[k] + first + v * lanes);
   }
@@ -241,11 +245,15 @@ HWY_INLINE void move_places(const ModeArrays& modes, std::size_t first, const do
       double* const to = sums + (k * kChunkFrames + n) * lanes;
       Vec sum = hn::Load(tag, to);
       RINGDOWN_UNROLL
-      for (std::size_t v = 0; v < kVectors; ++v) sum = hn::MulAdd(weight[k][v], z[v].re, sum);
+      for (std::size_t v = 0; v < kVectors; ++v) sum = hn::MulAdd(weight[k][v], now[v], sum);
       hn::Store(sum, tag, to);
     }
     RINGDOWN_UNROLL
-    for (std::size_t v = 0; v < kVectors; ++v) z[v] = multiply(z[v], p[v]);
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      const Vec after = hn::MulSub(by_next[v], next[v], hn::Mul(by_now[v], now[v]));
+      now[v] = next[v];
+      next[v] = after;
+    }
   }
 }
 

@@ -7,5 +7,7 @@
 #include "engine/synth/kernels/coupled_kernel-inl.h"
 #include "engine/synth/kernels/direction_kernel-inl.h"
 #include "engine/synth/kernels/drive_kernel-inl.h"
+#include "engine/synth/kernels/glide_kernel-inl.h"
 #include "engine/synth/kernels/mix_kernel-inl.h"
 #include "engine/synth/kernels/mode_kernel-inl.h"
+#include "engine/synth/kernels/pulse_kernel-inl.h"

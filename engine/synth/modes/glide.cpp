@@ -1,27 +1,31 @@
 #include "engine/synth/modes/glide.h"
 
 #include "engine/modal/nonlinear.h"
+#include "engine/synth/kernels/glide_kernel.h"
 #include "engine/synth/modes/glide_reach.h"
 #include "engine/synth/modes/mode_table.h"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 namespace ringdown::synth {
 namespace {
 
 constexpr float kMaxShare = 127;
-constexpr double kMaxReach = 1e30;  // relative, at |z| = 1: far beyond modes that are not heard at all
-constexpr double kPerBand = std::numbers::pi / static_cast<double>(kChunkFrames);
-constexpr double kSamePitch = 6e-5;                 // relative: 0.1 cents, below which a mode is left where it is
-constexpr float kGrowth = 1.05F;                    // of the sound, from which all modes are looked at
-constexpr float kFastChange = 1.2e-3F;              // relative, two cents, in which all modes are looked at once
-constexpr float kSlowChange = 3e-4F;                // the same, that may pass without a look
-constexpr float kMinShare = 0.1F;                   // of what pitches may move, that they are taken to move
-constexpr float kMaxCalls = 8, kMaxCalmCalls = 64;  // from look to look
-constexpr double kMinX = -0.5, kMaxX = 3;           // pitches from 0.7 to 2 times their own
+constexpr double kMaxReach = 1e30;      // relative, at |z| = 1: far beyond modes that are not heard at all
+constexpr double kSamePitch = 6e-5;     // relative: 0.1 cents, below which a mode is left where it is
+constexpr float kGrowth = 1.05F;        // of the sound, from which all modes are looked at
+constexpr float kFastChange = 1.2e-3F;  // relative, two cents, in which all modes are looked at once
+constexpr float kSlowChange = 3e-4F;    // the same, that may pass without a look
+constexpr float kMinShare = 0.1F;       // of what pitches may move, that they are taken to move
+constexpr float kMaxCalls = 8;          // from look to look while pitches move
+constexpr std::uint32_t kUntilExcited = std::numeric_limits<std::uint32_t>::max();
+constexpr double kMinX = -0.5, kMaxX = 3;  // pitches from 0.7 to 2 times their own
 
 // Returns the largest displacement of the surface for a coordinate of 1 of a mode [kg^-1/2].
 double largest_shape(const modal::Bank& bank, std::size_t mode) {
@@ -31,6 +35,19 @@ double largest_shape(const modal::Bank& bank, std::size_t mode) {
     max = std::max(max, std::hypot(double{x}, double{y}, double{z}));
   }
   return max;
+}
+
+// The run of a mode, Re(p^l) and -Im(p^l), when p is multiplied by `turn`.
+void turn_run(const float* from, std::complex<double> turn, float* to) REALTIME {
+  double re = 1, im = 0;
+  for (std::size_t l = 0; l < kRun; ++l) {
+    const auto own_re = static_cast<double>(from[l]), own_im = -static_cast<double>(from[kRun + l]);
+    to[l] = static_cast<float>(own_re * re - own_im * im);
+    to[kRun + l] = static_cast<float>(-(own_re * im + own_im * re));
+    const double next = re * turn.real() - im * turn.imag();
+    im = re * turn.imag() + im * turn.real();
+    re = next;
+  }
 }
 
 }  // namespace
@@ -100,21 +117,9 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
 
 std::array<float, kModePadding> GlideMatrix::detuned(std::size_t block, const float* reached) const REALTIME {
   const std::size_t n = columns.size();
-  const std::int8_t* const at = shares.data() + block * n * kModePadding;
-  constexpr std::size_t kSums = 4;  // so that additions need not wait for each other
-  float sums[kSums][kModePadding] = {};
-  const auto add = [&](std::size_t l, std::size_t to) REALTIME {
-    for (std::size_t i = 0; i < kModePadding; ++i)
-      sums[to][i] += static_cast<float>(at[l * kModePadding + i]) * reached[l];
-  };
-  std::size_t l = 0;
-  for (; l + kSums <= n; l += kSums) {
-    for (std::size_t s = 0; s < kSums; ++s) add(l + s, s);
-  }
-  for (; l < n; ++l) add(l, 0);
   std::array<float, kModePadding> x0;
-  for (std::size_t i = 0; i < kModePadding; ++i)
-    x0[i] = (2 / kMaxShare) * ((sums[0][i] + sums[1][i]) + (sums[2][i] + sums[3][i]));
+  add_shares(shares.data() + block * n * kModePadding, reached, n, x0.data());
+  for (float& x : x0) x *= 2 / kMaxShare;
   return x0;
 }
 
@@ -171,8 +176,9 @@ void Glide::follow(const double* re, const double* im, bool moments) REALTIME {
   could_move_ += could_change;
   const float calls = 1.0F + static_cast<float>(waited_);
   const float until_slow_change = kSlowChange * calls / std::max(change, 1e-9F);
-  const float next = std::clamp(until_slow_change, 1.0F, active_ ? kMaxCalls : kMaxCalmCalls);
+  const float next = std::clamp(until_slow_change, 1.0F, kMaxCalls);
   wait_ = waited_ = active_ && all ? 0 : static_cast<std::uint32_t>(next) - 1;
+  if (!active_) wait_ = kUntilExcited;  // what is calm and rings freely only gets calmer
   total_ = total;
   if (!active_) return;
   moments_ = moments;
@@ -191,9 +197,9 @@ void Glide::follow(const double* re, const double* im, bool moments) REALTIME {
 
 void Glide::look_at_block(std::size_t block, bool anew) REALTIME {
   const std::array<float, kModePadding> x0 = matrix_.detuned(block, reached_.data());
-  const std::size_t first = block * kModePadding, end = std::min(first + kModePadding, reached_.size());
+  const std::size_t first = block * kModePadding, end = std::min(first + kModePadding, matrix_.columns.size());
   const double* const own_im = table_.exponents().second;
-  std::size_t group = columns_;  // none
+  Moving moving;
   for (std::size_t m = first; m < end; ++m) {
     const std::size_t c = matrix_.columns[m];
     const double omega = own_im[c], x = std::min(stiffened(static_cast<double>(x0[m - first])), kMaxX);
@@ -201,87 +207,77 @@ void Glide::look_at_block(std::size_t block, bool anew) REALTIME {
     const double moved = std::abs(delta - delta_[c]);
     moved_ = std::max(moved_, static_cast<float>(moved / omega));
     if (!anew && moved < kSamePitch * omega) continue;
-    move(c, delta);
-    if (c / kModePadding == group) continue;
-    if (group != columns_) share_band(group);
-    group = c / kModePadding;
+    delta_[c] = delta;
+    moving.columns[moving.count++] = static_cast<std::uint32_t>(c);
   }
-  if (group != columns_) share_band(group);
+  if (moving.count > 0) move(moving);
 }
 
 // The kernel takes a group to lie in one band when its first and last modes do.
 void Glide::share_band(std::size_t group) REALTIME {
-  if (!moments_ || group >= table_.slow_groups()) return;
   const std::size_t first = group * kModePadding;
   const std::uint16_t* const band = band_.data() + first;
   if (band[0] != band[kModePadding - 1]) return;
   if (std::all_of(band, band + kModePadding, [&](std::uint16_t b) REALTIME { return b == band[0]; })) return;
   const bool above = row(exponent_im)[first] > band[0] * kPerBand;
   const std::uint16_t other = above || band[0] == 0 ? band[0] + 1 : band[0] - 1;
-  weigh(first, std::min<std::uint16_t>(other, kBands - 1));
+  band_[first] = std::min<std::uint16_t>(other, kBands - 1);
+  weigh({{static_cast<std::uint32_t>(first)}, 1});
 }
 
-// Moves a mode to `delta` above its own pitch: its pole, and what the kind of call in use reads.
-void Glide::move(std::size_t c, double delta) REALTIME {
-  using Phasor = std::complex<double>;
-  delta_[c] = delta;
+// Moves modes to delta_ above their own pitch: their poles, and what the kind of call in use reads.
+void Glide::move(const Moving& moving) REALTIME {
   const ModeArrays own = table_.modes(nullptr, nullptr, kChunkFrames);
   const auto [own_re, own_im] = table_.exponents();
-  const auto times = [](double a_re, double a_im, double b_re, double b_im)
-                         REALTIME { return Phasor(a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re); };
-  const double turn_re = std::cos(delta), turn_im = std::sin(delta);
-  Phasor turn(turn_re, turn_im), stride_turn, full_turn;
-  for (std::size_t power = 2; power <= kChunkFrames; power *= 2) {
-    turn = times(turn.real(), turn.imag(), turn.real(), turn.imag());
-    if (power == kRun) stride_turn = turn;
+  alignas(64) double angles[kModePadding] = {};
+  for (std::size_t i = 0; i < moving.count; ++i) angles[i] = delta_[moving.columns[i]];
+  Turns turns;
+  find_turns(angles, turns);
+  Moving weighed;
+  for (std::size_t i = 0; i < moving.count; ++i) {
+    const std::size_t c = moving.columns[i];
+    const auto turned = [i](double re, double im, const Turns::Row& by) REALTIME {
+      return std::pair(re * by.re[i] - im * by.im[i], re * by.im[i] + im * by.re[i]);
+    };
+    row(exponent_re)[c] = own_re[c];
+    row(exponent_im)[c] = own_im[c] + delta_[c];
+    std::tie(row(pole_re)[c], row(pole_im)[c]) = turned(own.pole_re[c], own.pole_im[c], turns.frame);
+    std::tie(row(full_re)[c], row(full_im)[c]) = turned(own.advance_re[c], own.advance_im[c], turns.chunk);
+    if (moments_ && c < table_.slow_groups() * kModePadding) {
+      const double band = std::round(row(exponent_im)[c] / kPerBand);
+      band_[c] = static_cast<std::uint16_t>(std::min<double>(band, kBands - 1));
+      weighed.columns[weighed.count++] = static_cast<std::uint32_t>(c);
+      continue;
+    }
+    const auto stride = turned(double{own.stride_re[c]}, double{own.stride_im[c]}, turns.run);
+    strides_.get()[c] = static_cast<float>(stride.first);
+    strides_.get()[columns_ + c] = static_cast<float>(stride.second);
+    turn_run(own.runs + c * 2 * kRun, {turns.frame.re[i], turns.frame.im[i]}, runs_.get() + c * 2 * kRun);
   }
-  full_turn = turn;
-  row(exponent_re)[c] = own_re[c];
-  row(exponent_im)[c] = own_im[c] + delta;
-  const Phasor pole = times(own.pole_re[c], own.pole_im[c], turn_re, turn_im);
-  const Phasor full = times(own.advance_re[c], own.advance_im[c], full_turn.real(), full_turn.imag());
-  row(pole_re)[c] = pole.real();
-  row(pole_im)[c] = pole.imag();
-  row(full_re)[c] = full.real();
-  row(full_im)[c] = full.imag();
-  if (moments_ && c < table_.slow_groups() * kModePadding) {
-    const long band = std::lround((own_im[c] + delta) / kPerBand);
-    return weigh(c, static_cast<std::uint16_t>(std::min<long>(band, kBands - 1)));
-  }
-  const Phasor stride = times(static_cast<double>(own.stride_re[c]), static_cast<double>(own.stride_im[c]),
-                              stride_turn.real(), stride_turn.imag());
-  strides_.get()[c] = static_cast<float>(stride.real());
-  strides_.get()[columns_ + c] = static_cast<float>(stride.imag());
-  const float* const from = own.runs + c * 2 * kRun;
-  float* const to = runs_.get() + c * 2 * kRun;
-  double re = 1, im = 0;
-  for (std::size_t l = 0; l < kRun; ++l) {  // a run keeps Re(p^l) and -Im(p^l)
-    const Phasor power = times(static_cast<double>(from[l]), -static_cast<double>(from[kRun + l]), re, im);
-    to[l] = static_cast<float>(power.real());
-    to[kRun + l] = static_cast<float>(-power.imag());
-    const Phasor next = times(re, im, turn_re, turn_im);
-    re = next.real();
-    im = next.imag();
+  if (weighed.count == 0) return;
+  weigh(weighed);
+  std::size_t group = columns_;  // none
+  for (std::size_t i = 0; i < weighed.count; ++i) {
+    const std::size_t next = weighed.columns[i] / kModePadding;
+    if (next != group) share_band(next);
+    group = next;
   }
 }
 
-// The weights of moments.h for the mode's exponent, seen from the centre of `band`.
-void Glide::weigh(std::size_t c, std::uint16_t band) REALTIME {
-  const double delta_re = row(exponent_re)[c] * kMomentScale;
-  const double delta_im = (row(exponent_im)[c] - band * kPerBand) * kMomentScale;
-  const double size = std::exp(delta_re * (kMomentMiddle / kMomentScale));
-  const double angle = delta_im * (kMomentMiddle / kMomentScale);
-  double re = size * std::cos(angle), im = size * std::sin(angle);
-  float* const weights = weights_.get() + c * 2 * kMoments;
-  const double x_re = delta_re + kMomentDecay;
-  for (std::size_t p = 0; p < kMoments; ++p) {
-    weights[p] = static_cast<float>(re);
-    weights[kMoments + p] = static_cast<float>(im);
-    const double next = re * x_re - im * delta_im;
-    im = re * delta_im + im * x_re;
-    re = next;
+// Finds the weights of moments of modes that moved, or whose band has changed.
+void Glide::weigh(const Moving& moving) REALTIME {
+  MovedWeights weights = {};
+  for (std::size_t i = 0; i < moving.count; ++i) {
+    const std::size_t c = moving.columns[i];
+    weights.decay[i] = row(exponent_re)[c];
+    weights.omega[i] = row(exponent_im)[c];
+    weights.band[i] = band_[c];
   }
-  band_[c] = band;
+  find_weights(weights);
+  for (std::size_t i = 0; i < moving.count; ++i) {
+    float* const to = weights_.get() + moving.columns[i] * 2 * kMoments;
+    for (std::size_t p = 0; p < 2 * kMoments; ++p) to[p] = weights.of[p][i];
+  }
 }
 
 void Glide::apply(ModeArrays& modes, std::size_t frames) const REALTIME {

@@ -91,10 +91,15 @@ class Glide {
  private:
   enum Row { pole_re, pole_im, full_re, full_im, exponent_re, exponent_im, kRows };
   [[nodiscard]] double* row(Row which) const REALTIME { return rows_.get() + which * columns_; }
+  // Columns of modes whose constants change together.
+  struct Moving {
+    std::array<std::uint32_t, kModePadding> columns{};
+    std::size_t count = 0;
+  };
   void look_at_block(std::size_t block, bool anew) REALTIME;
   void share_band(std::size_t group) REALTIME;
-  void move(std::size_t column, double delta) REALTIME;
-  void weigh(std::size_t column, std::uint16_t band) REALTIME;
+  void move(const Moving& moving) REALTIME;
+  void weigh(const Moving& moving) REALTIME;
 
   // The members that every call reads stand first, in as few cache lines as possible.
   std::uint32_t wait_ = 0, waited_ = 0;  // calls until the next look, and from the last one to it

@@ -7,6 +7,7 @@ namespace ringdown::synth {
 LateStrikes::LateStrikes(const ModeTable& table) : states_(table), groups_(table.groups()), listed_(table.groups()) {}
 
 void LateStrikes::list_all() REALTIME {
+  if (has_all()) return;
   groups_.clear();
   for (std::uint32_t group = 0; group < states_.table().groups(); ++group) groups_.push(group);
   std::fill_n(listed_.data(), listed_.size(), std::uint8_t{1});
@@ -38,6 +39,11 @@ bool LateStrikes::drive(std::span<const Force> forces, double* out, std::size_t 
 }
 
 void LateStrikes::clear() REALTIME {
+  if (has_all()) {
+    states_.clear();
+    std::fill_n(listed_.data(), listed_.size(), std::uint8_t{0});
+    return groups_.clear();
+  }
   for (const std::uint32_t group : groups_) {
     states_.clear(group);
     listed_[group] = 0;

@@ -28,6 +28,7 @@ class LateStrikes {
   bool drive(std::span<const Force> forces, double* out, std::size_t frames) REALTIME;
 
   [[nodiscard]] bool has(std::uint32_t group) const REALTIME { return listed_[group] != 0; }
+  [[nodiscard]] bool has_all() const REALTIME { return groups_.size() == listed_.size(); }
   [[nodiscard]] const GroupList& groups() const REALTIME { return groups_; }  // that have been struck
   [[nodiscard]] ActiveGroups active() REALTIME { return groups_.active(); }
   void hear_by(const Hearing* hearing) REALTIME { states_.hear_by(hearing); }

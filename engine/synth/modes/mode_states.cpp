@@ -46,6 +46,7 @@ void add_decayed(BlowAmplitudes blow, double gain, std::uint32_t group, std::siz
   struck.pole_re += first;
   struck.pole_im += first;
   skip_modes(struck, kModePadding, frames_left);
+  states.excited();
   for (std::size_t i = 0; i < kModePadding; ++i) {
     states.re()[first + i] += re[i];
     states.im()[first + i] += im[i];
@@ -289,6 +290,11 @@ bool ModeStates::render_late(double* out, std::size_t frames, std::optional<std:
 }
 
 void ModeStates::merge_late() REALTIME {
+  if (late_.has_all() && muting_.groups() == 0) {
+    states_.add(late_.states(), 1);
+    wake();
+    return late_.clear();
+  }
   mark();
   for (const std::uint32_t group : late_.groups()) {
     if (is_[group] == Is::muted) muting_.catch_up(states_, group);

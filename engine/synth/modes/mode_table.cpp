@@ -1,9 +1,9 @@
 #include "engine/synth/modes/mode_table.h"
 
 #include "engine/modal/added_decay.h"
-#include "engine/modal/hearing/contact_pulse.h"
 #include "engine/modal/tubes/tube_bank.h"
 #include "engine/synth/kernels/frequency_grid.h"
+#include "engine/synth/kernels/pulse_kernel.h"
 #include "engine/synth/modes/coupled_modes.h"
 #include "engine/synth/modes/glide.h"
 
@@ -85,17 +85,10 @@ std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const m
 // Turns what a blow gives each mode of the bank into the amplitudes of the columns; returns the sum of their squares.
 double weigh(const ModeTable& table, std::span<const double> excited, double contact_time_s,
              double* amplitudes) REALTIME {
-  const double* const omega = table.exponents().second;
-  const double hz_per_omega = table.sample_rate_hz() / (2 * std::numbers::pi);
-  double energy = 0;
   for (std::size_t i = 0; i < table.playable_modes(); ++i) {
-    const std::size_t c = table.column(i);
-    const double a = table.output_per_velocity(i) * excited[table.mode_of(i)] *
-                     modal::pulse_spectrum(hz_per_omega * omega[c], contact_time_s);
-    amplitudes[c] = a;
-    energy += a * a;
+    amplitudes[table.column(i)] = table.output_per_velocity(i) * excited[table.mode_of(i)];
   }
-  return energy;
+  return shape_by_pulse(table.exponents().second, table.columns(), contact_time_s * table.sample_rate_hz(), amplitudes);
 }
 
 }  // namespace

@@ -225,10 +225,12 @@ void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) REALTIM
     targets = strip.moment_targets(chunk, workspace.sums, room);
   }
   const bool late = due.first || driven(chunk);
-  bool samples = late;
+  bool samples = driven(chunk);
   voices.for_each([&](const Voice& voice) REALTIME { samples = samples || voice.needs_samples(); });
+  // Only samples from here on may be other than zero.
+  const std::size_t begin = samples ? 0 : late ? due.first->offset : chunk.frames;
   double* const mono = workspace.mono.data();
-  if (samples) std::fill_n(mono, chunk.frames, 0.0);
+  std::fill(mono + begin, mono + chunk.frames, 0.0);
   pickups.listen(0, chunk, voices, workspace);
   voices.for_each([&](Voice& voice) REALTIME {
     if (!voice.ringing()) return;
@@ -236,8 +238,8 @@ void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) REALTIM
   });
   if (field) strip.add_to_field(chunk, *field);
   if (late) render_late(chunk, workspace);
-  if (samples && keep_sane({mono, chunk.frames}, voices, chunk)) {
-    strip.add_samples(mono, 0, chunk.frames, chunk, workspace.sums);
+  if (begin < chunk.frames && keep_sane({mono + begin, chunk.frames - begin}, voices, chunk)) {
+    strip.add_samples(mono, begin, chunk.frames, chunk, workspace.sums);
   }
 }
 

@@ -61,6 +61,35 @@ Row strike_cost(std::size_t modes, bool quick) {
   return row;
 }
 
+// So many strikes a second on 1,000 objects of 50 modes.
+Row storm(double strikes_per_second, double seconds) {
+  constexpr std::size_t kObjects = 1000, kModes = 50, kBanks = 10;
+  std::vector<Map> maps;
+  for (std::uint32_t seed = 0; seed < kBanks; ++seed) maps.push_back(random_object(seed, kModes));
+  Stage stage(kBlock);
+  for (std::size_t object = 0; object < kObjects; ++object) {
+    stage.install(static_cast<synth::ObjectNumber>(object), maps[object % kBanks]);
+  }
+  Player player;
+  double due = 0;
+  const auto play_block = [&] {
+    for (due += strikes_per_second * kBlock / kRate; due >= 1; --due) {
+      stage.push(player.strike(player.any_of(kObjects), stage.frame()));
+    }
+    stage.render();
+  };
+  BlockTimes times;
+  const auto blocks_per_second = static_cast<std::size_t>(kRate / kBlock);
+  time_blocks(play_block, blocks_per_second, times);  // until all objects ring
+  times = {};
+  for (double s = 0; s < seconds; ++s) time_blocks(play_block, blocks_per_second, times);
+  Row row{.part = "storm", .modes = kObjects * kModes, .objects = kObjects, .block = kBlock};
+  fill_in(row, times);
+  row.modes_per_core = kNone;  // most of the work is strikes
+  if (stage.lost() > 0) row.status = "failed: " + std::to_string(stage.lost()) + " strikes were lost";
+  return row;
+}
+
 }  // namespace
 
 void measure_silence(const Settings& settings, const Sink& sink) {
@@ -81,34 +110,16 @@ void measure_strikes(const Settings& settings, const Sink& sink) {
   for (const std::size_t modes : {100, 500}) sink(strike_cost(modes, settings.quick));
 }
 
-void measure_storm(const Settings& settings, const Sink& sink) {
-  constexpr std::size_t kObjects = 1000, kModes = 50, kBanks = 10;
-  constexpr double kStrikesPerSecond = 10000;
-  const double seconds = settings.quick ? 1 : 5;
-  std::vector<Map> maps;
-  for (std::uint32_t seed = 0; seed < kBanks; ++seed) maps.push_back(random_object(seed, kModes));
-  Stage stage(kBlock);
-  for (std::size_t object = 0; object < kObjects; ++object) {
-    stage.install(static_cast<synth::ObjectNumber>(object), maps[object % kBanks]);
+void measure_storm(const Settings& settings, const Sink& sink) { sink(storm(10000, settings.quick ? 1 : 5)); }
+
+void grow_strikes(const Settings& settings, const Sink& sink) {
+  for (const double strikes : {100, 300, 1000, 3000, 10000, 30000}) {
+    Row row = storm(strikes, settings.quick ? 1 : 5);
+    row.part = "growth";
+    row.who = "strikes a second";
+    row.count = strikes;
+    sink(row);
   }
-  Player player;
-  double due = 0;
-  const auto play_block = [&] {
-    for (due += kStrikesPerSecond * kBlock / kRate; due >= 1; --due) {
-      stage.push(player.strike(player.any_of(kObjects), stage.frame()));
-    }
-    stage.render();
-  };
-  BlockTimes times;
-  const auto blocks_per_second = static_cast<std::size_t>(kRate / kBlock);
-  time_blocks(play_block, blocks_per_second, times);  // until all objects ring
-  times = {};
-  for (double s = 0; s < seconds; ++s) time_blocks(play_block, blocks_per_second, times);
-  Row row{.part = "storm", .modes = kObjects * kModes, .objects = kObjects, .block = kBlock};
-  fill_in(row, times);
-  row.modes_per_core = kNone;  // most of the work is strikes
-  if (stage.lost() > 0) row.status = "failed: " + std::to_string(stage.lost()) + " strikes were lost";
-  sink(row);
 }
 
 void measure_decay(const Settings& settings, const Sink& sink) {

@@ -49,11 +49,16 @@ class Round {
   bool ok_ = true;
 };
 
+std::vector<Map> standing_objects() {
+  std::vector<Map> maps;
+  for (std::size_t o = 0; o < kObjects; ++o) maps.push_back(bank_of({.modes = kModes, .amplitude = 1e-4}, o, kObjects));
+  return maps;
+}
+
 }  // namespace
 
 void measure_fields(const Settings& settings, const Sink& sink) {
-  std::vector<Map> maps;
-  for (std::size_t o = 0; o < kObjects; ++o) maps.push_back(bank_of({.modes = kModes, .amplitude = 1e-4}, o, kObjects));
+  const std::vector<Map> maps = standing_objects();
   const auto head = session::read_head("");
   struct Case {
     const char* who;
@@ -74,6 +79,24 @@ void measure_fields(const Settings& settings, const Sink& sink) {
     if (!c.round->rings()) row.status = "failed: not all modes ring";
     fill_in(row, c.times);
     row.ratio = median(c.times.repeats_s) / stereo;
+    sink(row);
+  }
+}
+
+void grow_channels(const Settings& settings, const Sink& sink) {
+  const std::vector<Map> maps = standing_objects();
+  for (std::size_t order = 0; order <= 3; ++order) {  // 0: stereo
+    synth::MixerSettings mixer;
+    if (order > 0) mixer.ambisonic_order = order;
+    Round round(maps, mixer);
+    BlockTimes times;
+    for (int r = 0; r < (settings.quick ? 5 : 15); ++r) {
+      time_repeat([&] { round.render(); }, settings.quick ? 0.02 : 0.06, times);
+    }
+    Row row{.part = "growth", .who = "channels", .modes = kModes, .objects = kObjects, .block = kBlock};
+    row.count = order == 0 ? 2 : static_cast<double>(synth::ambisonic_channels(order));
+    fill_in(row, times);
+    if (!round.rings()) row.status = "failed: not all modes ring";
     sink(row);
   }
 }

@@ -52,4 +52,10 @@ void measure_threads(const Settings& settings, const Sink& sink);
 // What the kinds of work that a time budget counts cost for each mode, over what moments cost; mean_us is of an object.
 void measure_budget(const Settings& settings, const Sink& sink);
 
+// How the time of a block grows with the number of modes, objects, strikes a second, two-way contacts and channels.
+void measure_growth(const Settings& settings, const Sink& sink);
+void grow_strikes(const Settings& settings, const Sink& sink);
+void grow_contacts(const Settings& settings, const Sink& sink);
+void grow_channels(const Settings& settings, const Sink& sink);
+
 }  // namespace ringdown::bench

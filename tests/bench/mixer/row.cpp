@@ -16,6 +16,7 @@ struct Field {
   const char* shown;  // with its unit
 };
 constexpr std::array kFields = {Field{"time_s", &Row::time_s, "at %.3g s"},
+                                Field{"count", &Row::count, "%.0f of them"},
                                 Field{"modes_per_core", &Row::modes_per_core, "%.0f modes per core"},
                                 Field{"mean_us", &Row::mean_us, "mean %.3g us"},
                                 Field{"p50_us", &Row::p50_us, "p50 %.3g us"},

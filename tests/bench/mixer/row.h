@@ -17,12 +17,12 @@ inline constexpr double kRate = 48000;                                     // [H
 
 struct Row {
   std::string part;          // throughput accuracy silence strike storm decay tail instances directions fields two-way
-                             // nonlinear library
-                             // threads budget
+                             // nonlinear library threads budget growth
   std::string who = "ours";  // or a peer, a kernel, a state
   std::size_t modes = 0, objects = 0, block = 0;
   std::string status = "ok";      // "not installed", "failed: ..."
   double time_s = kNone;          // since the strike
+  double count = kNone;           // growth: of what `who` names
   double modes_per_core = kNone;  // that would ring in real time on the whole of one core
   double mean_us = kNone;         // processor time of a block (strike: of a strike), median over repeats
   double p50_us = kNone, p99_us = kNone, max_us = kNone;  // wall time of single blocks
