@@ -172,6 +172,7 @@ struct ClearAll {};  // /clear
 
 struct SceneLoad {  // /scene/load
   std::string path;
+  bool paused = false;  // until /scene/pause 0
 };
 struct ScenePause {  // /scene/pause
   bool paused = true;
@@ -190,6 +191,13 @@ struct SpawnSphere {  // /scene/spawn/sphere
   double density_kg_m3 = 0;  // 0: mass and inertia from the object's bank
 };
 struct SceneClear {};  // /scene/clear
+// Takes a body out of the scene; SceneRestore puts it back where it was, at rest and under its number.
+struct SceneRemove {  // /scene/remove
+  std::int32_t body = 0;
+};
+struct SceneRestore {  // /scene/restore
+  std::int32_t body = 0;
+};
 // An impulse in the scene's axes at the body's centre of mass.
 struct ScenePush {  // /scene/push
   std::int32_t body = 0;
@@ -246,12 +254,12 @@ Types<RequestOf<Verbs>...> requests_of(Types<Verbs...>);
 using VerbRequests = decltype(detail::requests_of(synth::PublicVerbs()));
 
 using Requests =
-    Joined<VerbRequests,
-           Types<StrikeMany, PoseMany, ClearAll, SetMaterial, SetFill, SetResonator, Hold, SetGroup, SetMute, SetSolo,
-                 SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ArmObject, BreakObject, MendObject,
-                 SetStrength, DescribePieces, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
-                 SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene,
-                 RecordStart, RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
+    Joined<VerbRequests, Types<StrikeMany, PoseMany, ClearAll, SetMaterial, SetFill, SetResonator, Hold, SetGroup,
+                               SetMute, SetSolo, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ArmObject,
+                               BreakObject, MendObject, SetStrength, DescribePieces, FreeObject, LoadObject, SceneLoad,
+                               ScenePause, SpawnBox, SpawnSphere, SceneClear, SceneRemove, SceneRestore, ScenePush,
+                               SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart,
+                               RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
 using Request = OneOf<Requests>;
 
 // The request that would make this event of `object`.

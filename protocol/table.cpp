@@ -464,7 +464,9 @@ Row row(ClearAll& s) { return silent(s, "/clear", "Fades everything that rings w
 Row row(SceneLoad& s) {
   return answered(s = {"presets/scenes/demo.toml"}, "/scene/load",
                   "Replaces the embedded scene and loads the objects it names.",
-                  {text(&s.path, "path", "The scene, a .toml file.")}, "/done", "the count of its bodies");
+                  {text(&s.path, "path", "The scene, a .toml file."),
+                   optional(flag(&s.paused, "paused", "1 loads it paused, until /scene/pause 0 lets it begin."))},
+                  "/done", "the count of its bodies");
 }
 
 Row row(ScenePause& s) {
@@ -492,6 +494,17 @@ Row row(SpawnSphere& s) {
 }
 
 Row row(SceneClear& s) { return answered(s, "/scene/clear", "Removes all bodies from the scene.", {}); }
+
+Row row(SceneRemove& s) {
+  return answered(s = {2}, "/scene/remove", "Takes a body out of the scene, with its joints.",
+                  {integer(&s.body, "body", kCount, "The body's number.")});
+}
+
+Row row(SceneRestore& s) {
+  return answered(s = {2}, "/scene/restore",
+                  "Puts a body back that /scene/remove took, under its number: where it was, at rest, with its joints.",
+                  {integer(&s.body, "body", kCount, "The body's number.")});
+}
 
 Row row(ScenePush& s) {
   return answered(

@@ -23,7 +23,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The folders that the user named, or else the current one; the presets; those of the files on the command line.
+// The folders that the user named, or else the current one; the presets; the user's own banks; the folders of the files
+// on the command line.
 Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const session::State& state,
                                          const std::optional<session::NoteMap>& notes) {
   std::vector<std::filesystem::path> folders = options.roots;
@@ -32,6 +33,7 @@ Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const ses
   const bool is_everything = error || here == here.root_path();  // where services start
   if (folders.empty() && !is_everything) folders.push_back(here);
   if (const auto presets = preset_folder()) folders.push_back(*presets);
+  if (const auto own = own_bank_folder()) folders.push_back(*own);
   const auto add_folder_of = [&folders](const std::filesystem::path& file) {
     folders.push_back(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
   };

@@ -77,7 +77,8 @@ void add_what_to_play(manual::App& app, DaemonOptions& options) {
   app.add_option("--state", options.state, "Objects, inputs and scene as /state/save wrote them")->type_name("FILE");
   app.add_option("--root", options.roots,
                  "Folder in which messages may open files; may be given more than once; default: the current folder. "
-                 "The presets and the folders of --object, --scene and --state are always included")
+                 "The presets, the banks of meshes dropped onto the window, and the folders of --object, --scene and "
+                 "--state are always included")
       ->type_name("FOLDER");
   app.add_option("--scene-to", options.scene_to, "Send the scene's strikes to another daemon instead of playing them")
       ->type_name("osc.udp://HOST:PORT");

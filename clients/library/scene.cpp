@@ -90,7 +90,7 @@ ringdown_result ringdown_scene_push(ringdown_scene* scene, uint32_t body, const 
     if (!impulse_ns) return missing("impulse_ns");
     protocol::ScenePush request{static_cast<std::int32_t>(std::min(body, 0x7fffffffu)), library::vector(impulse_ns)};
     if (auto good = library::check(request); !good) return good;
-    return player.push(static_cast<scene::BodyId>(request.body), request.impulse_ns);
+    return player.change(request);
   });
 }
 

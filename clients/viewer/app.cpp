@@ -160,7 +160,10 @@ void App::draw_panes() {
     pane("Scene", Pane::scene, left, width - left - right, [&] {
       scene_.draw(skin_, model_, commands_, settings_.strength_by_time, now, options_.shown_at_s);
       draw_notes(skin_, scene_.origin(), scene_.size(), model_.scene(), options_.shown_at_s);
-      draw_connection(skin_, scene_.origin(), scene_.size(), client_.state());
+      const ConnectionState state = client_.state();
+      draw_welcome(skin_, scene_.origin(), scene_.size(), model_, state.kind == ConnectionState::Kind::connected);
+      draw_connection(skin_, scene_.origin(), scene_.size(), state);
+      drops_.draw(skin_, scene_.origin(), scene_.size(), commands_);
     });
   }
   if (options_.only != Pane::scene) {
@@ -196,6 +199,7 @@ void App::draw() {
   flags =
       focused_ == Pane::side ? flags | ImGuiConfigFlags_NavEnableKeyboard : flags & ~ImGuiConfigFlags_NavEnableKeyboard;
   handle_keys(seconds);
+  for (const auto& file : window_.take_dropped()) drops_.take(file, commands_);
   const bool live = !options_.shown_at_s;
   scene_.set_detail(live ? detail_.detail() : 1);
   draw_panes();

@@ -9,6 +9,7 @@
 #include "clients/viewer/keys.h"
 #include "clients/viewer/link/daemon_client.h"
 #include "clients/viewer/link/model.h"
+#include "clients/viewer/panels/drop_panel.h"
 #include "clients/viewer/panels/scene_view.h"
 #include "clients/viewer/panels/side_view.h"
 #include "clients/viewer/panels/sound_view.h"
@@ -49,6 +50,7 @@ class App {
   [[nodiscard]] const DaemonClient& client() const { return client_; }
   [[nodiscard]] const Window& window() const { return window_; }
   [[nodiscard]] const SceneView& scene_view() const { return scene_; }
+  [[nodiscard]] const MeshBaker& baker() const { return drops_.baker(); }
   [[nodiscard]] Pane focused() const { return focused_; }
   void show_at(std::optional<double> scene_time_s) { options_.shown_at_s = scene_time_s; }
 
@@ -78,6 +80,7 @@ class App {
   CameraListener listener_;
   SoundView sound_;
   SideView side_;
+  DropPanel drops_;
   Pane focused_ = Pane::scene;
   std::optional<Pane> focus_next_;
   std::uint32_t connection_ = 0;

@@ -43,6 +43,7 @@ std::string time_of_day() {
 
 void Commands::update(double now_s) {
   edits_.update(now_s);
+  loader_.update(now_s);
   if (!chosen() || !chosen_by_hand_) {
     const auto& objects = model_.objects();
     const auto richest = std::ranges::max_element(objects, {}, [](const auto& entry) { return entry.second.modes; });
@@ -54,6 +55,7 @@ void Commands::update(double now_s) {
 void Commands::restart() {
   edits_.restart();
   choice_.tone = false;
+  loader_.stop_waiting();
 }
 
 void Commands::choose_object(const std::string& name) {
@@ -143,6 +145,11 @@ void Commands::step_mode(int by) {
   const KnownObject* object = chosen();
   if (!object || object->modes == 0) return;
   choice_.mode = static_cast<std::uint32_t>(std::clamp(static_cast<int>(choice_.mode) + by, 0, object->modes - 1));
+}
+
+void Commands::load_scene(const std::string& path) {
+  edits_.forget_bodies();
+  loader_.load(path);
 }
 
 void Commands::load_bank(const std::string& path) { send_(protocol::LoadObject{stem_of(path), path}); }
@@ -266,8 +273,10 @@ bool Commands::perform_scene(Action action) {
     case Action::new_sphere:
       return send_(protocol::SpawnSphere{plays, choice_.drop_m, {}, size / 2, density}), true;
     case Action::clear_scene:
+      edits_.forget_bodies();
       return send_(protocol::SceneClear{}), true;
     case Action::pause:
+      loader_.stop_waiting();
       return send_(protocol::ScenePause{!model_.scene().paused()}), true;
     case Action::restart:
       if (const auto& file = model_.scene().description().file) load_scene(*file);

@@ -5,6 +5,7 @@
 #include "clients/viewer/edits.h"
 #include "clients/viewer/keys.h"
 #include "clients/viewer/link/model.h"
+#include "clients/viewer/scene_loader.h"
 #include "protocol/request.h"
 
 #include <cstdint>
@@ -32,7 +33,8 @@ std::string time_of_day();
 class Commands {
  public:
   using Send = Edits::Send;
-  Commands(Model& model, Send send) : model_(model), send_(std::move(send)), edits_(model, send_) {}
+  Commands(Model& model, Send send)
+      : model_(model), send_(std::move(send)), edits_(model, send_), loader_(model, send_) {}
 
   // Call at every frame. Chooses the object with the most modes until the user chooses an existing one.
   void update(double now_s);
@@ -55,7 +57,8 @@ class Commands {
   // Selects only the mode of this rank and rings it; if only this mode is selected already, selects all modes again.
   void hear_alone(const KnownObject& object, std::uint32_t rank);
 
-  void load_scene(const std::string& path) { send_(protocol::SceneLoad{path}); }
+  // Loads a scene, which begins when its geometry has arrived. Undo forgets the old scene's bodies.
+  void load_scene(const std::string& path);
   void load_bank(const std::string& path);
   void toggle_recording();
 
@@ -87,6 +90,7 @@ class Commands {
   Send send_;
   Choice choice_;
   Edits edits_;
+  SceneLoader loader_;
   bool chosen_by_hand_ = false;
 };
 

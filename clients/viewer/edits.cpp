@@ -1,5 +1,9 @@
 #include "clients/viewer/edits.h"
 
+#include "engine/base/formatted.h"
+
+#include <algorithm>
+
 namespace ringdown::viewer {
 namespace {
 
@@ -67,14 +71,44 @@ std::optional<Request> History::redo() {
   return entries_[done_++].after;
 }
 
+void History::forget_bodies() {
+  const auto is_body = [](const Entry& entry) {
+    return entry.before.get_if<protocol::SceneRemove>() || entry.before.get_if<protocol::SceneRestore>();
+  };
+  const auto end_of_done = entries_.begin() + static_cast<std::ptrdiff_t>(done_);
+  done_ -= static_cast<std::size_t>(std::count_if(entries_.begin(), end_of_done, is_body));
+  std::erase_if(entries_, is_body);
+}
+
 void Edits::update(double now_s) {
   now_s_ = now_s;
   std::erase_if(pending_, [&](const auto& entry) { return now_s - entry.second.sent_at_s > kConfirmedWithin_s; });
+  note_new_bodies();
 }
 
 void Edits::restart() {
   history_.clear();
   pending_.clear();
+  messages_seen_ = 0;
+}
+
+void Edits::remove_body(std::int32_t body) {
+  const auto found = model_.scene().bodies().find(body);
+  const std::string name = found == model_.scene().bodies().end() ? "" : found->second.name;
+  send_(protocol::SceneRemove{body});
+  history_.note(formatted("remove body {} {}", body, name), protocol::SceneRestore{body}, protocol::SceneRemove{body},
+                now_s_);
+}
+
+// The daemon's answers name the bodies that were dropped.
+void Edits::note_new_bodies() {
+  for (const KnownMessage& message : model_.messages()) {
+    if (message.order < messages_seen_ || message.failed || !message.number) continue;
+    if (!message.address.starts_with("/scene/spawn/")) continue;
+    const std::int32_t body = *message.number;
+    history_.note(formatted("new body {}", body), protocol::SceneRemove{body}, protocol::SceneRestore{body}, now_s_);
+  }
+  messages_seen_ = model_.message_count();
 }
 
 Adjustment Edits::adjustment_of(const KnownObject& object) const {

@@ -1,9 +1,10 @@
-// Changes to the settings of objects: sent to the daemon, and undoable. [UI]
+// Changes to the settings of objects, and to which bodies a scene has: sent to the daemon, and undoable. [UI]
 #pragma once
 
 #include "clients/viewer/link/model.h"
 #include "protocol/request.h"
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
@@ -33,6 +34,7 @@ class History {
   [[nodiscard]] std::string redoes() const { return done_ == entries_.size() ? "" : entries_[done_].what; }
 
   void clear() { entries_.clear(), done_ = 0; }
+  void forget_bodies();  // forgets new and removed bodies, because their scene is gone
 
  private:
   struct Entry {
@@ -67,11 +69,15 @@ class Edits {
   // Sends a change, which undo() can revert: SetMaterial, SetGain, SetPan, SetFill or SelectModes of an object that is
   // known.
   void change(const KnownObject& object, const protocol::Request& request, const std::string& what);
+  // Takes a body out of the scene. undo() can revert this, and also takes out new bodies that the daemon has dropped.
+  void remove_body(std::int32_t body);
+  void forget_bodies() { history_.forget_bodies(); }
   void undo() { send_if_any(history_.undo()); }
   void redo() { send_if_any(history_.redo()); }
   [[nodiscard]] const History& history() const { return history_; }
 
  private:
+  void note_new_bodies();
   void send(const protocol::Request& request);
   void send_if_any(const std::optional<protocol::Request>& request);
 
@@ -84,6 +90,7 @@ class Edits {
   History history_;
   std::map<std::string, Pending> pending_;  // changes sent and not yet confirmed, by object
   double now_s_ = 0;
+  std::uint64_t messages_seen_ = 0;
 };
 
 }  // namespace ringdown::viewer

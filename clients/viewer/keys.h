@@ -70,6 +70,7 @@ enum class Action : std::uint8_t {
   test_force,
   new_box,
   new_sphere,
+  remove_body,
   clear_scene,
   vibrate,
   choose_support,

@@ -78,20 +78,6 @@ class LocalDaemon {
   std::jthread thread_;
 };
 
-// Returns whether the object's bank has arrived, or is known to be unavailable.
-bool has_bank(const KnownObject* object) { return object && (object->bank || !object->bank_fault.empty()); }
-
-// Returns whether the scene is described and the bank of every object that a body plays is settled.
-bool is_complete(const Model& model) {
-  const auto is_seen = [&](const auto& entry) {
-    const std::string& object = entry.second.object;
-    return object.empty() || has_bank(model.object(object));
-  };
-  const KnownScene& scene = model.scene();
-  return scene.described() && scene.description().file && !scene.bodies().empty() &&
-         std::ranges::all_of(scene.bodies(), is_seen);
-}
-
 // The sentence with which the daemon refused something about the scene.
 std::optional<std::string> refusal(const Model& model) {
   const auto failed = std::ranges::find_if(model.messages(), [](const KnownMessage& message) {
@@ -121,9 +107,11 @@ Result<void> play_until_then(App& app, const ScreenshotRequest& request, const s
   if (auto good = draw_until(app, request, kPatience_s, "no daemon answers", [&] { return connected(app); }); !good) {
     return good;
   }
-  app.commands().load_scene(scene.string());
-  app.client().send(protocol::ScenePause{true});
-  const auto paused = [&] { return is_complete(app.model()) && app.model().scene().paused(); };
+  app.client().send(protocol::SceneLoad{scene.string(), true});
+  const auto paused = [&] {
+    const Model& model = app.model();
+    return model.has_whole_scene() && !model.scene().bodies().empty() && model.scene().paused();
+  };
   if (auto good = draw_until(app, request, kPatience_s, "the scene was not loaded in time", paused); !good) return good;
   app.client().send(protocol::ScenePause{false});
   const auto arrived = [&] { return app.model().scene().reported_time_s() >= request.at_s; };
@@ -160,7 +148,7 @@ Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& s
     if (auto good = play_until_then(app, request, scene); !good) return good;
     app.show_at(request.at_s);
     app.draw();
-    complete = connected(app) && is_complete(app.model());
+    complete = connected(app) && app.model().has_whole_scene();
   }
   if (!complete) return fail(ErrorKind::refused, "no picture was written: the daemon stopped answering");
   return write_png(app.window().read_pixels(), request.output);

@@ -79,6 +79,7 @@ struct Window::State {
   double scale = 1, wanted_scale = 1;
   bool has_imgui = false;
   std::vector<KeyPress> pressed;
+  std::vector<std::filesystem::path> dropped;
   std::set<std::string, std::less<>> down;
   std::array<int, 4> windowed{};  // position and size before full screen
   bool full_screen = false;
@@ -158,6 +159,10 @@ Result<Window> Window::open(const Options& options) {
   glfwSetKeyCallback(state->window, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
     static_cast<State*>(glfwGetWindowUserPointer(window))->on_key(key, scancode, action, modifiers);
   });
+  glfwSetDropCallback(state->window, [](GLFWwindow* window, int count, const char** paths) {
+    auto& dropped = static_cast<State*>(glfwGetWindowUserPointer(window))->dropped;
+    dropped.insert(dropped.end(), paths, paths + count);
+  });
   ImGui_ImplOpenGL3_Init("#version 330 core");
   state->has_imgui = true;
   Window window(std::move(state));
@@ -219,7 +224,6 @@ void Window::begin_frame() {
 
 void Window::end_frame() {
   ImGui::Render();
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);  // a new SceneRenderer leaves one of its own bound
   paint(width(), height());
   glfwSwapBuffers(state_->window);
 }
@@ -229,6 +233,8 @@ std::vector<Window::KeyPress> Window::take_keys() {
   if (ImGui::GetIO().WantTextInput) std::erase_if(keys, [](const KeyPress& press) { return !acts_on_text(press.key); });
   return keys;
 }
+
+std::vector<std::filesystem::path> Window::take_dropped() { return std::exchange(state_->dropped, {}); }
 
 bool Window::is_down(std::string_view key) const { return !ImGui::GetIO().WantTextInput && state_->down.contains(key); }
 

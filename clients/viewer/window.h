@@ -4,6 +4,7 @@
 #include "clients/viewer/render/picture_file.h"
 #include "engine/base/result.h"
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -49,6 +50,9 @@ class Window {
   };
   [[nodiscard]] std::vector<KeyPress> take_keys();
   [[nodiscard]] bool is_down(std::string_view key) const;
+
+  // Returns the files that were dropped onto the window since the last call.
+  [[nodiscard]] std::vector<std::filesystem::path> take_dropped();
 
   // Returns the picture that the last end_frame() drew.
   [[nodiscard]] Image read_pixels() const;

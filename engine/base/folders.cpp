@@ -39,6 +39,24 @@ Result<std::filesystem::path> material_folder(const std::filesystem::path& given
   return preset_folder().map([](const std::filesystem::path& presets) { return presets / "materials"; });
 }
 
+Result<std::filesystem::path> own_bank_folder() {
+  const char* const data = std::getenv("XDG_DATA_HOME");
+  const char* const home = std::getenv("HOME");
+  std::filesystem::path folder;
+  if (data && *data) {
+    folder = data;
+  } else if (home && *home) {
+    folder = std::filesystem::path(home) / ".local" / "share";
+  } else {
+    return fail(ErrorKind::input_output, "there is no home folder for banks: HOME is not set");
+  }
+  folder = folder / "ringdown" / "banks";
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(ErrorKind::input_output, "cannot make the folder {}: {}", folder.string(), error.message());
+  return folder;
+}
+
 Result<std::filesystem::path> preset_or_file(const std::filesystem::path& given, PresetKind kind) {
   std::error_code error;
   if (given.has_parent_path() || given.has_extension() || std::filesystem::exists(given, error)) return given;

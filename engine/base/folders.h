@@ -15,6 +15,11 @@ Result<std::filesystem::path> preset_folder();
 // Returns `given`, or the presets' folder of materials if `given` is empty.
 Result<std::filesystem::path> material_folder(const std::filesystem::path& given);
 
+// Returns the folder of the user's own banks, which ringdown-viewer bakes from dropped files:
+// $XDG_DATA_HOME/ringdown/banks or ~/.local/share/ringdown/banks. Makes it if it is not there. Fails without a home
+// folder, or if it cannot be made.
+Result<std::filesystem::path> own_bank_folder();
+
 enum class PresetKind { bank, notes, scene };
 
 // Returns the file that a user means: `given` if it is a file, or has a folder or an ending; else the preset of that

@@ -33,7 +33,7 @@ BodyStore::BodyStore(const SceneDescription& scene) : random_(scene.seed) {
   for (const ObjectDescription& object : scene.objects) material_scale_[object.name] = object.material;
 }
 
-Result<BodyId> BodyStore::add(BodyDescription description, bool spawned) {
+Result<BodyId> BodyStore::add(BodyDescription description, bool spawned, std::optional<BodyId> old_id) {
   const std::string who = "body " + quote(description.name) + ": ";
   if (bodies_.size() >= kMaxBodies) {
     return fail(ErrorKind::refused, "{}the scene is full with {} bodies; clear some first", who, kMaxBodies);
@@ -46,7 +46,7 @@ Result<BodyId> BodyStore::add(BodyDescription description, bool spawned) {
   Result<Solid> solid = make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object));
   if (!solid) return fail(solid.error().kind, who + solid.error().message);
   description.position_m = description.position_m + description.scatter_m * random_.next_vec3();
-  const BodyId id = next_id_++;
+  const BodyId id = old_id ? *old_id : next_id_++;
   const Vec3 size_m = size_of(solid->shape);
   Body body{std::move(description), {}, solid->mass, size_m, spawned, std::move(*solid)};
   body.motion = body.start();

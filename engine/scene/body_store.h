@@ -73,8 +73,8 @@ class BodyStore {
   [[nodiscard]] BodyId next_id() const { return next_id_; }
 
   // Adds a body, which waits for its start. Fails if the scene is full, a value is out of range, the object is unknown,
-  // or mass and shape cannot be made from its bank.
-  Result<BodyId> add(BodyDescription description, bool spawned);
+  // or mass and shape cannot be made from its bank. Without `id` it gets a new number.
+  Result<BodyId> add(BodyDescription description, bool spawned, std::optional<BodyId> id = {});
   // Adds a body that is in the scene at once, in any number, and is gone with the spawned ones. It needs no checks: it
   // is a piece of another one.
   BodyId add_moving(const BodyDescription& description, const Solid& solid, const Motion& motion);

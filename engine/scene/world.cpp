@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -41,6 +42,14 @@ struct WaitingJoint {
   BodyId body = 0;
   std::optional<BodyId> other;
   JointDescription description;
+  [[nodiscard]] bool joins(BodyId id) const { return body == id || other == id; }
+};
+
+// A body that World::remove() has taken out.
+struct RemovedBody {
+  BodyDescription description;  // as it enters the scene again
+  bool spawned;
+  std::vector<WaitingJoint> joints;
 };
 
 // The joints of a scene. Its bodies are numbered in the order of their descriptions.
@@ -61,7 +70,7 @@ std::vector<WaitingJoint> joints_of(const SceneDescription& scene) {
 struct World::State {
   State(const SceneDescription& scene, double sample_rate_hz);
 
-  Result<BodyId> add(BodyDescription description, bool spawned);
+  Result<BodyId> add(BodyDescription description, bool spawned, std::optional<BodyId> id = {});
   Result<void> add_all(const EmitterDescription& emitter);
   void add_statics(const SceneDescription& scene);
   void let_in();
@@ -83,7 +92,8 @@ struct World::State {
   BreakingBodies breaking;
   const std::atomic<int>* given_up = nullptr;  // World::step()
   FrameClock timeline;
-  std::vector<WaitingJoint> joints;
+  std::vector<WaitingJoint> joints, made_joints;
+  std::map<BodyId, RemovedBody> removed;
   std::vector<BodyId> driven;  // bodies that follow a path
   std::optional<FoleyPlayback> recovered;
   std::vector<ContactPoint> points;  // of a part: recovered and simulated ones
@@ -113,9 +123,9 @@ World::State::State(const SceneDescription& scene, double sample_rate_hz)
   events.reserve(kMaxEventsPerStep);
 }
 
-Result<BodyId> World::State::add(BodyDescription description, bool spawned) {
+Result<BodyId> World::State::add(BodyDescription description, bool spawned, std::optional<BodyId> id) {
   const bool has_path = description.path != nullptr;
-  auto added = store.add(std::move(description), spawned);
+  auto added = store.add(std::move(description), spawned, id);
   if (!added) return added;
   if (store.bodies().at(*added).description.breaks) {
     if (const auto ready = breaking.add(*added, store.bodies().at(*added)); !ready) {
@@ -180,6 +190,7 @@ void World::State::make_joints() {
   std::erase_if(joints, [&](const WaitingJoint& joint) {
     if (!is_in(joint.body) || (joint.other && !is_in(*joint.other))) return false;
     simulation.add_joint(joint.body, joint.other, joint.description);
+    made_joints.push_back(joint);
     return true;
   });
 }
@@ -187,7 +198,8 @@ void World::State::make_joints() {
 void World::State::remove(BodyId id) {
   scene_bodies.remove(id);
   breaking.remove(id);
-  std::erase_if(joints, [id](const WaitingJoint& joint) { return joint.body == id || joint.other == id; });
+  for (auto* all : {&joints, &made_joints}) std::erase_if(*all, [id](const auto& joint) { return joint.joins(id); });
+  std::erase(driven, id);
 }
 
 // Moves the bodies that follow paths.
@@ -329,6 +341,42 @@ Result<BodyId> World::spawn(BodyDescription body) {
   return state_->add(std::move(body), true);
 }
 
+Result<void> World::remove(BodyId id) {
+  const auto found = state_->store.bodies().find(id);
+  if (found == state_->store.bodies().end())
+    return fail(ErrorKind::bad_input, "cannot remove: the scene has no body {}", id);
+  const Body& body = found->second;
+  RemovedBody removed{body.description, body.spawned, {}};
+  BodyDescription& again = removed.description;
+  again.scatter_m = 0;
+  if (!body.waiting && !again.path) {
+    again.position_m = body.motion.position_m - to_matrix(body.motion.rotation) * body.mass.center_m;
+    again.rotation = body.motion.rotation;
+    again.velocity_m_s = again.spin_rad_s = {};
+  }
+  for (const auto* joints : {&state_->joints, &state_->made_joints}) {
+    std::ranges::copy_if(*joints, std::back_inserter(removed.joints),
+                         [id](const auto& joint) { return joint.joins(id); });
+  }
+  state_->remove(id);
+  state_->removed.insert_or_assign(id, std::move(removed));
+  return {};
+}
+
+Result<void> World::restore(BodyId id) {
+  const auto found = state_->removed.find(id);
+  if (found == state_->removed.end()) return fail(ErrorKind::bad_input, "cannot restore: no body {} was removed", id);
+  const std::size_t joints_before = state_->joints.size();
+  state_->joints.insert(state_->joints.end(), found->second.joints.begin(), found->second.joints.end());
+  const auto added = state_->add(found->second.description, found->second.spawned, id);
+  if (!added) {
+    state_->joints.resize(joints_before);
+    return fail(added);
+  }
+  state_->removed.erase(found);
+  return {};
+}
+
 void World::clear_spawned() {
   std::vector<BodyId> spawned;
   for (const auto& [id, body] : state_->store.bodies()) {
@@ -339,6 +387,7 @@ void World::clear_spawned() {
 
 void World::clear() {
   while (!state_->store.bodies().empty()) state_->remove(state_->store.bodies().begin()->first);
+  state_->removed.clear();
 }
 
 Result<void> World::set_object(const SoundingObject& object) {

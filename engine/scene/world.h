@@ -106,6 +106,12 @@ class World {
   // Adds a body, whose number is appended to its name and never used again. Fails when the scene is full, a value is
   // out of range, or the object is unknown.
   Result<BodyId> spawn(BodyDescription body);
+
+  // Takes a body out of the scene, with its joints. restore() puts it back under its number: where it was, at rest, and
+  // joined as before once the other bodies of its joints are there. remove() fails if there is no such body, restore()
+  // if the body was not removed.
+  Result<void> remove(BodyId id);
+  Result<void> restore(BodyId id);
   void clear_spawned();  // removes only bodies that spawn() added, and pieces of broken bodies
   void clear();          // removes every body; statics stay
 

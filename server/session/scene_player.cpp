@@ -28,6 +28,21 @@ constexpr double kWarnEvery_s = 0.5;  // lost time between two warnings
 
 tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one first"); }
 
+// Changes the world, and the scene as it would be saved.
+Result<void> change_bodies(const ScenePlayer::Change& change, scene::World& world, KeptScene& kept) {
+  const auto id = [](const auto& request) { return static_cast<scene::BodyId>(request.body); };
+  return visit(Overloaded{
+                   [&](const protocol::SceneRemove& request) {
+                     return world.remove(id(request)).map([&] { kept.remove(id(request)); });
+                   },
+                   [&](const protocol::SceneRestore& request) {
+                     return world.restore(id(request)).map([&] { kept.restore(id(request)); });
+                   },
+                   [&](const protocol::ScenePush& request) { return world.push(id(request), request.impulse_ns); },
+               },
+               change);
+}
+
 // Returns the events that put a scene's listener in place. A scene without a listener removes the listener if the
 // previous scene has set it (`ends`), but not if somebody else has.
 std::vector<Event> listener_events(const scene::SceneDescription& scene, bool ends, Frame frame) {
@@ -42,26 +57,6 @@ std::vector<Event> listener_events(const scene::SceneDescription& scene, bool en
 // after that is then known, too, so motion does not depend on the size of blocks.
 Frame pose_delay(const scene::World& world, double sample_rate_hz) {
   return std::llround(2 * ScenePoses::interval_s(world) * sample_rate_hz);
-}
-
-// Adds a dropped body to the scene as a [[body]]. If emitters scatter their bodies at random, a further body before the
-// emitters would change the random places, so the dropped body becomes an emitter of one body after them.
-void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, double now_s) {
-  const auto is_taken = [&scene](const std::string& name) {
-    return std::ranges::count(scene.bodies, name, &scene::BodyDescription::name) +
-               std::ranges::count(scene.emitters, name, &scene::EmitterDescription::name) >
-           0;
-  };
-  const std::string kind = std::exchange(body.name, body.name + "-1");
-  for (int number = 2; is_taken(body.name); ++number) body.name = formatted("{}-{}", kind, number);
-  body.start_s = now_s;
-  const bool scatters =
-      std::ranges::any_of(scene.emitters, [](const auto& emitter) { return emitter.body.scatter_m > 0; });
-  if (scatters) {
-    scene.emitters.push_back({.name = body.name, .body = body});
-  } else {
-    scene.bodies.push_back(std::move(body));
-  }
 }
 
 // Reads the files beside a glTF file.
@@ -113,7 +108,7 @@ void warn_of_silence(const scene::SceneDescription& scene, std::span<const scene
 }  // namespace
 
 // Reads a scene of either format.
-Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
+Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame, bool paused) {
   const auto warn = [this](const std::string& sentence) { rack_.warn(sentence); };
   auto description = read_below(roots_, path, foley_, camera_, warn);
   if (!description) return fail(description);
@@ -159,13 +154,13 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     world_ = std::move(*world);
     world_->set_sample_rate(mixer.sample_rate_hz());  // the rate may have changed since the world was made
     world_->set_start_frame(start_ = frame);
-    playing_ = {.file = path};
-    description_ = *description;
+    playing_ = {.file = path, .paused = paused};
+    kept_ = KeptScene(*description);
     ++version_;
     duration_s_ = description->duration_s;
     body_count_ = world_->bodies().size();
     poses_.forget();
-    if (!sink_) dropped_ += poses_.send(*world_, description_.listener, frame, rack_);
+    if (!sink_) dropped_ += poses_.send(*world_, kept_.description().listener, frame, rack_);
   }
   pieces_.keep_loaded();
   set_dampers(removed);
@@ -190,7 +185,7 @@ Result<scene::BodyId> ScenePlayer::spawn(const std::optional<protocol::ObjectRef
   if (!world_) return no_scene();
   const auto id = world_->spawn(body);
   if (id) {
-    add_dropped(description_, std::move(body), world_->time_s());
+    kept_.add(*id, std::move(body), world_->time_s());
     body_count_ = world_->bodies().size();
     ++version_;
   }
@@ -222,9 +217,7 @@ Result<void> ScenePlayer::clear() {
     if (!world_) return no_scene();
     removed = end_contacts();
     playing_.cleared = true;
-    description_.bodies.clear();
-    description_.emitters.clear();
-    description_.joints.clear();
+    kept_.clear();
     body_count_ = 0;
     ++version_;
   }
@@ -233,9 +226,23 @@ Result<void> ScenePlayer::clear() {
   return {};
 }
 
-Result<void> ScenePlayer::push(scene::BodyId body, Vec3 impulse_ns) {
-  const std::scoped_lock lock(mutex_);
-  return world_ ? world_->push(body, impulse_ns) : no_scene();
+// A scene without bodies is not stepped, so the contacts of the last body that is taken out are ended here.
+Result<void> ScenePlayer::change(const Change& change) {
+  std::vector<scene::RestDamping> dampings;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!world_) return no_scene();
+    if (const auto changed = change_bodies(change, *world_, kept_); !changed) return changed;
+    const std::size_t left = world_->bodies().size();
+    if (left != body_count_.exchange(left)) ++version_;
+    if (left == 0) {
+      do {
+        pass_on(world_->step(), dampings);
+      } while (world_->has_lasting_contacts());
+    }
+  }
+  set_dampers(dampings);
+  return {};
 }
 
 ScenePlayer::Poses ScenePlayer::poses() const {
@@ -248,13 +255,13 @@ ScenePlayer::Description ScenePlayer::describe() const {
   const std::scoped_lock lock(mutex_);
   if (!world_) return {.version = version_};
   std::vector<scene::StaticOutline> statics;
-  for (const auto& described : description_.statics) statics.push_back(scene::outline_of(described));
-  return {version_, duration_s_, description_.camera, playing_.file, world_->describe(), std::move(statics)};
+  for (const auto& described : kept_.description().statics) statics.push_back(scene::outline_of(described));
+  return {version_, duration_s_, kept_.description().camera, playing_.file, world_->describe(), std::move(statics)};
 }
 
 std::optional<scene::SceneDescription> ScenePlayer::description() const {
   const std::scoped_lock lock(mutex_);
-  return world_ ? std::optional(description_) : std::nullopt;
+  return world_ ? std::optional(kept_.description()) : std::nullopt;
 }
 
 std::optional<ScenePlayer::Playing> ScenePlayer::playing() const {
@@ -302,7 +309,7 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
     if (reported_until() < frame) {
       pass_on(world_->step(&given_up_), dampings);
       if (!sink_)
-        dropped_ += poses_.send(*world_, description_.listener,
+        dropped_ += poses_.send(*world_, kept_.description().listener,
                                 position() + pose_delay(*world_, rack_.mixer().sample_rate_hz()), rack_);
     }
     more = reported_until() < frame;

@@ -3,12 +3,13 @@
 //
 //   player.load("drop.toml", frame);               // worker: the scene and its objects; scene time 0 is at `frame`
 //   player.advance_to(frame_ahead, slack);         // scene thread, every few milliseconds
-//   player.spawn(box); player.push(body, ...);     // worker: requests change the world meanwhile
+//   player.spawn(box); player.change(push);        // worker: requests change the world meanwhile
 //
 // ScenePlayer has no thread and no clock of its own: the daemon's scene thread and `ringdown render` both call
 // advance_to(). A mutex guards the world; the audio thread never takes it.
 #pragma once
 
+#include "engine/base/one_of.h"
 #include "engine/base/result.h"
 #include "engine/scene/gltf/surface.h"
 #include "engine/scene/world.h"
@@ -16,6 +17,7 @@
 #include "protocol/request.h"
 #include "server/session/bank_reader.h"
 #include "server/session/file_roots.h"
+#include "server/session/kept_scene.h"
 #include "server/session/rack.h"
 #include "server/session/scene_pieces.h"
 #include "server/session/scene_poses.h"
@@ -77,17 +79,19 @@ class ScenePlayer {
   void retune_by(Post post) { post_ = std::move(post); }
 
   // Loads a scene file, TOML or glTF (.glb, .gltf), and the objects it names, and starts the scene at `frame`. The
-  // previous scene ends; its objects stay. Returns the number of bodies. [worker]
-  Result<std::size_t> load(const std::filesystem::path& path, synth::Frame frame);
+  // previous scene ends; its objects stay. A paused scene waits for pause(false). Returns the number of bodies.
+  // [worker]
+  Result<std::size_t> load(const std::filesystem::path& path, synth::Frame frame, bool paused = false);
 
   // Requests to the scene; without a scene they are refused. spawn() returns the new body's number; clear() removes all
-  // bodies and aborts the present step; push() applies an impulse at the body's centre of mass, in the scene's axes.
-  // [worker]
+  // bodies and aborts the present step; change() takes one body out, puts it back where it was, at
+  // rest, or applies an impulse at its centre of mass, in the scene's axes. [worker]
   Result<void> pause(bool paused);
   Result<scene::BodyId> spawn(const protocol::SpawnBox& box);
   Result<scene::BodyId> spawn(const protocol::SpawnSphere& sphere);
   Result<void> clear();
-  Result<void> push(scene::BodyId body, Vec3 impulse_ns);
+  using Change = OneOf<Types<protocol::SceneRemove, protocol::SceneRestore, protocol::ScenePush>>;
+  Result<void> change(const Change& change);
 
   // Call after an object of the rack got a new bank or was freed: bodies that sound by this object get the new bank, or
   // become silent. [worker]
@@ -183,7 +187,7 @@ class ScenePlayer {
   bool sets_listener_ = false;  // whether this scene, or a previous one, has set a listener
   synth::Frame start_ = 0;      // the frame of scene time 0
   Playing playing_;
-  scene::SceneDescription description_;   // description of world_
+  KeptScene kept_;                        // description of world_
   std::int32_t version_ = 0;              // version of the description
   std::set<synth::ObjectNumber> damped_;  // objects that the scene's bodies rest on or against
   std::atomic<int> given_up_ = 0;         // number of callers waiting for a step whose result does not matter

@@ -133,14 +133,14 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
                    [&](const SetStrength& set) { return none(breakage_.set_strength(set.object, set.strength_pa)); },
                    [&](const MendObject& mend) { return none(breakage_.mend(mend.object)); },
                    [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },
-                   [&](const SceneLoad& scene) { return number(scene_.load(scene.path, frame)); },
+                   [&](const SceneLoad& scene) { return number(scene_.load(scene.path, frame, scene.paused)); },
                    [&](const ScenePause& pause) { return none(scene_.pause(pause.paused)); },
                    [&](const SpawnBox& box) { return number(scene_.spawn(box)); },
                    [&](const SpawnSphere& sphere) { return number(scene_.spawn(sphere)); },
                    [&](const SceneClear&) { return none(scene_.clear()); },
-                   [&](const ScenePush& push) {
-                     return none(scene_.push(static_cast<scene::BodyId>(push.body), push.impulse_ns));
-                   },
+                   [&](const SceneRemove& change) { return none(scene_.change(change)); },
+                   [&](const SceneRestore& change) { return none(scene_.change(change)); },
+                   [&](const ScenePush& change) { return none(scene_.change(change)); },
                    [&](const TestTone& tone) {
                      rack_.mixer().test_tone().set(tone.amplitude, tone.frequency_hz);
                      return none({});

@@ -477,6 +477,12 @@ Cases bank_cases() {
            {a, {0, 8193}, "bytes"}}};
 }
 
+template <class Request>
+Cases body_cases(const std::string& a) {
+  return {{{a, {7}, claim<Request>([](const Request& r) { return r.body == 7; })}},
+          {{a, {}, "body"}, {a, {-1}, "body"}, {a, {"bell"}, "body"}}};
+}
+
 Cases push_cases() {
   const std::string a = "/scene/push";
   return {{{a, {7, 1, 2, -3}, claim<ScenePush>([](const ScenePush& p) {
@@ -573,11 +579,16 @@ const std::map<std::string, Cases>& all_cases() {
       {"/load", load_cases()},
       {"/clear", bare_cases<ClearAll>("/clear")},
       {"/scene/load",
-       {{{"/scene/load", {"a.toml"}, claim<SceneLoad>([](const SceneLoad& s) { return s.path == "a.toml"; })}},
-        {{"/scene/load", {1}, "path"}}}},
+       {{{"/scene/load", {"a.toml"}, claim<SceneLoad>([](const SceneLoad& s) {
+            return s.path == "a.toml" && !s.paused;
+          })},
+         {"/scene/load", {"a.toml", 1}, claim<SceneLoad>([](const SceneLoad& s) { return s.paused; })}},
+        {{"/scene/load", {1}, "path"}, {"/scene/load", {"a.toml", "yes"}, "paused"}}}},
       {"/scene/pause", pause_cases()},
       {"/scene/spawn/box", box_cases()},
       {"/scene/spawn/sphere", sphere_cases()},
+      {"/scene/remove", body_cases<SceneRemove>("/scene/remove")},
+      {"/scene/restore", body_cases<SceneRestore>("/scene/restore")},
       {"/scene/clear", bare_cases<SceneClear>("/scene/clear")},
       {"/status", bare_cases<Status>("/status")},
       {"/version", bare_cases<Version>("/version")},

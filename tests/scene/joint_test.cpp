@@ -66,6 +66,16 @@ TEST(Joint, ARodSwingsWithThePeriodOfItsMoment) {
   }
 }
 
+TEST(Joint, ABodyThatComesBackHangsFromItsJoint) {
+  World world = world_with(pendulum(JointType::hinge, 0.05));
+  test::run_all(world, 0.3);
+  ASSERT_TRUE(world.remove(0));
+  test::run_all(world, 0.3);
+  ASSERT_TRUE(world.restore(0));
+  test::run_all(world, 3);
+  EXPECT_LT(length(hook(world) - Vec3{0, 0, 1}), 0.001);
+}
+
 TEST(Joint, ASoftLimitBearsAWeightAsASpringDoes) {
   SceneDescription scene = pendulum(JointType::slider, 0);
   scene.joints[0].axis = {0, 0, 1};

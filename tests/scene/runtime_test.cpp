@@ -96,6 +96,54 @@ TEST(Spawn, BodiesAreSpawnedUpToTheLimitAndNotBeyond) {
   EXPECT_TRUE(world.spawn(ball));
 }
 
+TEST(Remove, WhatStoodOnABodyFallsAndABodyComesBackWhereItWasAtRest) {
+  SceneDescription scene = scene_of({body_of("shelf", ShapeType::box, {0, 0, 1}), body_of("bell", ShapeType::box, {})});
+  scene.bodies[0].fixed = true;
+  scene.bodies[1].position_m = {0, 0, 1.101};
+  World world = world_of(scene, {sounding("shelf", 3, box_bank(kSize, 1)), sounding("bell", 4, box_bank(kSize, 1))});
+  run(world, 2);
+  ASSERT_NEAR(world.bodies()[1].position_m.z, 1.1, 1e-3);
+  ASSERT_TRUE(world.remove(0));
+  ASSERT_EQ(world.bodies().size(), 1u);
+  EXPECT_EQ(world.bodies()[0].id, 1);
+  run(world, 0.2);
+  const double falling_m = world.bodies()[0].position_m.z;
+  EXPECT_NEAR(falling_m, 1.1 - 9.81 / 2 * 0.2 * 0.2, 0.01) << "as nothing holds it any more";
+  ASSERT_TRUE(world.remove(1));
+  run(world, 1);
+  ASSERT_TRUE(world.restore(1));
+  const BodyState back = world.bodies()[0];
+  EXPECT_EQ(back.id, 1);
+  EXPECT_EQ(back.name, "bell");
+  EXPECT_NEAR(back.position_m.z, falling_m, 1e-9);
+  EXPECT_LT(length(back.velocity_m_s), 0.02) << "at rest";
+  EXPECT_FALSE(run(world, 2).empty()) << "it falls to the floor and rings";
+  ASSERT_TRUE(world.restore(0));
+  run(world, 0.1);
+  EXPECT_EQ(world.bodies()[0].position_m, (Vec3{0, 0, 1})) << "the shelf is fixed again";
+}
+
+TEST(Remove, OnlyBodiesThatAreThereAreRemovedAndOnlyRemovedOnesRestored) {
+  World world = empty_world();
+  const auto id = world.spawn(silent_ball());
+  ASSERT_TRUE(id);
+  const auto no_word = [](const Result<void>& done, const char* word) {
+    return !done && done.error().message.find(word) != std::string::npos;
+  };
+  EXPECT_TRUE(no_word(world.restore(*id), "cannot restore"));
+  EXPECT_TRUE(no_word(world.remove(*id + 1), "cannot remove"));
+  ASSERT_TRUE(world.remove(*id));
+  EXPECT_TRUE(no_word(world.remove(*id), "cannot remove"));
+  const auto other = world.spawn(silent_ball());
+  ASSERT_TRUE(other);
+  EXPECT_NE(*other, *id) << "its number is kept for it";
+  ASSERT_TRUE(world.restore(*id));
+  EXPECT_TRUE(no_word(world.restore(*id), "cannot restore"));
+  ASSERT_TRUE(world.remove(*id));
+  world.clear();
+  EXPECT_TRUE(no_word(world.restore(*id), "cannot restore"));
+}
+
 TEST(Clear, ClearingRemovesSpawnedBodiesAndTheSceneStays) {
   World world =
       world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});

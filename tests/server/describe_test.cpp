@@ -235,7 +235,7 @@ TEST_F(DescribeTest, TheScenesVersionGrowsWithWhatChangesAndWithNothingElse) {
   }
   ASSERT_TRUE(session_.scene().load(folder_ / "drop.toml", 0));
   before = scene_version();
-  ASSERT_TRUE(session_.scene().push(0, {-300, 0, 0}));  // some 570 m/s: it leaves within 2 s
+  ASSERT_TRUE(session_.scene().change(protocol::ScenePush{0, {-300, 0, 0}}));  // some 570 m/s: it leaves within 2 s
   session_.scene().advance_to(3 * 48000, std::nullopt);
   EXPECT_EQ(session_.scene().body_count(), 0u);
   EXPECT_TRUE(grows()) << "a body left the scene";

@@ -14,8 +14,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace ringdown::session {
 namespace {
@@ -139,6 +142,46 @@ TEST_F(SceneSaveTest, BodiesThatWereClearedAreNotInTheFile) {
   ASSERT_EQ(scene.bodies.size(), 1u);
   EXPECT_EQ(scene.bodies[0].shape.type, scene::ShapeType::sphere);
   EXPECT_EQ(scene.statics.size(), 1u);
+}
+
+TEST_F(SceneSaveTest, BodiesThatWereTakenOutAreNotInTheFileUntilTheyComeBack) {
+  perform(protocol::SceneLoad{scene_.string()});
+  perform(protocol::SpawnSphere{std::nullopt, {0, 0, 1}, {}, 0.03, 7850});
+  const auto names = [&] {
+    EXPECT_TRUE(save_scene(session_, saved_));
+    std::vector<std::string> found;
+    for (const auto& body : read(saved_).bodies) found.push_back(body.name);
+    std::ranges::sort(found);
+    return found;
+  };
+  const auto both = names();
+  ASSERT_EQ(both.size(), 2u);
+  perform(protocol::SceneRemove{0});
+  EXPECT_EQ(names(), std::vector<std::string>{both[1]});
+  perform(protocol::SpawnSphere{std::nullopt, {0, 0, 2}, {}, 0.03, 7850});
+  perform(protocol::SceneRestore{0});
+  perform(protocol::SceneRemove{2});
+  EXPECT_EQ(names(), both);
+  EXPECT_FALSE(session_.perform(protocol::SceneRemove{7}, 0));
+}
+
+// Without bodies the scene is not stepped, which would have ended what the floor does to the object.
+TEST_F(SceneSaveTest, TheLastBodyThatIsTakenOutTouchesNothingAnyMore) {
+  perform(protocol::SceneLoad{scene_.string()});
+  session_.scene().advance_to(96000, std::nullopt);
+  const auto dampers = [&] { return session_.rack().objects()[0]->dampers.size(); };
+  ASSERT_GT(dampers(), 0u) << "the floor damps the body that rests on it";
+  perform(protocol::SceneRemove{0});
+  EXPECT_EQ(dampers(), 0u);
+}
+
+TEST_F(SceneSaveTest, ASceneThatIsLoadedPausedWaits) {
+  perform(protocol::SceneLoad{scene_.string(), true});
+  session_.scene().advance_to(48000, std::nullopt);
+  EXPECT_EQ(session_.scene().poses().time_s, 0);
+  perform(protocol::ScenePause{false});
+  session_.scene().advance_to(96000, std::nullopt);
+  EXPECT_GT(session_.scene().poses().time_s, 0.9);
 }
 
 TEST_F(SceneSaveTest, ObjectsWithoutASceneMakeASceneAndNothingMakesNone) {

@@ -233,6 +233,107 @@ TEST(Commands, WithoutAnObjectNewBodiesAreSilentAndHaveASize) {
   EXPECT_GT(desk.of<protocol::SpawnSphere>()[0].radius_m, 0);
 }
 
+TEST(Commands, NewAndRemovedBodiesAreUndoneAndRedone) {
+  Desk desk;
+  desk.commands.perform(Action::new_box);
+  desk.model.apply(protocol::Done{"/scene/spawn/box", 7}, desk.now_s);
+  desk.wait(1);
+  desk.commands.edits().remove_body(3);
+  desk.wait(1);
+  const auto removed = [&] {
+    std::vector<int> bodies;
+    for (const auto& request : desk.of<protocol::SceneRemove>()) bodies.push_back(request.body);
+    return bodies;
+  };
+  const auto restored = [&] {
+    std::vector<int> bodies;
+    for (const auto& request : desk.of<protocol::SceneRestore>()) bodies.push_back(request.body);
+    return bodies;
+  };
+  EXPECT_EQ(removed(), std::vector<int>{3});
+  desk.commands.perform(Action::undo);
+  EXPECT_EQ(restored(), std::vector<int>{3});
+  desk.commands.perform(Action::undo);
+  EXPECT_EQ(removed(), (std::vector<int>{3, 7})) << "the new box goes";
+  desk.commands.perform(Action::redo);
+  EXPECT_EQ(restored(), (std::vector<int>{3, 7})) << "and comes back, no second one";
+  desk.commands.perform(Action::redo);
+  EXPECT_EQ(removed(), (std::vector<int>{3, 7, 3}));
+}
+
+TEST(Commands, BodiesOfAnotherSceneAreNotUndone) {
+  Desk desk;
+  const auto& history = desk.commands.edits().history();
+  const KnownObject& bell = *desk.model.object("bell");
+  desk.commands.edits().change(bell, protocol::SetPan{{"bell", {}}, {0.5}}, "pan");
+  desk.commands.edits().remove_body(3);
+  desk.commands.edits().remove_body(4);
+  desk.commands.perform(Action::undo);
+  desk.commands.load_scene("other.toml");
+  EXPECT_EQ(history.undoes(), "bell: pan");
+  EXPECT_EQ(history.redoes(), "");
+  desk.commands.perform(Action::undo);
+  EXPECT_EQ(history.undoes(), "");
+}
+
+// The daemon's answers to a scene that is loaded paused, in the order in which they come.
+TEST(Commands, ASceneBeginsWhenTheGeometryOfItsBodiesHasArrived) {
+  Desk desk;
+  desk.model.apply(protocol::NotifyScene{1, 5, false}, desk.now_s);
+  desk.wait(0.1);
+  desk.commands.load_scene("demo.toml");
+  ASSERT_EQ(desk.of<protocol::SceneLoad>().size(), 1u);
+  EXPECT_TRUE(desk.of<protocol::SceneLoad>()[0].paused);
+  const auto begins = [&] {
+    desk.wait(0.1);
+    return desk.of<protocol::ScenePause>().size();
+  };
+  desk.model.apply(protocol::Done{"/scene/load", 1}, desk.now_s);
+  desk.model.apply(protocol::NotifyScene{2, 0, true}, desk.now_s);
+  EXPECT_EQ(begins(), 0u) << "nothing is known of it";
+  protocol::SceneReply scene;
+  scene.version = 2;
+  scene.bodies = 1;
+  scene.file = "demo.toml";
+  desk.model.apply(scene, desk.now_s);
+  protocol::SceneBody body;
+  body.version = 2;
+  body.name = body.object = "bell";
+  body.shape = "convex";
+  desk.model.apply(body, desk.now_s);
+  ASSERT_TRUE(desk.model.scene().up_to_date());
+  EXPECT_EQ(begins(), 0u) << "the bell has no geometry yet";
+  body.object = "-";
+  ++body.version, ++scene.version;
+  desk.model.apply(protocol::NotifyScene{3, 0, true}, desk.now_s);
+  desk.model.apply(scene, desk.now_s);
+  desk.model.apply(body, desk.now_s);
+  EXPECT_EQ(begins(), 1u);
+  EXPECT_FALSE(desk.of<protocol::ScenePause>()[0].paused);
+  EXPECT_EQ(begins(), 1u) << "the daemon has time to answer";
+  desk.wait(0.5);
+  EXPECT_EQ(begins(), 2u) << "the message was lost";
+  desk.model.apply(protocol::NotifyScene{3, 0.1, false}, desk.now_s);
+  EXPECT_EQ(begins(), 2u);
+  desk.model.apply(protocol::NotifyScene{3, 0.1, true}, desk.now_s);
+  EXPECT_EQ(begins(), 2u) << "it was paused on purpose";
+}
+
+TEST(Commands, ASceneThatIsRefusedLeavesTheOldOnePaused) {
+  Desk desk;
+  desk.model.apply(protocol::NotifyScene{1, 5, true}, desk.now_s);
+  desk.commands.load_scene("none.toml");
+  desk.model.apply(protocol::Fail{"/scene/load", "there is no file none.toml"}, desk.now_s);
+  desk.model.apply(protocol::NotifyScene{2, 5, true}, desk.now_s);
+  desk.wait(1);
+  EXPECT_TRUE(desk.of<protocol::ScenePause>().empty());
+}
+
+TEST(Files, OfTheSameNameAreToldApart) {
+  EXPECT_EQ(names_of({"a/scenes/demo.toml", "b/scenes/demo.toml", "b/scenes/bells.toml", "c/other/demo.toml"}),
+            (std::vector<std::string>{"demo (a/scenes)", "demo (b/scenes)", "bells", "demo (other)"}));
+}
+
 TEST(Commands, WithoutAnObjectNoRequestNamesOne) {
   Desk desk(std::vector<std::string>{});
   for (const Action action :

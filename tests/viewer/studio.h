@@ -64,6 +64,7 @@ class Studio {
         jack_runs_(jack_.runs()),
         daemon_({"--scene", scene_.string()}, jack_.environment()),
         relay_(daemon_.port(), 0) {
+    setenv("XDG_DATA_HOME", (folder_ / "data").c_str(), 1);  // for banks of dropped files
     auto window = Window::open({900, 520, true, 1});
     if (!window) throw std::runtime_error(window.error().message);
     auto renderer = SceneRenderer::create();

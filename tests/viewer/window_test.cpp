@@ -3,6 +3,7 @@
 #include "clients/viewer/panels/overlays.h"
 #include "clients/viewer/material_choice.h"
 #include "engine/modal/bank_file.h"
+#include "tests/viewer/file_drop.h"
 #include "tests/viewer/studio.h"
 
 #include <epoxy/gl.h>
@@ -69,9 +70,11 @@ TEST(Window, EveryKeyOfTheSceneDoesWhatItSays) {
   EXPECT_TRUE(studio.until([&] { return studio.status().bodies == 0; }));
   studio.press("F6");
   ASSERT_TRUE(studio.asks<protocol::SceneLoad>());
-  EXPECT_TRUE(studio.until([&] { return studio.status().bodies == 2; }));
+  ASSERT_TRUE(studio.asks<protocol::ScenePause>()) << "it begins when the geometry is here";
+  EXPECT_FALSE(studio.relay().asked<protocol::ScenePause>()[0].paused);
+  ASSERT_TRUE(studio.until([&] { return studio.app().model().scene().reported_time_s() > 0; }));
+  EXPECT_EQ(studio.status().bodies, 2);
   studio.press("F5");
-  ASSERT_TRUE(studio.asks<protocol::ScenePause>());
   EXPECT_TRUE(studio.until([&] { return studio.app().model().scene().paused(); }));
 }
 
@@ -318,6 +321,33 @@ TEST(Window, ASceneIsLoadedByTheKeyboardAlone) {
   const std::string path = loads()[0].path;
   EXPECT_TRUE(std::ranges::count(studio.app().model().files().scenes(), path)) << path;
   EXPECT_TRUE(studio.until([&] { return studio.app().model().scene().description().file == path; }));
+}
+
+TEST(Window, ABodyIsRemovedAndComesBack) {
+  OPEN_STUDIO(studio);
+  studio.act({"mousemove", "5", "5"});  // so that the key acts in the middle of the picture
+  studio.press("Delete");
+  ASSERT_TRUE(studio.until([&] { return studio.status().bodies == 1; }));
+  EXPECT_TRUE(studio.until([&] { return studio.app().model().scene().bodies().size() == 1; }));
+  studio.press("ctrl+z");
+  ASSERT_TRUE(studio.until([&] { return studio.status().bodies == 2; }));
+  EXPECT_TRUE(studio.until([&] { return studio.app().model().scene().bodies().size() == 2; }));
+  EXPECT_EQ(studio.app().model().scene().bodies().at(0).name, "bell");
+}
+
+// By the protocol by which a file manager of a desktop drops files.
+TEST(Window, ADroppedObjectIsBakedBesideAndStandsInThePicture) {
+  OPEN_STUDIO(studio);
+  std::filesystem::copy_file(kPresets + "/objects/box.geo", studio.folder() / "box.geo");
+  const std::filesystem::path object = studio.folder().write(
+      "brick.toml", "material = 'concrete'\ngeometry = 'box.geo'\nunit_m = 0.001\nmesh_size_m = 0.06\n");
+  const FileDrop drop("Ringdown", object);
+  ASSERT_TRUE(studio.until([&] { return drop.is_taken(); }));
+  ASSERT_TRUE(studio.until([&] {
+    const KnownObject* brick = studio.app().model().object("brick");
+    return brick && brick->bank && studio.app().scene_view().stage().contents().items.size() == 3;
+  })) << studio.condition();
+  EXPECT_TRUE(studio.app().baker().jobs().empty());
 }
 
 TEST(Window, ARecordingIsStartedAndEnded) {

@@ -1,8 +1,25 @@
 #include "clients/viewer/link/file_browser.h"
 
 #include <algorithm>
+#include <filesystem>
 
 namespace ringdown::viewer {
+
+std::vector<std::string> names_of(const std::vector<std::string>& paths) {
+  std::map<std::string, int> stems, in_folders;
+  const auto stem = [](const std::string& path) { return std::filesystem::path(path).stem().string(); };
+  const auto in_folder = [&](const std::string& path) {
+    return stem(path) + " (" + std::filesystem::path(path).parent_path().filename().string() + ")";
+  };
+  for (const std::string& path : paths) ++stems[stem(path)], ++in_folders[in_folder(path)];
+  std::vector<std::string> names;
+  for (const std::string& path : paths) {
+    const bool is_alone = stems[stem(path)] == 1, is_alone_there = in_folders[in_folder(path)] == 1;
+    const std::string whole = stem(path) + " (" + std::filesystem::path(path).parent_path().string() + ")";
+    names.push_back(is_alone ? stem(path) : is_alone_there ? in_folder(path) : whole);
+  }
+  return names;
+}
 
 void FileBrowser::on(const protocol::BrowseReply& reply) {
   if (answer_.complete) return;

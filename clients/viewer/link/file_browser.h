@@ -14,6 +14,10 @@
 
 namespace ringdown::viewer {
 
+// Returns a name for each path: the file's without its ending, and behind it the folder where another file has the same
+// name: "chimes (scenes)", or "chimes (presets/scenes)" if the folders have the same name, too.
+std::vector<std::string> names_of(const std::vector<std::string>& paths);
+
 class FileBrowser {
  public:
   static constexpr std::size_t kMaxFiles = 8192;  // further ones are ignored

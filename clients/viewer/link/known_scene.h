@@ -48,6 +48,9 @@ class KnownScene {
   // Returns the last complete description. A description without a file means that there is no scene.
   [[nodiscard]] const protocol::SceneReply& description() const { return description_; }
   [[nodiscard]] bool described() const { return described_version_.has_value(); }
+  // Return the newest version that the daemon has announced, and whether that version is the one described.
+  [[nodiscard]] std::optional<std::int32_t> version() const { return noticed_version_; }
+  [[nodiscard]] bool up_to_date() const { return described() && described_version_ == noticed_version_; }
   [[nodiscard]] const std::map<std::int32_t, KnownBody>& bodies() const { return bodies_; }
   [[nodiscard]] const std::vector<protocol::SceneStatic>& statics() const { return statics_; }
   [[nodiscard]] double reported_time_s() const { return time_s_; }

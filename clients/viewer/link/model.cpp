@@ -1,5 +1,6 @@
 #include "clients/viewer/link/model.h"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -97,8 +98,18 @@ void Model::on(const protocol::Fail& reply, double now_s) {
 }
 
 void Model::add_message(KnownMessage message) {
+  message.order = message_count_++;
   messages_.push_back(std::move(message));
   if (messages_.size() > kMaxMessages) messages_.pop_front();
+}
+
+bool Model::has_whole_scene() const {
+  const auto is_seen = [&](const auto& entry) {
+    if (entry.second.object.empty()) return true;
+    const KnownObject* const found = object(entry.second.object);
+    return found && (found->bank || !found->bank_fault.empty());
+  };
+  return scene_.up_to_date() && scene_.description().file && std::ranges::all_of(scene_.bodies(), is_seen);
 }
 
 void Model::forget(const std::string& object) {

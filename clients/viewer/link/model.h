@@ -42,6 +42,7 @@ struct KnownMessage {
   std::string sentence;  // sentence of a failure
   std::optional<std::int32_t> number;
   double at_s = 0;
+  std::uint64_t order = 0;  // how many messages came before
 };
 
 // The mix's level; `held` is the maximum of the last kPeakHold_s.
@@ -82,6 +83,11 @@ class Model {
   [[nodiscard]] const FileBrowser& files() const { return files_; }
   [[nodiscard]] FileBrowser& files() { return files_; }
   [[nodiscard]] const std::deque<KnownMessage>& messages() const { return messages_; }  // oldest first
+  [[nodiscard]] std::uint64_t message_count() const { return message_count_; }          // of all messages so far
+
+  // Returns whether the scene is described as it is now, and the bank of every object that a body plays has arrived, or
+  // is known to be unavailable.
+  [[nodiscard]] bool has_whole_scene() const;
   [[nodiscard]] bool recording() const { return status_ && status_->recording; }
 
  private:
@@ -109,6 +115,7 @@ class Model {
   KnownPeak peak_;
   FileBrowser files_;
   std::deque<KnownMessage> messages_;
+  std::uint64_t message_count_ = 0;
   std::string chosen_;
 };
 

@@ -32,6 +32,18 @@ void draw_keys(const Skin& skin, const char* heading, Pane pane, Listed listed) 
   }
 }
 
+// Draws sentences in a frame in the middle of a pane.
+void draw_advice(const Skin& skin, ImU32 frame, ImVec2 origin, ImVec2 size, const std::string& sentences) {
+  const float em = ImGui::GetFontSize();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const float wrap = std::min(0.8f * size.x, 30 * em);
+  const ImVec2 extent = ImGui::CalcTextSize(sentences.c_str(), nullptr, false, wrap);
+  const ImVec2 at{origin.x + (size.x - extent.x) / 2, origin.y + (size.y - extent.y) / 2};
+  list->AddRectFilled({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, skin.paper, 6);
+  list->AddRect({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, frame, 6);
+  list->AddText(ImGui::GetFont(), em, at, skin.text, sentences.c_str(), nullptr, wrap);
+}
+
 }  // namespace
 
 std::string scene_note(const std::string& name, double time_s, double duration_s, bool paused) {
@@ -55,16 +67,17 @@ void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& 
   list->AddText({origin.x + em, origin.y + size.y - 1.7f * em}, skin.faint, "F1: keys");
 }
 
+void draw_welcome(const Skin& skin, ImVec2 origin, ImVec2 size, const Model& model, bool is_connected) {
+  const bool is_empty = model.status() && model.status()->objects == 0 && model.objects().empty();
+  if (!is_connected || !is_empty || model.scene().description().file) return;
+  draw_advice(skin, skin.focus, origin, size,
+              "Nothing is loaded yet. Choose a scene or an object at the left, or drop a mesh, a bank or a scene onto "
+              "this window. Then click an object to strike it; F1 shows the keys.");
+}
+
 void draw_connection(const Skin& skin, ImVec2 origin, ImVec2 size, const ConnectionState& state) {
   if (state.kind == ConnectionState::Kind::connected) return;
-  const float em = ImGui::GetFontSize();
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  const float wrap = std::min(0.8f * size.x, 30 * em);
-  const ImVec2 extent = ImGui::CalcTextSize(state.sentence.c_str(), nullptr, false, wrap);
-  const ImVec2 at{origin.x + (size.x - extent.x) / 2, origin.y + (size.y - extent.y) / 2};
-  list->AddRectFilled({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, skin.paper, 6);
-  list->AddRect({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, skin.warning, 6);
-  list->AddText(ImGui::GetFont(), em, at, skin.text, state.sentence.c_str(), nullptr, wrap);
+  draw_advice(skin, skin.warning, origin, size, state.sentence);
 }
 
 std::optional<double> drag_splitter(const char* name, float x, double share, double direction) {

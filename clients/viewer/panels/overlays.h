@@ -3,6 +3,7 @@
 
 #include "clients/viewer/link/daemon_client.h"
 #include "clients/viewer/link/known_scene.h"
+#include "clients/viewer/link/model.h"
 #include "clients/viewer/panels/skin.h"
 
 #include <optional>
@@ -18,6 +19,10 @@ std::string scene_note(const std::string& name, double time_s, double duration_s
 // display; nothing: the time that the daemon reports.
 void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene,
                 std::optional<double> shown_at_s);
+
+// If the daemon has neither a scene nor an object, says in the middle of a pane what to do. `is_connected` is whether
+// there is a daemon.
+void draw_welcome(const Skin& skin, ImVec2 origin, ImVec2 size, const Model& model, bool is_connected);
 
 // If there is no daemon, draws advice in the middle of a pane that lies at `origin`.
 void draw_connection(const Skin& skin, ImVec2 origin, ImVec2 size, const ConnectionState& state);

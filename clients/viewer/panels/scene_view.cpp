@@ -182,10 +182,15 @@ bool SceneView::perform(Action action, Model& model, Commands& commands) {
     copy_support(support_);
     return true;
   }
-  if (action != Action::test_force && action != Action::choose_support) return false;
+  if (action != Action::test_force && action != Action::choose_support && action != Action::remove_body) return false;
   const ImVec2 middle{origin_.x + size_.x / 2, origin_.y + size_.y / 2};
   const auto hit = hit_at(hovered_ ? ImGui::GetIO().MousePos : middle);
-  if (hit) action == Action::test_force ? strike(*hit, commands, 1) : choose(*hit, model);
+  if (!hit) return true;
+  if (action == Action::test_force) strike(*hit, commands, 1);
+  if (action == Action::choose_support) choose(*hit, model);
+  const auto& items = stage_.contents().items;
+  const bool is_body = hit->id < items.size() && items[hit->id].body;
+  if (action == Action::remove_body && is_body) commands.edits().remove_body(*items[hit->id].body);
   return true;
 }
 

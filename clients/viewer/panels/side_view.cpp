@@ -97,10 +97,11 @@ void SideView::draw_browser(Model& model, Commands& commands) {
   if (!ImGui::BeginChild("files", {0, height}, false, ImGuiWindowFlags_NavFlattened)) return ImGui::EndChild();
   const auto list = [&](const char* heading, const std::vector<std::string>& files, auto load) {
     ImGui::TextDisabled("%s", heading);
-    for (const std::string& file : files) {
-      const std::string name = std::filesystem::path(file).stem().string();
-      if (!contains(name, filter_.data())) continue;
-      if (ImGui::Selectable((name + "##" + file).c_str())) load(file);
+    const std::vector<std::string> names = names_of(files);
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      const std::string& file = files[i];
+      if (!contains(names[i], filter_.data())) continue;
+      if (ImGui::Selectable((names[i] + "##" + file).c_str())) load(file);
       if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", file.c_str());
     }
   };
