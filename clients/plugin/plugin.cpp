@@ -134,7 +134,8 @@ class RingdownPlugin : public Plugin {
   void setState(const char* key, const char* value) override {
     if (std::string(key) == kFileKey) instrument_->set_file(ringdown::plugin::file_of_state(value));
     if (std::string(key) == kEmbeddedKey) instrument_->set_embedded(value);
-    if (const auto file = tuning_file(key)) instrument_->tunings().set_file(*file, ringdown::plugin::file_of_state(value));
+    if (const auto file = tuning_file(key))
+      instrument_->tunings().set_file(*file, ringdown::plugin::file_of_state(value));
     if (const auto which = point_of(key)) instrument_->set_point(value, *which);
     if (std::string(key) == kWindowScaleKey) window_scale_ = std::strtod(value, nullptr);
   }
