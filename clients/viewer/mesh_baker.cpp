@@ -87,7 +87,7 @@ Result<fs::path> MeshBaker::bake(Entry& entry, const std::stop_token& stop) {
   if (!folder_) return folder_;
   const fs::path& file = entry.job.file;
   const std::string& material = entry.job.material;
-  const fs::path bank = *folder_ / (file.stem().string() + (material.empty() ? "" : "-" + material) + ".glb");
+  fs::path bank = *folder_ / (file.stem().string() + (material.empty() ? "" : "-" + material) + ".glb");
   ChildRequest child{
       .command = {program_->string(), file.string(), "-o", bank.string(), "--quiet", "--progress-lines", "--update"}};
   if (!material.empty()) child.command.insert(child.command.end(), {"--material", material});

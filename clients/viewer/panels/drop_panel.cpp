@@ -15,7 +15,7 @@ constexpr float kDropWidth_em = 26;
 }  // namespace
 
 Result<std::filesystem::path> DropPanel::find_bake() {
-  const auto found = find_beside("ringdown-bake");
+  auto found = find_beside("ringdown-bake");
   if (found) return found;
   return fail(ErrorKind::refused,
               "dropped meshes need ringdown-bake (Debian's package ringdown-bake): " + found.error().message);
