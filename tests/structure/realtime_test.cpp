@@ -20,11 +20,13 @@ const std::map<std::string, int> kTrusted = {
     {"engine/synth/kernels/coupled_kernel-inl.h", 1},
     {"engine/synth/kernels/direction_kernel-inl.h", 1},
     {"engine/synth/kernels/field_sums-inl.h", 1},
+    {"engine/synth/kernels/glide_kernel-inl.h", 1},
     {"engine/synth/kernels/heard_moments-inl.h", 1},
     {"engine/synth/kernels/mix_kernel-inl.h", 1},
     {"engine/synth/kernels/mode_kernel-inl.h", 1},
     {"engine/synth/kernels/moment_synthesis-inl.h", 1},
     {"engine/synth/kernels/moments-inl.h", 1},
+    {"engine/synth/kernels/pulse_kernel-inl.h", 1},
     {"clients/plugin/bows.cpp", 1},  // libringdown's functions for the audio thread, which are C; so the next three
     {"clients/plugin/instrument.cpp", 1},
     {"clients/plugin/keyboard.cpp", 1},
