@@ -22,8 +22,9 @@
 
 namespace ringdown::viewer {
 
-// What the window does with a dropped file, by its ending.
 enum class Dropped { bank, scene, object, mesh, unknown };
+
+// Returns what a dropped file is, judged by its ending.
 Dropped kind_of_drop(const std::filesystem::path& file);
 
 class MeshBaker {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kFrames = 480;
 
-// As the engine calls it.
+// This opens the functions that the engine calls.
 struct Component : URingdownComponent {
   using URingdownComponent::BeginDestroy;
   using URingdownComponent::Init;

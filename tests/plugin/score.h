@@ -37,7 +37,8 @@ double power(const std::vector<float>& samples);
 // Returns how far b is from a, in dB of a.
 double difference_db(const Sound& a, const Sound& b);
 
-// What is struck, and with what: values of the plug-in's parameters, and what they mean.
+// A rig is the object that a score strikes and the mallet that strikes it: parameters of the plug-in, and what they
+// mean.
 struct Rig {
   double object = 25;
   std::string bank = "glockenspiel-bar";  // the preset of that number

@@ -271,7 +271,7 @@ TEST_P(PluginWindow, LetsGoOfTheKeyThatTheMouseHoldsWhenItCloses) {
   EXPECT_EQ(*std::ranges::max_element(left), 0) << "it is damped within 0.4 s";
 }
 
-// Where hosts do not let windows grow, text and controls do.
+// If a host does not let the window grow, its text and controls grow.
 TEST_P(PluginWindow, KeepsItsScaleWhenItIsOpenedAgain) {
   const auto toolbar = [&] {
     run(3);

@@ -1,4 +1,4 @@
-// What moves with a mode's pitch, eight modes at once, against the same of each mode by itself.
+// The kernels for a changed pitch take eight modes at once; the tests compute each mode by itself.
 #include "engine/synth/kernels/glide_kernel.h"
 #include "tests/synth/every_instruction_set.h"
 

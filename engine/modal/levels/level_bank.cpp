@@ -68,7 +68,7 @@ class Equations {
         put(stiffness_, body_ + i, body_ + j, sum / 2);
       }
     }
-    if (liquid > 0) own_lambda_above_ = most_important_lambda(level_m);
+    if (liquid > 0) own_lambda_above_ = leading_lambda(level_m);
   }
 
   [[nodiscard]] std::size_t body() const { return body_; }
@@ -137,8 +137,8 @@ class Equations {
     matrix[i * size_ + j] = matrix[j * size_ + i] = value;
   }
 
-  // That of the most important motion of the liquid, at the lowest of the bank's levels that is not below.
-  [[nodiscard]] double most_important_lambda(double level_m) const {
+  // Returns the eigenvalue of the liquid's leading motion at the bank's next level, `level_m` or the nearest above it.
+  [[nodiscard]] double leading_lambda(double level_m) const {
     const std::size_t liquid = levels_.liquid, last = liquid - 1;
     std::size_t l = 1;
     while (l + 1 < levels_.levels() && levels_.level_m[l] < level_m) ++l;

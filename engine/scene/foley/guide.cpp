@@ -384,15 +384,15 @@ class Guide {
   std::map<BodyId, std::size_t> index_;
   std::vector<Track> tracks_;
   std::vector<std::size_t> present_, place_;  // the bodies that are shot, and for each body its place there
-  // Of the last shot: of the bodies that are shot, whether they moved, were awake at the end, and what Track::way_on_m
-  // and turn_on_rad become; the steps.
+  // The last shot left these: for each body that was shot, whether it moved, whether it was awake at the end, and what
+  // its Track::way_on_m and turn_on_rad become; then the shot's steps.
   std::vector<bool> moved_, awake_;
   std::vector<std::pair<Vec3, Vec3>> steps_on_;
   std::vector<GuidedStep> shot_steps_;
   std::vector<GuidedStep> steps_;  // of the interval that was accepted last, before publish()
   std::size_t steps_of_ = 0;       // its index
-  // Of each interval, of each body: whether its contacts are those of the simulation, and whether the frames alone
-  // show a blow.
+  // For each interval and body, these say whether its contacts are those of the simulation, and whether the frames
+  // alone show a blow.
   std::vector<std::vector<bool>> known_, struck_;
   double work_ = 0;  // body-steps so far
 };

@@ -1,4 +1,4 @@
-// What a change of pitch changes in the constants of a few modes at once (modes/glide.h). [audio]
+// These functions give eight modes at once the constants of a new pitch (modes/glide.h). [audio]
 #pragma once
 
 #include "engine/base/realtime.h"

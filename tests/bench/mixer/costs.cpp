@@ -61,7 +61,7 @@ Row strike_cost(std::size_t modes, bool quick) {
   return row;
 }
 
-// So many strikes a second on 1,000 objects of 50 modes.
+// Measures the load of 1,000 objects of 50 modes that are struck `strikes_per_second` times in all.
 Row storm(double strikes_per_second, double seconds) {
   constexpr std::size_t kObjects = 1000, kModes = 50, kBanks = 10;
   std::vector<Map> maps;
