@@ -18,8 +18,9 @@ std::string tuning_name(std::size_t choice) {
 
 void Tunings::set_file(File file, const std::string& path) {
   const std::lock_guard lock(mutex_);
-  files_[static_cast<std::size_t>(file)] = path;
-  is_other_ = true;
+  std::string& held = files_[static_cast<std::size_t>(file)];
+  is_other_ = is_other_ || !path.empty() || !held.empty();  // the same file may hold something else now
+  held = path;
 }
 
 std::string Tunings::file(File file) const {

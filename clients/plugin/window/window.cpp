@@ -43,6 +43,7 @@ using ringdown::plugin::Parameter;
 using ringdown::plugin::Which;
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t kButtons = 3;        // left, right, middle
 constexpr int kSettling = 3;               // pictures after an event, until ImGui shows all that follows from it
 constexpr double kMovingPeriod_s = 0.033;  // between pictures while something rings
 constexpr std::uint64_t kNoteDelay = 2;    // idle calls, in which a state reaches the plug-in before the note
@@ -153,10 +154,7 @@ class RingdownWindow : public UI, private HostLink {
     io.DeltaTime = static_cast<float>(std::clamp(time_s - drawn_at_s_, 1e-3, 0.1));
     drawn_at_s_ = time_s;
     settling_ = std::max(0, settling_ - 1);
-    for (std::size_t i = 0; i < buttons_.size(); ++i) {
-      io.MouseDown[i] = buttons_[i].is_down || buttons_[i].was_pressed;
-      buttons_[i].was_pressed = false;
-    }
+    take_clicks(io);
     ImGui_ImplOpenGL3_NewFrame();
     ImGui::NewFrame();
     panel_.draw(io.DisplaySize.x, io.DisplaySize.y, scale_, time_s);
@@ -168,12 +166,9 @@ class RingdownWindow : public UI, private HostLink {
 
   bool onMouse(const MouseEvent& event) override {
     enter();
-    if (event.button < 1 || event.button > buttons_.size()) return false;
+    if (event.button < 1 || event.button > kButtons) return false;
     move_mouse(event.pos);
-    ImGui::GetIO().KeyShift = (event.mod & kModifierShift) != 0;
-    Button& button = buttons_[event.button - 1];
-    button.is_down = event.press;
-    button.was_pressed = button.was_pressed || event.press;
+    clicks_.push_back({event.button - 1, event.press, (event.mod & kModifierShift) != 0, event.pos});
     return true;
   }
   bool onMotion(const MotionEvent& event) override {
@@ -231,8 +226,10 @@ class RingdownWindow : public UI, private HostLink {
     setState(kScaleState, ringdown::formatted("{}", scale).c_str());
   }
 
-  struct Button {
-    bool is_down = false, was_pressed = false;  // was_pressed: since the last picture
+  struct Click {
+    std::size_t button;
+    bool press, shift;
+    DGL_NAMESPACE::Point<double> at;
   };
   struct Note {
     std::uint64_t at;
@@ -266,8 +263,23 @@ class RingdownWindow : public UI, private HostLink {
     setSize(static_cast<uint>(std::lround(getWidth() * factor)), static_cast<uint>(std::lround(getHeight() * factor)));
   }
   void move_mouse(const DGL_NAMESPACE::Point<double>& place) {
-    ImGui::GetIO().MousePos = {static_cast<float>(place.getX()), static_cast<float>(place.getY())};
+    mouse_ = place;
     wake();
+  }
+  // Gives ImGui, which sees one change of a button in a picture, the clicks since the last picture up to the second
+  // change of the same button. The rest waits for the next picture.
+  void take_clicks(ImGuiIO& io) {
+    auto mouse = mouse_;
+    std::array<bool, kButtons> has_changed{};
+    for (; !clicks_.empty() && !has_changed[clicks_.front().button]; clicks_.pop_front()) {
+      const Click& click = clicks_.front();
+      has_changed[click.button] = true;
+      io.MouseDown[click.button] = click.press;
+      io.KeyShift = click.shift;
+      mouse = click.at;
+      wake();
+    }
+    io.MousePos = {static_cast<float>(mouse.getX()), static_cast<float>(mouse.getY())};
   }
   void prepare_renderer() {
     if (!has_renderer_) {
@@ -285,8 +297,9 @@ class RingdownWindow : public UI, private HostLink {
   MainPanel panel_;
   ImGuiContext* imgui_ = nullptr;
   bool has_renderer_ = false;
-  double scale_, shown_scale_ = 0;  // of text and controls; that of the loaded font
-  std::array<Button, 3> buttons_;
+  double scale_, shown_scale_ = 0;                  // of text and controls; that of the loaded font
+  std::deque<Click> clicks_;                        // since the last picture
+  DGL_NAMESPACE::Point<double> mouse_{-1.0, -1.0};  // in pixels; outside until it moves
   std::deque<Note> notes_;
   std::uint64_t idles_ = 0;
   int settling_ = kSettling;
