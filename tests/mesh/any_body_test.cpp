@@ -154,10 +154,7 @@ std::vector<Brought> all_brought() {
   };
 }
 
-class AnyBody : public testing::TestWithParam<int> {};
-
-TEST_P(AnyBody, AnyBodyBakesToTheFrequenciesOfTheSoundBody) {
-  const Brought brought = all_brought()[static_cast<std::size_t>(GetParam())];
+void expect_notes_of_sound_body(const Brought& brought) {
   SCOPED_TRACE(std::string(brought.shape) + ", " + brought.what);
   const TemporaryFolder folder;
   const std::string ending = brought.ending;
@@ -183,7 +180,18 @@ TEST_P(AnyBody, AnyBodyBakesToTheFrequenciesOfTheSoundBody) {
               baked->mesh.mesh.elements.rows(), 100 * worst);
 }
 
-INSTANTIATE_TEST_SUITE_P(Twenty, AnyBody, testing::Range(0, 20));
+// Bodies of one shape share the bake of the sound body.
+class AnyBody : public testing::TestWithParam<const char*> {};
+
+TEST_P(AnyBody, AnyBodyBakesToTheFrequenciesOfTheSoundBody) {
+  for (const Brought& brought : all_brought()) {
+    if (brought.shape == std::string(GetParam())) expect_notes_of_sound_body(brought);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Twenty, AnyBody,
+                         testing::Values("block", "bar", "ball", "rod", "ring", "tube", "cup", "bowl", "L", "hollow"),
+                         [](const auto& shape) { return std::string(shape.param); });
 
 std::string refusal(const std::filesystem::path& path) {
   const auto baked = bake::bake_recipe(recipe_of(path, 0.02, 1), kCeramic);
