@@ -1,10 +1,12 @@
 #include "clients/viewer/mesh_baker.h"
 
+#include "engine/base/content_hash.h"
 #include "engine/base/file_format.h"
 #include "engine/base/process/child_process.h"
 
 #include <algorithm>
 #include <cstdlib>
+#include <system_error>
 
 namespace ringdown::viewer {
 namespace {
@@ -14,6 +16,17 @@ namespace fs = std::filesystem;
 // A table is a scene if its folder is called "scenes", as in the daemon's list of files.
 bool is_scene(const fs::path& file) {
   return is_of_kind(file, FileKind::table) && file.parent_path().filename() == "scenes";
+}
+
+// Returns the name of a file's bank: "mug-porcelain-3f81c2.glb". The digits are a hash of the file's path, so that
+// files of one name in several folders, or of several formats, have banks of their own.
+std::string bank_name(const fs::path& file, const std::string& material) {
+  constexpr std::size_t kDigits = 6;
+  std::error_code failed;
+  fs::path path = fs::weakly_canonical(file, failed);
+  if (failed) path = fs::absolute(file, failed);
+  const std::string digits = hash_of(path.string()).text().substr(0, kDigits);
+  return file.stem().string() + (material.empty() ? "" : "-" + material) + "-" + digits + ".glb";
 }
 
 }  // namespace
@@ -87,7 +100,7 @@ Result<fs::path> MeshBaker::bake(Entry& entry, const std::stop_token& stop) {
   if (!folder_) return folder_;
   const fs::path& file = entry.job.file;
   const std::string& material = entry.job.material;
-  fs::path bank = *folder_ / (file.stem().string() + (material.empty() ? "" : "-" + material) + ".glb");
+  fs::path bank = *folder_ / bank_name(file, material);
   ChildRequest child{
       .command = {program_->string(), file.string(), "-o", bank.string(), "--quiet", "--progress-lines", "--update"}};
   if (!material.empty()) child.command.insert(child.command.end(), {"--material", material});

@@ -4,8 +4,8 @@
 //   baker.add("mug.stl", "porcelain");
 //   for (const auto& bank : baker.take_banks()) commands.load_bank(bank);  // at every frame
 //
-// ringdown-bake checks the mesh and repairs or refuses it. The banks stay in a folder of the user's, so a file that is
-// dropped again unchanged is not baked again. [UI]
+// ringdown-bake checks the mesh and repairs or refuses it. The banks stay in a folder of the user's, each under a name
+// that the file's path and material determine, so a file that is dropped again unchanged is not baked again. [UI]
 #pragma once
 
 #include "engine/base/result.h"

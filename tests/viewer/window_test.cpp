@@ -344,8 +344,11 @@ TEST(Window, ADroppedObjectIsBakedBesideAndStandsInThePicture) {
   const FileDrop drop("Ringdown", object);
   ASSERT_TRUE(studio.until([&] { return drop.is_taken(); }));
   ASSERT_TRUE(studio.until([&] {
-    const KnownObject* brick = studio.app().model().object("brick");
-    return brick && brick->bank && studio.app().scene_view().stage().contents().items.size() == 3;
+    const auto& objects = studio.app().model().objects();
+    const auto brick =
+        std::ranges::find_if(objects, [](const auto& entry) { return entry.first.starts_with("brick-"); });
+    return brick != objects.end() && brick->second.bank &&
+           studio.app().scene_view().stage().contents().items.size() == 3;
   })) << studio.condition();
   EXPECT_TRUE(studio.app().baker().jobs().empty());
 }
