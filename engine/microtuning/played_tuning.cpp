@@ -9,8 +9,10 @@ namespace {
 constexpr std::uint8_t kSystemExclusive = 0xf0, kEndOfExclusive = 0xf7, kNonRealTime = 0x7e, kRealTime = 0x7f;
 constexpr std::uint8_t kMidiTuning = 0x08;
 constexpr std::uint8_t kDump = 0x01, kKeyChange = 0x02, kBankDump = 0x04, kBankKeyChange = 0x07;
-constexpr std::size_t kNameBytes = 16, kPitchBytes = 3, kKeyBytes = 4, kChecksumBytes = 1;
-constexpr float kParts = 16384;  // of a semitone
+constexpr std::uint8_t kScaleDump = 0x05, kFineScaleDump = 0x06, kScale = 0x08, kFineScale = 0x09;
+constexpr std::size_t kNameBytes = 16, kPitchBytes = 3, kKeyBytes = 4, kChecksumBytes = 1, kChannelBytes = 3;
+constexpr std::size_t kBytes = 1, kFineBytes = 2;  // of a degree of a scale
+constexpr float kParts = 16384;                    // of a semitone
 
 using Bytes = std::span<const std::uint8_t>;
 
@@ -41,6 +43,14 @@ void PlayedTuning::take(Bytes message, const KeySet& held) REALTIME {
       return take_keys({0, message[4]}, message.subspan(5), kept);
     case kBankKeyChange:
       return take_keys({message[4], message[5]}, message.subspan(6), kept);
+    case kScaleDump:
+      return take_scale_dump({message[4], message[5]}, message.subspan(6), kBytes, kept);
+    case kFineScaleDump:
+      return take_scale_dump({message[4], message[5]}, message.subspan(6), kFineBytes, kept);
+    case kScale:
+      return take_scale(message.subspan(4), kBytes, kept);
+    case kFineScale:
+      return take_scale(message.subspan(4), kFineBytes, kept);
     default:
       return;
   }
@@ -70,10 +80,41 @@ void PlayedTuning::take_keys(const Address& address, Bytes keys, const KeySet& k
   update(kept);
 }
 
+// `dump` is a name, a scale whose degrees have `bytes` each, and a checksum.
+void PlayedTuning::take_scale_dump(const Address& address, Bytes dump, std::size_t bytes, const KeySet& kept) REALTIME {
+  if (dump.size() != kNameBytes + kDegrees * bytes + kChecksumBytes) return;
+  Program* const program = find_or_add(address);
+  if (!program) return;
+  const Scale scale = scale_of(dump.subspan(kNameBytes), bytes);
+  for (std::size_t key = 0; key < kKeys; ++key) program->semitones[key] = scale.semitones[key % kDegrees];
+  update(kept);
+}
+
+// `message` is a set of channels and a scale whose degrees have `bytes` each.
+void PlayedTuning::take_scale(Bytes message, std::size_t bytes, const KeySet& kept) REALTIME {
+  if (message.size() != kChannelBytes + kDegrees * bytes) return;
+  const std::uint32_t channels = message[0] << 14 | message[1] << 7 | message[2];
+  const Scale scale = scale_of(message.subspan(kChannelBytes), bytes);
+  for (std::size_t channel = 0; channel < kChannels; ++channel) {
+    if (channels >> channel & 1) scales_[channel] = scale;
+  }
+  update(kept);
+}
+
+PlayedTuning::Scale PlayedTuning::scale_of(Bytes degrees, std::size_t bytes) REALTIME {
+  Scale scale{.is_set = true};
+  for (std::size_t i = 0; i < kDegrees; ++i) {
+    scale.semitones[i] = bytes == kBytes ? static_cast<float>(degrees[i] - 64) / 100
+                                         : static_cast<float>(128 * degrees[2 * i] + degrees[2 * i + 1] - 8192) / 8192;
+  }
+  return scale;
+}
+
 void PlayedTuning::select(std::size_t channel, std::uint8_t parameter, std::uint8_t value,
                           const KeySet& held) REALTIME {
   if (parameter == kTuningProgram) selected_[channel].program = value;
   if (parameter == kTuningBank) selected_[channel].bank = value;
+  if (parameter == kTuningProgram || parameter == kTuningBank) scales_[channel].is_set = false;
   update(held);
 }
 
@@ -89,7 +130,12 @@ void PlayedTuning::update(const KeySet& kept) REALTIME {
 }
 
 void PlayedTuning::update_key(std::size_t key) REALTIME {
-  const Program* const program = find(selected_[channel_of_[key]]);
+  const std::size_t channel = channel_of_[key];
+  if (scales_[channel].is_set) {
+    stated_[key].store(scales_[channel].semitones[key % kDegrees], std::memory_order_relaxed);
+    return;
+  }
+  const Program* const program = find(selected_[channel]);
   stated_[key].store(program ? program->semitones[key] : kUnset, std::memory_order_relaxed);
 }
 

@@ -7,13 +7,22 @@
 //
 //   01 tt name[16] [xx yy zz]x128 checksum      bulk dump of program tt
 //   04 bb tt name[16] [xx yy zz]x128 checksum   bulk dump of program tt of bank bb
+//   05 bb tt name[16] [ss]x12 checksum          bulk dump of program tt of bank bb: one scale for all octaves
+//   06 bb tt name[16] [ss tt]x12 checksum       the same with two bytes for each degree
 //   02 tt ll [kk xx yy zz]xll                   keys of program tt
 //   07 bb tt ll [kk xx yy zz]xll                keys of program tt of bank bb
 //
-// A pitch is xx semitones and 128 yy + zz parts of 16384 of a semitone; 7F 7F 7F changes nothing. Each channel plays
-// program 0 of bank 0, until the registered parameters 3 and 4 choose another program and bank. Real-time messages also
-// retune keys that are held; others reach those when they are struck again. Checksums are not compared, because senders
-// disagree about the bytes that they cover. All devices are addressed.
+// and these tune channels, as a set of 16 bits: 15 and 16 in ff, 8 to 14 in gg, 1 to 7 in hh, lowest bits first.
+//
+//   08 ff gg hh [ss]x12                         one scale for all octaves
+//   09 ff gg hh [ss tt]x12                      the same with two bytes for each degree
+//
+// A pitch is xx semitones and 128 yy + zz parts of 16384 of a semitone; 7F 7F 7F changes nothing. A scale states for
+// the degrees C, C sharp ... B how far they lie above equal temperament: ss - 64 cents, or 128 ss + tt - 8192 parts of
+// 8192 of a semitone. Each channel plays program 0 of bank 0, until the registered parameters 3 and 4 choose another
+// program and bank; a scale of the channel precedes the program, until one of these parameters arrives. Real-time
+// messages also retune keys that are held; others reach those when they are struck again. Checksums are not compared,
+// because senders disagree about the bytes that they cover. All devices are addressed.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -66,16 +75,26 @@ class PlayedTuning {
     Address address;
     std::array<float, kKeys> semitones;  // above equal temperament; a float holds all 21 bits of a message
   };
+  static constexpr std::size_t kDegrees = 12;  // of a scale, from C
+  struct Scale {
+    std::array<float, kDegrees> semitones{};  // above equal temperament
+    bool is_set = false;
+  };
   [[nodiscard]] Program* find(const Address& address) REALTIME;
   [[nodiscard]] Program* find_or_add(const Address& address) REALTIME;
   void take_dump(const Address& address, std::span<const std::uint8_t> pitches, const KeySet& kept) REALTIME;
   void take_keys(const Address& address, std::span<const std::uint8_t> keys, const KeySet& kept) REALTIME;
+  void take_scale_dump(const Address& address, std::span<const std::uint8_t> dump, std::size_t bytes,
+                       const KeySet& kept) REALTIME;
+  void take_scale(std::span<const std::uint8_t> message, std::size_t bytes, const KeySet& kept) REALTIME;
+  [[nodiscard]] static Scale scale_of(std::span<const std::uint8_t> degrees, std::size_t bytes) REALTIME;
   void update(const KeySet& kept) REALTIME;
   void update_key(std::size_t key) REALTIME;
 
   std::size_t used_ = 0;
   std::array<Program, kMaxPrograms> programs_;
   std::array<Address, kChannels> selected_{};
+  std::array<Scale, kChannels> scales_{};         // of channels
   std::array<std::uint8_t, kKeys> channel_of_{};  // the channel that last played the key
   std::array<std::atomic<float>, kKeys> stated_;  // by messages, above equal temperament
   std::array<std::atomic<double>, kKeys> base_{};

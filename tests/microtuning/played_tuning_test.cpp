@@ -103,6 +103,97 @@ TEST_F(MidiTuning, ADumpTunesAllKeys) {
   EXPECT_EQ(tuning_->semitones(60), 0.5 + 3 / 16384.0);
 }
 
+// C is 25 cents low, E is 63 cents high, B is 64 cents low.
+const Message kOneByteScale = {0x27, 0x40, 0x40, 0x40, 0x7f, 0x40, 0x40, 0x40, 0x40, 0x40, 0x40, 0x00};
+// C is a semitone low, E a quarter tone high, B almost a semitone high, D 1/8192 of a semitone high.
+const Message kTwoByteScale = {0x00, 0x00, 0x40, 0x00, 0x40, 0x01, 0x40, 0x00, 0x60, 0x00, 0x40, 0x00,
+                               0x40, 0x00, 0x40, 0x00, 0x40, 0x00, 0x40, 0x00, 0x40, 0x00, 0x7f, 0x7f};
+
+Message joined(Message head, const Message& tail) {
+  head.insert(head.end(), tail.begin(), tail.end());
+  head.push_back(0xf7);
+  return head;
+}
+
+TEST_F(MidiTuning, AScaleTunesAllOctavesOfTheChannelsItNames) {
+  for (const std::uint8_t form : {0x7e, 0x7f}) {
+    tuning_ = std::make_unique<PlayedTuning>();
+    take(joined({0xf0, form, 0x7f, 0x08, 0x08, 0x02, 0x01, 0x05}, kOneByteScale));
+    for (std::size_t channel = 0; channel < 16; ++channel) {
+      const bool is_named = channel == 0 || channel == 2 || channel == 7 || channel == 15;
+      for (const std::size_t octave : {0, 5, 10}) {
+        for (const auto& [degree, cents] : {std::pair(0, -25), {4, 63}, {2, 0}}) {
+          const std::size_t key = 12 * octave + static_cast<std::size_t>(degree);
+          tuning_->press(key, channel);
+          EXPECT_NEAR(tuning_->semitones(key), is_named ? cents / 100.0 : 0, 1e-7) << channel << " " << key;
+        }
+      }
+    }
+    tuning_->press(59, 2);
+    EXPECT_NEAR(tuning_->semitones(59), -0.64, 1e-7);
+  }
+}
+
+TEST_F(MidiTuning, AFineScaleHasPartsOf8192OfASemitone) {
+  take(joined({0xf0, 0x7f, 0x7f, 0x08, 0x09, 0x03, 0x7f, 0x7f}, kTwoByteScale));
+  for (const std::size_t channel : {0, 9, 15}) {
+    for (const auto& [key, semitones] : {std::pair(60, -1.0),
+                                         {62, 1 / 8192.0},
+                                         {64, 0.5},
+                                         {71, 8191 / 8192.0},
+                                         {65, 0.0},
+                                         {0, -1.0},
+                                         {119, 8191 / 8192.0}}) {
+      tuning_->press(static_cast<std::size_t>(key), channel);
+      EXPECT_EQ(tuning_->semitones(static_cast<std::size_t>(key)), semitones) << key;
+    }
+  }
+}
+
+TEST_F(MidiTuning, AScaleHoldsUntilAProgramIsChosen) {
+  take({0xf0, 0x7f, 0x7f, 0x08, 0x02, 0x00, 0x01, 0x3c, 0x3d, 0x00, 0x00, 0xf7});
+  EXPECT_EQ(tuning_->semitones(60), 1);
+  take(joined({0xf0, 0x7f, 0x7f, 0x08, 0x08, 0x00, 0x00, 0x01}, kOneByteScale));
+  EXPECT_NEAR(tuning_->semitones(60), -0.25, 1e-7);
+  tuning_->select(0, 6, 0, {});
+  EXPECT_NEAR(tuning_->semitones(60), -0.25, 1e-7) << "another parameter";
+  tuning_->select(0, kTuningProgram, 0, {});
+  EXPECT_EQ(tuning_->semitones(60), 1);
+}
+
+TEST_F(MidiTuning, OnlyScalesInRealTimeRetuneKeysThatAreHeld) {
+  const KeySet held = KeySet().set(60);
+  take(joined({0xf0, 0x7e, 0x7f, 0x08, 0x08, 0x00, 0x00, 0x01}, kOneByteScale), held);
+  EXPECT_EQ(tuning_->semitones(60), 0);
+  EXPECT_NEAR(tuning_->semitones(72), -0.25, 1e-7);
+  take(joined({0xf0, 0x7f, 0x7f, 0x08, 0x09, 0x00, 0x00, 0x01}, kTwoByteScale), held);
+  EXPECT_EQ(tuning_->semitones(60), -1);
+}
+
+TEST_F(MidiTuning, DumpsOfScalesArePrograms) {
+  const auto named = [](Message head, const Message& scale) {
+    head.insert(head.end(), 16, 0x20);
+    head.insert(head.end(), scale.begin(), scale.end());
+    return joined(head, {0x00});
+  };
+  const Message coarse = named({0xf0, 0x7e, 0x7f, 0x08, 0x05, 0x02, 0x09}, kOneByteScale);
+  const Message fine = named({0xf0, 0x7e, 0x7f, 0x08, 0x06, 0x00, 0x00}, kTwoByteScale);
+  ASSERT_EQ(coarse.size(), 37u);
+  ASSERT_EQ(fine.size(), 49u);
+  take(coarse);
+  EXPECT_EQ(tuning_->semitones(60), 0) << "program 9 of bank 2 is not played";
+  take(fine);
+  EXPECT_EQ(tuning_->semitones(60), -1);
+  EXPECT_EQ(tuning_->semitones(71), 8191 / 8192.0);
+  tuning_->select(0, kTuningBank, 2, {});
+  tuning_->select(0, kTuningProgram, 9, {});
+  EXPECT_NEAR(tuning_->semitones(127 - 127 % 12), -0.25, 1e-7);
+  for (Message bad : {coarse, fine}) {
+    bad.erase(bad.begin() + 20);
+    EXPECT_FALSE(changes(bad)) << "a byte is missing";
+  }
+}
+
 TEST_F(MidiTuning, OnlyRealTimeMessagesRetuneKeysThatAreHeld) {
   const KeySet held = KeySet().set(60);
   take({0xf0, 0x7e, 0x7f, 0x08, 0x07, 0x00, 0x00, 0x02, 0x3c, 0x3d, 0x00, 0x00, 0x3d, 0x3e, 0x00, 0x00, 0xf7}, held);
@@ -154,6 +245,10 @@ TEST_F(MidiTuning, DamagedMessagesAndOthersChangeNothing) {
   EXPECT_FALSE(changes({0xf0, 0x41, 0x7f, 0x08, 0x02, 0x00, 0x01, 0x3c, 0x3d, 0x00, 0x00, 0xf7})) << "a maker's own";
   EXPECT_FALSE(changes({0xf0, 0x7e, 0x7f, 0x08, 0x00, 0x00, 0xf7})) << "a request for a dump";
   EXPECT_FALSE(changes({0xf0, 0x7f, 0x7f, 0x08, 0x02, 0x00, 0x02, 0x3c, 0x3d, 0x00, 0x00, 0xf7})) << "a key too few";
+  for (const std::uint8_t form : {0x08, 0x09}) {
+    const Message& scale = form == 0x08 ? kTwoByteScale : kOneByteScale;
+    EXPECT_FALSE(changes(joined({0xf0, 0x7f, 0x7f, 0x08, form, 0x03, 0x7f, 0x7f}, scale))) << "the other form's length";
+  }
   Message long_dump = dump({0xf0, 0x7e, 0x7f, 0x08, 0x01, 0x00});
   long_dump.insert(long_dump.end() - 1, 0);
   EXPECT_FALSE(changes(long_dump));
