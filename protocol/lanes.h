@@ -27,7 +27,7 @@ using TimedWorkerRequest = OneOf<TimedWorkerRequests>;
 // Carried out by the worker as soon as everything sent before has been: reads banks and scenes, retunes, frees.
 using WorkerRequests = Types<SetMaterial, SetGroup, SetMute, SetSolo, SelectModes, Excite, ArmObject, MendObject,
                              SetStrength, FreeObject, LoadObject, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
-                             SceneClear, SceneRemove, SceneRestore, ScenePush, TestTone>;
+                             SceneClear, SceneRemove, SceneRestore, ScenePlace, ScenePush, TestTone>;
 using WorkerRequest = OneOf<WorkerRequests>;
 
 // Writes a file, or begins to: also the worker's, in order.

@@ -198,6 +198,11 @@ struct SceneRemove {  // /scene/remove
 struct SceneRestore {  // /scene/restore
   std::int32_t body = 0;
 };
+// Puts a body elsewhere, at rest. The pose is that of the object's frame.
+struct ScenePlace {  // /scene/place
+  std::int32_t body = 0;
+  Pose pose;
+};
 // An impulse in the scene's axes at the body's centre of mass.
 struct ScenePush {  // /scene/push
   std::int32_t body = 0;
@@ -257,9 +262,9 @@ using Requests =
     Joined<VerbRequests, Types<StrikeMany, PoseMany, ClearAll, SetMaterial, SetFill, SetResonator, Hold, SetGroup,
                                SetMute, SetSolo, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ArmObject,
                                BreakObject, MendObject, SetStrength, DescribePieces, FreeObject, LoadObject, SceneLoad,
-                               ScenePause, SpawnBox, SpawnSphere, SceneClear, SceneRemove, SceneRestore, ScenePush,
-                               SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart,
-                               RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
+                               ScenePause, SpawnBox, SpawnSphere, SceneClear, SceneRemove, SceneRestore, ScenePlace,
+                               ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene,
+                               RecordStart, RecordStop, CaptureStart, CaptureStop, Status, Version, Sync, Quit>>;
 using Request = OneOf<Requests>;
 
 // The request that would make this event of `object`.

@@ -506,6 +506,15 @@ Row row(SceneRestore& s) {
                   {integer(&s.body, "body", kCount, "The body's number.")});
 }
 
+Row row(ScenePlace& s) {
+  return answered(s = {2, kTurned}, "/scene/place",
+                  "Puts a body elsewhere, at rest. A body that a joint or a path holds is refused.",
+                  {integer(&s.body, "body", kCount, "The body's number."),
+                   vector(&s.pose.position_m, "position", {"x", "y", "z"}, kPosition,
+                          "Where the body is to be, as in /notify.body."),
+                   turn(&s.pose.rotation)});
+}
+
 Row row(ScenePush& s) {
   return answered(
       s = {2, {0, 0, 0.5}}, "/scene/push", "Gives a body of the scene an impulse at its centre of mass.",

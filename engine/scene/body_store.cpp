@@ -29,6 +29,13 @@ Motion Body::start() const {
   return {center, description.rotation, description.velocity_m_s, description.spin_rad_s};
 }
 
+void put_at_rest(BodyDescription& body, const Pose& pose) {
+  body.position_m = pose.position_m;
+  body.rotation = normalized(pose.rotation);
+  body.velocity_m_s = body.spin_rad_s = {};
+  body.scatter_m = 0;
+}
+
 BodyStore::BodyStore(const SceneDescription& scene) : random_(scene.seed) {
   for (const ObjectDescription& object : scene.objects) material_scale_[object.name] = object.material;
 }

@@ -64,6 +64,9 @@ struct Body {
   [[nodiscard]] Motion start() const;
 };
 
+// Lets a body begin in this pose of its object's frame, exactly there and at rest.
+void put_at_rest(BodyDescription& body, const Pose& pose);
+
 class BodyStore {
  public:
   explicit BodyStore(const SceneDescription& scene);

@@ -348,12 +348,11 @@ Result<void> World::remove(BodyId id) {
   const Body& body = found->second;
   RemovedBody removed{body.description, body.spawned, {}};
   BodyDescription& again = removed.description;
-  again.scatter_m = 0;
   if (!body.waiting && !again.path) {
-    again.position_m = body.motion.position_m - to_matrix(body.motion.rotation) * body.mass.center_m;
-    again.rotation = body.motion.rotation;
-    again.velocity_m_s = again.spin_rad_s = {};
+    put_at_rest(again,
+                {body.motion.position_m - to_matrix(body.motion.rotation) * body.mass.center_m, body.motion.rotation});
   }
+  again.scatter_m = 0;  // the position of a body that waits includes its scatter
   for (const auto* joints : {&state_->joints, &state_->made_joints}) {
     std::ranges::copy_if(*joints, std::back_inserter(removed.joints),
                          [id](const auto& joint) { return joint.joins(id); });
@@ -374,6 +373,28 @@ Result<void> World::restore(BodyId id) {
     return fail(added);
   }
   state_->removed.erase(found);
+  return {};
+}
+
+Result<void> World::place(BodyId id, const Pose& pose) {
+  const auto found = state_->store.bodies().find(id);
+  if (found == state_->store.bodies().end())
+    return fail(ErrorKind::bad_input, "cannot place: the scene has no body {}", id);
+  Body& body = found->second;
+  const std::string who = "body " + quote(body.description.name);
+  if (body.description.path) return fail(ErrorKind::refused, "cannot place {}: it follows a path", who);
+  for (const auto* joints : {&state_->joints, &state_->made_joints}) {
+    if (std::ranges::any_of(*joints, [id](const auto& joint) { return joint.joins(id); }))
+      return fail(ErrorKind::refused, "cannot place {}: a joint holds it; move the joint in the scene's file", who);
+  }
+  if (!within(pose.position_m, range::kPosition_m))
+    return fail(ErrorKind::bad_input, "cannot place {}: its position has to be within {:g} m", who,
+                range::kPosition_m.high);
+  if (!(norm(pose.rotation) > 0))
+    return fail(ErrorKind::bad_input, "cannot place {}: its rotation is 0; qw = 1 is none", who);
+  put_at_rest(body.description, pose);
+  body.motion = body.start();
+  if (!body.waiting) state_->simulation.place(id, body.motion);
   return {};
 }
 

@@ -112,6 +112,9 @@ class World {
   // if the body was not removed.
   Result<void> remove(BodyId id);
   Result<void> restore(BodyId id);
+  // Puts a body elsewhere, at rest: `pose` is that of the object's frame. A body that waits for its start begins there.
+  // Fails if there is no such body, or if a joint or a path determines where it is.
+  Result<void> place(BodyId id, const Pose& pose);
   void clear_spawned();  // removes only bodies that spawn() added, and pieces of broken bodies
   void clear();          // removes every body; statics stay
 

@@ -77,6 +77,17 @@ void KeptScene::restore(scene::BodyId id) {
   }
 }
 
+void KeptScene::place(scene::BodyId id, const Pose& pose) {
+  const auto name = names_.find(id);
+  if (name == names_.end()) return;
+  for (scene::BodyDescription& body : description_.bodies) {
+    if (body.name == name->second) put_at_rest(body, pose);
+  }
+  for (scene::EmitterDescription& emitter : description_.emitters) {
+    if (emitter.name == name->second) put_at_rest(emitter.body, pose);
+  }
+}
+
 void KeptScene::clear() {
   description_.bodies.clear();
   description_.emitters.clear();

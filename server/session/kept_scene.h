@@ -23,6 +23,8 @@ class KeptScene {
   // Takes a body out, with its joints, or puts it back. Single bodies of a file's emitters stay in the description.
   void remove(scene::BodyId id);
   void restore(scene::BodyId id);
+  // Lets a body begin elsewhere, at rest.
+  void place(scene::BodyId id, const Pose& pose);
   void clear();  // removes all bodies
 
   [[nodiscard]] const scene::SceneDescription& description() const { return description_; }

@@ -38,6 +38,9 @@ Result<void> change_bodies(const ScenePlayer::Change& change, scene::World& worl
                    [&](const protocol::SceneRestore& request) {
                      return world.restore(id(request)).map([&] { kept.restore(id(request)); });
                    },
+                   [&](const protocol::ScenePlace& request) {
+                     return world.place(id(request), request.pose).map([&] { kept.place(id(request), request.pose); });
+                   },
                    [&](const protocol::ScenePush& request) { return world.push(id(request), request.impulse_ns); },
                },
                change);

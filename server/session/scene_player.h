@@ -84,13 +84,13 @@ class ScenePlayer {
   Result<std::size_t> load(const std::filesystem::path& path, synth::Frame frame, bool paused = false);
 
   // Requests to the scene; without a scene they are refused. spawn() returns the new body's number; clear() removes all
-  // bodies and aborts the present step; change() takes one body out, puts it back where it was, at
-  // rest, or applies an impulse at its centre of mass, in the scene's axes. [worker]
+  // bodies and aborts the present step; change() takes one body out, puts it back where it was or elsewhere, at rest,
+  // or applies an impulse at its centre of mass, in the scene's axes. [worker]
   Result<void> pause(bool paused);
   Result<scene::BodyId> spawn(const protocol::SpawnBox& box);
   Result<scene::BodyId> spawn(const protocol::SpawnSphere& sphere);
   Result<void> clear();
-  using Change = OneOf<Types<protocol::SceneRemove, protocol::SceneRestore, protocol::ScenePush>>;
+  using Change = OneOf<Types<protocol::SceneRemove, protocol::SceneRestore, protocol::ScenePlace, protocol::ScenePush>>;
   Result<void> change(const Change& change);
 
   // Call after an object of the rack got a new bank or was freed: bodies that sound by this object get the new bank, or

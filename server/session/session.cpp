@@ -140,6 +140,7 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
                    [&](const SceneClear&) { return none(scene_.clear()); },
                    [&](const SceneRemove& change) { return none(scene_.change(change)); },
                    [&](const SceneRestore& change) { return none(scene_.change(change)); },
+                   [&](const ScenePlace& change) { return none(scene_.change(change)); },
                    [&](const ScenePush& change) { return none(scene_.change(change)); },
                    [&](const TestTone& tone) {
                      rack_.mixer().test_tone().set(tone.amplitude, tone.frequency_hz);

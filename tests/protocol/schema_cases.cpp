@@ -495,6 +495,24 @@ Cases push_cases() {
            {a, {0, 0, 0}, "jz"}}};
 }
 
+Cases place_cases() {
+  const std::string a = "/scene/place";
+  return {{{a, {7, 1, 2, -3}, claim<ScenePlace>([](const ScenePlace& p) {
+              return p.body == 7 && p.pose == Pose{{1, 2, -3}, {}};
+            })},
+           {a, {7, 0, 0, 0, 0, 0, 1, 0}, claim<ScenePlace>([](const ScenePlace& p) {
+              return p.pose == Pose{{0, 0, 0}, Rotation::from_xyzw(0, 1, 0, 0)};
+            })}},
+          {{a, {-1, 0, 0, 0}, "body"},
+           {a, {0, kNan, 0, 0}, "x"},
+           {a, {0, 0, 1e5, 0}, "y"},
+           {a, {0, 0, 0}, "z"},
+           {a, {0, 0, 0, 0, kNan, 0, 0, 0}, "qw"},
+           {a, {0, 0, 0, 0, 1, 2, 0, 0}, "qx"},
+           {a, {0, 0, 0, 0, 1, 0, "up", 0}, "qy"},
+           {a, {0, 0, 0, 0, 1, 0, 0, kInfinity}, "qz"}}};
+}
+
 Cases test_tone_cases() {
   const std::string a = "/test_tone";
   return {
@@ -589,6 +607,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/scene/spawn/sphere", sphere_cases()},
       {"/scene/remove", body_cases<SceneRemove>("/scene/remove")},
       {"/scene/restore", body_cases<SceneRestore>("/scene/restore")},
+      {"/scene/place", place_cases()},
       {"/scene/clear", bare_cases<SceneClear>("/scene/clear")},
       {"/status", bare_cases<Status>("/status")},
       {"/version", bare_cases<Version>("/version")},

@@ -144,6 +144,42 @@ TEST(Remove, OnlyBodiesThatAreThereAreRemovedAndOnlyRemovedOnesRestored) {
   EXPECT_TRUE(no_word(world.restore(*id), "cannot restore"));
 }
 
+TEST(Place, ABodyIsPutElsewhereAtRestAndWhatStoodOnItFalls) {
+  SceneDescription scene = scene_of({body_of("shelf", ShapeType::box, {0, 0, 1}), body_of("bell", ShapeType::box, {})});
+  scene.bodies[0].fixed = true;
+  scene.bodies[1].position_m = {0, 0, 1.101};
+  World world = world_of(scene, {sounding("shelf", 3, box_bank(kSize, 1)), sounding("bell", 4, box_bank(kSize, 1))});
+  run(world, 3);
+  ASSERT_NEAR(world.bodies()[1].position_m.z, 1.1, 1e-3) << "asleep on the shelf";
+  const Rotation upright = Rotation::from_xyzw(0, 0, std::sqrt(0.5), std::sqrt(0.5));
+  ASSERT_TRUE(world.place(0, {{2, 0, 1}, upright}));
+  EXPECT_EQ(world.bodies()[0].position_m, (Vec3{2, 0, 1}));
+  EXPECT_NEAR(world.bodies()[0].rotation.z, std::sqrt(0.5), 1e-12);
+  run(world, 0.2);
+  EXPECT_NEAR(world.bodies()[1].position_m.z, 1.1 - 9.81 / 2 * 0.2 * 0.2, 0.01) << "as nothing holds it any more";
+  ASSERT_TRUE(world.place(1, {{2, 0, 1.101}, {}}));
+  EXPECT_EQ(world.bodies()[1].velocity_m_s, Vec3{});
+  run(world, 2);
+  EXPECT_NEAR(world.bodies()[1].position_m.z, 1.1, 1e-3) << "the shelf carries it where it is now";
+}
+
+TEST(Place, BodiesThatWaitBeginThereAndOthersAreRefused) {
+  SceneDescription scene =
+      scene_of({body_of("bell", ShapeType::box, {0, 0, 1}), body_of("late", ShapeType::box, {0, 3, 1})});
+  scene.bodies[1].start_s = 0.5;
+  scene.joints.push_back({.name = "hook", .type = JointType::ball, .body = "bell", .anchor_m = {0, 0, 1.2}});
+  World world = world_of(scene, {sounding("bell", 4, box_bank(kSize, 1)), sounding("late", 5, box_bank(kSize, 1))});
+  ASSERT_TRUE(world.place(1, {{5, 0, 1}, {}}));
+  run(world, 0.6);
+  EXPECT_NEAR(world.bodies()[1].position_m.x, 5, 1e-6);
+  EXPECT_NEAR(world.bodies()[1].position_m.z, 1 - 9.81 / 2 * 0.1 * 0.1, 5e-3);
+  const auto why = [](const Result<void>& done) { return done ? std::string() : done.error().message; };
+  EXPECT_NE(why(world.place(0, {})).find("a joint holds it"), std::string::npos);
+  EXPECT_NE(why(world.place(7, {})).find("no body 7"), std::string::npos);
+  EXPECT_NE(why(world.place(1, {{}, Rotation::from_xyzw(0, 0, 0, 0)})).find("its rotation is 0"), std::string::npos);
+  EXPECT_NE(why(world.place(1, {{0, 0, 2000}, {}})).find("within 1000 m"), std::string::npos);
+}
+
 TEST(Clear, ClearingRemovesSpawnedBodiesAndTheSceneStays) {
   World world =
       world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});

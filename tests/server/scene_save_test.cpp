@@ -165,6 +165,21 @@ TEST_F(SceneSaveTest, BodiesThatWereTakenOutAreNotInTheFileUntilTheyComeBack) {
   EXPECT_FALSE(session_.perform(protocol::SceneRemove{7}, 0));
 }
 
+TEST_F(SceneSaveTest, BodiesThatWerePlacedBeginThereInTheFile) {
+  perform(protocol::SceneLoad{scene_.string()});
+  perform(protocol::SpawnSphere{std::nullopt, {0, 0, 1}, {1, 0, 0}, 0.03, 7850});
+  const Pose there{{0.5, -2, 3}, Rotation::from_xyzw(1, 0, 0, 0)};
+  for (const std::int32_t body : {0, 1}) perform(protocol::ScenePlace{body, there});
+  ASSERT_TRUE(save_scene(session_, saved_));
+  const auto bodies = read(saved_).bodies;
+  ASSERT_EQ(bodies.size(), 2u);
+  for (const auto& body : bodies) {
+    EXPECT_EQ(body.position_m, there.position_m) << body.name;
+    EXPECT_EQ(body.rotation, there.rotation) << body.name;
+    EXPECT_EQ(body.velocity_m_s, Vec3{}) << body.name;
+  }
+}
+
 // Without bodies the scene is not stepped, which would have ended what the floor does to the object.
 TEST_F(SceneSaveTest, TheLastBodyThatIsTakenOutTouchesNothingAnyMore) {
   perform(protocol::SceneLoad{scene_.string()});

@@ -423,6 +423,13 @@ void Simulation::set_motion(BodyId id, const Motion& motion) {
   state_->asleep = false;
 }
 
+void Simulation::place(BodyId id, const Motion& motion) {
+  const OdeLock lock;
+  state_->colliders.at(id).move(motion);
+  state_->contacts.forget(id);
+  state_->wake_all();
+}
+
 void Simulation::rest(BodyId id, const Motion& motion) {
   const OdeLock lock;
   Collider& collider = state_->colliders.at(id);

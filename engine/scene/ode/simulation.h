@@ -55,6 +55,7 @@ class Simulation {
   void add_joint(BodyId body, std::optional<BodyId> other, const JointDescription& description);
 
   void set_motion(BodyId id, const Motion& motion);  // wakes the body
+  void place(BodyId id, const Motion& motion);  // puts a body elsewhere, and wakes all: what rested on it must fall
 
   // Places a body, which sleeps there until something touches it.
   void rest(BodyId id, const Motion& motion);
