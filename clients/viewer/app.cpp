@@ -174,7 +174,7 @@ void App::draw_panes() {
   }
   if (!all) return;
   pane("Side", Pane::side, 0, left, [&] {
-    const std::string url = side_.draw(skin_, client_.state(), model_, commands_, settings_);
+    const std::string url = side_.draw(skin_, client_.state(), model_, commands_, settings_, scene_.camera());
     if (url.empty()) return;
     options_.daemon = url;
     client_.connect_to(url);
@@ -218,7 +218,8 @@ void App::frame() {
   if (window_.minimised()) return talk();
   draw();
   if (connection_ == 0 || options_.only == Pane::sound) return;
-  if (auto request = listener_.update(scene_.camera(), settings_.listen, now_s())) client_.send(std::move(*request));
+  auto heard = listener_.update(scene_.camera(), settings_.listen, now_s(), commands_.edits().listener());
+  if (heard) client_.send(std::move(*heard));
 }
 
 }  // namespace ringdown::viewer

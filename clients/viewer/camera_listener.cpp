@@ -8,10 +8,12 @@ ringdown::Pose listener_of(const Camera& camera) {
           about({0, 0, 1}, static_cast<double>(camera.yaw)) * about({0, 1, 0}, -static_cast<double>(camera.pitch))};
 }
 
-std::optional<protocol::Request> CameraListener::update(const Camera& camera, bool listens, double now_s) {
+std::optional<protocol::Request> CameraListener::update(const Camera& camera, bool listens, double now_s,
+                                                        const std::optional<ringdown::Pose>& otherwise) {
   if (!listens) {
     if (!listening_) return std::nullopt;
     listening_ = false;
+    if (otherwise) return protocol::SetListener{{*otherwise}};
     return protocol::ListenerOff{};
   }
   const ringdown::Pose pose = listener_of(camera);

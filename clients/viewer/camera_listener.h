@@ -11,8 +11,10 @@ namespace ringdown::viewer {
 class CameraListener {
  public:
   // Returns the request to send in this frame, if one is due: the camera's pose whenever it has moved, and from time to
-  // time besides, because a newly loaded scene may set its own listener; and once when the user stops listening.
-  std::optional<protocol::Request> update(const Camera& camera, bool listens, double now_s);
+  // time besides, because a newly loaded scene may set its own listener; and once when the user stops listening from
+  // the camera: the listener then goes to `otherwise`, or is removed.
+  std::optional<protocol::Request> update(const Camera& camera, bool listens, double now_s,
+                                          const std::optional<ringdown::Pose>& otherwise = {});
 
  private:
   static constexpr double kAgain_s = 0.5;

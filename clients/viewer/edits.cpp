@@ -10,6 +10,7 @@ namespace {
 using protocol::Request;
 
 constexpr double kConfirmedWithin_s = 1;
+constexpr double kShownWithin_s = 0.3;  // the window shows a scene a few notices late
 
 // Applies a request to `adjustment`. Returns the name of the object, or nothing when the request sets nothing there.
 std::optional<std::string> apply(const Request& request, Adjustment& adjustment) {
@@ -73,7 +74,8 @@ std::optional<Request> History::redo() {
 
 void History::forget_bodies() {
   const auto is_body = [](const Entry& entry) {
-    return entry.before.get_if<protocol::SceneRemove>() || entry.before.get_if<protocol::SceneRestore>();
+    return entry.before.get_if<protocol::SceneRemove>() || entry.before.get_if<protocol::SceneRestore>() ||
+           entry.before.get_if<protocol::ScenePlace>();
   };
   const auto end_of_done = entries_.begin() + static_cast<std::ptrdiff_t>(done_);
   done_ -= static_cast<std::size_t>(std::count_if(entries_.begin(), end_of_done, is_body));
@@ -83,12 +85,15 @@ void History::forget_bodies() {
 void Edits::update(double now_s) {
   now_s_ = now_s;
   std::erase_if(pending_, [&](const auto& entry) { return now_s - entry.second.sent_at_s > kConfirmedWithin_s; });
+  std::erase_if(placed_, [&](const auto& entry) { return now_s - entry.second.sent_at_s > kShownWithin_s; });
   note_new_bodies();
 }
 
 void Edits::restart() {
   history_.clear();
   pending_.clear();
+  placed_.clear();
+  listener_.reset();
   messages_seen_ = 0;
 }
 
@@ -98,6 +103,40 @@ void Edits::remove_body(std::int32_t body) {
   send_(protocol::SceneRemove{body});
   history_.note(formatted("remove body {} {}", body, name), protocol::SceneRestore{body}, protocol::SceneRemove{body},
                 now_s_);
+}
+
+void Edits::forget_bodies() {
+  history_.forget_bodies();
+  placed_.clear();
+}
+
+std::optional<ringdown::Pose> Edits::pose_of(std::int32_t body) const {
+  if (const auto placed = placed_.find(body); placed != placed_.end()) return placed->second.pose;
+  const auto known = model_.scene().bodies().find(body);
+  if (known == model_.scene().bodies().end() || !model_.scene().present(known->second)) return std::nullopt;
+  const auto last_s = known->second.track.last_time_s();
+  const auto pose = last_s ? known->second.track.pose_at(*last_s) : std::nullopt;
+  if (!pose) return std::nullopt;
+  const Quaternion& q = pose->rotation;
+  return ringdown::Pose{pose->position_m, Rotation::from_xyzw(q.x, q.y, q.z, q.w)};
+}
+
+void Edits::place_body(std::int32_t body, const ringdown::Pose& pose) {
+  const auto before = pose_of(body);
+  if (!before) return;
+  const auto known = model_.scene().bodies().find(body);
+  const std::string name = known == model_.scene().bodies().end() ? "" : known->second.name;
+  history_.note(formatted("place body {} {}", body, name), protocol::ScenePlace{body, *before},
+                protocol::ScenePlace{body, pose}, now_s_);
+  send(protocol::ScenePlace{body, pose});
+}
+
+void Edits::set_listener(const std::optional<ringdown::Pose>& pose) {
+  const auto request = [](const std::optional<ringdown::Pose>& one) {
+    return one ? Request(protocol::SetListener{{*one}}) : Request(protocol::ListenerOff{});
+  };
+  history_.note("listener", request(listener_), request(pose), now_s_);
+  send(request(pose));
 }
 
 // The daemon's answers name the bodies that were dropped.
@@ -132,6 +171,11 @@ void Edits::send(const Request& request) {
     apply(request, adjustment);
     pending_.insert_or_assign(*name, Pending{adjustment, now_s_});
   }
+  if (const auto* place = request.get_if<protocol::ScenePlace>()) {
+    placed_.insert_or_assign(place->body, Placed{place->pose, now_s_});
+  }
+  if (const auto* listener = request.get_if<protocol::SetListener>()) listener_ = listener->verb.pose;
+  if (request.get_if<protocol::ListenerOff>()) listener_.reset();
   send_(request);
   if (name && !name->empty()) send_(protocol::DescribeObject{{*name, std::nullopt}});
 }

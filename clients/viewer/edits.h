@@ -1,4 +1,5 @@
-// Changes to the settings of objects, and to which bodies a scene has: sent to the daemon, and undoable. [UI]
+// Changes to the settings of objects, to which bodies a scene has and where, and to the listener: sent to the daemon,
+// and undoable. [UI]
 #pragma once
 
 #include "clients/viewer/link/model.h"
@@ -34,7 +35,7 @@ class History {
   [[nodiscard]] std::string redoes() const { return done_ == entries_.size() ? "" : entries_[done_].what; }
 
   void clear() { entries_.clear(), done_ = 0; }
-  void forget_bodies();  // forgets new and removed bodies, because their scene is gone
+  void forget_bodies();  // forgets new, removed and placed bodies, because their scene is gone
 
  private:
   struct Entry {
@@ -71,7 +72,14 @@ class Edits {
   void change(const KnownObject& object, const protocol::Request& request, const std::string& what);
   // Takes a body out of the scene. undo() can revert this, and also takes out new bodies that the daemon has dropped.
   void remove_body(std::int32_t body);
-  void forget_bodies() { history_.forget_bodies(); }
+  // Puts a body elsewhere, or the listener, which undo() reverts. Poses are as last sent until the daemon has had time
+  // to confirm; then as it reports. A body's is nothing if it is not in the scene. The daemon reports no listener:
+  // listener() is nothing until set_listener() or after listening ended.
+  [[nodiscard]] std::optional<ringdown::Pose> pose_of(std::int32_t body) const;
+  void place_body(std::int32_t body, const ringdown::Pose& pose);
+  [[nodiscard]] const std::optional<ringdown::Pose>& listener() const { return listener_; }
+  void set_listener(const std::optional<ringdown::Pose>& pose);
+  void forget_bodies();
   void undo() { send_if_any(history_.undo()); }
   void redo() { send_if_any(history_.redo()); }
   [[nodiscard]] const History& history() const { return history_; }
@@ -89,6 +97,12 @@ class Edits {
   Send send_;
   History history_;
   std::map<std::string, Pending> pending_;  // changes sent and not yet confirmed, by object
+  struct Placed {
+    ringdown::Pose pose;
+    double sent_at_s;
+  };
+  std::map<std::int32_t, Placed> placed_;  // poses sent and not yet shown, by body
+  std::optional<ringdown::Pose> listener_;
   double now_s_ = 0;
   std::uint64_t messages_seen_ = 0;
 };

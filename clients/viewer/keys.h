@@ -71,6 +71,7 @@ enum class Action : std::uint8_t {
   new_box,
   new_sphere,
   remove_body,
+  place_body,
   clear_scene,
   vibrate,
   choose_support,

@@ -261,6 +261,65 @@ TEST(Commands, NewAndRemovedBodiesAreUndoneAndRedone) {
   EXPECT_EQ(removed(), (std::vector<int>{3, 7, 3}));
 }
 
+// The scene of one body, "ball", in the words of the daemon.
+void describe_ball(Desk& desk, Vec3 at_m) {
+  desk.model.apply(protocol::NotifyScene{1, 5, true}, desk.now_s);
+  protocol::NotifyBody pose{3, "ball", "-", at_m};
+  desk.model.apply(pose, desk.now_s);
+  protocol::SceneReply scene;
+  scene.version = scene.bodies = 1;
+  desk.model.apply(scene, desk.now_s);
+  protocol::SceneBody body;
+  body.version = 1;
+  body.id = 3;
+  body.name = "ball";
+  body.object = "-";
+  body.shape = "sphere";
+  desk.model.apply(body, desk.now_s);
+}
+
+TEST(Commands, APlacedBodyGoesBackByOneUndoForEachGesture) {
+  Desk desk;
+  Edits& edits = desk.commands.edits();
+  EXPECT_FALSE(edits.pose_of(3));
+  edits.place_body(3, {});
+  EXPECT_TRUE(desk.of<protocol::ScenePlace>().empty()) << "there is no body 3";
+  describe_ball(desk, {1, 2, 3});
+  ASSERT_TRUE(edits.pose_of(3));
+  EXPECT_EQ(edits.pose_of(3)->position_m, (Vec3{1, 2, 3}));
+  for (const double x : {1.1, 1.2, 1.3}) {
+    edits.place_body(3, {{x, 2, 3}, {}});
+    EXPECT_EQ(edits.pose_of(3)->position_m.x, x) << "before the daemon has confirmed";
+    desk.wait(0.05);
+  }
+  desk.wait(1);
+  EXPECT_EQ(edits.pose_of(3)->position_m.x, 1) << "the daemon has refused or lost it";
+  EXPECT_EQ(edits.history().undoes(), "place body 3 ball");
+  desk.commands.perform(Action::undo);
+  ASSERT_EQ(desk.of<protocol::ScenePlace>().size(), 4u);
+  EXPECT_EQ(desk.of<protocol::ScenePlace>().back().pose.position_m, (Vec3{1, 2, 3}));
+  EXPECT_EQ(edits.history().undoes(), "");
+  desk.commands.perform(Action::redo);
+  EXPECT_EQ(desk.of<protocol::ScenePlace>().back().pose.position_m, (Vec3{1.3, 2, 3}));
+  desk.commands.load_scene("other.toml");
+  EXPECT_EQ(edits.history().undoes(), "") << "the body is gone";
+}
+
+TEST(Commands, TheListenerIsPutAndGoesBack) {
+  Desk desk;
+  Edits& edits = desk.commands.edits();
+  edits.set_listener(ringdown::Pose{{1, 0, 0}, {}});
+  desk.wait(1);
+  edits.set_listener(ringdown::Pose{{2, 0, 0}, {}});
+  desk.wait(1);
+  desk.commands.perform(Action::undo);
+  EXPECT_EQ(desk.of<protocol::SetListener>().back().verb.pose.position_m.x, 1);
+  EXPECT_EQ(edits.listener()->position_m.x, 1);
+  desk.commands.perform(Action::undo);
+  EXPECT_EQ(desk.of<protocol::ListenerOff>().size(), 1u) << "at first there is none";
+  EXPECT_FALSE(edits.listener());
+}
+
 TEST(Commands, BodiesOfAnotherSceneAreNotUndone) {
   Desk desk;
   const auto& history = desk.commands.edits().history();

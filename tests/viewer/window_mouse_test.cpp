@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace ringdown::viewer {
 namespace {
@@ -135,6 +136,47 @@ TEST(Window, DraggingTurnsTheWheelZoomsAndShiftPushes) {
   EXPECT_TRUE(
       studio.until([&] { return glm::dot(view.camera().position_m - before, view.camera().forward()) > 0.01F; }));
   EXPECT_TRUE(studio.relay().asked<protocol::Strike>().empty()) << "a drag strikes nothing";
+}
+
+// The bell is fixed, so it stays where the mouse puts it.
+TEST(Window, AnArrowOfTheGizmoMovesABodyAndUndoPutsItBack) {
+  OPEN_STUDIO(studio);
+  const PlacePanel& placing = studio.app().scene_view().placing();
+  const Target target = nearest_point(studio);
+  studio.take_focus();
+  studio.act({"mousemove", std::to_string(std::lround(target.pixel.x)), std::to_string(std::lround(target.pixel.y))});
+  studio.press("e");
+  ASSERT_TRUE(studio.until([&] { return placing.body() == 0 && placing.middle_of(Handle::move_x); }));
+  const SceneView& view = studio.app().scene_view();
+  const auto drawn_at = [&] {  // in pixels
+    const glm::vec3 origin(view.stage().contents().frame.bodies[0].pose[3]);
+    return view.camera().project(origin, static_cast<int>(view.size().x), static_cast<int>(view.size().y)).value();
+  };
+  const glm::vec2 before = drawn_at();
+  const ImVec2 grip = *placing.middle_of(Handle::move_x);
+  studio.drag(std::to_string(std::lround(grip.x)), std::to_string(std::lround(grip.y)), 4, 10, 0);
+  const auto bell_m = [&] {
+    const auto pose = studio.app().commands().edits().pose_of(0);
+    return pose ? pose->position_m : Vec3{};
+  };
+  const auto asked = [&] { return studio.relay().asked<protocol::ScenePlace>(); };
+  ASSERT_TRUE(studio.until([&] { return !asked().empty(); }));
+  studio.until([] { return false; }, 1s);  // the daemon says now where it is
+  const Vec3 moved_m = bell_m();
+  EXPECT_GT(moved_m.x, 0.01);
+  EXPECT_NEAR(drawn_at().x - before.x, 40, 2) << "the body follows the mouse";
+  EXPECT_NEAR(moved_m.y, 0, 1e-6) << "along x only";
+  EXPECT_NEAR(moved_m.z, 0.45, 1e-6);
+  EXPECT_TRUE(studio.relay().asked<protocol::Strike>().empty()) << "a drag of a handle strikes nothing";
+  // One step, or several on a machine that is so slow that they are no single gesture.
+  const History& history = studio.app().commands().edits().history();
+  for (int steps = 0; steps < 8 && !history.undoes().empty(); ++steps) studio.press("ctrl+z");
+  EXPECT_TRUE(studio.until([&] { return std::abs(bell_m().x) < 1e-6; }));
+  studio.until([] { return false; }, 1s);
+  EXPECT_NEAR(bell_m().x, 0, 1e-6) << "as the daemon says";
+  studio.act({"mousemove", std::to_string(std::lround(target.pixel.x)), std::to_string(std::lround(target.pixel.y))});
+  studio.press("e");
+  EXPECT_TRUE(studio.until([&] { return !placing.body(); }));
 }
 
 }  // namespace

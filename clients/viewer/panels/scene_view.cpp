@@ -53,6 +53,7 @@ void SceneView::draw(const Skin& skin, Model& model, Commands& commands, bool st
   draw_press(skin, strength_by_time, now_s);
   if (!hovered_) draw_middle(skin);
   draw_support(skin, origin_, size_, support_);
+  place_.draw(skin, origin_, size_, camera_, contents, model, commands);
 }
 
 std::optional<Hit> SceneView::hit_at(ImVec2 at) const {
@@ -68,6 +69,11 @@ void SceneView::handle_mouse(const Model& model, Commands& commands, bool streng
     const float away = glm::length(stage_.contents().frame.interest.centre - camera_.position_m);
     camera_.zoom(io.MouseWheel, ahead ? ahead->distance_m : away);
   }
+  if (place_.is_dragged()) {
+    if (ImGui::IsItemActive()) return place_.drag(io.MousePos, model, commands);
+    place_.release();
+  }
+  if (ImGui::IsItemActivated() && place_.press(io.MousePos)) return;
   if (ImGui::IsItemActivated()) press_ = Press{io.MousePos, now_s, hit_at(io.MousePos), io.KeyShift, io.KeyCtrl};
   if (!press_) return;
   if (!ImGui::IsItemActive()) return release(model, commands, strength_by_time, now_s);
@@ -182,15 +188,18 @@ bool SceneView::perform(Action action, Model& model, Commands& commands) {
     copy_support(support_);
     return true;
   }
-  if (action != Action::test_force && action != Action::choose_support && action != Action::remove_body) return false;
+  constexpr std::array kAtMouse = {Action::test_force, Action::choose_support, Action::remove_body, Action::place_body};
+  if (std::ranges::find(kAtMouse, action) == kAtMouse.end()) return false;
   const ImVec2 middle{origin_.x + size_.x / 2, origin_.y + size_.y / 2};
   const auto hit = hit_at(hovered_ ? ImGui::GetIO().MousePos : middle);
+  if (!hit && action == Action::place_body) place_.end();
   if (!hit) return true;
   if (action == Action::test_force) strike(*hit, commands, 1);
   if (action == Action::choose_support) choose(*hit, model);
   const auto& items = stage_.contents().items;
   const bool is_body = hit->id < items.size() && items[hit->id].body;
   if (action == Action::remove_body && is_body) commands.edits().remove_body(*items[hit->id].body);
+  if (action == Action::place_body && is_body) place_.toggle(*items[hit->id].body);
   return true;
 }
 

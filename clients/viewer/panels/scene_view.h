@@ -3,10 +3,11 @@
 // Dragging turns the camera, the wheel moves it forward. A click on a surface strikes it there: harder the longer the
 // button is held, or with the slider's impulse. Shift and drag pushes a body in the direction of the drag. A click with
 // Control chooses a flat piece of a surface as a support; a drag with Control chooses all triangles in a rectangle that
-// face the camera.
+// face the camera. A body that is placed has handles, which the mouse drags.
 #pragma once
 
 #include "clients/viewer/commands.h"
+#include "clients/viewer/panels/place_panel.h"
 #include "clients/viewer/panels/skin.h"
 #include "clients/viewer/render/scene_renderer.h"
 #include "clients/viewer/stage.h"
@@ -29,14 +30,16 @@ class SceneView {
   // Sets the share of the width and height at which the picture is drawn before it is stretched.
   void set_detail(double share) { detail_ = share; }
 
-  // Performs actions of the camera and the test force. Returns false for all others.
+  // Performs actions of the camera, and those on what is under the mouse. Returns false for all others.
   bool perform(Action action, Model& model, Commands& commands);
   // Performs the action of a key that is held down, for `seconds`.
   void move(Action action, double seconds);
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
+  [[nodiscard]] Camera& camera() { return camera_; }
   [[nodiscard]] const Stage& stage() const { return stage_; }
   [[nodiscard]] const SupportChoice& support() const { return support_; }
+  [[nodiscard]] const PlacePanel& placing() const { return place_; }
   [[nodiscard]] ImVec2 origin() const { return origin_; }  // position of the picture in the window, in pixels
   [[nodiscard]] ImVec2 size() const { return size_; }
 
@@ -73,6 +76,7 @@ class SceneView {
   double detail_ = 1;
   std::optional<Press> press_;
   SupportChoice support_;
+  PlacePanel place_;
 };
 
 }  // namespace ringdown::viewer

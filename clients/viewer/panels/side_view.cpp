@@ -1,6 +1,7 @@
 #include "clients/viewer/panels/side_view.h"
 
 #include "clients/viewer/panels/object_list.h"
+#include "clients/viewer/panels/view_panel.h"
 
 #include "engine/modal/levels/liquid_levels.h"
 
@@ -199,7 +200,7 @@ void SideView::draw_messages(const Skin& skin, const Model& model) {
 }
 
 std::string SideView::draw(const Skin& skin, const ConnectionState& state, Model& model, Commands& commands,
-                           Settings& settings) {
+                           Settings& settings, Camera& camera) {
   std::string go_to = draw_daemon(skin, state);
   draw_session(skin, model, commands);
   save_.draw(skin, model, commands);
@@ -208,6 +209,7 @@ std::string SideView::draw(const Skin& skin, const ConnectionState& state, Model
   if (ImGui::CollapsingHeader("Objects", ImGuiTreeNodeFlags_DefaultOpen)) draw_object_list(skin, model, commands);
   if (const KnownObject* object = model.object(commands.choice().object)) draw_sliders(*object, commands);
   draw_strike(commands, settings);
+  draw_view(camera, commands, settings.listen);
   draw_messages(skin, model);
   others_height_ = ImGui::GetCursorPosY() + ImGui::GetStyle().WindowPadding.y - files_height_;
   return go_to;

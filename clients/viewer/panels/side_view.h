@@ -1,5 +1,5 @@
 // The pane at the left: the daemon, recording, saving and undo, files to load, objects, the sliders of the chosen
-// object, the test force, and messages. [UI]
+// object, the test force, camera and listener, and messages. [UI]
 #pragma once
 
 #include "clients/viewer/commands.h"
@@ -7,6 +7,7 @@
 #include "clients/viewer/panels/material_picker.h"
 #include "clients/viewer/panels/save_panel.h"
 #include "clients/viewer/panels/skin.h"
+#include "clients/viewer/render/camera.h"
 #include "clients/viewer/settings.h"
 
 #include <array>
@@ -19,8 +20,8 @@ class SideView {
   explicit SideView(const std::string& url) { set_url(url); }
 
   // Returns the URL of the daemon to connect to, when the user entered one; otherwise an empty string.
-  std::string draw(const Skin& skin, const ConnectionState& state, Model& model, Commands& commands,
-                   Settings& settings);
+  std::string draw(const Skin& skin, const ConnectionState& state, Model& model, Commands& commands, Settings& settings,
+                   Camera& camera);
 
  private:
   void set_url(const std::string& url);
