@@ -1,4 +1,5 @@
 // The table of what is answered: a struct in reply.h and a row here for each.
+#include "engine/base/version.h"
 #include "protocol/quantities.h"
 
 namespace ringdown::protocol {
@@ -63,8 +64,7 @@ Row row(StatusReply& s) {
 }
 
 Row row(VersionReply& s) {
-  return reply(s = {"ringdownd", RINGDOWN_VERSION, kProtocolVersion}, "/version.reply",
-               "The program's name and version.",
+  return reply(s = {"ringdownd", kVersion, kProtocolVersion}, "/version.reply", "The program's name and version.",
                {any_text(&s.program, "program", "Its name and version."), any_text(&s.version, "version", "The same."),
                 integer(&s.protocol, "protocol", kCount,
                         "The version of this protocol, which grows when an address changes its meaning.")});

@@ -1,6 +1,7 @@
 #include "server/osc_server.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/version.h"
 #include "engine/base/within_memory.h"
 #include "protocol/defaults.h"
 #include "protocol/pattern.h"
@@ -330,7 +331,7 @@ void OscServer::answer_at_once(const protocol::DaemonRequest& request, const std
   visit(Overloaded{
             [&](const protocol::Status&) { answer(*ports_, from, status()); },
             [&](const protocol::Version&) {
-              answer(*ports_, from, protocol::VersionReply{"ringdownd", RINGDOWN_VERSION, protocol::kProtocolVersion});
+              answer(*ports_, from, protocol::VersionReply{"ringdownd", kVersion, protocol::kProtocolVersion});
             },
             [&](const protocol::Quit&) {
               answer(*ports_, from, protocol::Done{address, std::nullopt});

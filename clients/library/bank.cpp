@@ -1,5 +1,6 @@
 #include "clients/library/handles.h"
 
+#include "engine/base/version.h"
 #include "engine/modal/hearing/pitch.h"
 #include "engine/modal/radiation_map.h"
 
@@ -10,7 +11,7 @@
 using namespace ringdown;
 using library::guarded, library::missing;
 
-const char* ringdown_version() { return RINGDOWN_VERSION; }
+const char* ringdown_version() { return kVersion; }
 
 ringdown_result ringdown_bank_open(const char* path, ringdown_bank** bank, ringdown_error* error) {
   return guarded(error, [&]() -> Result<void> {

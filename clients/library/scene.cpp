@@ -4,6 +4,7 @@
 
 #include "clients/library/handles.h"
 #include "engine/base/quote.h"
+#include "engine/base/version.h"
 #include "protocol/request.h"
 #include "server/session/scene_player.h"
 
@@ -48,10 +49,9 @@ ringdown_result ringdown_scene_load(ringdown_mixer* mixer, const char* path, int
     if (!mixer) return missing("mixer");
     if (!path) return missing("path");
     if (!scene) return missing("scene");
-    if (std::string(ringdown_version()) != RINGDOWN_VERSION) {
+    if (std::string(ringdown_version()) != kVersion) {
       return fail(ErrorKind::refused, std::string("libringdown is of version ") + ringdown_version() +
-                                          " and libringdown-scene of " RINGDOWN_VERSION
-                                          "; install one version of both");
+                                          " and libringdown-scene of " + kVersion + "; install one version of both");
     }
     if (mixer->has_scene) {
       return fail(ErrorKind::refused, "the mixer has a scene already; destroy it first");

@@ -10,12 +10,14 @@
 #include "engine/bake/sample_points.h"
 #include "engine/bake/solve_body.h"
 #include "engine/base/range.h"
+#include "engine/base/version.h"
 #include "engine/bake/tubes/tubes.h"
 #include "engine/fem/shape_change.h"
 #include "engine/mesh/boundary.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -338,7 +340,7 @@ void describe_body(const Task& task, const Sounding& sounding, modal::Bank& bank
   if (!makeup.grain) bank.material->orthotropy.reset();
   bank.held = !std::ranges::all_of(makeup.supports, &Support::only_damps);
   bank.mass = task.units.mass(modes.mass);
-  bank.provenance = {.generator = "Ringdown " RINGDOWN_VERSION,
+  bank.provenance = {.generator = std::string("Ringdown ") + kVersion,
                      .element = element_text(task.options.element),
                      .unknowns = modes.unknowns,
                      .rigid_modes = modes.rigid,

@@ -6,7 +6,7 @@
 
 namespace ringdown {
 
-inline constexpr const char* kVersion = RINGDOWN_VERSION;  // semantic version of the programs and the library
+extern const char* const kVersion;  // semantic version of the programs and the library, which CMakeLists.txt states
 
 // The version since which bakes give the results of today. Banks carry it in the hash of their inputs, so raising it
 // bakes every bank anew: raise it to the version to be released if the same inputs now give another bank, and only

@@ -1,5 +1,6 @@
 #include "engine/fit/recorded_bank.h"
 
+#include "engine/base/version.h"
 #include "engine/modal/damping.h"
 #include "engine/modal/hearing/contact_pulse.h"
 #include "engine/modal/hearing/loudness.h"
@@ -323,7 +324,7 @@ modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudne
   std::ranges::sort(ordered, std::greater{}, [](const Mode& m) { return m.amplitude * m.amplitude / m.decay_per_s; });
   ordered.insert(ordered.end(), burst.begin(), burst.end());
   modal::Bank bank{.name = name, .positions = {{0, 0, 0}}};
-  bank.provenance.generator = "ringdown " RINGDOWN_VERSION ", from a recording";
+  bank.provenance.generator = std::string("ringdown ") + kVersion + ", from a recording";
   const double per_impulse = 1 / dot(blow.impulse_ns, blow.impulse_ns);
   for (const Mode& mode : ordered) {
     bank.frequency_hz.push_back(mode.frequency_hz);

@@ -1,5 +1,6 @@
 #include "packaging/manual/man_page.h"
 
+#include "engine/base/version.h"
 #include "protocol/exit_codes.h"
 
 #include <algorithm>
@@ -85,7 +86,7 @@ std::string exit_status() {
 
 std::string man_page(const Command& command, const std::vector<Section>& sections) {
   std::string page = ".\\\" Written by `" + command.name + " --manual man`.\n";
-  page += ".TH " + upper(plain(command.name)) + " 1 \"\" \"Ringdown " RINGDOWN_VERSION "\" \"Ringdown\"\n";
+  page += ".TH " + upper(plain(command.name)) + " 1 \"\" \"Ringdown " + kVersion + "\" \"Ringdown\"\n";
   page += ".SH NAME\n" + plain(command.name) + " \\- " + plain(command.sentence) + "\n";
   page += ".SH SYNOPSIS\n" + synopsis(command);
   page += ".SH OPTIONS\n" + options_of(command);

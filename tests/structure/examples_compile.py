@@ -62,7 +62,7 @@ def main():
     files = subprocess.run(["git", "ls-files", *{name.split("/")[0] for name in GROUPS}], capture_output=True, text=True).stdout.split()
     with open(os.path.join(build, "compile_commands.json")) as file:
         flags = " ".join(entry["command"] for entry in json.load(file) if "/tests/" not in entry["file"])
-    flags = sorted({"-I" + word if word[0] == "/" else word for word in shlex.split(flags) if re.match(r"-I|-DRINGDOWN_VERSION|/usr/include/", word)} | {"-I/usr/include/eigen3", "-I/usr/include/imgui", "-I/usr/share/dpf/distrho"})
+    flags = sorted({"-I" + word if word[0] == "/" else word for word in shlex.split(flags) if re.match(r"-I|/usr/include/", word)} | {"-I/usr/include/eigen3", "-I/usr/include/imgui", "-I/usr/share/dpf/distrho"})
     bad = count = 0
     for group in GROUPS:
         headers = [name for name in files if re.match(re.escape(group) + r"/.*(?<!-inl)\.h$", name)]
