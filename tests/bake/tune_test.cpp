@@ -304,8 +304,10 @@ struct Ran {
   std::string output;
 };
 
-Ran tune(const std::string& arguments) {
-  const std::string command = "RINGDOWN_CACHE=/dev/null/none " RINGDOWN_BIN_DIR "/ringdown-tune " + arguments + " 2>&1";
+Ran tune(const std::string& arguments, const fs::path& folder = ".") {
+  const std::string command = "cd " + folder.string() +
+                              " && RINGDOWN_CACHE=/dev/null/none " RINGDOWN_BIN_DIR "/ringdown-tune " + arguments +
+                              " 2>&1";
   std::FILE* pipe = ::popen(command.c_str(), "r");
   std::string output;
   std::array<char, 512> part{};
@@ -347,12 +349,12 @@ TEST(TuneProgram, TheProgramFindsTheLevelOfALiquid) {
   constexpr double kLevel_m = 0.045;
   const modal::Bank known = bank_of(bake::read_object(cup(formatted("level_m = {}\n", kLevel_m))).value(), 4500);
   const double wanted_hz = frequencies_of(known, bake::ModeFamily::kAny).at(0);
-  const fs::path out = folder.path() / "tuned.toml";
   const Ran ran = tune(cup("full = true\nlevels = 8\n").string() +
-                       formatted(" --vary fill.level:0.02..0.06 --target any:1={:.6g} -o ", wanted_hz) + out.string());
+                           formatted(" --vary fill.level:0.02..0.06 --target any:1={:.6g} -o tuned.toml", wanted_hz),
+                       folder.path());
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   std::printf("%s", ran.output.c_str());
-  const auto tuned = bake::read_object(out);
+  const auto tuned = bake::read_object(folder.path() / "tuned.toml");
   ASSERT_TRUE(tuned) << tuned.error().message;
   EXPECT_NEAR(tuned->options.liquids.fill->amount.value, kLevel_m, 1e-4);
   EXPECT_EQ(tuned->options.liquids.fill->levels, 8u);

@@ -89,7 +89,7 @@ Result<void> write_object(const TuneArguments& arguments, const bake::TuneReques
     changes.parameters.clear();
   }
   changes.parameters.insert(arguments.settings.begin(), arguments.settings.end());
-  changes.geometry = geometry_seen_from(request.recipe.geometry, output.parent_path());
+  changes.geometry = geometry_seen_from(request.recipe.geometry, fs::absolute(output).parent_path());
   changes.mesh_size_m = tuned.mesh_size_m;
   const bake::TuneTarget& first = request.targets.front();
   if (first.mode == 1) changes.pitch_hz = first.frequency_hz;
