@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Tries Ringdown as its user meets it: in a fresh Debian, which mmdebstrap makes in a folder of its own. As root.
-#   fresh_debian.sh packages CACHE FOLDER   installs the .deb files of FOLDER, runs what they brought, removes them
+#   fresh_debian.sh packages CACHE FOLDER   installs the .deb files of FOLDER, hears them through JACK, runs what they
+#                                           brought, removes them
 #   fresh_debian.sh tar CACHE ARCHIVE       unpacks what ./run package tar made, and runs it as a user who is not root
 #   fresh_debian.sh pages CACHE FOLDER [PAGE...]   installs the .deb files of FOLDER, then pastes the commands of README.md and
 #                                           docs/use (packaging/pages/paste_pages.py), with JACK and a display, without network
@@ -51,18 +52,45 @@ timed() {  # timed NAME COMMAND...
 
 expect_file() { [ -s "$root/$1" ] || { echo "$1 is missing or empty"; return 1; }; }
 
+# Without a network, so that no port is taken.
+alone() {
+  unshare --net sh -c 'ip link set lo up; exec "$@"' alone chroot "$root" env -i PATH=/usr/bin:/bin HOME=/root LC_ALL=C.UTF-8 "$@"
+}
+
+install() {  # install NAME-OR-FILE..., where files may have wildcards
+  inside sh -c "DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true $*" \
+    >"$cache/install.log" 2>&1 || { cat "$cache/install.log"; return 1; }
+}
+
 install_package() {
   echo "installing $1"
-  inside sh -c "DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true /packages/$1_*.deb" >"$cache/install.log" 2>&1 ||
-    { cat "$cache/install.log"; return 1; }
+  install "/packages/$1_*.deb"
+}
+
+# JACK's own recorder hears the demo scene. The dummy driver keeps time as a sound card does.
+try_sound() {
+  local from=$SECONDS
+  alone sh -ec '
+    jackd -r -d dummy >/dev/null 2>&1 & jack=$!
+    trap "kill $jack" EXIT
+    jack_wait -w -t 10 >/dev/null 2>&1
+    ringdownd --scene demo --connect >/dev/null & daemon=$!
+    until jack_lsp -c ringdown:out_right | grep -q system:; do kill -0 $daemon; sleep 0.1; done
+    jack_rec -f /root/heard.wav -d 2 ringdown:out_left ringdown:out_right >/dev/null 2>&1
+    kill $daemon
+    wait $daemon || true'
+  /usr/bin/python3 -c '
+import array, sys, wave
+peak = max(map(abs, array.array("h", wave.open(sys.argv[1]).readframes(2**31 - 1))))
+sys.exit(None if peak > 300 else f"JACK hears a peak of {peak} of 32768 from the demo scene")' "$root/root/heard.wav"
+  echo "the demo scene sounds through JACK, $((SECONDS - from)) s after the installation with 2 s of recording"
 }
 
 # The C program of the library's page, by pkg-config, and what the Python module plays.
 try_library() {
   install_package libringdown1
   install_package libringdown-dev
-  inside sh -c 'DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true gcc libc6-dev pkg-config' >"$cache/install.log" 2>&1 ||
-    { cat "$cache/install.log"; return 1; }
+  install gcc libc6-dev pkg-config
   sed -n '/^```c$/,/^```$/p' "$source_tree/docs/use/library.md" | sed '/^```/d' >"$root/root/bell.c"
   inside sh -c 'cc /root/bell.c $(pkg-config --cflags --libs ringdown) -o /root/bell'
   inside /root/bell /usr/share/ringdown/presets/banks/coin.glb
@@ -80,8 +108,7 @@ print("import ringdown", ringdown.__version__)'
 # The plug-in, before LV2's own tools; every module finds what it links.
 try_plugin() {
   install_package ringdown-plugin
-  inside sh -c 'DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true lilv-utils' >"$cache/install.log" 2>&1 ||
-    { cat "$cache/install.log"; return 1; }
+  install lilv-utils
   inside sh -c 'test "$(lv2ls | wc -l)" -eq 1 && lv2info "$(lv2ls)" | grep -q "wine-glass"'
   inside sh -c 'for file in /usr/lib/clap/ringdown.clap /usr/lib/vst3/ringdown.vst3/Contents/*/ringdown.so /usr/lib/lv2/ringdown.lv2/ringdown.so; do
     ! ldd "$file" | grep "not found" || exit 1; done'
@@ -94,7 +121,8 @@ try_packages() {  # try_packages FOLDER
   inside apt-get update -qq
   install_package ringdown-presets
   install_package ringdown
-  inside ringdownd --scene demo --driver null --seconds 1
+  install jackd2
+  try_sound
   inside ringdown render --scene demo --seconds 2 -o /root/demo.wav
   inside ringdown picture /usr/share/ringdown/presets/banks/coin.glb -o /root/coin.png
   local file
@@ -133,9 +161,8 @@ try_pages() {  # try_pages FOLDER [PAGE...]
   cp "$source_tree/packaging/pages/paste_pages.py" "$root/source"
   ln -s /usr/share/ringdown/presets "$root/source/presets"
   inside apt-get update -qq
-  inside sh -c 'DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true \
-    /packages/*.deb jackd2 liblo-tools xvfb xauth libgl1-mesa-dri gcc libc6-dev pkg-config' >"$cache/install.log" 2>&1 || { tail "$cache/install.log"; return 1; }
-  unshare --net sh -c 'ip link set lo up; exec "$@"' alone chroot "$root" env -i PATH=/usr/bin:/bin HOME=/root LC_ALL=C.UTF-8 bash -c '
+  install '/packages/*.deb jackd2 liblo-tools xvfb xauth libgl1-mesa-dri gcc libc6-dev pkg-config'
+  alone bash -c '
     jackd -r -d dummy >/dev/null 2>&1 & jack=$!
     code=0
     sleep 2
@@ -165,8 +192,7 @@ try_tar() {  # try_tar ARCHIVE
     ! ldd \"\$file\" | grep -v 'libGL.so' | grep 'not found' || { echo \"\$file\"; exit 1; }; done"
   mount --bind "$cache/$suite" "$root/var/cache/apt/archives"
   inside apt-get update -qq
-  inside sh -c 'apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true libjack-jackd2-0' >"$cache/install.log" 2>&1 ||
-    { cat "$cache/install.log"; return 1; }
+  install libjack-jackd2-0
   player "'moved to/bin/ringdownd' --scene demo --driver null --seconds 1"
   echo "$suite: unpacked, played and moved"
 }
