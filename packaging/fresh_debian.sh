@@ -72,7 +72,7 @@ try_sound() {
   local from=$SECONDS
   alone sh -ec '
     jackd -r -d dummy >/dev/null 2>&1 & jack=$!
-    trap "kill $jack" EXIT
+    trap "kill $jack; wait $jack || true" EXIT
     jack_wait -w -t 10 >/dev/null 2>&1
     ringdownd --scene demo --connect >/dev/null & daemon=$!
     until jack_lsp -c ringdown:out_right | grep -q system:; do kill -0 $daemon; sleep 0.1; done
@@ -168,6 +168,7 @@ try_pages() {  # try_pages FOLDER [PAGE...]
     sleep 2
     xvfb-run -a python3 /source/paste_pages.py /source /root/pages "$@" || code=$?
     kill "$jack"
+    wait "$jack" || true
     exit "$code"' pages "$@"
 }
 
