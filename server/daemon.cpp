@@ -290,7 +290,7 @@ Result<void> Daemon::load_notes() {
   if (!map || map->banks.empty() || has_others) return {};
   for (const session::NoteMap::Entry& entry : map->notes) {
     if (session_.rack().find({.name = entry.object})) continue;
-    const auto bank = options_.notes->parent_path() / map->banks / (entry.object + ".glb");
+    const auto bank = options_.notes->parent_path() / map->banks / entry.bank_file();
     if (const auto loaded = session_.rack().load(entry.object, bank); !loaded) return fail(loaded);
   }
   return {};

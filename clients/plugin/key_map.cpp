@@ -216,7 +216,7 @@ Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
   for (const session::NoteMap::Entry& entry : file->notes) {
     const auto [object, is_new] = known.try_emplace(entry.object, static_cast<std::uint32_t>(known.size()));
     if (is_new) {
-      const std::string file_name = (entry.bank.empty() ? entry.object : entry.bank) + ".glb";
+      const std::string file_name = entry.bank_file();
       const auto [body, is_first] = bodies.try_emplace(file_name, plan.banks.size());
       if (is_first) {
         if (const auto good = add_body(path.parent_path() / file->banks / file_name, {}, plan); !good)

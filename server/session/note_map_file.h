@@ -29,13 +29,14 @@ struct NoteMap {
     std::optional<double> bow_speed_m_s;  // at full velocity; the note is bowed while its key is down
     std::optional<double> bow_force_n;    // at full pressure
     std::optional<Vec3> bow_direction;    // the way the hair moves; of any length but 0
+    [[nodiscard]] std::string bank_file() const { return (bank.empty() ? object : bank) + ".glb"; }
     [[nodiscard]] bool is_bowed() const { return bow_speed_m_s || bow_force_n || bow_direction; }
   };
   std::vector<Entry> notes;
   std::optional<double> release_s;               // a released note is damped within this time; nullopt: it rings on
   double damp_s = 0.15;                          // the damp pedal damps within this time
   std::optional<microtuning::KeyTuning> tuning;  // that of the files `scale` and `mapping`
-  std::string banks;  // folder with NAME.glb for each object, used without a scene; "": the map's own
+  std::string banks;                             // folder with the banks, used without a scene; "": the map's own
 };
 
 // The bow of a note, where the map does not say, and the pressure on it before any message.

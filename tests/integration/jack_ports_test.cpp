@@ -157,13 +157,15 @@ TEST_F(JackPorts, ATuningMessageRetunesTheObjectOfItsKey) {
 TEST_F(JackPorts, WithoutAnythingElseAMapBringsItsObjects) {
   std::filesystem::create_directory(folder_ / "maps");
   std::ofstream(folder_ / "maps/notes.toml") << "banks = '..'\n[[note]]\nnote = 48\nobject = 'low'\n[[note]]\nnote = "
-                                                "50\nobject = 'high'\n[[note]]\nnote = 52\nobject = 'low'\n";
+                                                "50\nobject = 'high'\n[[note]]\nnote = 52\nobject = 'low'\n"
+                                                "[[note]]\nnote = 53\nobject = 'twin'\nbank = 'low'\n";
   const std::string map = (folder_ / "maps/notes.toml").string();
   {
     Daemon daemon({"--notes", map}, server_.environment());
     ASSERT_TRUE(daemon.ready()) << daemon.process().output();
     EXPECT_TRUE(done(daemon, {"/object/low/free", {}}));
     EXPECT_TRUE(done(daemon, {"/object/high/free", {}}));
+    EXPECT_TRUE(done(daemon, {"/object/twin/free", {}})) << "of the bank of another object";
   }
   Daemon daemon({"--notes", map, "--object", low_}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
