@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Draws the mixer's benchmark, and keeps its table of results by machine.
+"""Draws the mixer's benchmark, and publishes its results.
 
-usage: plot_mixer.py mixer.csv PICTURE.png [--table docs/how/benchmarks.md]
+usage: plot_mixer.py mixer.csv PICTURE.png [--publish TREE]
 
 Above: modes per core of ours and of others, by how many modes ring. Below: error of each kernel against how many modes it
-sustains, and a scene that dies away. At the bottom: how the time of a block grows. --table puts this machine's row into the table of that page, between its marks, in
-place of an older row of the same machine. Needs Debian's python3-matplotlib.
+sustains, and a scene that dies away. At the bottom: how the time of a block grows. --publish keeps the rows as
+docs/how/logs/mixer.csv, with the revision of the source tree unless the file tells it, puts this machine's row into the
+table of docs/how/benchmarks.md in place of an older one, and the ratios into README. Needs Debian's python3-matplotlib.
 """
 import csv
 import math
@@ -36,10 +37,10 @@ GROWTH = {  # what the count is of, and what it is counted in
     "channels": ("#CC79A7", "v", "channels of 100 objects of 100 modes"),
 }
 TABLE_HEAD = (
-    "| machine | 10,000 modes: modes per core, block 64 / 128 / 256 | in 10 objects |"
+    "| machine | revision | 10,000 modes: modes per core, block 64 / 128 / 256 | in 10 objects |"
     " x Faust: 10,000, 1,000, 100 modes | x Klank: 10,000, 1,000, 100 modes | error [dB] after 1 s / 10 min |"
     " bytes per mode | silent block [us] | strike of 100 / 500 modes [us] | load of 10,000 strikes/s | dying tail / loud |\n"
-    + "|---" * 11 + "|"
+    + "|---" * 12 + "|"
 )
 NUMBERS = ("modes", "objects", "block", "time_s", "count", "modes_per_core", "mean_us", "p50_us", "bytes_per_mode", "ratio", "error_db")
 
@@ -155,7 +156,8 @@ def draw_growth(axes, rows):
     axes.set_ylabel("processor time of a frame [us]")
     axes.xaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:,.0f}"))
     axes.grid(True, which="major", alpha=0.3)
-    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    axes.set_ylim(bottom=axes.get_ylim()[0] / 3)
+    axes.legend(loc="lower right", frameon=False, fontsize=9)
 
 
 def draw(rows, path):
@@ -198,11 +200,12 @@ def ratios(rows, peer):
     return ", ".join(cells)
 
 
-def table_row(rows):
+def table_row(rows, revision):
     storm = first(rows, "storm")
     tails = [r["ratio"] for r in measured(rows, "tail") if r["who"] != "loud"]
     cells = [
         rows[0]["machine"],
+        revision,
         ours(rows, 1, (64, 128, 256), "modes_per_core", "{:,.0f}"),
         ours(rows, 10, (64, 128, 256), "modes_per_core", "{:,.0f}"),
         ratios(rows, "faust"),
@@ -217,5 +220,14 @@ def table_row(rows):
     return "| " + " | ".join(cells) + " |"
 
 
+def readme_cells(rows):
+    """For 10,000 modes, in blocks of 64 and 128."""
+    cells = {}
+    for peer, name in (("faust", "Faust's `pm.modeFilter`"), ("klank", "SuperCollider's Klank")):
+        least, most = sorted(throughput(rows, peer, 1, 10000, block)["ratio"] for block in (64, 128))
+        cells[name] = f"{least:.0f} to {most:.0f} times as many modes per core"
+    return cells
+
+
 if __name__ == "__main__":
-    command(__doc__, read, draw, "mixer results", TABLE_HEAD, table_row)
+    command(__doc__, read, draw, "mixer", TABLE_HEAD, table_row, readme_cells)

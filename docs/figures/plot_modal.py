@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Draws the modal benchmark, and keeps its table of results by machine.
+"""Draws the modal benchmark, and publishes its results.
 
-usage: plot_modal.py modal.csv PICTURE.png [--table docs/how/benchmarks.md]
+usage: plot_modal.py modal.csv PICTURE.png [--publish TREE]
 
 Above, for each body: worst error of the first 50 modes against seconds, one line for each order of elements. Below: what
-each program takes for the same 200 modes, with its ratio to ours. --table puts this machine's row into the table of that
-page, between its marks, in place of an older row of the same machine. Needs Debian's python3-matplotlib.
+each program takes for the same 200 modes, with its ratio to ours. --publish keeps the rows as docs/how/logs/modal.csv and
+puts this machine's row into the table of docs/how/benchmarks.md in place of an older one. Needs Debian's python3-matplotlib.
 """
 import csv
 
@@ -35,8 +35,8 @@ METHODS = {
 BODIES = ["block", "plate", "sphere", "bell"]
 MOST_ERROR = 0.1  # [%] the promise
 TABLE_HEAD = (
-    "| machine | 200 modes [s] | Spectra | SLEPc | CalculiX | 2 threads | 1,000 modes: Spectra | 200,000 unknowns [MiB] |"
-    " worst error [%] of the first 10, 50 |\n|---|---|---|---|---|---|---|---|---|"
+    "| machine | revision | 200 modes [s] | Spectra | SLEPc | CalculiX | 2 threads | 1,000 modes: Spectra | 200,000 unknowns [MiB] |"
+    " worst error [%] of the first 10, 50 |\n" + "|---" * 10 + "|"
 )
 
 
@@ -132,7 +132,7 @@ def ratio_text(row):
     return ("> " if row["status"] == "over limit" else "") + f"{row['ratio']:.1f}"
 
 
-def table_row(rows):
+def table_row(rows, revision):
     """Ratios: block / plate / sphere / bell, of SLEPc's ways the fastest."""
     columns = {"ours": [], "spectra-cholmod": [], "slepc": [], "ccx": [], "threads": []}
     for body in BODIES:
@@ -149,11 +149,11 @@ def table_row(rows):
     large = [r for r in rows if r["part"] == "memory" and r["status"] == "ok"]
     baked = [r for r in rows if r["part"] == "default" and r["status"] == "ok"]
     worst = [max((r[key] for r in baked if r[key] is not None), default=None) for key in ("error_10_percent", "error_50_percent")]
-    cells = [rows[0]["machine"]] + [" / ".join(values) for values in columns.values()]
+    cells = [rows[0]["machine"], revision] + [" / ".join(values) for values in columns.values()]
     cells += [ratio_text(many[0] if many else None), f"{large[0]['peak_mib']:.0f}" if large else "-"]
     cells.append(", ".join("-" if value is None else f"{value:.3g}" for value in worst))
     return "| " + " | ".join(cells) + " |"
 
 
 if __name__ == "__main__":
-    command(__doc__, read, draw, "modal results", TABLE_HEAD, table_row)
+    command(__doc__, read, draw, "modal", TABLE_HEAD, table_row)

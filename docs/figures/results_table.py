@@ -1,31 +1,71 @@
-"""What the plotting scripts share: their command line, and a page's table of results by machine."""
+"""What the plotting scripts share: their command line, and the log, page and README that take a benchmark's results."""
 import argparse
+import csv
 import re
+import subprocess
+from pathlib import Path
+
+
+def write(path, text):
+    beside = path.with_name(path.name + ".new")
+    beside.write_text(text)
+    beside.replace(path)
 
 
 def put_into_table(page, name, head, row):
     """Between `<!-- begin: NAME ... -->` and `<!-- end: NAME -->`: `row` in place of an older one of the same machine."""
-    with open(page) as file:
-        text = file.read()
+    text = page.read_text()
     start = re.search(f"<!-- begin: {re.escape(name)}.*?-->", text).end()
     end = text.index(f"<!-- end: {name} -->")
     machine = row.split("|")[1].strip()
     kept = [line for line in text[start:end].splitlines() if line.startswith("|") and not re.match(r"\|(---| machine )", line)]
     kept = [line for line in kept if line.split("|")[1].strip() != machine] + [row]
-    with open(page, "w") as file:
-        file.write(text[:start] + "\n" + head + "\n" + "\n".join(kept) + "\n" + text[end:])
+    write(page, text[:start] + "\n" + head + "\n" + "\n".join(kept) + "\n" + text[end:])
 
 
-def command(doc, read, draw, name, head, row):
-    """The command line of a plotting script: CSV PICTURE [--table PAGE]."""
+def put_into_readme(readme, cells):
+    """`cells`: the second cell of a row of README, by the row's first."""
+    text = readme.read_text()
+    for first, second in cells.items():
+        text, count = re.subn(rf"(?m)^(\| {re.escape(first)} \|)[^|]*\|", rf"\1 {second} |", text)
+        if count != 1:
+            raise SystemExit(f"{readme}: {count} rows begin with {first}")
+    write(readme, text)
+
+
+def log_with_revision(path, tree):
+    """The rows as they were written, with the revision of the source tree unless the file tells it."""
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    if "revision" in rows[0]:
+        return rows
+    revision = subprocess.check_output(["git", "-C", tree, "describe", "--always", "--dirty"], text=True).strip()
+    return [{**row, "revision": revision} for row in rows]
+
+
+def write_log(path, rows):
+    with open(path.with_name(path.name + ".new"), "w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    Path(file.name).replace(path)
+
+
+def command(doc, read, draw, name, head, row, readme_cells=lambda rows: {}):
+    """The command line of a plotting script: CSV PICTURE [--publish TREE]. `name`: "mixer" or "modal"."""
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("csv")
     parser.add_argument("picture")
-    parser.add_argument("--table", help="a page with the marks of the table")
+    parser.add_argument("--publish", type=Path, metavar="TREE", help="the source tree whose log, page and README take the results")
     arguments = parser.parse_args()
     rows = read(arguments.csv)
     if not rows:
         parser.exit(1, f"{arguments.csv} has no rows\n")
     draw(rows, arguments.picture)
-    if arguments.table:
-        put_into_table(arguments.table, name, head, row(rows))
+    tree = arguments.publish
+    if not tree:
+        return
+    log = log_with_revision(arguments.csv, tree)
+    write_log(tree / f"docs/how/logs/{name}.csv", log)
+    put_into_table(tree / "docs/how/benchmarks.md", f"{name} results", head, row(rows, log[0]["revision"]))
+    put_into_readme(tree / "README.md", readme_cells(rows))
