@@ -81,6 +81,42 @@ void name_keys(ImGuiIO& io) {
   for (const auto& [name, key] : kNames) io.KeyMap[name] = number_of(key);
 }
 
+// What the mouse did since the last picture. ImGui sees one change of a button in a picture.
+class Mouse {
+ public:
+  using Point = DGL_NAMESPACE::Point<double>;  // in pixels
+
+  void move(const Point& to) { at_ = to; }
+  void click(const UI::MouseEvent& event) {
+    clicks_.push_back({event.button - 1, event.press, (event.mod & kModifierShift) != 0, event.pos});
+  }
+  // Gives ImGui the clicks up to the second change of a button; the rest waits for the next picture. Returns whether
+  // there were any.
+  bool give_to(ImGuiIO& io) {
+    const bool any = !clicks_.empty();
+    Point at = at_;
+    std::array<bool, kButtons> has_changed{};
+    for (; !clicks_.empty() && !has_changed[clicks_.front().button]; clicks_.pop_front()) {
+      const Click& click = clicks_.front();
+      has_changed[click.button] = true;
+      io.MouseDown[click.button] = click.press;
+      io.KeyShift = click.shift;
+      at = click.at;
+    }
+    io.MousePos = {static_cast<float>(at.getX()), static_cast<float>(at.getY())};
+    return any;
+  }
+
+ private:
+  struct Click {
+    std::size_t button;
+    bool press, shift;
+    Point at;
+  };
+  std::deque<Click> clicks_;
+  Point at_{-1.0, -1.0};  // outside until it moves
+};
+
 class RingdownWindow : public UI, private HostLink {
  public:
   RingdownWindow() : panel_(*this, getBinaryFilename()), scale_(std::clamp(getScaleFactor(), kMinScale, kMaxScale)) {
@@ -154,7 +190,7 @@ class RingdownWindow : public UI, private HostLink {
     io.DeltaTime = static_cast<float>(std::clamp(time_s - drawn_at_s_, 1e-3, 0.1));
     drawn_at_s_ = time_s;
     settling_ = std::max(0, settling_ - 1);
-    take_clicks(io);
+    if (mouse_.give_to(io)) wake();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui::NewFrame();
     panel_.draw(io.DisplaySize.x, io.DisplaySize.y, scale_, time_s);
@@ -168,7 +204,7 @@ class RingdownWindow : public UI, private HostLink {
     enter();
     if (event.button < 1 || event.button > kButtons) return false;
     move_mouse(event.pos);
-    clicks_.push_back({event.button - 1, event.press, (event.mod & kModifierShift) != 0, event.pos});
+    mouse_.click(event);
     return true;
   }
   bool onMotion(const MotionEvent& event) override {
@@ -226,11 +262,6 @@ class RingdownWindow : public UI, private HostLink {
     setState(kScaleState, ringdown::formatted("{}", scale).c_str());
   }
 
-  struct Click {
-    std::size_t button;
-    bool press, shift;
-    DGL_NAMESPACE::Point<double> at;
-  };
   struct Note {
     std::uint64_t at;
     std::uint8_t key, velocity;
@@ -263,23 +294,8 @@ class RingdownWindow : public UI, private HostLink {
     setSize(static_cast<uint>(std::lround(getWidth() * factor)), static_cast<uint>(std::lround(getHeight() * factor)));
   }
   void move_mouse(const DGL_NAMESPACE::Point<double>& place) {
-    mouse_ = place;
+    mouse_.move(place);
     wake();
-  }
-  // Gives ImGui, which sees one change of a button in a picture, the clicks since the last picture up to the second
-  // change of the same button. The rest waits for the next picture.
-  void take_clicks(ImGuiIO& io) {
-    auto mouse = mouse_;
-    std::array<bool, kButtons> has_changed{};
-    for (; !clicks_.empty() && !has_changed[clicks_.front().button]; clicks_.pop_front()) {
-      const Click& click = clicks_.front();
-      has_changed[click.button] = true;
-      io.MouseDown[click.button] = click.press;
-      io.KeyShift = click.shift;
-      mouse = click.at;
-      wake();
-    }
-    io.MousePos = {static_cast<float>(mouse.getX()), static_cast<float>(mouse.getY())};
   }
   void prepare_renderer() {
     if (!has_renderer_) {
@@ -297,9 +313,8 @@ class RingdownWindow : public UI, private HostLink {
   MainPanel panel_;
   ImGuiContext* imgui_ = nullptr;
   bool has_renderer_ = false;
-  double scale_, shown_scale_ = 0;                  // of text and controls; that of the loaded font
-  std::deque<Click> clicks_;                        // since the last picture
-  DGL_NAMESPACE::Point<double> mouse_{-1.0, -1.0};  // in pixels; outside until it moves
+  double scale_, shown_scale_ = 0;  // of text and controls; that of the loaded font
+  Mouse mouse_;
   std::deque<Note> notes_;
   std::uint64_t idles_ = 0;
   int settling_ = kSettling;
