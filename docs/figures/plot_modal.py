@@ -4,8 +4,9 @@
 usage: plot_modal.py modal.csv PICTURE.png [--publish TREE]
 
 Above, for each body: worst error of the first 50 modes against seconds, one line for each order of elements. Below: what
-each program takes for the same 200 modes, with its ratio to ours. --publish keeps the rows as docs/how/logs/modal.csv and
-puts this machine's row into the table of docs/how/benchmarks.md in place of an older one. Needs Debian's python3-matplotlib.
+each program takes for the same 200 modes, with its ratio to ours. --publish keeps the rows as modal.csv in docs/how/logs
+and puts this machine's row into the table of docs/how/benchmarks.md in place of an older one. Needs Debian's
+python3-matplotlib.
 """
 import csv
 

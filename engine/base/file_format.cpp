@@ -1,11 +1,16 @@
 #include "engine/base/file_format.h"
 #include "engine/base/formatted.h"
+#include "engine/base/version.h"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 
 namespace ringdown {
+
+// Only this file is compiled with the version, so that a release compiles little anew.
+const char* const kVersion = RINGDOWN_VERSION;
+
 namespace {
 
 constexpr auto kFormats = [] {
