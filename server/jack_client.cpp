@@ -9,6 +9,7 @@
 #include <jack/uuid.h>
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <string>
 #include <utility>
 
@@ -329,12 +330,14 @@ std::set<JackConnection> JackClient::connections() const {
   return found;
 }
 
-void JackClient::connect(const JackConnection& connection) {
+bool JackClient::connect(const JackConnection& connection) {
   const std::string ours = name() + ":" + connection.ours;
   const jack_port_t* port = jack_port_by_name(client_, ours.c_str());
-  if (!port || !jack_port_by_name(client_, connection.theirs.c_str())) return;
+  if (!port || !jack_port_by_name(client_, connection.theirs.c_str())) return false;
   const bool out = (jack_port_flags(port) & JackPortIsOutput) != 0;
-  jack_connect(client_, out ? ours.c_str() : connection.theirs.c_str(), out ? connection.theirs.c_str() : ours.c_str());
+  const int failed = jack_connect(client_, out ? ours.c_str() : connection.theirs.c_str(),
+                                  out ? connection.theirs.c_str() : ours.c_str());
+  return failed == 0 || failed == EEXIST;
 }
 
 std::vector<std::string> JackClient::others(Others kind) const {

@@ -84,8 +84,8 @@ class JackClient {
 
   // Returns the connections of our ports.
   [[nodiscard]] std::set<JackConnection> connections() const;
-  // Asks the server for a connection; does nothing if one of the ports does not exist.
-  void connect(const JackConnection& connection);
+  // Asks the server for a connection. False if one of the ports does not exist, or is of a program that has not begun.
+  bool connect(const JackConnection& connection);
 
   // Returns the names of the server's physical playback ports, of its physical MIDI sources, or of all MIDI sources.
   enum class Others { speakers, midi_devices, midi_sources };

@@ -219,7 +219,7 @@ class JackDriver final : public Driver {
       return any ? !contains(source, kNoDevice) : contains(source, *keyboard_);
     });
     if (found != sources.end()) {
-      client_->connect({"midi_in", *found});
+      if (!client_->connect({"midi_in", *found})) return;  // its program has not begun: soon again
       log_info("plays what comes from " + *found);
       keyboard_.reset();
     } else if (!std::exchange(waits_for_keyboard_, true)) {

@@ -200,7 +200,7 @@ void measure_parts(int bodies, int frames, Table& table) {
     if (stage.contents().items.size() != static_cast<std::size_t>(bodies))
       throw std::runtime_error("a body is not shown");
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
-    const Camera camera = stage.home(model, aspect);
+    Camera camera = stage.home(model, aspect);
     glFinish();
     render.measure([&] {
       renderer.render(stage.contents().frame, camera, width, height);
@@ -211,7 +211,8 @@ void measure_parts(int bodies, int frames, Table& table) {
     window.begin_frame();
     in_pane("sound", sounding, kWidth / 2, kWidth * settings.sound_share,
             [&] { sound.draw(skin, model, commands, false); });
-    in_pane("side", sided, 0, kWidth * settings.side_share, [&] { side.draw(skin, {}, model, commands, settings); });
+    in_pane("side", sided, 0, kWidth * settings.side_share,
+            [&] { side.draw(skin, {}, model, commands, settings, camera); });
     window.end_frame();
   }
   table.triangles = 0;

@@ -3,8 +3,11 @@
 #include "tests/integration/jack_recorder.h"
 #include "tests/support/keep_signals.h"
 
+#include <jack/jack.h>
+
 #include <cmath>
 #include <fstream>
+#include <memory>
 
 namespace ringdown::test {
 namespace {
@@ -124,6 +127,23 @@ TEST_F(JackPorts, TheFirstKeyboardIsConnectedAsSoonAsThereIsOne) {
        {"no MIDI keyboard yet", "keys: C4 = low, C#4 = high", "plays what comes from keyboard:midi_out"}) {
     EXPECT_NE(told.find(words), told.npos) << words << "\n" << told;
   }
+}
+
+TEST_F(JackPorts, AKeyboardWhoseProgramBeginsLaterIsConnectedThen) {
+  constexpr auto kOptions = static_cast<jack_options_t>(JackNoStartServer | JackServerName);
+  const std::unique_ptr<jack_client_t, decltype(&jack_client_close)> late(
+      jack_client_open("late", kOptions, nullptr, server_.name().c_str()), &jack_client_close);
+  ASSERT_TRUE(late);
+  constexpr auto kFlags = JackPortIsOutput | JackPortIsPhysical;
+  ASSERT_TRUE(jack_port_register(late.get(), "midi_out", JACK_DEFAULT_MIDI_TYPE, kFlags, 0));
+  Daemon daemon({"--connect", "--object", low_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  const auto is_connected = [&] { return server_.connections()["ringdown:midi_in"].contains("late:midi_out"); };
+  EXPECT_FALSE(is_connected()) << "JACK connects no port of a program that has not begun";
+  jack_set_process_callback(
+      late.get(), [](jack_nframes_t, void*) { return 0; }, nullptr);
+  ASSERT_EQ(jack_activate(late.get()), 0);
+  EXPECT_TRUE(becomes_true(is_connected)) << daemon.process().output();
 }
 
 TEST_F(JackPorts, AKeyboardIsFoundByAPartOfItsName) {
