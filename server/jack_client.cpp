@@ -347,7 +347,7 @@ std::vector<std::string> JackClient::others(Others kind) const {
       jack_get_ports(client_, nullptr, is_audio ? JACK_DEFAULT_AUDIO_TYPE : JACK_DEFAULT_MIDI_TYPE, flags);
   std::vector<std::string> names;
   for (std::size_t i = 0; ports && ports[i]; ++i) names.emplace_back(ports[i]);
-  jack_free(ports);
+  jack_free(static_cast<void*>(ports));
   return names;
 }
 

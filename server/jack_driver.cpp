@@ -340,7 +340,7 @@ Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options, std::share
                 "--wait, or run with --driver null or --driver wav");
   }
   if (!client) log_info("no JACK server answers yet; waiting for one");
-  return std::make_unique<JackDriver>(options, bell, meter, midi, std::move(client));
+  return std::make_unique<JackDriver>(options, bell, meter, std::move(midi), std::move(client));
 }
 
 }  // namespace ringdown::server
