@@ -1,6 +1,7 @@
 """What the plotting scripts share: their command line, and the log, page and README that take a benchmark's results."""
 import argparse
 import csv
+import io
 import re
 import subprocess
 from pathlib import Path
@@ -43,12 +44,12 @@ def log_with_revision(path, tree):
     return [{**row, "revision": revision} for row in rows]
 
 
-def write_log(path, rows):
-    with open(path.with_name(path.name + ".new"), "w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    Path(file.name).replace(path)
+def as_csv(rows):
+    text = io.StringIO()
+    writer = csv.DictWriter(text, rows[0].keys(), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
 
 
 def command(doc, read, draw, name, head, row, readme_cells=lambda rows: {}):
@@ -66,6 +67,6 @@ def command(doc, read, draw, name, head, row, readme_cells=lambda rows: {}):
     if not tree:
         return
     log = log_with_revision(arguments.csv, tree)
-    write_log(tree / f"docs/how/logs/{name}.csv", log)
+    write(tree / f"docs/how/logs/{name}.csv", as_csv(log))
     put_into_table(tree / "docs/how/benchmarks.md", f"{name} results", head, row(rows, log[0]["revision"]))
     put_into_readme(tree / "README.md", readme_cells(rows))

@@ -193,9 +193,9 @@ TEST_F(InstrumentTest, ANoteMapSoundsAsInTheDaemon) {
   EXPECT_LT(20 * std::log10(test::peak(difference)), -120);
 }
 
-// Where a map strikes its bank, the loudest mode up to a twelfth above the note has the note's pitch. Where it bows it,
-// the mode has that for which the hair's falling friction makes up the losses first: the one of the largest shape^2 /
-// decay.
+// The mode that sounds a note has the note's pitch. A struck note is sounded by the loudest mode up to a twelfth above
+// it, and a bowed note by the mode whose losses the hair's falling friction makes up first: that of the largest shape^2
+// / decay.
 TEST(NoteMaps, EveryPresetMapPlaysEachNoteInTune) {
   for (const auto& entry : std::filesystem::directory_iterator(RINGDOWN_SOURCE_DIR "/presets/notes")) {
     const auto map = session::read_note_map(entry.path());

@@ -81,7 +81,8 @@ void name_keys(ImGuiIO& io) {
   for (const auto& [name, key] : kNames) io.KeyMap[name] = number_of(key);
 }
 
-// What the mouse did since the last picture. ImGui sees one change of a button in a picture.
+// The class collects what the mouse does between two pictures, because ImGui sees one change of each button in a
+// picture.
 class Mouse {
  public:
   using Point = DGL_NAMESPACE::Point<double>;  // in pixels

@@ -30,17 +30,14 @@ struct SliderRange {
 
 // Draws a row with a label and its tooltip, a slider, and the slider's number, which can be dragged for fine steps and
 // clicked to type. Returns true while the user changes the value.
-bool slider(const char* label, const char* tip, double& value, SliderRange range, const char* format) {
-  const float em = ImGui::GetFontSize(), gap = 0.3f * em, label_width = 7.3f * em, number_width = 4.9f * em;
+bool slider(const char* name, const char* tip, double& value, SliderRange range, const char* format) {
+  const float em = ImGui::GetFontSize(), gap = 0.3f * em, number_width = 4.9f * em;
   const auto min = static_cast<float>(range.min), max = static_cast<float>(range.max);
   const ImGuiSliderFlags flags =
       ImGuiSliderFlags_AlwaysClamp | (range.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
   auto shown = static_cast<float>(value);
-  ImGui::PushID(label);
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(label);
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
-  ImGui::SameLine(label_width);
+  ImGui::PushID(name);
+  label(name, tip, 7.3f);
   ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - number_width - gap, em));
   bool changed = ImGui::SliderFloat("##slider", &shown, min, max, "", flags);
   ImGui::SameLine(0, gap);

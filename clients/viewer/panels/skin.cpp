@@ -68,6 +68,14 @@ Skin make_skin(bool dark) {
 
 ImU32 series_colour(std::size_t i) { return kSeries[i % kSeries.size()]; }
 
+void label(const char* text, const char* tip, float width_em) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(text);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
+  ImGui::SameLine(width_em * ImGui::GetFontSize());
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+}
+
 void apply(const Skin& skin, float scale) {
   ImGuiStyle style;
   skin.dark ? set_dark(style) : set_light(style);

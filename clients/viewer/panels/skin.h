@@ -21,4 +21,7 @@ ImU32 series_colour(std::size_t i);
 // Sets ImGui's style for a skin and a scale.
 void apply(const Skin& skin, float scale);
 
+// Draws the label of a row with its tooltip, `width_em` wide. The next item takes the rest of the row.
+void label(const char* text, const char* tip, float width_em);
+
 }  // namespace ringdown::viewer

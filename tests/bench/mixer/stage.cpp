@@ -76,7 +76,7 @@ std::unique_ptr<Stage> ringing_stage(const Spread& spread, std::size_t objects, 
   for (std::size_t object = 0; object < objects; ++object) maps.push_back(bank_of(spread, object, objects));
   auto stage = std::make_unique<Stage>(block);
   if (threads > 1) stage->set_threads(threads);
-  // The mixer's first object makes what all objects share, which is not counted: one that stays silent.
+  // A silent object comes first, because a mixer's first object makes what all objects share.
   stage->install(static_cast<synth::ObjectNumber>(objects),
                  std::make_shared<const modal::StrikeMap>(test::shared(test::single_mode_bank(1, 1))));
   const double before = heap_bytes();
