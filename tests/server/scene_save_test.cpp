@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -168,15 +169,15 @@ TEST_F(SceneSaveTest, BodiesThatWereTakenOutAreNotInTheFileUntilTheyComeBack) {
 TEST_F(SceneSaveTest, BodiesThatWerePlacedBeginThereInTheFile) {
   perform(protocol::SceneLoad{scene_.string()});
   perform(protocol::SpawnSphere{std::nullopt, {0, 0, 1}, {1, 0, 0}, 0.03, 7850});
-  const Pose there{{0.5, -2, 3}, Rotation::from_xyzw(1, 0, 0, 0)};
-  for (const std::int32_t body : {0, 1}) perform(protocol::ScenePlace{body, there});
+  const std::array poses = {Pose{{0.5, -2, 3}, Rotation::from_xyzw(1, 0, 0, 0)}, Pose{{4, 5, 6}, {}}};
+  for (const std::int32_t body : {0, 1}) perform(protocol::ScenePlace{body, poses[static_cast<std::size_t>(body)]});
   ASSERT_TRUE(save_scene(session_, saved_));
   const auto bodies = read(saved_).bodies;
-  ASSERT_EQ(bodies.size(), 2u);
-  for (const auto& body : bodies) {
-    EXPECT_EQ(body.position_m, there.position_m) << body.name;
-    EXPECT_EQ(body.rotation, there.rotation) << body.name;
-    EXPECT_EQ(body.velocity_m_s, Vec3{}) << body.name;
+  ASSERT_EQ(bodies.size(), poses.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    EXPECT_EQ(bodies[i].position_m, poses[i].position_m) << bodies[i].name;
+    EXPECT_EQ(bodies[i].rotation, poses[i].rotation) << bodies[i].name;
+    EXPECT_EQ(bodies[i].velocity_m_s, Vec3{}) << bodies[i].name;
   }
 }
 

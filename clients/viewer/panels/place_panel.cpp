@@ -12,13 +12,13 @@
 namespace ringdown::viewer {
 namespace {
 
-constexpr float kPlace_em = 22, kLabel_em = 6;
+constexpr float kPlace_em = 22, kPlaceLabel_em = 6;
 constexpr double kMinSize = 0.25, kMaxSize = 4;  // as the slider in the left pane
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
 // Draws a row with a label, its tooltip and three numbers that can be dragged or typed. Returns whether one changed.
 bool three_numbers(const char* name, const char* tip, std::array<float, 3>& values, float step, const char* format) {
-  label(name, tip, kLabel_em);
+  label(name, tip, kPlaceLabel_em);
   return ImGui::DragFloat3((std::string("##") + name).c_str(), values.data(), step, 0, 0, format);
 }
 
@@ -120,7 +120,7 @@ void PlacePanel::draw_numbers(const Skin& skin, ImVec2 size, const Model& model,
   }
   auto factor = static_cast<float>(size_);
   if (!object_.empty()) {
-    label("Size", "Of the object, and of all bodies that play it: twice as large is an octave lower", kLabel_em);
+    label("Size", "Of the object, and of all bodies that play it: twice as large is an octave lower", kPlaceLabel_em);
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x / 3);
     if (ImGui::DragFloat("##size", &factor, 0.005F, kMinSize, kMaxSize, "\xC3\x97 %.3f", ImGuiSliderFlags_AlwaysClamp))
       set_size(static_cast<double>(factor), model, commands);

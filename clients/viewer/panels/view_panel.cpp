@@ -13,19 +13,19 @@ namespace {
 
 constexpr float kDegree = std::numbers::pi_v<float> / 180;
 constexpr float kMinField_degrees = 5, kMaxField_degrees = 120;
-constexpr float kLabel_em = 5;
+constexpr float kViewLabel_em = 5;
 constexpr float kStep_m = 0.005F, kStep_degrees = 0.3F;
 
 void draw_camera(Camera& camera) {
-  label("Camera", "The place of the camera in the scene: x, y and z in metres; z is up", kLabel_em);
+  label("Camera", "The place of the camera in the scene: x, y and z in metres; z is up", kViewLabel_em);
   ImGui::DragFloat3("##camera", &camera.position_m.x, kStep_m, 0, 0, "%.3f");
-  label("Looks", "Heading, from x towards y, and angle above the horizon, in degrees", kLabel_em);
+  label("Looks", "Heading, from x towards y, and angle above the horizon, in degrees", kViewLabel_em);
   std::array<float, 2> looks = {camera.yaw / kDegree, camera.pitch / kDegree};
   if (ImGui::DragFloat2("##looks", looks.data(), kStep_degrees, 0, 0, "%.1f\xC2\xB0")) {
     camera.yaw = looks[0] * kDegree;
     camera.pitch = std::clamp(looks[1] * kDegree, -Camera::kSteepest, Camera::kSteepest);
   }
-  label("Field", "The vertical field of view, in degrees", kLabel_em);
+  label("Field", "The vertical field of view, in degrees", kViewLabel_em);
   float field = camera.field_of_view / kDegree;
   if (ImGui::DragFloat("##field", &field, kStep_degrees, kMinField_degrees, kMaxField_degrees, "%.1f\xC2\xB0",
                        ImGuiSliderFlags_AlwaysClamp))
@@ -41,12 +41,12 @@ void draw_listener(const Camera& camera, Edits& edits) {
   ringdown::Pose pose = *edits.listener();
   std::array<float, 3> at = {static_cast<float>(pose.position_m.x), static_cast<float>(pose.position_m.y),
                              static_cast<float>(pose.position_m.z)};
-  label("Listener", "The place of the listener's head in the scene: x, y and z in metres", kLabel_em);
+  label("Listener", "The place of the listener's head in the scene: x, y and z in metres", kViewLabel_em);
   bool changes = ImGui::DragFloat3("##listener", at.data(), kStep_m, 0, 0, "%.3f");
   if (changes) pose.position_m = {at[0], at[1], at[2]};
   const Angles angles = angles_of(pose.rotation);
   std::array<float, 2> faces = {static_cast<float>(angles[0]), static_cast<float>(-angles[1])};
-  label("Faces", "Heading, from x towards y, and angle above the horizon, in degrees", kLabel_em);
+  label("Faces", "Heading, from x towards y, and angle above the horizon, in degrees", kViewLabel_em);
   if (ImGui::DragFloat2("##faces", faces.data(), kStep_degrees, 0, 0, "%.1f\xC2\xB0")) {
     const float elevation = std::clamp(faces[1], -Camera::kSteepest / kDegree, Camera::kSteepest / kDegree);
     pose.rotation = rotation_of({static_cast<double>(faces[0]), static_cast<double>(-elevation), 0});
