@@ -1,7 +1,8 @@
 #include "tests/bake/curved_skin.h"
 
+#include "engine/dense/decompositions.h"
+
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -93,7 +94,7 @@ CurvedSkin::CurvedSkin(const mesh::TetMesh& mesh) : order_(mesh.order()) {
       vandermonde.row(n) =
           monomials(order_, double(at[corners[kind][1]]) / order_, double(at[corners[kind][2]]) / order_);
     }
-    kinds_[kind].coefficients = vandermonde.inverse();
+    kinds_[kind].coefficients = dense::inverse(vandermonde);
   }
 
   std::map<std::array<std::int32_t, 3>, std::pair<Eigen::Index, int>> alone;  // by corners: element and kind

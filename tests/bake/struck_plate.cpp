@@ -1,8 +1,9 @@
 #include "tests/bake/struck_plate.h"
 
+#include "engine/dense/decompositions.h"
 #include "tests/bake/von_karman.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include <array>
 #include <cmath>
@@ -15,9 +16,9 @@ Plate steel_plate(int modes, int functions) {
   const fem::Elastic steel{200e9, 0.3, 7850};
   const ringdown::test::PlateTerms terms = ringdown::test::von_karman_square(kSide_m, kThickness_m, steel, modes);
   // The fields' leading singular vectors, weighed by their singular values.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(Eigen::MatrixXd(terms.pairs.transpose() * terms.pairs));
-  const Eigen::MatrixXd products = gram.eigenvalues().tail(functions).cwiseSqrt().asDiagonal() *
-                                   gram.eigenvectors().rightCols(functions).transpose();
+  const dense::Spectrum gram = dense::spectrum(terms.pairs.transpose() * terms.pairs);
+  const Eigen::MatrixXd products =
+      gram.values.tail(functions).cwiseSqrt().asDiagonal() * gram.vectors.rightCols(functions).transpose();
   Plate plate{.omega = terms.lambda.cwiseSqrt(), .h = {}, .shape = Eigen::VectorXd(modes)};
   for (int k = 0; k < functions; ++k) {
     Eigen::MatrixXd h(modes, modes);

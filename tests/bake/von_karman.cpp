@@ -4,8 +4,9 @@
 // equations.
 #include "tests/bake/von_karman.h"
 
+#include "engine/dense/decompositions.h"
+
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <vector>
@@ -17,9 +18,9 @@ namespace {
 void gauss(int n, Eigen::VectorXd& x, Eigen::VectorXd& w) {
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
   for (int i = 1; i < n; ++i) jacobi(i, i - 1) = jacobi(i - 1, i) = i / std::sqrt(4.0 * i * i - 1);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(jacobi);
-  x = solved.eigenvalues();
-  w = 2 * solved.eigenvectors().row(0).transpose().cwiseAbs2();
+  const dense::Spectrum solved = dense::spectrum(jacobi);
+  x = solved.values;
+  w = 2 * solved.vectors.row(0).transpose().cwiseAbs2();
 }
 
 // Orthonormal Legendre polynomials up to degree p and their two derivatives at the points: each points x (p + 1).
@@ -75,9 +76,9 @@ PlateTerms plate(const Eigen::VectorXd& x, const Eigen::VectorXd& y, const Eigen
   const Eigen::MatrixXd stiffness = bending * (form(wxx, wxx) + form(wyy, wyy) +
                                                nu * (form(wxx, wyy) + form(wyy, wxx)) + 2 * (1 - nu) * form(wxy, wxy));
   const Eigen::MatrixXd mass = elastic.density_kg_m3 * h * form(w, w);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solved(stiffness, mass);
-  PlateTerms result{solved.eigenvalues().segment(3, modes), {}};
-  const Eigen::MatrixXd shapes = solved.eigenvectors().middleCols(3, modes);
+  const dense::Spectrum solved = dense::generalized_spectrum(stiffness, mass).value();
+  PlateTerms result{solved.values.segment(3, modes), {}};
+  const Eigen::MatrixXd shapes = solved.vectors.middleCols(3, modes);
   const Eigen::MatrixXd sx = wx * shapes, sy = wy * shapes;
 
   // Strains (e11, e22, 2 e12) as vectors whose inner product is the energy: the rows of a Cholesky factor.

@@ -2,7 +2,7 @@
 
 #include "tests/fem/sample_meshes.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -1,8 +1,10 @@
 // Functions of one degree more than a mesh's own.
 #include "engine/fem/surplus.h"
+
+#include "engine/dense/decompositions.h"
 #include "tests/fem/sample_meshes.h"
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -22,7 +24,7 @@ TEST(SurplusBasis, TheSurplusSpansWithTheShapeFunctionsWhatOneDegreeMoreSpans) {
       gram += point.weight * values * values.transpose();
     }
     const Eigen::VectorXd scale = gram.diagonal().cwiseSqrt().cwiseInverse();
-    EXPECT_EQ(Eigen::FullPivLU<Eigen::MatrixXd>(scale.asDiagonal() * gram * scale.asDiagonal()).rank(), all) << order;
+    EXPECT_GT(dense::eigenvalues(scale.asDiagonal() * gram * scale.asDiagonal())[0], 1e-9) << order;
   }
 }
 

@@ -2,12 +2,13 @@
 // basis of a degenerate family a solver returns is chance, the space that it spans is not.
 #include "engine/solve/eigensolver.h"
 
+#include "engine/dense/decompositions.h"
 #include "engine/mesh/gmsh_reader.h"
 #include "tests/fem/reference_frequencies.h"
 #include "tests/fem/sample_meshes.h"
 #include "tests/support/temporary_folder.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -95,10 +96,11 @@ Field spheroidal(const Harmonic& harmonic, double frequency_hz) {
 // The smallest of the squared cosines between the two spaces, in the scalar product of the mass: the modal assurance
 // criterion of whole families. 1 when they are the same.
 double subspace_mac(const fem::System& system, const Eigen::MatrixXd& shapes, Eigen::MatrixXd exact) {
-  const Eigen::MatrixXd gram = exact.transpose() * fem::mass_times(system.node_mass, exact);
-  const Eigen::MatrixXd cosines =
-      gram.llt().matrixL().solve(exact.transpose() * fem::mass_times(system.node_mass, shapes));
-  return std::pow(cosines.jacobiSvd().singularValues().minCoeff(), 2);
+  Eigen::MatrixXd root = exact.transpose() * fem::mass_times(system.node_mass, exact);
+  Eigen::MatrixXd cosines = exact.transpose() * fem::mass_times(system.node_mass, shapes);
+  dense::cholesky(root);
+  dense::solve_lower(root, cosines);
+  return dense::eigenvalues(cosines * cosines.transpose())[0];
 }
 
 TEST(ExactShapes, ShapesOfASphereSpanTheClosedForm) {

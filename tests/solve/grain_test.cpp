@@ -7,7 +7,7 @@
 #include "tests/fem/grain_frequencies.h"
 #include "tests/fem/sample_meshes.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
 #include <cstdlib>

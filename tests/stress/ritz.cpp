@@ -1,8 +1,8 @@
 #include "tests/stress/ritz.h"
 
 #include "engine/dense/blas_threads.h"
+#include "engine/dense/decompositions.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -64,7 +64,7 @@ class Box {
     for (Eigen::Index b = 0; b < size; ++b) {
       for (Eigen::Index a = b; a < size; ++a) stiffness(a, b) = energy(family[a], family[b]);
     }
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness, Eigen::EigenvaluesOnly).eigenvalues() / density_;
+    return dense::eigenvalues(stiffness) / density_;
   }
 
  private:
@@ -173,8 +173,8 @@ std::vector<double> tetrahedron_frequencies(const Eigen::Matrix<double, 4, 3>& c
           elastic.density_kg_m3 * six_volumes * integral(product) * Eigen::Matrix3d::Identity();
     }
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solved(stiffness, mass, Eigen::EigenvaluesOnly);
-  return to_hertz({solved.eigenvalues().begin(), solved.eigenvalues().end()}, count);
+  const Eigen::VectorXd solved = dense::generalized_spectrum(stiffness, mass)->values;
+  return to_hertz({solved.begin(), solved.end()}, count);
 }
 
 }  // namespace ringdown::test
