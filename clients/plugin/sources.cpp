@@ -36,8 +36,8 @@ const std::vector<Family> kFamilies = {
     {"Cymbals and gongs",
      {"gong", "opera-gong", "tam-tam", "crash-cymbal", "crotale", "triangle", "thunder-sheet", "steel-plate"}},
     {"Glass and porcelain",
-     {"wine-glass", "tumbler", "bottle", "window-pane", "mug", "porcelain-bowl", "dinner-plate", "ceramic-tile",
-      "flower-pot"}},
+     {"glass-harp", "wine-glass", "tumbler", "bottle", "window-pane", "mug", "porcelain-bowl", "dinner-plate",
+      "ceramic-tile", "flower-pot"}},
     {"Wood and stone", {"wood-block", "block", "table-top", "brick", "granite-slab"}},
 };
 

@@ -14,7 +14,7 @@ namespace ringdown::plugin {
 inline constexpr std::size_t kOwnFiles = 8;
 inline constexpr std::size_t kFirstPreset = kOwnFiles + 1;
 // Their order is stored in people's sessions: new ones are added at the end.
-inline constexpr std::array<std::string_view, 46> kPresets = {"vibraphone-key",
+inline constexpr std::array<std::string_view, 47> kPresets = {"vibraphone-key",
                                                               "anvil",
                                                               "block",
                                                               "bottle",
@@ -59,8 +59,10 @@ inline constexpr std::array<std::string_view, 46> kPresets = {"vibraphone-key",
                                                               "crash-cymbal",
                                                               "tam-tam",
                                                               "window-pane",
-                                                              "marimba-key"};
-inline constexpr std::array<std::string_view, 3> kNoteMapPresets = {"vibraphone", "music-box-comb", "kalimba"};
+                                                              "marimba-key",
+                                                              "glass-harp"};
+inline constexpr std::array<std::string_view, 4> kNoteMapPresets = {"vibraphone", "music-box-comb", "kalimba",
+                                                                    "glass-harp"};
 inline constexpr std::size_t kChoices = kFirstPreset + kPresets.size();
 
 // Returns the family of a preset, by which hosts sort: "Bars", "Bells"; "Things" for those of no other family.

@@ -17,7 +17,7 @@ PICTURES = ROOT / "docs/figures/presets"
 MOST_BYTES = 25_000
 HEAD = """# The presets
 
-The presets are the objects of `presets/objects`. Their banks, of 17 to 1,880 kB, are in `presets/banks`. Play one:
+The presets are the objects of `presets/objects`. Their banks, of 17 to 1,630 kB, are in `presets/banks`. Play one:
 
     ringdownd --object it=presets/banks/NAME.glb --connect &
     ringdown strike it --vertex 0 --impulse 0,0,-0.01
@@ -26,6 +26,9 @@ Each picture shows the shape of the most important mode, coloured by how far eac
 spectrum, in dB over Hz, of a blow at the point where the object responds most. The first T60 belongs to the mode at the pitch, if there is one; the
 second belongs to the most important mode, which is the loudest in most blows. A [pitch](materials.md#pitch) in bold is stated; the others are
 estimated. [Pictures of a bank](previews.md) show more modes. `./run presets` bakes the presets that have changed.
+
+Two instruments have banks in folders: the 37 bars of the `vibraphone`, and the `glass-harp`, a wine glass that water tunes. Play
+them, and the tines and teeth of `kalimba` and `music-box-comb`, by [maps of notes](midi.md).
 
 | | object | material | pitch in Hz (note, cents) | T60 of the pitch [s] | T60 of the loudest [s] |
 |---|---|---|---|---|---|

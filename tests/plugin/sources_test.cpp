@@ -32,7 +32,7 @@ TEST(Sources, EveryChoiceHasItsFile) {
 }
 
 TEST(Sources, InstrumentsOfManyNotesAreNoteMaps) {
-  for (const char* name : {"vibraphone", "kalimba", "music-box-comb"}) {
+  for (const char* name : {"vibraphone", "kalimba", "music-box-comb", "glass-harp"}) {
     const auto at = std::find(kPresets.begin(), kPresets.end(), name) - kPresets.begin();
     EXPECT_TRUE(
         is_note_map(find_source(kFirstPreset + static_cast<std::size_t>(at), "", RINGDOWN_BIN_DIR "/plugin.so")))
