@@ -245,7 +245,8 @@ void MainPanel::draw_modes(float width, float height) {
 void MainPanel::take_shortcuts() {
   const ImGuiIO& io = ImGui::GetIO();
   if (!io.KeyCtrl || io.WantTextInput) return;
-  const bool z = ImGui::IsKeyPressed('z'), y = ImGui::IsKeyPressed('y');
+  const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key)); };
+  const bool z = pressed(ImGuiKey_Z), y = pressed(ImGuiKey_Y);
   if (y || (z && io.KeyShift))
     edits_.redo();
   else if (z)

@@ -53,7 +53,7 @@ void Sliders::draw_one(Parameter parameter, Edits& edits) {
     bool on = value > 0.5F;
     if (ImGui::Checkbox(info.name, &on)) edits.set(parameter, on ? 1 : 0);
   } else {
-    ImGui::SetNextItemWidth(0.5F * ImGui::GetWindowContentRegionWidth());
+    ImGui::SetNextItemWidth(0.5F * ImGui::GetContentRegionAvail().x);
     const std::string text = as_pattern(text_of(number, static_cast<double>(value)));
     ImGuiSliderFlags flags = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoRoundToFormat;
     if (info.scale == Scale::logarithmic) flags |= ImGuiSliderFlags_Logarithmic;

@@ -59,25 +59,25 @@ int number_of(uint key) {
 }
 
 void name_keys(ImGuiIO& io) {
-  constexpr std::array<std::pair<ImGuiKey_, uint>, 19> kNames = {{{ImGuiKey_Tab, '\t'},
-                                                                  {ImGuiKey_LeftArrow, kKeyLeft},
-                                                                  {ImGuiKey_RightArrow, kKeyRight},
-                                                                  {ImGuiKey_UpArrow, kKeyUp},
-                                                                  {ImGuiKey_DownArrow, kKeyDown},
-                                                                  {ImGuiKey_PageUp, kKeyPageUp},
-                                                                  {ImGuiKey_PageDown, kKeyPageDown},
-                                                                  {ImGuiKey_Home, kKeyHome},
-                                                                  {ImGuiKey_End, kKeyEnd},
-                                                                  {ImGuiKey_Delete, kKeyDelete},
-                                                                  {ImGuiKey_Backspace, kKeyBackspace},
-                                                                  {ImGuiKey_Enter, '\r'},
-                                                                  {ImGuiKey_Escape, kKeyEscape},
-                                                                  {ImGuiKey_A, 'a'},
-                                                                  {ImGuiKey_C, 'c'},
-                                                                  {ImGuiKey_V, 'v'},
-                                                                  {ImGuiKey_X, 'x'},
-                                                                  {ImGuiKey_Y, 'y'},
-                                                                  {ImGuiKey_Z, 'z'}}};
+  constexpr std::array<std::pair<ImGuiKey, uint>, 19> kNames = {{{ImGuiKey_Tab, '\t'},
+                                                                 {ImGuiKey_LeftArrow, kKeyLeft},
+                                                                 {ImGuiKey_RightArrow, kKeyRight},
+                                                                 {ImGuiKey_UpArrow, kKeyUp},
+                                                                 {ImGuiKey_DownArrow, kKeyDown},
+                                                                 {ImGuiKey_PageUp, kKeyPageUp},
+                                                                 {ImGuiKey_PageDown, kKeyPageDown},
+                                                                 {ImGuiKey_Home, kKeyHome},
+                                                                 {ImGuiKey_End, kKeyEnd},
+                                                                 {ImGuiKey_Delete, kKeyDelete},
+                                                                 {ImGuiKey_Backspace, kKeyBackspace},
+                                                                 {ImGuiKey_Enter, '\r'},
+                                                                 {ImGuiKey_Escape, kKeyEscape},
+                                                                 {ImGuiKey_A, 'a'},
+                                                                 {ImGuiKey_C, 'c'},
+                                                                 {ImGuiKey_V, 'v'},
+                                                                 {ImGuiKey_X, 'x'},
+                                                                 {ImGuiKey_Y, 'y'},
+                                                                 {ImGuiKey_Z, 'z'}}};
   for (const auto& [name, key] : kNames) io.KeyMap[name] = number_of(key);
 }
 
@@ -101,7 +101,8 @@ class Mouse {
       const Click& click = clicks_.front();
       has_changed[click.button] = true;
       io.MouseDown[click.button] = click.press;
-      io.KeyShift = click.shift;
+      // The key, too: ImGui 1.90 forgets modifiers for as long as no key has ever been down.
+      io.KeyShift = io.KeysDown[number_of(kKeyShift)] = click.shift;
       at = click.at;
     }
     io.MousePos = {static_cast<float>(at.getX()), static_cast<float>(at.getY())};
