@@ -30,6 +30,8 @@ namespace ringdown::bake {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>;
 using Indicators = std::vector<Eigen::Triplet<double>>;
 
 constexpr Eigen::Index kSums = 8;          // random sums of modes, of three components each
@@ -48,6 +50,25 @@ Eigen::MatrixXd component(const Eigen::MatrixXd& shapes, int axis, Eigen::Index 
   using Strided = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::Stride<Eigen::Dynamic, 3>>;
   return Strided(shapes.data() + first * shapes.rows() + axis, shapes.rows() / 3, count,
                  Eigen::Stride<Eigen::Dynamic, 3>(shapes.rows(), 3));
+}
+
+// factor.solve(right), rounded alike. Eigen's goes through the factor for every column by itself.
+ByRows solved(const Factor& factor, const ByRows& right) {
+  using Entry = Eigen::SparseMatrix<double>::InnerIterator;
+  const Eigen::SparseMatrix<double>& lower = factor.matrixL().nestedExpression();
+  ByRows values = factor.permutationP() * right;
+  for (Eigen::Index k = 0; k < lower.cols(); ++k) {
+    Entry entry(lower, k);  // the first of a column is the diagonal's
+    values.row(k) /= entry.value();
+    while (++entry) values.row(entry.index()) -= entry.value() * values.row(k);
+  }
+  for (Eigen::Index k = lower.cols() - 1; k >= 0; --k) {
+    Entry entry(lower, k);
+    const double diagonal = entry.value();
+    while (++entry) values.row(k) -= entry.value() * values.row(entry.index());
+    values.row(k) /= diagonal;
+  }
+  return factor.permutationPinv() * values;
 }
 
 // The surface in kRegions parts of equal area, each near in place and in direction: the two sides of a wall are apart.
@@ -204,17 +225,17 @@ class Chooser {
     const double pull = kPull * area_ / static_cast<double>(count);
     Eigen::SparseMatrix<double> normal = weighted * weights;
     for (Eigen::Index p = 0; p < count; ++p) normal.coeffRef(p, p) += pull;
-    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(normal);
-    const auto exact = [&](const Eigen::MatrixXd& at_nodes, const Eigen::MatrixXd& at_samples) {
-      Eigen::MatrixXd values(count, at_nodes.cols());
+    const Factor factor(normal);
+    const auto exact = [&](const ByRows& at_nodes, const ByRows& at_samples) {
+      ByRows values(count, at_nodes.cols());
       for (Eigen::Index p = 0; p < count; ++p) {
         const Eigen::Index row = from[p] - at_nodes.rows();
         values.row(p) = row < 0 ? at_nodes.row(from[p]) : at_samples.row(row);
       }
       return values;
     };
-    const auto fitted = [&](const Eigen::MatrixXd& at_nodes, const Eigen::MatrixXd& at_samples) -> Eigen::MatrixXd {
-      return factor.solve(weighted * at_samples + pull * exact(at_nodes, at_samples));
+    const auto fitted = [&](const ByRows& at_nodes, const ByRows& at_samples) {
+      return solved(factor, weighted * at_samples + pull * exact(at_nodes, at_samples));
     };
 
     result.points.positions = fitted(nodes_, positions_);
@@ -224,10 +245,11 @@ class Chooser {
     Eigen::MatrixXd lost = Eigen::MatrixXd::Zero(regions_.rows(), shapes_.cols());
     for_modes([&](Eigen::Index first, Eigen::Index modes) {
       for (int axis = 0; axis < 3; ++axis) {
-        const Eigen::MatrixXd at_nodes = component(shapes_, axis, first, modes);
-        const Eigen::MatrixXd at_samples = samples_.interpolation * at_nodes;
-        const Eigen::MatrixXd values = fitted(at_nodes, at_samples);
-        lost.middleCols(first, modes) += regions_ * (at_samples - weights * values).cwiseAbs2();
+        const ByRows at_nodes = component(shapes_, axis, first, modes);
+        const ByRows at_samples = samples_.interpolation * at_nodes;
+        const ByRows values = fitted(at_nodes, at_samples);
+        const ByRows squares = (at_samples - weights * values).cwiseAbs2();
+        lost.middleCols(first, modes) += ByRows(regions_ * squares);
         for (Eigen::Index m = 0; m < modes; ++m) {
           for (Eigen::Index p = 0; p < count; ++p) result.points.shapes(3 * p + axis, first + m) = values(p, m);
         }

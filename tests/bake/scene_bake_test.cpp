@@ -146,7 +146,10 @@ TEST(SceneBake, BodiesWithAMaterialGetTheirModelsInPlace) {
   const std::size_t bar = room.add_box("Bar", {kLength_m, kThick_m, 0.03});
   const std::size_t large = room.add_box("Large bar", 2 * Vec3{kLength_m, kThick_m, 0.03});
   const std::size_t first = room.add_node(body("Bar", bar, glazed));
-  const std::size_t twin = room.add_node(body("Bar.001", bar, glazed));
+  Json turned = body("Bar.001", bar, glazed);
+  turned["translation"] = {0.7, -1.3, 0.11};
+  turned["rotation"] = {0.3, -0.1, 0.2, 0.9273618495495704};
+  const std::size_t twin = room.add_node(turned);
   const std::size_t heavy = room.add_node(body("Heavy", bar, glazed, {{"mass", 4 * 0.3 * 0.012 * 0.03 * 2700}}));
   Json small = body("Small", large, glazed);
   small["scale"] = {0.5, 0.5, 0.5};

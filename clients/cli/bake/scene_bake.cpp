@@ -37,8 +37,20 @@ using scene::SilentBody;
 // Bodies that share a model, by their places in the list of all.
 using Alike = std::vector<std::size_t>;
 
+// Points are read through the poses of their nodes, each of which rounds them differently.
+bool same_surface(const scene::ShapeMesh& a, const scene::ShapeMesh& b) {
+  constexpr double kRounding = 1e-6;  // of the size
+  if (a.triangles != b.triangles || a.points_m.size() != b.points_m.size()) return false;
+  double size_m = 0, off_m = 0;
+  for (std::size_t k = 0; k < a.points_m.size(); ++k) {
+    size_m = std::max(size_m, length(a.points_m[k] - a.points_m[0]));
+    off_m = std::max(off_m, length(a.points_m[k] - b.points_m[k]));
+  }
+  return off_m <= kRounding * size_m;
+}
+
 bool same_sound(const SilentBody& a, const SilentBody& b) {
-  return a.geo == b.geo && a.surface == b.surface && a.material.number == b.material.number &&
+  return a.geo == b.geo && same_surface(a.surface, b.surface) && a.material.number == b.material.number &&
          a.material.name == b.material.name && a.scale == b.scale && a.mass_kg == b.mass_kg;
 }
 
