@@ -50,6 +50,12 @@ constexpr double kSleepWhenStill_s = 0.3;
 // energy.
 constexpr int kMaxRounds = 6;
 
+// Rounds that correct friction end if this many of them in succession change the bounds by the same share, to kStuck.
+// Heaps of pieces, in which loads can be shared out in many ways, get stuck at some thousandths, and no later round has
+// been seen to agree then.
+constexpr int kMaxStuckRounds = 3;
+constexpr double kStuck = 0.01;
+
 // The exact solver's time grows with the cube of an island's contact points, and a long step leaves more time.
 std::size_t max_exact_contacts(double step_s) {
   return static_cast<std::size_t>(kMaxExactContacts * std::cbrt(step_s / 0.002));
@@ -255,9 +261,13 @@ void Simulation::State::correct_friction(const Part& part) {
     dWorldStep(world.get(), part.length_s);
   };
   std::vector<FrictionBound> bounds;
-  for (int round = 0; round < kMaxFrictionRounds; ++round) {
+  double last = 0;
+  for (int round = 0, stuck = 0; round < kMaxFrictionRounds && stuck < kMaxStuckRounds; ++round) {
     contacts.read_impulses();
-    if (contacts.bound_friction(bounds) < kFrictionAgrees) return;
+    const double change = contacts.bound_friction(bounds);
+    if (change < kFrictionAgrees) return;
+    stuck = std::abs(change - last) < kStuck * change ? stuck + 1 : 0;
+    last = change;
     solve_again();
     if (OdeLock::warnings() > 0) break;
   }

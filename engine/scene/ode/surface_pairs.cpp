@@ -15,6 +15,9 @@ constexpr double kDeepest = 0.2;
 // nearer than SurfacePairs::kMargin_m less this.
 constexpr double kSame_m = 3e-5;
 
+// A pair without contacts is searched again after any motion, but not where a part is solved again from its beginning.
+constexpr double kSamePlace_m = 1e-12;
+
 struct GeomPose {
   Matrix3 rotation;
   Vec3 position;
@@ -59,7 +62,8 @@ int SurfacePairs::find(const Collider& first, const Collider& second, double par
   const auto [entry, is_new] = kept_.try_emplace({first.id, second.id});
   Kept& kept = entry->second;
   kept.used = true;
-  if (is_new || kept.contacts.empty() || way_between(kept.pose, pose, one.reach_m) > kSame_m) {
+  const double same_m = kept.contacts.empty() ? kSamePlace_m : kSame_m;
+  if (is_new || way_between(kept.pose, pose, one.reach_m) > same_m) {
     const Motion of_first = first.motion(), of_second = second.motion();
     DepthLimit limit;
     limit.standing_m = kDeepest * std::min(one.thickness_m, two.thickness_m);
