@@ -99,6 +99,43 @@ TEST(BreakingPresets, HarderFallsMakeMorePieces) {
   EXPECT_GT(high.pieces * low.broken, low.pieces * high.broken);
 }
 
+// Flat presets break into as many pieces as the energy of the vibration pays for: N even cells of a plate of area A and
+// thickness h have cracks of the length 2 (N A)^1/2, less half of the plate's outline, which is no crack. A crack costs
+// three times G_c. Patterns are uneven, and the plate has a rim.
+TEST(BreakingPresets, ThereAreAsManyPiecesAsTheEnergyPaysFor) {
+  struct Flat {
+    const char* name;
+    double area_m2, outline_m, thickness_m;
+  };
+  constexpr double kRound_m = 0.13;  // radius of the plate
+  for (const auto& [name, area_m2, outline_m, thickness_m] :
+       {Flat{"ceramic-tile", 0.15 * 0.15, 4 * 0.15, 0.007}, Flat{"window-pane", 0.25 * 0.18, 2 * 0.43, 0.003},
+        Flat{"dinner-plate", std::numbers::pi * kRound_m * kRound_m, 2 * std::numbers::pi * kRound_m, 0.0045}}) {
+    const Preset preset(name);
+    const Vec3 at_m = preset.bank->fracture->patterns[0].at_m;
+    const auto blow = [&](double impulse_ns) { return synth::verb::Strike{at_m, {0, 0, -impulse_ns}, 1e-4}; };
+    auto body = breaking::Breakable::make(preset.map, {}, 48000, 0).value();
+    const auto energy_j = [&](double impulse_ns) {
+      return modal::modal_energy(body.at_peak(blow(impulse_ns), 0)).total_j();
+    };
+    std::size_t pieces = 0;
+    for (double impulse_ns = 0.01; impulse_ns < 1; impulse_ns *= 1.02) {
+      const std::size_t level = body.affordable(body.levels_at(at_m), energy_j(impulse_ns));
+      const std::size_t now = preset.pieces[level]->pieces().size();
+      ASSERT_GE(now, pieces) << name << ": a harder blow makes fewer pieces";
+      if (now == pieces) continue;
+      if (pieces > 0) {  // here the blow begins to pay for this level
+        const double crack_m2 = energy_j(impulse_ns) / (3 * preset.bank->fracture->crack_energy_j_m2);
+        const double half_m = (crack_m2 / thickness_m + outline_m / 2) / 2;
+        const double paid_for = half_m * half_m / area_m2;
+        EXPECT_NEAR(paid_for / static_cast<double>(now), 1, 0.45) << name << ", " << now << " pieces";
+      }
+      pieces = now;
+    }
+    EXPECT_EQ(pieces, preset.pieces.back()->pieces().size()) << name;
+  }
+}
+
 // Prints the table in docs/how/fracture.md.
 TEST(BreakingPresets, DISABLED_TheTableOfFalls) {
   for (const char* name :

@@ -67,7 +67,7 @@ TEST(BreakSound, PiecesBeginWhenTheCrackReachesThemWhateverTheBlocks) {
     if (piece.map) nearest_s = std::min(nearest_s, piece.delay_s);
   }
   const double half_crack_s = pieces_of_pane().breaking().crack_time_s() / 2;
-  for (const std::size_t block : {std::size_t{1}, std::size_t{64}, std::size_t{255}, kFrames}) {
+  for (const std::size_t block : {std::size_t{1}, std::size_t{64}, std::size_t{255}, std::size_t{1024}, kFrames}) {
     const std::vector<double> with = broken_pane(block, 0.05, true), without = broken_pane(block, 0.05, false);
     std::size_t first = 0;
     while (first < kFrames && std::abs(with[first] - without[first]) < 1e-9) ++first;

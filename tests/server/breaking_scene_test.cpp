@@ -18,6 +18,7 @@
 #include <fstream>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -197,6 +198,63 @@ TEST_F(BreakingScene, EventsAndSoundDoNotDependOnTheBlockSize) {
   EXPECT_GT(test::peak(heard), 1e-4);
   const auto again = render_offline({.scene = scene_}, [](double) { return true; });
   EXPECT_EQ(Samples(again->left.begin(), again->left.end()), heard) << "bit for bit";
+}
+
+// Ten plates of 60 pieces land within 0.1 s, in blocks of 64 frames: each piece is a body, is heard, and no event and
+// no contact is left out.
+TEST_F(BreakingScene, TenBodiesOfSixtyPiecesBreakWithinATenthOfASecond) {
+  constexpr std::size_t kPlates = 10, kPieces = 60, kBlock = 64;
+  modal::Bank plate = test::breaking_plate({.size_m = {0.2, 0.12, 0.01}, .mass_kg = 0.6, .along = 10, .across = 6});
+  ASSERT_TRUE(modal::write_bank(plate, folder_ / "plate.glb"));
+  std::string text = "[scene]\nduration_s = 1\n[[static]]\nname = \"floor\"\nshape = \"plane\"\n";
+  for (std::size_t k = 0; k < kPlates; ++k) {
+    const std::string name = formatted("plate{}", k);
+    const double fall_s = 0.2 + 0.009 * static_cast<double>(k);
+    text += formatted("[[object]]\nname = \"{}\"\nbank = \"plate.glb\"\n[[body]]\nname = \"{}\"\nobject = \"{}\"\n",
+                      name, name, name) +
+            formatted(
+                "shape = \"convex\"\nposition_m = [{:f}, 0, {:f}]\nbreaks = {{ impulse_ns = 0.01, min_mass_kg = 0 }}\n",
+                0.5 * static_cast<double>(k), 0.5 * 9.81 * fall_s * fall_s);
+  }
+  std::ofstream(scene_) << text;
+  Session session(kPlateRate_hz);
+  std::vector<std::string> warnings;
+  session.rack().warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  // Contacts that last are left out: the mixer has room for a limited number of them.
+  std::size_t blows = 0;
+  session.scene().send_to([&](const scene::StepReport& report) {
+    std::size_t lost = report.dropped_events + report.dropped_contacts;
+    for (const synth::Event& event : report.events) {
+      if (event.verb.holds<synth::verb::Contact>()) continue;
+      if (synth::excites(event)) ++blows;
+      if (!session.rack().push(synth::Producer::scene, event)) ++lost;
+    }
+    return lost;
+  });
+  ASSERT_TRUE(session.scene().load(scene_, 0));
+  synth::Mixer& mixer = session.rack().mixer();
+  mixer.meters().watch_objects(true);
+  std::vector<float> left(kBlock), right(kBlock);
+  std::set<std::string> silent;
+  for (std::size_t k = 0; k < kPlates; ++k) {
+    for (std::size_t i = 0; i < kPieces; ++i) silent.insert(formatted("plate{}.{}", k, i));
+  }
+  while (mixer.counters().frames < 0.4 * kPlateRate_hz) {
+    session.scene().advance_to(mixer.counters().frames + static_cast<Frame>(kBlock), {});
+    mixer.render(left, right);
+    session.rack().collect();
+    std::erase_if(silent, [&](const std::string& name) {
+      return mixer.meters().take_peak_level((*session.rack().find({.name = name}))->number) > 1e-7;
+    });
+  }
+  EXPECT_EQ(session.scene().poses().bodies.size(), kPlates * kPieces);
+  EXPECT_TRUE(silent.empty()) << silent.size() << " pieces, first " << *silent.begin();
+  EXPECT_EQ(warnings.size(), kPlates) << warnings.back();
+  EXPECT_GT(blows, kPlates * kPieces);
+  EXPECT_EQ(mixer.counters().strikes, blows);
+  EXPECT_EQ(mixer.counters().late, 0u);
+  EXPECT_EQ(mixer.counters().refused, 0u);
+  EXPECT_EQ(session.scene().lost().dropped, 0u);
 }
 
 // After the break nothing is left of the plate's only mode; each piece has one of 4 kHz and more.
