@@ -18,12 +18,21 @@
 // agrees best with the other and the square of the cosine of their shapes, over all points of the surface, is above one
 // half. Modes of equal frequency may be any mixtures of each other; they, and modes of banks with different points, are
 // paired by rank.
+//
+// Between the banks
+//
+// At constant E, a thin plate or wall that bends has f^2 ~ 1 / (1 - nu^2), and a motion whose shape does not change has
+// f^2 = a / (1 + nu) + b nu / ((1 + nu) (1 - 2 nu)), with a from its shear and b from its compression. Multiplied by
+// (1 - nu^2) (1 - 2 nu), both are polynomials of at most second order, so three banks give such modes exactly over all
+// ratios. Parabolas of f itself, between the ratios 0.05, 0.25 and 0.45, were up to 230 cents off for compression.
 namespace ringdown::fit {
 namespace {
 
 constexpr float kSame = 0.5F;
 constexpr std::size_t kMinPoints = 4;  // at fewer common points, different modes have alike shapes
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+double smooth(double nu) { return (1 - nu * nu) * (1 - 2 * nu); }
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
@@ -95,18 +104,41 @@ std::vector<std::size_t> NuCurves::partners(const Modes& of, const Modes& among)
   return partner;
 }
 
-NuCurves::NuCurves(std::span<const NuBank, 3> banks) : middle_(*banks[1].bank) {
-  std::vector<std::size_t> whole(middle_.frequency_hz.size());
-  std::iota(whole.begin(), whole.end(), 0);
-  for (std::size_t i = 0; i < 3; ++i) {
-    nu_[i] = banks[i].poisson_ratio;
-    const Modes modes(*banks[i].bank);
-    const std::vector<std::size_t> partner = partners(middle_, modes);
-    for (const std::size_t number : partner)
-      frequencies_[i].push_back(number == kNone ? 0 : modes.frequency_hz[number]);
-    std::erase_if(whole, [&](std::size_t curve) { return partner[curve] == kNone; });
-  }
-  keep(whole);
+NuCurves::NuCurves(std::span<const NuBank> banks)
+    : lowest_(banks.front().poisson_ratio),
+      highest_(banks.back().poisson_ratio),
+      frequencies_(banks.size()),
+      middle_(*banks[banks.size() / 2].bank) {
+  for (const NuBank& bank : banks) nu_.push_back(bank.poisson_ratio);
+  const std::size_t middle = banks.size() / 2, count = middle_.frequency_hz.size();
+  std::vector<bool> followed(count, true);
+  // Takes the frequencies of bank `to`, whose modes are followed from its neighbour `from`. `number` has the number of
+  // each curve's mode in `from`, and then in `to`.
+  const auto follow = [&](std::size_t from, std::size_t to, std::vector<std::size_t>& number) {
+    const Modes modes(*banks[to].bank);
+    const std::vector<std::size_t> partner = partners(Modes(*banks[from].bank), modes);
+    for (std::size_t curve = 0; curve < count; ++curve) {
+      number[curve] = number[curve] == kNone ? kNone : partner[number[curve]];
+      if (number[curve] == kNone) followed[curve] = false;
+      frequencies_[to].push_back(number[curve] == kNone ? 0 : modes.frequency_hz[number[curve]]);
+    }
+  };
+  std::vector<std::size_t> own(count);
+  std::iota(own.begin(), own.end(), 0);
+  frequencies_[middle] = middle_.frequency_hz;
+  std::vector<std::size_t> number = own;
+  for (std::size_t i = middle; i > 0; --i) follow(i, i - 1, number);
+  number = own;
+  for (std::size_t i = middle; i + 1 < banks.size(); ++i) follow(i, i + 1, number);
+  std::erase_if(own, [&](std::size_t curve) { return !followed[curve]; });
+  keep(own);
+}
+
+NuCurves NuCurves::around(double nu, double aside) const {
+  NuCurves result = *this;
+  result.lowest_ = std::max(lowest_, nu - aside);
+  result.highest_ = std::min(highest_, nu + aside);
+  return result;
 }
 
 void NuCurves::keep(const std::vector<std::size_t>& curves) {
@@ -126,14 +158,17 @@ void NuCurves::keep(const std::vector<std::size_t>& curves) {
   take(middle_.frequency_hz);
 }
 
-// The frequencies at a ratio, in the order of the curves: a parabola through those of the three banks.
+// The frequencies at a ratio, in the order of the curves: by the polynomial through `smooth(nu) f^2` of the banks
+// (Lagrange).
 std::vector<double> NuCurves::in_order(double nu) const {
+  constexpr double kMin = 1e-300;  // far outside of the banks' ratios a polynomial may fall below zero
   std::vector<double> result(frequencies_[0].size());
-  for (std::size_t i = 0; i < 3; ++i) {
-    double weight = 1;
-    for (std::size_t j = 0; j < 3; ++j) weight *= j == i ? 1 : (nu - nu_[j]) / (nu_[i] - nu_[j]);
-    for (std::size_t k = 0; k < result.size(); ++k) result[k] += weight * frequencies_[i][k];
+  for (std::size_t i = 0; i < nu_.size(); ++i) {
+    double weight = smooth(nu_[i]);
+    for (std::size_t j = 0; j < nu_.size(); ++j) weight *= j == i ? 1 : (nu - nu_[j]) / (nu_[i] - nu_[j]);
+    for (std::size_t k = 0; k < result.size(); ++k) result[k] += weight * frequencies_[i][k] * frequencies_[i][k];
   }
+  for (double& value : result) value = std::sqrt(std::max(value, kMin) / smooth(nu));
   return result;
 }
 
@@ -159,7 +194,7 @@ NuCurves NuCurves::through(const modal::Bank& exact, double nu) const {
 }
 
 Slopes NuCurves::slopes(double nu) const {
-  constexpr double kStep = 1e-3;
+  constexpr double kStep = 1e-4;
   const std::vector<double> here = in_order(nu), below = in_order(nu - kStep), above = in_order(nu + kStep);
   std::vector<std::size_t> order(here.size());
   std::iota(order.begin(), order.end(), 0);

@@ -1,6 +1,6 @@
 // How the frequencies of one shape depend on Poisson's ratio. [worker]
 //
-//   const NuCurves curves(banks);                              // three quick bakes
+//   const NuCurves curves(banks);                              // three quick bakes, or more
 //   const NuChoice choice = choose_nu(heard, curves, options); // comparison.h
 //   const NuCurves better = curves.through(bank, nu);          // an exact bake at one ratio
 //
@@ -10,7 +10,6 @@
 #include "engine/fit/identification.h"
 #include "engine/modal/bank.h"
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -24,11 +23,15 @@ struct NuBank {
 
 class NuCurves {
  public:
-  // `banks` are three banks of one shape with ascending ratios. Modes that one of them lacks have no curve.
-  explicit NuCurves(std::span<const NuBank, 3> banks);
+  // `banks` are three or more banks of one shape with ascending ratios. Modes that one of them lacks have no curve.
+  explicit NuCurves(std::span<const NuBank> banks);
 
-  [[nodiscard]] double lowest() const { return nu_.front(); }
-  [[nodiscard]] double highest() const { return nu_.back(); }
+  // The range of ratios that a search takes: that of the banks, or less.
+  [[nodiscard]] double lowest() const { return lowest_; }
+  [[nodiscard]] double highest() const { return highest_; }
+
+  // The same curves for a search of the ratios up to `aside` from `nu`.
+  [[nodiscard]] NuCurves around(double nu, double aside) const;
 
   // The frequencies at a ratio, ascending [Hz].
   [[nodiscard]] std::vector<double> at(double nu) const;
@@ -54,9 +57,10 @@ class NuCurves {
   static std::vector<std::size_t> partners(const Modes& of, const Modes& among);
   void keep(const std::vector<std::size_t>& curves);
 
-  std::array<double, 3> nu_{};
-  std::array<std::vector<double>, 3> frequencies_;  // of each curve, at each ratio
-  Modes middle_;                                    // each curve's mode in the middle bank
+  double lowest_, highest_;
+  std::vector<double> nu_;                        // of each bank
+  std::vector<std::vector<double>> frequencies_;  // of each curve, at each ratio
+  Modes middle_;                                  // each curve's mode in the middle bank
 };
 
 }  // namespace ringdown::fit

@@ -11,13 +11,21 @@
 namespace ringdown::fit {
 namespace {
 
-// Four modes whose frequencies are straight lines over the ratio, f = at_zero + slope nu. Lines cross between all of
-// the banks' ratios.
+// The squared frequency of a mode at constant E, of parts that bend as a thin plate, shear and compress.
 struct Line {
-  double at_zero_hz, slope_hz;
-  [[nodiscard]] double at(double nu) const { return at_zero_hz + slope_hz * nu; }
+  double bending, shear, compression;  // [Hz^2]
+  [[nodiscard]] double at(double nu) const {
+    return std::sqrt(bending / (1 - nu * nu) + shear / (1 + nu) + compression * nu / ((1 + nu) * (1 - 2 * nu)));
+  }
+  [[nodiscard]] double log_slope(double nu) const {
+    const double below = (1 + nu) * (1 - 2 * nu);
+    const double of_square = 2 * nu * bending / std::pow(1 - nu * nu, 2) - shear / std::pow(1 + nu, 2) +
+                             compression * (1 + 2 * nu * nu) / (below * below);
+    return 0.5 * of_square / std::pow(at(nu), 2);
+  }
 };
-constexpr std::array<Line, 4> kLines = {{{1000, 500}, {1150, -300}, {1100, 60}, {1300, -900}}};
+// Lines that cross between all of the banks' ratios.
+constexpr std::array<Line, 4> kLines = {{{1e6, 0, 0}, {0, 1.3225e6, 0}, {0, 0.9216e6, 0.36e6}, {0, 1.5625e6, 0}}};
 constexpr std::array<double, 3> kRatios = {0.1, 0.25, 0.4};
 
 // Mode m moves point m most and the next one a little, in a direction that a material changes a little.
@@ -102,8 +110,24 @@ TEST(NuCurves, SlopesAreThoseOfTheModesAtTheirRatio) {
     const auto rank =
         std::ranges::min_element(slopes.frequency_hz, {}, [&](double hz) { return std::abs(hz - line.at(0.3)); }) -
         slopes.frequency_hz.begin();
-    EXPECT_NEAR(slopes.slopes[0][static_cast<std::size_t>(rank)], line.slope_hz / line.at(0.3), 1e-5);
+    EXPECT_NEAR(slopes.slopes[0][static_cast<std::size_t>(rank)], line.log_slope(0.3), 1e-5);
   }
+}
+
+TEST(NuCurves, AFurtherBankCorrectsTheCurvesNearItsRatio) {
+  constexpr double kFurther = 0.33;
+  const auto banks = three_banks();
+  modal::Bank further = bank_at(kFurther);
+  for (double& hz : further.frequency_hz) hz *= 1.02;  // no mode of a kind that three banks tell
+  const std::array<NuBank, 4> choices{NuBank{kRatios[0], banks.data()}, NuBank{kRatios[1], &banks[1]},
+                                      NuBank{kFurther, &further}, NuBank{kRatios[2], &banks[2]}};
+  const NuCurves curves = NuCurves(choices).around(kFurther, 0.05);
+  std::vector<double> expected = truth_at(kFurther);
+  for (double& hz : expected) hz *= 1.02;
+  EXPECT_LT(worst_hz(curves.at(kFurther), expected), 1e-6);
+  EXPECT_LT(worst_hz(curves.at(kRatios[0]), truth_at(kRatios[0])), 1e-6);
+  EXPECT_DOUBLE_EQ(curves.lowest(), 0.28);
+  EXPECT_DOUBLE_EQ(curves.highest(), 0.38);
 }
 
 TEST(NuCurves, AModeThatABankLacksHasNoCurve) {

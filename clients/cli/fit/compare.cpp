@@ -21,6 +21,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -74,7 +75,7 @@ void add_compare_options(manual::App& app, CompareArguments& arguments) {
                  "The weight of the object in kg, which tells its density, and so E itself.")
       ->check(manual::between(1e-9, 1e6));
   app.add_flag("--keep-nu", arguments.keep_nu,
-               "Keep the material's Poisson's ratio, which takes two bakes in place of eight or more.");
+               "Keep the material's Poisson's ratio, which takes two bakes in place of five or more.");
 }
 
 struct Inputs {
@@ -122,7 +123,7 @@ Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   return inputs;
 }
 
-constexpr double kSearchBakes = 7 + cli::Baker::kWellShare,
+constexpr double kSearchBakes = 5 + cli::Baker::kWellShare,
                  kSoundShare = 1;  // quick bakes of a search; of a recording, in quick bakes
 
 Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments,
@@ -171,20 +172,34 @@ Result<void> hear(const Inputs& inputs, CompareArguments& arguments, const std::
   return {};
 }
 
-// How the frequencies depend on Poisson's ratio, from quick bakes with three ratios around `middle`.
-Result<fit::NuCurves> bake_curves(cli::Baker& baker, double middle, double aside) {
-  constexpr double kMin = 0.02, kMax = 0.47;
-  const double centre = std::clamp(middle, kMin + aside, kMax - aside);
-  std::array<modal::Bank, 3> banks;
-  std::array<fit::NuBank, 3> three{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double nu = centre + aside * (static_cast<double>(i) - 1);
-    Result<modal::Bank> bank = baker.bake_quickly({{kNu, nu}});
-    if (!bank) return fail(bank);
-    banks[i] = std::move(*bank);
-    three[i] = {nu, &banks[i]};
+using QuickBakes = std::map<double, modal::Bank>;  // by Poisson's ratio
+
+fit::NuCurves curves_of(const QuickBakes& bakes) {
+  std::vector<fit::NuBank> banks;
+  for (const auto& [nu, bank] : bakes) banks.push_back({nu, &bank});
+  return fit::NuCurves(banks);
+}
+
+constexpr double kMinNu = 0.02, kLowNu = 0.05, kMiddleNu = 0.25, kHighNu = 0.45, kMaxNu = 0.47;  // of quick bakes
+
+Result<void> bake_at(cli::Baker& baker, double nu, QuickBakes& bakes) {
+  Result<modal::Bank> bank = baker.bake_quickly({{kNu, nu}});
+  if (!bank) return fail(bank);
+  bakes.insert_or_assign(nu, std::move(*bank));
+  return {};
+}
+
+// Where a further bake makes the curves most exact near a ratio: at the ratio, or beside it if a bake is there; beyond
+// the bakes if the ratio lies at their end.
+double next_ratio(const QuickBakes& bakes, double nu) {
+  constexpr double kNear = 0.015, kAside = 0.06;
+  const double lowest = bakes.begin()->first, highest = bakes.rbegin()->first;
+  const double first = nu > highest - kNear ? kMaxNu : nu < lowest + kNear ? kMinNu : nu;
+  for (const double at : {first, nu + kAside, nu - kAside}) {
+    const bool is_new = std::ranges::none_of(bakes, [&](const auto& b) { return std::abs(b.first - at) < kNear; });
+    if (is_new && at <= kMaxNu) return at;
   }
-  return fit::NuCurves(three);
+  return nu;
 }
 
 fit::CalibrateOptions around(fit::CalibrateOptions match, double tuning_cents) {
@@ -215,25 +230,30 @@ std::vector<double> heard_hz(const cli::Comparison& c) {
 }
 
 // Searches Poisson's ratio, first over all ratios that solids have, among the curves `wide`, and then near the best of
-// them. Exact bakes correct the curves until the choice stays. If the frequencies do not tell the ratio, the result has
-// the material's.
-Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c,
+// them, with a quick bake there. Exact bakes correct the curves until the choice stays. If the frequencies do not tell
+// the ratio, the result has the material's. `own` is the quick bake at the material's ratio.
+Result<void> find_nu(cli::Baker& baker, CompareArguments& arguments, cli::Comparison& c, modal::Bank own,
                      std::optional<fit::NuCurves>& wide) {
-  constexpr double kMiddle = 0.25, kWide = 0.2, kNarrow = 0.06, kEdge = 0.003, kSame = 0.001;
+  constexpr double kApart = 0.07, kNarrow = 0.06, kEdge = 0.003, kSame = 0.001;
   constexpr int kMaxNarrow = 2, kMaxExact = 3;
   const double given = c.given_poisson_ratio;
-  Result<fit::NuCurves> curves = bake_curves(baker, kMiddle, kWide);
-  if (!curves) return fail(curves);
-  wide = *curves;
+  const bool in_middle = given > kLowNu + kApart && given < kHighNu - kApart;
+  QuickBakes quick;
+  if (in_middle) quick.emplace(given, std::move(own));
+  for (const double nu : {kLowNu, in_middle ? given : kMiddleNu, kHighNu}) {
+    if (quick.contains(nu)) continue;
+    if (auto baked = bake_at(baker, nu, quick); !baked) return baked;
+  }
+  std::optional<fit::NuCurves> curves = wide = curves_of(quick);
   fit::NuChoice choice = fit::choose_nu(c.heard, *curves, arguments.match);
   bool inside = false;
   for (int searches = 0; searches < kMaxNarrow && !inside; ++searches) {
-    curves = bake_curves(baker, choice.poisson_ratio, kNarrow);
-    if (!curves) return fail(curves);
+    if (auto baked = bake_at(baker, next_ratio(quick, choice.poisson_ratio), quick); !baked) return baked;
+    curves = curves_of(quick).around(choice.poisson_ratio, kNarrow);
     choice = fit::choose_nu(c.heard, *curves, around(arguments.match, choice.tuning_cents));
     inside = choice.poisson_ratio > curves->lowest() + kEdge && choice.poisson_ratio < curves->highest() - kEdge;
   }
-  if (!choice.told && (given < curves->lowest() || given > curves->highest())) curves = *wide;
+  if (!choice.told && (given < curves->lowest() || given > curves->highest())) curves = curves_of(quick);
   for (int bakes = 0; bakes < kMaxExact; ++bakes) {
     const double nu = choice.told ? choice.poisson_ratio : given;
     if (bakes > 0 && std::abs(nu - c.poisson_ratio) < kSame) break;
@@ -357,7 +377,7 @@ Result<void> find_bank(cli::Baker& baker, CompareArguments& arguments, cli::Comp
   c.poisson_ratio = c.given_poisson_ratio = own->material->poisson_ratio;
   const bool keep_nu = arguments.keep_nu || own->material->orthotropy;  // a grain's constants leave nothing to nu
   if (arguments.figures.empty() && !keep_nu) {
-    if (const auto found = find_nu(baker, arguments, c, wide); !found) return found;
+    if (const auto found = find_nu(baker, arguments, c, std::move(*own), wide); !found) return found;
   } else {
     c.figures = arguments.figures;
     if (!c.figures.empty()) {
