@@ -71,8 +71,9 @@ double score(const std::vector<Match>& matches, double tolerance) {
   return sum;
 }
 
-// Finds the tuning with the most and closest matches, then refines it. In a dense bank some mode lies near every
-// frequency, so only a narrow tolerance shows the right tuning; of equally good tunings the smallest is chosen.
+// Finds the tuning with the most and closest matches, then refines it by medians, and last on a fixed grid, whose best
+// tuning is the same wherever the search began. In a dense bank some mode lies near every frequency, so only a narrow
+// tolerance shows the right tuning; of equally good tunings the smallest is chosen.
 double find_tuning(std::span<const Mode> recorded, const Sorted& baked, const CalibrateOptions& options) {
   double best = options.around_cents, best_score = 0;
   const double narrow = std::min(8.0, options.tolerance_cents);
@@ -90,6 +91,16 @@ double find_tuning(std::span<const Mode> recorded, const Sorted& baked, const Ca
     std::vector<double> offs;
     for (const Match& m : match(recorded, baked, best, narrow)) offs.push_back(m.off_cents);
     if (!offs.empty()) best += median(std::move(offs));
+  }
+  constexpr double kFine = 0.05;
+  constexpr int kReach = 40;  // steps to either side
+  const auto middle = static_cast<int>(std::lround(best / kFine));
+  best_score = 0;
+  for (int step = middle - kReach; step <= middle + kReach; ++step) {
+    const double s = score(match(recorded, baked, kFine * step, narrow), narrow);
+    if (s <= best_score) continue;
+    best = kFine * step;
+    best_score = s;
   }
   return best;
 }

@@ -144,6 +144,23 @@ TEST(Calibrate, ALossFactorThatChangesWithFrequencyGetsMoreThanOneFigure) {
   }
 }
 
+// Modes up to 5 cents off, as a coarse mesh leaves them: the median of these offs moves with the modes that count.
+TEST(Calibrate, TheTuningDoesNotDependOnWhereItsSearchBegins) {
+  const modal::Bank bank = preset("steel-plate");
+  std::vector<Mode> modes = modes_of(bank, {2e-3});
+  std::mt19937 random(2);
+  for (Mode& mode : modes)
+    mode.frequency_hz *= std::exp2((1 + 10 * static_cast<double>(random()) / 4294967296.0) / 1200);
+  const auto first = calibrate(modes, bank, {.max_tuning_cents = 30});
+  ASSERT_TRUE(first);
+  EXPECT_NEAR(first->tuning_cents, 6, 1.5);
+  for (const double around_cents : {0.3, -0.7, 4.1}) {
+    const auto found = calibrate(modes, bank, {.max_tuning_cents = 30, .around_cents = around_cents});
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->tuning_cents, first->tuning_cents) << around_cents;
+  }
+}
+
 TEST(Calibrate, CalibrationLeavesOutModesThatAreClamped) {
   const modal::Bank bank = preset("steel-plate");
   const Loss loss{1.5e-3};
