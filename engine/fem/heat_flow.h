@@ -50,6 +50,7 @@ class HeatProblem {
   // bent wall that leaves 1 % of the loss up to omega tau = 20.
   HeatProblem(const HeatSource& source, int threads = 0);
 
+  [[nodiscard]] const mesh::TetMesh& mesh() const { return heat_mesh_; }  // of the temperature
   [[nodiscard]] const Eigen::SparseMatrix<double, Eigen::RowMajor>& conduction() const { return conduction_; }
   [[nodiscard]] const Eigen::SparseMatrix<double, Eigen::RowMajor>& capacity() const { return capacity_; }
 
