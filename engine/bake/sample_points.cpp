@@ -1,5 +1,6 @@
 #include "engine/bake/sample_points.h"
 
+#include "engine/base/triangle.h"
 #include "engine/mesh/coarsen.h"
 
 #include <Eigen/Geometry>
@@ -69,6 +70,44 @@ ByRows solved(const Factor& factor, const ByRows& right) {
     values.row(k) /= diagonal;
   }
   return factor.permutationPinv() * values;
+}
+
+mesh::SurfaceQuadrature samples_of(const mesh::Boundary& surface, const mesh::TetMesh& mesh) {
+  return mesh::quadrature_of(surface, mesh, surface.triangles.size() < kManyTriangles ? 3 : 1);
+}
+
+// All nodes of the surface, with the shapes' own values. Removing no point takes none of the time that finding the
+// cheapest point takes.
+SamplePoints all_nodes(const mesh::TetMesh& mesh, const mesh::Boundary& surface, const Eigen::MatrixXd& shapes) {
+  SamplePoints points{.positions = mesh.nodes(surface.nodes, Eigen::all),
+                      .triangles = surface.triangles,
+                      .shapes = shapes,
+                      .errors = Eigen::VectorXd(shapes.cols())};
+  const mesh::SurfaceQuadrature samples = samples_of(surface, mesh);
+  const mesh::Points at = samples.interpolation * points.positions;
+  const Eigen::Index share = at.rows() / static_cast<Eigen::Index>(surface.triangles.size());
+  const auto place = [](const mesh::Points& list, Eigen::Index i) { return Vec3{list(i, 0), list(i, 1), list(i, 2)}; };
+  Indicators entries;
+  for (Eigen::Index s = 0; s < at.rows(); ++s) {
+    const auto& t = surface.triangles[static_cast<std::size_t>(s / share)];
+    const std::array<Vec3, 3> corners{place(points.positions, t[0]), place(points.positions, t[1]),
+                                      place(points.positions, t[2])};
+    const std::array<double, 3> weights = nearest_on_triangle(place(at, s), corners);
+    for (std::size_t i = 0; i < 3; ++i) entries.emplace_back(s, t[i], weights[i]);
+  }
+  Sparse linear(at.rows(), points.positions.rows());
+  linear.setFromTriplets(entries.begin(), entries.end());
+  const Sparse off = samples.interpolation - linear;
+  for (Eigen::Index m = 0; m < shapes.cols(); ++m) {
+    double lost = 0, square = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::VectorXd moved = component(shapes, axis, m, 1);
+      lost += samples.areas.dot((off * moved).cwiseAbs2());
+      square += samples.areas.dot((samples.interpolation * moved).cwiseAbs2());
+    }
+    points.errors[m] = std::sqrt(lost / square);
+  }
+  return points;
 }
 
 // The surface in kRegions parts of equal area, each near in place and in direction: the two sides of a wall are apart.
@@ -185,7 +224,7 @@ class Chooser {
  public:
   Chooser(const mesh::TetMesh& mesh, const mesh::Boundary& surface, const Eigen::MatrixXd& shapes)
       : shapes_(shapes),
-        samples_(mesh::quadrature_of(surface, mesh, surface.triangles.size() < kManyTriangles ? 3 : 1)),
+        samples_(samples_of(surface, mesh)),
         nodes_(static_cast<Eigen::Index>(surface.nodes.size()), 3),
         square_(Eigen::VectorXd::Zero(shapes.cols())) {
     for (Eigen::Index p = 0; p < nodes_.rows(); ++p) nodes_.row(p) = mesh.nodes.row(surface.nodes[p]);
@@ -332,6 +371,7 @@ Result<SamplePoints> choose_points(const mesh::TetMesh& mesh, const mesh::Bounda
   constexpr double kMin = 0.6, kMax = 0.96;  // of the points that a step leaves
   constexpr double kNear = 0.04;             // of the points: the search ends when fewer are in doubt
   const auto go_on = [&](double fraction) { return !progress || progress("finish", fraction); };
+  if (request.points >= surface.nodes.size()) return all_nodes(mesh, surface, shapes);
   Chooser chooser(mesh, surface, shapes);
   mesh::Coarsening& left = chooser.coarsening();
   if (request.points > 0) {

@@ -23,7 +23,8 @@ namespace ringdown::bake {
 struct PointRequest {
   double shape_error = 0.03;  // that the median of the modes may have. 10/3 of it are allowed to any mode, and to the
                               // rms of all modes in any region of a twentieth of the surface
-  std::size_t points = 0;     // so many instead, >= 4, whatever the error; 0: as many as the error takes
+  std::size_t points = 0;     // so many instead, >= 4, whatever the error; 0: as many as the error takes. All nodes,
+                              // with the shapes' own values, if the surface has no more
 };
 
 struct SamplePoints {
