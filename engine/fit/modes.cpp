@@ -105,15 +105,17 @@ void for_all(std::size_t count, int threads, const Work& work) {
   });
 }
 
-// Finds candidates in all bands. A band below the floor is skipped: even if all its sound were one mode, the mode would
-// be dropped. Most often such a band holds only what the filter leaves of its neighbours.
+// Finds candidates in all bands but quiet ones. A band below the floor is quiet: even if all its sound were one mode,
+// the mode would be dropped. Most often such a band holds only what the filter leaves of its neighbours.
 std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, const Options& options) {
   const dense::BlasThreads one(1);
   const Eigen::MatrixXcd samples = pass.filter.take(signal, centre_hz(pass, 0) / pass.rate_hz, pass.bands());
   std::vector<std::vector<Candidate>> found(pass.bands());
   if (samples.cols() == 0) return {};
   const Eigen::VectorXd peaks = samples.cwiseAbs().rowwise().maxCoeff();
-  const double min = 0.25 * std::pow(10, -options.floor_db / 20) * peaks.maxCoeff();
+  constexpr double kBelowFloor_db = 12;
+  const double quietest_db = options.quietest_band_db.value_or(options.floor_db + kBelowFloor_db);
+  const double min = std::pow(10, -quietest_db / 20) * peaks.maxCoeff();
   for_all(found.size(), options.threads, [&](std::size_t band) {
     const auto row = static_cast<Eigen::Index>(band);
     if (peaks[row] > min) found[band] = search_band(samples.row(row).transpose(), pass, band);

@@ -25,9 +25,11 @@ namespace ringdown::fit {
 struct Options {
   double low_hz = 20, high_hz = 20000;  // range of the search; the top is at most 0.98 of half the sample rate
   double floor_db = 80;                 // modes with amplitudes further below the loudest are dropped
-  std::size_t max_modes = 1000;         // the modes of most energy stay
-  std::optional<double> from_s;         // time of the blow; empty: it is found
-  int threads = 0;                      // 0: one per processor
+  // Bands whose peak lies further below the loudest band's are not searched; empty: those below the floor's modes.
+  std::optional<double> quietest_band_db = {};
+  std::size_t max_modes = 1000;  // the modes of most energy stay
+  std::optional<double> from_s;  // time of the blow; empty: it is found
+  int threads = 0;               // 0: one per processor
 };
 
 struct Fit {
