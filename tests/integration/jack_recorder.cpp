@@ -95,8 +95,8 @@ std::optional<std::size_t> JackRecorder::freewheels_from() const {
   return freewheels_from_ < 0 ? std::nullopt : std::optional(static_cast<std::size_t>(freewheels_from_));
 }
 
-bool JackRecorder::wait_for(std::size_t frames) const {
-  return becomes_true([&] { return recorded_ >= frames; });
+bool JackRecorder::wait_for(std::size_t frames, std::chrono::milliseconds limit) const {
+  return becomes_true([&] { return recorded_ >= frames; }, limit);
 }
 
 bool JackRecorder::let_pass(std::size_t blocks) const {

@@ -1,10 +1,12 @@
 // A JACK client that keeps every sample it gets: also in freewheel, where a program that writes to disk loses some.
 #pragma once
 
+#include "tests/integration/process.h"
 #include "tests/support/signal.h"
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -56,7 +58,7 @@ class JackRecorder {
   [[nodiscard]] std::uint32_t first_frame() const { return first_frame_; }
 
   [[nodiscard]] std::size_t recorded() const { return recorded_; }
-  bool wait_for(std::size_t frames) const;
+  bool wait_for(std::size_t frames, std::chrono::milliseconds limit = kPatience) const;
   // Waits until so many more blocks have passed, recorded or not.
   bool let_pass(std::size_t blocks) const;
   // What was recorded so far, of in_1 (0) or in_2 (1).
