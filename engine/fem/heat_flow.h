@@ -20,7 +20,7 @@
 #include "engine/fem/solid.h"
 #include "engine/mesh/tet_mesh.h"
 
-#include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include <cstdint>
 #include <vector>
