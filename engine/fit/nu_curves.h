@@ -30,7 +30,7 @@ class NuCurves {
   [[nodiscard]] double lowest() const { return lowest_; }
   [[nodiscard]] double highest() const { return highest_; }
 
-  // The same curves for a search of the ratios up to `aside` from `nu`.
+  // Returns these curves with a narrower range: the search then takes the ratios up to `aside` from `nu`.
   [[nodiscard]] NuCurves around(double nu, double aside) const;
 
   // The frequencies at a ratio, ascending [Hz].

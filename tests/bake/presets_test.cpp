@@ -375,8 +375,8 @@ TEST(Presets, EveryObjectHasItsBank) {
     }
     const auto amplitudes = modal::error_spread(bank->shape_error);
     ASSERT_TRUE(amplitudes) << name;
-    EXPECT_LE(amplitudes->median, object->options.shape_error) << name;
-    EXPECT_LE(amplitudes->largest, object->options.shape_error / 0.3) << name;
+    EXPECT_LE(amplitudes->median, 0.03) << name;
+    EXPECT_LE(amplitudes->largest, 0.1) << name;
     ASSERT_TRUE(bank->material);
     EXPECT_FLOAT_EQ(bank->material->youngs_modulus_pa, material->material.youngs_modulus_pa)
         << name << " was baked with another " << object->material << "; bake the presets again";

@@ -191,8 +191,8 @@ Result<void> bake_at(cli::Baker& baker, double nu, QuickBakes& bakes) {
   return {};
 }
 
-// Where a further bake makes the curves most exact near a ratio: at the ratio, or beside it if a bake is there; beyond
-// the bakes if the ratio lies at their end.
+// Returns the ratio at which a further bake makes the curves most exact near `nu`: `nu` itself, or a ratio beside it if
+// a bake is there already, or one beyond all bakes if `nu` lies at their end.
 double next_ratio(const QuickBakes& bakes, double nu) {
   constexpr double kNear = 0.015, kAside = 0.06;
   const double lowest = bakes.begin()->first, highest = bakes.rbegin()->first;

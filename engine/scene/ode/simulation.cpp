@@ -253,7 +253,7 @@ bool Simulation::State::solve(const Part& part) {
 // ODE bounds friction by the normal impulse that would occur without friction. If a body lands on an edge, friction
 // turns the body and so changes that impulse: by 18 % in the worst case seen. The part is solved again with bounds from
 // the last solution, until they agree with the solution's own impulses. If they do not converge, at a very high
-// friction, ODE's first solution is used.
+// friction or in a heap, ODE's first solution is used.
 void Simulation::State::correct_friction(const Part& part) {
   const auto solve_again = [&] {
     restore(part);
