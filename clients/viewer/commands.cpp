@@ -254,6 +254,7 @@ bool Commands::perform_modes(Action action) {
     case Action::project_test_force:
       return project_test_force(), true;
     case Action::clear_sound:
+      edits_.forget_touches();
       return send_(protocol::ClearAll{}), true;
     default:
       return false;

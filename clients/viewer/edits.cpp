@@ -86,6 +86,7 @@ void Edits::update(double now_s) {
   now_s_ = now_s;
   std::erase_if(pending_, [&](const auto& entry) { return now_s - entry.second.sent_at_s > kConfirmedWithin_s; });
   std::erase_if(placed_, [&](const auto& entry) { return now_s - entry.second.sent_at_s > kShownWithin_s; });
+  touches_.keep([this](const std::string& object) { return model_.object(object) != nullptr; });
   note_new_bodies();
 }
 
@@ -94,6 +95,7 @@ void Edits::restart() {
   pending_.clear();
   placed_.clear();
   listener_.reset();
+  touches_.clear();
   messages_seen_ = 0;
 }
 
@@ -139,6 +141,15 @@ void Edits::set_listener(const std::optional<ringdown::Pose>& pose) {
   send(request(pose));
 }
 
+void Edits::touch(const Request& bow_or_coupling) {
+  std::string what;
+  if (const auto* bow = bow_or_coupling.get_if<protocol::SetBow>()) what = bow->object.name + ": bow";
+  if (const auto* coupling = bow_or_coupling.get_if<protocol::SetCoupling>())
+    what = formatted("coupling {} of {} and {}", coupling->verb.number, coupling->object.name, coupling->other.name);
+  history_.note(what, touches_.reverting(bow_or_coupling), bow_or_coupling, now_s_);
+  send(bow_or_coupling);
+}
+
 // The daemon's answers name the bodies that were dropped.
 void Edits::note_new_bodies() {
   for (const KnownMessage& message : model_.messages()) {
@@ -176,6 +187,7 @@ void Edits::send(const Request& request) {
   }
   if (const auto* listener = request.get_if<protocol::SetListener>()) listener_ = listener->verb.pose;
   if (request.get_if<protocol::ListenerOff>()) listener_.reset();
+  touches_.follow(request);
   send_(request);
   if (name && !name->empty()) send_(protocol::DescribeObject{{*name, std::nullopt}});
 }

@@ -1,8 +1,9 @@
-// Changes to the settings of objects, to which bodies a scene has and where, and to the listener: sent to the daemon,
-// and undoable. [UI]
+// Changes to the settings of objects, to bows and couplings on them, to which bodies a scene has and where, and to the
+// listener: sent to the daemon, and undoable. [UI]
 #pragma once
 
 #include "clients/viewer/link/model.h"
+#include "clients/viewer/touches.h"
 #include "protocol/request.h"
 
 #include <cstdint>
@@ -80,6 +81,10 @@ class Edits {
   [[nodiscard]] const std::optional<ringdown::Pose>& listener() const { return listener_; }
   void set_listener(const std::optional<ringdown::Pose>& pose);
   void forget_bodies();
+  // Lays, changes or ends a bow or a coupling (SetBow, SetCoupling). forget_touches() follows a request that ends all.
+  void touch(const protocol::Request& bow_or_coupling);
+  void forget_touches() { touches_.clear(); }
+  [[nodiscard]] const Touches& touches() const { return touches_; }
   void undo() { send_if_any(history_.undo()); }
   void redo() { send_if_any(history_.redo()); }
   [[nodiscard]] const History& history() const { return history_; }
@@ -103,6 +108,7 @@ class Edits {
   };
   std::map<std::int32_t, Placed> placed_;  // poses sent and not yet shown, by body
   std::optional<ringdown::Pose> listener_;
+  Touches touches_;
   double now_s_ = 0;
   std::uint64_t messages_seen_ = 0;
 };

@@ -62,6 +62,8 @@ constexpr std::array kBindings = {
             "Remove the body under the mouse, or in the middle of the view"},
     Binding{Pane::scene, "E", Action::place_body, once,
             "Move, turn and size the body under the mouse, or in the middle of the view, or end that"},
+    Binding{Pane::scene, "T", Action::touch, once,
+            "Click with a mallet, then a bow, then a coupling, then with the test force again"},
     Binding{Pane::scene, "F", Action::choose_support, once,
             "Choose the flat surface under the mouse, or in the middle of the view, as a support, or deselect it"},
     Binding{Pane::scene, "ctrl+C", Action::copy_support, once, "Copy the chosen support as text for an object file"},

@@ -72,6 +72,7 @@ enum class Action : std::uint8_t {
   new_sphere,
   remove_body,
   place_body,
+  touch,
   clear_scene,
   vibrate,
   choose_support,

@@ -320,6 +320,55 @@ TEST(Commands, TheListenerIsPutAndGoesBack) {
   EXPECT_FALSE(edits.listener());
 }
 
+TEST(Commands, ABowIsLiftedByUndoAndChangedWithinOneGesture) {
+  Desk desk;
+  Edits& edits = desk.commands.edits();
+  const SurfacePoint at{"bell", {0.1, 0, 0}, {0, 0, 1}};
+  synth::verb::Bow bow{.speed_m_s = 0.2, .force_n = 2};
+  edits.touch(bow_at(at, {0, 3, 4}, bow));
+  desk.wait(1);
+  ASSERT_EQ(edits.touches().bows().size(), 1u);
+  EXPECT_NEAR(edits.touches().bows()[0].verb.direction.y, 1, 1e-12) << "the hair lies in the surface";
+  EXPECT_NEAR(edits.touches().bows()[0].verb.direction.z, 0, 1e-12);
+  for (const double force_n : {3.0, 4.0, 5.0}) {
+    bow.force_n = force_n;
+    edits.touch(bow_at(at, {0, 1, 0}, bow));
+    desk.wait(0.1);
+  }
+  EXPECT_EQ(edits.history().undoes(), "bell: bow");
+  desk.commands.perform(Action::undo);
+  EXPECT_EQ(desk.of<protocol::SetBow>().back().verb.force_n, 2) << "the drag of a slider is one change";
+  desk.commands.perform(Action::undo);
+  EXPECT_EQ(desk.of<protocol::SetBow>().back().verb.force_n, 0);
+  EXPECT_TRUE(edits.touches().bows().empty());
+  desk.commands.perform(Action::redo);
+  EXPECT_EQ(desk.of<protocol::SetBow>().back().verb.force_n, 2);
+  EXPECT_EQ(edits.touches().bows().size(), 1u);
+  desk.commands.perform(Action::clear_sound);
+  EXPECT_TRUE(edits.touches().bows().empty()) << "clearing ends all contacts";
+}
+
+TEST(Commands, CouplingsHaveNumbersOfTheirOwnAndGoWithTheirObjects) {
+  Desk desk({"bell", "plate"});
+  Edits& edits = desk.commands.edits();
+  const SurfacePoint bell{"bell", {0.1, 0, 0}, {0, 0, 1}}, plate{"plate", {0, 0.2, 0}, {0, 0, -1}};
+  for (int i = 0; i < 2; ++i) {
+    edits.touch(coupling_of(bell, plate, {.number = edits.touches().free_number()}));
+    desk.wait(1);
+  }
+  ASSERT_EQ(edits.touches().couplings().size(), 2u);
+  const auto& [first, second] = std::pair(edits.touches().couplings()[0], edits.touches().couplings()[1]);
+  EXPECT_NE(first.verb.number, second.verb.number);
+  EXPECT_EQ(first.verb.direction, (Vec3{0, 0, -1})) << "against the outward normal";
+  desk.commands.perform(Action::undo);
+  EXPECT_EQ(desk.of<protocol::SetCoupling>().back().verb.number, second.verb.number);
+  EXPECT_EQ(desk.of<protocol::SetCoupling>().back().verb.stiffness, 0);
+  EXPECT_EQ(edits.touches().couplings().size(), 1u);
+  desk.model.apply(protocol::NotifyObject{1, "plate", false}, desk.now_s);
+  desk.wait(0.1);
+  EXPECT_TRUE(edits.touches().couplings().empty()) << "its object was freed";
+}
+
 TEST(Commands, BodiesOfAnotherSceneAreNotUndone) {
   Desk desk;
   const auto& history = desk.commands.edits().history();

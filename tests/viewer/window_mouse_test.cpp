@@ -138,6 +138,109 @@ TEST(Window, DraggingTurnsTheWheelZoomsAndShiftPushes) {
   EXPECT_TRUE(studio.relay().asked<protocol::Strike>().empty()) << "a drag strikes nothing";
 }
 
+// Returns the middle pixel of what is seen of an object, in the window; nothing if it is not seen.
+std::optional<glm::vec2> pixel_of(Studio& studio, const std::string& object) {
+  const SceneView& view = studio.app().scene_view();
+  const auto& [frame, items, picked] = view.stage().contents();
+  constexpr int kStep = 5, kEdge = 30;
+  std::vector<glm::vec2> seen;
+  for (int y = kEdge; y < static_cast<int>(view.size().y) - kEdge; y += kStep) {
+    for (int x = kEdge; x < static_cast<int>(view.size().x) - kEdge; x += kStep) {
+      const auto hit = pick(view.camera().ray_through(static_cast<float>(x), static_cast<float>(y),
+                                                      static_cast<int>(view.size().x), static_cast<int>(view.size().y)),
+                            picked);
+      if (hit && hit->id < items.size() && items[hit->id].object == object) seen.emplace_back(x, y);
+    }
+  }
+  if (seen.size() < 8) return std::nullopt;
+  return glm::vec2(view.origin().x, view.origin().y) + seen[seen.size() / 2];
+}
+
+std::string text_of(float pixel) { return std::to_string(std::lround(pixel)); }
+
+TEST(Window, AMalletIsThrownAndABowIsDrawnByTheMouse) {
+  OPEN_STUDIO(studio);
+  const TouchPanel& panel = studio.app().scene_view().touching();
+  const Camera& camera = studio.app().scene_view().camera();
+  const History& history = studio.app().commands().edits().history();
+  const Touches& touches = studio.app().commands().edits().touches();
+  const Target target = nearest_point(studio);
+  studio.press("t");
+  ASSERT_TRUE(studio.until([&] { return panel.is_open(); }));
+  studio.act({"mousemove", text_of(target.pixel.x), text_of(target.pixel.y)});
+  studio.hold({"click", "1"});
+  ASSERT_TRUE(studio.asks<protocol::HitMallet>());
+  const protocol::HitMallet mallet = studio.relay().asked<protocol::HitMallet>()[0];
+  EXPECT_EQ(mallet.object.name, "bell");
+  EXPECT_LT(length(mallet.verb.point_m - target.object_m), 0.02);
+  EXPECT_NEAR(length(mallet.verb.velocity_m_s), 1, 1e-6);
+  EXPECT_GT(mallet.verb.velocity_m_s.y, 0.5) << "away from the camera, into the surface";
+  EXPECT_TRUE(studio.until([&] { return studio.status().sounding_objects == 1; }));
+  EXPECT_EQ(history.undoes(), "") << "a blow cannot be undone";
+
+  studio.press("t");
+  ASSERT_TRUE(studio.until([&] { return panel.kind() == TouchPanel::Kind::bow; }));
+  const float yaw = camera.yaw;
+  const auto bows = [&] { return studio.relay().asked<protocol::SetBow>(); };
+  studio.drag(text_of(target.pixel.x), text_of(target.pixel.y), 3, 8, 0);
+  ASSERT_TRUE(studio.until([&] { return bows().size() == 1 && touches.bows().size() == 1; }));
+  EXPECT_EQ(bows()[0].object.name, "bell");
+  EXPECT_LT(length(bows()[0].verb.point_m - target.object_m), 0.02);
+  EXPECT_GT(bows()[0].verb.direction.x, 0.8) << "as the mouse went, to the right";
+  EXPECT_GT(bows()[0].verb.force_n, 0);
+  EXPECT_EQ(camera.yaw, yaw) << "the drag does not turn the camera";
+  studio.press("ctrl+z");
+  ASSERT_TRUE(studio.until([&] { return bows().size() == 2; }));
+  EXPECT_EQ(bows()[1].verb.force_n, 0) << "undo lifts it";
+  EXPECT_EQ(bows()[1].verb.number, bows()[0].verb.number);
+  EXPECT_TRUE(touches.bows().empty());
+  studio.press("ctrl+y");
+  ASSERT_TRUE(studio.until([&] { return bows().size() == 3; }));
+  EXPECT_EQ(bows()[2].verb.force_n, bows()[0].verb.force_n);
+  EXPECT_EQ(touches.bows().size(), 1u);
+  studio.press("BackSpace");
+  studio.press("t");
+  studio.press("t");
+  ASSERT_TRUE(studio.until([&] { return !panel.is_open() && touches.bows().empty(); }));
+  EXPECT_TRUE(studio.relay().asked<protocol::Strike>().empty());
+}
+
+TEST(Window, ADragFromObjectToObjectCouplesThemAndUndoSeparatesThem) {
+  OPEN_STUDIO(studio);
+  std::string text = scene_text();
+  text.replace(text.find("[0, -1.5, 0.6]"), 14, "[0, -2, 0.6]");
+  text.replace(text.find("[0, 0, 0.45]"), 12, "[-0.2, 0, 0.45]");
+  text += "[[object]]\nname = 'other'\nbank = '" + kPresets + "/banks/bronze-bell.glb'\n";
+  text += "[[body]]\nname = 'other'\nobject = 'other'\nposition_m = [0.2, 0, 0.45]\nfixed = true\n";
+  studio.app().commands().load_scene(studio.folder().write("pair.toml", text).string());
+  ASSERT_TRUE(studio.until([&] { return pixel_of(studio, "other") && pixel_of(studio, "bell"); }))
+      << studio.condition();
+  for (int i = 0; i < 3; ++i) studio.press("t");
+  const TouchPanel& panel = studio.app().scene_view().touching();
+  ASSERT_TRUE(studio.until([&] { return panel.is_open() && panel.kind() == TouchPanel::Kind::coupling; }));
+  const glm::vec2 from = pixel_of(studio, "bell").value(), to = pixel_of(studio, "other").value();
+  const auto asked = [&] { return studio.relay().asked<protocol::SetCoupling>(); };
+  studio.drag(text_of(from.x), text_of(from.y), 1, 0, 12);
+  studio.until([] { return false; }, 1s);
+  EXPECT_TRUE(asked().empty()) << "an object does not touch itself";
+  studio.drag(text_of(from.x), text_of(from.y), 1, static_cast<int>(std::lround(to.x - from.x)),
+              static_cast<int>(std::lround(to.y - from.y)));
+  ASSERT_TRUE(studio.until([&] { return asked().size() == 1; }));
+  EXPECT_EQ(asked()[0].object.name, "bell");
+  EXPECT_EQ(asked()[0].other.name, "other");
+  EXPECT_NEAR(length(asked()[0].verb.direction), 1, 1e-6);
+  EXPECT_GT(asked()[0].verb.direction.y, 0) << "the other pushes the bell away from the camera";
+  EXPECT_EQ(studio.app().commands().edits().touches().couplings().size(), 1u);
+  // What one strikes is heard in the other.
+  studio.app().commands().choose_object("bell");
+  studio.press("p");
+  EXPECT_TRUE(studio.until([&] { return studio.status().sounding_objects == 2; })) << studio.condition();
+  studio.press("ctrl+z");
+  ASSERT_TRUE(studio.until([&] { return asked().size() == 2; }));
+  EXPECT_EQ(asked()[1].verb.stiffness, 0);
+  EXPECT_TRUE(studio.app().commands().edits().touches().couplings().empty());
+}
+
 // The bell is fixed, so it stays where the mouse puts it.
 TEST(Window, AnArrowOfTheGizmoMovesABodyAndUndoPutsItBack) {
   OPEN_STUDIO(studio);

@@ -54,6 +54,11 @@ void SceneView::draw(const Skin& skin, Model& model, Commands& commands, bool st
   if (!hovered_) draw_middle(skin);
   draw_support(skin, origin_, size_, support_);
   place_.draw(skin, origin_, size_, camera_, contents, model, commands);
+  touch_.mark(skin, commands.edits().touches(), [&](const std::string& object, Vec3 point_m) {
+    const KnownObject* known = model.object(object);
+    return place_of(object, known ? 1 / known->scale.size * point_m : point_m);
+  });
+  touch_.draw(skin, origin_, size_, commands);
 }
 
 std::optional<Hit> SceneView::hit_at(ImVec2 at) const {
@@ -74,12 +79,15 @@ void SceneView::handle_mouse(const Model& model, Commands& commands, bool streng
     place_.release();
   }
   if (ImGui::IsItemActivated() && place_.press(io.MousePos)) return;
-  if (ImGui::IsItemActivated()) press_ = Press{io.MousePos, now_s, hit_at(io.MousePos), io.KeyShift, io.KeyCtrl};
+  if (ImGui::IsItemActivated())
+    press_ = Press{io.MousePos, now_s,      hit_at(io.MousePos),
+                   io.KeyShift, io.KeyCtrl, touch_.is_open() && !io.KeyShift && !io.KeyCtrl};
   if (!press_) return;
   if (!ImGui::IsItemActive()) return release(model, commands, strength_by_time, now_s);
   const float way = std::hypot(io.MousePos.x - press_->at.x, io.MousePos.y - press_->at.y);
   press_->dragged = press_->dragged || way > kClick_px;
-  const bool looks = !press_->chooses && !(press_->pushes && press_->hit);
+  const bool acts = press_->hit && (press_->pushes || (press_->touches && touch_.takes_drags()));
+  const bool looks = !press_->chooses && !acts;
   if (press_->dragged && looks) camera_.look(io.MouseDelta.x, io.MouseDelta.y, static_cast<int>(size_.y));
 }
 
@@ -89,16 +97,34 @@ glm::vec3 SceneView::push_of(const Press& press, ImVec2 to) const {
   return per_pixel * ((to.x - press.at.x) * camera_.right() - (to.y - press.at.y) * camera_.up());
 }
 
-void SceneView::strike(const Hit& hit, Commands& commands, double factor) {
+// Returns the point of an object's surface that was hit; nothing if no object is there.
+std::optional<SurfacePoint> SceneView::surface_at(const Hit& hit) const {
   const auto& items = stage_.contents().items;
-  if (hit.id >= items.size()) return;
-  const StageItem& what = items[hit.id];
-  if (what.object.empty()) return;
+  if (hit.id >= items.size() || items[hit.id].object.empty()) return std::nullopt;
   const DrawnBody& body = stage_.contents().frame.bodies[hit.id];
-  const glm::vec3 normal = glm::transpose(glm::mat3(body.pose)) * hit.normal;
-  commands.choose_object(what.object);
-  commands.strike(what.object, from_glm(body.size * hit.object_point_m), from_glm(normal),
-                  factor * commands.choice().impulse_ns);
+  return SurfacePoint{items[hit.id].object, from_glm(body.size * hit.object_point_m), in_body(hit, hit.normal)};
+}
+
+// Turns a direction of the scene into the frame of the body that was hit.
+Vec3 SceneView::in_body(const Hit& hit, glm::vec3 direction) const {
+  return from_glm(glm::transpose(glm::mat3(stage_.contents().frame.bodies[hit.id].pose)) * direction);
+}
+
+void SceneView::strike(const Hit& hit, Commands& commands, double factor) {
+  const auto at = surface_at(hit);
+  if (!at) return;
+  commands.choose_object(at->object);
+  commands.strike(at->object, at->point_m, at->normal, factor * commands.choice().impulse_ns);
+}
+
+// Without a drag a bow moves along the picture.
+void SceneView::touch(const Press& press, Commands& commands) {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const auto from = surface_at(*press.hit);
+  if (!from) return;
+  const auto end = hit_at(mouse);
+  touch_.touch(*from, in_body(*press.hit, press.dragged ? push_of(press, mouse) : camera_.right()),
+               end ? surface_at(*end) : std::nullopt, commands);
 }
 
 std::optional<ImVec2> SceneView::place_of(const std::string& object, Vec3 point_m) const {
@@ -145,6 +171,7 @@ void SceneView::release(const Model& model, Commands& commands, bool strength_by
   if (press.chooses && press.dragged) return choose_between(press, ImGui::GetIO().MousePos, model);
   if (!press.hit) return;
   if (press.chooses) return choose(*press.hit, model);
+  if (press.touches && (!press.dragged || touch_.takes_drags())) return touch(press, commands);
   if (!press.dragged) {
     return strike(*press.hit, commands, strength_by_time ? strength_of_click(now_s - press.since_s) : 1);
   }
@@ -162,11 +189,11 @@ void SceneView::draw_press(const Skin& skin, bool strength_by_time, double now_s
     return;
   }
   if (!press_ || !press_->hit) return;
-  if (press_->pushes && press_->dragged) {
+  if (press_->dragged && (press_->pushes || (press_->touches && touch_.takes_drags()))) {
     list->AddLine(press_->at, ImGui::GetIO().MousePos, skin.warning, 3);
     list->AddCircleFilled(ImGui::GetIO().MousePos, 6, skin.warning);
   } else if (!press_->dragged) {
-    const double strength = strength_by_time ? strength_of_click(now_s - press_->since_s) : 1;
+    const double strength = strength_by_time && !press_->touches ? strength_of_click(now_s - press_->since_s) : 1;
     list->AddCircle(press_->at, 6 + 4 * static_cast<float>(strength), skin.warning, 0, 2);
   }
 }
@@ -184,6 +211,11 @@ bool SceneView::perform(Action action, Model& model, Commands& commands) {
     camera_ = stage_.home(model, size_.x / size_.y);
     return true;
   }
+  if (action == Action::touch) {
+    place_.end();
+    touch_.next();
+    return true;
+  }
   if (action == Action::copy_support) {
     copy_support(support_);
     return true;
@@ -199,7 +231,7 @@ bool SceneView::perform(Action action, Model& model, Commands& commands) {
   const auto& items = stage_.contents().items;
   const bool is_body = hit->id < items.size() && items[hit->id].body;
   if (action == Action::remove_body && is_body) commands.edits().remove_body(*items[hit->id].body);
-  if (action == Action::place_body && is_body) place_.toggle(*items[hit->id].body);
+  if (action == Action::place_body && is_body) touch_.end(), place_.toggle(*items[hit->id].body);
   return true;
 }
 

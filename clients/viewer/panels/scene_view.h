@@ -3,12 +3,14 @@
 // Dragging turns the camera, the wheel moves it forward. A click on a surface strikes it there: harder the longer the
 // button is held, or with the slider's impulse. Shift and drag pushes a body in the direction of the drag. A click with
 // Control chooses a flat piece of a surface as a support; a drag with Control chooses all triangles in a rectangle that
-// face the camera. A body that is placed has handles, which the mouse drags.
+// face the camera. A body that is placed has handles, which the mouse drags. While the panel of mallets, bows and
+// couplings is open, clicks and drags on surfaces are its own.
 #pragma once
 
 #include "clients/viewer/commands.h"
 #include "clients/viewer/panels/place_panel.h"
 #include "clients/viewer/panels/skin.h"
+#include "clients/viewer/panels/touch_panel.h"
 #include "clients/viewer/render/scene_renderer.h"
 #include "clients/viewer/stage.h"
 #include "clients/viewer/support_choice.h"
@@ -40,6 +42,7 @@ class SceneView {
   [[nodiscard]] const Stage& stage() const { return stage_; }
   [[nodiscard]] const SupportChoice& support() const { return support_; }
   [[nodiscard]] const PlacePanel& placing() const { return place_; }
+  [[nodiscard]] const TouchPanel& touching() const { return touch_; }
   [[nodiscard]] ImVec2 origin() const { return origin_; }  // position of the picture in the window, in pixels
   [[nodiscard]] ImVec2 size() const { return size_; }
 
@@ -52,7 +55,7 @@ class SceneView {
     ImVec2 at;
     double since_s;
     std::optional<Hit> hit;
-    bool pushes = false, chooses = false, dragged = false;
+    bool pushes = false, chooses = false, touches = false, dragged = false;
   };
   void follow_scene(const Model& model, float aspect);
   void handle_mouse(const Model& model, Commands& commands, bool strength_by_time, double now_s);
@@ -60,6 +63,9 @@ class SceneView {
   void draw_press(const Skin& skin, bool strength_by_time, double now_s) const;
   void draw_middle(const Skin& skin) const;
   void strike(const Hit& hit, Commands& commands, double factor);
+  void touch(const Press& press, Commands& commands);
+  [[nodiscard]] std::optional<SurfacePoint> surface_at(const Hit& hit) const;
+  [[nodiscard]] Vec3 in_body(const Hit& hit, glm::vec3 direction) const;
   void choose(const Hit& hit, const Model& model);
   void choose_between(const Press& press, ImVec2 to, const Model& model);
   // Returns the window position of a point in an object's frame; nothing if it is behind the camera or not drawn.
@@ -77,6 +83,7 @@ class SceneView {
   std::optional<Press> press_;
   SupportChoice support_;
   PlacePanel place_;
+  TouchPanel touch_;
 };
 
 }  // namespace ringdown::viewer

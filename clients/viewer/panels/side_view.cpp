@@ -23,35 +23,6 @@ bool contains(const std::string& text, const char* part) {
   return std::search(text.begin(), text.end(), part, part + std::strlen(part), same) != text.end();
 }
 
-struct SliderRange {
-  double min, max;
-  bool logarithmic = true;
-};
-
-// Draws a row with a label and its tooltip, a slider, and the slider's number, which can be dragged for fine steps and
-// clicked to type. Returns true while the user changes the value.
-bool slider(const char* name, const char* tip, double& value, SliderRange range, const char* format) {
-  const float em = ImGui::GetFontSize(), gap = 0.3f * em, number_width = 4.9f * em;
-  const auto min = static_cast<float>(range.min), max = static_cast<float>(range.max);
-  const ImGuiSliderFlags flags =
-      ImGuiSliderFlags_AlwaysClamp | (range.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
-  auto shown = static_cast<float>(value);
-  ImGui::PushID(name);
-  label(name, tip, 7.3f);
-  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - number_width - gap, em));
-  bool changed = ImGui::SliderFloat("##slider", &shown, min, max, "", flags);
-  ImGui::SameLine(0, gap);
-  ImGui::SetNextItemWidth(number_width);
-  const float step = range.logarithmic ? 0.003f * shown : 0.002f * (max - min);
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {2, ImGui::GetStyle().FramePadding.y});
-  changed =
-      ImGui::DragFloat("##number", &shown, step, min, max, format, flags & ~ImGuiSliderFlags_Logarithmic) || changed;
-  ImGui::PopStyleVar();
-  ImGui::PopID();
-  if (changed) value = static_cast<double>(shown);
-  return changed;
-}
-
 }  // namespace
 
 void SideView::set_url(const std::string& url) {

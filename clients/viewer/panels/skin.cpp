@@ -1,9 +1,12 @@
 #include "clients/viewer/panels/skin.h"
 
+#include <algorithm>
 #include <array>
 
 namespace ringdown::viewer {
 namespace {
+
+constexpr float kSliderLabel_em = 7.3f;
 
 constexpr std::array<ImU32, 7> kSeries = {
     IM_COL32(86, 180, 233, 255), IM_COL32(230, 159, 0, 255),  IM_COL32(0, 158, 115, 255), IM_COL32(204, 121, 167, 255),
@@ -74,6 +77,28 @@ void label(const char* text, const char* tip, float width_em) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
   ImGui::SameLine(width_em * ImGui::GetFontSize());
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+}
+
+bool slider(const char* name, const char* tip, double& value, SliderRange range, const char* format) {
+  const float em = ImGui::GetFontSize(), gap = 0.3f * em, number_width = 4.9f * em;
+  const auto min = static_cast<float>(range.min), max = static_cast<float>(range.max);
+  const ImGuiSliderFlags flags =
+      ImGuiSliderFlags_AlwaysClamp | (range.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
+  auto shown = static_cast<float>(value);
+  ImGui::PushID(name);
+  label(name, tip, kSliderLabel_em);
+  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - number_width - gap, em));
+  bool changed = ImGui::SliderFloat("##slider", &shown, min, max, "", flags);
+  ImGui::SameLine(0, gap);
+  ImGui::SetNextItemWidth(number_width);
+  const float step = range.logarithmic ? 0.003f * shown : 0.002f * (max - min);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {2, ImGui::GetStyle().FramePadding.y});
+  changed =
+      ImGui::DragFloat("##number", &shown, step, min, max, format, flags & ~ImGuiSliderFlags_Logarithmic) || changed;
+  ImGui::PopStyleVar();
+  ImGui::PopID();
+  if (changed) value = static_cast<double>(shown);
+  return changed;
 }
 
 void apply(const Skin& skin, float scale) {

@@ -24,4 +24,13 @@ void apply(const Skin& skin, float scale);
 // Draws the label of a row with its tooltip, `width_em` wide. The next item takes the rest of the row.
 void label(const char* text, const char* tip, float width_em);
 
+struct SliderRange {
+  double min, max;
+  bool logarithmic = true;
+};
+
+// Draws a row with a label and its tooltip, a slider, and the slider's number, which can be dragged for fine steps and
+// clicked to type. Returns true while the user changes the value.
+bool slider(const char* name, const char* tip, double& value, SliderRange range, const char* format);
+
 }  // namespace ringdown::viewer
