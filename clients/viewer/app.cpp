@@ -1,6 +1,7 @@
 #include "clients/viewer/app.h"
 
 #include "clients/viewer/panels/overlays.h"
+#include "engine/base/process/child_process.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +31,8 @@ App::App(Window window, SceneRenderer renderer, const Settings& settings, Option
       model_(kNotices_hz),
       commands_(model_, [this](protocol::Request request) { client_.send(std::move(request)); }),
       scene_(std::move(renderer)),
-      side_(options_.daemon) {
+      side_(options_.daemon),
+      drops_(find_beside("ringdown-bake")) {
   commands_.choice().impulse_ns = settings.impulse_ns;
   commands_.choice().contact_time_s = settings.contact_time_s;
   focused_ = options_.only == Pane::sound ? Pane::sound : Pane::scene;
@@ -163,7 +165,7 @@ void App::draw_panes() {
       const ConnectionState state = client_.state();
       draw_welcome(skin_, scene_.origin(), scene_.size(), model_, state.kind == ConnectionState::Kind::connected);
       draw_connection(skin_, scene_.origin(), scene_.size(), state);
-      drops_.draw(skin_, scene_.origin(), scene_.size(), commands_);
+      for (const auto& bank : drops_.draw(skin_, scene_.origin(), scene_.size())) commands_.load_bank(bank.string());
     });
   }
   if (options_.only != Pane::scene) {
@@ -185,6 +187,20 @@ void App::draw_panes() {
   }
 }
 
+void App::take(const std::filesystem::path& dropped) {
+  switch (kind_of_drop(dropped)) {
+    case Dropped::bank:
+      return commands_.load_bank(dropped.string());
+    case Dropped::scene:
+      return commands_.load_scene(dropped.string());
+    case Dropped::object:
+    case Dropped::mesh:
+      return drops_.bake(dropped);
+    case Dropped::unknown:
+      return drops_.refuse(dropped, "a bank, a scene, an object file");
+  }
+}
+
 void App::draw() {
   const double seconds = std::chrono::duration<double>(Clock::now() - last_frame_).count();
   last_frame_ = Clock::now();
@@ -199,7 +215,7 @@ void App::draw() {
   flags =
       focused_ == Pane::side ? flags | ImGuiConfigFlags_NavEnableKeyboard : flags & ~ImGuiConfigFlags_NavEnableKeyboard;
   handle_keys(seconds);
-  for (const auto& file : window_.take_dropped()) drops_.take(file, commands_);
+  for (const auto& file : window_.take_dropped()) take(file);
   const bool live = !options_.shown_at_s;
   scene_.set_detail(live ? detail_.detail() : 1);
   draw_panes();

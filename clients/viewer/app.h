@@ -17,6 +17,7 @@
 #include "clients/viewer/window.h"
 
 #include <chrono>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -64,6 +65,7 @@ class App {
   void handle_keys(double seconds);
   void perform(Action action);
   void draw_panes();
+  void take(const std::filesystem::path& dropped);
   template <class Draw>
   void pane(const char* name, Pane which, float x, float width, Draw draw);
   [[nodiscard]] double now_s() const;
@@ -80,7 +82,7 @@ class App {
   CameraListener listener_;
   SoundView sound_;
   SideView side_;
-  DropPanel drops_;
+  DropPanel drops_;  // bakes by the ringdown-bake beside this program
   Pane focused_ = Pane::scene;
   std::optional<Pane> focus_next_;
   std::uint32_t connection_ = 0;

@@ -73,9 +73,9 @@ MaterialChoice choice_of(const Material& bank, const Material& wanted) {
   return choice;
 }
 
-std::vector<Material> known_materials() {
+std::vector<Material> known_materials(const std::filesystem::path& given) {
   std::vector<Material> known;
-  const auto folder = material_folder({});
+  const auto folder = material_folder(given);
   if (!folder) return known;
   for (const std::string& name : bake::names_in(*folder)) {
     if (const auto entry = bake::find_material(*folder, name)) known.push_back(entry->material);

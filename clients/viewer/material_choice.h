@@ -12,6 +12,7 @@
 #include "engine/modal/bank.h"
 #include "engine/modal/material_scale.h"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -28,9 +29,9 @@ struct MaterialChoice {
 // Returns the factors that turn an object of material `bank` into one of material `wanted`.
 MaterialChoice choice_of(const modal::Material& bank, const modal::Material& wanted);
 
-// Returns the materials of the catalogue, sorted by name; empty if there is no catalogue. Files that cannot be read are
-// left out.
-std::vector<modal::Material> known_materials();
+// Returns the materials of the catalogue in a folder, or in that of the presets if `given` is empty, sorted by name;
+// empty if there is no catalogue. Files that cannot be read are left out.
+std::vector<modal::Material> known_materials(const std::filesystem::path& given = {});
 
 // Returns the name of the material that the factors make of material `bank`, at any size: its own name at factors of 1,
 // else one of `known`; empty if no material fits.

@@ -59,6 +59,11 @@ std::vector<MeshBaker::Job> MeshBaker::jobs() const {
   return jobs;
 }
 
+bool MeshBaker::is_working() const {
+  const std::scoped_lock lock(mutex_);
+  return !banks_.empty() || std::ranges::any_of(entries_, [](const auto& e) { return e->job.failure.empty(); });
+}
+
 void MeshBaker::remove(std::size_t job) {
   const std::scoped_lock lock(mutex_);
   if (job >= entries_.size()) return;

@@ -49,6 +49,9 @@ class MeshBaker {
   };
   [[nodiscard]] std::vector<Job> jobs() const;
 
+  // Returns whether a job waits or runs, or a bank is to be taken.
+  [[nodiscard]] bool is_working() const;
+
   // Forgets a job that has failed, and cancels one that waits or runs.
   void remove(std::size_t job);
 

@@ -1,5 +1,6 @@
 // What the plug-in's window does without a display: edits and their undoing, the glow of modes, the held peak.
 #include "clients/plugin/window/edits.h"
+#include "clients/plugin/window/material_row.h"
 #include "clients/plugin/window/mode_glow.h"
 #include "clients/plugin/window/shown_body.h"
 #include "clients/plugin/window/sliders.h"
@@ -78,6 +79,36 @@ TEST(WindowEdits, AFileIsChosenAsObject) {
   edits.undo();
   EXPECT_EQ(host.file, "");
   EXPECT_EQ(host.values[static_cast<std::size_t>(Parameter::object)], 12);
+}
+
+TEST(WindowEdits, AMaterialIsOneStep) {
+  Told host;
+  Edits edits(host);
+  edits.set({{Parameter::stiffness, 0.35}, {Parameter::density, 0.3}, {Parameter::loss, 2}});
+  EXPECT_EQ(host.values[static_cast<std::size_t>(Parameter::density)], 0.3F);
+  edits.undo();
+  for (const Parameter parameter : {Parameter::stiffness, Parameter::density, Parameter::loss})
+    EXPECT_EQ(host.values[static_cast<std::size_t>(parameter)], 1);
+  EXPECT_FALSE(edits.history().can_undo());
+}
+
+// E and density of two metals; half of 1/Q = 1e-3 rings twice as long as 2e-3.
+TEST(MaterialFactors, AreTheRatiosOfTheConstantsAndObeyTheParametersRanges) {
+  const auto material = [](double e_pa, double density_kg_m3, double loss) {
+    modal::Material m;
+    m.youngs_modulus_pa = e_pa;
+    m.density_kg_m3 = density_kg_m3;
+    m.poisson_ratio = 0.3;
+    m.loss_factors = {{0, loss}};
+    return m;
+  };
+  const MaterialFactors factors = factors_of(material(200e9, 8000, 1e-3), material(70e9, 2700, 2e-3));
+  EXPECT_NEAR(factors.stiffness, 0.35, 1e-12);
+  EXPECT_NEAR(factors.density, 0.3375, 1e-12);
+  EXPECT_NEAR(factors.loss, 2, 1e-9);
+  EXPECT_EQ(factors.obstacle, "");
+  EXPECT_EQ(factors_of(material(200e9, 8000, 1e-3), material(2e9, 1000, 1e-3)).obstacle,
+            "Stiffness would be 0.01, and its range is 0.1 to 10.");
 }
 
 TEST(WindowEdits, ThePointIsThatOfOneObjectAndOneValueOfTheParameter) {

@@ -1,5 +1,7 @@
 // The window of the built plug-ins, in all formats, in real windows of a display without a screen.
 #include "tests/plugin/score.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/viewer/file_drop.h"
 #include "tests/support/heap_meter.h"
 #include "tests/support/virtual_display.h"
 
@@ -14,6 +16,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -51,6 +54,7 @@ constexpr std::uint32_t kFrames = 512;
 constexpr int kObjectX = 480, kObjectY = 266;                       // a place at which the object is seen
 constexpr int kMalletsX = 246, kMalletWidth = 78, kMalletsY = 545;  // the middles of the pictures
 constexpr int kScaleX = 500, kScaleY = 18, kScaleChoiceY = 84;      // the list of scales, and 150 % in it
+constexpr int kBakeX = 578, kBakeY = 624;                           // the button "Bake" for a dropped mesh
 constexpr const char* kPoint = " vibraphone-key";                   // in a session: of a strike point
 constexpr std::size_t kObject = 1, kRootKey = 3, kMallet = 20;      // numbers of parameters
 constexpr double kVibraphoneKey = 9;                                // value of the parameter Object
@@ -243,6 +247,81 @@ TEST_P(PluginWindow, AClickOnAPictureChoosesTheMallet) {
     run(1);
     EXPECT_EQ(host_->parameter(kMallet), mallet);
   }
+  host_->close_window();
+}
+
+// By the protocol by which a file manager of a desktop drops files. A blank in a path is "%20" in a URI.
+TEST_P(PluginWindow, ADroppedBankIsPlayed) {
+  const TemporaryFolder folder;
+  const std::filesystem::path bank = folder / "my bell.glb";
+  std::filesystem::copy_file(RINGDOWN_SOURCE_DIR "/presets/banks/coin.glb", bank);
+  open();
+  run(1);
+  settle();
+  host_->set_parameter(kObject, kVibraphoneKey);
+  std::string uri = bank.string();
+  uri.replace(uri.find(' '), 1, "%20");
+  {
+    const ringdown::viewer::FileDrop drop(desktop_->child(), uri);
+    for (int tries = 0; tries < 20000 && !drop.is_taken(); ++tries) {
+      desktop_->wait();
+      host_->idle_window();
+    }
+    EXPECT_TRUE(drop.is_taken());
+  }
+  for (int tries = 0; tries < 100 && host_->save().find(bank.string()) == std::string::npos; ++tries) run(1);
+  EXPECT_NE(host_->save().find(bank.string()), std::string::npos);
+  EXPECT_EQ(host_->parameter(kObject), 0) << "the file is chosen";
+  host_->close_window();
+}
+
+constexpr const char* kBrick = R"(v 0 0 0
+v 0.1 0 0
+v 0.1 0.05 0
+v 0 0.05 0
+v 0 0 0.03
+v 0.1 0 0.03
+v 0.1 0.05 0.03
+v 0 0.05 0.03
+f 1 4 3 2
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+)";
+
+class MeshOnPluginWindow : public PluginWindow {};
+INSTANTIATE_TEST_SUITE_P(, MeshOnPluginWindow, testing::Values(Format{"clap", open_clap}),
+                         [](const auto& format) { return std::string(format.param.name); });
+
+TEST_P(MeshOnPluginWindow, IsBakedInTheMaterialThatTheWindowAsksForAndPlayed) {
+  const TemporaryFolder folder;
+  setenv("XDG_DATA_HOME", (folder / "data").c_str(), 1);
+  const std::filesystem::path mesh = folder.write("brick.obj", kBrick);
+  open();
+  run(1);
+  settle();
+  {
+    const ringdown::viewer::FileDrop drop(desktop_->child(), mesh);
+    for (int tries = 0; tries < 20000 && !drop.is_taken(); ++tries) {
+      desktop_->wait();
+      host_->idle_window();
+    }
+    ASSERT_TRUE(drop.is_taken());
+  }
+  settle();
+  if (const char* const path = std::getenv("RINGDOWN_DROP_PICTURE")) desktop_->write(path);
+  desktop_->button(true, kBakeX, kBakeY);
+  settle();
+  desktop_->button(false, kBakeX, kBakeY);
+  const std::string bank = (folder / "data/ringdown/banks/brick-steel-").string();
+  for (int tries = 0; tries < 6000 && host_->save().find(bank) == std::string::npos; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    run(1);
+  }
+  EXPECT_NE(host_->save().find(bank), std::string::npos);
+  EXPECT_EQ(host_->parameter(kObject), 0) << "the file is chosen";
   host_->close_window();
 }
 

@@ -95,7 +95,8 @@ const std::vector<FolderRule> kFolderRules = {
     {"clients/python/", {}},  // the C headers of clients/library, as an installed library has them
     {"clients/plugin/window/",
      {"engine/base/", "engine/modal/bank.h", "clients/library/ringdown.h", "clients/plugin/", "clients/viewer/render/",
-      "clients/viewer/panels/font.h", "clients/viewer/panels/skin.h"}},
+      "clients/viewer/panels/drop_panel.h", "clients/viewer/panels/font.h", "clients/viewer/panels/skin.h",
+      "clients/viewer/material_choice.h"}},
     {"clients/plugin/",
      {"engine/base/", "engine/microtuning/", "clients/library/ringdown.h", "clients/plugin/",
       "server/session/held_keys.h", "server/session/midi_messages.h", "server/session/note_map_file.h",

@@ -9,8 +9,8 @@
 namespace ringdown::viewer {
 
 struct FileDrop::Source {
-  Source(const std::string& window, const std::filesystem::path& file)
-      : name_(window), text_("file://" + file.string() + "\r\n"), thread_([this] { run(); }) {}
+  Source(const std::string& name, Window window, const std::filesystem::path& file)
+      : name_(name), text_("file://" + file.string() + "\r\n"), target_(window), thread_([this] { run(); }) {}
   ~Source() {
     ends_ = true;
     thread_.join();
@@ -52,7 +52,7 @@ struct FileDrop::Source {
   void run() {
     display_ = XOpenDisplay(nullptr);
     if (!display_) return;
-    target_ = find();
+    if (target_ == 0) target_ = find();
     own_ = XCreateSimpleWindow(display_, DefaultRootWindow(display_), 0, 0, 1, 1, 0, 0, 0);
     XSetSelectionOwner(display_, atom("XdndSelection"), own_, CurrentTime);
     tell("XdndEnter", 5L << 24, static_cast<long>(atom("text/uri-list")), 0);
@@ -74,13 +74,15 @@ struct FileDrop::Source {
 
   const std::string name_, text_;
   Display* display_ = nullptr;
-  Window target_ = 0, own_ = 0;
+  Window target_, own_ = 0;
   std::atomic<bool> is_taken_ = false, ends_ = false;
   std::thread thread_;  // last: it uses all of these
 };
 
 FileDrop::FileDrop(const std::string& window, const std::filesystem::path& file)
-    : source_(std::make_unique<Source>(window, file)) {}
+    : source_(std::make_unique<Source>(window, 0, file)) {}
+FileDrop::FileDrop(unsigned long window, const std::filesystem::path& file)
+    : source_(std::make_unique<Source>("", window, file)) {}
 FileDrop::~FileDrop() = default;
 bool FileDrop::is_taken() const { return source_->is_taken_; }
 

@@ -12,6 +12,8 @@ class FileDrop {
  public:
   // Drops the file onto the window of this name, which must be on the display.
   FileDrop(const std::string& window, const std::filesystem::path& file);
+  // Drops it onto the window of this number.
+  FileDrop(unsigned long window, const std::filesystem::path& file);
   ~FileDrop();
   FileDrop(const FileDrop&) = delete;
   FileDrop& operator=(const FileDrop&) = delete;

@@ -29,6 +29,11 @@ void Edits::set(Parameter parameter, double value) {
   end(parameter);
 }
 
+void Edits::set(std::initializer_list<std::pair<Parameter, double>> values) {
+  history_.record(values_);
+  for (const auto& [parameter, value] : values) send(static_cast<std::size_t>(parameter), static_cast<float>(value));
+}
+
 void Edits::set_point(const StrikePoint& point, Which which) {
   history_.record(values_);
   on_point(which, to_text(point));

@@ -6,8 +6,10 @@
 #include "clients/plugin/window/host_link.h"
 
 #include <cstddef>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace ringdown::plugin {
 
@@ -28,6 +30,7 @@ class Edits {
   void move(Parameter parameter, double value);
   void end(Parameter parameter);
   void set(Parameter parameter, double value);
+  void set(std::initializer_list<std::pair<Parameter, double>> values);  // in one step
   void set_point(const StrikePoint& point, Which which = Which::first);
   void play_file(const std::string& path);  // and chooses it as object
   void undo() { go_to(history_.undo(values_)); }

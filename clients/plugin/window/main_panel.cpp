@@ -3,6 +3,7 @@
 #include "clients/plugin/parameter_text.h"
 #include "clients/plugin/window/mallet_row.h"
 #include "clients/viewer/panels/skin.h"
+#include "engine/base/file_format.h"
 #include "engine/base/formatted.h"
 #include "engine/base/note.h"
 
@@ -11,7 +12,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
+#include <system_error>
 
 namespace ringdown::plugin {
 namespace {
@@ -23,12 +26,37 @@ constexpr std::array kScales = {1.0, 1.25, 1.5, 1.75, 2.0};
 
 bool begin_column(const char* name, float width) { return ImGui::BeginChild(name, {width, 0}); }
 
+// Returns $RINGDOWN_BAKE; otherwise bin/ringdown-bake in the folder of the plug-in or one of those above it, as it lies
+// in a prefix and in a build; otherwise the name, which is then searched in PATH.
+std::filesystem::path bake_near(const std::filesystem::path& binary) {
+  if (const char* const given = std::getenv("RINGDOWN_BAKE")) return given;
+  for (std::filesystem::path above = binary.parent_path(); above.has_relative_path(); above = above.parent_path()) {
+    std::error_code error;
+    const auto program = above / "bin" / "ringdown-bake";
+    if (std::filesystem::exists(program, error)) return program;
+  }
+  return "ringdown-bake";
+}
+
 }  // namespace
+
+MainPanel::MainPanel(HostLink& host, std::filesystem::path binary)
+    : host_(host),
+      binary_(std::move(binary)),
+      edits_(host),
+      material_(presets_near(binary_) / "materials"),
+      drops_(bake_near(binary_), presets_near(binary_) / "materials") {}
+
+void MainPanel::drop(const std::filesystem::path& file) {
+  if (has_ending(file, ".glb") || has_ending(file, ".toml")) return edits_.play_file(file.string());
+  if (viewer::kind_of_drop(file) == viewer::Dropped::mesh) return drops_.bake(file);
+  drops_.refuse(file, "a bank, a note map");
+}
 
 void MainPanel::on_level(double level_db) { level_db_ = level_db; }
 
 bool MainPanel::is_moving() const {
-  return std::max(level_db_, drawn_level_db_) > ModeGlow::kDark_db || meter_.is_moving();
+  return std::max(level_db_, drawn_level_db_) > ModeGlow::kDark_db || meter_.is_moving() || drops_.baker().is_working();
 }
 
 // Reads the object again if another one is played.
@@ -78,7 +106,8 @@ void MainPanel::draw(float width, float height, double scale, double now_s) {
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize({width, height});
   ImGui::Begin("Ringdown", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus);
   if (begin_column("browser", ratio * kBrowser)) browser_.draw(edits_, host_);
   ImGui::EndChild();
   update_body();
@@ -97,10 +126,13 @@ void MainPanel::draw(float width, float height, double scale, double now_s) {
   ImGui::SameLine();
   if (begin_column("controls", 0)) {
     meter_.draw(ImGui::GetContentRegionAvail().x, ratio * kMeter);
+    if (body_) material_.draw(*body_, edits_);
     sliders_.draw(edits_);
   }
   ImGui::EndChild();
   ImGui::End();
+  for (const auto& bank : drops_.draw(viewer::make_skin(true), {0, 0}, {width, height}))
+    edits_.play_file(bank.string());
   take_shortcuts();
 }
 

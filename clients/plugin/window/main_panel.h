@@ -6,9 +6,11 @@
 #include "clients/plugin/window/body_view.h"
 #include "clients/plugin/window/browser.h"
 #include "clients/plugin/window/edits.h"
+#include "clients/plugin/window/material_row.h"
 #include "clients/plugin/window/mode_glow.h"
 #include "clients/plugin/window/shown_body.h"
 #include "clients/plugin/window/sliders.h"
+#include "clients/viewer/panels/drop_panel.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -21,13 +23,16 @@ namespace ringdown::plugin {
 class MainPanel {
  public:
   // `binary` is a file near which presets may lie, as for find_source().
-  MainPanel(HostLink& host, std::filesystem::path binary) : host_(host), binary_(std::move(binary)), edits_(host) {}
+  MainPanel(HostLink& host, std::filesystem::path binary);
 
   [[nodiscard]] Edits& edits() { return edits_; }
   void on_level(double level_db);
   void release_key();  // that the mouse holds
+  // A file was dropped onto the window: plays a bank or a note map, bakes a mesh and plays its bank.
+  void drop(const std::filesystem::path& file);
 
-  // Returns whether the next picture differs although nothing was done: something rings, or a held peak is to fall.
+  // Returns whether the next picture differs although nothing was done: something rings, a held peak is to
+  // fall, or a mesh is baked.
   [[nodiscard]] bool is_moving() const;
 
   // Draws into a window of this size in pixels; `now_s` is a time that only grows.
@@ -50,6 +55,8 @@ class MainPanel {
   Sliders sliders_;
   Browser browser_;
   LevelMeter meter_;
+  MaterialRow material_;
+  viewer::DropPanel drops_;
 
   std::optional<BodyView> view_;
   std::string complaint_;  // why the object is not shown; may be empty

@@ -7,6 +7,7 @@
 // DRAWING. A picture is drawn when something has changed: after an event or an edit, while something rings, and while a
 // held peak is to fall. A silent window that nobody touches draws nothing.
 #include "clients/plugin/vst3_notes.h"
+#include "clients/plugin/window/file_drops.h"
 #include "clients/plugin/window/main_panel.h"
 #include "clients/viewer/panels/font.h"
 #include "clients/viewer/panels/skin.h"
@@ -174,6 +175,10 @@ class RingdownWindow : public UI, private HostLink {
       sendNote(0, notes_.front().key, notes_.front().velocity);
     }
     if (drawn_at_s_ >= 0) scale_to(std::exchange(kept_scale_, 0));
+    for (const auto& file : ringdown::plugin::take_dropped_files(getWindow().getNativeWindowHandle())) {
+      panel_.drop(file);
+      wake();
+    }
     const bool is_due = panel_.is_moving() && now_s() - drawn_at_s_ >= kMovingPeriod_s;
     if (settling_ > 0 || is_due) repaint();
   }

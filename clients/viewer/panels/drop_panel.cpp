@@ -2,7 +2,7 @@
 
 #include "clients/viewer/material_choice.h"
 #include "engine/base/file_format.h"
-#include "engine/base/process/child_process.h"
+#include "engine/base/folders.h"
 
 #include <algorithm>
 #include <utility>
@@ -12,34 +12,30 @@ namespace {
 
 constexpr float kDropWidth_em = 26;
 
-}  // namespace
-
-Result<std::filesystem::path> DropPanel::find_bake() {
-  auto found = find_beside("ringdown-bake");
-  if (found) return found;
-  return fail(ErrorKind::refused,
-              "dropped meshes need ringdown-bake (Debian's package ringdown-bake): " + found.error().message);
+Result<std::filesystem::path> needed(const Result<std::filesystem::path>& program) {
+  if (program) return program;
+  return fail(ErrorKind::refused, "dropped meshes need ringdown-bake (Debian's package ringdown-bake): {}",
+              program.error().message);
 }
 
-void DropPanel::take(const std::filesystem::path& file, Commands& commands) {
-  switch (kind_of_drop(file)) {
-    case Dropped::bank:
-      return commands.load_bank(file.string());
-    case Dropped::scene:
-      return commands.load_scene(file.string());
-    case Dropped::object:
-      return baker_.add(file, "");
-    case Dropped::mesh:
-      return meshes_.push_back(file);
-    case Dropped::unknown:
-      refusals_.push_back(file.filename().string() +
-                          " is neither a bank, a scene, an object file nor a mesh; meshes are " + endings_of_bodies());
-  }
+}  // namespace
+
+DropPanel::DropPanel(const Result<std::filesystem::path>& program, std::filesystem::path materials)
+    : baker_(needed(program), own_bank_folder()), folder_(std::move(materials)) {}
+
+void DropPanel::bake(const std::filesystem::path& file) {
+  if (kind_of_drop(file) == Dropped::object) return baker_.add(file, "");
+  meshes_.push_back(file);
+}
+
+void DropPanel::refuse(const std::filesystem::path& file, const std::string& others) {
+  refusals_.push_back(file.filename().string() + " is neither " + others + " nor a mesh; meshes are " +
+                      endings_of_bodies());
 }
 
 void DropPanel::ask_for_material() {
   if (materials_.empty()) {
-    for (const modal::Material& material : known_materials()) materials_.push_back(material.name);
+    for (const modal::Material& material : known_materials(folder_)) materials_.push_back(material.name);
   }
   ImGui::TextWrapped("%s: of which material is it?", meshes_.front().filename().c_str());
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x / 2);
@@ -82,9 +78,9 @@ void DropPanel::draw_jobs(const Skin& skin) {
   }
 }
 
-void DropPanel::draw(const Skin& skin, ImVec2 origin, ImVec2 size, Commands& commands) {
-  for (const std::filesystem::path& bank : baker_.take_banks()) commands.load_bank(bank.string());
-  if (meshes_.empty() && refusals_.empty() && baker_.jobs().empty()) return;
+std::vector<std::filesystem::path> DropPanel::draw(const Skin& skin, ImVec2 origin, ImVec2 size) {
+  std::vector<std::filesystem::path> banks = baker_.take_banks();
+  if (meshes_.empty() && refusals_.empty() && baker_.jobs().empty()) return banks;
   const float em = ImGui::GetFontSize();
   ImGui::SetNextWindowPos({origin.x + size.x / 2, origin.y + size.y - 2.5f * em}, 0, {0.5f, 1});
   ImGui::SetNextWindowSize({std::min(kDropWidth_em * em, size.x - 2 * em), 0});
@@ -100,6 +96,7 @@ void DropPanel::draw(const Skin& skin, ImVec2 origin, ImVec2 size, Commands& com
     if (ImGui::SmallButton("Close##refusal")) refusals_.erase(refusals_.begin());
   }
   ImGui::End();
+  return banks;
 }
 
 }  // namespace ringdown::viewer

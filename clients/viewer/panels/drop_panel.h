@@ -1,11 +1,12 @@
-// A panel for the files that were dropped onto the window: asks for the material of a mesh, and shows how far each bake
-// is. [UI]
+// A panel for files that were dropped onto a window and have to be baked: asks for the material of a mesh, and shows
+// how far each bake is. The windows of viewer and plug-in have one each. [UI]
+//
+//   panel.bake("mug.stl");
+//   for (const auto& bank : panel.draw(skin, origin, size)) load(bank);  // at every frame
 #pragma once
 
-#include "clients/viewer/commands.h"
 #include "clients/viewer/mesh_baker.h"
 #include "clients/viewer/panels/skin.h"
-#include "engine/base/folders.h"
 
 #include <imgui.h>
 
@@ -17,11 +18,16 @@ namespace ringdown::viewer {
 
 class DropPanel {
  public:
-  // Loads a bank or a scene, bakes an object file, and asks for the material of a mesh.
-  void take(const std::filesystem::path& file, Commands& commands);
+  // `program` is ringdown-bake. `materials` is the folder of the catalogue; empty: that of the presets.
+  explicit DropPanel(const Result<std::filesystem::path>& program, std::filesystem::path materials = {});
 
-  // Draws a panel at the bottom of the scene's pane if there is something to show, and loads the banks that are ready.
-  void draw(const Skin& skin, ImVec2 origin, ImVec2 size, Commands& commands);
+  // Bakes an object file, and asks for the material of a mesh.
+  void bake(const std::filesystem::path& file);
+  // Says that the file is neither a mesh nor what `others` names: "a bank or a scene".
+  void refuse(const std::filesystem::path& file, const std::string& others);
+
+  // Draws a panel at the bottom of a picture if there is something to show. Returns the banks that have become ready.
+  [[nodiscard]] std::vector<std::filesystem::path> draw(const Skin& skin, ImVec2 origin, ImVec2 size);
 
   [[nodiscard]] const MeshBaker& baker() const { return baker_; }
 
@@ -29,12 +35,12 @@ class DropPanel {
   void ask_for_material();
   void draw_jobs(const Skin& skin);
 
-  MeshBaker baker_{find_bake(), own_bank_folder()};
+  MeshBaker baker_;
+  const std::filesystem::path folder_;         // of materials
   std::vector<std::filesystem::path> meshes_;  // without a material yet
   std::vector<std::string> refusals_;
   std::vector<std::string> materials_;  // the catalogue's names, read at first use
   std::string material_ = "steel";      // chosen last
-  static Result<std::filesystem::path> find_bake();
 };
 
 }  // namespace ringdown::viewer
