@@ -144,6 +144,26 @@ TEST(Remove, OnlyBodiesThatAreThereAreRemovedAndOnlyRemovedOnesRestored) {
   EXPECT_TRUE(no_word(world.restore(*id), "cannot restore"));
 }
 
+TEST(Remove, ABodyWhoseObjectWasFreedComesBackOnceTheObjectIsLoadedAgain) {
+  SceneDescription scene = scene_of({body_of("bell", ShapeType::convex, {0, 0, 1})});
+  World world = world_of(scene, {sounding("bell", 4, box_bank(kSize, 1))});
+  ASSERT_TRUE(world.remove(0));
+  world.remove_object(4);
+  const auto refused = world.restore(0);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("no object 'bell' is loaded"), std::string::npos) << refused.error().message;
+  EXPECT_TRUE(world.bodies().empty());
+  run(world, 0.1);
+  EXPECT_FALSE(world.restore(0)) << "it is still kept, and still refused";
+  ASSERT_TRUE(world.set_object(sounding("bell", 9, box_bank(2 * kSize, 1))));
+  ASSERT_TRUE(world.restore(0));
+  ASSERT_EQ(world.bodies().size(), 1u);
+  EXPECT_EQ(world.bodies()[0].id, 0);
+  EXPECT_NEAR(world.bodies()[0].position_m.z, 1, 1e-3);
+  EXPECT_FALSE(run(world, 3).empty()) << "it falls to the floor and rings";
+  EXPECT_NEAR(world.bodies()[0].position_m.z, kSize.z, 2e-3) << "its collider has the size of the new bank";
+}
+
 TEST(Place, ABodyIsPutElsewhereAtRestAndWhatStoodOnItFalls) {
   SceneDescription scene = scene_of({body_of("shelf", ShapeType::box, {0, 0, 1}), body_of("bell", ShapeType::box, {})});
   scene.bodies[0].fixed = true;
