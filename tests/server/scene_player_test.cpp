@@ -2,6 +2,7 @@
 #include "engine/modal/bank_file.h"
 #include "server/session/scene_save.h"
 #include "server/session/session.h"
+#include "tests/scene/box_bank.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
 
@@ -103,6 +104,25 @@ void write_gltf_scene(const std::filesystem::path& bank, const std::filesystem::
   json["extensions"]["KHR_implicit_shapes"] = nlohmann::json::parse(
       R"({"shapes": [{"type": "sphere", "sphere": {"radius": 0.1}}, {"type": "plane", "plane": {}}]})");
   std::ofstream(path) << json.dump();
+}
+
+// It stands on the floor. A collider of twice the size would lift it to 0.1 m.
+TEST_F(ScenePlayerTest, ABodyKeepsTheSizeOfItsContactsWhenItsObjectGetsAnother) {
+  ASSERT_TRUE(modal::write_bank(test::box_bank({0.1, 0.1, 0.1}, 1), folder_ / "a.glb"));
+  load(
+      "[[static]]\nname = \"floor\"\nshape = \"plane\"\n"
+      "[[body]]\nname = \"bell\"\nshape = \"convex\"\nposition_m = [0, 0, 0.05]\n" +
+      kObject);
+  const auto height_m = [&] { return session_.scene().poses().bodies.at(0).position_m.z; };
+  play(0.5);
+  ASSERT_NEAR(height_m(), 0.05, 1e-3);
+  ASSERT_TRUE(session_.perform(protocol::SetMaterial{{.name = "bell"}, {.size = 2}}, now_));
+  play(1);
+  EXPECT_NEAR(height_m(), 0.05, 1e-3);
+  ASSERT_TRUE(session_.perform(protocol::SceneRemove{0}, now_));
+  ASSERT_TRUE(session_.perform(protocol::SceneRestore{0}, now_));
+  play(1);
+  EXPECT_NEAR(height_m(), 0.05, 1e-3) << "also when it comes back";
 }
 
 TEST_F(ScenePlayerTest, AGltfSceneHasAnObjectForEachNodeAndNamesWhatItLeavesOut) {
