@@ -131,6 +131,17 @@ TEST(Camera, ZoomApproachesTheSurfaceAheadAndNeverPassesIt) {
   expect_near(camera.position_m, {0, -Camera::kMinZoom, 0});
 }
 
+// As a key that is held down does it: the position became infinite, and the listener's place not a number.
+TEST(Camera, ZoomGoesAwayAsFarAsAListenerMayBe) {
+  Camera camera = Camera::from({0, -2, 0}, {});
+  for (int i = 0; i < 5000; ++i) camera.zoom(-1, glm::length(camera.position_m));
+  expect_near(camera.position_m, {0, -Camera::kMaxZoom, 0}, 1);
+  camera.zoom(-1000, 2);
+  EXPECT_TRUE(std::isfinite(camera.position_m.y));
+  camera.zoom(1, 2 * Camera::kMaxZoom);
+  EXPECT_TRUE(std::isfinite(camera.position_m.y));
+}
+
 TEST(Camera, CameraMovesAlongItsOwnAxesAndStraightUp) {
   Camera camera = Camera::from({}, {3, 0, 4});
   camera.move(5, 2, 1);

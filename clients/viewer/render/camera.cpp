@@ -38,7 +38,8 @@ void Camera::look(float dx, float dy, int height) {
 }
 
 void Camera::zoom(float steps, float distance_m) {
-  const float left = std::max(distance_m * std::pow(kZoomStep, steps), std::min(kMinZoom, distance_m));
+  const float left = std::clamp(distance_m * std::pow(kZoomStep, steps), std::min(kMinZoom, distance_m),
+                                std::max(kMaxZoom, distance_m));
   position_m += (distance_m - left) * forward();
 }
 

@@ -30,6 +30,7 @@ struct Sphere {
 struct Camera {
   static constexpr float kSteepest = 1.55F;           // largest |pitch|, just short of straight up or down
   static constexpr float kMinZoom = 0.02F;            // metres that zoom() keeps from the surface ahead
+  static constexpr float kMaxZoom = 5000;             // metres from there: /listener takes places within 10,000 m
   static constexpr float kZoomStep = 0.85F;           // one wheel step multiplies the distance by this
   static constexpr float kDefaultFieldOfView = 0.8F;  // about 46 degrees
 
@@ -53,7 +54,7 @@ struct Camera {
   // those pixels span in the middle of a picture `height` pixels high.
   void look(float dx, float dy, int height);
   // Moves forward by wheel steps (backward when negative). `distance_m` is the distance to the surface in the middle of
-  // the picture; however many steps are taken, the camera stays at least kMinZoom in front of that surface.
+  // the picture; however many steps are taken, the camera stays kMinZoom to kMaxZoom in front of that surface.
   void zoom(float steps, float distance_m);
   // Moves along the camera's own forward and right axes, and straight up.
   void move(float forward_m, float right_m, float up_m);
