@@ -38,6 +38,7 @@ inline constexpr Quantity kSensitivity{"", -1e12, 1e12};
 inline constexpr Quantity kContactTime{"s", 0, 0.1};
 inline constexpr Quantity kGain{"", 0, 100};
 inline constexpr Quantity kPressure{"Pa", 1e-6, 1e6};
+inline constexpr Quantity kBreath{"Pa", 0, 1e5};
 inline constexpr Quantity kLost{"s", 0, 1e9};
 inline constexpr Quantity kModalVelocity{"kg^1/2 m/s", -1e6, 1e6};
 inline constexpr Quantity kPhase{"rad", -1e3, 1e3};

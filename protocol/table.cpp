@@ -278,6 +278,26 @@ Row row(OnObject<synth::verb::Choke>& s) {
                                  "The time in which the amplitude falls by 60 dB. Less than 5 ms causes a click."))});
 }
 
+Row row(OnObject<synth::verb::Slap>& s) {
+  return silent(
+      s = {kBell, {1e-4, 0.002}}, "/object/{object}/slap",
+      "Slaps the mouth of the object, such as a bottle's, so that the air in it rings. The bank must have this air "
+      "(bake "
+      "it with [cavity]).",
+      {object(&s.object), number(&s.verb.impulse_ns, "impulse", kImpulse, "The impulse on the air in the mouth."),
+       contact_time(&s.verb.contact_time_s)});
+}
+
+Row row(OnObject<synth::verb::Blow>& s) {
+  return silent(
+      s = {kBell, {100}}, "/object/{object}/blow",
+      "Blows over the mouth of the object, so that the air in it sounds, until a pressure of 0 or /clear ends it. The "
+      "breath is noise that does not feel how the air moves: it colours, and does not lock into a tone. The bank must "
+      "have this air (bake it with [cavity]).",
+      {object(&s.object), number(&s.verb.pressure_pa, "pressure", kBreath,
+                                 "The noise in the mouth from 20 Hz to 10 kHz, root mean square; 0 ends it.")});
+}
+
 Row row(SetContact& s) {
   return silent(
       s = {kBell, {{0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}}}, "/object/{object}/contact",

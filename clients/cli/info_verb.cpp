@@ -143,6 +143,13 @@ void print_head(const modal::Bank& bank) {
                 1e3 * tube.diameter_m, 1e3 * tube.length_m, tube.stopped ? "stopped" : "open", tube.frequency_hz,
                 modal::hz_to_rad_per_s(tube.frequency_hz) / (2 * tube.decay_per_s), 1e3 * tube.end_correction_m);
   }
+  if (bank.cavity) {
+    for (const modal::Cavity::Mode& one : bank.cavity->modes) {
+      std::printf("cavity     its air rings at %.2f Hz, Q %.0f; mouth %.4g mm across\n", bank.frequency_hz[one.mode],
+                  modal::hz_to_rad_per_s(bank.frequency_hz[one.mode]) / (2 * bank.decay_per_s[one.mode]),
+                  1e3 * bank.cavity->diameter_m);
+    }
+  }
   if (bank.nonlinear) print_nonlinear(*bank.nonlinear);
   if (bank.fracture) print_fracture(*bank.fracture);
   if (bank.held) std::printf("held       by supports, so it is not free\n");

@@ -72,6 +72,7 @@ ExitCode scale(const ScaleArguments& arguments) {
     complain("the materials of its parts change by the same factors", ExitCode::ok);
   if (!bank->provenance.resonators.empty())
     complain("its tubes are scaled and tuned along with it; only a new bake keeps them", ExitCode::ok);
+  if (bank->cavity) complain("the air in it is scaled along with it; only a new bake finds its note", ExitCode::ok);
   if (bank->held)
     complain("its springs and dampers change with it; clamps and sliding surfaces stay exact", ExitCode::ok);
   return ExitCode::ok;

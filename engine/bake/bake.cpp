@@ -55,6 +55,7 @@ struct Sounding {
   double top_hz = 0;        // up to which modes were looked for
   bool above_band = false;  // none lies in the band
   std::vector<modal::ResonatorNote> tubes = {};
+  std::vector<CavityMode> cavity = {};
 };
 
 tl::unexpected<Error> failed(const std::string& name, const Error& error) {
@@ -161,7 +162,7 @@ LossOf loss_of(const Task& task, const BodyModes& modes) {
 // the air over-damps. Returns where fields are measured from [m]; nothing where the modes do not radiate.
 Result<std::optional<Vec3>> add_radiation(const Task& task, Sounding& sounding, BakeReport& report,
                                           const Progress& progress) {
-  auto& [modes, heard, left_out, top_hz, above_band, tubes] = sounding;
+  auto& [modes, heard, left_out, top_hz, above_band, tubes, cavity] = sounding;
   if (!task.options.air || above_band || heard.empty() || !(report.largest_error <= task.options.radiation_error))
     return std::nullopt;
   Stopwatch watch;
@@ -176,9 +177,17 @@ Result<std::optional<Vec3>> add_radiation(const Task& task, Sounding& sounding, 
     return !rings;
   });
   report.radiation_seconds = watch.lap();
-  if (task.options.resonators.empty() || heard.empty()) return *origin;
-  auto notes = add_tubes({task.unit_mesh, task.surface, task.units, modes}, task.options.resonators, air, *origin,
-                         task.options.band_high_hz, modes, heard, progress);
+  const BakeOptions& options = task.options;
+  if (options.cavity) {
+    auto found = find_cavity({task.unit_mesh, task.surface, task.units, modes}, *options.cavity, air, *origin,
+                             options.band_low_hz, options.band_high_hz, progress);
+    if (!found) return failed(task.name, found.error());
+    cavity = std::move(*found);
+    report.cavity_seconds = watch.lap();
+  }
+  if (options.resonators.empty() || heard.empty()) return *origin;
+  auto notes = add_tubes({task.unit_mesh, task.surface, task.units, modes}, options.resonators, air, *origin,
+                         options.band_high_hz, modes, heard, progress);
   if (!notes) return failed(task.name, notes.error());
   tubes = std::move(*notes);
   report.tube_seconds = watch.lap();
@@ -252,6 +261,15 @@ Result<void> check_request(const modal::Material& material, const BakeOptions& o
                                           ": nonlinear terms are not found for a body with a liquid; leave "
                                           "`nonlinear` out, or [fill] and [bath]");
   }
+  if (options.cavity) {
+    const bool live = options.liquids.fill && options.liquids.fill->levels > 0;
+    const char* const what = options.nonlinear > 0      ? "`nonlinear`"
+                             : live                     ? "`levels`"
+                             : !options.air.has_value() ? "`radiation = false`"
+                                                        : nullptr;
+    if (what != nullptr)
+      return fail(ErrorKind::bad_input, name + ": a body with a [cavity] cannot have " + what + "; leave one out");
+  }
   if (!options.resonators.empty()) {
     const char* const what = options.nonlinear > 0      ? "`nonlinear`"
                              : !options.liquids.none()  ? "[fill] and [bath]"
@@ -323,7 +341,7 @@ void report_modes(const Task& task, const Sounding& sounding, BakeReport& report
 // Puts the modes in the order of the bank. Returns how many of the first stay in it because they bend the others'
 // pitch, however softly they radiate.
 int order_modes(const Task& task, Sounding& sounding, const modal::Air* air) {
-  auto& [modes, heard, left_out, top_hz, above_band, tubes] = sounding;
+  auto& [modes, heard, left_out, top_hz, above_band, tubes, cavity] = sounding;
   order_by_importance(heard, corner_bank(task, heard, modes, air), modes, task.units,
                       area_weights(task.surface, task.mesh.nodes));
   if (!modes.nonlinear) return 0;
@@ -434,6 +452,7 @@ Result<void> fill_bank(const Task& task, Sounding& sounding, const std::optional
   bank.triangles = points->triangles;
   if (sounding.modes.nonlinear) add_nonlinear(task, sounding.modes, kept, baked);
   for (const double error : points->errors) bank.shape_error.push_back(to_digits(error, 3));
+  if (!sounding.cavity.empty()) append_cavity(*task.options.cavity, sounding.cavity, bank);
   report.over_damped = sounding.left_out.over_damped;
   report.below_band = sounding.left_out.below_band;
   report.inaudible = reduced.inaudible;

@@ -93,10 +93,11 @@ class Baker {
         reader_(recipe.geometry, recipe.options.cache) {
     if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);
     if (recipe.error > 0) recipe_.options.radiation_error = recipe.error;
-    if (recipe.preview) recipe_.options.air.reset(), recipe_.options.resonators.clear();
+    if (recipe.preview) recipe_.options.air.reset(), recipe_.options.resonators.clear(), recipe_.options.cavity.reset();
     recipe_.options.makeup = scaled(std::move(recipe_.options.makeup), recipe.scale);
     recipe_.options.liquids = recipe_.options.liquids.scaled(recipe.scale);
     for (Resonator& resonator : recipe_.options.resonators) resonator = resonator.scaled(recipe.scale);
+    if (recipe_.options.cavity) recipe_.options.cavity = recipe_.options.cavity->scaled(recipe.scale);
     if (recipe.shatter) recipe_.options.interior = true;
   }
 
@@ -295,6 +296,7 @@ class Baker {
                              : recipe_.options.nonlinear > 0        ? "nonlinear modes"
                              : !recipe_.options.liquids.none()      ? "a liquid"
                              : !recipe_.options.resonators.empty()  ? "a resonator"
+                             : recipe_.options.cavity               ? "a [cavity]"
                                                                     : nullptr;
     if (what == nullptr) return {};
     return fail(ErrorKind::bad_input,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/bake/body_radiation.h"
+#include "engine/bake/cavity/cavity.h"
 #include "engine/bake/liquid/filling.h"
 #include "engine/bake/makeup.h"
 #include "engine/bake/tubes/resonator.h"
@@ -35,6 +36,7 @@ struct BakeOptions {
   Makeup makeup;                // grain, parts and supports
   Liquids liquids;              // in the body and around it (liquid/wet_body.h)
   std::vector<Resonator> resonators;  // tubes under it (tubes/tubes.h); they need `air`
+  std::optional<CavityPlan> cavity;   // whose air has modes of its own; needs `air`
   solve::Method solver = solve::Method::kAutomatic;
   int processes = 2;           // of solve::Method::kSlepc
   bool may_be_silent = false;  // a body without a mode in its band gets a bank of no modes; else it fails
@@ -55,7 +57,7 @@ struct BakeReport {
   std::vector<std::string> held;  // what holds the body, and on how large an area
   RadiationReport radiation;
   double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
-  double heat_seconds = 0, liquid_seconds = 0, tube_seconds = 0;
+  double heat_seconds = 0, liquid_seconds = 0, tube_seconds = 0, cavity_seconds = 0;
   double radiation_seconds = 0, nonlinear_seconds = 0;
   std::vector<double> hardening;                 // own_hardening() of the modes that have nonlinear terms, by frequency
   std::vector<std::size_t> hardened;             // which of these the bank's terms are, in their order

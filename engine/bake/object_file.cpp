@@ -113,8 +113,9 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   recipe.shatter = read_shatter(*file);
   read_liquids(*file, recipe.options.liquids);
   read_resonators(*file, recipe.options.resonators);
-  if (!recipe.options.resonators.empty() && !file->has("radiation") && !recipe.options.air)
-    recipe.options.air.emplace();
+  recipe.options.cavity = read_cavity(*file);
+  const bool needs_air = !recipe.options.resonators.empty() || recipe.options.cavity;
+  if (needs_air && !file->has("radiation") && !recipe.options.air) recipe.options.air.emplace();
   if (auto good = file->finish(); !good) return fail(good);
   return recipe;
 }

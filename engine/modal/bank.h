@@ -21,6 +21,7 @@
 
 #include "engine/base/range.h"
 #include "engine/base/vec3.h"
+#include "engine/modal/cavity.h"
 #include "engine/modal/damping.h"
 #include "engine/modal/fracture/strength.h"
 #include "engine/modal/losses.h"
@@ -136,6 +137,7 @@ struct Bank {
   std::optional<double> pitch_hz;  // pitch stated by the maker, in kStatedPitch_hz; absent: see hearing/pitch.h
   std::shared_ptr<const Fracture> fracture;    // how the body breaks; null: it does not
   std::shared_ptr<const LiquidLevels> levels;  // of the liquid in it; null: it knows its own level only
+  std::optional<Cavity> cavity;                // the air in it; absent: it has no modes of its own
   Provenance provenance;
 
   [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }

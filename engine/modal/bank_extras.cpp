@@ -86,6 +86,29 @@ Json resonators_json(const std::vector<ResonatorNote>& resonators) {
   return json;
 }
 
+// Nothing where a value is wrong.
+std::optional<Cavity> read_cavity(const JsonPlace& field, std::size_t modes) {
+  Cavity cavity{.mouth_m = read_vector(field["mouth"], {}), .diameter_m = field["diameter"].number().value_or(0)};
+  const std::size_t count = std::min(field["modes"].size(), modes);
+  if (!(cavity.diameter_m > 0 && cavity.diameter_m <= 1e6) || count == 0) return std::nullopt;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t mode = field["modes"][i].index().value_or(modes);
+    const double flux = field["flux"][i].number().value_or(-1);
+    if (mode >= modes || !(flux >= 0 && flux <= 1e6)) return std::nullopt;
+    cavity.modes.push_back({static_cast<std::uint32_t>(mode), flux});
+  }
+  return cavity;
+}
+
+Json cavity_json(const Cavity& cavity) {
+  Json modes = Json::array(), flux = Json::array();
+  for (const Cavity::Mode& one : cavity.modes) modes.push_back(one.mode), flux.push_back(one.flux);
+  return {{"mouth", {cavity.mouth_m.x, cavity.mouth_m.y, cavity.mouth_m.z}},
+          {"diameter", cavity.diameter_m},
+          {"modes", modes},
+          {"flux", flux}};
+}
+
 Provenance read_provenance(const JsonPlace& extras) {
   const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
   const auto count = [&extras](const char* key) { return static_cast<std::int64_t>(extras[key].index().value_or(0)); };
@@ -386,6 +409,7 @@ Result<void> read_extras(const Glb& glb, const JsonPlace& extras, Bank& bank) {
   const double pitch_hz = extras["pitch"].number().value_or(0);
   if (kStatedPitch_hz.holds(pitch_hz)) bank.pitch_hz = pitch_hz;
   bank.provenance = read_provenance(extras);
+  bank.cavity = read_cavity(extras["cavity"], bank.mode_count());
   auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());
   if (!radiation) return fail(radiation);
   bank.radiation = std::move(*radiation);
@@ -411,6 +435,7 @@ Json extras_json(const Bank& bank, GlbWriter& writer) {
   if (bank.material && bank.material->orthotropy) json["orthotropic"] = orthotropy_json(*bank.material->orthotropy);
   if (bank.held) json["held"] = true;
   if (bank.pitch_hz) json["pitch"] = *bank.pitch_hz;
+  if (bank.cavity) json["cavity"] = cavity_json(*bank.cavity);
   if (bank.radiation) json["radiation"] = radiation_json(*bank.radiation, writer);
   if (bank.nonlinear) json["nonlinear"] = nonlinear_json(*bank.nonlinear, writer);
   return json;

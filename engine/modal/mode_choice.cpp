@@ -2,6 +2,8 @@
 
 #include "engine/modal/fracture/fracture.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <type_traits>
 #include <utility>
 
@@ -10,7 +12,7 @@ namespace ringdown::modal {
 // Names every member of a bank, so that a new member that is not handled here does not compile.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
   auto& [name, frequencies, decays, losses, heat, radiation, nonlinear, errors, shape_errors, positions, shapes,
-         triangles, material, mass, held, gain, pitch, fracture, levels, provenance] = bank;
+         triangles, material, mass, held, gain, pitch, fracture, levels, cavity, provenance] = bank;
   levels.reset();  // their matrices are those of all modes
   if (fracture) {
     Fracture broken = *fracture;
@@ -34,6 +36,15 @@ void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
   take(heat, 1);
   take(errors, 1);
   take(shape_errors, 1);
+  if (cavity) {
+    std::vector<Cavity::Mode> chosen;
+    for (const Cavity::Mode& mode : cavity->modes) {
+      const auto at = std::ranges::find(order, mode.mode);
+      if (at != order.end()) chosen.push_back({static_cast<std::uint32_t>(at - order.begin()), mode.flux});
+    }
+    cavity->modes = std::move(chosen);
+    if (cavity->modes.empty()) cavity.reset();
+  }
   if (nonlinear) take_modes(*nonlinear, order);
   if (nonlinear && nonlinear->modes.empty()) nonlinear.reset();
   if (!radiation) return;

@@ -50,6 +50,11 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
   if (out.radiation) out.radiation->maps.origin_m = scale.size * out.radiation->maps.origin_m;
   if (out.nonlinear) rescale(*out.nonlinear, scale);
   out.levels.reset();
+  if (out.cavity) {
+    out.cavity->mouth_m = scale.size * out.cavity->mouth_m;
+    out.cavity->diameter_m *= scale.size;
+    for (Cavity::Mode& mode : out.cavity->modes) mode.flux *= shape_factor(scale) * scale.size * scale.size;
+  }
   if (out.mass) out.mass = rescale(*out.mass, scale);
   if (out.material) {
     out.material->density_kg_m3 *= scale.density;

@@ -197,7 +197,8 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
     return true;
   };
   const auto begins = [&]<class One>(const One& one) REALTIME {
-    if constexpr (std::is_same_v<One, verb::Strike> || std::is_same_v<One, verb::StrikeVertex>) {
+    if constexpr (std::is_same_v<One, verb::Strike> || std::is_same_v<One, verb::StrikeVertex> ||
+                  std::is_same_v<One, verb::Slap>) {
       return !(exact_contacts && !shedding.tight() && starts_pulse(one, due, chunk));
     } else if constexpr (TwoWay<One>) {
       const One felt = one;  // the event may become another one
@@ -228,6 +229,8 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
       return false;
     } else if constexpr (std::is_same_v<One, verb::Contact>) {
       return accept_contact(one, due, chunk) && rings_alone();
+    } else if constexpr (std::is_same_v<One, verb::Blow>) {
+      return accept_breath(one, due, chunk) && rings_alone();
     } else if constexpr (std::is_same_v<One, verb::Pickup>) {
       part(object, chunk.begin);
       if (!forces_->pickups.set(one, due.event.frame, object.pickups, object.voices)) count(counters_.refused);
@@ -248,6 +251,16 @@ bool Stage::accept_contact(const verb::Contact& contact, const DueEvent& due, co
   if (is_sane(contact.contact)) {
     return forces_->exciters.open_contact(contact, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
                                           object.exciters);
+  }
+  count(counters_.refused);
+  return false;
+}
+
+bool Stage::accept_breath(const verb::Blow& blow, const DueEvent& due, const Chunk& chunk) REALTIME {
+  Object& object = *due.object;
+  if (blow.pressure_pa >= 0 && blow.pressure_pa <= kMaxEventValue) {
+    return forces_->exciters.open_breath(blow, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
+                                         object.exciters);
   }
   count(counters_.refused);
   return false;

@@ -160,6 +160,7 @@ class Stage {
   [[nodiscard]] bool accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
                             Workspace& workspace) REALTIME;
   [[nodiscard]] bool accept_contact(const verb::Contact& contact, const DueEvent& due, const Chunk& chunk) REALTIME;
+  [[nodiscard]] bool accept_breath(const verb::Blow& blow, const DueEvent& due, const Chunk& chunk) REALTIME;
   enum class Felt { taken, as_strike, one_way, not_at_all };
   [[nodiscard]] Felt accept_touch(const Touch& how, const DueEvent& due, const Chunk& chunk,
                                   const Shedding& shedding) REALTIME;

@@ -8,7 +8,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kViscosity_pa_s = 1.813e-5, kPrandtl = 0.71, kHeatRatio = 1.4;  // of air at 20 degrees
+constexpr double kViscosity_pa_s = 1.813e-5, kPrandtl = 0.71;  // of air at 20 degrees
 
 // A velocity of 1 out of the mouth causes this mean pressure in it from inside, times -1.
 Complex inside(const Line& line, const modal::Air& air, Complex omega) {
@@ -25,6 +25,11 @@ Complex inside(const Line& line, const modal::Air& air, Complex omega) {
 }
 
 }  // namespace
+
+WallLayers wall_layers(const modal::Air& air, double omega_rad_s) {
+  const double viscous_m = std::sqrt(2 * kViscosity_pa_s / (air.density_kg_m3 * omega_rad_s));
+  return {viscous_m, viscous_m / std::sqrt(kPrandtl)};
+}
 
 Complex mouth_impedance(const Line& line, const Outside& outside, const modal::Air& air, Complex omega_rad_s) {
   const Complex k = omega_rad_s / air.sound_speed_m_s;

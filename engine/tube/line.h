@@ -51,6 +51,13 @@ double partial_rad_s(const Line& line, double end_correction_m, const modal::Air
 // radius.
 std::optional<double> length_for(Line line, const Outside& outside, const modal::Air& air, int n, double omega_rad_s);
 
+// Thickness of the layers of friction and of heat at a wall [m], in air of 20 degrees.
+struct WallLayers {
+  double viscous_m = 0, thermal_m = 0;
+};
+WallLayers wall_layers(const modal::Air& air, double omega_rad_s);
+inline constexpr double kHeatRatio = 1.4;  // gamma of air
+
 // The end correction of a thin-walled open end in free air, over the radius, for waves that are long beside it: Levine
 // & Schwinger, Phys. Rev. 73 (1948) 383.
 inline constexpr double kFreeEnd = 0.6133;

@@ -2,7 +2,7 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/radiate/far_field.h"
-#include "engine/radiate/near_integrals.h"
+#include "engine/radiate/surface_pressure.h"
 #include "engine/radiate/wave_band.h"
 #include "engine/radiate/wave_solver.h"
 
@@ -139,41 +139,6 @@ bool are_apart(const radiate::Body& body, const MouthPlace& place) {
   return true;
 }
 
-// The pressure just outside of the middle of a triangle: mu/2 + D mu - i S (eta mu). The static part of the integrals
-// is exact; what the wave adds is smooth, and is summed over the middles of sides.
-Eigen::RowVectorXcd pressure_at(const radiate::Panels& panels, int place, double k, const std::vector<double>& coupling,
-                                const Eigen::MatrixXcd& layers) {
-  const Complex i(0, 1);
-  const Vector3d x = panels.centers[place];
-  Eigen::RowVectorXcd sum = Eigen::RowVectorXcd::Zero(layers.cols());
-  for (const int corner : panels.corners[place]) sum += layers.row(corner) / 6.0;
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    const radiate::TrianglePotential potential = radiate::potential_of(panels, t, x);
-    for (int c = 0; c < 3; ++c) {
-      const int node = panels.corners[t][c];
-      const double dipole = t == place ? 0 : -potential.gradient[c].dot(panels.normals[t]) / (4 * kPi);
-      sum += (dipole - i * coupling[node] * potential.value[c] / (4 * kPi)) * layers.row(node);
-    }
-    for (const int s : panels.sides_of[t]) {
-      const radiate::Side& side = panels.sides[s];
-      const Vector3d way = side.middle - x;
-      const double distance = way.norm(), kr = k * distance, weight = panels.areas[t] / 3 / (4 * kPi);
-      const Complex wave = std::polar(1.0, kr);
-      Complex simple = i * k, slope = -k * k / 2;
-      if (kr > 1e-3) {
-        simple = (wave - 1.0) / distance;
-        slope = (wave * Complex(-1, kr) + 1.0) / (distance * distance);
-      }
-      const double along = distance > 0 ? panels.normals[t].dot(way) / distance : 0;
-      for (int end = 0; end < 2; ++end) {
-        const int node = side.nodes[end];
-        sum += (weight / 2) * (slope * along - i * coupling[node] * simple) * layers.row(node);
-      }
-    }
-  }
-  return sum;
-}
-
 }  // namespace
 
 Result<Mouth> Mouth::of(const radiate::Body& body, const MouthPlace& place, int nodes) {
@@ -213,7 +178,7 @@ Mouth::Fields Mouth::fields_on(const Grid& grid, double k, const Eigen::Vector3d
   Eigen::VectorXd areas(at.rows());
   in_parallel(threads, [&](int thread) {
     for (Index t = thread; t < at.rows(); t += threads) {
-      at.row(t) = pressure_at(skin.panels, grid.lid[t], k, coupling, layers);
+      at.row(t) = radiate::pressure_at({&skin.panels, 1}, 0, grid.lid[t], k, coupling, layers);
       areas[t] = skin.panels.areas[grid.lid[t]];
     }
   });

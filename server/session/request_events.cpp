@@ -49,6 +49,13 @@ Result<void> check(synth::verb::Ring& ring, const ObjectState& object) {
   return {};
 }
 
+Result<void> check_cavity(const ObjectState& object) {
+  if (object.map->bank().cavity) return {};
+  return fail(ErrorKind::bad_input, "\"{}\" has no air that sounds; bake it with [cavity]", object.name);
+}
+Result<void> check(synth::verb::Slap& /*slap*/, const ObjectState& object) { return check_cavity(object); }
+Result<void> check(synth::verb::Blow& /*blow*/, const ObjectState& object) { return check_cavity(object); }
+
 // Normalises the quaternion, because transport in single precision may change its length slightly.
 Result<void> check_turn(Rotation& turn) {
   if (std::abs(norm(turn) - 1) > 0.01) {

@@ -341,6 +341,33 @@ Cases choke_cases() {
   return cases;
 }
 
+Cases slap_cases() {
+  using Slap = OnObject<synth::verb::Slap>;
+  const std::string a = "/object/bell/slap";
+  return {{{a, {0.25f}, claim<Slap>([](const Slap& s) {
+              return s.object == named("bell") && s.verb.impulse_ns == 0.25 && s.verb.contact_time_s == 0.001;
+            })},
+           {a, {-1, 0.0625f}, claim<Slap>([](const Slap& s) { return s.verb.contact_time_s == 0.0625; })}},
+          {{"/object/b%/slap", {1}, "object"},
+           {a, {}, "impulse"},
+           {a, {kNan}, "impulse"},
+           {a, {1, 0.125f}, "contact_time"}}};
+}
+
+Cases blow_cases() {
+  using Blow = OnObject<synth::verb::Blow>;
+  const std::string a = "/object/bell/blow";
+  return {
+      {{a, {100}, claim<Blow>([](const Blow& b) { return b.object == named("bell") && b.verb.pressure_pa == 100; })},
+       {a, {0}, is_a<Blow>()}},
+      {{"/object/b%/blow", {1}, "object"},
+       {a, {}, "pressure"},
+       {a, {-1}, "pressure"},
+       {a, {kNan}, "pressure"},
+       {a, {1e6}, "pressure"},
+       {a, {1, 1}, "argument 2"}}};
+}
+
 Cases impart_cases() {
   using Impart = OnObject<synth::verb::Impart>;
   const std::string a = "/object/bell/impart";
@@ -576,6 +603,8 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/strength", strength_cases()},
       {"/object/{object}/pieces", pieces_cases()},
       {"/object/{object}/choke", choke_cases()},
+      {"/object/{object}/slap", slap_cases()},
+      {"/object/{object}/blow", blow_cases()},
       {"/object/{object}/impart", impart_cases()},
       {"/object/{object}/hold", hold_cases()},
       {"/object/{object}/contact", contact_cases()},

@@ -75,6 +75,16 @@ modal::Bank leveled_bank(double frequency_hz, double decay_per_s) {
   return bank;
 }
 
+modal::Bank vessel_bank() {
+  modal::Bank bank = single_mode_bank(1000, 3);
+  bank.frequency_hz.push_back(kAir_hz);
+  bank.decay_per_s.push_back(kAirDecay_per_s);
+  bank.shapes.resize(8);
+  bank.radiation->maps.modes.push_back(even_field(kAir_hz));
+  bank.cavity = modal::Cavity{.mouth_m = {0, 0, 1}, .diameter_m = kMouth_m, .modes = {{1, kFlux}}};
+  return bank;
+}
+
 modal::Bank tubed_bank(const TwoOscillators& of) {
   using Complex = std::complex<double>;
   const Complex bar(modal::hz_to_rad_per_s(of.bar_hz), -of.bar_decay_per_s);

@@ -33,6 +33,11 @@ struct TwoOscillators {
 inline constexpr double kBarShape = 1.2, kBarSound = 0.02;
 modal::Bank tubed_bank(const TwoOscillators& of);
 
+// The bank of single_mode_bank(1000, 3) with air of kAir_hz in it, heard as even_field() is. Its mouth is kMouth_m
+// wide.
+inline constexpr double kAir_hz = 102.5, kAirDecay_per_s = 8.7, kFlux = 3e-3, kMouth_m = 0.02;
+modal::Bank vessel_bank();
+
 // The flexural modes of a free-free bar by Euler and Bernoulli: length 0.3 m along x, 20 mm x 5 mm of steel, moving
 // along z; sampled at 17 points of its axis, no triangles. Material and mass properties are filled.
 // Source: Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1, case 1.

@@ -135,10 +135,11 @@ void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& obj
   }
   std::printf(
       "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, heat %.1f, liquid %.1f, nonlinear "
-      "%.1f, radiation %.1f, tubes %.1f, finish %.1f; largest residual %.1e\n",
+      "%.1f, radiation %.1f, tubes %.1f, cavity %.1f, finish %.1f; largest residual %.1e\n",
       object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
       report.estimate_seconds, report.heat_seconds, report.liquid_seconds, report.nonlinear_seconds,
-      report.radiation_seconds, report.tube_seconds, report.finish_seconds, bank.provenance.largest_residual);
+      report.radiation_seconds, report.tube_seconds, report.cavity_seconds, report.finish_seconds,
+      bank.provenance.largest_residual);
   print_errors(object);
   print_radiation(object.baked);
   print_nonlinear(object.baked);

@@ -71,6 +71,7 @@ Result<void> check(const modal::Bank& bank) {
                           : bank.nonlinear                      ? "its modes bend each other's pitch"
                           : !bank.provenance.liquids.empty()    ? "it has a liquid already"
                           : !bank.provenance.resonators.empty() ? "it has a tube"
+                          : bank.cavity                         ? "its air has modes of its own"
                           : !bank.held && !bank.mass            ? "it does not state its mass and inertia"
                                                                 : nullptr;
   if (why != nullptr) return fail(ErrorKind::bad_input, std::string("the bank cannot be filled: ") + why);

@@ -39,6 +39,7 @@ class TargetBakes {
     recipe.options.floor_db = 0;
     recipe.options.air.reset();
     recipe.options.resonators.clear();
+    recipe.options.cavity.reset();
     if (recipe.options.liquids.fill) recipe.options.liquids.fill->levels = 0;
     recipe.error = 0;
   }

@@ -18,6 +18,25 @@ verb::Strike unit_impulse(const verb::Contact& event) REALTIME {
   return {.point_m = event.point_m, .impulse_ns = (1 / length(force_n)) * force_n, .contact_time_s = 0};
 }
 
+// Breath is the contact of this number, which no message can name.
+constexpr std::uint32_t kBreath = ~std::uint32_t{0};
+
+// White noise in the mouth from 20 Hz to 10 kHz, as the friction on a profile that passes at 1 m/s. Its ten octaves of
+// waves have slopes whose power doubles from one to the next, as the width of the octaves does; together the slopes
+// have a root mean square of 1 (rubbing.cpp: heights of variance 151/945, slopes of variance 2/9 for each octave).
+Contact breath_of(const verb::Blow& blow) REALTIME {
+  constexpr double kLongest_m = 1.0 / 20, kWaves = 1023, kShares = 1023.0 / 512;
+  const double roughness_m = kLongest_m * std::sqrt(kShares * (151.0 / 945) / (4 * kWaves * (2.0 / 9)));
+  return {.number = kBreath,
+          .force_n = {blow.pressure_pa, 0, 0},
+          .slip_m_s = 1,
+          .texture = {.roughness_m = roughness_m,
+                      .correlation_m = kLongest_m,
+                      .spectral_slope = -2,
+                      .shortest_m = kLongest_m / 512},
+          .stays = true};
+}
+
 }  // namespace
 
 // The scale is one over the sum of sin(pi n / frames) for 0 <= n <= frames, in closed form as a geometric sum of
@@ -129,18 +148,37 @@ bool Exciters::play_pulse(const decltype(Exciter::impulse)& impulse, double fram
 bool Exciters::open_contact(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
                             ExciterSlots& slots) REALTIME {
   const Contact& contact = event.contact;
-  Exciter* const open = slots.find_contact(contact.number, frame);
-  if (length(contact.force_n) == 0) return open != nullptr;
+  const bool acts = length(contact.force_n) > 0;
+  return open(acts ? unit_impulse(event) : verb::Strike{}, contact.number, acts, frame, sample_rate_hz, voice, slots);
+}
+
+bool Exciters::open_breath(const verb::Blow& blow, Frame frame, double sample_rate_hz, Voice* voice,
+                           ExciterSlots& slots) REALTIME {
+  const verb::Slap of_one_pa{.impulse_ns = voice ? voice->table().mouth_area_m2() : 0, .contact_time_s = 0};
+  return open(of_one_pa, kBreath, blow.pressure_pa > 0, frame, sample_rate_hz, voice, slots);
+}
+
+void Exciters::update_breath(const verb::Blow& blow, Frame frame, const ExciterSlots& slots) REALTIME {
+  Exciter* const exciter = slots.find_contact(kBreath, frame);
+  if (!exciter) return;
+  exciter->awaits_update = false;
+  exciter->rubbing.update(frame, breath_of(blow));
+}
+
+bool Exciters::open(const decltype(Exciter::impulse)& impulse, std::uint32_t number, bool acts, Frame frame,
+                    double sample_rate_hz, Voice* voice, ExciterSlots& slots) REALTIME {
+  Exciter* const open = slots.find_contact(number, frame);
+  if (!acts) return open != nullptr;
   if (open) {
     open->awaits_update = true;
     return true;
   }
   Exciter* const exciter = voice && !slots.full_at(frame) ? take(frame) : nullptr;
   if (exciter) {
-    exciter->impulse = unit_impulse(event);
+    exciter->impulse = impulse;
     exciter->begin = frame;
-    exciter->contact = contact.number;
-    exciter->rubbing = Rubbing(contact.number, sample_rate_hz);
+    exciter->contact = number;
+    exciter->rubbing = Rubbing(number, sample_rate_hz);
     exciter->awaits_update = true;
     if (fit(*exciter, voice, slots)) return true;
     give_back(*exciter);

@@ -54,8 +54,9 @@ class HalfSine {
 
 struct Exciter {
   AlignedArray<double> amplitudes = aligned_zeros<double>(kMaxDrivenColumns);  // what an impulse of 1 gives each mode
-  OneOf<Types<verb::Strike, verb::StrikeVertex>> impulse = verb::Strike{};     // of 1 N s, without contact time
-  Frame begin = 0;                                                             // of the force
+  // Of 1 N s, or of 1 Pa s in the mouth for a breath, without contact time.
+  OneOf<Types<verb::Strike, verb::StrikeVertex, verb::Slap>> impulse = verb::Strike{};
+  Frame begin = 0;                       // of the force
   std::optional<std::size_t> input;      // the force is this input's samples; else
   std::optional<std::uint32_t> contact;  // it is the friction of this contact of the object; else the pulse
   Rubbing rubbing;
@@ -133,6 +134,11 @@ class Exciters {
   // Makes room for a contact, unless the object has it already. False when there is no force, or no room.
   [[nodiscard]] bool open_contact(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
                                   ExciterSlots& slots) REALTIME;
+  // As open_contact() for breath over the mouth. False when the object has no air with modes of its own, too.
+  [[nodiscard]] bool open_breath(const verb::Blow& blow, Frame frame, double sample_rate_hz, Voice* voice,
+                                 ExciterSlots& slots) REALTIME;
+  // The breath is as the event says from the event's frame on.
+  static void update_breath(const verb::Blow& blow, Frame frame, const ExciterSlots& slots) REALTIME;
   // The contact is as the event says from the event's frame on.
   static void update_contact(const verb::Contact& event, Frame frame, Voice* voice, const ExciterSlots& slots) REALTIME;
 
@@ -153,6 +159,8 @@ class Exciters {
   void drop_finished(Frame frame, ExciterSlots& slots) REALTIME;
 
  private:
+  [[nodiscard]] bool open(const decltype(Exciter::impulse)& impulse, std::uint32_t number, bool acts, Frame frame,
+                          double sample_rate_hz, Voice* voice, ExciterSlots& slots) REALTIME;
   [[nodiscard]] bool play_pulse(const decltype(Exciter::impulse)& impulse, double frames, Frame frame, Voice* voice,
                                 ExciterSlots& slots) REALTIME;
   [[nodiscard]] Exciter* take(Frame from) REALTIME;  // null: none is free from that frame on

@@ -41,7 +41,7 @@ void Rubbing::update(Frame at, const Contact& contact) REALTIME {
   const auto ramp = static_cast<Frame>(std::clamp(since_s, kMinForceRamp_s, kMaxForceRamp_s) * rate_hz_);
   updated_ = at;
   force_n_.aim(force, at, ramp);
-  time_out_ = at + static_cast<Frame>(kContactTimeOut_s * rate_hz_);
+  time_out_ = contact.stays ? kNever : at + static_cast<Frame>(kContactTimeOut_s * rate_hz_);
   if (force == 0) return;  // it ends as it moves
   slip_m_s_.aim(contact.slip_m_s, at, ramp);
   roll_m_s_.aim(contact.roll_m_s, at, ramp);
@@ -160,7 +160,7 @@ void Rubbing::rescale(Frame now, double ratio) {
     ramp->end = moved(ramp->end);
   }
   updated_ = moved(updated_);
-  time_out_ = moved(time_out_);
+  if (time_out_ != kNever) time_out_ = moved(time_out_);
   rate_hz_ *= ratio;
 }
 

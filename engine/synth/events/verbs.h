@@ -65,7 +65,8 @@ struct Passing {
 };
 
 // A lasting contact at one moment. Force and speeds change gradually from one event to the next, and after the last
-// event they stay as they are. The contact ends when the force is 0, or when no event has come for a while.
+// event they stay as they are. The contact ends when the force is 0, or when no event has come for a while,
+// unless it stays.
 struct Contact {
   std::uint32_t number = 0;  // which of the object's contacts
   Vec3 force_n;              // on the object: normal force and friction together
@@ -74,6 +75,7 @@ struct Contact {
   Texture texture;           // of both surfaces together, unless one has a profile
   std::array<Passing, 2> surfaces;
   double finish_width_m = 0, relief_width_m = 0;  // over which profiles and mesoscale relief are smoothed
+  bool stays = false;                             // true: it goes on without events until one ends it
 };
 
 // The effect of a verb, which decides when and by whom it is played.
@@ -101,6 +103,13 @@ struct StrikeVertex {
   std::uint32_t vertex = 0;
   Vec3 impulse_ns;
   double contact_time_s = kDefaultContactTime_s;
+};
+
+// Rings the air in the object by a blow of the flat hand on its mouth.
+struct Slap {
+  static constexpr Effect kEffect = Effect::excites;
+  double impulse_ns = 0;  // on the air in the mouth
+  double contact_time_s = 0.001;
 };
 
 // Sets modes going, each at the same amplitude. Modes count from the lowest frequency, from 0.
@@ -131,6 +140,12 @@ struct Contact {
   static constexpr Effect kEffect = Effect::begins;
   Vec3 point_m;
   synth::Contact contact;
+};
+
+// Breath over the mouth of the object: noise that drives the air in it and does not feel how the air moves.
+struct Blow {
+  static constexpr Effect kEffect = Effect::begins;
+  double pressure_pa = 0;  // root mean square in the mouth; 0 ends it
 };
 
 // A bow on the object, which feels how the surface moves.
@@ -280,9 +295,10 @@ struct Rub {
 }  // namespace verb
 
 // The verbs that every door has, in the order of the reference.
-using PublicVerbs = Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Fan, verb::Pickup, verb::Ring,
-                          verb::Impart, verb::Clear, verb::Choke, verb::Contact, verb::Bow, verb::Mallet, verb::Couple,
-                          verb::Click, verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
+using PublicVerbs =
+    Types<verb::Strike, verb::StrikeVertex, verb::Gain, verb::Pan, verb::Fan, verb::Pickup, verb::Ring, verb::Impart,
+          verb::Clear, verb::Choke, verb::Slap, verb::Blow, verb::Contact, verb::Bow, verb::Mallet, verb::Couple,
+          verb::Click, verb::Pose, verb::Listener, verb::ListenerOff, verb::ListenerAir>;
 using Verbs = Joined<PublicVerbs, Types<verb::Collision, verb::Rub>>;
 using Verb = OneOf<Verbs>;
 

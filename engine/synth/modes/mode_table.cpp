@@ -138,6 +138,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
     for (std::size_t i = 0; i < playable_modes(); ++i)
       tube_shares_[column(i)] = static_cast<float>(shares[mode_of_[i]]);
   }
+  if (bank().cavity) mouth_area_m2_ = bank().cavity->mouth_area_m2() * material.size * material.size;
   if (!bank().nonlinear || weight_.empty()) return;
   // A mode that radiates nothing still bends the others' pitch, and only its state tells its amplitude.
   const double min = kUnheard * *std::max_element(weight_.begin(), weight_.end());
@@ -216,6 +217,17 @@ std::optional<double> ModeTable::strike(const verb::Strike& strike, std::span<do
                                         double* amplitudes) const REALTIME {
   map_->excite(per_size_ * strike.point_m, strike.impulse_ns, scratch);
   return weigh(*this, scratch, strike.contact_time_s, amplitudes);
+}
+
+// A pressure in the mouth does work on the volume that comes out of it.
+std::optional<double> ModeTable::strike(const verb::Slap& slap, std::span<double> scratch,
+                                        double* amplitudes) const REALTIME {
+  const std::optional<modal::Cavity>& cavity = bank().cavity;
+  if (!cavity) return std::nullopt;
+  std::ranges::fill(scratch, 0.0);
+  const double pressure_pa_s = slap.impulse_ns / cavity->mouth_area_m2();
+  for (const modal::Cavity::Mode& one : cavity->modes) scratch[one.mode] = one.flux * pressure_pa_s;
+  return weigh(*this, scratch, slap.contact_time_s, amplitudes);
 }
 
 // A state is z = W (w q - i (v + s q)), with w the damped frequency, s the decay and W the output per modal velocity v,

@@ -86,9 +86,15 @@ class ModeTable {
                                              double* amplitudes) const REALTIME;
   [[nodiscard]] std::optional<double> strike(const verb::Ring& ring, std::span<double> scratch,
                                              double* amplitudes) const REALTIME;
+  // Nothing where the bank has no air with modes of its own.
+  [[nodiscard]] std::optional<double> strike(const verb::Slap& slap, std::span<double> scratch,
+                                             double* amplitudes) const REALTIME;
   // Writes 2 x columns() amplitudes: the sines of all columns, then the cosines (BlowAmplitudes).
   [[nodiscard]] std::optional<double> strike(const verb::Impart& impart, std::span<double> scratch,
                                              double* amplitudes) const REALTIME;
+
+  // The area of the mouth of an object with air in it, in its size; 0 without one.
+  [[nodiscard]] double mouth_area_m2() const REALTIME { return mouth_area_m2_; }
 
   // Finds by which complex gains the states of all columns move a place: Re(gain z) adds up to what the pickup feels.
   // `scratch` has one element per mode of the bank, `re` and `im` one per column. Returns the largest size of a gain. A
@@ -159,6 +165,7 @@ class ModeTable {
   AlignedArray<float> column_hz_, tube_shares_;
   Vec3 origin_m_;
   double ring_s_ = 0;
+  double mouth_area_m2_ = 0;
 };
 
 }  // namespace ringdown::synth

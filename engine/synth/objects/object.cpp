@@ -139,6 +139,7 @@ struct Object::Play {
   void operator()(const verb::Contact& contact) const REALTIME {
     Exciters::update_contact(contact, frame, object.voices.current(), object.exciters);
   }
+  void operator()(const verb::Blow& blow) const REALTIME { Exciters::update_breath(blow, frame, object.exciters); }
   void operator()(const verb::Gain& gain) const REALTIME {
     if (!(std::abs(gain.gain) <= kMaxEventValue)) return count(chunk.counters->refused);
     object.strip.set_gain(gain.gain, frame, frames_of(gain.ramp_s));
