@@ -1,6 +1,6 @@
 // The modes of the air in a vessel with a mouth, by boundary elements. [worker]
 //
-// The body stands still but for three translations, one after the other. Their far fields, at some real wavenumbers,
+// The body's surface moves as a whole along three axes, and outward everywhere, one after the other. Their far fields, at some real wavenumbers,
 // are functions of k whose poles kappa are the modes of the air (rational.h). Near a pole, with psi the mode's
 // pressure, -laplace psi = kappa^2 psi, integral of psi^2 = 1,
 //
@@ -33,7 +33,7 @@ struct Vessel {
   Eigen::Vector3d mouth;      // the middle of the mouth [m]
   double lowest_hz = 0, highest_hz = 0;
   int modes = 1;     // the lowest
-  int nodes = 1500;  // of the finer of two skins, or of the part of it between mirror planes
+  int nodes = 600;  // of the finest of three skins, or of the part of it between mirror planes
 };
 
 // A mode of the air, of mass 1 as the modes of bodies are.
@@ -49,7 +49,7 @@ struct AirMode {
 };
 
 // The lowest modes between the two frequencies, ascending: fewer than wanted where there are no more. Fails as
-// radiate::solve() does, and when cancelled. Progress stage: "cavity". About 20 s of one core.
+// radiate::solve() does, and when cancelled. Progress stage: "cavity". About 10 s of one core.
 Result<std::vector<AirMode>> air_modes(const Vessel& vessel, const modal::Air& air, const Progress& progress = {});
 
 }  // namespace ringdown::cavity

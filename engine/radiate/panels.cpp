@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -127,6 +128,30 @@ Result<Panels> panels_of(const mesh::TriangleMesh& surface, int mirrors) {
   }
   if (const auto found = find_sides(panels); !found) return fail(found);
   return panels;
+}
+
+mesh::TriangleMesh mesh_of(const Panels& panels) {
+  mesh::TriangleMesh mesh;
+  mesh.nodes = panels.nodes;
+  mesh.triangles.resize(panels.triangle_count(), 3);
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    mesh.triangles.row(t) << panels.corners[t][0], panels.corners[t][1], panels.corners[t][2];
+  }
+  return mesh;
+}
+
+Hit nearest_hit(const Panels& panels, const Eigen::Vector3d& start, const Eigen::Vector3d& way, Face shown) {
+  Hit nearest{std::numeric_limits<double>::infinity()};
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    const double along = panels.normals[t].dot(way);
+    if (shown == Face::back ? along <= 0 : along >= 0) continue;
+    const Eigen::Vector3d a = panels.corner(t, 0), e1 = panels.corner(t, 1) - a, e2 = panels.corner(t, 2) - a;
+    const Eigen::Vector3d p = way.cross(e2), s = start - a, q = s.cross(e1);
+    const double determinant = e1.dot(p), u = s.dot(p) / determinant, v = way.dot(q) / determinant;
+    const double distance = e2.dot(q) / determinant;
+    if (u >= 0 && v >= 0 && u + v <= 1 && distance > 0 && distance < nearest.distance_m) nearest = {distance, t};
+  }
+  return nearest;
 }
 
 int mirror_planes_at(const Eigen::Vector3d& point, int mirrors) {

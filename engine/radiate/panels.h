@@ -57,6 +57,18 @@ struct Panels {
 // numbers; nodes without triangles are dropped.
 Result<Panels> panels_of(const mesh::TriangleMesh& surface, int mirrors = 0);
 
+// The triangles in another form.
+mesh::TriangleMesh mesh_of(const Panels& panels);
+
+// The nearest triangle that shows a ray its front, as seen from outside of the body, or its back. Without one the
+// distance is infinite. (Moeller & Trumbore 1997.)
+enum class Face { front, back };
+struct Hit {
+  double distance_m = 0;
+  int triangle = -1;
+};
+Hit nearest_hit(const Panels& panels, const Eigen::Vector3d& start, const Eigen::Vector3d& way, Face shown);
+
 // The image of a point.
 Eigen::Vector3d image_of(const Eigen::Vector3d& point, int image);
 // The image of a part, turned so that its normals point outward. Nodes, sides and triangles keep their numbers.

@@ -21,6 +21,7 @@ constexpr double kCosTurn = 0.819;      // 35 degrees that a collapse may turn a
 constexpr double kCosFlat = 0.966;      // 15 degrees between the normals of two triangles whose side is swapped
 constexpr double kCosStraight = 0.906;  // 25 degrees that a sharp line may bend at a node that is removed
 constexpr double kNeedle = 0.12;        // height over longest side
+constexpr double kLongest = 1.45, kShortest = 0.9;  // of the wanted side; these give as many triangles as equal ones
 
 Vector normal_of(const Vector& a, const Vector& b, const Vector& c) { return (b - a).cross(c - a); }
 
@@ -32,7 +33,8 @@ double quality(const Vector& a, const Vector& b, const Vector& c) {
 
 class Tiling {
  public:
-  Tiling(const mesh::TriangleMesh& surface, int mirrors) : mirrors_(mirrors) {
+  Tiling(const mesh::TriangleMesh& surface, const std::vector<double>& sides, int mirrors)
+      : mirrors_(mirrors), wanted_(sides) {
     for (Eigen::Index n = 0; n < surface.nodes.rows(); ++n) at_.push_back(surface.nodes.row(n).transpose());
     around_.resize(at_.size());
     sharp_.resize(at_.size());
@@ -42,7 +44,7 @@ class Tiling {
     for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) find_sharp_sides(t);
   }
 
-  void split_long_sides(double longest) {
+  void split_long_sides() {
     struct Item {
       double length;
       int a, b;
@@ -51,7 +53,7 @@ class Tiling {
     std::priority_queue<Item> queue;
     const auto push = [&](int a, int b) {
       const double length = (at_[a] - at_[b]).norm();
-      if (length > longest) queue.push({length, std::min(a, b), std::max(a, b)});
+      if (length > kLongest * wanted(a, b)) queue.push({length, std::min(a, b), std::max(a, b)});
     };
     for_sides(push);
     while (!queue.empty()) {
@@ -63,7 +65,7 @@ class Tiling {
     }
   }
 
-  void collapse_short_sides(double shortest, double longest) {
+  void collapse_short_sides() {
     struct Item {
       double length;
       int a, b;
@@ -72,7 +74,7 @@ class Tiling {
     std::priority_queue<Item> queue;
     const auto push = [&](int a, int b) {
       const double length = (at_[a] - at_[b]).norm();
-      if (length < shortest) queue.push({length, std::min(a, b), std::max(a, b)});
+      if (length < kShortest * wanted(a, b)) queue.push({length, std::min(a, b), std::max(a, b)});
     };
     for_sides(push);
     while (!queue.empty()) {
@@ -80,9 +82,9 @@ class Tiling {
       queue.pop();
       if (!is_whole(item.a, item.b)) continue;
       int kept = -1;
-      if (collapse(item.a, item.b, longest)) {
+      if (collapse(item.a, item.b)) {
         kept = item.b;
-      } else if (collapse(item.b, item.a, longest)) {
+      } else if (collapse(item.b, item.a)) {
         kept = item.a;
       }
       if (kept < 0) continue;
@@ -124,6 +126,7 @@ class Tiling {
     }
   }
 
+  [[nodiscard]] double wanted(int a, int b) const { return (wanted_[a] + wanted_[b]) / 2; }
   int add(const Triangle& corners) {
     const int number = static_cast<int>(triangles_.size());
     triangles_.push_back(corners);
@@ -189,6 +192,7 @@ class Tiling {
   int split(int a, int b) {
     const int middle = static_cast<int>(at_.size());
     at_.push_back((at_[a] + at_[b]) / 2);
+    wanted_.push_back(wanted(a, b));
     around_.emplace_back();
     sharp_.emplace_back();
     for (const int t : triangles_at(a, b)) {
@@ -215,14 +219,14 @@ class Tiling {
     return (at_[gone] - at_[kept]).normalized().dot((at_[other] - at_[gone]).normalized()) > kCosStraight;
   }
 
-  bool collapse(int gone, int kept, double longest) {
+  bool collapse(int gone, int kept) {
     if (!keeps_sharp_lines(gone, kept) || (planes(gone) & ~planes(kept)) != 0) return false;
     const std::vector<int> from = neighbours(gone), to = neighbours(kept);
     const auto common =
         std::count_if(from.begin(), from.end(), [&](int n) { return std::find(to.begin(), to.end(), n) != to.end(); });
     if (common != (on_plane(gone, kept) ? 1 : 2)) return false;
     for (const int n : from) {
-      if (n != kept && (at_[n] - at_[kept]).norm() > longest) return false;
+      if (n != kept && (at_[n] - at_[kept]).norm() > kLongest * wanted(n, kept)) return false;
       const bool fresh = n != kept && std::find(to.begin(), to.end(), n) == to.end();
       if (fresh && (planes(n) & planes(kept) & ~planes(gone)) != 0) return false;  // makes an inner side on a plane
     }
@@ -282,6 +286,7 @@ class Tiling {
 
   const int mirrors_;
   std::vector<Vector> at_;
+  std::vector<double> wanted_;            // the side around each node
   std::vector<Triangle> triangles_;       // removed triangles have corners -1
   std::vector<std::vector<int>> around_;  // the triangles at each node
   std::vector<std::vector<int>> sharp_;   // the nodes at the other ends of sharp sides
@@ -290,12 +295,15 @@ class Tiling {
 }  // namespace
 
 mesh::TriangleMesh retile(const mesh::TriangleMesh& surface, double side_m, int mirrors) {
+  return retile(surface, std::vector<double>(static_cast<std::size_t>(surface.nodes.rows()), side_m), mirrors);
+}
+
+mesh::TriangleMesh retile(const mesh::TriangleMesh& surface, const std::vector<double>& sides_m, int mirrors) {
   constexpr int kRounds = 3;
-  constexpr double kLongest = 1.45, kShortest = 0.9;  // these give the number of equal triangles with this side
-  Tiling tiling(surface, mirrors);
+  Tiling tiling(surface, sides_m, mirrors);
   for (int round = 0; round < kRounds; ++round) {
-    tiling.split_long_sides(kLongest * side_m);
-    tiling.collapse_short_sides(kShortest * side_m, kLongest * side_m);
+    tiling.split_long_sides();
+    tiling.collapse_short_sides();
     tiling.swap_sides();
   }
   return tiling.result();

@@ -4,6 +4,8 @@
 
 #include "engine/mesh/triangle_mesh.h"
 
+#include <vector>
+
 namespace ringdown::radiate {
 
 // Sides longer than 1.45 times `side_m` are halved. Sides shorter than 0.9 times `side_m` are collapsed onto one of
@@ -12,5 +14,7 @@ namespace ringdown::radiate {
 // Nodes lie on the old surface. For a surface with mirror planes (panels.h) the part may be given; its sides on a plane
 // stay there. (The steps are those of Botsch & Kobbelt, A remeshing approach to multiresolution modeling, 2004.)
 mesh::TriangleMesh retile(const mesh::TriangleMesh& surface, double side_m, int mirrors = 0);
+// Takes a side for each node instead, and for the side between two nodes the mean of theirs.
+mesh::TriangleMesh retile(const mesh::TriangleMesh& surface, const std::vector<double>& sides_m, int mirrors = 0);
 
 }  // namespace ringdown::radiate

@@ -18,33 +18,13 @@ namespace {
 
 constexpr int kMaxWallTriangles = 3000;
 
-mesh::TriangleMesh mesh_of(const Panels& panels) {
-  mesh::TriangleMesh mesh;
-  mesh.nodes = panels.nodes;
-  mesh.triangles.resize(panels.triangle_count(), 3);
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    mesh.triangles.row(t) << panels.corners[t][0], panels.corners[t][1], panels.corners[t][2];
-  }
-  return mesh;
-}
-
 // The side of equilateral triangles of which `count` make up the area.
 double side_for(double area, double count) { return std::sqrt(area / count * 4 / std::sqrt(3.0)); }
 
-// The length of a ray from the middle of a triangle straight inward to the surface. (Moeller & Trumbore 1997.)
+// The length of a ray from the middle of a triangle straight inward to the surface.
 double way_inward(const Panels& panels, int from) {
-  const Eigen::Vector3d& start = panels.centers[from];
-  const Eigen::Vector3d way = -panels.normals[from];
-  double shortest = std::numeric_limits<double>::infinity();
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    if (t == from || panels.normals[t].dot(way) <= 0) continue;
-    const Eigen::Vector3d a = panels.corner(t, 0), e1 = panels.corner(t, 1) - a, e2 = panels.corner(t, 2) - a;
-    const Eigen::Vector3d p = way.cross(e2), s = start - a, q = s.cross(e1);
-    const double determinant = e1.dot(p), u = s.dot(p) / determinant, v = way.dot(q) / determinant;
-    const double distance = e2.dot(q) / determinant;
-    if (u >= 0 && v >= 0 && u + v <= 1 && distance > 0) shortest = std::min(shortest, distance);
-  }
-  return std::isfinite(shortest) ? shortest : std::cbrt(std::abs(panels.volume()));
+  const double way = nearest_hit(panels, panels.centers[from], -panels.normals[from], Face::back).distance_m;
+  return std::isfinite(way) ? way : std::cbrt(std::abs(panels.volume()));
 }
 
 // Decides by the solid angle that the surface fills around the point: van Oosterom & Strackee, IEEE Trans. Biomed. Eng.
@@ -226,7 +206,10 @@ Result<Original> Original::of(const Body& body, int mirrors) {
 }
 
 Result<Skin> skin_of(const Original& original, double side_m) {
-  mesh::TriangleMesh mesh = retile(original.part, side_m, original.mirrors);
+  return skin_of(original, retile(original.part, side_m, original.mirrors));
+}
+
+Result<Skin> skin_of(const Original& original, mesh::TriangleMesh mesh) {
   auto flat = panels_of(mesh, original.mirrors);
   if (!flat) return fail(flat);
   mesh = mesh_of(*flat);
@@ -235,7 +218,6 @@ Result<Skin> skin_of(const Original& original, double side_m) {
   if (!panels) return fail(panels);
   Skin skin;
   skin.panels = std::move(*panels);
-  skin.side_m = side_m;
   for (int image = 0; image < skin.panels.image_count(); ++image) {
     skin.near.push_back(near_integrals(skin.panels, image));
     std::vector<int>& zero = skin.zero_nodes.emplace_back();  // nodes on which the class of this number is 0

@@ -45,7 +45,6 @@ struct Skin {
   // One matrix for each class, V x M [m^2 kg^-1/2]: the integrals over the part of each hat function times the class's
   // share of phi.n.
   std::vector<Eigen::MatrixXf> flow;
-  double side_m = 0;
 };
 
 // The sign of a class on an image, relative to its sign on the part.
@@ -57,6 +56,8 @@ inline int sign_of(int image_class, int image) {
 // so that a coarse skin has the volume of the body. Each sample's flow goes to the corners of the nearest triangle, so
 // the total flow is kept to rounding.
 Result<Skin> skin_of(const Original& original, double side_m);
+// Makes a skin of tiles of the original's part.
+Result<Skin> skin_of(const Original& original, mesh::TriangleMesh tiles);
 
 // For each node, the mean of the normals of its triangles and of their images, weighted by area.
 std::vector<Eigen::Vector3d> node_normals(const Panels& panels);

@@ -176,9 +176,10 @@ Mouth::Fields Mouth::fields_on(const Grid& grid, double k, const Eigen::Vector3d
       radiate::LuFactors(matrices[0]).solve(skin.flow[0].cast<std::complex<float>>()).cast<Complex>();
   Eigen::MatrixXcd at(static_cast<Index>(grid.lid.size()), layers.cols());
   Eigen::VectorXd areas(at.rows());
+  const radiate::SurfacePressure pressure({&skin.panels, 1}, 0, k, coupling, layers);
   in_parallel(threads, [&](int thread) {
     for (Index t = thread; t < at.rows(); t += threads) {
-      at.row(t) = radiate::pressure_at({&skin.panels, 1}, 0, grid.lid[t], k, coupling, layers);
+      at.row(t) = pressure.at(grid.lid[t]);
       areas[t] = skin.panels.areas[grid.lid[t]];
     }
   });
