@@ -289,6 +289,17 @@ public sealed class Mixer : IDisposable {
   public void Choke(uint body, double within = 0.2, long frame = 0) {
     eventFailure_.Check(Native.ringdown_choke(handle_, frame, body, within, eventFailure_.Room));
   }
+  // Slaps the mouth of the object, such as a bottle's, so that the air in it rings. The bank must have this air (bake
+  // it with [cavity]).
+  public void Slap(uint body, double impulse, double contactTime = 0.001, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_slap(handle_, frame, body, impulse, contactTime, eventFailure_.Room));
+  }
+  // Blows over the mouth of the object, so that the air in it sounds, until a pressure of 0 or /clear ends it. The
+  // breath is noise that does not feel how the air moves: it colours, and does not lock into a tone. The bank must
+  // have this air (bake it with [cavity]).
+  public void Blow(uint body, double pressure, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_blow(handle_, frame, body, pressure, eventFailure_.Room));
+  }
   // Lets something slide or roll on the object. Values are interpolated between messages: send 50 to 250 a second. A
   // force of 0 0 0, or 0.1 s without a message, ends the contact.
   public void Contact(uint body, Vector point, Vector force, double slip, double roll = 0, uint number = 0,
@@ -510,6 +521,10 @@ static class Native {
                                                                   IntPtr error);
   [DllImport(kLibrary)] internal static extern int ringdown_choke(IntPtr mixer, long frame, uint body,
                                                                   double within, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_slap(IntPtr mixer, long frame, uint body,
+                                                                 double impulse, double contactTime, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_blow(IntPtr mixer, long frame, uint body,
+                                                                 double pressure, IntPtr error);
   [StructLayout(LayoutKind.Sequential)]
   internal struct ContactArgs {
     public UIntPtr Size;

@@ -469,6 +469,19 @@ RINGDOWN_API ringdown_result ringdown_clear(ringdown_mixer* mixer, int64_t frame
 RINGDOWN_API ringdown_result ringdown_choke(ringdown_mixer* mixer, int64_t frame, uint32_t object, double within_s,
                                             ringdown_error* error);
 
+/* Slaps the mouth of the object, such as a bottle's, so that the air in it rings. The bank must have this air (bake
+ * it with [cavity]). impulse_ns: The impulse on the air in the mouth. -10000 ... 10000. contact_time_s: The duration
+ * of the blow; a longer blow is duller. 0 ... 0.1, default 0.001. */
+RINGDOWN_API ringdown_result ringdown_slap(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                           double impulse_ns, double contact_time_s, ringdown_error* error);
+
+/* Blows over the mouth of the object, so that the air in it sounds, until a pressure of 0 or /clear ends it. The
+ * breath is noise that does not feel how the air moves: it colours, and does not lock into a tone. The bank must have
+ * this air (bake it with [cavity]). pressure_pa: The noise in the mouth from 20 Hz to 10 kHz, root mean square; 0
+ * ends it. 0 ... 100000. */
+RINGDOWN_API ringdown_result ringdown_blow(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                           double pressure_pa, ringdown_error* error);
+
 /* Lets something slide or roll on the object. Values are interpolated between messages: send 50 to 250 a second. A
  * force of 0 0 0, or 0.1 s without a message, ends the contact. */
 typedef struct ringdown_contact_args {

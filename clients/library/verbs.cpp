@@ -88,6 +88,18 @@ ringdown_result ringdown_choke(ringdown_mixer* mixer, int64_t frame, uint32_t ob
   return play<synth::verb::Choke>(mixer, frame, numbers, error);
 }
 
+ringdown_result ringdown_slap(ringdown_mixer* mixer, int64_t frame, uint32_t object, double impulse_ns,
+                              double contact_time_s, ringdown_error* error) {
+  const double numbers[] = {static_cast<double>(object), impulse_ns, contact_time_s};
+  return play<synth::verb::Slap>(mixer, frame, numbers, error);
+}
+
+ringdown_result ringdown_blow(ringdown_mixer* mixer, int64_t frame, uint32_t object, double pressure_pa,
+                              ringdown_error* error) {
+  const double numbers[] = {static_cast<double>(object), pressure_pa};
+  return play<synth::verb::Blow>(mixer, frame, numbers, error);
+}
+
 void ringdown_contact_args_init(ringdown_contact_args* args, size_t size) {
   ringdown_contact_args ours{};
   ours.roll_m_s = 0;
