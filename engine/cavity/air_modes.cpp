@@ -1,11 +1,11 @@
 #include "engine/cavity/air_modes.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/cavity/graded_tiles.h"
 #include "engine/cavity/rational.h"
 #include "engine/dense/blas_threads.h"
 #include "engine/modal/damping.h"
 #include "engine/radiate/far_field.h"
-#include "engine/radiate/graded_tiles.h"
 #include "engine/radiate/skin.h"
 #include "engine/radiate/surface_pressure.h"
 #include "engine/radiate/symmetry.h"
@@ -222,7 +222,7 @@ class Finder {
     if (!original) return fail(original);
     double nodes = vessel_.nodes;
     for (std::optional<Motions>* motions : {&fine_, &coarse_, &coarsest_}) {
-      Result<mesh::TriangleMesh> tiles = radiate::graded_tiles(*original, static_cast<int>(nodes));
+      Result<mesh::TriangleMesh> tiles = graded_tiles(*original, static_cast<int>(nodes));
       nodes /= kCoarser;
       if (!tiles) return fail(tiles);
       Result<radiate::Skin> skin = radiate::skin_of(*original, std::move(*tiles));

@@ -1,8 +1,8 @@
 // The modes of the air in a vessel with a mouth, by boundary elements. [worker]
 //
-// The body's surface moves as a whole along three axes, and outward everywhere, one after the other. Their far fields, at some real wavenumbers,
-// are functions of k whose poles kappa are the modes of the air (rational.h). Near a pole, with psi the mode's
-// pressure, -laplace psi = kappa^2 psi, integral of psi^2 = 1,
+// The body's surface moves as a whole along three axes, and outward everywhere, one after the other. Their far fields,
+// at some real wavenumbers, are functions of k whose poles kappa are the modes of the air (rational.h). Near a pole,
+// with psi the mode's pressure, -laplace psi = kappa^2 psi, integral of psi^2 = 1,
 //
 //   P = c psi / (kappa^2 - k^2) + what is smooth,      c = integral of psi q over the walls
 //
@@ -32,7 +32,7 @@ struct Vessel {
   Eigen::Vector3d origin;     // from which far fields are measured [m]
   Eigen::Vector3d mouth;      // the middle of the mouth [m]
   double lowest_hz = 0, highest_hz = 0;
-  int modes = 1;     // the lowest
+  int modes = 1;    // the lowest
   int nodes = 600;  // of the finest of three skins, or of the part of it between mirror planes
 };
 

@@ -1,4 +1,4 @@
-#include "engine/radiate/graded_tiles.h"
+#include "engine/cavity/graded_tiles.h"
 
 #include "engine/radiate/retile.h"
 
@@ -8,25 +8,26 @@
 #include <utility>
 #include <vector>
 
-namespace ringdown::radiate {
+namespace ringdown::cavity {
 namespace {
 
 // The opening at each node of the part, where no other place is near. One ray serves all nodes at a triangle of the
 // walls, which are few.
-std::vector<double> openings_of(const Original& original, const Panels& part) {
+std::vector<double> openings_of(const radiate::Original& original, const radiate::Panels& part) {
   constexpr double kWidest = 0.5;   // of the radius
   constexpr double kFacing = -0.5;  // cosine between normals: two walls that meet in a corner leave no opening
   const mesh::Points& nodes = original.panels->nodes;
   const double widest = kWidest * (nodes.rowwise() - nodes.colwise().mean()).rowwise().norm().maxCoeff();
-  const std::vector<Eigen::Vector3d> normals = node_normals(part);
+  const std::vector<Eigen::Vector3d> normals = radiate::node_normals(part);
   std::vector<double> at_wall(original.walls->triangle_count(), -1), openings;
   for (int n = 0; n < part.node_count(); ++n) {
     const int wall = original.wall_search->nearest(part.nodes.row(n).transpose(), normals[n]).triangle;
     double& opening = at_wall[wall];
     if (opening < 0) {
-      const Panels& surface = *original.panels;
+      const radiate::Panels& surface = *original.panels;
       const int from = original.search->nearest(original.walls->centers[wall], original.walls->normals[wall]).triangle;
-      const Hit hit = nearest_hit(surface, surface.centers[from], surface.normals[from], Face::front);
+      const radiate::Hit hit =
+          radiate::nearest_hit(surface, surface.centers[from], surface.normals[from], radiate::Face::front);
       const bool faces = hit.triangle >= 0 && surface.normals[hit.triangle].dot(surface.normals[from]) < kFacing;
       opening = faces ? std::min(widest, hit.distance_m) : widest;
     }
@@ -36,9 +37,9 @@ std::vector<double> openings_of(const Original& original, const Panels& part) {
 }
 
 // Lowers openings until none exceeds a neighbour's by more than the way to it. (Dijkstra's algorithm.)
-void let_them_grow(const Panels& part, std::vector<double>& openings) {
+void let_them_grow(const radiate::Panels& part, std::vector<double>& openings) {
   std::vector<std::vector<int>> neighbours(openings.size());
-  for (const Side& side : part.sides) {
+  for (const radiate::Side& side : part.sides) {
     neighbours[side.nodes[0]].push_back(side.nodes[1]);
     neighbours[side.nodes[1]].push_back(side.nodes[0]);
   }
@@ -60,8 +61,8 @@ void let_them_grow(const Panels& part, std::vector<double>& openings) {
 
 }  // namespace
 
-Result<mesh::TriangleMesh> graded_tiles(const Original& original, int nodes) {
-  const auto part = panels_of(original.part, original.mirrors);
+Result<mesh::TriangleMesh> graded_tiles(const radiate::Original& original, int nodes) {
+  const auto part = radiate::panels_of(original.part, original.mirrors);
   if (!part) return fail(part);
   std::vector<double> sides = openings_of(original, *part);
   let_them_grow(*part, sides);
@@ -73,7 +74,7 @@ Result<mesh::TriangleMesh> graded_tiles(const Original& original, int nodes) {
     count += part->areas[t] / (kAreaOfNode * side * side);
   }
   for (double& side : sides) side *= std::sqrt(count / nodes);
-  return retile(mesh_of(*part), sides, original.mirrors);
+  return radiate::retile(radiate::mesh_of(*part), sides, original.mirrors);
 }
 
-}  // namespace ringdown::radiate
+}  // namespace ringdown::cavity

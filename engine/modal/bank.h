@@ -21,13 +21,13 @@
 
 #include "engine/base/range.h"
 #include "engine/base/vec3.h"
-#include "engine/modal/cavity.h"
 #include "engine/modal/damping.h"
 #include "engine/modal/fracture/strength.h"
 #include "engine/modal/losses.h"
 #include "engine/modal/nonlinear.h"
 #include "engine/modal/orthotropy.h"
 #include "engine/modal/radiation_map.h"
+#include "engine/modal/tubes/cavity.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // The air in vessels, against closed forms and finite elements.
 #include "engine/cavity/air_modes.h"
 
-#include "engine/radiate/graded_tiles.h"
+#include "engine/cavity/graded_tiles.h"
 #include "tests/liquid/turned_vessel.h"
 
 #include <gtest/gtest.h>
@@ -131,7 +131,7 @@ TEST(GradedTiles, SidesFollowTheOpening) {
   const auto original = radiate::Original::of(body);
   ASSERT_TRUE(original) << original.error().message;
   constexpr int kNodes = 1500;
-  const auto tiles = radiate::graded_tiles(*original, kNodes);
+  const auto tiles = graded_tiles(*original, kNodes);
   ASSERT_TRUE(tiles) << tiles.error().message;
   const auto panels = radiate::panels_of(*tiles);  // closed
   ASSERT_TRUE(panels) << panels.error().message;
