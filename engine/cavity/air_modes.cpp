@@ -144,34 +144,32 @@ struct OnWalls {
   double squares = 0, slopes = 0;
 };
 
-VectorXcd middles_of(const radiate::Panels& panels, const VectorXcd& nodes) {
-  VectorXcd middles(panels.triangle_count());
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    const auto& [a, b, c] = panels.corners[t];
-    middles[t] = (nodes[a] + nodes[b] + nodes[c]) / 3.0;
-  }
-  return middles;
-}
-
-VectorXcd nodes_of(const radiate::Panels& panels, const VectorXcd& middles) {
-  VectorXcd nodes = VectorXcd::Zero(panels.node_count());
-  VectorXd weights = VectorXd::Zero(panels.node_count());
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    for (const int n : panels.corners[t]) {
-      nodes[n] += panels.areas[t] * middles[t];
-      weights[n] += panels.areas[t];
-    }
-  }
-  return nodes.array() / weights.array();
-}
-
 // From psi at the middles of triangles, and from its layer at nodes: the jump of psi at the wall. The layer is linear
 // on triangles. The rest, psi behind the wall, changes slowly, because the wall is rigid from there, too; its means
 // smooth the errors that middles have near thin walls, which would be larger than its slopes.
 OnWalls on_walls(const radiate::Skin& skin, const VectorXcd& at, const VectorXcd& layer, int image_class) {
   const radiate::Panels& panels = skin.panels;
-  const VectorXcd behind = nodes_of(panels, at - middles_of(panels, layer));
-  VectorXcd nodes = layer + nodes_of(panels, middles_of(panels, behind));
+  const auto middles_of = [&](const VectorXcd& nodes) {
+    VectorXcd middles(panels.triangle_count());
+    for (int t = 0; t < panels.triangle_count(); ++t) {
+      const auto& [a, b, c] = panels.corners[t];
+      middles[t] = (nodes[a] + nodes[b] + nodes[c]) / 3.0;
+    }
+    return middles;
+  };
+  const auto nodes_of = [&](const VectorXcd& middles) -> VectorXcd {
+    VectorXcd sums = VectorXcd::Zero(panels.node_count());
+    VectorXd weights = VectorXd::Zero(panels.node_count());
+    for (int t = 0; t < panels.triangle_count(); ++t) {
+      for (const int n : panels.corners[t]) {
+        sums[n] += panels.areas[t] * middles[t];
+        weights[n] += panels.areas[t];
+      }
+    }
+    return sums.array() / weights.array();
+  };
+  const VectorXcd behind = nodes_of(at - middles_of(layer));
+  VectorXcd nodes = layer + nodes_of(middles_of(behind));
   for (const int n : skin.zero_nodes[image_class]) nodes[n] = 0;
   OnWalls sums;
   for (int t = 0; t < panels.triangle_count(); ++t) {
