@@ -27,8 +27,9 @@ spectrum, in dB over Hz, of a blow at the point where the object responds most. 
 second belongs to the most important mode, which is the loudest in most blows. A [pitch](materials.md#pitch) in bold is stated; the others are
 estimated. [Pictures of a bank](previews.md) show more modes. `./run presets` bakes the presets that have changed.
 
-Two instruments have banks in folders: the 37 bars of the `vibraphone`, and the `glass-harp`, a wine glass that water tunes. Play
-them, and the tines and teeth of `kalimba` and `music-box-comb`, by [maps of notes](midi.md).
+Folders hold more banks. `bottles/wine` is a bottle whose [air has a note](materials.md#air-with-a-note): slap it, or blow it. Two are
+instruments: the 37 bars of the `vibraphone`, and the `glass-harp`, a wine glass that water tunes. Play them, and the tines and teeth of `kalimba` and
+`music-box-comb`, by [maps of notes](midi.md).
 
 | | object | material | pitch in Hz (note, cents) | T60 of the pitch [s] | T60 of the loudest [s] |
 |---|---|---|---|---|---|
