@@ -21,12 +21,6 @@ constexpr int kMaxWallTriangles = 3000;
 // The side of equilateral triangles of which `count` make up the area.
 double side_for(double area, double count) { return std::sqrt(area / count * 4 / std::sqrt(3.0)); }
 
-// The length of a ray from the middle of a triangle straight inward to the surface.
-double way_inward(const Panels& panels, int from) {
-  const double way = nearest_hit(panels, panels.centers[from], -panels.normals[from], Face::back).distance_m;
-  return std::isfinite(way) ? way : std::cbrt(std::abs(panels.volume()));
-}
-
 // Decides by the solid angle that the surface fills around the point: van Oosterom & Strackee, IEEE Trans. Biomed. Eng.
 // 30, 1983.
 bool is_inside(const Panels& panels, const Eigen::Vector3d& point) {
@@ -198,8 +192,10 @@ Result<Original> Original::of(const Body& body, int mirrors) {
     original.walls = std::make_shared<const Panels>(std::move(*coarse));
   }
   original.wall_search = std::make_shared<const SurfaceSearch>(*original.walls);
-  for (int t = 0; t < original.walls->triangle_count(); ++t) {
-    original.thickness_m.push_back(way_inward(*original.walls, t));
+  const Panels& walls = *original.walls;
+  for (int t = 0; t < walls.triangle_count(); ++t) {
+    const double inward = nearest_hit(walls, walls.centers[t], -walls.normals[t], Face::back).distance_m;
+    original.thickness_m.push_back(std::isfinite(inward) ? inward : std::cbrt(std::abs(walls.volume())));
   }
   mend_thickness(original);
   return original;

@@ -25,6 +25,8 @@ bool is_sane(const Contact& contact) REALTIME {
          within(contact.surfaces[1].speed_m_s, 0, kMaxEventValue) && within(contact.finish_width_m, 0, 1e3) &&
          within(contact.relief_width_m, 0, 1e3);
 }
+bool is_sane(const verb::Contact& event) REALTIME { return is_sane(event.contact); }
+bool is_sane(const verb::Blow& blow) REALTIME { return blow.pressure_pa >= 0 && blow.pressure_pa <= kMaxEventValue; }
 
 }  // namespace
 
@@ -181,7 +183,7 @@ Frame Stage::travels(const QueuedEvent& event, const Object& object, const Chunk
   for (int look = 0; look < 4; ++look) {
     const Frame heard = now + std::llround(way);
     const Pose pose = track.at(heard, chunk.sample_rate_hz).pose;
-    const Vec3 arm = voice ? rotated(pose.rotation, voice->table().origin_m()) : Vec3{};
+    const Vec3 arm = voice ? rotated(pose.rotation, voice->table().whole().origin_m) : Vec3{};
     way = chunk.listening->travel_frames(pose.position_m + arm, heard, chunk.sample_rate_hz);
   }
   return std::llround(way);
@@ -217,7 +219,7 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
           if constexpr (std::is_same_v<One, verb::Rub>) {
             const verb::Contact contact = felt.as_public();
             due.event.verb = contact;
-            return accept_contact(contact, due, chunk) && rings_alone();
+            return accept_lasting(contact, due, chunk) && rings_alone();
           }
           return false;
         case Felt::not_at_all:
@@ -227,10 +229,8 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
     } else if constexpr (std::is_same_v<One, verb::Click>) {
       start_click(one, due, chunk, shedding);
       return false;
-    } else if constexpr (std::is_same_v<One, verb::Contact>) {
-      return accept_contact(one, due, chunk) && rings_alone();
-    } else if constexpr (std::is_same_v<One, verb::Blow>) {
-      return accept_breath(one, due, chunk) && rings_alone();
+    } else if constexpr (std::is_same_v<One, verb::Contact> || std::is_same_v<One, verb::Blow>) {
+      return accept_lasting(one, due, chunk) && rings_alone();
     } else if constexpr (std::is_same_v<One, verb::Pickup>) {
       part(object, chunk.begin);
       if (!forces_->pickups.set(one, due.event.frame, object.pickups, object.voices)) count(counters_.refused);
@@ -246,21 +246,12 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
   return visit_now(begins, due.event.verb);
 }
 
-bool Stage::accept_contact(const verb::Contact& contact, const DueEvent& due, const Chunk& chunk) REALTIME {
+template <class Lasting>
+bool Stage::accept_lasting(const Lasting& force, const DueEvent& due, const Chunk& chunk) REALTIME {
   Object& object = *due.object;
-  if (is_sane(contact.contact)) {
-    return forces_->exciters.open_contact(contact, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
-                                          object.exciters);
-  }
-  count(counters_.refused);
-  return false;
-}
-
-bool Stage::accept_breath(const verb::Blow& blow, const DueEvent& due, const Chunk& chunk) REALTIME {
-  Object& object = *due.object;
-  if (blow.pressure_pa >= 0 && blow.pressure_pa <= kMaxEventValue) {
-    return forces_->exciters.open_breath(blow, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
-                                         object.exciters);
+  if (is_sane(force)) {
+    return forces_->exciters.open(force, due.event.frame, chunk.sample_rate_hz, object.voices.current(),
+                                  object.exciters);
   }
   count(counters_.refused);
   return false;
@@ -325,7 +316,7 @@ void Stage::part_drifted(const Chunk& chunk) REALTIME {
     Object& object = *found;
     const Voice& voice = *object.voices.current();
     const auto since = static_cast<double>(chunk.begin - object.member.anchor);
-    if (since > 3 * voice.table().ring_s() * chunk.sample_rate_hz) continue;
+    if (since > 3 * voice.table().whole().ring_s * chunk.sample_rate_hz) continue;
     if (object.placement.drifted(chunk, voice, 1)) part(object, chunk.begin);
   }
 }

@@ -159,8 +159,8 @@ class Stage {
   [[nodiscard]] Frame travels(const QueuedEvent& event, const Object& object, const Chunk& chunk) const REALTIME;
   [[nodiscard]] bool accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
                             Workspace& workspace) REALTIME;
-  [[nodiscard]] bool accept_contact(const verb::Contact& contact, const DueEvent& due, const Chunk& chunk) REALTIME;
-  [[nodiscard]] bool accept_breath(const verb::Blow& blow, const DueEvent& due, const Chunk& chunk) REALTIME;
+  template <class Lasting>
+  [[nodiscard]] bool accept_lasting(const Lasting& force, const DueEvent& due, const Chunk& chunk) REALTIME;
   enum class Felt { taken, as_strike, one_way, not_at_all };
   [[nodiscard]] Felt accept_touch(const Touch& how, const DueEvent& due, const Chunk& chunk,
                                   const Shedding& shedding) REALTIME;

@@ -145,28 +145,22 @@ bool Exciters::play_pulse(const decltype(Exciter::impulse)& impulse, double fram
   return false;
 }
 
-bool Exciters::open_contact(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
-                            ExciterSlots& slots) REALTIME {
+bool Exciters::open(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
+                    ExciterSlots& slots) REALTIME {
   const Contact& contact = event.contact;
   const bool acts = length(contact.force_n) > 0;
-  return open(acts ? unit_impulse(event) : verb::Strike{}, contact.number, acts, frame, sample_rate_hz, voice, slots);
+  return open_number(acts ? unit_impulse(event) : verb::Strike{}, contact.number, acts, frame, sample_rate_hz, voice,
+                     slots);
 }
 
-bool Exciters::open_breath(const verb::Blow& blow, Frame frame, double sample_rate_hz, Voice* voice,
-                           ExciterSlots& slots) REALTIME {
-  const verb::Slap of_one_pa{.impulse_ns = voice ? voice->table().mouth_area_m2() : 0, .contact_time_s = 0};
-  return open(of_one_pa, kBreath, blow.pressure_pa > 0, frame, sample_rate_hz, voice, slots);
+bool Exciters::open(const verb::Blow& blow, Frame frame, double sample_rate_hz, Voice* voice,
+                    ExciterSlots& slots) REALTIME {
+  const verb::Slap of_one_pa{.impulse_ns = voice ? voice->table().whole().mouth_area_m2 : 0, .contact_time_s = 0};
+  return open_number(of_one_pa, kBreath, blow.pressure_pa > 0, frame, sample_rate_hz, voice, slots);
 }
 
-void Exciters::update_breath(const verb::Blow& blow, Frame frame, const ExciterSlots& slots) REALTIME {
-  Exciter* const exciter = slots.find_contact(kBreath, frame);
-  if (!exciter) return;
-  exciter->awaits_update = false;
-  exciter->rubbing.update(frame, breath_of(blow));
-}
-
-bool Exciters::open(const decltype(Exciter::impulse)& impulse, std::uint32_t number, bool acts, Frame frame,
-                    double sample_rate_hz, Voice* voice, ExciterSlots& slots) REALTIME {
+bool Exciters::open_number(const decltype(Exciter::impulse)& impulse, std::uint32_t number, bool acts, Frame frame,
+                           double sample_rate_hz, Voice* voice, ExciterSlots& slots) REALTIME {
   Exciter* const open = slots.find_contact(number, frame);
   if (!acts) return open != nullptr;
   if (open) {
@@ -187,8 +181,7 @@ bool Exciters::open(const decltype(Exciter::impulse)& impulse, std::uint32_t num
   return false;
 }
 
-void Exciters::update_contact(const verb::Contact& event, Frame frame, Voice* voice,
-                              const ExciterSlots& slots) REALTIME {
+void Exciters::update(const verb::Contact& event, Frame frame, Voice* voice, const ExciterSlots& slots) REALTIME {
   Exciter* const exciter = slots.find_contact(event.contact.number, frame);
   if (!exciter) return;
   exciter->awaits_update = false;
@@ -199,6 +192,13 @@ void Exciters::update_contact(const verb::Contact& event, Frame frame, Voice* vo
   exciter->begin = frame;
   if (!voice->find_sane_amplitudes(impulse)) return;
   std::copy_n(voice->amplitudes().re, voice->table().columns(), exciter->amplitudes.get());
+}
+
+void Exciters::update(const verb::Blow& blow, Frame frame, const ExciterSlots& slots) REALTIME {
+  Exciter* const exciter = slots.find_contact(kBreath, frame);
+  if (!exciter) return;
+  exciter->awaits_update = false;
+  exciter->rubbing.update(frame, breath_of(blow));
 }
 
 void Exciters::connect(std::size_t input, ObjectNumber object, const verb::Strike& impulse, Voice* voice,

@@ -131,16 +131,15 @@ class Exciters {
     impulse.contact_time_s = 0;
     return play_pulse(impulse, strike.contact_time_s * sample_rate_hz, frame, voice, slots);
   }
-  // Makes room for a contact, unless the object has it already. False when there is no force, or no room.
-  [[nodiscard]] bool open_contact(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
-                                  ExciterSlots& slots) REALTIME;
-  // As open_contact() for breath over the mouth. False when the object has no air with modes of its own, too.
-  [[nodiscard]] bool open_breath(const verb::Blow& blow, Frame frame, double sample_rate_hz, Voice* voice,
-                                 ExciterSlots& slots) REALTIME;
-  // The breath is as the event says from the event's frame on.
-  static void update_breath(const verb::Blow& blow, Frame frame, const ExciterSlots& slots) REALTIME;
-  // The contact is as the event says from the event's frame on.
-  static void update_contact(const verb::Contact& event, Frame frame, Voice* voice, const ExciterSlots& slots) REALTIME;
+  // Makes room for a contact or for breath over the mouth, unless the object has it already. False when there is no
+  // force, no room, or no air for the breath to act on.
+  [[nodiscard]] bool open(const verb::Contact& event, Frame frame, double sample_rate_hz, Voice* voice,
+                          ExciterSlots& slots) REALTIME;
+  [[nodiscard]] bool open(const verb::Blow& blow, Frame frame, double sample_rate_hz, Voice* voice,
+                          ExciterSlots& slots) REALTIME;
+  // The contact or the breath is as the event says from the event's frame on.
+  static void update(const verb::Contact& event, Frame frame, Voice* voice, const ExciterSlots& slots) REALTIME;
+  static void update(const verb::Blow& blow, Frame frame, const ExciterSlots& slots) REALTIME;
 
   // Lets an input excite an object, whose voice and slots these are.
   void connect(std::size_t input, ObjectNumber object, const verb::Strike& impulse, Voice* voice,
@@ -159,8 +158,8 @@ class Exciters {
   void drop_finished(Frame frame, ExciterSlots& slots) REALTIME;
 
  private:
-  [[nodiscard]] bool open(const decltype(Exciter::impulse)& impulse, std::uint32_t number, bool acts, Frame frame,
-                          double sample_rate_hz, Voice* voice, ExciterSlots& slots) REALTIME;
+  [[nodiscard]] bool open_number(const decltype(Exciter::impulse)& impulse, std::uint32_t number, bool acts,
+                                 Frame frame, double sample_rate_hz, Voice* voice, ExciterSlots& slots) REALTIME;
   [[nodiscard]] bool play_pulse(const decltype(Exciter::impulse)& impulse, double frames, Frame frame, Voice* voice,
                                 ExciterSlots& slots) REALTIME;
   [[nodiscard]] Exciter* take(Frame from) REALTIME;  // null: none is free from that frame on

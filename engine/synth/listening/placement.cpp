@@ -100,7 +100,7 @@ Placement::State Placement::sight(const Chunk& chunk, Entry entry, const VoiceSt
   if (within && (looked_up || state_ != State::turning)) return state_;
   const Listening& listening = *chunk.listening;
   const double rate_hz = chunk.sample_rate_hz;
-  origin_m_ = source ? source->table().origin_m() : Vec3{};
+  origin_m_ = source ? source->table().whole().origin_m : Vec3{};
   // A body that only rotates about its origin keeps distance and pan. Only its direction changes, which matters at
   // the next look-up.
   const bool still = track.still() && listening.still();
@@ -187,7 +187,7 @@ bool Placement::may_share(const Chunk& chunk, const Voice& voice) const REALTIME
   if (!heard(chunk)) return true;
   if ((state_ != State::still && state_ != State::moving) || glide_end_ > chunk.end() || !begun(chunk)) return false;
   const Motion source = track.at(chunk.end(), chunk.sample_rate_hz), &listener = chunk.listening->at_end();
-  const double speed = length(source.velocity_m_s - listener.velocity_m_s), ring_s = voice.table().ring_s();
+  const double speed = length(source.velocity_m_s - listener.velocity_m_s), ring_s = voice.table().whole().ring_s;
   const double turn = ring_s * (length(source.spin_rad_s) + speed / std::max(last_.distance_m, kNear_m));
   const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
   return turn * sharpness <= kMaxDrift &&
@@ -200,8 +200,8 @@ bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) RE
   const Listening& listening = *chunk.listening;
   if (!listening.on() || track.jumps() + listening.jumps() != jumps_) return true;
   track.advance(chunk.cell_begin(), chunk.sample_rate_hz);
-  const Sighting now = listening.sight(track.at(chunk.cell_begin(), chunk.sample_rate_hz), voice.table().origin_m(),
-                                       listening.at_begin());
+  const Sighting now = listening.sight(track.at(chunk.cell_begin(), chunk.sample_rate_hz),
+                                       voice.table().whole().origin_m, listening.at_begin());
   const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
   const double before = level_at(last_.distance_m), level = level_at(now.distance_m);
   const double max = share * kMaxDrift;

@@ -119,9 +119,9 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   rank_.assign(columns_, 0);
   column_hz_ = aligned_zeros<float>(columns_);
   if (bank().radiation) {
-    origin_m_ = material.size * bank().radiation->maps.origin_m;
+    whole_.origin_m = material.size * bank().radiation->maps.origin_m;
   } else if (bank().mass) {
-    origin_m_ = material.size * bank().mass->center_of_mass_m;
+    whole_.origin_m = material.size * bank().mass->center_of_mass_m;
   }
   slowest_decay_.assign(groups(), std::numeric_limits<double>::max());
   mode_of_.reserve(playable.size());
@@ -138,7 +138,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
     for (std::size_t i = 0; i < playable_modes(); ++i)
       tube_shares_[column(i)] = static_cast<float>(shares[mode_of_[i]]);
   }
-  if (bank().cavity) mouth_area_m2_ = bank().cavity->mouth_area_m2() * material.size * material.size;
+  if (bank().cavity) whole_.mouth_area_m2 = bank().cavity->mouth_area_m2() * material.size * material.size;
   if (!bank().nonlinear || weight_.empty()) return;
   // A mode that radiates nothing still bends the others' pitch, and only its state tells its amplitude.
   const double min = kUnheard * *std::max_element(weight_.begin(), weight_.end());
@@ -159,7 +159,7 @@ void ModeTable::add_mode(std::uint32_t mode, const modal::DampedMode& damped, st
   mode_of_.push_back(mode);
   column_of_[mode] = static_cast<std::int32_t>(at);
   rank_[at] = map_->rank(mode);
-  ring_s_ = std::max(ring_s_, std::numbers::ln10 / std::max(damped.decay_per_s, 1e-3));
+  whole_.ring_s = std::max(whole_.ring_s, std::numbers::ln10 / std::max(damped.decay_per_s, 1e-3));
   column_hz_[at] = static_cast<float>(damped.frequency_hz);
   put(s, row(exponent_re), row(exponent_im));
   put(std::exp(s), row(pole_re), row(pole_im));

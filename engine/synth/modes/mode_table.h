@@ -93,9 +93,6 @@ class ModeTable {
   [[nodiscard]] std::optional<double> strike(const verb::Impart& impart, std::span<double> scratch,
                                              double* amplitudes) const REALTIME;
 
-  // The area of the mouth of an object with air in it, in its size; 0 without one.
-  [[nodiscard]] double mouth_area_m2() const REALTIME { return mouth_area_m2_; }
-
   // Finds by which complex gains the states of all columns move a place: Re(gain z) adds up to what the pickup feels.
   // `scratch` has one element per mode of the bank, `re` and `im` one per column. Returns the largest size of a gain. A
   // mode that radiates nothing has no state and moves nothing. [audio]
@@ -117,10 +114,13 @@ class ModeTable {
   [[nodiscard]] std::pair<const double*, const double*> exponents() const REALTIME {
     return {row(exponent_re), row(exponent_im)};
   }
-  // The time in which its longest mode falls by 20 dB [s].
-  [[nodiscard]] double ring_s() const REALTIME { return ring_s_; }
-  // The place that the sound comes from, in the frame of the object in its size.
-  [[nodiscard]] const Vec3& origin_m() const REALTIME { return origin_m_; }
+  // What holds for the object as a whole, in its size.
+  struct Whole {
+    Vec3 origin_m;             // the place that its sound comes from, in its frame
+    double ring_s = 0;         // in which its longest mode falls by 20 dB
+    double mouth_area_m2 = 0;  // 0: it has no air with modes of its own
+  };
+  [[nodiscard]] const Whole& whole() const REALTIME { return whole_; }
 
   // The arrays that a kernel needs to render chunks of `frames`, with states of columns() numbers each.
   [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const REALTIME;
@@ -163,9 +163,7 @@ class ModeTable {
   std::vector<double> slowest_decay_;  // of each group
   std::vector<std::uint32_t> rank_;    // of each column
   AlignedArray<float> column_hz_, tube_shares_;
-  Vec3 origin_m_;
-  double ring_s_ = 0;
-  double mouth_area_m2_ = 0;
+  Whole whole_;
 };
 
 }  // namespace ringdown::synth

@@ -137,9 +137,9 @@ struct Object::Play {
     count(struck ? chunk.counters->strikes : chunk.counters->refused);
   }
   void operator()(const verb::Contact& contact) const REALTIME {
-    Exciters::update_contact(contact, frame, object.voices.current(), object.exciters);
+    Exciters::update(contact, frame, object.voices.current(), object.exciters);
   }
-  void operator()(const verb::Blow& blow) const REALTIME { Exciters::update_breath(blow, frame, object.exciters); }
+  void operator()(const verb::Blow& blow) const REALTIME { Exciters::update(blow, frame, object.exciters); }
   void operator()(const verb::Gain& gain) const REALTIME {
     if (!(std::abs(gain.gain) <= kMaxEventValue)) return count(chunk.counters->refused);
     object.strip.set_gain(gain.gain, frame, frames_of(gain.ramp_s));
