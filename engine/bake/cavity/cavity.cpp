@@ -1,9 +1,8 @@
 #include "engine/bake/cavity/cavity.h"
 
+#include "engine/bake/cavity/openings.h"
 #include "engine/base/range.h"
 #include "engine/cavity/air_modes.h"
-
-#include <Eigen/Geometry>
 
 #include <span>
 #include <utility>
@@ -22,39 +21,6 @@ HeardMode heard_mode(const cavity::AirMode& mode, const modal::Air& air) {
   heard.field.wavenumber_rad_m = modal::hz_to_rad_per_s(mode.frequency_hz) / air.sound_speed_m_s;
   heard.field.terms = modal::terms_of(std::span(mode.field.data(), mode.field.size()), kMinTerm);
   return heard;
-}
-
-// Flat triangles between nodes on curved faces narrow a neck: twelve around it take 4 % of its area. So nodes are moved
-// along their normals by the mean distance of the curved faces from the triangles around them; nodes on edges stay.
-void keep_openings(const RadiatingBody& body, mesh::TriangleMesh& surface) {
-  constexpr int kPoints = 3;  // of each triangle
-  constexpr double kCosSmooth = 0.766;
-  const mesh::SurfaceQuadrature curved = mesh::quadrature_of(body.surface, body.unit_mesh, kPoints);
-  const Eigen::MatrixX3d at = curved.interpolation * surface.nodes;
-  const Eigen::Index count = surface.triangles.rows();
-  Eigen::MatrixX3d flat(count, 3), normals = Eigen::MatrixX3d::Zero(surface.nodes.rows(), 3);
-  Eigen::VectorXd gaps = Eigen::VectorXd::Zero(surface.nodes.rows()), areas = gaps;
-  for (Eigen::Index t = 0; t < count; ++t) {
-    const auto corner = [&](int i) -> Eigen::Vector3d {
-      return surface.nodes.row(surface.triangles(t, i)).transpose();
-    };
-    flat.row(t) = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized().transpose();
-    for (Eigen::Index s = t * kPoints; s < (t + 1) * kPoints; ++s) {
-      const double area = curved.areas[s], gap = flat.row(t).dot(at.row(s) - corner(0).transpose());
-      for (const int n : surface.triangles.row(t)) {
-        normals.row(n) += area * flat.row(t);
-        gaps[n] += area * gap;
-        areas[n] += area;
-      }
-    }
-  }
-  normals.rowwise().normalize();
-  for (Eigen::Index t = 0; t < count; ++t) {
-    for (const int n : surface.triangles.row(t)) {
-      if (normals.row(n).dot(flat.row(t)) < kCosSmooth) gaps[n] = 0;
-    }
-  }
-  surface.nodes += gaps.cwiseQuotient(areas).asDiagonal() * normals;
 }
 
 }  // namespace
@@ -80,7 +46,7 @@ Result<std::vector<CavityMode>> find_cavity(const RadiatingBody& body, const Cav
                                             const Vec3& origin_m, double band_low_hz, double band_high_hz,
                                             const Progress& progress) {
   radiate::Body vessel = radiating_surface(body, {}, {});
-  if (!body.modes.wet) keep_openings(body, vessel.surface);  // a liquid has changed the surface
+  keep_openings(body.unit_mesh, body.surface, vessel.surface);
   const double length = body.units.length_m;
   vessel.surface.nodes *= length;
   vessel.flow.positions *= length;
