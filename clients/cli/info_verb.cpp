@@ -52,7 +52,8 @@ double blow_level_db(const modal::Bank& bank, std::size_t mode) {
   return 20 * std::log10(pressure_pa / std::numbers::sqrt2 / kReference_pa);
 }
 
-// The columns of what a mode loses and radiates; empty where the bank does not know.
+// The columns of what a mode loses and radiates; empty where the bank does not know. The level of a mode that no blow
+// rings, such as the air's, is a dash.
 std::string loss_columns(const modal::Bank& bank, std::size_t mode) {
   std::string columns(43, ' ');
   if (!bank.losses.empty()) {
@@ -61,8 +62,8 @@ std::string loss_columns(const modal::Bank& bank, std::size_t mode) {
                         loss.support_per_s);
   }
   if (!bank.radiation || bank.radiation->maps.modes[mode].terms.empty()) return columns + std::string(18, ' ');
-  return formatted("{} {:8.1f} {:8.1f}", columns, blow_level_db(bank, mode),
-                   directivity_db(bank.radiation->maps.modes[mode]));
+  const std::string level = rms_shape(bank, mode) > 0 ? formatted("{:.1f}", blow_level_db(bank, mode)) : "-";
+  return formatted("{} {:>8} {:8.1f}", columns, level, directivity_db(bank.radiation->maps.modes[mode]));
 }
 
 void print_radiation(const modal::BankRadiation& radiation) {

@@ -42,5 +42,19 @@ TEST(InfoVerb, APitchIsPrintedWithWhereItIsFrom) {
   EXPECT_TRUE(said().starts_with("pitch      none: ")) << said();
 }
 
+// The walls do not feel the air, so that no blow has a level for it.
+TEST(InfoVerb, AirOfAVesselHasANoteAndNoLevelOfABlow) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "bottle.glb";
+  ASSERT_TRUE(modal::write_bank(vessel_bank(), path));
+  const std::string output = run({RINGDOWN_BIN_DIR "/ringdown", "info", path.string()}).output;
+  EXPECT_NE(output.find("\ncavity     its air rings at 102.50 Hz, Q 37; mouth 20 mm across\n"), std::string::npos)
+      << output;
+  EXPECT_EQ(output.find("inf "), std::string::npos) << output;
+  const std::size_t row = output.find("\n    1 ");
+  ASSERT_NE(row, std::string::npos) << output;
+  EXPECT_NE(output.find("        - ", row), std::string::npos) << output;
+}
+
 }  // namespace
 }  // namespace ringdown::test
