@@ -17,6 +17,12 @@ void dorgqr_(const int* m, const int* n, const int* k, double* a, const int* lda
 void dsyevd_(const char* job, const char* triangle, const int* n, double* a, const int* lda, double* values,
              double* work, const int* lwork, int* iwork, const int* liwork, int* info);
 void dpotrf_(const char* triangle, const int* n, double* a, const int* lda, int* info);
+void spotrf_(const char* triangle, const int* n, float* a, const int* lda, int* info);
+void spotrs_(const char* triangle, const int* n, const int* columns, const float* a, const int* lda, float* b,
+             const int* ldb, int* info);
+void zpotrf_(const char* triangle, const int* n, std::complex<double>* a, const int* lda, int* info);
+void zpotrs_(const char* triangle, const int* n, const int* columns, const std::complex<double>* a, const int* lda,
+             std::complex<double>* b, const int* ldb, int* info);
 void dgetrf_(const int* m, const int* n, double* a, const int* lda, int* pivots, int* info);
 void zgeev_(const char* left, const char* right, const int* n, std::complex<double>* a, const int* lda,
             std::complex<double>* values, std::complex<double>* left_vectors, const int* ldl,
@@ -59,6 +65,23 @@ VectorXd solve_spectrum(MatrixXd& a, bool vectors) {
     a.setConstant(kNan);
   }
   return values;
+}
+
+// Calls LAPACK's ?potrf for any type of numbers.
+template <class Potrf, class Matrix>
+bool factored(Potrf potrf, Matrix& a) {
+  const auto n = static_cast<int>(a.rows());
+  int info = 0;
+  if (n > 0) potrf("L", &n, a.data(), &n, &info);
+  return info == 0;
+}
+
+// Calls LAPACK's ?potrs for any type of numbers.
+template <class Potrs, class Matrix, class Columns>
+void solve_factored(Potrs potrs, const Matrix& lower, Columns& b) {
+  const auto n = static_cast<int>(lower.rows()), columns = static_cast<int>(b.cols());
+  int info = 0;
+  if (n > 0 && columns > 0) potrs("L", &n, &columns, lower.data(), &n, b.data(), &n, &info);
 }
 
 }  // namespace
@@ -125,14 +148,17 @@ std::optional<Spectrum> generalized_spectrum(const MatrixXd& stiffness, const Ma
   return solved;
 }
 
-bool cholesky(MatrixXd& a) {
-  const auto n = static_cast<int>(a.rows());
-  int info = 0;
-  if (n > 0) dpotrf_("L", &n, a.data(), &n, &info);
-  return info == 0;
-}
+bool cholesky(MatrixXd& a) { return factored(dpotrf_, a); }
+bool cholesky(Eigen::MatrixXf& a) { return factored(spotrf_, a); }
+bool cholesky(Eigen::MatrixXcd& a) { return factored(zpotrf_, a); }
+
+void solve_cholesky(const Eigen::MatrixXf& lower, Eigen::MatrixXf& b) { solve_factored(spotrs_, lower, b); }
+void solve_cholesky(const Eigen::MatrixXcd& lower, Eigen::VectorXcd& b) { solve_factored(zpotrs_, lower, b); }
 
 void solve_lower(const MatrixXd& lower, MatrixXd& b) { lower.triangularView<Eigen::Lower>().solveInPlace(b); }
+void solve_lower(const Eigen::MatrixXcd& lower, Eigen::MatrixXcd& b) {
+  lower.triangularView<Eigen::Lower>().solveInPlace(b);
+}
 
 void divide_by_upper(const MatrixXd& lower, MatrixXd& b) {
   lower.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(b);

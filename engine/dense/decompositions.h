@@ -43,10 +43,16 @@ ComplexSpectrum complex_spectrum(Eigen::MatrixXcd matrix);
 // Solves stiffness x = lambda mass x, with x^T mass x = 1. Empty when the mass is not positive definite.
 std::optional<Spectrum> generalized_spectrum(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass);
 
-// Puts L with L L^T = a into the lower triangle of a. Returns false when a is not positive definite.
+// Puts L with L L^H = a into the lower triangle of a. Returns false when a is not positive definite.
 bool cholesky(Eigen::MatrixXd& a);
+bool cholesky(Eigen::MatrixXf& a);
+bool cholesky(Eigen::MatrixXcd& a);
+// b := (L L^H)^-1 b, with the lower triangle L.
+void solve_cholesky(const Eigen::MatrixXf& lower, Eigen::MatrixXf& b);
+void solve_cholesky(const Eigen::MatrixXcd& lower, Eigen::VectorXcd& b);
 // b := L^-1 b, and b := b L^-T, with the lower triangle L.
 void solve_lower(const Eigen::MatrixXd& lower, Eigen::MatrixXd& b);
+void solve_lower(const Eigen::MatrixXcd& lower, Eigen::MatrixXcd& b);
 void divide_by_upper(const Eigen::MatrixXd& lower, Eigen::MatrixXd& b);
 
 // a^-1 b for a symmetric a that is positive definite or nearly so, by L D L^T.

@@ -1,7 +1,8 @@
 #include "engine/fit/identification.h"
 
+#include "engine/dense/decompositions.h"
+
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -63,13 +64,13 @@ Result<Determined> determine(std::span<const double> heard_hz, const Slopes& slo
   const Eigen::VectorXd unit = jacobian.colwise().norm();
   if (!(unit.minCoeff() > 0)) return fail(ErrorKind::bad_input, "one of the figures moves no frequency that was heard");
   const Eigen::MatrixXd scaled = jacobian * unit.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> normal(scaled.transpose() * scaled);
+  const dense::Spectrum normal = dense::spectrum(scaled.transpose() * scaled);
   constexpr double kTellsApart = 1e-8;
-  if (!(normal.eigenvalues()[0] > kTellsApart * normal.eigenvalues()[figures - 1])) {
+  if (!(normal.values[0] > kTellsApart * normal.values[figures - 1])) {
     return fail(ErrorKind::bad_input, "the frequencies do not tell the figures apart; fit fewer of them");
   }
   const Eigen::MatrixXd inverse =
-      normal.eigenvectors() * normal.eigenvalues().cwiseInverse().asDiagonal() * normal.eigenvectors().transpose();
+      normal.vectors * normal.values.cwiseInverse().asDiagonal() * normal.vectors.transpose();
   const Eigen::VectorXd changes = unit.cwiseInverse().asDiagonal() * (inverse * (scaled.transpose() * off));
   const double spread = std::sqrt((off - jacobian * changes).squaredNorm() / static_cast<double>(n - figures));
   Determined found{.spread_cents = kCentsPerNeper * spread, .matches = pairs.size()};

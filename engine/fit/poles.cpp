@@ -2,7 +2,7 @@
 
 #include "engine/dense/decompositions.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <array>
@@ -159,22 +159,25 @@ MatrixXcd products(const VectorXcd& poles, const MatrixXcd& columns, bool slopes
 // The normal equations of columns scaled to length 1, from the lower triangle of their products.
 struct Normal {
   Eigen::VectorXd scale;  // 1 / length of each column
-  Eigen::LLT<MatrixXcd> factor;
+  MatrixXcd factor;       // Cholesky's, in the lower triangle
+  bool good;              // the products are positive definite
 
-  explicit Normal(MatrixXcd gram) : scale(gram.diagonal().real().cwiseSqrt()) {
+  explicit Normal(const MatrixXcd& gram) : scale(gram.diagonal().real().cwiseSqrt()) {
     scale = scale.array().max(1e-150).inverse();
-    gram = (scale.asDiagonal() * gram * scale.asDiagonal()).eval();
-    gram.diagonal().array() += kRidge;
-    factor.compute(gram);
+    factor = scale.asDiagonal() * gram * scale.asDiagonal();
+    factor.diagonal().array() += kRidge;
+    good = dense::cholesky(factor);
   }
-  [[nodiscard]] bool good() const { return factor.info() == Eigen::Success; }
   // `right` is columns^H times the right side.
   [[nodiscard]] VectorXcd solve(const VectorXcd& right) const {
-    return scale.asDiagonal() * factor.solve((scale.asDiagonal() * right).eval());
+    VectorXcd solution = scale.asDiagonal() * right;
+    dense::solve_cholesky(factor, solution);
+    return scale.asDiagonal() * solution;
   }
   // Diagonal of the inverse of columns^H columns.
   [[nodiscard]] Eigen::VectorXd variances() const {
-    const MatrixXcd half = factor.matrixL().solve(MatrixXcd::Identity(scale.size(), scale.size()));
+    MatrixXcd half = MatrixXcd::Identity(scale.size(), scale.size());
+    dense::solve_lower(factor, half);
     return half.colwise().squaredNorm().transpose().cwiseProduct(scale.cwiseAbs2());
   }
 };
@@ -189,7 +192,7 @@ struct State {
 State fitted(const VectorXcd& signal, const VectorXcd& poles) {
   State state{.poles = poles, .columns = exponentials(poles, signal.size())};
   const Normal normal(products(poles, state.columns, false));
-  if (!normal.good()) return state;
+  if (!normal.good) return state;
   state.amplitudes = normal.solve(state.columns.adjoint() * signal);
   state.residual = signal - state.columns * state.amplitudes;
   state.energy = state.residual.squaredNorm();
@@ -222,7 +225,7 @@ VectorXcd moved(const State& state, const VectorXcd& by, double share) {
 State descend(const VectorXcd& signal, State state) {
   for (int step = 0; step < kMaxSteps && std::isfinite(state.energy); ++step) {
     const Normal normal(products(state.poles, state.columns, true));
-    if (!normal.good()) break;
+    if (!normal.good) break;
     const VectorXcd by = step_of(state, normal);
     State next;
     double share = 1;
@@ -241,7 +244,7 @@ State descend(const VectorXcd& signal, State state) {
 // Gives each term its errors. With `refined`, the poles are fitted as well as the amplitudes.
 std::vector<Term> judged(const VectorXcd& signal, const State& state, bool refined) {
   const Normal normal(products(state.poles, state.columns, refined));
-  if (!normal.good() || !std::isfinite(state.energy)) return {};
+  if (!normal.good || !std::isfinite(state.energy)) return {};
   const Index count = state.poles.size(), unknowns = refined ? 2 * count : count;
   const double freedom = static_cast<double>(std::max<Index>(signal.size() - unknowns, 1));
   const double variance = std::max(state.energy / freedom, 1e-26 * signal.squaredNorm());

@@ -1,8 +1,9 @@
 #include "engine/fit/sinusoids.h"
 
+#include "engine/dense/decompositions.h"
 #include "engine/modal/damping.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <cmath>
 #include <complex>
@@ -88,8 +89,7 @@ void fit_amplitudes(std::span<const double> samples, double sample_rate_hz, std:
   const Eigen::VectorXd scale = gram.diagonal().array().max(1e-300).sqrt().inverse();
   gram = (scale.asDiagonal() * gram * scale.asDiagonal()).eval();
   gram.diagonal().array() += 1e-12;
-  const Eigen::VectorXd solution =
-      scale.asDiagonal() * Eigen::LDLT<Eigen::MatrixXd>(gram).solve((scale.asDiagonal() * right).eval());
+  const Eigen::VectorXd solution = scale.asDiagonal() * dense::solve_symmetric(gram, scale.asDiagonal() * right);
   for (Eigen::Index i = 0; i < count; ++i) {
     modes[i].amplitude = std::hypot(solution[i], solution[count + i]);
     modes[i].phase_rad = std::atan2(solution[i], solution[count + i]);

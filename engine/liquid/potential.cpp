@@ -5,7 +5,6 @@
 #include "engine/radiate/skin.h"
 #include "engine/radiate/wave_matrix.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -84,8 +83,8 @@ struct WetPanels::Parts {
   // nodes.
   Eigen::VectorXd swelling, quadratic;  // V
   double volume = 0;
-  Eigen::MatrixXf side;               // M/2 - K'
-  Eigen::LLT<Eigen::MatrixXf> steep;  // factors of W
+  Eigen::MatrixXf side;   // M/2 - K'
+  Eigen::MatrixXf steep;  // in its lower triangle the Cholesky factor of W
 
   // Finds the panel and the corners' weights of each sample.
   void place_samples(const Wetted& liquid);
@@ -196,8 +195,8 @@ Result<WetPanels> WetPanels::of(const Wetted& liquid, int nodes, int threads) {
     operators.steep += weight * weight.transpose() / (weight.sum() * std::sqrt(weight.sum()));
   }
   parts.side = std::move(operators.side);
-  parts.steep.compute(operators.steep);
-  if (parts.steep.info() != Eigen::Success)
+  parts.steep = std::move(operators.steep);
+  if (!dense::cholesky(parts.steep))
     return fail(ErrorKind::bad_input, "the potential of the liquid cannot be found: its wall is too distorted");
   return WetPanels(made);
 }
@@ -218,7 +217,9 @@ Potential WetPanels::potential_of(const Eigen::MatrixXd& flow) const {
     }
   }
   Potential potential;
-  potential.nodes = parts.steep.solve(right.cast<float>()).cast<double>();
+  Eigen::MatrixXf nodes = right.cast<float>();
+  dense::solve_cholesky(parts.steep, nodes);
+  potential.nodes = nodes.cast<double>();
   if (swells) {  // the integrals over the volume are those of Green's formula with |x|^2/6, whose Laplacian is 1
     const Eigen::RowVectorXd of_still =
         parts.volume * (parts.swelling.transpose() * potential.nodes) - parts.quadratic.transpose() * at_nodes;
