@@ -45,7 +45,9 @@ struct ContactJoints::Contact {
   Collider *body = nullptr, *other = nullptr;
   Vec3 along;                   // the first direction of friction
   double friction = 0;          // coefficient
-  double bounce = 0;            // ratio of speeds
+  double restitution = 0;       // of fully elastic islands
+  double approach_m_s = 0;      // of the bodies at the beginning of the part
+  double bounce = 0;            // ratio of speeds; this and the next are set by bounce()
   double impact_share = 1;      // Landing::share
   double may_approach_m_s = 0;  // because the bodies do not touch yet
   bool bounces = false;         // between bodies of which none is a sphere
@@ -93,8 +95,8 @@ void ContactJoints::begin_step() {
 }
 
 void ContactJoints::begin_part(double found_s, double part_s) {
-  part_ = {found_s, part_s, points_.size(), motions_.size(), dropped_};
-  undo_part();
+  part_ = {found_s, part_s, points_.size()};
+  further_.clear();
 }
 
 void ContactJoints::collide(Collider& one, Collider& two, Islands& islands) {
@@ -118,7 +120,6 @@ void ContactJoints::collide(Collider& one, Collider& two, Islands& islands) {
   };
   motions_.push_back({body.motion(), other.motion()});
   Touching pair{body, other, motions_.back(), combine(body.surface, other.surface)};
-  pair.surface.restitution *= std::min(Islands::elasticity(body), Islands::elasticity(other));
   const std::size_t before = points_.size();
   for (const dContactGeom& geom : points) add(pair, into_body(geom), islands);
   if (points_.size() == before && found.move.empty()) return motions_.pop_back();  // no point refers to them
@@ -144,17 +145,18 @@ double ContactJoints::push_speed(double depth_m) const {
 }
 
 // Corrects the bounce of a body that has reached a fixed surface within this part.
-Landing ContactJoints::land(const Collider& body, const Collider& other, double restitution, double approach_m_s,
-                            const dContactGeom& geom) const {
-  const bool lands = approach_m_s > bounce_threshold_m_s_ && geom.depth <= approach_m_s * part_.length_s;
+Landing ContactJoints::land(const Contact& made, const ContactPoint& at, double restitution) const {
+  const Collider &body = *made.body, &other = *made.other;
+  const double approach_m_s = made.approach_m_s;
+  const bool lands = approach_m_s > bounce_threshold_m_s_ && at.depth_m <= approach_m_s * part_.length_s;
   if (other.movable() || other.driven() || !lands) return {restitution, approach_m_s};
   return corrected_landing({.restitution = restitution,
                             .approach_m_s = approach_m_s,
-                            .fall_m_s2 = -dot(gravity_m_s2_, to_vec3(geom.normal)),
-                            .depth_m = geom.depth,
+                            .fall_m_s2 = -dot(gravity_m_s2_, at.normal),
+                            .depth_m = at.depth_m,
                             .part_s = part_.length_s,
                             .threshold_m_s = bounce_threshold_m_s_,
-                            .pushed_m_s = pushed_by_ode(body, other) ? push_speed(geom.depth) : 0});
+                            .pushed_m_s = pushed_by_ode(body, other) ? push_speed(at.depth_m) : 0});
 }
 
 // Adds one contact point with its joint. The normal of `geom` points into the body that can move.
@@ -169,20 +171,32 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
   const Vec3 approach = of_other.velocity_at(point) - of_body.velocity_at(point);
   const double approach_m_s = dot(approach, normal);
   if (geom.depth < 0 && approach_m_s > bounce_threshold_m_s_) return;  // they bounce when they have met
-  const Landing landing = land(body, other, surface.restitution, approach_m_s, geom);
   const bool slides = length(approach - approach_m_s * normal) > kSlides_m_s;
   made_.push_back({.body = &body,
                    .other = &other,
                    .along = surface.friction > 0 ? friction_direction(normal, of_body, of_other, approach) : Vec3{},
                    .friction = slides ? surface.sliding_friction : surface.friction,
-                   .bounce = landing.bounce,
-                   .impact_share = landing.share,
+                   .restitution = surface.restitution,
+                   .approach_m_s = approach_m_s,
                    .may_approach_m_s = std::max(-geom.depth, 0.0) / part_.length_s,
                    .bounces = approach_m_s > bounce_threshold_m_s_ && !body.round && !other.round});
-  const double pushed_m_s = push_speed(geom.depth);
-  const double leaves_m_s = approach_m_s > bounce_threshold_m_s_ ? landing.bounce * approach_m_s : 0;
-  islands.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0, leaves_m_s > 0);
-  points_.push_back({body.id, other.id, point, normal, geom.depth, {}, landing.approach_m_s, part_.found_s, &motions});
+  islands.unite(body, other);
+  points_.push_back({body.id, other.id, point, normal, geom.depth, {}, approach_m_s, part_.found_s, &motions});
+}
+
+void ContactJoints::bounce(Islands& islands) {
+  for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
+    Contact& made = made_[k];
+    ContactPoint& at = points_[k];
+    const double elasticity = std::min(Islands::elasticity(*made.body), Islands::elasticity(*made.other));
+    const Landing landing = land(made, at, elasticity * made.restitution);
+    made.bounce = landing.bounce;
+    made.impact_share = landing.share;
+    at.approach_m_s = landing.approach_m_s;
+    const double pushed_m_s = push_speed(at.depth_m);
+    const double leaves_m_s = made.approach_m_s > bounce_threshold_m_s_ ? made.bounce * made.approach_m_s : 0;
+    islands.set_speeds(k - part_.first_point, pushed_m_s > leaves_m_s ? pushed_m_s : 0, leaves_m_s > 0);
+  }
 }
 
 void ContactJoints::hand_over(bool exact, const Islands& islands) {
@@ -324,15 +338,6 @@ void ContactJoints::move_bodies_apart(const Islands& islands) {
   }
   partings_.limit(overlaps, part_.length_s);
   move_apart(overlaps, {kContactLayer_m, dWorldGetERP(world_)}, islands, gravity_m_s2_);
-}
-
-void ContactJoints::undo_part() {
-  dJointGroupEmpty(joints_.get());
-  further_.clear();
-  points_.resize(part_.first_point);
-  made_.resize(part_.first_point);
-  motions_.resize(part_.motions);
-  dropped_ = part_.dropped;
 }
 
 void ContactJoints::recall(const Memory& memory) {

@@ -4,10 +4,11 @@
 //   joints.begin_step();
 //   joints.begin_part(found_s, part_s);      // a step may be done in several parts
 //   joints.collide(one, two, islands);       // for every pair of bodies that may touch
+//   joints.bounce(islands);
 //   joints.hand_over(exact, islands);        // joints are made
 //   ... the solver runs ...
 //   joints.read_impulses();
-//   joints.end_part();                       // or undo_part(), to find the contacts of the part again
+//   joints.end_part();                       // or solve again, from bounce() on
 #pragma once
 
 #include "engine/scene/contact/contact_rules.h"
@@ -54,6 +55,9 @@ class ContactJoints {
   // has a single point or one of the bodies is a sphere.
   void collide(Collider& one, Collider& two, Islands& islands);
 
+  // Sets the speeds at which bodies bounce, by the present elasticity of their islands.
+  void bounce(Islands& islands);
+
   // Hands the contact points of the part to the exact or to the iterative solver, as joints. The iterative solver
   // pushes overlapping bodies apart itself, because the part of a tower's weight that it fails to carry in one part is
   // pushed back in the next. If the exact solver will run, the contacts of a body that touches only immovable things
@@ -83,7 +87,6 @@ class ContactJoints {
 
   void forget(BodyId id) { pairs_.forget(id); }  // must be called when a body goes or changes its shape
 
-  void undo_part();  // forgets all contacts of the part
   void end_part();
 
   [[nodiscard]] std::span<const ContactPoint> points() const { return points_; }  // all points of the step so far
@@ -114,8 +117,7 @@ class ContactJoints {
   void join(std::size_t point, std::optional<double> bound_n);
   bool solve_lone_body(Collider& body, std::span<const std::size_t> points);
   void add(const Touching& pair, const dContactGeom& geom, Islands& islands);
-  [[nodiscard]] Landing land(const Collider& body, const Collider& other, double restitution, double approach_m_s,
-                             const dContactGeom& geom) const;
+  [[nodiscard]] Landing land(const Contact& made, const ContactPoint& at, double restitution) const;
   [[nodiscard]] double push_speed(double depth_m) const;
 
   dxWorld* const world_;
@@ -125,9 +127,9 @@ class ContactJoints {
   const std::unique_ptr<Room> room_;
   struct Part {
     double found_s = 0, length_s = 0;
-    std::size_t first_point = 0, motions = 0, dropped = 0;  // sizes of the lists below before the part
-  } part_;                                                  // set by begin_part()
-  // Contacts of the step, which collide() adds and undo_part() takes back:
+    std::size_t first_point = 0;  // number of points before the part
+  } part_;                        // set by begin_part()
+  // Contacts of the step, which collide() adds:
   std::vector<ContactPoint> points_;
   std::vector<MotionPair> motions_;  // motions of the touching pairs
   std::vector<Contact> made_;        // one for each contact point

@@ -72,13 +72,18 @@ void Islands::open(std::span<Collider* const> colliders) {
   }
 }
 
-void Islands::unite(Collider& body, Collider& other, double pushed_m_s, bool bounces) {
+void Islands::unite(Collider& body, Collider& other) {
   const std::size_t number = enter(body);
-  links_.push_back({number, pushed_m_s, bounces});
+  links_.push_back({number});
   if (other.movable()) merge(number, enter(other));
   nodes_[number].held |= !other.movable();
   if (other.driven()) nodes_[number].exempt = true;
   ++nodes_[root_of(number)].contacts;
+}
+
+void Islands::set_speeds(std::size_t contact, double pushed_m_s, bool bounces) {
+  links_[contact].pushed_m_s = pushed_m_s;
+  links_[contact].bounces = bounces;
 }
 
 void Islands::join(Collider& body, Collider* other) {

@@ -4,9 +4,10 @@
 // at once, in conflicting directions, the result may have more energy than before. Callers must hold OdeLock.
 //
 //   islands.open(colliders);                  // before contacts are found
-//   islands.unite(body, other, pushed_m_s, bounces);   // for each contact point, in order
+//   islands.unite(body, other);               // for each contact point, in order
+//   islands.set_speeds(contact, pushed_m_s, bounces);
 //   ... ODE moves the bodies ...
-//   if (islands.gained_energy(points, part_s, gravity, exact, last)) ...  // repeat the part: some are less elastic now
+//   if (islands.gained_energy(points, part_s, gravity, exact, last)) ...  // solve the part again with other speeds
 //   islands.end_part(points, part_s, gravity);
 #pragma once
 
@@ -23,9 +24,12 @@ class Islands {
   void open(std::span<Collider* const> colliders);
 
   // Unites the islands of two bodies that touch. Islands that a driven body touches are exempt from the energy check.
-  // `pushed_m_s` is the speed at which the solver would push the two apart because they overlap too far, which adds
-  // energy; `bounces` says whether restitution acts.
-  void unite(Collider& body, Collider& other, double pushed_m_s, bool bounces);
+  void unite(Collider& body, Collider& other);
+
+  // Describes the contact point of one call of unite(), by its number. `pushed_m_s` is the speed at which the solver
+  // would push the two bodies apart because they overlap too far, which adds energy; `bounces` says whether restitution
+  // acts.
+  void set_speeds(std::size_t contact, double pushed_m_s, bool bounces);
 
   // Unites the islands of two bodies that are joined. A null `other` is a joint with the world. Correcting a joint adds
   // energy, so islands with joints are exempt from the energy check.
@@ -71,8 +75,8 @@ class Islands {
   };
   struct Link {
     std::size_t body;
-    double pushed_m_s;
-    bool bounces;
+    double pushed_m_s = 0;
+    bool bounces = false;
   };
   struct Sum;  // of an island's members
   [[nodiscard]] std::vector<Sum> weigh(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2) const;

@@ -29,8 +29,9 @@
 //    iterative solver otherwise. Before the exact solver runs, bodies that touch only what cannot move are solved
 //    without it (fixed_contacts.h). If the exact solver warns that it failed, the bodies are restored and the iterative
 //    one is used (State::solve).
-// 4. If an island has gained energy in the part, its bodies are restored and the part is repeated with less restitution
-//    for that island (State::do_part). Any further gain is removed from the island's velocities.
+// 4. If an island has gained energy in the part, the bodies are restored and the part is solved again, with the same
+//    contacts and less restitution for that island (State::do_part). Any further gain is removed from the island's
+//    velocities.
 namespace ringdown::scene {
 namespace {
 
@@ -103,10 +104,11 @@ struct Simulation::State {
   explicit State(const SceneDescription& scene);
 
   void do_part(Part part);
-  // find_and_solve() and solve() return true if the part was solved exactly.
-  bool find_and_solve(Part& part);
-  bool solve(const Part& part);
+  void find_islands(Part& part);
   void find_contacts(const Part& part);
+  // move() and solve() return true if the part was solved exactly.
+  bool move(const Part& part);
+  bool solve(const Part& part);
   void correct_friction(const Part& part);
   void restore(const Part& part);
   void move_driven(double done_s);
@@ -173,14 +175,12 @@ void Simulation::State::do_part(Part part) {
     collider->add_force((collider->gravity_factor - 1) * collider->mass_kg * gravity_m_s2, {});
   }
   for (Joint& joint : joints) joint.joint.drive(part_s);
-  bool exact = find_and_solve(part);
+  find_islands(part);
+  bool exact = move(part);
   for (int round = 1; round <= kMaxRounds && !contacts.part_points().empty(); ++round) {
     if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, exact, round == kMaxRounds)) break;
     restore(part);
-    for (const auto& [collider, state] : part.before)
-      dBodySetTorque(collider->body.get(), 0, 0, 0);  // rolling resistance
-    contacts.undo_part();
-    exact = find_and_solve(part);
+    exact = move(part);
   }
   islands.end_part(contacts.part_points(), part_s, gravity_m_s2);
   contacts.move_bodies_apart(islands);
@@ -189,14 +189,17 @@ void Simulation::State::do_part(Part part) {
   contacts.end_part();
 }
 
-bool Simulation::State::find_and_solve(Part& part) {
+void Simulation::State::find_islands(Part& part) {
   islands.open(in_order);
   find_contacts(part);
   for (const auto& [between, joint] : joints) {
     islands.join(colliders.at(between.body), between.other ? &colliders.at(*between.other) : nullptr);
   }
-  part.before.clear();
   for (Collider* member : islands.members()) part.before.emplace_back(member, member->state());
+}
+
+bool Simulation::State::move(const Part& part) {
+  contacts.bounce(islands);
   const bool exact = solve(part);
   for (const auto& [collider, state] : part.before) {
     if (collider->awake() && !collider->round) collider->turn(state.motion.rotation, part.length_s);
