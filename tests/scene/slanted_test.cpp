@@ -121,5 +121,35 @@ TEST(SlantedLanding, ABoxsImpulseIsTheClosedFormsAtAnyAngleAndFriction) {
   }
 }
 
+// A box lands aslant on a plate. Two metres away, a box that weighs thirty times as much may land at the same time.
+TEST(SlantedLanding, ABodyLandsAlikeWhateverLandsElsewhere) {
+  const auto lands = [](bool with_another) {
+    std::vector<scene::BodyDescription> bodies;
+    const auto add = [&](double x_m, double angle_deg, double times) {
+      scene::BodyDescription plate = body_of("", scene::ShapeType::box, {x_m, 0, 0.01});
+      plate.shape.size_m = {0.3, 0.3, 0.02};
+      const Landing landing = box(angle_deg);
+      scene::BodyDescription falls = landing.body;
+      falls.position_m = {x_m, 0, 0.022 - landing.lowest_m.z};
+      falls.velocity_m_s = {0.2, 0.05, -0.3};
+      for (scene::BodyDescription* body : {&plate, &falls}) {
+        body->object.clear();
+        body->name = "body-" + std::to_string(bodies.size());
+        body->density_kg_m3 = 2500 * times;
+        bodies.push_back(*body);
+      }
+    };
+    add(0, 20, 1);
+    if (with_another) add(2, 35, 30);
+    scene::World world = world_of(scene_of(bodies, 0.4), {});
+    for (int step = 0; step < 100; ++step) world.step();
+    return world.bodies()[1];
+  };
+  const auto alone = lands(false), beside = lands(true);
+  EXPECT_LT(alone.center_m.z, 0.06);  // it has landed
+  EXPECT_LT(length(alone.center_m - beside.center_m), 1e-12);
+  EXPECT_LT(length(alone.velocity_m_s - beside.velocity_m_s), 1e-11);
+}
+
 }  // namespace
 }  // namespace ringdown::test::slanted_test

@@ -97,11 +97,12 @@ Motion Collider::motion() const {
           to_vec3(dBodyGetLinearVel(body.get())), to_vec3(dBodyGetAngularVel(body.get()))};
 }
 
-// Sets pose and velocity, and wakes the body. What is fixed keeps its velocity.
+// Sets pose and velocity, and wakes the body. What is fixed keeps its velocity. A rotation that the body has is not
+// rounded again: heaps that go on with the same motion would soon differ.
 void Collider::place(const Motion& motion) {
   owed_j = 0;
   dBodySetPosition(body.get(), motion.position_m.x, motion.position_m.y, motion.position_m.z);
-  set_rotation(body.get(), normalized(motion.rotation));
+  if (motion.rotation != this->motion().rotation) set_rotation(body.get(), normalized(motion.rotation));
   if (!movable()) return;
   set_velocity(body.get(), motion.velocity_m_s, motion.spin_rad_s);
   dBodyEnable(body.get());

@@ -204,6 +204,7 @@ void ContactJoints::hand_over(bool exact, const Islands& islands) {
   solver_pushes_ = !exact;
   lone_.clear();
   for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
+    if (islands.is_settled(*made_[k].body)) continue;
     made_[k].solved = false;
     if (exact && islands.is_alone(*made_[k].body)) lone_.push_back(k);
   }
@@ -216,9 +217,16 @@ void ContactJoints::hand_over(bool exact, const Islands& islands) {
   }
   std::erase_if(lone_, [this](std::size_t k) { return !made_[k].solved; });
   for (Collider* body : islands.members()) {
-    body->sleep.allow(std::ranges::binary_search(lone_, body->id, {}, body_of));
+    if (!islands.is_settled(*body)) body->sleep.allow(std::ranges::binary_search(lone_, body->id, {}, body_of));
   }
-  free_friction();
+  for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
+    if (is_open(k, islands)) join(k, std::nullopt);
+  }
+}
+
+// Returns whether ODE has to find the impulse of a contact point.
+bool ContactJoints::is_open(std::size_t point, const Islands& islands) const {
+  return !made_[point].solved && !islands.is_settled(*made_[point].body);
 }
 
 // Solves the problem that ODE's exact solver would receive: the body's motion without contacts, and for each contact
@@ -289,38 +297,43 @@ void ContactJoints::join(std::size_t point, std::optional<double> bound_n) {
   dJointSetFeedback(joint, &room_->joints[point]);
 }
 
-double ContactJoints::bound_friction(std::vector<FrictionBound>& bounds) {
-  const bool first = bounds.empty();
-  bounds.resize(part_points().size());
-  double largest = 0, change = 0;
+void ContactJoints::settle_all_but_landing(Islands& islands) const {
+  std::vector<bool> lands(islands.members().size());
+  for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
+    const Contact& made = made_[k];
+    if (is_open(k, islands) && made.bounces && made.friction > 0) lands[islands.number_of(*made.body)] = true;
+  }
+  for (const Collider* member : islands.members()) {
+    if (!lands[islands.number_of(*member)]) islands.settle(*member);
+  }
+}
+
+bool ContactJoints::bound_friction(FrictionRounds& rounds, Islands& islands) {
   dJointGroupEmpty(joints_.get());
   for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
-    if (made_[k].solved) continue;
+    if (!is_open(k, islands)) continue;
     const double normal_ns = dot(points_[k].impulse_ns, points_[k].normal);
-    const double asked = made_[k].friction * std::max(normal_ns, 0.0) / part_.length_s;
-    FrictionBound& bound = bounds[k - part_.first_point];
-    largest = std::max(largest, asked);
-    change = std::max(change, bound.meet(asked));
-    join(k, bound.value());
+    const double asked_n = made_[k].friction * std::max(normal_ns, 0.0) / part_.length_s;
+    rounds.meet(k - part_.first_point, islands.number_of(*made_[k].body), asked_n);
   }
-  return first ? 1 : change / std::max(largest, 1e-30);
-}
-
-void ContactJoints::free_friction() {
-  dJointGroupEmpty(joints_.get());
+  rounds.end_round();
+  bool any = false;
   for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
-    if (!made_[k].solved) join(k, std::nullopt);
+    if (!is_open(k, islands)) continue;
+    const std::size_t island = islands.number_of(*made_[k].body);
+    if (rounds.ended(island)) {
+      islands.settle(*made_[k].body);
+    } else {
+      join(k, rounds.bound_n(k - part_.first_point, island));
+      any = true;
+    }
   }
+  return any;
 }
 
-bool ContactJoints::lands_aslant() const {
-  return std::any_of(made_.begin() + static_cast<std::ptrdiff_t>(part_.first_point), made_.end(),
-                     [](const Contact& made) { return !made.solved && made.bounces && made.friction > 0; });
-}
-
-void ContactJoints::read_impulses() {
+void ContactJoints::read_impulses(const Islands& islands) {
   for (std::size_t k = part_.first_point; k < points_.size(); ++k) {
-    if (!made_[k].solved) points_[k].impulse_ns = part_.length_s * to_vec3(room_->joints[k].f1);
+    if (is_open(k, islands)) points_[k].impulse_ns = part_.length_s * to_vec3(room_->joints[k].f1);
   }
 }
 

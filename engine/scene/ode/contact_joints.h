@@ -7,12 +7,12 @@
 //   joints.bounce(islands);
 //   joints.hand_over(exact, islands);        // joints are made
 //   ... the solver runs ...
-//   joints.read_impulses();
+//   joints.read_impulses(islands);
 //   joints.end_part();                       // or solve again, from bounce() on
 #pragma once
 
 #include "engine/scene/contact/contact_rules.h"
-#include "engine/scene/fixed_contacts.h"
+#include "engine/scene/ode/friction_rounds.h"
 #include "engine/scene/ode/islands.h"
 #include "engine/scene/ode/overlap.h"
 #include "engine/scene/ode/parting.h"
@@ -58,29 +58,25 @@ class ContactJoints {
   // Sets the speeds at which bodies bounce, by the present elasticity of their islands.
   void bounce(Islands& islands);
 
-  // Hands the contact points of the part to the exact or to the iterative solver, as joints. The iterative solver
-  // pushes overlapping bodies apart itself, because the part of a tower's weight that it fails to carry in one part is
-  // pushed back in the next. If the exact solver will run, the contacts of a body that touches only immovable things
-  // are solved here (fixed_contacts.h); push_lone_bodies() must then be called.
+  // Hands the contact points of islands that are not settled to the exact or to the iterative solver, as joints. The
+  // iterative solver pushes overlapping bodies apart itself, because the part of a tower's weight that it fails to
+  // carry in one part is pushed back in the next. If the exact solver will run, the contacts of a body that touches
+  // only immovable things are solved here (fixed_contacts.h); push_lone_bodies() must then be called.
   void hand_over(bool exact, const Islands& islands);
 
   // Adds the forces of the contacts that hand_over() has solved to their bodies, for the next part of the step.
   void push_lone_bodies();
 
-  // Stores the solver's impulses in the part's contact points.
-  void read_impulses();
+  // Stores the solver's impulses in the contact points of islands that are not settled.
+  void read_impulses(const Islands& islands);
 
-  // Returns true if a body other than a sphere lands in this part in such a way that friction may change the normal
-  // impulse.
-  [[nodiscard]] bool lands_aslant() const;
+  // Settles all islands but those in which a body other than a sphere lands in this part in such a way that friction
+  // may change the normal impulse.
+  void settle_all_but_landing(Islands& islands) const;
 
-  // Remakes all joints of the part, with friction bounded by the coefficient times the normal impulse of the last
-  // solution. `bounds` [N] are those of the last call for the part's contact points, or empty. Returns the largest
-  // change of a bound as a share of the largest bound.
-  double bound_friction(std::vector<FrictionBound>& bounds);
-
-  // Remakes all joints of the part as hand_over() made them.
-  void free_friction();
+  // Settles the islands that end by the last solution's impulses, and remakes the joints of the others with the bounds
+  // for the next one. Returns false if no others are left.
+  bool bound_friction(FrictionRounds& rounds, Islands& islands);
 
   // Moves overlapping bodies of the part apart (overlap.h), unless the solver has done so already.
   void move_bodies_apart(const Islands& islands);
@@ -114,6 +110,7 @@ class ContactJoints {
     void operator()(dxJointGroup* joints) const;
   };
   struct Further;  // a contact without a joint
+  [[nodiscard]] bool is_open(std::size_t point, const Islands& islands) const;
   void join(std::size_t point, std::optional<double> bound_n);
   bool solve_lone_body(Collider& body, std::span<const std::size_t> points);
   void add(const Touching& pair, const dContactGeom& geom, Islands& islands);

@@ -94,6 +94,14 @@ void Islands::join(Collider& body, Collider* other) {
   }
 }
 
+void Islands::settle_all() {
+  for (Node& node : nodes_) node.settled = true;
+}
+
+void Islands::unsettle_all() {
+  for (Node& node : nodes_) node.settled = false;
+}
+
 std::size_t Islands::max_contacts() const {
   return nodes_.empty() ? 0 : std::ranges::max_element(nodes_, {}, &Node::contacts)->contacts;
 }
@@ -140,6 +148,7 @@ bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s,
   for (std::size_t k = 0; k < members_.size(); ++k) {
     const Sum& sum = sums[root_of(k)];
     if (!sum.gains(exact ? kGain : kGainByIteration)) continue;
+    nodes_[root_of(k)].settled = false;
     members_[k]->island.elasticity_ *= last ? 0 : std::max(1 - kMargin * sum.gained_j / sum.bounced_j, 0.0);
     any = true;
   }

@@ -7,7 +7,8 @@
 //   islands.unite(body, other);               // for each contact point, in order
 //   islands.set_speeds(contact, pushed_m_s, bounces);
 //   ... ODE moves the bodies ...
-//   if (islands.gained_energy(points, part_s, gravity, exact, last)) ...  // solve the part again with other speeds
+//   islands.settle_all();
+//   if (islands.gained_energy(points, part_s, gravity, exact, last)) ...  // solve some again with other speeds
 //   islands.end_part(points, part_s, gravity);
 #pragma once
 
@@ -49,6 +50,15 @@ class Islands {
   [[nodiscard]] std::size_t contacts_of(const Collider& body) const {
     return body.island.number_ ? nodes_[root_of(*body.island.number_)].contacts : 0;
   }
+  // Returns a number below members().size() that is the same for all members of an island.
+  [[nodiscard]] std::size_t number_of(const Collider& member) const { return root_of(*member.island.number_); }
+
+  // An island is settled while it keeps the motion that the solver has found, and others are solved again.
+  [[nodiscard]] bool is_settled(const Collider& member) const { return nodes_[number_of(member)].settled; }
+  void settle(const Collider& member) { nodes_[number_of(member)].settled = true; }
+  void settle_all();
+  void unsettle_all();
+
   // Returns true if a member touches only immovable things and has no joints.
   [[nodiscard]] bool is_alone(const Collider& member) const;
   // Returns the share of its contacts' restitution that acts on any body in this part of the step.
@@ -56,7 +66,7 @@ class Islands {
 
   // Returns whether an island that bounces has gained energy, beyond the work of gravity and of the pushes of a solver
   // that is not exact. Lowers the elasticity of the bodies of such islands: by the amount that should remove the gain,
-  // or to 0 if `last` is set. `points` are those passed to unite(), in that order.
+  // or to 0 if `last` is set. Such islands are no longer settled. `points` are those passed to unite(), in that order.
   bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, bool exact, bool last);
 
   // Removes the energy that bouncing islands have gained nevertheless, the work of pushes included, by lowering their
@@ -72,6 +82,7 @@ class Islands {
     bool has_others = false;  // whether the body touches a movable body
     bool held = false;        // whether the body touches something immovable
     std::size_t size = 1, contacts = 0;  // of a root: numbers of bodies and of contact points of its island
+    bool settled = false;                // of a root
   };
   struct Link {
     std::size_t body;

@@ -29,9 +29,10 @@
 //    iterative solver otherwise. Before the exact solver runs, bodies that touch only what cannot move are solved
 //    without it (fixed_contacts.h). If the exact solver warns that it failed, the bodies are restored and the iterative
 //    one is used (State::solve).
-// 4. If an island has gained energy in the part, the bodies are restored and the part is solved again, with the same
-//    contacts and less restitution for that island (State::do_part). Any further gain is removed from the island's
-//    velocities.
+// 4. If an island has gained energy in the part, its bodies are restored and it is solved again, with the same contacts
+//    and less restitution (State::do_part). Any further gain is removed from the island's velocities.
+//
+// Solving an island again changes nothing in others: these are settled (islands.h), and their bodies pause.
 namespace ringdown::scene {
 namespace {
 
@@ -50,12 +51,6 @@ constexpr double kSleepWhenStill_s = 0.3;
 // Maximum number of times that a part is solved again with less restitution, the last time with none, until it gains no
 // energy.
 constexpr int kMaxRounds = 6;
-
-// Rounds that correct friction end if this many of them in succession change the bounds by the same share, to kStuck.
-// Heaps of pieces, in which loads can be shared out in many ways, get stuck at some thousandths, and no later round has
-// been seen to agree then.
-constexpr int kMaxStuckRounds = 3;
-constexpr double kStuck = 0.01;
 
 // The exact solver's time grows with the cube of an island's contact points, and a long step leaves more time.
 std::size_t max_exact_contacts(double step_s) {
@@ -110,6 +105,7 @@ struct Simulation::State {
   bool move(const Part& part);
   bool solve(const Part& part);
   void correct_friction(const Part& part);
+  void run(int (*solver)(dxWorld*, double), const Part& part);
   void restore(const Part& part);
   void move_driven(double done_s);
 
@@ -179,6 +175,7 @@ void Simulation::State::do_part(Part part) {
   bool exact = move(part);
   for (int round = 1; round <= kMaxRounds && !contacts.part_points().empty(); ++round) {
     if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, exact, round == kMaxRounds)) break;
+    if (!exact) islands.unsettle_all();
     restore(part);
     exact = move(part);
   }
@@ -201,10 +198,7 @@ void Simulation::State::find_islands(Part& part) {
 bool Simulation::State::move(const Part& part) {
   contacts.bounce(islands);
   const bool exact = solve(part);
-  for (const auto& [collider, state] : part.before) {
-    if (collider->awake() && !collider->round) collider->turn(state.motion.rotation, part.length_s);
-  }
-  contacts.read_impulses();
+  islands.settle_all();
   return exact;
 }
 
@@ -235,52 +229,60 @@ void Simulation::State::find_contacts(const Part& part) {
 }
 
 bool Simulation::State::solve(const Part& part) {
-  const bool may_be_exact = islands.max_contacts() <= max_exact;
-  contacts.hand_over(may_be_exact, islands);
-  if (may_be_exact) {
+  if (islands.max_contacts() <= max_exact) {
+    contacts.hand_over(true, islands);
     contacts.push_lone_bodies();
     OdeLock::warnings() = 0;
-    dWorldStep(world.get(), part.length_s);
-    if (OdeLock::warnings() == 0 && contacts.lands_aslant()) correct_friction(part);
+    run(dWorldStep, part);
+    if (OdeLock::warnings() == 0) correct_friction(part);
     if (OdeLock::warnings() == 0) return true;
+    islands.unsettle_all();
     restore(part);
-    contacts.hand_over(false, islands);
   }
+  contacts.hand_over(false, islands);
   // The iterative solver visits contacts in random order, drawn from one generator for the whole process.
   dRandSetSeed(seed);
   dWorldSetQuickStepNumIterations(world.get(), iterations(contacts.part_points().size()));
-  dWorldQuickStep(world.get(), part.length_s);
+  run(dWorldQuickStep, part);
   return false;
 }
 
-// ODE bounds friction by the normal impulse that would occur without friction. If a body lands on an edge, friction
-// turns the body and so changes that impulse: by 18 % in the worst case seen. The part is solved again with bounds from
-// the last solution, until they agree with the solution's own impulses. If they do not converge, at a very high
-// friction or in a heap, ODE's first solution is used.
-void Simulation::State::correct_friction(const Part& part) {
-  const auto solve_again = [&] {
-    restore(part);
-    contacts.push_lone_bodies();
-    dWorldStep(world.get(), part.length_s);
-  };
-  std::vector<FrictionBound> bounds;
-  double last = 0;
-  for (int round = 0, stuck = 0; round < kMaxFrictionRounds && stuck < kMaxStuckRounds; ++round) {
-    contacts.read_impulses();
-    const double change = contacts.bound_friction(bounds);
-    if (change < kFrictionAgrees) return;
-    stuck = std::abs(change - last) < kStuck * change ? stuck + 1 : 0;
-    last = change;
-    solve_again();
-    if (OdeLock::warnings() > 0) break;
+// Lets one of ODE's solvers move the islands that are not settled.
+void Simulation::State::run(int (*solver)(dxWorld*, double), const Part& part) {
+  std::vector<Collider*> pausing;
+  for (Collider* member : islands.members()) {
+    if (islands.is_settled(*member) && member->awake()) pausing.push_back(member);
   }
-  OdeLock::warnings() = 0;
-  contacts.free_friction();
-  solve_again();
+  for (const Collider* member : pausing) dBodyDisable(member->body.get());
+  solver(world.get(), part.length_s);
+  for (const auto& [collider, state] : part.before) {
+    if (collider->awake() && !collider->round) collider->turn(state.motion.rotation, part.length_s);
+  }
+  for (const Collider* member : pausing) dBodyEnable(member->body.get());
+  contacts.read_impulses(islands);
 }
 
+// ODE bounds friction by the normal impulse that would occur without friction. If a body lands on an edge, friction
+// turns the body and so changes that impulse: by 18 % in the worst case seen. The islands in which a body lands are
+// solved again with bounds from the last solution, until these agree with the solution's own impulses. If they do not
+// converge, at a very high friction or in a heap, ODE's first solution is used.
+void Simulation::State::correct_friction(const Part& part) {
+  contacts.settle_all_but_landing(islands);
+  FrictionRounds rounds(contacts.part_points().size(), islands.members().size());
+  while (contacts.bound_friction(rounds, islands)) {
+    restore(part);
+    run(dWorldStep, part);
+    if (OdeLock::warnings() == 0) continue;
+    if (!rounds.give_up()) return;
+    OdeLock::warnings() = 0;
+  }
+}
+
+// Restores the bodies of islands that are not settled.
 void Simulation::State::restore(const Part& part) {
-  for (const auto& [collider, state] : part.before) collider->restore(state);
+  for (const auto& [collider, state] : part.before) {
+    if (!islands.is_settled(*collider)) collider->restore(state);
+  }
   move_driven(part.begin_s);
 }
 
