@@ -26,17 +26,35 @@ constexpr double kRounding_m = 1e-9;
 
 Vec3 carry(const RelativePose& pose, Vec3 point) { return pose.position + pose.rotation * point; }
 
-// Returns whether a box of one body, carried into the other's frame, comes near a box of the other.
-bool near(const BoxNode& one, const BoxNode& two, const RelativePose& pose, double margin_m) {
-  const Vec3 half = 0.5 * (one.high - one.low), other = 0.5 * (two.high - two.low);
-  const Vec3 way = carry(pose, 0.5 * (one.low + one.high)) - 0.5 * (two.low + two.high);
-  const auto within = [&](int axis, double apart, double half_of_two) {
-    const auto& r = pose.rotation[axis];
-    return std::abs(apart) <=
-           half_of_two + margin_m + std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;
-  };
-  return within(0, way.x, other.x) && within(1, way.y, other.y) && within(2, way.z, other.z);
-}
+// Compares boxes of one body, carried into the other's frame, with boxes of the other.
+class Nearness {
+ public:
+  Nearness(const RelativePose& pose, double margin_m) : pose_(pose), margin_m_(margin_m) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) {
+        back_[column][row] = pose.rotation[row][column];
+        size_[row][column] = back_size_[column][row] = std::abs(pose.rotation[row][column]);
+      }
+    }
+  }
+
+  // Returns false only if a plane along a face of one of the boxes, with the margin beside it, parts them.
+  [[nodiscard]] bool operator()(const BoxNode& one, const BoxNode& two) const {
+    const Vec3 half = 0.5 * (one.high - one.low), other = 0.5 * (two.high - two.low);
+    const Vec3 way = carry(pose_, 0.5 * (one.low + one.high)) - 0.5 * (two.low + two.high);
+    return within(way, other, size_ * half) && within(back_ * way, half, back_size_ * other);
+  }
+
+ private:
+  [[nodiscard]] bool within(Vec3 way, Vec3 half, Vec3 other) const {
+    return std::abs(way.x) <= half.x + margin_m_ + other.x && std::abs(way.y) <= half.y + margin_m_ + other.y &&
+           std::abs(way.z) <= half.z + margin_m_ + other.z;
+  }
+
+  const RelativePose& pose_;
+  const double margin_m_;
+  Matrix3 back_, size_, back_size_;  // the pose's rotation: inverse, magnitudes, and magnitudes of the inverse
+};
 
 double size(const BoxNode& node) {
   const Vec3 way = node.high - node.low;
@@ -45,20 +63,20 @@ double size(const BoxNode& node) {
 
 // Calls `compare` for all pairs of leaves whose boxes are near each other.
 template <class One, class Two, class Compare>
-void descend(const BoxTree<One>& one, const BoxTree<Two>& two, const RelativePose& pose, double margin_m,
-             const Compare& compare, std::uint32_t a = 0, std::uint32_t b = 0) {
+void descend(const BoxTree<One>& one, const BoxTree<Two>& two, const Nearness& near, const Compare& compare,
+             std::uint32_t a = 0, std::uint32_t b = 0) {
   if (one.nodes.empty() || two.nodes.empty()) return;
   const BoxNode &of_one = one.nodes[a], &of_two = two.nodes[b];
-  if (!near(of_one, of_two, pose, margin_m)) return;
+  if (!near(of_one, of_two)) return;
   if (of_one.count > 0 && of_two.count > 0) {
     compare(std::span(one.items).subspan(of_one.first, of_one.count),
             std::span(two.items).subspan(of_two.first, of_two.count));
   } else if (of_two.count > 0 || (of_one.count == 0 && size(of_one) > size(of_two))) {
-    descend(one, two, pose, margin_m, compare, of_one.left, b);
-    descend(one, two, pose, margin_m, compare, of_one.right, b);
+    descend(one, two, near, compare, of_one.left, b);
+    descend(one, two, near, compare, of_one.right, b);
   } else {
-    descend(one, two, pose, margin_m, compare, a, of_two.left);
-    descend(one, two, pose, margin_m, compare, a, of_two.right);
+    descend(one, two, near, compare, a, of_two.left);
+    descend(one, two, near, compare, a, of_two.right);
   }
 }
 
@@ -76,7 +94,7 @@ class Search {
         for (const SurfaceTriangle& triangle : others) touch(point, corner, pose.rotation, triangle);
       }
     };
-    descend(corners, triangles, pose, margin_m_, compare);
+    descend(corners, triangles, Nearness(pose, margin_m_), compare);
   }
 
   void find_edges(const BoxTree<SurfaceEdge>& one, const BoxTree<SurfaceEdge>& two, const RelativePose& pose) {
@@ -87,7 +105,7 @@ class Search {
         for (const SurfaceEdge& other : others) touch(carried, other);
       }
     };
-    descend(one, two, pose, margin_m_, compare);
+    descend(one, two, Nearness(pose, margin_m_), compare);
   }
 
  private:

@@ -176,9 +176,11 @@ bool agree(std::span<const dContactGeom> found) {
 
 // Returns true if two hulls are farther apart than surfaces that touch may be. ODE tests the planes of all faces and of
 // all pairs of edges: 0.1 ms for hulls of 16 corners, most of which do not touch although their boxes overlap. This
-// search takes some hundred products. If it finds no plane between two hulls that are apart, ODE's own search does.
+// search takes some hundred products a call. If it finds no plane between two hulls that are apart, ODE's own search
+// does.
 bool far_apart(const Collider& one, const Collider& two) {
   constexpr double kFar_m = 2 * SurfacePairs::kMargin_m;
+  constexpr int kMaxCalls = 4;
   const auto hull_of = [](const Collider& collider) {
     const Motion motion = collider.motion();
     return PosedHull{collider.shape.points, to_matrix(motion.rotation), motion.position_m};
@@ -188,7 +190,10 @@ bool far_apart(const Collider& one, const Collider& two) {
   const Vec3 way = of_two.position_m - of_one.position_m;
   if (!(length(way) > 0)) return false;
   Vec3 direction = (1 / length(way)) * way;
-  return are_apart(of_one, of_two, kFar_m, direction);
+  for (int call = 0; call < kMaxCalls; ++call) {
+    if (are_apart(of_one, of_two, kFar_m, direction)) return true;
+  }
+  return false;
 }
 
 // Finds contacts by the surfaces of two bodies if these serve better than ODE's, otherwise by ODE. Hulls whose faces
