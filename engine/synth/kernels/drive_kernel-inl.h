@@ -6,6 +6,7 @@
 #include "engine/synth/kernels/mode_vectors-inl.h"
 
 #include <algorithm>
+#include <utility>
 
 // A chunk under forces
 //
@@ -164,11 +165,10 @@ double drive_modes_here(const ModeArrays& modes, std::size_t columns, std::span<
   return drive_columns(modes, columns, UnderForces{modes, forces, frames}, out, frames);
 }
 
-// Modes under forces that are constant over each step (engine/contact): z <- z p + (force) x (kick).
+// Modes under forces that are constant over each step (engine/contact): z <- z p + (sum of force x weight) x response.
 template <std::size_t kVectors, bool kHeard>
 HWY_INLINE Vec drive_touched_vectors(const ModeArrays& modes, std::size_t first, std::span<const Force> forces,
-                                     std::span<const PortForce> ports, std::size_t frames, std::size_t substeps,
-                                     Sums& sums) {
+                                     const PortForces& pushed, std::size_t frames, std::size_t substeps, Sums& sums) {
   const Tag tag;
   const std::size_t lanes = hn::Lanes(tag);
   Complex z[kVectors], p[kVectors];
@@ -190,14 +190,16 @@ HWY_INLINE Vec drive_touched_vectors(const ModeArrays& modes, std::size_t first,
     }
     for (std::size_t k = 0; k < substeps; ++k, ++step) {
       RINGDOWN_UNROLL
-      for (std::size_t v = 0; v < kVectors; ++v) z[v] = multiply(z[v], p[v]);
-      for (const PortForce& port : ports) {
-        const Vec force = hn::Set(tag, port.samples[step]);
-        RINGDOWN_UNROLL
-        for (std::size_t v = 0; v < kVectors; ++v) {
-          z[v].re = hn::MulAdd(force, hn::Load(tag, port.kick_re + first + v * lanes), z[v].re);
-          z[v].im = hn::MulAdd(force, hn::Load(tag, port.kick_im + first + v * lanes), z[v].im);
+      for (std::size_t v = 0; v < kVectors; ++v) {
+        z[v] = multiply(z[v], p[v]);
+        if (pushed.ports.empty()) continue;
+        const std::size_t at = first + v * lanes;
+        Vec push = hn::Zero(tag);
+        for (const PortForce& port : pushed.ports) {
+          push = hn::MulAdd(hn::Set(tag, port.samples[step]), hn::Load(tag, port.weight + at), push);
         }
+        z[v].re = hn::MulAdd(push, hn::Load(tag, pushed.response_re + at), z[v].re);
+        z[v].im = hn::MulAdd(push, hn::Load(tag, pushed.response_im + at), z[v].im);
       }
     }
   }
@@ -207,7 +209,7 @@ HWY_INLINE Vec drive_touched_vectors(const ModeArrays& modes, std::size_t first,
 struct UnderTouches {
   const ModeArrays& modes;
   std::span<const Force> forces;
-  std::span<const PortForce> ports;
+  const PortForces& ports;
   std::size_t frames, substeps;
   template <std::size_t kVectors, bool kHeard>
   HWY_INLINE Vec vectors(std::size_t first, Sums& sums) const {
@@ -216,8 +218,89 @@ struct UnderTouches {
 };
 
 double drive_touched_here(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
-                          std::span<const PortForce> ports, double* out, std::size_t frames, std::size_t substeps) {
+                          const PortForces& ports, double* out, std::size_t frames, std::size_t substeps) {
   return drive_columns(modes, columns, UnderTouches{modes, forces, ports, frames, substeps}, out, frames);
+}
+
+// The final state is z p^N + response x y, where y = sum of u[n] p^(N - 1 - n), and u[n] is the sum of force x weight
+// in step n. As u is real, b[n] = u[n] + 2 Re p b[n - 1] - |p|^2 b[n - 2] is, too, and y = b[N - 1] - conj(p) b[N - 2]:
+// half the work of complex products (Goertzel). Its rounding errors are those of move_places().
+template <std::size_t kPorts, std::size_t kVectors>
+HWY_INLINE void push_vectors(const ModeArrays& modes, std::size_t first, const PortForces& pushed, std::size_t steps) {
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  Vec now[kVectors], before[kVectors], by_now[kVectors], by_before[kVectors];
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    const Complex p = load_poles(modes, first + v * lanes);
+    now[v] = before[v] = hn::Zero(tag);
+    by_now[v] = hn::Add(p.re, p.re);
+    by_before[v] = norm(p);
+  }
+  const auto add_push = [&](std::size_t n, std::size_t v, Vec sum) HWY_ATTR {
+    RINGDOWN_UNROLL
+    for (std::size_t k = 0; k < kPorts; ++k) {
+      const PortForce& port = pushed.ports[k];
+      sum = hn::MulAdd(hn::Set(tag, port.samples[n]), hn::Load(tag, port.weight + first + v * lanes), sum);
+    }
+    return sum;
+  };
+  std::size_t n = 0;
+  for (; n + 2 <= steps; n += 2) {  // two steps at once, so that no vector has to move
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      const Vec old = hn::NegMulAdd(by_before[v], before[v], add_push(n, v, hn::Zero(tag)));
+      before[v] = hn::MulAdd(by_now[v], now[v], old);
+      const Vec older = hn::NegMulAdd(by_before[v], now[v], add_push(n + 1, v, hn::Zero(tag)));
+      now[v] = hn::MulAdd(by_now[v], before[v], older);
+    }
+  }
+  for (; n < steps; ++n) {
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      const Vec old = hn::NegMulAdd(by_before[v], before[v], add_push(n, v, hn::Zero(tag)));
+      before[v] = std::exchange(now[v], hn::MulAdd(by_now[v], now[v], old));
+    }
+  }
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    const std::size_t at = first + v * lanes;
+    const Complex p = load_poles(modes, at);
+    const Complex y{hn::NegMulAdd(p.re, before[v], now[v]), hn::Mul(p.im, before[v])};
+    const Complex pushes =
+        multiply(y, {hn::Load(tag, pushed.response_re + at), hn::Load(tag, pushed.response_im + at)});
+    const Complex z = load_states(modes, at);
+    store_states({hn::Add(z.re, pushes.re), hn::Add(z.im, pushes.im)}, modes, at);
+  }
+}
+
+template <std::size_t kPorts>
+HWY_INLINE void push_some(const ModeArrays& modes, std::size_t columns, const PortForces& pushed, std::size_t steps) {
+  constexpr std::size_t kTogether = 2;
+  const std::size_t lanes = hn::Lanes(Tag());
+  std::size_t at = 0;
+  for (; at + kTogether * lanes <= columns; at += kTogether * lanes) {
+    push_vectors<kPorts, kTogether>(modes, at, pushed, steps);
+  }
+  for (; at < columns; at += lanes) push_vectors<kPorts, 1>(modes, at, pushed, steps);
+}
+
+double push_touched_here(const ModeArrays& modes, std::size_t columns, const PortForces& pushed, std::size_t steps) {
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  for (std::size_t at = 0; at < columns; at += lanes) {
+    store_states(multiply(load_states(modes, at), power(load_poles(modes, at), steps)), modes, at);
+  }
+  for (std::size_t k = 0; k < pushed.ports.size(); k += 3) {
+    const std::size_t count = std::min<std::size_t>(3, pushed.ports.size() - k);
+    const PortForces some{pushed.response_re, pushed.response_im, pushed.ports.subspan(k, count)};
+    if (count == 3) push_some<3>(modes, columns, some, steps);
+    if (count == 2) push_some<2>(modes, columns, some, steps);
+    if (count == 1) push_some<1>(modes, columns, some, steps);
+  }
+  Vec energy = hn::Zero(tag);
+  for (std::size_t at = 0; at < columns; at += lanes) energy = hn::Add(energy, norm(load_states(modes, at)));
+  return hn::GetLane(hn::SumOfLanes(tag, energy));
 }
 
 // Adds the surface displacement of a few vectors of modes at kPlaces places to sums of lanes, for each step. Nothing
@@ -228,7 +311,7 @@ HWY_INLINE void move_places(const ModeArrays& modes, std::size_t first, const do
                             double* sums) {
   const Tag tag;
   const std::size_t lanes = hn::Lanes(tag);
-  Vec now[kVectors], next[kVectors], by_next[kVectors], by_now[kVectors], weight[kPlaces][kVectors];
+  Vec now[kVectors], next[kVectors], by_next[kVectors], by_now[kVectors];
   RINGDOWN_UNROLL
   for (std::size_t v = 0; v < kVectors; ++v) {
     const Complex z = load_states(modes, first + v * lanes), p = load_poles(modes, first + v * lanes);
@@ -236,25 +319,33 @@ HWY_INLINE void move_places(const ModeArrays& modes, std::size_t first, const do
     next[v] = multiply(z, p).re;
     by_next[v] = hn::Add(p.re, p.re);
     by_now[v] = norm(p);
-    RINGDOWN_UNROLL
-    for (std::size_t k = 0; k < kPlaces; ++k) weight[k][v] = hn::Load(tag, weights[k] + first + v * lanes);
   }
-  for (std::size_t n = 0; n < count; ++n) {
+  const auto add_to = [&](std::size_t n, const Vec* values) HWY_ATTR {
     RINGDOWN_UNROLL
     for (std::size_t k = 0; k < kPlaces; ++k) {
       double* const to = sums + (k * kChunkFrames + n) * lanes;
       Vec sum = hn::Load(tag, to);
       RINGDOWN_UNROLL
-      for (std::size_t v = 0; v < kVectors; ++v) sum = hn::MulAdd(weight[k][v], now[v], sum);
+      for (std::size_t v = 0; v < kVectors; ++v) {
+        sum = hn::MulAdd(hn::Load(tag, weights[k] + first + v * lanes), values[v], sum);
+      }
       hn::Store(sum, tag, to);
     }
+  };
+  std::size_t n = 0;
+  for (; n + 2 <= count; n += 2) {  // two steps at once, so that no vector has to move
+    add_to(n, now);
     RINGDOWN_UNROLL
     for (std::size_t v = 0; v < kVectors; ++v) {
-      const Vec after = hn::MulSub(by_next[v], next[v], hn::Mul(by_now[v], now[v]));
-      now[v] = next[v];
-      next[v] = after;
+      now[v] = hn::MulSub(by_next[v], next[v], hn::Mul(by_now[v], now[v]));
+    }
+    add_to(n + 1, next);
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      next[v] = hn::MulSub(by_next[v], now[v], hn::Mul(by_now[v], next[v]));
     }
   }
+  if (n < count) add_to(n, now);
 }
 
 template <std::size_t kPlaces>
@@ -280,6 +371,7 @@ HWY_INLINE void move_some(const ModeArrays& modes, std::size_t columns, const do
 void free_motion_here(const ModeArrays& modes, std::size_t columns, std::span<const double* const> weights,
                       std::span<double* const> out, std::size_t count) {
   std::size_t at = 0;
+  for (; at + 4 <= weights.size(); at += 4) move_some<4>(modes, columns, &weights[at], &out[at], count);
   for (; at + 3 <= weights.size(); at += 3) move_some<3>(modes, columns, &weights[at], &out[at], count);
   for (; at + 2 <= weights.size(); at += 2) move_some<2>(modes, columns, &weights[at], &out[at], count);
   for (; at < weights.size(); ++at) move_some<1>(modes, columns, &weights[at], &out[at], count);
@@ -290,11 +382,30 @@ void add_taps_here(std::span<const TapRow> rows, std::size_t count) {
   const std::size_t lanes = hn::Lanes(tag);
   for (const TapRow& row : rows) {
     const Vec force = hn::Set(tag, row.force);
-    std::size_t i = 0;
-    for (; i + lanes <= count; i += lanes) {
+    for (std::size_t i = 0; i < count; i += lanes) {
       hn::StoreU(hn::NegMulAdd(force, hn::Load(tag, row.taps + i), hn::LoadU(tag, row.to + i)), tag, row.to + i);
     }
-    for (; i < count; ++i) row.to[i] -= row.force * row.taps[i];
+  }
+}
+
+void add_answer_here(const double* force, const double* answer, double* out, std::size_t count) {
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  constexpr std::size_t kVectors = kAnswerPadding / hn::MaxLanes(Tag());
+  for (std::size_t first = 0; first < count; first += kAnswerPadding) {
+    Vec sum[kVectors];
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) sum[v] = hn::LoadU(tag, out + first + v * lanes);
+    for (std::size_t m = 0; m < first + kAnswerPadding; ++m) {
+      const Vec push = hn::Set(tag, force[m]);
+      const double* const from = answer + first - 1 - m;
+      RINGDOWN_UNROLL
+      for (std::size_t v = 0; v < kVectors; ++v) {
+        sum[v] = hn::MulAdd(push, hn::LoadU(tag, from + v * lanes), sum[v]);
+      }
+    }
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) hn::StoreU(sum[v], tag, out + first + v * lanes);
   }
 }
 
@@ -306,8 +417,10 @@ namespace ringdown::synth {
 
 HWY_EXPORT(drive_modes_here);
 HWY_EXPORT(drive_touched_here);
+HWY_EXPORT(push_touched_here);
 HWY_EXPORT(free_motion_here);
 HWY_EXPORT(add_taps_here);
+HWY_EXPORT(add_answer_here);
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
 TRUST_REALTIME_BEGIN
@@ -316,8 +429,11 @@ double drive_modes(const ModeArrays& modes, std::size_t columns, std::span<const
   return HWY_DYNAMIC_DISPATCH(drive_modes_here)(modes, columns, forces, out, frames);
 }
 double drive_touched(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
-                     std::span<const PortForce> ports, double* out, std::size_t frames, std::size_t substeps) REALTIME {
+                     const PortForces& ports, double* out, std::size_t frames, std::size_t substeps) REALTIME {
   return HWY_DYNAMIC_DISPATCH(drive_touched_here)(modes, columns, forces, ports, out, frames, substeps);
+}
+double push_touched(const ModeArrays& modes, std::size_t columns, const PortForces& ports, std::size_t steps) REALTIME {
+  return HWY_DYNAMIC_DISPATCH(push_touched_here)(modes, columns, ports, steps);
 }
 void free_motion(const ModeArrays& modes, std::size_t columns, std::span<const double* const> weights,
                  std::span<double* const> out, std::size_t count) REALTIME {
@@ -325,6 +441,9 @@ void free_motion(const ModeArrays& modes, std::size_t columns, std::span<const d
 }
 void add_taps(std::span<const TapRow> rows, std::size_t count) REALTIME {
   HWY_DYNAMIC_DISPATCH(add_taps_here)(rows, count);
+}
+void add_answer(const double* force, const double* answer, double* out, std::size_t count) REALTIME {
+  HWY_DYNAMIC_DISPATCH(add_answer_here)(force, answer, out, count);
 }
 TRUST_REALTIME_END
 

@@ -62,7 +62,7 @@ void Probes::drive(const StateArray& states, std::span<const Force> forces, std:
 }
 
 void Probes::touch(const StateArray& states, const ModeArrays& modes, std::span<const Force> forces,
-                   std::span<const PortForce> ports, std::size_t frames, std::size_t substeps) const REALTIME {
+                   const PortForces& ports, std::size_t frames, std::size_t substeps) const REALTIME {
   for (const One& probe : all()) {
     ModeArrays stepped = modes;
     copy_all(states, spare_, stepped);

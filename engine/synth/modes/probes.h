@@ -44,8 +44,8 @@ class Probes {
   // All columns, under forces (drive_modes()).
   void drive(const StateArray& states, std::span<const Force> forces, std::size_t frames) const REALTIME;
   // All columns, while something touches the object (drive_touched()). `modes` has the poles of a step.
-  void touch(const StateArray& states, const ModeArrays& modes, std::span<const Force> forces,
-             std::span<const PortForce> ports, std::size_t frames, std::size_t substeps) const REALTIME;
+  void touch(const StateArray& states, const ModeArrays& modes, std::span<const Force> forces, const PortForces& ports,
+             std::size_t frames, std::size_t substeps) const REALTIME;
 
   // Adds what one probe feels of groups that ring freely to `out`.
   void ring(const One& probe, const StateArray& states, ActiveGroups groups, double* out,

@@ -15,9 +15,10 @@ namespace ringdown::synth {
 struct TouchForces {
   ModeArrays stepped;  // the poles of a step; its states do not count
   std::span<const Force> forces;
-  std::span<const PortForce> ports;
+  PortForces ports;
   std::size_t substeps = 1;
   const double* leaning = nullptr;  // of the samples: what does not sound, because it only bends
+  const double* sound = nullptr;    // what sounds in each step if modes have no gains of their own; null: not known
 };
 
 class TouchedStates {
@@ -29,7 +30,8 @@ class TouchedStates {
     states_.unmute();
     return states_.states_;
   }
-  // Adds samples to `out` and moves on, as drive_touched() does. False when a state is absurd, as of render().
+  // Adds samples to `out` and moves on: by touch.sound and push_touched(), or else by drive_touched(). False when a
+  // state is absurd, as of render().
   bool render(const TouchForces& touch, double* out, std::size_t frames) REALTIME;
 
  private:

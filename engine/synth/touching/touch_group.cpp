@@ -174,7 +174,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
         if (side.object != body.object || !touch->open) continue;
         const std::size_t normals = touch->contact.impact ? 1 : 0,
                           end = which == Directions::normal ? normals : touch->contact.freedoms();
-        for (std::size_t k = along ? normals : 0; k < end && count < kMaxPlaces; ++k, ++count) {
+        for (std::size_t k = along ? normals : 0; k < end && count < kFreedoms; ++k, ++count) {
           weights[count] = side.ports[k].weight.get();
           freedoms[count] = touch->first + k;
           out[count] = room[count].data();
@@ -184,7 +184,16 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
     const auto to_move = [&](ModeArrays modes, std::size_t points) REALTIME {
       free_motion(modes, body.table->columns(), {weights.data(), count}, {out.data(), count}, points);
     };
-    if (count > 0) to_move(modes_of(body, TouchedStates(voice).open()), steps + 1);
+    const ModeArrays modes = modes_of(body, TouchedStates(voice).open());
+    const std::size_t places = count;
+    if (!along) {
+      body.heard_whole = modes.hearing == nullptr && !body.table->glide && body.object->exciters.all().empty();
+      weights[count] = kTouchSound.data();
+      out[count] = body.sound.data();
+      count += body.heard_whole ? 1 : 0;
+    }
+    if (count > 0) to_move(modes, steps + 1);
+    count = places;
     for (std::size_t k = 0; k < count; ++k) {
       double* const to = row_of(approach_, freedoms[k]);
       for (std::size_t n = 0; n <= steps; ++n) to[n] -= room[k][n];
@@ -359,16 +368,21 @@ void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk&
           if (!pushes_[touch->first + k] && side.ports[k].last_n == 0) continue;
           lean(side.ports[k], row_of(forces_, touch->first + k), frames, substeps_, leaning.data());
           if (!pushes_[touch->first + k]) continue;
-          ports[count++] = {side.ports[k].kick_re.get(), side.ports[k].kick_im.get(),
-                            row_of(forces_, touch->first + k)};
+          double* const force = row_of(forces_, touch->first + k);
+          ports[count++] = {side.ports[k].weight.get(), force};
+          if (!body.heard_whole) continue;
+          const std::size_t padded = (steps + kAnswerPadding - 1) / kAnswerPadding * kAnswerPadding;
+          std::fill(force + steps, force + padded, 0.0);
+          add_answer(force, side.ports[k].answer.data() + kAnswerPadding, body.sound.data(), padded);
         }
       }
     }
     const TouchForces touch{modes_of(body, TouchedStates(*body.object->voices.current()).open()),
                             {body.exciting.data(), body.exciting_count},
-                            {ports.data(), count},
+                            {body.response, body.response + kMaxTouchColumns, {ports.data(), count}},
                             substeps_,
-                            leaning.data()};
+                            leaning.data(),
+                            body.heard_whole ? body.sound.data() : nullptr};
     body.object->render_touched(begin, end, chunk, workspace, touch);
     columns += static_cast<double>(body.table->columns());
   }

@@ -6,7 +6,9 @@
 //   1. free_motion() finds how the surfaces would move at the contacts if nothing pushed,
 //   2. the network finds the forces step by step; what each force does to the rest of the segment at every contact is a
 //      row of taps, the answer of the modes to a force of 1 N in one step,
-//   3. drive_touched() moves every object on under its forces, once, and sums its samples.
+//   3. push_touched() moves every object on under its forces, once. Its samples are one more free motion, of a place
+//      where all modes have a weight of 1, and the answers to the forces there. Where modes have gains of their own or
+//      other forces act, too, drive_touched() computes samples and states together.
 //
 // So every mode of every object takes part, whatever their number, and the network sees sums alone. [audio, after
 // construction]
@@ -36,13 +38,19 @@ inline constexpr std::size_t kMaxSubsteps = 4;         // of a sample, for short
 inline constexpr std::size_t kFreedomsOfTouch = 3;
 inline constexpr std::size_t kTapRow = kMaxTouchSteps + 8;
 
+// The weights of a place that moves as the object sounds.
+alignas(64) inline constexpr std::array<double, kMaxTouchColumns> kTouchSound = [] {
+  std::array<double, kMaxTouchColumns> weights{};
+  weights.fill(1);
+  return weights;
+}();
+
 // The motion of one place of an object in one direction.
 struct TouchPort {
-  AlignedArray<double> weight = aligned_zeros<double>(kMaxTouchColumns);   // displacement [m] per Re z
-  AlignedArray<double> kick_re = aligned_zeros<double>(kMaxTouchColumns);  // what 1 N adds to z in a step
-  AlignedArray<double> kick_im = aligned_zeros<double>(kMaxTouchColumns);
-  double leaning = 0;  // the sum of Re z at rest under 1 N
-  double last_n = 0;   // the force in the last step
+  AlignedArray<double> weight = aligned_zeros<double>(kMaxTouchColumns);  // displacement [m] per Re z
+  std::array<double, kAnswerPadding + kMaxTouchSteps> answer{};           // the sound of 1 N in one step (add_answer())
+  double leaning = 0;                                                     // the sum of Re z at rest under 1 N
+  double last_n = 0;                                                      // the force in the last step
 };
 
 // A mass that moves along the contact's normal.
@@ -57,6 +65,7 @@ struct TouchSlot {
     Object* object = nullptr;  // null: nothing, or the rigid mass alone
     std::array<TouchPort, kFreedomsOfTouch> ports;
     AlignedArray<double> poles = aligned_zeros<double>(2 * kMaxTouchColumns);  // of a step, where a sample has several
+    AlignedArray<double> response = aligned_zeros<double>(2 * kMaxTouchColumns);  // PortForces
   };
   bool used = false;   // accepted, and not over
   bool open = false;   // its event has happened
@@ -97,20 +106,24 @@ class TouchGroup final : public Source {
   struct Body {
     Object* object = nullptr;
     const ModeTable* table = nullptr;
-    double* poles = nullptr;  // of a step, where a sample has several
+    double* poles = nullptr;     // of a step, where a sample has several
+    double* response = nullptr;  // what 1 N adds to z in a step at a place of weight 1
+    bool heard_whole = false;    // `sound` is known: all modes are heard alike, and only contacts act
+    alignas(64) std::array<double, kTapRow> sound;  // in each step of a segment
     // Other forces on it in a segment: pulses, inputs, one-way contacts.
     std::array<std::array<double, kMaxTouchSteps>, kMaxForces> impulses;
     std::array<Force, kMaxForces> exciting;
     std::size_t exciting_count = 0;
   };
   static constexpr std::size_t kFreedoms = contact::kMaxFreedoms;
-  static_assert(kMaxPlaces >= kFreedoms && kMaxPortForces >= kFreedoms, "all of them may act on one object");
+  static_assert(kMaxPlaces > kFreedoms && kMaxPortForces >= kFreedoms, "all of them may act on one object");
 
   [[nodiscard]] std::span<TouchSlot* const> touches() const REALTIME { return {touches_.data(), touch_count_}; }
   void play_events(std::size_t offset, const Chunk& chunk) REALTIME;
   void play_touch(const Touch& how, Frame frame, const Object& object, const Chunk& chunk) REALTIME;
   void refresh(const Chunk& chunk) REALTIME;
   void find_poles(Body& body) REALTIME;
+  void find_response(Body& body) REALTIME;
   // Returns the sum of the modes' squared shapes: one over the mass that a short push feels [1/kg].
   double find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m, TouchPort& port) REALTIME;
   void find_ports(TouchSlot& touch) REALTIME;
@@ -137,6 +150,7 @@ class TouchGroup final : public Source {
   double step_s_ = 0;
   // For each pair of freedoms, with i <= j at j (j + 1) / 2 + i: the taps, and whether they share a body.
   AlignedArray<double> taps_;
+  AlignedArray<double> kick_ = aligned_zeros<double>(2 * kMaxTouchColumns);  // what 1 N adds to z, for find_taps()
   std::array<bool, kFreedoms*(kFreedoms + 1) / 2> coupled_{};
   AlignedArray<double> approach_ = aligned_zeros<double>(kFreedoms * kTapRow);  // of each freedom, at each step
   AlignedArray<double> forces_ = aligned_zeros<double>(kFreedoms * kTapRow);

@@ -57,14 +57,29 @@ void TouchGroup::find_poles(Body& body) REALTIME {
 
 // A mode of damped frequency w and decay s with the output weight W per velocity, z = W (w q - i (v + s q)), is moved
 // by its shape phi: q = Re z / (W w) is displaced by 1 N, constant in a step, towards phi (w - i s) / (w^2 + s^2) W, of
-// which 1 - p is reached.
+// which 1 - p is reached. A place's weight is phi / (W w); the rest of the product is the same for all places.
+void TouchGroup::find_response(Body& body) REALTIME {
+  const ModeTable& table = *body.table;
+  std::fill_n(body.response, table.columns(), 0.0);
+  std::fill_n(body.response + kMaxTouchColumns, table.columns(), 0.0);
+  const auto [log_re, log_im] = table.exponents();
+  const double rate_hz = table.sample_rate_hz(), shape = modal::shape_factor(table.material_);
+  const ModeArrays poles = modes_of(body, TouchedStates(*body.object->voices.current()).open());
+  for (std::size_t i = 0; i < table.playable_modes(); ++i) {
+    const std::size_t c = table.column(i);
+    const double w = log_im[c] * rate_hz, s = -log_re[c] * rate_hz, output = table.weight_[i] / shape;
+    const double size = output * output * w / (w * w + s * s);
+    const double left_re = 1 - poles.pole_re[c], left_im = -poles.pole_im[c];
+    body.response[c] = size * (w * left_re + s * left_im);
+    body.response[kMaxTouchColumns + c] = size * (w * left_im - s * left_re);
+  }
+}
+
 double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m,
                              TouchPort& port) REALTIME {
   Voice& voice = *body.object->voices.current();
   const ModeTable& table = *body.table;
   std::fill_n(port.weight.get(), table.columns(), 0.0);
-  std::fill_n(port.kick_re.get(), table.columns(), 0.0);
-  std::fill_n(port.kick_im.get(), table.columns(), 0.0);
   // A wide body touches a patch: its middle, and half the width away to all sides, as far as there is surface.
   const std::array<Vec3, 2> aside = across(direction);
   const std::size_t points = width_m > 0 ? 5 : 1;
@@ -80,19 +95,14 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
   port.leaning = 0;
   const auto [log_re, log_im] = table.exponents();
   const double rate_hz = table.sample_rate_hz(), shape = modal::shape_factor(table.material_);
-  const ModeArrays poles = modes_of(body, TouchedStates(voice).open());
   for (std::size_t i = 0; i < table.playable_modes(); ++i) {
     const std::size_t c = table.column(i);
     const double w = log_im[c] * rate_hz, s = -log_re[c] * rate_hz, output = table.weight_[i] / shape;
     const double amplitude = port.weight[c];
     port.weight[c] = 0;
     if (!(std::abs(output) > 0)) continue;  // a mode that nobody hears has no state
-    const std::complex<double> rest = amplitude / (w * w + s * s) * std::complex<double>(w, -s);
-    const std::complex<double> kick = rest * std::complex<double>(1 - poles.pole_re[c], -poles.pole_im[c]);
     port.weight[c] = amplitude / (output * output * w);
-    port.leaning += rest.real();
-    port.kick_re[c] = kick.real();
-    port.kick_im[c] = kick.imag();
+    port.leaning += amplitude * w / (w * w + s * s);
     per_kg += amplitude * amplitude / (output * output);
   }
   return per_kg;
@@ -108,6 +118,7 @@ void TouchGroup::find_ports(TouchSlot& touch) REALTIME {
     TouchSlot::Side& side = touch.sides[s];
     if (!side.object) continue;
     Body& body = body_of(*side.object);
+    find_response(body);
     const Vec3& point_m = s == 0 ? how.point_m : how.other_point_m;
     const bool turned = s == 1 && length(how.other_direction) > 0;
     const Vec3 direction = s == 0 ? how.direction : turned ? how.other_direction : on_other(how.direction);
@@ -150,17 +161,17 @@ void TouchGroup::find_taps() REALTIME {
   coupled_.fill(false);
   std::fill_n(taps_.get(), kFreedoms * (kFreedoms + 1) / 2 * kTapRow, 0.0);
   struct Place {
-    const TouchPort* port;
+    TouchPort* port;
     std::size_t freedom;
   };
   for (std::size_t b = 0; b < body_count_; ++b) {
     Body& body = bodies_[b];
     std::array<Place, kMaxPlaces> places;
     std::size_t count = 0;
-    for (const TouchSlot* touch : touches()) {
-      for (const TouchSlot::Side& side : touch->sides) {
+    for (TouchSlot* touch : touches()) {
+      for (TouchSlot::Side& side : touch->sides) {
         if (side.object != body.object || !touch->used) continue;
-        for (std::size_t k = 0; k < touch->contact.freedoms() && count < kMaxPlaces; ++k) {
+        for (std::size_t k = 0; k < touch->contact.freedoms() && count < kFreedoms; ++k) {
           places[count++] = {&side.ports[k], touch->first + k};
         }
       }
@@ -175,9 +186,15 @@ void TouchGroup::find_taps() REALTIME {
         out[i] = room[i].data();
         ++wanted;
       }
+      weights[wanted] = kTouchSound.data();
+      out[wanted++] = places[j].port->answer.data() + kAnswerPadding;
       ModeArrays kicked = modes_of(body, TouchedStates(*body.object->voices.current()).open());
-      kicked.z_re = places[j].port->kick_re.get();
-      kicked.z_im = places[j].port->kick_im.get();
+      kicked.z_re = kick_.get();
+      kicked.z_im = kick_.get() + kMaxTouchColumns;
+      for (std::size_t c = 0; c < body.table->columns(); ++c) {
+        kicked.z_re[c] = places[j].port->weight[c] * body.response[c];
+        kicked.z_im[c] = places[j].port->weight[c] * body.response[kMaxTouchColumns + c];
+      }
       free_motion(kicked, body.table->columns(), {weights.data(), wanted}, {out.data(), wanted}, kMaxTouchSteps);
       for (std::size_t i = 0; i <= j; ++i) {
         const std::size_t low = std::min(places[i].freedom, places[j].freedom);
@@ -230,6 +247,7 @@ void TouchGroup::refresh(const Chunk& chunk) REALTIME {
         body.object = side.object;
         body.table = &side.object->voices.current()->table();
         body.poles = side.poles.get();
+        body.response = side.response.get();
         if (substeps_ > 1) find_poles(body);
       }
       find_laws(*touch);
