@@ -1,5 +1,6 @@
 #include "engine/synth/renderer.h"
 
+#include "engine/synth/modes/fetch.h"
 #include "engine/synth/objects/shedding.h"
 #include "engine/synth/modes/work_cost.h"
 
@@ -56,6 +57,7 @@ void Renderer::render(std::span<Source* const> sources, const Chunk& chunk) REAL
 
 void Renderer::render_source(std::size_t which, std::size_t thread) REALTIME {
   Source& source = *sources_[which];
+  if (chunk_->moments) fetch_ahead(sources_, which, FetchStage::numbers, chunk_->frames);
   Workspace& workspace = workspaces_[thread];
   if (chunk_->shedding->may_render(source, *chunk_, workspace)) {
     source.render(*chunk_, workspace);

@@ -10,6 +10,7 @@
 #include "engine/synth/listening/pickups.h"
 #include "engine/synth/meters.h"
 #include "engine/synth/modes/click.h"
+#include "engine/synth/modes/fetch.h"
 #include "engine/synth/objects/object.h"
 #include "engine/synth/objects/shedding.h"
 #include "engine/synth/events/timeline.h"
@@ -141,6 +142,7 @@ class Stage {
     void keep_if(const Stays& stays) REALTIME {
       std::size_t kept = 0;
       for (std::size_t i = 0; i < count_; ++i) {
+        fetch_ahead(all(), i, FetchStage::table);
         Kind& source = *list_[i];
         if (stays(source)) {
           list_[kept++] = &source;

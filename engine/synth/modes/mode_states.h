@@ -31,6 +31,7 @@
 namespace ringdown::synth {
 
 class ModeStates {
+  friend class VoiceFetch;
   friend class TouchedStates;
 
  public:

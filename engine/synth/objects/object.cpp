@@ -71,6 +71,16 @@ void Object::render(const Chunk& chunk, Workspace& workspace) REALTIME {
   });
 }
 
+void Object::fetch(FetchStage stage, std::size_t frames) const REALTIME {
+  if (stage == FetchStage::object) {
+    const auto* const begin = reinterpret_cast<const char*>(&placement.track + 1);
+    const auto* const end = reinterpret_cast<const char*>(&strip) + ChannelStrip::kOftenRead;
+    fetch_range(begin, static_cast<std::size_t>(end - begin));
+  } else if (const Voice* const voice = voices.current()) {
+    VoiceFetch::fetch(*voice, stage, frames);
+  }
+}
+
 // Before its frames `begin` to `end` - 1 of the chunk are rendered.
 void Object::hear(std::size_t begin, std::size_t end, const Chunk& chunk) REALTIME {
   if (begin >= end) return;

@@ -31,6 +31,7 @@ class Object final : public Source {
 
   void render(const Chunk& chunk, Workspace& workspace) REALTIME override;
   void skip(const Chunk& chunk, Workspace& workspace) REALTIME override;
+  void fetch(FetchStage stage, std::size_t frames) const REALTIME override;
   [[nodiscard]] bool can_skip(const Chunk& chunk) const REALTIME override { return !driven(chunk); }
   void prepare(const Chunk& chunk) REALTIME override;
   void count_levels(const Chunk& chunk, LevelHistogram& histogram) REALTIME override;
@@ -54,15 +55,16 @@ class Object final : public Source {
   std::size_t write_amplitudes(Frame now, ModeWatch::Slot& to) const REALTIME;
 
   const ObjectNumber number;
+  bool touched = false;   // a TouchGroup renders it
+  Frame left_group = -1;  // the chunk in which something else than strikes happens to it
   VoiceStack voices;
-  ChannelStrip strip;
   Placement placement;
+  // fetch() asks for these in one piece, with the end of `placement`, behind its track, and the beginning of `strip`:
   Fan fan;
   ExciterSlots exciters;
   PickupSlots pickups;
   GroupMember member;
-  bool touched = false;   // a TouchGroup renders it
-  Frame left_group = -1;  // the chunk in which something else than strikes happens to it
+  ChannelStrip strip;
 
  private:
   [[nodiscard]] bool driven(const Chunk& chunk) const REALTIME { return exciters.act(chunk.input_sounds); }

@@ -4,6 +4,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/modes/chunk.h"
+#include "engine/synth/modes/fetch.h"
 #include "engine/synth/events/event.h"
 #include "engine/synth/events/event_queue.h"
 #include "engine/synth/modes/level_histogram.h"
@@ -51,6 +52,9 @@ class Source {
 
   virtual void count_levels(const Chunk& chunk, LevelHistogram& histogram) REALTIME = 0;
   [[nodiscard]] virtual ModeStates::Counts counts() const REALTIME = 0;
+
+  // Asks for memory that render() will read for a chunk of `frames` (fetch.h).
+  virtual void fetch(FetchStage /*stage*/, std::size_t /*frames*/) const REALTIME {}
 
   DueList due;
   bool active = false;      // on the list of what is rendered

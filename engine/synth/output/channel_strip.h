@@ -18,6 +18,9 @@ class ChannelStrip {
  public:
   ChannelStrip() REALTIME;
 
+  // The bytes at its beginning that every chunk reads: the ramps up to the first of encoded_.
+  static constexpr std::size_t kOftenRead = 192;
+
   // Moves the gain or the pan (-1 left ... +1 right, equal power) to a value within `length` frames from frame `at` on.
   void set_gain(double gain, Frame at, Frame length) REALTIME;
   // In ambisonic channels a pan is a direction between two loudspeakers at 30 degrees from the front.
@@ -53,7 +56,7 @@ class ChannelStrip {
   [[nodiscard]] double place_level() const REALTIME { return placed_ ? place_.level : 1; }
 
   [[nodiscard]] bool still_at(Frame frame) const REALTIME {
-    return gain_.still_at(frame) && left_.still_at(frame) && right_.still_at(frame) && encoded_.back().still_at(frame);
+    return gain_.still_at(frame) && left_.still_at(frame) && right_.still_at(frame) && encoded_.front().still_at(frame);
   }
   [[nodiscard]] double gain_at(Frame frame) const REALTIME { return gain_.at(frame); }
   [[nodiscard]] double final_gain() const REALTIME { return gain_.to; }
@@ -90,16 +93,16 @@ class ChannelStrip {
   [[nodiscard]] GainLine gain_line(std::size_t output, Frame chunk_begin) const REALTIME;
 
   bool placed_ = false;
-  Shares from_{}, to_{};  // gains at the ends of line_, while placed_
-  Span line_;
-  Place place_;            // the last place
-  double place_gain_ = 0;  // the gain for which to_ was computed; NaN: to_ is not final
+  bool silent_ = false;
+  double set_gain_ = 1;  // last gain set; gain_ moves to 0 instead while the object is silent
+  std::size_t bus_ = kNoBus;
   Ramp gain_{1, 1}, left_{kCentre, kCentre}, right_{kCentre, kCentre};
   std::array<Ramp, kMaxAmbisonicChannels> encoded_;
   std::array<float, kMaxAmbisonicChannels> encoded_to_;  // final gains of encoded_
-  std::size_t bus_ = kNoBus;
-  double set_gain_ = 1;  // last gain set; gain_ moves to 0 instead while the object is silent
-  bool silent_ = false;
+  Shares from_{}, to_{};                                 // gains at the ends of line_, while placed_
+  Span line_;
+  Place place_;            // the last place
+  double place_gain_ = 0;  // the gain for which to_ was computed; NaN: to_ is not final
 };
 
 }  // namespace ringdown::synth
