@@ -103,7 +103,8 @@ TEST(TouchKernel, PushesMoveStatesByTheRecurrenceOnEveryInstructionSet) {
         AlignedArray<double> z = aligned_zeros<double>(2 * kColumns);
         std::copy_n(touched.z.get(), 2 * kColumns, z.get());
         const PortForces pushed{response.get(), response.get() + kColumns, ports};
-        EXPECT_NEAR(push_touched(touched.modes(z.get()), kColumns, pushed, steps) / energy, 1, 1e-12) << name;
+        EXPECT_NEAR(drive_touched(touched.modes(z.get()), kColumns, {}, pushed, nullptr, steps, 1) / energy, 1, 1e-12)
+            << name;
         for (std::size_t c = 0; c < kColumns; ++c) {
           EXPECT_NEAR(static_cast<double>(std::abs(touched.at(z, c) - exact[c])), 0, 1e-11)
               << name << ", mode " << c << ", " << count << " ports, " << steps << " steps";

@@ -430,10 +430,8 @@ double drive_modes(const ModeArrays& modes, std::size_t columns, std::span<const
 }
 double drive_touched(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
                      const PortForces& ports, double* out, std::size_t frames, std::size_t substeps) REALTIME {
+  if (out == nullptr) return HWY_DYNAMIC_DISPATCH(push_touched_here)(modes, columns, ports, frames * substeps);
   return HWY_DYNAMIC_DISPATCH(drive_touched_here)(modes, columns, forces, ports, out, frames, substeps);
-}
-double push_touched(const ModeArrays& modes, std::size_t columns, const PortForces& ports, std::size_t steps) REALTIME {
-  return HWY_DYNAMIC_DISPATCH(push_touched_here)(modes, columns, ports, steps);
 }
 void free_motion(const ModeArrays& modes, std::size_t columns, std::span<const double* const> weights,
                  std::span<double* const> out, std::size_t count) REALTIME {

@@ -38,14 +38,10 @@ struct PortForces {
 };
 
 // Like drive_modes(), but every frame is `substeps` steps, for which `modes` has the poles, and `ports` push as well.
-// `forces` act at the beginning of each frame, and `out` gets a sample for each frame. [audio]
+// `forces` act at the beginning of each frame, and `out` gets a sample for each frame. Without `out`, which must also
+// be without `forces`, only the states are moved on, at half the cost. [audio]
 double drive_touched(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
                      const PortForces& ports, double* out, std::size_t frames, std::size_t substeps) REALTIME;
-
-// Moves the states on by `steps` <= kMaxPushSteps as drive_touched() does where `ports` alone push, without samples, at
-// a third of the cost. Returns the sum of |z|^2 of the final states. [audio]
-inline constexpr std::size_t kMaxPushSteps = 64;
-double push_touched(const ModeArrays& modes, std::size_t columns, const PortForces& ports, std::size_t steps) REALTIME;
 
 // out[k][n] = sum over modes of weights[k] Re(z p^n) for n = 0 ... count - 1 <= kChunkFrames: the free motion of the
 // surface at a few places. Does not change the states. [audio]

@@ -13,7 +13,7 @@ bool TouchedStates::render(const TouchForces& touch, double* out, std::size_t fr
   bool sane = !states_.fade_.running() || states_.fade_.render(out, frames);
   const std::size_t columns = states_.table_.columns();
   if (touch.sound != nullptr && all.hearing == nullptr) {
-    sane = push_touched(all, columns, touch.ports, frames * touch.substeps) <= kAbsurdEnergy && sane;
+    sane = drive_touched(all, columns, {}, touch.ports, nullptr, frames, touch.substeps) <= kAbsurdEnergy && sane;
     for (std::size_t n = 0; n < frames && sane; ++n) out[n] += touch.sound[n * touch.substeps];
   } else {
     const double energy = drive_touched(all, columns, touch.forces, touch.ports, out, frames, touch.substeps);

@@ -30,7 +30,7 @@ class TouchedStates {
     states_.unmute();
     return states_.states_;
   }
-  // Adds samples to `out` and moves on: by touch.sound and push_touched(), or else by drive_touched(). False when a
+  // Adds samples to `out` and moves on: by touch.sound where it is known, or else by drive_touched(). False when a
   // state is absurd, as of render().
   bool render(const TouchForces& touch, double* out, std::size_t frames) REALTIME;
 

@@ -6,9 +6,9 @@
 //   1. free_motion() finds how the surfaces would move at the contacts if nothing pushed,
 //   2. the network finds the forces step by step; what each force does to the rest of the segment at every contact is a
 //      row of taps, the answer of the modes to a force of 1 N in one step,
-//   3. push_touched() moves every object on under its forces, once. Its samples are one more free motion, of a place
+//   3. drive_touched() moves every object on under its forces, once. Its samples are one more free motion, of a place
 //      where all modes have a weight of 1, and the answers to the forces there. Where modes have gains of their own or
-//      other forces act, too, drive_touched() computes samples and states together.
+//      other forces act, too, drive_touched() computes the samples, which takes twice as long.
 //
 // So every mode of every object takes part, whatever their number, and the network sees sums alone. [audio, after
 // construction]
