@@ -33,7 +33,7 @@
 namespace ringdown::scene {
 namespace {
 
-constexpr double kMaxMiss_m = 1e-3;    // of a target
+constexpr double kMaxMiss_m = 2e-3;    // of a target
 constexpr double kExact_m = 2e-7;      // a body that misses by less goes on without being placed anew
 constexpr double kMaxShift = 0.05;     // correction, as a share of the way in the interval
 constexpr double kMaxJitters = 1.5;    // further correction, in FoleyLimits::jitter_m_s
@@ -43,7 +43,7 @@ constexpr double kStill_m = 1e-5;      // a body that moves less in an interval 
 constexpr double kAsleep_s = 0.3;      // bodies that have stayed in place for this long sleep
 constexpr double kRests = 0.05;        // a body that comes, and falls by less than this share of g h^2, is at rest
 constexpr double kFree = 0.05;         // change of velocity around a frame in free fall, as a share of g's
-constexpr double kMaxWork = 1e6;       // in body-steps, some ten seconds on one core
+constexpr double kMaxWork = 1.8e6;     // in body-steps, some twenty seconds on one core
 constexpr double kWorkOfMet = 0.5;     // share that counts of an interval's work if all bodies are met
 constexpr double kWorkOfTouch = 26;    // of the recovery, for each touch of a pair in an interval
 
@@ -401,8 +401,14 @@ class Guide {
 
 void guide(const SceneDescription& scene, std::span<const GuidedBody> bodies, std::size_t frames, Recovery& recovery) {
   bool any = false;
-  for (std::size_t n = 0; n < bodies.size(); ++n)
-    any = any || (recovery.bodies[n].motion.moves() && bodies[n].solid.shape.type != ShapeType::sphere);
+  std::vector<BodyId> moving;
+  for (std::size_t n = 0; n < bodies.size(); ++n) {
+    if (!recovery.bodies[n].motion.moves()) continue;
+    any = any || bodies[n].solid.shape.type != ShapeType::sphere;
+    moving.push_back(recovery.bodies[n].id);
+  }
+  const auto moves = [&](BodyId id) { return std::ranges::find(moving, id) != moving.end(); };
+  for (const RecoveredBlow& blow : recovery.blows) any = any || (moves(blow.first) && moves(blow.second));
   if (any && scene.joints.empty() && frames > 2) Guide(scene, bodies, frames, recovery).run();
 }
 

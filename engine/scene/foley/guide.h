@@ -28,8 +28,8 @@ struct GuidedBody {
 
 // Replaces contacts of `recovery` by those of the simulation, in the intervals and for the bodies where it is right.
 // `bodies` are those of the recovery, in its order. Simulates until some seconds of work are done, less what the
-// recovery had to do, and leaves the rest as it is; so are scenes with joints, and those in which only balls move,
-// whose contacts the frames tell.
+// recovery had to do, and leaves the rest as it is; so are scenes with joints, and those in which only balls move
+// and none strikes another, whose contacts the frames tell.
 void guide(const SceneDescription& scene, std::span<const GuidedBody> bodies, std::size_t frames, Recovery& recovery);
 
 }  // namespace ringdown::scene

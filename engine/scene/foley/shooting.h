@@ -73,7 +73,8 @@ class Shooting {
   [[nodiscard]] bool may_help(const Island& island, std::size_t i) const;
   [[nodiscard]] double cost_of(const Island& island, const std::vector<Six>& misses, const Aim& aim) const;
   [[nodiscard]] bool any_open() const;
-  [[nodiscard]] double worst_m() const;
+  [[nodiscard]] double worst_m(const Island& island) const;
+  [[nodiscard]] double probe_of(const Island& island) const;
   void measure(Island& island) const;
   void group();
   bool attempt(const Aim& tried);
@@ -89,7 +90,7 @@ class Shooting {
   Fire fire_;
   Aim aim_;  // the best so far, with its misses
   std::vector<Six> misses_;
-  double met_m_, probe_m_, trust_share_ = 1;  // sharpen() lowers them
+  double met_m_, max_probe_m_, trust_share_ = 1;  // sharpen() lowers them
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   bool regroup_ = false;
   std::vector<Island> islands_;
