@@ -1,7 +1,6 @@
 #include "engine/bake/cavity/cavity.h"
 
 #include "engine/bake/cavity/openings.h"
-#include "engine/base/range.h"
 #include "engine/cavity/air_modes.h"
 
 #include <span>
@@ -24,23 +23,6 @@ HeardMode heard_mode(const cavity::AirMode& mode, const modal::Air& air) {
 }
 
 }  // namespace
-
-CavityPlan CavityPlan::scaled(double scale) const { return {scale * mouth_m, scale * diameter_m, modes}; }
-
-std::optional<CavityPlan> read_cavity(TomlTable& file) {
-  constexpr Range kMouth_m{-1e6, 1e6}, kDiameter_m{1e-6, 1e3};
-  constexpr std::uint64_t kMaxModes = 8;
-  std::optional<TomlTable> table = file.table("cavity");
-  if (!table) return std::nullopt;
-  CavityPlan plan;
-  table->require({"mouth_m", "diameter_m"});
-  table->vector("mouth_m", plan.mouth_m, kMouth_m);
-  table->number("diameter_m", plan.diameter_m, kDiameter_m);
-  std::uint64_t modes = 1;
-  table->whole("modes", modes, 1, kMaxModes);
-  plan.modes = static_cast<int>(modes);
-  return plan;
-}
 
 Result<std::vector<CavityMode>> find_cavity(const RadiatingBody& body, const CavityPlan& plan, const modal::Air& air,
                                             const Vec3& origin_m, double band_low_hz, double band_high_hz,
