@@ -53,8 +53,8 @@ class Commands {
 
   // Strikes the object at a point in its frame, against the outward `normal` of the surface there.
   void strike(const std::string& object, Vec3 point_m, Vec3 normal, double impulse_ns);
-  void throw_mallet(const protocol::HitMallet& mallet) { send_(mallet); }
-  void push(std::int32_t body, Vec3 impulse_ns) { send_(protocol::ScenePush{body, impulse_ns}); }
+  // Throws a mallet or pushes a body, which cannot be undone.
+  void act_once(const protocol::Request& blow) { send_(blow); }
   // Selects only the mode of this rank and rings it; if only this mode is selected already, selects all modes again.
   void hear_alone(const KnownObject& object, std::uint32_t rank);
 

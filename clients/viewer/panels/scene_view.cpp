@@ -179,7 +179,7 @@ void SceneView::release(const Model& model, Commands& commands, bool strength_by
   if (!press.pushes || press.hit->id >= items.size() || !items[press.hit->id].body) return;
   const StageItem& what = items[press.hit->id];
   const Vec3 way = from_glm(push_of(press, ImGui::GetIO().MousePos));
-  commands.push(*what.body, kPushPerSecond * what.mass_kg * way);
+  commands.act_once(protocol::ScenePush{*what.body, kPushPerSecond * what.mass_kg * way});
 }
 
 void SceneView::draw_press(const Skin& skin, bool strength_by_time, double now_s) const {

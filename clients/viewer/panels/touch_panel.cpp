@@ -45,7 +45,7 @@ void TouchPanel::next() {
 void TouchPanel::touch(const SurfacePoint& from, Vec3 way, const std::optional<SurfacePoint>& to, Commands& commands) {
   complaint_.clear();
   commands.choose_object(from.object);
-  if (kind_ == Kind::mallet) return commands.throw_mallet(mallet_at(from, speed_m_s_, mallet_));
+  if (kind_ == Kind::mallet) return commands.act_once(mallet_at(from, speed_m_s_, mallet_));
   if (kind_ == Kind::bow) {
     bowed_ = from.object;
     return commands.edits().touch(bow_at(from, way, bow_));
