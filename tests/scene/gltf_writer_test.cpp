@@ -1,5 +1,6 @@
 // Scenes written as glTF: read again they are the same, bit for bit, and other programs find them where they are.
 #include "engine/modal/bank_file.h"
+#include "engine/scene/contact/contact_rules.h"
 #include "engine/scene/gltf/scene.h"
 #include "engine/scene/gltf/writer.h"
 #include "engine/scene/rotation.h"
@@ -130,6 +131,9 @@ TEST(GltfWriter, OtherProgramsFindEveryBodyInItsPlace) {
   ASSERT_TRUE(plain) << plain.error().message;
   ASSERT_EQ(plain->notes.size(), 1);
   EXPECT_NE(plain->notes[0].find("another program has changed"), std::string::npos);
+  const BodyDescription& other = scene.bodies.front();
+  const auto found_other = std::ranges::find(plain->scene.bodies, other.name, &BodyDescription::name);
+  ASSERT_NE(found_other, plain->scene.bodies.end());
   for (const BodyDescription& body : scene.bodies) {
     const auto found = std::ranges::find(plain->scene.bodies, body.name, &BodyDescription::name);
     ASSERT_NE(found, plain->scene.bodies.end()) << body.name;
@@ -137,7 +141,12 @@ TEST(GltfWriter, OtherProgramsFindEveryBodyInItsPlace) {
     EXPECT_LT(length(found->velocity_m_s - body.velocity_m_s), 1e-9);
     EXPECT_EQ(found->fixed, body.fixed);
     EXPECT_EQ(found->shape.type, body.shape.type);
-    EXPECT_EQ(found->surface.restitution, body.surface.restitution);
+    const SurfacePair theirs = combine(found->surface, found_other->surface),
+                      ours = combine(body.surface, other.surface);
+    EXPECT_NEAR(theirs.restitution, ours.restitution, 1e-12);
+    EXPECT_NEAR(theirs.friction, ours.friction, 1e-12);
+    EXPECT_NEAR(theirs.sliding_friction, ours.sliding_friction, 1e-12);
+    EXPECT_EQ(found->surface.rolling_m, body.surface.rolling_m);
   }
 }
 

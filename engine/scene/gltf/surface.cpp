@@ -34,6 +34,8 @@ void read_friction(GltfDocument& document, const JsonPlace& material, FrictionSu
   surface.restitution_combine = combine("restitutionCombine");
   if (surface.restitution > 1) document.notes.add("a restitution above 1 is 1");
   surface.restitution = std::min(surface.restitution, 1.0);
+  surface.rolling_m = std::clamp(document.number(material["extras"]["ringdown"]["rolling_m"], surface.rolling_m),
+                                 range::kRolling_m.low, range::kRolling_m.high);
 }
 
 void read_finish(GltfDocument& document, const JsonPlace& finish, FrictionSurface& surface) {

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <numbers>
 #include <string>
@@ -113,17 +114,23 @@ class GlbScene {
     return add_node({{"mesh", meshes_.size() - 1}}, false);
   }
 
-  static const char* name_of(Combine way) {
-    constexpr std::array kNames = {"average", "minimum", "maximum", "multiply", "average"};
-    return kNames[static_cast<std::size_t>(way)];
+  // A geometric mean, which the extension does not have, is the product of roots.
+  static void put_combined(Json& material, std::initializer_list<std::pair<const char*, double>> values,
+                           const char* key, Combine way) {
+    constexpr std::array kNames = {"average", "minimum", "maximum", "multiply", "multiply"};
+    for (const auto& [name, value] : values) material[name] = way == Combine::geometric_mean ? std::sqrt(value) : value;
+    material[key] = kNames[static_cast<std::size_t>(way)];
   }
 
   Json collider(Json geometry, const FrictionSurface& surface, const CollisionFilter& filter) {
-    physics_materials_.push_back({{"staticFriction", surface.friction},
-                                  {"dynamicFriction", surface.sliding_friction.value_or(surface.friction)},
-                                  {"restitution", surface.restitution},
-                                  {"frictionCombine", name_of(surface.friction_combine)},
-                                  {"restitutionCombine", name_of(surface.restitution_combine)}});
+    Json material;
+    put_combined(material,
+                 {{"staticFriction", surface.friction},
+                  {"dynamicFriction", surface.sliding_friction.value_or(surface.friction)}},
+                 "frictionCombine", surface.friction_combine);
+    put_combined(material, {{"restitution", surface.restitution}}, "restitutionCombine", surface.restitution_combine);
+    material["extras"]["ringdown"]["rolling_m"] = surface.rolling_m;
+    physics_materials_.push_back(std::move(material));
     Json made = {{"geometry", std::move(geometry)}, {"physicsMaterial", physics_materials_.size() - 1}};
     if (filter == CollisionFilter{}) return made;
     Json written = Json::object();
