@@ -33,7 +33,7 @@
 namespace ringdown::scene {
 namespace {
 
-constexpr double kMaxMiss_m = 2e-3;    // of a target
+constexpr double kMaxMiss_m = 1e-3;    // of a target
 constexpr double kExact_m = 2e-7;      // a body that misses by less goes on without being placed anew
 constexpr double kMaxShift = 0.05;     // correction, as a share of the way in the interval
 constexpr double kMaxJitters = 1.5;    // further correction, in FoleyLimits::jitter_m_s
@@ -306,30 +306,36 @@ class Guide {
                       [&](std::span<const Shooter> bodies) { return last = shoot(k, bodies, shots++ == 0); });
     shooting.aim();
     if (shots > 1) last = shoot(k, shooting.bodies(), false);
-    accept(k, shooting.bodies(), last);
-    if (std::ranges::all_of(shooting.bodies(), [this](const Shooter& shooter) { return is_accepted(shooter); }))
-      work_ = work + kWorkOfMet * (work_ - work);
+    const bool all_met = accept(k, shooting.bodies(), last);
+    if (all_met) work_ = work + kWorkOfMet * (work_ - work);
   }
 
-  [[nodiscard]] bool is_accepted(const Shooter& shooter) const {
-    const double way_m =
-        every_s_ * (length(shooter.start.velocity_m_s) + shooter.reach_m * length(shooter.start.spin_rad_s));
+  // Returns whether a body of an island, in which no way is longer than `way_m`, meets its target by a small
+  // correction.
+  [[nodiscard]] bool is_met(const Shooter& shooter, double way_m) const {
     return shooter.tracked && shooter.miss_m < kMaxMiss_m &&
            (shooter.guessed || shooter.shift_m < kMaxShift * way_m + kMaxJitters * jitter_m_s_ * every_s_);
   }
 
   // Says which bodies the last simulation of the interval is right for. Nothing is known of bodies that slept all
-  // the time: their forces are those of the frames.
-  void accept(std::size_t k, std::span<const Shooter> shooters, const Shot& last) {
+  // the time: their forces are those of the frames. Returns whether all bodies are met.
+  bool accept(std::size_t k, std::span<const Shooter> shooters, const Shot& last) {
     memory_ = simulation_.memory();
     struct Island {
+      double way_m = 0;
       bool refused = false, guessed = false, smooth = false, struck = false;
     };
     std::vector<Island> islands(shooters.size());
     std::vector<bool> doubted(tracks_.size());  // islands of the interval before
+    for (const Shooter& shooter : shooters) {
+      Island& island = islands[shooter.island];
+      const double way_m =
+          every_s_ * (length(shooter.start.velocity_m_s) + shooter.reach_m * length(shooter.start.spin_rad_s));
+      island.way_m = std::max(island.way_m, way_m);
+    }
     for (std::size_t i = 0; i < shooters.size(); ++i) {
       Island& island = islands[shooters[i].island];
-      island.refused = island.refused || !is_accepted(shooters[i]);
+      island.refused = island.refused || !is_met(shooters[i], island.way_m);
       island.guessed = island.guessed || shooters[i].guessed;
       island.smooth = island.smooth || shooters[i].guessed || tracks_[present_[i]].smooth;
       island.struck = island.struck || struck_[k][present_[i]];
@@ -359,6 +365,7 @@ class Guide {
     publish();
     steps_ = std::exchange(shot_steps_, {});
     steps_of_ = k;
+    return std::ranges::none_of(islands, &Island::refused);
   }
 
   // Takes the contacts of the interval that was simulated last.
