@@ -37,15 +37,17 @@ constexpr double kMaxMiss_m = 1e-3;    // of a target
 constexpr double kExact_m = 2e-7;      // a body that misses by less goes on without being placed anew
 constexpr double kMaxShift = 0.05;     // correction, as a share of the way in the interval
 constexpr double kMaxJitters = 1.5;    // further correction, in FoleyLimits::jitter_m_s
+constexpr std::size_t kFew = 4;        // bodies of an island that are held to these limits
+constexpr double kOfMany = 2;          // an island of more bodies may miss and be corrected by so many times as much
 constexpr double kTrust = 0.2;         // of the simulation of the interval before
 constexpr double kLittleTrust = 1e-3;  // of a free fall or a guess
 constexpr double kStill_m = 1e-5;      // a body that moves less in an interval lies still
 constexpr double kAsleep_s = 0.3;      // bodies that have stayed in place for this long sleep
 constexpr double kRests = 0.05;        // a body that comes, and falls by less than this share of g h^2, is at rest
 constexpr double kFree = 0.05;         // change of velocity around a frame in free fall, as a share of g's
-constexpr double kMaxWork = 1.8e6;     // in body-steps, some twenty seconds on one core
+constexpr double kMaxWork = 2.35e6;    // in body-steps, some forty seconds on one core
 constexpr double kWorkOfMet = 0.5;     // share that counts of an interval's work if all bodies are met
-constexpr double kWorkOfTouch = 26;    // of the recovery, for each touch of a pair in an interval
+constexpr double kWorkOfTouch = 34;    // of the recovery, for each touch of a pair in an interval
 
 class Guide {
  public:
@@ -310,11 +312,12 @@ class Guide {
     if (all_met) work_ = work + kWorkOfMet * (work_ - work);
   }
 
-  // Returns whether a body of an island, in which no way is longer than `way_m`, meets its target by a small
-  // correction.
-  [[nodiscard]] bool is_met(const Shooter& shooter, double way_m) const {
-    return shooter.tracked && shooter.miss_m < kMaxMiss_m &&
-           (shooter.guessed || shooter.shift_m < kMaxShift * way_m + kMaxJitters * jitter_m_s_ * every_s_);
+  // Returns whether a body of an island of so many bodies, in which no way is longer than `way_m`, meets its target by
+  // a small correction.
+  [[nodiscard]] bool is_met(const Shooter& shooter, std::size_t bodies, double way_m) const {
+    const double factor = bodies > kFew ? kOfMany : 1;
+    return shooter.tracked && shooter.miss_m < factor * kMaxMiss_m &&
+           (shooter.guessed || shooter.shift_m < kMaxShift * way_m + factor * kMaxJitters * jitter_m_s_ * every_s_);
   }
 
   // Says which bodies the last simulation of the interval is right for. Nothing is known of bodies that slept all
@@ -322,7 +325,8 @@ class Guide {
   bool accept(std::size_t k, std::span<const Shooter> shooters, const Shot& last) {
     memory_ = simulation_.memory();
     struct Island {
-      double way_m = 0;
+      std::size_t bodies = 0;
+      double way_m = 0;  // longest
       bool refused = false, guessed = false, smooth = false, struck = false;
     };
     std::vector<Island> islands(shooters.size());
@@ -332,10 +336,11 @@ class Guide {
       const double way_m =
           every_s_ * (length(shooter.start.velocity_m_s) + shooter.reach_m * length(shooter.start.spin_rad_s));
       island.way_m = std::max(island.way_m, way_m);
+      ++island.bodies;
     }
     for (std::size_t i = 0; i < shooters.size(); ++i) {
       Island& island = islands[shooters[i].island];
-      island.refused = island.refused || !is_met(shooters[i], island.way_m);
+      island.refused = island.refused || !is_met(shooters[i], island.bodies, island.way_m);
       island.guessed = island.guessed || shooters[i].guessed;
       island.smooth = island.smooth || shooters[i].guessed || tracks_[present_[i]].smooth;
       island.struck = island.struck || struck_[k][present_[i]];
