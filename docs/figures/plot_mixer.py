@@ -4,12 +4,11 @@
 usage: plot_mixer.py mixer.csv PICTURE.png [--publish TREE]
 
 Above: modes per core of ours and of others, by how many modes ring. Below: error of each kernel against how many modes it
-sustains, and a scene that dies away. At the bottom: how the time of a block grows. --publish keeps the rows as
-docs/how/logs/mixer.csv, with the revision of the source tree unless the file tells it, puts this machine's row into the
-table of docs/how/benchmarks.md in place of an older one, and the ratios into README. Needs Debian's python3-matplotlib.
+sustains, and a scene that dies away. --publish keeps the rows as docs/how/logs/mixer.csv, with the revision of the source
+tree unless the file tells it, puts this machine's row into the table of docs/how/benchmarks.md in place of an older one, and
+the ratios into README. Needs Debian's python3-matplotlib.
 """
 import csv
-import math
 
 import matplotlib
 
@@ -29,13 +28,6 @@ PLAYERS = {  # name and objects
     ("closed form", 1): ("#999999", "x", "exp * sin"),
 }
 MOST_ERROR_DB = -110  # the promise
-GROWTH = {  # what the count is of, and what it is counted in
-    "modes": ("#0072B2", "o", "modes of 1 object"),
-    "objects": ("#56B4E9", "s", "objects that share 10,240 modes"),
-    "strikes a second": ("#D55E00", "^", "strikes a second on 1,000 objects of 50 modes"),
-    "two-way contacts": ("#009E73", "D", "two-way contacts of 200 and 200 modes"),
-    "channels": ("#CC79A7", "v", "channels of 100 objects of 100 modes"),
-}
 TABLE_HEAD = (
     "| machine | revision | 10,000 modes: modes per core, block 64 / 128 / 256 | in 10 objects |"
     " x Faust: 10,000, 1,000, 100 modes | x Klank: 10,000, 1,000, 100 modes | error [dB] after 1 s / 10 min |"
@@ -135,42 +127,8 @@ def draw_decay(axes, rows):
     axes.grid(True, alpha=0.3)
 
 
-def slope(points):
-    """Of the logarithms of the upper half of the points, by least squares: 1 where twice as many cost twice as much."""
-    upper = [(math.log(x), math.log(y)) for x, y in points[len(points) // 2 - 1 :]]
-    mean_x, mean_y = (sum(values) / len(upper) for values in zip(*upper))
-    return sum((x - mean_x) * (y - mean_y) for x, y in upper) / sum((x - mean_x) ** 2 for x, _ in upper)
-
-
-def draw_growth(axes, rows):
-    for who, (colour, marker, label) in GROWTH.items():
-        points = sorted((r["count"], r["mean_us"] / r["block"]) for r in measured(rows, "growth", who=who))
-        if len(points) < 2:
-            continue
-        axes.loglog(*zip(*points), marker=marker, color=colour, label=f"{label}: slope {slope(points):.2f}")
-    if not axes.lines:
-        return axes.axis("off")
-    axes.axhline(1e6 / 48000, color="black", linewidth=0.8, linestyle=":", label="one core in real time")
-    axes.set_title("how cost grows; the slope is that of the upper half of the points")
-    axes.set_xlabel("number of them")
-    axes.set_ylabel("processor time of a frame [us]")
-    axes.xaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:,.0f}"))
-    axes.grid(True, which="major", alpha=0.3)
-    axes.set_ylim(bottom=axes.get_ylim()[0] / 3)
-    axes.legend(loc="lower right", frameon=False, fontsize=9)
-
-
 def draw(rows, path):
-    if all(row["part"] == "growth" for row in rows):
-        figure = plt.figure(figsize=(14, 5))
-        draw_growth(figure.add_subplot(), rows)
-        figure.tight_layout()
-        return figure.savefig(path, dpi=110)
-    figure = plt.figure(figsize=(14, 15))
-    axes = figure.subplots(3, 2)
-    for below in axes[2]:
-        below.remove()
-    draw_growth(figure.add_subplot(3, 1, 3), rows)
+    figure, axes = plt.subplots(2, 2, figsize=(14, 10))
     draw_throughput(axes[0, 0], rows, 64)
     draw_throughput(axes[0, 1], rows, 128)
     draw_errors(axes[1, 0], rows)

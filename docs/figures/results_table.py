@@ -13,15 +13,25 @@ def write(path, text):
     beside.replace(path)
 
 
-def put_into_table(page, name, head, row):
-    """Between `<!-- begin: NAME ... -->` and `<!-- end: NAME -->`: `row` in place of an older one of the same machine."""
+def place_of(text, name):
+    """Where the lines between `<!-- begin: NAME ... -->` and `<!-- end: NAME -->` begin and end."""
+    return re.search(f"<!-- begin: {re.escape(name)}.*?-->", text).end(), text.index(f"<!-- end: {name} -->")
+
+
+def put_between(page, name, table):
     text = page.read_text()
-    start = re.search(f"<!-- begin: {re.escape(name)}.*?-->", text).end()
-    end = text.index(f"<!-- end: {name} -->")
+    start, end = place_of(text, name)
+    write(page, text[:start] + "\n" + table + "\n" + text[end:])
+
+
+def put_into_table(page, name, head, row):
+    """`row` in place of an older one of the same machine."""
+    text = page.read_text()
+    start, end = place_of(text, name)
     machine = row.split("|")[1].strip()
     kept = [line for line in text[start:end].splitlines() if line.startswith("|") and not re.match(r"\|(---| machine )", line)]
     kept = [line for line in kept if line.split("|")[1].strip() != machine] + [row]
-    write(page, text[:start] + "\n" + head + "\n" + "\n".join(kept) + "\n" + text[end:])
+    put_between(page, name, head + "\n" + "\n".join(kept))
 
 
 def put_into_readme(readme, cells):
@@ -34,14 +44,17 @@ def put_into_readme(readme, cells):
     write(readme, text)
 
 
+def revision_of(tree):
+    return subprocess.check_output(["git", "-C", tree, "describe", "--always", "--dirty"], text=True).strip()
+
+
 def log_with_revision(path, tree):
     """The rows as they were written, with the revision of the source tree unless the file tells it."""
     with open(path, newline="") as file:
         rows = list(csv.DictReader(file))
     if "revision" in rows[0]:
         return rows
-    revision = subprocess.check_output(["git", "-C", tree, "describe", "--always", "--dirty"], text=True).strip()
-    return [{**row, "revision": revision} for row in rows]
+    return [{**row, "revision": revision_of(tree)} for row in rows]
 
 
 def as_csv(rows):

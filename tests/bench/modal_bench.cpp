@@ -49,7 +49,7 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("-o,--output", a.output, "the CSV to write; files of single measurements lie beside it");
   app.add_flag("--gate", a.gate, "exit with 1 when a promise is missed");
   app.add_flag("--quick", a.quick, "small meshes: shows that everything runs, promises nothing");
-  app.add_option("--only", a.only, "parts: default agreement peers threads many memory choice series amplitude");
+  app.add_option("--only", a.only, "parts: default agreement peers threads many memory choice series growth amplitude");
   app.add_option("--case", a.cases, "bodies: block plate sphere bell soft-block bar");
   app.add_option("--limit", a.limit_s, "seconds each measurement may take (default 900)");
   app.add_flag("--resume", a.resume, "keep what an earlier run measured");

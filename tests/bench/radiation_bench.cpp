@@ -4,6 +4,7 @@
 //   ringdown_radiation_bench --compare N BANK    error against time, beside a dense factorization for each mode
 //   ringdown_radiation_bench --surface N BANK    power through the surface beside that in the far field, on one skin
 //   ringdown_radiation_bench --levels BANK...    levels at other wavenumbers beside those of skins four times as fine
+//   ringdown_radiation_bench --growth BANK       time and memory of one mode against the nodes of its skin
 #include "engine/modal/bank_file.h"
 #include "engine/radiate/far_field.h"
 #include "engine/radiate/radiate.h"
@@ -12,6 +13,7 @@
 #include "engine/radiate/wave_solver.h"
 
 #include <CLI/CLI.hpp>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -202,6 +204,34 @@ int compare(const radiate::Body& body, const std::vector<int>& sample) {
   return 0;
 }
 
+double peak_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+// The first mode as if it rang so high that a skin of so many nodes is needed. Sizes ascend, because the peak of memory
+// is that of the process so far.
+int print_growth(const radiate::Body& body) {
+  const auto original = radiate::Original::of(body);
+  std::printf("nodes,processor_s,peak_mib\n");
+  for (const int nodes : {500, 1000, 2000, 4000, 8000, 16000}) {
+    radiate::Options options{.threads = 1, .max_unknowns = nodes, .symmetry = false, .range_octaves = 0};
+    const double side_m = std::sqrt(original->panels->area() / nodes * 2 / std::sqrt(3.0));
+    radiate::Body high = with_modes(body, {0});
+    high.frequency_hz[0] = modal::Air{}.sound_speed_m_s / (options.panels_per_wave * side_m);
+    const double start = processor_seconds();
+    const auto radiation = radiate::solve(high, {}, options);
+    if (!radiation) {
+      std::fprintf(stderr, "%d nodes: %s\n", nodes, radiation.error().message.c_str());
+      return 1;
+    }
+    std::printf("%d,%.2f,%.0f\n", radiation->largest_unknowns, processor_seconds() - start, peak_mib());
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
 std::vector<int> sample_of(const radiate::Body& body, int size) {
   std::vector<int> sample;
   const auto modes = static_cast<int>(body.frequency_hz.size());
@@ -231,7 +261,7 @@ int run(int count, char** arguments) {
                  "instead: error against time for the first bank, beside a dense factorization for each mode, by so "
                  "many of its modes");
   int surface_size = 0;
-  bool levels = false;
+  bool levels = false, growth = false;
   app.add_option(
       "--surface", surface_size,
       "instead: for so many modes of the first bank the power through the surface beside that far away [dB], "
@@ -240,15 +270,17 @@ int run(int count, char** arguments) {
                "instead: levels of six modes at other wavenumbers beside those of finer skins: how many, and the "
                "median, 95 % and "
                "largest difference [dB]");
+  app.add_flag("--growth", growth, "instead: processor time and memory of one mode on skins of 500 to 16,000 nodes");
   CLI11_PARSE(app, count, arguments);
   options.symmetry = !whole;
-  if (sample_size > 0 || surface_size > 0) {
+  if (sample_size > 0 || surface_size > 0 || growth) {
     const auto bank = modal::read_bank(paths.front());
     if (!bank) {
       std::fprintf(stderr, "%s\n", bank.error().message.c_str());
       return 1;
     }
     const radiate::Body body = body_of(*bank);
+    if (growth) return print_growth(body);
     if (sample_size > 0) return compare(body, sample_of(body, sample_size));
     print_surface_powers(body, sample_of(body, surface_size));
     return 0;

@@ -125,6 +125,21 @@ void add_series(std::vector<Spec>& plan, bool quick) {
   }
 }
 
+// 200 modes on ever finer meshes, and ever more modes on the third of them.
+void add_growth(std::vector<Spec>& plan, bool quick) {
+  const auto with = [](const char* mesh, double top_hz) {
+    return Spec{.body = "block", .mesh = mesh, .element = "tet20", .method = "ours", .top_hz = top_hz};
+  };
+  std::vector<const char*> meshes = {"4x3x3", "6x5x4", "9x8x6", "14x12x9", "21x18x13"};
+  std::vector<double> tops_hz = {44000, 56000, 71000, 91200, 116000, 147000};
+  if (quick) {
+    meshes.resize(3);
+    tops_hz.resize(3);
+  }
+  for (const char* mesh : meshes) add(plan, "growth", with(mesh, quick ? 44000 : 91200));
+  for (const double top_hz : tops_hz) add(plan, "growth", with(meshes[2], top_hz));
+}
+
 }  // namespace
 
 std::vector<Spec> plan(bool quick) {
@@ -134,6 +149,7 @@ std::vector<Spec> plan(bool quick) {
   add_sizes(all, quick);
   add_choices(all, quick);
   add_series(all, quick);
+  add_growth(all, quick);
   return all;
 }
 

@@ -18,6 +18,7 @@ namespace ringdown::bench {
 //   memory    200 modes of 200,000 unknowns
 //   choice    small bodies with few modes, by Spectra and by block Lanczos: between which `auto` chooses
 //   series    error against time: element orders and mesh sizes
+//   growth    time and memory against unknowns and modes
 // and `amplitude`, which is not a matter of time and has its own plan (amplitude.h).
 //
 // `quick` is the same in small: a minute or two, for seeing that everything works. Its figures promise nothing.
