@@ -144,9 +144,10 @@ struct OnWalls {
   double squares = 0, slopes = 0;
 };
 
-// From psi at the middles of triangles, and from its layer at nodes: the jump of psi at the wall. The layer is linear
-// on triangles. The rest, psi behind the wall, changes slowly, because the wall is rigid from there, too; its means
-// smooth the errors that middles have near thin walls, which would be larger than its slopes.
+// Returns psi and its slopes on the walls, from psi at the middles of triangles (`at`) and from its jump at the wall,
+// the layer at nodes, which is linear on triangles. The rest, psi behind the wall, changes slowly, because the wall is
+// rigid from there, too; its means smooth the errors that middles have near thin walls, which would be larger than its
+// slopes.
 OnWalls on_walls(const radiate::Skin& skin, const VectorXcd& at, const VectorXcd& layer, int image_class) {
   const radiate::Panels& panels = skin.panels;
   const auto middles_of = [&](const VectorXcd& nodes) {

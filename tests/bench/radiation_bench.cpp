@@ -212,10 +212,10 @@ double peak_mib() {
 
 // The first mode as if it rang so high that a skin of so many nodes is needed. Sizes ascend, because the peak of memory
 // is that of the process so far.
-int print_growth(const radiate::Body& body) {
+int print_growth(const radiate::Body& body, int max_nodes) {
   const auto original = radiate::Original::of(body);
   std::printf("nodes,processor_s,peak_mib\n");
-  for (const int nodes : {500, 1000, 2000, 4000, 8000, 16000}) {
+  for (int nodes = 500; nodes <= max_nodes; nodes *= 2) {
     radiate::Options options{.threads = 1, .max_unknowns = nodes, .symmetry = false, .range_octaves = 0};
     const double side_m = std::sqrt(original->panels->area() / nodes * 2 / std::sqrt(3.0));
     radiate::Body high = with_modes(body, {0});
@@ -270,7 +270,8 @@ int run(int count, char** arguments) {
                "instead: levels of six modes at other wavenumbers beside those of finer skins: how many, and the "
                "median, 95 % and "
                "largest difference [dB]");
-  app.add_flag("--growth", growth, "instead: processor time and memory of one mode on skins of 500 to 16,000 nodes");
+  app.add_flag("--growth", growth,
+               "instead: processor time and memory of one mode on skins of 500 nodes up to --max-unknowns");
   CLI11_PARSE(app, count, arguments);
   options.symmetry = !whole;
   if (sample_size > 0 || surface_size > 0 || growth) {
@@ -280,7 +281,7 @@ int run(int count, char** arguments) {
       return 1;
     }
     const radiate::Body body = body_of(*bank);
-    if (growth) return print_growth(body);
+    if (growth) return print_growth(body, options.max_unknowns);
     if (sample_size > 0) return compare(body, sample_of(body, sample_size));
     print_surface_powers(body, sample_of(body, surface_size));
     return 0;

@@ -35,7 +35,8 @@ TEST(GltfLeftOut, WhatIsNotPlayedIsNamedOnce) {
 // Each property in which two colliders of a body differ is named, because the body has those of the first.
 TEST(GltfLeftOut, AMaterialThatABodyCannotHaveIsNamed) {
   const std::string first = R"({"staticFriction": 0.5, "dynamicFriction": 0.4, "restitution": 0.3, )"
-                            R"("frictionCombine": "average", "restitutionCombine": "average"})";
+                            R"("frictionCombine": "average", "restitutionCombine": "average", )"
+                            R"("extras": {"ringdown": {"rolling_m": 0.001}}})";
   const auto notes = [&](const std::string& second) {
     const auto collider = [](int number) {
       return R"("collider": {"geometry": {"shape": 0}, "physicsMaterial": )" + std::to_string(number) + "}";
@@ -50,6 +51,7 @@ TEST(GltfLeftOut, AMaterialThatABodyCannotHaveIsNamed) {
            {"0.5", "0.6"},
            {"0.4", "0.2"},
            {"0.3", "0.9"},
+           {"0.001", "0.002"},
            {R"(nCombine": "average", "r)", R"(nCombine": "minimum", "r)"},
            {R"(restitutionCombine": "average")", R"(restitutionCombine": "maximum")"}}) {
     std::string second = first;
@@ -57,6 +59,19 @@ TEST(GltfLeftOut, AMaterialThatABodyCannotHaveIsNamed) {
     const std::vector<std::string> said = notes(second);
     ASSERT_EQ(said.size(), 1) << second;
     EXPECT_NE(said[0].find("those of the first"), std::string::npos) << second;
+  }
+}
+
+TEST(GltfLeftOut, ARollingResistanceOutsideItsRangeIsNamed) {
+  const auto notes = [](const std::string& rolling_m) {
+    return good(document(node(R"("motion": {"mass": 1}, "collider": {"geometry": {"shape": 0}, "physicsMaterial": 0})"),
+                         kBox, R"("physicsMaterials": [{"extras": {"ringdown": {"rolling_m": )" + rolling_m + "}}}]"))
+        .notes;
+  };
+  EXPECT_TRUE(notes("0.1").empty());
+  for (const std::string rolling_m : {"-0.001", "0.2"}) {
+    ASSERT_EQ(notes(rolling_m).size(), 1) << rolling_m;
+    EXPECT_NE(notes(rolling_m)[0].find("rolling_m outside 0 to 0.1 m"), std::string::npos) << rolling_m;
   }
 }
 

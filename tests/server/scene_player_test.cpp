@@ -106,7 +106,7 @@ void write_gltf_scene(const std::filesystem::path& bank, const std::filesystem::
   std::ofstream(path) << json.dump();
 }
 
-// It stands on the floor. A collider of twice the size would lift it to 0.1 m.
+// The body stands on the floor. A collider of twice the size would lift it to 0.1 m.
 TEST_F(ScenePlayerTest, ABodyKeepsTheSizeOfItsContactsWhenItsObjectGetsAnother) {
   ASSERT_TRUE(modal::write_bank(test::box_bank({0.1, 0.1, 0.1}, 1), folder_ / "a.glb"));
   load(

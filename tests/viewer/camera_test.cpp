@@ -131,7 +131,8 @@ TEST(Camera, ZoomApproachesTheSurfaceAheadAndNeverPassesIt) {
   expect_near(camera.position_m, {0, -Camera::kMinZoom, 0});
 }
 
-// As a key that is held down does it: the position became infinite, and the listener's place not a number.
+// A key that is held down zooms at every frame. The position once became infinite, and the listener's place not a
+// number.
 TEST(Camera, ZoomGoesAwayAsFarAsAListenerMayBe) {
   Camera camera = Camera::from({0, -2, 0}, {});
   for (int i = 0; i < 5000; ++i) camera.zoom(-1, glm::length(camera.position_m));

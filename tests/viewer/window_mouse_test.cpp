@@ -231,7 +231,7 @@ TEST(Window, ADragFromObjectToObjectCouplesThemAndUndoSeparatesThem) {
   EXPECT_NEAR(length(asked()[0].verb.direction), 1, 1e-6);
   EXPECT_GT(asked()[0].verb.direction.y, 0) << "the other pushes the bell away from the camera";
   EXPECT_EQ(studio.app().commands().edits().touches().couplings().size(), 1u);
-  // What one strikes is heard in the other.
+  // A strike on one object is heard in the other.
   studio.app().commands().choose_object("bell");
   studio.press("p");
   EXPECT_TRUE(studio.until([&] { return studio.status().sounding_objects == 2; })) << studio.condition();

@@ -33,13 +33,12 @@
 namespace ringdown::scene {
 namespace {
 
-constexpr double kMaxMiss_m = 1e-3;    // of a target
-constexpr double kExact_m = 2e-7;      // a body that misses by less goes on without being placed anew
-constexpr double kMaxShift = 0.05;     // correction, as a share of the way in the interval
-constexpr double kMaxJitters = 1.5;    // further correction, in FoleyLimits::jitter_m_s
-constexpr std::size_t kFew = 4;        // bodies of an island that are held to these limits
-constexpr double kOfMany = 2;          // an island of more bodies may miss and be corrected by so many times as much
-constexpr double kTrust = 0.2;         // of the simulation of the interval before
+constexpr double kMaxMiss_m = 1e-3;  // of a target
+constexpr double kExact_m = 2e-7;    // a body that misses by less goes on without being placed anew
+constexpr double kMaxShift = 0.05;   // correction, as a share of the way in the interval
+constexpr double kMaxJitters = 1.5;  // further correction, in FoleyLimits::jitter_m_s
+constexpr double kOfMany = 2;   // islands of more than Shooting::kSmall bodies may be off by this many times as much
+constexpr double kTrust = 0.2;  // of the simulation of the interval before
 constexpr double kLittleTrust = 1e-3;  // of a free fall or a guess
 constexpr double kStill_m = 1e-5;      // a body that moves less in an interval lies still
 constexpr double kAsleep_s = 0.3;      // bodies that have stayed in place for this long sleep
@@ -315,7 +314,7 @@ class Guide {
   // Returns whether a body of an island of so many bodies, in which no way is longer than `way_m`, meets its target by
   // a small correction.
   [[nodiscard]] bool is_met(const Shooter& shooter, std::size_t bodies, double way_m) const {
-    const double factor = bodies > kFew ? kOfMany : 1;
+    const double factor = bodies > Shooting::kSmall ? kOfMany : 1;
     return shooter.tracked && shooter.miss_m < factor * kMaxMiss_m &&
            (shooter.guessed || shooter.shift_m < kMaxShift * way_m + factor * kMaxJitters * jitter_m_s_ * every_s_);
   }

@@ -33,7 +33,6 @@ constexpr double kBetter = 0.7;                         // share of the cost aft
 constexpr int kScattered = 8, kScatters = 2;            // shots of scatter(); how often it is called
 constexpr double kScatter_from = -6, kScatter_to = -3;  // powers of ten of its shifts [m]
 constexpr double kFirstDamping = 1e-3, kSharpDamping = 1e-6, kMinDamping = 1e-9, kMaxDamping = 1e6;
-constexpr std::size_t kSmall = 4;  // bodies of an island in which each start may move every body, and of kRounds
 
 double size_of(const Shooting::Six& six) {
   double sum = 0;

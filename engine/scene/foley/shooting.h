@@ -47,6 +47,10 @@ class Shooting {
   using Fire = std::function<Shot(std::span<const Shooter>)>;
   using Six = std::array<double, 6>;  // ways: three of the centre of mass, three of turning [m]
 
+  // The most bodies of an island that is searched in every way. More bodies lean on each other in contacts that begin
+  // and end in each step, and more rounds bring them hardly nearer.
+  static constexpr std::size_t kSmall = 4;
+
   Shooting(std::vector<Shooter> bodies, double every_s, Fire fire);
 
   // Corrects the starts. Calls `fire` up to some 200 times, mostly once.

@@ -63,7 +63,7 @@ JsonPlace audio_of(const GltfNode& node) { return node.field["extensions"][kAudi
 bool same(const FrictionSurface& a, const FrictionSurface& b) {
   const auto all = [](const FrictionSurface& s) {
     return std::tie(s.friction, s.sliding_friction, s.restitution, s.friction_combine, s.restitution_combine,
-                    s.young_pa, s.poisson, s.waviness, s.texture.roughness_m, s.texture.correlation_m,
+                    s.rolling_m, s.young_pa, s.poisson, s.waviness, s.texture.roughness_m, s.texture.correlation_m,
                     s.texture.spectral_slope, s.texture.shortest_m);
   };
   return all(a) == all(b) && (a.relief == nullptr) == (b.relief == nullptr);

@@ -34,8 +34,9 @@ void read_friction(GltfDocument& document, const JsonPlace& material, FrictionSu
   surface.restitution_combine = combine("restitutionCombine");
   if (surface.restitution > 1) document.notes.add("a restitution above 1 is 1");
   surface.restitution = std::min(surface.restitution, 1.0);
-  surface.rolling_m = std::clamp(document.number(material["extras"]["ringdown"]["rolling_m"], surface.rolling_m),
-                                 range::kRolling_m.low, range::kRolling_m.high);
+  const double rolling_m = document.number(material["extras"]["ringdown"]["rolling_m"], surface.rolling_m);
+  surface.rolling_m = std::clamp(rolling_m, range::kRolling_m.low, range::kRolling_m.high);
+  if (surface.rolling_m != rolling_m) document.notes.add("a rolling_m outside 0 to 0.1 m is the nearest of the two");
 }
 
 void read_finish(GltfDocument& document, const JsonPlace& finish, FrictionSurface& surface) {

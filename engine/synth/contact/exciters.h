@@ -54,7 +54,7 @@ class HalfSine {
 
 struct Exciter {
   AlignedArray<double> amplitudes = aligned_zeros<double>(kMaxDrivenColumns);  // what an impulse of 1 gives each mode
-  // Of 1 N s, or of 1 Pa s in the mouth for a breath, without contact time.
+  // The impulse is 1 N s, or 1 Pa s in the mouth for a breath, and has no contact time.
   OneOf<Types<verb::Strike, verb::StrikeVertex, verb::Slap>> impulse = verb::Strike{};
   Frame begin = 0;                       // of the force
   std::optional<std::size_t> input;      // the force is this input's samples; else

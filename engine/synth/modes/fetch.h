@@ -12,7 +12,8 @@ namespace ringdown::synth {
 
 class Voice;
 
-// What is asked for. Each stage reads what the stage before has asked for, so there are some sources between the two.
+// The parts of a source that are asked for, one after the other. Each stage reads what the stage before has asked for,
+// so some sources lie between the two.
 enum class FetchStage : std::size_t { source, object, voice, table, numbers };
 
 // Asks for all cache lines of `bytes` from `from` on.

@@ -114,7 +114,7 @@ class ModeTable {
   [[nodiscard]] std::pair<const double*, const double*> exponents() const REALTIME {
     return {row(exponent_re), row(exponent_im)};
   }
-  // What holds for the object as a whole, in its size.
+  // Properties of the whole object in its size, which no mode has for itself.
   struct Whole {
     Vec3 origin_m;             // the place that its sound comes from, in its frame
     double ring_s = 0;         // in which its longest mode falls by 20 dB
